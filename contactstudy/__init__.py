@@ -1,0 +1,62 @@
+"""Rough line contacts, periodic along their length: how accurate the answer is, and what that cost."""
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from contactstudy import analytic, influence
+from contactstudy.checks import InvalidInput
+from contactstudy.convolution import Convolution, convolution
+from contactstudy.grid import Grid
+from contactstudy.load import LineLoad
+from contactstudy.padding import (
+    DuplicatedPadding,
+    ExactPeriodicity,
+    Padding,
+    Superposition,
+    ZeroPadding,
+)
+from contactstudy.polonsky_keer import PolonskyKeer
+from contactstudy.problem import Problem
+from contactstudy.scene import Scene
+from contactstudy.shapes import Cylinder, Shape
+from contactstudy.solids import HalfSpace
+from contactstudy.solution import Solution, Status
+from contactstudy.solver import Solver, solve
+
+if TYPE_CHECKING:
+    from contactstudy.dataset import to_dataset
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "Convolution",
+    "Cylinder",
+    "DuplicatedPadding",
+    "ExactPeriodicity",
+    "Grid",
+    "HalfSpace",
+    "InvalidInput",
+    "LineLoad",
+    "Padding",
+    "PolonskyKeer",
+    "Problem",
+    "Scene",
+    "Shape",
+    "Solution",
+    "Solver",
+    "Status",
+    "Superposition",
+    "ZeroPadding",
+    "analytic",
+    "convolution",
+    "influence",
+    "solve",
+    "to_dataset",
+]
+
+
+def __getattr__(name: str) -> object:
+    # xarray is imported by whoever asks for a Dataset, not by whoever solves
+    if name == "to_dataset":
+        return import_module("contactstudy.dataset").to_dataset
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,0 +1,105 @@
+"""Closed forms under their authors' names."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contactstudy.arrays import Array
+from contactstudy.checks import positive
+
+
+@dataclass(frozen=True)
+class HertzLine:
+    """Hertz's (1881) contact of parallel cylinders, in plane strain (Johnson 1985, sect. 4.2(c)).
+
+    ``load_per_length`` W [N/m], ``radius`` R [m] with 1/R = 1/R1 + 1/R2, ``contact_modulus`` E* [Pa].
+    """
+
+    load_per_length: float
+    radius: float
+    contact_modulus: float
+
+    def __post_init__(self) -> None:
+        positive("hertz_line.load_per_length", self.load_per_length, "give a load above 0 N/m")
+        positive("hertz_line.radius", self.radius, "give a radius above 0 m")
+        positive("hertz_line.contact_modulus", self.contact_modulus, "give a modulus above 0 Pa")
+
+    @property
+    def half_width(self) -> float:
+        """``a = sqrt(4 W R / (pi E*))`` [m]."""
+        return float(np.sqrt(4 * self.load_per_length * self.radius / np.pi / self.contact_modulus))
+
+    @property
+    def peak_pressure(self) -> float:
+        """``p_H = 2 W / (pi a)`` [Pa]."""
+        return 2 * self.load_per_length / (np.pi * self.half_width)
+
+    def pressure(self, x: ArrayLike) -> Array:
+        """``p_H sqrt(1 - x^2 / a^2)`` [Pa] at ``x`` [m] from the axis, zero outside the contact."""
+        t = np.asarray(x, dtype=np.float64) / self.half_width
+        return self.peak_pressure * np.sqrt(np.clip((1 - t) * (1 + t), 0, None))
+
+    def displacement(self, x: ArrayLike, datum: float) -> Array:
+        """Displacement [m] at ``x``, counted from where W on the axis alone moves nothing, ``datum`` [m]."""
+        t = np.abs(np.asarray(x, dtype=np.float64)) / self.half_width
+        out = np.maximum(t, 1)
+        beyond = out * np.sqrt((out - 1) * (out + 1)) - np.arccosh(out)
+        rigid = np.log(2 * datum / self.half_width) + 0.5
+        scale = 2 * self.load_per_length / (np.pi * self.contact_modulus)
+        return np.asarray(scale * (rigid - t**2 + beyond))
+
+
+@dataclass(frozen=True)
+class HertzPoint:
+    """Hertz's (1881) contact of a sphere on a flat (Johnson 1985, sect. 4.2(a)).
+
+    ``load`` P [N], ``radius`` R [m], ``contact_modulus`` E* [Pa].
+    """
+
+    load: float
+    radius: float
+    contact_modulus: float
+
+    def __post_init__(self) -> None:
+        positive("hertz_point.load", self.load, "give a load above 0 N")
+        positive("hertz_point.radius", self.radius, "give a radius above 0 m")
+        positive("hertz_point.contact_modulus", self.contact_modulus, "give a modulus above 0 Pa")
+
+    @property
+    def contact_radius(self) -> float:
+        """``a = (3 P R / (4 E*))^(1/3)`` [m]."""
+        return float(np.cbrt(0.75 * self.load * self.radius / self.contact_modulus))
+
+    @property
+    def peak_pressure(self) -> float:
+        """``p0 = 3 P / (2 pi a^2)`` [Pa]."""
+        return 1.5 * self.load / (np.pi * self.contact_radius**2)
+
+    @property
+    def approach(self) -> float:
+        """``a^2 / R`` [m], also the displacement at the centre."""
+        return self.contact_radius**2 / self.radius
+
+    def pressure(self, r: ArrayLike) -> Array:
+        """``p0 sqrt(1 - r^2 / a^2)`` [Pa] at ``r`` [m] from the centre, zero outside the contact."""
+        t = np.asarray(r, dtype=np.float64) / self.contact_radius
+        return self.peak_pressure * np.sqrt(np.clip((1 - t) * (1 + t), 0, None))
+
+    def displacement(self, r: ArrayLike) -> Array:
+        """Displacement [m] at ``r`` from the centre, zero at infinity (Johnson 1985, eqs. 3.41, 3.42)."""
+        t = np.abs(np.asarray(r, dtype=np.float64)) / self.contact_radius
+        inside = 1 - t**2 / 2
+        out = np.maximum(t, 1)
+        outside = (2 - out**2) * np.arcsin(1 / out) + np.sqrt((out - 1) * (out + 1))
+        return self.approach * np.where(t <= 1, inside, outside / np.pi)
+
+
+def hertz_line(load_per_length: float, radius: float, contact_modulus: float) -> HertzLine:
+    """The Hertz line contact under W [N/m], for R [m] and E* [Pa]."""
+    return HertzLine(load_per_length, radius, contact_modulus)
+
+
+def hertz_point(load: float, radius: float, contact_modulus: float) -> HertzPoint:
+    """The Hertz point contact under P [N], for R [m] and E* [Pa]."""
+    return HertzPoint(load, radius, contact_modulus)

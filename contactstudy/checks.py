@@ -1,0 +1,37 @@
+"""What makes a number admissible, said in one sentence when it is not."""
+
+import math
+from numbers import Integral, Real
+
+
+class InvalidInput(ValueError):
+    """A value that cannot be used; the message names the field, the value and the remedy."""
+
+
+def finite(field: str, value: object, remedy: str) -> float:
+    """``value`` as a finite float, or :class:`InvalidInput`."""
+    if isinstance(value, bool) or not isinstance(value, Real) or not math.isfinite(value):
+        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
+    return float(value)
+
+
+def positive(field: str, value: object, remedy: str) -> float:
+    """``value`` as a finite float above zero, or :class:`InvalidInput`."""
+    number = finite(field, value, remedy)
+    if number <= 0:
+        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
+    return number
+
+
+def whole(field: str, value: object, at_least: int, remedy: str) -> int:
+    """``value`` as an int not below ``at_least``, or :class:`InvalidInput`."""
+    if isinstance(value, bool) or not isinstance(value, Integral) or int(value) < at_least:
+        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
+    return int(value)
+
+
+def pair(field: str, value: object, remedy: str) -> tuple[object, object]:
+    """``value`` as a tuple of two, or :class:`InvalidInput`."""
+    if not isinstance(value, tuple | list) or len(value) != 2:
+        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
+    return value[0], value[1]

@@ -1,0 +1,49 @@
+"""Solution -> labelled xarray.Dataset."""
+
+import xarray as xr
+
+from contactstudy.solution import Solution
+
+
+def to_dataset(solution: Solution) -> xr.Dataset:
+    """``solution`` with dimensions (width, length), units, long names, and where it came from.
+
+    Coordinates are cell centres [m]; scalars are variables without dimensions; ``status`` and its
+    sentence are attributes.
+    """
+    grid, fields = solution.problem.grid, ("width", "length")
+    metres, one = {"units": "m"}, {"units": "1"}
+    return xr.Dataset(
+        {
+            "pressure": (
+                fields,
+                solution.pressure,
+                {"units": "Pa", "long_name": "contact pressure"},
+            ),
+            "displacement": (
+                fields,
+                solution.displacement,
+                metres | {"long_name": "surface displacement"},
+            ),
+            "gap": (fields, solution.gap, metres | {"long_name": "gap after deformation"}),
+            "approach": ((), solution.approach, metres | {"long_name": "approach of the bodies"}),
+            "residual": ((), solution.residual, one | {"long_name": "residual of the solver"}),
+            "iterations": ((), solution.iterations, one | {"long_name": "solver iterations"}),
+            "convolutions": (
+                (),
+                solution.convolutions,
+                one | {"long_name": "transform pairs of the full grid"},
+            ),
+        },
+        coords={
+            "width": ("width", grid.x, metres | {"long_name": "position across the contact"}),
+            "length": ("length", grid.y, metres | {"long_name": "position along the contact"}),
+        },
+        attrs=dict(solution.problem.attributes)
+        | {
+            "Conventions": "CF-1.11",
+            "title": "line contact",
+            "status": solution.status.name,
+            "status_sentence": str(solution.status),
+        },
+    )

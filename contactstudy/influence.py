@@ -1,0 +1,212 @@
+"""Influence coefficients of a rectangular cell on an elastic half-space, stable at every distance.
+
+A uniform pressure p on one cell moves the surface of the half-space by ``I p / (pi E*)``; the
+functions here return ``I``, a length, for one cell and for a cell repeated with a period.
+"""
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+from numpy.polynomial.legendre import leggauss
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import binom, digamma, k0, zeta
+
+Array = NDArray[np.float64]
+
+# Beyond NEAR cells a line's field is analytic in a Bernstein ellipse of rho >= 9.9, so that 8 Gauss
+# points leave rho^-16 ~ 1e-16; beyond FAR cells rho >= 160 and 4 points do.
+NEAR, FAR = 2.5, 40.0
+NEAR_POINTS, FAR_POINTS = 8, 4
+
+# Lattice, lengths in periods: images summed one by one on each side; where the Fourier form takes
+# over from them (its 13 terms end at exp(-13 pi) ~ 1e-18); where only its logarithm is left.
+IMAGES, HANDOVER, FOURIER_END = 3, 0.5, 6.0
+SERIES_TERMS, FOURIER_TERMS = 24, 13
+STRIPS = 14
+CELL_POINTS = 16
+
+
+def boussinesq_cell(x: ArrayLike, y: ArrayLike, dx: ArrayLike, dy: ArrayLike) -> Array:
+    """Integral of 1/r over a ``dx * dy`` cell whose centre is ``(x, y)`` away; all arguments broadcast.
+
+    Lengths in one common unit, the result in that unit. Relative error below 1e-13 at any distance
+    and for ``dx / dy`` from 1e-3 to 1e3; even in ``x`` and ``y`` to the last bit.
+
+    Source: Love (1929). His difference of four corner terms loses ``(r / dx)^2`` units in the last
+    place; here it is taken edge by edge near the cell, and away from it as Gauss points (in the
+    direction of the larger offset) of lines in closed form, all of one sign.
+    """
+    offsets = (np.abs(np.asarray(a, dtype=np.float64)) for a in (x, y, dx, dy))
+    x, y, dx, dy = np.broadcast_arrays(*offsets)
+    across, along = x / dx, y / dy
+    steps = np.maximum(across, along)
+    near, far = steps < NEAR, steps >= FAR
+    result = np.empty(x.shape)
+    result[near] = _edges(x[near], y[near], dx[near] / 2, dy[near] / 2)
+    for zone, points in ((~near & ~far, NEAR_POINTS), (far, FAR_POINTS)):
+        wide = zone & (across >= along)
+        result[wide] = _lines(x[wide], y[wide], dx[wide] / 2, dy[wide] / 2, points)
+        long = zone & (across < along)
+        result[long] = _lines(y[long], x[long], dy[long] / 2, dx[long] / 2, points)
+    return result
+
+
+def _line(x: Array, y: Array, half: Array) -> Array:
+    """Integral of 1/r along a segment of half-length ``half``, ``x`` aside and ``y`` along its axis."""
+    # Seen from outside the first form cancels, from inside the second.
+    within = y < 2 * half
+    result = np.empty(x.shape)
+    u, v, h = x[within], y[within], half[within]
+    result[within] = np.arcsinh((v + h) / u) - np.arcsinh((v - h) / u)
+    u, v, h = x[~within], y[~within], half[~within]
+    result[~within] = 2 * np.arctanh(2 * h / (np.hypot(u, v + h) + np.hypot(u, v - h)))
+    return result
+
+
+def _edges(x: Array, y: Array, half_x: Array, half_y: Array) -> Array:
+    """The four edges of the cell, each times its distance (divergence theorem on ``(x, y) / r``)."""
+    total = np.zeros(x.shape)
+    for u, v, half_u, half_v in ((x, y, half_x, half_y), (y, x, half_y, half_x)):
+        for outward in (1, -1):
+            distance = u + outward * half_u
+            # An edge seen from its own line has no share; any distance but zero stands in for it.
+            aside = np.where(distance == 0, 1.0, np.abs(distance))
+            total += outward * distance * _line(aside, v, half_v)
+    return total
+
+
+def _lines(x: Array, y: Array, half_x: Array, half_y: Array, points: int) -> Array:
+    """Gauss points across the cell, each a line along it."""
+    total = np.zeros(x.shape)
+    for node, weight in _gauss(points):
+        total += weight * _line(x + node * half_x, y, half_y)
+    return 2 * half_x * total
+
+
+def _gauss(points: int) -> Iterator[tuple[float, float]]:
+    """Gauss-Legendre nodes on (-1, 1) with weights that add up to one."""
+    nodes, weights = leggauss(points)
+    return zip(nodes.tolist(), (weights / 2).tolist(), strict=True)
+
+
+def boussinesq_cell_periodic(
+    x: ArrayLike, y: ArrayLike, dx: ArrayLike, dy: ArrayLike, period: ArrayLike
+) -> Array:
+    """The cell of :func:`boussinesq_cell` repeated with ``period`` along y without end; all broadcast.
+
+    ``S = lim_M [ sum_{|m| <= M} I(x, y + m L) - (2 dx dy / L) ln((2 M + 1) L) ]``: the divergent rigid
+    shift is taken off, so that the mean over a period is ``-(2 dx dy / L) mean ln |x|``. Lengths in one
+    common unit, the result in that unit. Needs ``dy <= period``. Error below 1e-13 of
+    ``max(|S|, dx dy / period)``; even in ``x`` and ``y``.
+
+    Source: images summed one by one and their remainder expanded in Hurwitz zeta functions near the
+    axis; Fourier series in Bessel functions K0 (Lekner 1991, eq. for a line of charges) away from it.
+    """
+    arguments = [np.asarray(a, dtype=np.float64) for a in (x, y, dx, dy, period)]
+    x, y, *cell = arguments
+    if all(a.size == 1 for a in cell):
+        return _repeated(x, y, *(float(a.item()) for a in cell))
+    x, y, *cell = (a.ravel() for a in np.broadcast_arrays(*arguments))
+    result = np.empty(x.shape)
+    kinds, which = np.unique(np.stack(cell), axis=1, return_inverse=True)
+    for kind, values in enumerate(kinds.T.tolist()):
+        chosen = which.ravel() == kind
+        result[chosen] = _repeated(x[chosen], y[chosen], *values)
+    return result.reshape(np.broadcast_shapes(*(a.shape for a in arguments)))
+
+
+def _repeated(x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
+    """S for one kind of cell."""
+    shape = np.broadcast_shapes(x.shape, y.shape)
+    # the period becomes the unit of length, and the observer moves into the first one
+    x, y = np.abs(x) / period, np.abs(y / period - np.round(y / period))
+    if _is_outer(x.shape, y.shape):
+        x, y = x.reshape(-1, 1), y.reshape(1, -1)
+    else:
+        x, y = (np.broadcast_to(a, shape).ravel() for a in (x, y))
+    half_x, half_y = np.full_like(x, dx / period / 2), dy / period / 2
+    mean = _mean_over_cell(x, y, half_x, half_y).reshape(shape)
+    return np.asarray((mean - 2 * np.log(period)) * (dx * dy / period))
+
+
+def _is_outer(x: tuple[int, ...], y: tuple[int, ...]) -> bool:
+    """Whether the axes of x all come before those of y: then what depends on one is found only once."""
+    ndim = max(len(x), len(y))
+    last_x = max((k + ndim - len(x) for k, n in enumerate(x) if n != 1), default=-1)
+    first_y = min((k + ndim - len(y) for k, n in enumerate(y) if n != 1), default=ndim)
+    return last_x < first_y
+
+
+def _mean_over_cell(x: Array, y: Array, half_x: Array, half_y: float) -> Array:
+    """S per unit area of a cell, period 1; x and y both flat, or a column and a row."""
+    result = np.empty(np.broadcast_shapes(x.shape, y.shape))
+    inner = (x - half_x).reshape(len(x), -1)[:, 0]
+    beyond = inner >= FOURIER_END
+    wide = ~beyond & (half_x.reshape(inner.shape) > 0.5)
+    fourier = ~beyond & ~wide & (inner >= HANDOVER)
+    forms: dict[Callable[[Array, Array, Array, float], Array], Array] = {
+        _logarithm: beyond,
+        _strips: wide,
+        _fourier: fourier,
+        _images: ~beyond & ~wide & ~fourier,
+    }
+    for form, rows in forms.items():
+        if rows.any():
+            result[rows] = form(
+                x[rows], y[rows] if len(y) == len(rows) else y, half_x[rows], half_y
+            )
+    return result
+
+
+def _images(x: Array, y: Array, half_x: Array, half_y: float) -> Array:
+    """The nearest images one by one, the rest as a series in ``x^2`` that converges like 4^-k."""
+    area = 4 * half_x * half_y
+    total = sum(
+        boussinesq_cell(x, y + m, 2 * half_x, 2 * half_y) for m in range(-IMAGES, IMAGES + 1)
+    )
+    total = total / area - 2 * np.log(2)
+    sides = [
+        (weight, IMAGES + 1 + sign * (y + node * half_y))
+        for node, weight in _gauss(NEAR_POINTS)
+        for sign in (1, -1)
+    ]
+    total -= sum(weight * digamma(away) for weight, away in sides)
+    for k in range(1, SERIES_TERMS + 1):
+        power = sum(w * (x + node * half_x) ** (2 * k) for node, w in _gauss(CELL_POINTS))
+        total += binom(-0.5, k) * power * sum(w * zeta(2 * k + 1, away) for w, away in sides)
+    return total
+
+
+def _fourier(x: Array, y: Array, half_x: Array, half_y: float) -> Array:
+    """The plane-strain logarithm and the harmonics of the period, which decay like exp(-2 pi j x)."""
+    total = _logarithm(x, y, half_x, half_y)
+    for j in range(1, FOURIER_TERMS + 1):
+        across = sum(w * k0(2 * np.pi * j * (x + node * half_x)) for node, w in _gauss(CELL_POINTS))
+        total = total + 4 * across * np.cos(2 * np.pi * j * y) * np.sinc(2 * j * half_y)
+    return total
+
+
+def _logarithm(x: Array, y: Array, half_x: Array, half_y: float) -> Array:
+    """``-2 ln |x|``, averaged over a cell that does not reach the axis."""
+    t = half_x / x
+    mean = np.log(x) + np.log1p(-t * t) / 2 + (np.arctanh(t) / t - 1)
+    return -2 * mean * np.ones_like(y)
+
+
+def _strips(x: Array, y: Array, half_x: Array, half_y: float) -> Array:
+    """A cell wider than the period: the strips about the axis one by one, the flanks as logarithms."""
+    left, right, reach = x - half_x, x + half_x, FOURIER_END
+    inner_left, inner_right = np.maximum(left, -reach), np.minimum(right, reach)
+    half = (inner_right - inner_left) / (2 * STRIPS)
+    total = np.zeros(np.broadcast_shapes(x.shape, y.shape))
+    for k in range(STRIPS):
+        centre = np.abs(inner_left + (2 * k + 1) * half)
+        total += _mean_over_cell(centre, y, half, half_y) * half
+    for near, far in ((inner_right, right), (-inner_left, -left)):
+        rows = (far > near).reshape(len(x), -1)[:, 0]
+        if rows.any():
+            flank = (far - near)[rows] / 2
+            middle = (far + near)[rows] / 2
+            row_y = y[rows] if len(y) == len(rows) else y
+            total[rows] += _logarithm(middle, row_y, flank, half_y) * flank
+    return total / half_x

@@ -1,0 +1,86 @@
+"""Where effects meet: a scene names them, and turns them into a problem on a grid."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contactstudy.analytic import HertzLine
+from contactstudy.checks import InvalidInput
+from contactstudy.convolution import convolution
+from contactstudy.grid import Grid
+from contactstudy.load import LineLoad
+from contactstudy.padding import Padding
+from contactstudy.pressures import AdmissiblePressures
+from contactstudy.problem import Problem, Scales
+from contactstudy.shapes import Shape
+from contactstudy.solids import HalfSpace, contact_modulus
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A line contact, by the effects it calls for: a load, two bodies, and shapes that add up.
+
+    Raises :class:`~contactstudy.InvalidInput` unless ``solids`` are two bodies, not both rigid, and
+    ``shapes`` is a tuple.
+    """
+
+    load: LineLoad
+    solids: tuple[HalfSpace, HalfSpace]
+    shapes: tuple[Shape, ...] = ()
+
+    def __post_init__(self) -> None:
+        _typed("Scene.load", self.load, LineLoad, "give a LineLoad")
+        for name, remedy in (
+            ("solids", "give a tuple of two HalfSpace"),
+            ("shapes", "give a tuple of shapes, such as (Cylinder(radius=0.01),)"),
+        ):
+            _typed(f"Scene.{name}", getattr(self, name), tuple | list, remedy)
+            object.__setattr__(self, name, tuple(getattr(self, name)))
+        if len(self.solids) != 2:
+            raise InvalidInput(
+                f"Scene.solids has {len(self.solids)} bodies: give two, one of which may be rigid."
+            )
+        for number, solid in enumerate(self.solids):
+            _typed(f"Scene.solids[{number}]", solid, HalfSpace, "give a HalfSpace")
+        contact_modulus(self.solids)
+
+    @property
+    def contact_modulus(self) -> float:
+        """E* [Pa] of both bodies together."""
+        return contact_modulus(self.solids)
+
+    @property
+    def hertz(self) -> HertzLine | None:
+        """The smooth line contact of this load, these bodies and the shapes' mean curvature, if curved."""
+        curvature = sum(shape.curvature for shape in self.shapes)
+        if curvature <= 0:
+            return None
+        return HertzLine(self.load.per_length, 1 / curvature, self.contact_modulus)
+
+    def scales(self, grid: Grid) -> Scales:
+        """Hertz's half-width and peak pressure, or the width and the mean pressure where nothing is curved."""
+        if (hertz := self.hertz) is not None:
+            length, pressure = hertz.half_width, hertz.peak_pressure
+        else:
+            length, pressure = grid.extent[0], self.load.per_length / grid.extent[0]
+        return Scales(length, pressure, pressure * length / self.contact_modulus)
+
+    def problem(self, grid: Grid, padding: Padding) -> Problem:
+        """This scene on ``grid``, its length represented by ``padding``."""
+        gap = np.zeros(grid.cells)
+        for shape in self.shapes:
+            gap += shape.gap(grid)
+        scales = self.scales(grid)
+        return Problem(
+            grid=grid,
+            undeformed_gap=gap,
+            displacement=convolution(self.contact_modulus, grid, padding, scales.length),
+            pressures=AdmissiblePressures(self.load.per_length * grid.period / grid.cell_area),
+            scales=scales,
+            attributes={"scene": repr(self), "grid": repr(grid), "padding": repr(padding)},
+        )
+
+
+def _typed(field: str, value: object, kind: type | object, remedy: str) -> None:
+    if not isinstance(value, kind):  # type: ignore[arg-type]
+        raise InvalidInput(f"{field} is {value!r}: {remedy}.")

@@ -46,7 +46,7 @@ def boussinesq_cell(x: ArrayLike, y: ArrayLike, dx: ArrayLike, dy: ArrayLike) ->
     for zone, points in ((~near & ~far, NEAR_POINTS), (far, FAR_POINTS)):
         wide = zone & (across >= along)
         result[wide] = _lines(x[wide], y[wide], dx[wide] / 2, dy[wide] / 2, points)
-        long = zone & (across < along)
+        long = zone & ~wide
         result[long] = _lines(y[long], x[long], dy[long] / 2, dx[long] / 2, points)
     return result
 
@@ -104,22 +104,25 @@ def boussinesq_cell_periodic(
     """
     arguments = [np.asarray(a, dtype=np.float64) for a in (x, y, dx, dy, period)]
     x, y, *cell = arguments
+    shape = np.broadcast_shapes(*(a.shape for a in arguments))
     if all(a.size == 1 for a in cell):
-        return _repeated(x, y, *(float(a.item()) for a in cell))
+        return _repeated(x, y, *(float(a.item()) for a in cell)).reshape(shape)
     x, y, *cell = (a.ravel() for a in np.broadcast_arrays(*arguments))
     result = np.empty(x.shape)
     kinds, which = np.unique(np.stack(cell), axis=1, return_inverse=True)
     for kind, values in enumerate(kinds.T.tolist()):
         chosen = which.ravel() == kind
         result[chosen] = _repeated(x[chosen], y[chosen], *values)
-    return result.reshape(np.broadcast_shapes(*(a.shape for a in arguments)))
+    return result.reshape(shape)
 
 
 def _repeated(x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
     """S for one kind of cell."""
     shape = np.broadcast_shapes(x.shape, y.shape)
-    # the period becomes the unit of length, and the observer moves into the first one
-    x, y = np.abs(x) / period, np.abs(y / period - np.round(y / period))
+    # The nearest image is found before the period becomes the unit of length: fmod and the difference
+    # are exact, where a rounded y / period would move the observer by many of its smallest cells.
+    y = np.fmod(np.abs(y), period)
+    x, y = np.abs(x) / period, np.minimum(y, period - y) / period
     if _is_outer(x.shape, y.shape):
         x, y = x.reshape(-1, 1), y.reshape(1, -1)
     else:
@@ -140,7 +143,7 @@ def _is_outer(x: tuple[int, ...], y: tuple[int, ...]) -> bool:
 def _mean_over_cell(x: Array, y: Array, half_x: Array, half_y: float) -> Array:
     """S per unit area of a cell, period 1; x and y both flat, or a column and a row."""
     result = np.empty(np.broadcast_shapes(x.shape, y.shape))
-    inner = (x - half_x).reshape(len(x), -1)[:, 0]
+    inner = (x - half_x).reshape(len(x))
     beyond = inner >= FOURIER_END
     wide = ~beyond & (half_x.reshape(inner.shape) > 0.5)
     fourier = ~beyond & ~wide & (inner >= HANDOVER)
@@ -188,8 +191,9 @@ def _fourier(x: Array, y: Array, half_x: Array, half_y: float) -> Array:
 
 def _logarithm(x: Array, y: Array, half_x: Array, half_y: float) -> Array:
     """``-2 ln |x|``, averaged over a cell that does not reach the axis."""
+    # Neither end of the cell cancels the other, for a narrow cell (t -> 0) or one next to the axis (1).
     t = half_x / x
-    mean = np.log(x) + np.log1p(-t * t) / 2 + (np.arctanh(t) / t - 1)
+    mean = np.log(x) - 1 + ((1 + t) * np.log1p(t) - (1 - t) * np.log1p(-t)) / (2 * t)
     return -2 * mean * np.ones_like(y)
 
 
@@ -203,7 +207,7 @@ def _strips(x: Array, y: Array, half_x: Array, half_y: float) -> Array:
         centre = np.abs(inner_left + (2 * k + 1) * half)
         total += _mean_over_cell(centre, y, half, half_y) * half
     for near, far in ((inner_right, right), (-inner_left, -left)):
-        rows = (far > near).reshape(len(x), -1)[:, 0]
+        rows = (far > near).reshape(len(x))
         if rows.any():
             flank = (far - near)[rows] / 2
             middle = (far + near)[rows] / 2

@@ -6,6 +6,7 @@ padded with zeros (2 ny points).
 """
 
 from dataclasses import dataclass
+from math import inf
 from typing import ClassVar, Protocol
 
 import numpy as np
@@ -24,6 +25,10 @@ class Padding(Protocol):
         """Whether the convolution along the length is circular."""
         ...
 
+    def reach(self, period: float) -> float:
+        """How far to each side a point in the middle sees pressure; unit of ``period``."""
+        ...
+
     def influence(self, grid: Grid, datum: float) -> Array:
         """Influence coefficients [m] at offsets of 0, 1, ... cells, even along both axes.
 
@@ -38,6 +43,10 @@ class ZeroPadding:
     """No neighbours: the classical DC-FFT, not periodic (Liu, Wang & Liu 2000)."""
 
     wraps: ClassVar[bool] = False
+
+    def reach(self, period: float) -> float:
+        """Half a period: the domain itself."""
+        return period / 2
 
     def influence(self, grid: Grid, datum: float) -> Array:
         """The coefficient of the cell alone."""
@@ -54,6 +63,10 @@ class DuplicatedPadding:
     """
 
     wraps: ClassVar[bool] = True
+
+    def reach(self, period: float) -> float:
+        """One period, from any point."""
+        return period
 
     def influence(self, grid: Grid, datum: float) -> Array:
         """The cell and its copy one period back."""
@@ -76,6 +89,10 @@ class Superposition:
 
     def __post_init__(self) -> None:
         whole("Superposition.images", self.images, 0, "give a whole number of periods from 0 on")
+
+    def reach(self, period: float) -> float:
+        """Half a period and ``images`` more."""
+        return (self.images + 0.5) * period
 
     def influence(self, grid: Grid, datum: float) -> Array:
         """The sum over ``2 images + 1`` periods."""
@@ -101,6 +118,10 @@ class ExactPeriodicity:
     """
 
     wraps: ClassVar[bool] = True
+
+    def reach(self, period: float) -> float:
+        """Without end."""
+        return inf
 
     def influence(self, grid: Grid, datum: float) -> Array:
         """The lattice sum, its zero moved to the lateral distance ``datum`` [m]."""

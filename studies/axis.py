@@ -1,0 +1,68 @@
+"""The axes of a study: their values, and how a person writes them."""
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from contactstudy import InvalidInput
+
+Value = str | int | float
+
+FORMS = {
+    int: "give whole numbers such as 0,1,6 or a range with both its ends such as 0:10 or 0:10:2",
+    float: "give numbers such as 0.6,2.4",
+    str: "give names separated by commas",
+}
+
+
+@dataclass(frozen=True)
+class Axis:
+    """Values of one parameter, all of one type, and what labels them in a Dataset."""
+
+    name: str
+    values: tuple[Value, ...]
+    long_name: str
+    units: str = "1"
+
+    @property
+    def kind(self) -> type:
+        """int, float or str, by the first value."""
+        return type(self.values[0])
+
+    def override(self, values: str | Iterable[Value]) -> "Axis":
+        """This axis with other values, as text (``"0:10"``, ``"0.6,2.4"``) or as numbers or names.
+
+        Raises :class:`~contactstudy.InvalidInput` for what is not of the axis's kind.
+        """
+        raw = list(_split(values, self.kind)) if isinstance(values, str) else list(values)
+        parsed = dict.fromkeys(self._convert(value) for value in raw)
+        if not parsed:
+            raise InvalidInput(f"{self.name} is {values!r}: {FORMS[self.kind]}.")
+        return Axis(self.name, tuple(parsed), self.long_name, self.units)
+
+    def _convert(self, value: Value) -> Value:
+        try:
+            converted = self.kind(value)
+            exact = self.kind is not int or float(value) == converted
+        except (TypeError, ValueError, OverflowError):
+            exact = False
+        if not exact or (self.kind is float and not math.isfinite(converted)):
+            raise InvalidInput(f"{self.name} is {value!r}: {FORMS[self.kind]}.")
+        return converted  # type: ignore[no-any-return]
+
+
+def _split(text: str, kind: type) -> Iterator[str | int]:
+    for part in text.split(","):
+        part = part.strip()
+        bounds = part.split(":")
+        if kind is int and len(bounds) in (2, 3) and all(_is_whole(bound) for bound in bounds):
+            first, last, *step = (int(bound) for bound in bounds)
+            # an empty or endless range is no range: it is refused as the text it is
+            if first <= last and all(s > 0 for s in step):
+                yield from range(first, last + 1, *step)
+                continue
+        yield part
+
+
+def _is_whole(text: str) -> bool:
+    return text.strip().lstrip("-").isdecimal()

@@ -1,0 +1,122 @@
+"""The ``contactstudy`` command."""
+
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+
+import click
+
+from contactstudy import InvalidInput, __version__
+from studies import report as reporting
+from studies.study import BUILT_IN, load
+from studies.sweep import run as run_study
+
+OUT = click.option(
+    "--out",
+    type=click.Path(path_type=Path, file_okay=True),
+    default=Path("outputs"),
+    show_default=True,
+    help="Folder for netCDF files, figures and report.",
+)
+WORKERS = click.option(
+    "--workers",
+    type=click.IntRange(min=0),
+    default=2,
+    show_default=True,
+    help="Processes that share the cases; 0 for none but this one.",
+)
+REPEATS = click.option(
+    "--repeats",
+    type=click.IntRange(min=1),
+    default=2,
+    show_default=True,
+    help="Timed runs of each case, alone on one thread; the least counts.",
+)
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__)
+def cli() -> None:
+    """Rough line contacts, periodic along their length: how accurate, and at what cost."""
+
+
+@cli.command()
+@OUT
+@WORKERS
+@REPEATS
+def report(out: Path, workers: int, repeats: int) -> None:
+    """Run the paper's study and the four sweeps, and write report.html."""
+    for name in BUILT_IN:
+        study = load(name)
+        run_study(study, out, workers=workers, repeats=repeats, say=click.echo)
+        reporting.draw(study, out)
+    click.echo(f"report: wrote {reporting.write(out)}")
+
+
+@cli.command(
+    context_settings={"ignore_unknown_options": True, "allow_extra_args": True},
+    epilog="Every axis of a study is an option: contactstudy run period --period 0.6,2.4 --images 0:10 "
+    "(a range has both its ends; lengths are in half-widths).",
+)
+@click.argument("study")
+@OUT
+@WORKERS
+@REPEATS
+@click.pass_context
+def run(context: click.Context, study: str, out: Path, workers: int, repeats: int) -> None:
+    """Run STUDY, a built-in name or a .py file, over its axes or those given here."""
+    chosen = load(study).override(_axes(context.args))
+    run_study(chosen, out, workers=workers, repeats=repeats, say=click.echo)
+    reporting.draw(chosen, out)
+    click.echo(f"{chosen.name}: drew {out / chosen.name}")
+
+
+@cli.command()
+@OUT
+def draw(out: Path) -> None:
+    """Draw figures and report again from the netCDF files in the folder; nothing is solved."""
+    for name in BUILT_IN:
+        reporting.draw(load(name), out)
+    click.echo(f"report: wrote {reporting.write(out)}")
+
+
+@cli.command()
+def studies() -> None:
+    """List the built-in studies, their axes and default values."""
+    for name in BUILT_IN:
+        study = load(name)
+        click.echo(f"{name}: {study.title}")
+        for axis in study.points:
+            click.echo(f"    --{axis.name} {','.join(str(value) for value in axis.values)}")
+
+
+def _axes(arguments: list[str]) -> Mapping[str, str]:
+    """``--name value`` and ``--name=value`` pairs."""
+    axes: dict[str, str] = {}
+    rest = iter(arguments)
+    for word in rest:
+        if not word.startswith("--"):
+            raise InvalidInput(f"Argument {word!r} is not expected: write --parameter values.")
+        name, equals, value = word[2:].partition("=")
+        given = value if equals else next(rest, None)
+        if given is None:
+            raise InvalidInput(f"Parameter {name!r} has no values: write --{name} values.")
+        axes[name] = given
+    return axes
+
+
+def main() -> None:
+    """The command: bad input ends in one sentence and exit code 2, Ctrl-C in one and 130."""
+    try:
+        cli.main(standalone_mode=False)
+    except InvalidInput as error:
+        click.echo(f"contactstudy: {error}", err=True)
+        sys.exit(2)
+    except click.ClickException as error:
+        error.show()
+        sys.exit(error.exit_code)
+    except (KeyboardInterrupt, click.Abort):
+        click.echo(
+            "contactstudy: stopped; what was finished before is in the output folder.", err=True
+        )
+        sys.exit(130)

@@ -1,0 +1,95 @@
+"""The smooth line contact that every sweep solves: its scene at a point, and its errors against Hertz."""
+
+from collections.abc import Callable, Mapping
+from difflib import get_close_matches
+
+import numpy as np
+import xarray as xr
+
+import contactstudy as cs
+from contactstudy.checks import positive, whole
+from contactstudy.edge import half_widths
+from studies.axis import Axis
+from studies.case import Case
+from studies.study import Point
+
+STEEL = cs.HalfSpace(youngs_modulus=210e9, poisson_ratio=0.3)
+SCENE = cs.Scene(load=cs.LineLoad(1e5), solids=(STEEL, STEEL), shapes=(cs.Cylinder(radius=0.01),))
+HERTZ = cs.analytic.hertz_line(SCENE.load.per_length, 0.01, SCENE.contact_modulus)
+WIDTH = 2.4  # of the domain, in half-widths: the paper's choice
+
+PADDINGS: dict[str, Callable[[int], cs.Padding]] = {
+    "zero": lambda images: cs.ZeroPadding(),
+    "duplicated": lambda images: cs.DuplicatedPadding(),
+    "superposed": cs.Superposition,
+    "exact": lambda images: cs.ExactPeriodicity(),
+}
+
+
+def axes(
+    *,
+    padding: tuple[str, ...] = tuple(PADDINGS),
+    images: tuple[int, ...] = (6,),
+    period: tuple[float, ...] = (2.4,),
+    grid: tuple[int, ...] = (128,),
+) -> tuple[Axis, ...]:
+    """The four axes of a sweep, at the paper's setting unless told otherwise."""
+    return (
+        Axis("padding", padding, "representation of the periodic direction"),
+        Axis("images", images, "periods superposed on each side"),
+        Axis("period", period, "period length over Hertz half-width"),
+        Axis("grid", grid, "cells across the width and along one period"),
+    )
+
+
+def padding_at(padding: str, images: int) -> cs.Padding:
+    """The padding of that name; ``images`` matters to those that count them."""
+    if padding not in PADDINGS:
+        close = get_close_matches(padding, PADDINGS, n=1)
+        remedy = f"did you mean {close[0]!r}" if close else "choose from " + ", ".join(PADDINGS)
+        raise cs.InvalidInput(f"padding is {padding!r}: {remedy}.")
+    whole("images", images, 0, "give a whole number of periods from 0 on")
+    return PADDINGS[padding](images)
+
+
+def scene_at(point: Point) -> Case:
+    """Steel cylinder on steel flat, square numbers of cells, the period in half-widths."""
+    cells = whole("grid", point["grid"], 2, "give at least 2 cells across the width")
+    period = positive("period", point["period"], "give a period above 0 half-widths")
+    a = HERTZ.half_width
+    return Case(
+        scene=SCENE,
+        grid=cs.Grid(cells=(cells, cells), extent=(WIDTH * a, period * a)),
+        padding=padding_at(str(point["padding"]), int(point["images"])),
+    )
+
+
+def measures(case: Case, solution: cs.Solution) -> Mapping[str, xr.Variable]:
+    """Errors of pressure and half-width against Hertz's line contact; all over p_H or a."""
+    hertz, grid = case.scene.hertz, case.grid
+    assert hertz is not None
+    pressure = solution.pressure / hertz.peak_pressure
+    error = pressure - hertz.pressure(grid.x)[:, None] / hertz.peak_pressure
+    axis = np.isclose(np.abs(grid.x), np.abs(grid.x).min())
+    # integral of |error| over the width, as a share of that of the pressure, pi a p_H / 2
+    share = grid.cell[0] / (np.pi / 2 * hertz.half_width)
+    edge = half_widths(pressure, grid.x).mean() / hertz.half_width
+    return {
+        "peak_pressure_error": _number(
+            pressure[axis].mean() - 1, "relative error of the peak pressure (cells beside the axis)"
+        ),
+        "pressure_error_max": _number(
+            np.abs(error).max(), "largest pressure error over Hertz peak pressure"
+        ),
+        "pressure_error_l1": _number(
+            np.abs(error).sum(axis=0).mean() * share, "relative L1 error of the pressure"
+        ),
+        "half_width_error": _number(edge - 1, "relative error of the contact half-width"),
+        "length_variation": _number(
+            np.ptp(pressure, axis=1).max(), "pressure variation along the length over peak pressure"
+        ),
+    }
+
+
+def _number(value: float, long_name: str) -> xr.Variable:
+    return xr.Variable((), float(value), {"units": "1", "long_name": long_name})

@@ -1,0 +1,116 @@
+"""What a study is: four names in a Python file."""
+
+import importlib
+import importlib.util
+import sys
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+from itertools import product
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING
+
+import xarray as xr
+
+from contactstudy import InvalidInput, Solution
+from studies.axis import Axis, Value
+from studies.case import Case
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Point = Mapping[str, Value]
+Measures = Callable[[Case, Solution], Mapping[str, xr.Variable]]
+
+BUILT_IN = ("paper", "padding", "images", "period", "grid")
+
+
+@dataclass(frozen=True, eq=False)
+class Plate:
+    """A figure with its file name and the words that go under it."""
+
+    name: str
+    figure: "Figure"
+    caption: str
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """``points`` to visit, ``scene_at`` a point, what one ``measures`` there, and the ``figure`` drawn.
+
+    ``points``: the axes. ``scene_at(point)``: the :class:`~studies.case.Case` at a point, where bad
+    values raise :class:`~contactstudy.InvalidInput`. ``measures(case, solution)``: named variables,
+    scalar or with dimensions of their own; a variable named like its dimension is its coordinate.
+    ``figure(dataset)``: the plates, drawn from the stored Dataset alone.
+    """
+
+    name: str
+    title: str
+    points: tuple[Axis, ...]
+    scene_at: Callable[[Point], Case]
+    measures: Measures
+    figure: Callable[[xr.Dataset], Sequence[Plate]]
+
+    def override(self, axes: Mapping[str, str | Iterable[Value]]) -> "Study":
+        """This study over other values of some of its axes."""
+        known = {axis.name: axis for axis in self.points}
+        for name in axes:
+            if name not in known:
+                raise InvalidInput(
+                    f"Parameter {name!r} is not one of study {self.name!r}: {_suggest(name, known)}."
+                )
+        changed = tuple(
+            axis.override(axes[axis.name]) if axis.name in axes else axis for axis in self.points
+        )
+        return replace(self, points=changed)
+
+    def cases(self) -> list[Case]:
+        """The case at every point, in the order of the axes (last one fastest)."""
+        names = [axis.name for axis in self.points]
+        values = [axis.values for axis in self.points]
+        return [self.scene_at(dict(zip(names, point, strict=True))) for point in product(*values)]
+
+
+def load(name: str) -> Study:
+    """The built-in study of that name, or the one in a Python file.
+
+    Raises :class:`~contactstudy.InvalidInput` where there is none, or one of its four names is missing.
+    """
+    if name.endswith(".py"):
+        return _study(Path(name).stem, _from_file(Path(name)))
+    if name not in BUILT_IN:
+        known = _suggest(name, BUILT_IN)
+        raise InvalidInput(f"Study {name!r} is not known: {known}, or give a .py file.")
+    return _study(name, importlib.import_module(f"studies.{name}"))
+
+
+def _from_file(path: Path) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    if not path.is_file() or spec is None or spec.loader is None:
+        raise InvalidInput(
+            f"Study file {str(path)!r} cannot be read: give the path of a Python file."
+        )
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    # workers know nothing of this file: send its functions by value, not by name
+    from cloudpickle import register_pickle_by_value
+
+    sys.modules[path.stem] = module
+    register_pickle_by_value(module)
+    return module
+
+
+def _study(name: str, module: ModuleType) -> Study:
+    for part in ("points", "scene_at", "measures", "figure"):
+        if not hasattr(module, part):
+            raise InvalidInput(
+                f"Study {name!r} has no {part!r}: define it at the file's top level."
+            )
+    title = (module.__doc__ or name).strip().split("\n")[0]
+    return Study(name, title, tuple(module.points), module.scene_at, module.measures, module.figure)
+
+
+def _suggest(name: str, known: Iterable[str]) -> str:
+    close = get_close_matches(name, list(known), n=1)
+    return f"did you mean {close[0]!r}" if close else "choose from " + ", ".join(sorted(known))

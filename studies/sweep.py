@@ -1,0 +1,93 @@
+"""Runs a study: every distinct case once through dask, then alone against the clock."""
+
+import signal
+from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import nullcontext
+from multiprocessing import get_context
+from pathlib import Path
+
+import dask
+import xarray as xr
+from dask.callbacks import Callback
+from tqdm import tqdm
+
+from studies.case import Case
+from studies.outcome import Fate, Outcome, clock, compute
+from studies.provenance import provenance
+from studies.store import assemble, open_folder, write
+from studies.study import Study
+
+Say = Callable[[str], object]
+
+
+def run(
+    study: Study, out: Path, *, workers: int = 2, repeats: int = 2, say: Say = print
+) -> xr.Dataset:
+    """Compute ``study`` and leave ``<out>/<study>.nc``; returns what was written.
+
+    ``workers`` processes share the cases (0: this process alone); afterwards each case is timed
+    ``repeats`` times on one thread, one at a time, in turns. Bad points raise
+    :class:`~contactstudy.InvalidInput` before anything runs or is written.
+    """
+    cases = study.cases()
+    distinct = list(dict.fromkeys(cases))
+    folder = open_folder(out)
+    say(f"{study.name}: {len(cases)} points, {len(distinct)} distinct cases")
+    outcomes = _solve(study, distinct, workers)
+    solved = [case for case, outcome in outcomes.items() if outcome.fate is Fate.OK]
+    times = _time(study.name, solved, repeats)
+    attributes = {"title": study.title, "case": repr(distinct[0])} | dict(provenance())
+    attributes["timing"] = f"wall time, least of {repeats}, one case at a time, one thread"
+    dataset = assemble(study.points, cases, outcomes, times, attributes)
+    path = folder / f"{study.name}.nc"
+    write(dataset, path)
+    failed = [outcome.error for outcome in outcomes.values() if outcome.fate is Fate.FAILED]
+    if failed:
+        say(
+            f"{study.name}: {len(failed)} of {len(distinct)} cases failed, the first with {failed[0]}"
+        )
+    say(f"{study.name}: wrote {path}")
+    return dataset
+
+
+def _solve(study: Study, cases: list[Case], workers: int) -> dict[Case, Outcome]:
+    tasks = [
+        dask.delayed(compute, pure=False)(case, study.measures, dask_key_name=f"case-{number}")
+        for number, case in enumerate(cases)
+    ]
+    pool = _pool(workers) if workers else nullcontext()
+    bar = tqdm(total=len(cases), desc=f"{study.name}: solving", unit="case", disable=None)
+    with pool as executor, bar, _Progress(bar):
+        settings = (
+            {"scheduler": "processes", "pool": executor} if workers else {"scheduler": "sync"}
+        )
+        with dask.config.set(settings):
+            return dict(zip(cases, dask.compute(*tasks), strict=True))
+
+
+def _time(name: str, cases: Iterable[Case], repeats: int) -> Mapping[Case, tuple[float, float]]:
+    turns = [case for _ in range(repeats) for case in cases]
+    least: dict[Case, tuple[float, float]] = {}
+    for case in tqdm(turns, desc=f"{name}: timing", unit="run", disable=None):
+        pairs = zip(clock(case), least.get(case, (float("inf"),) * 2), strict=True)
+        setup, solve = (min(pair) for pair in pairs)
+        least[case] = setup, solve
+    return least
+
+
+def _pool(workers: int) -> ProcessPoolExecutor:
+    # spawned, since a fork would copy the state of threads; Ctrl-C is the parent's to answer
+    return ProcessPoolExecutor(
+        workers,
+        mp_context=get_context("spawn"),
+        initializer=signal.signal,
+        initargs=(signal.SIGINT, signal.SIG_IGN),
+    )
+
+
+class _Progress(Callback):  # type: ignore[misc]
+    """Moves the bar by one case each time a task ends."""
+
+    def __init__(self, bar: "tqdm[object]") -> None:
+        super().__init__(posttask=lambda *_: bar.update())

@@ -105,11 +105,11 @@ def hertz_point(load: float, radius: float, contact_modulus: float) -> HertzPoin
     return HertzPoint(load, radius, contact_modulus)
 
 
-def truncation_error(half_width: float, reach: float) -> float:
+def truncation_error(half_width: ArrayLike, reach: ArrayLike) -> Array:
     """Relative error ``a^2 / (8 D^2)`` of the peak pressure of a line contact seen only out to D.
 
     ``half_width`` a and ``reach`` D to each side, one unit. Images beyond D would have lowered the
     cylinder's curvature by the factor ``1 + a^2 / (4 D^2)``: leading term of the logarithmic
     potential's remainder, within 10 % from D = 3 a on.
     """
-    return half_width**2 / (8 * reach**2)
+    return np.asarray(np.asarray(half_width) ** 2 / (8 * np.asarray(reach) ** 2))

@@ -61,4 +61,4 @@ class Grid:
 
 
 def _centres(count: int, step: float) -> Array:
-    return (2 * np.arange(count) - (count - 1)) * (step / 2)
+    return np.asarray((2 * np.arange(count) - (count - 1)) * (step / 2))

@@ -127,10 +127,10 @@ class ExactPeriodicity:
         """The lattice sum, its zero moved to the lateral distance ``datum`` [m]."""
         x, y = _offsets(grid, grid.cells[1] // 2 + 1)
         shift = 2 * grid.cell_area / grid.period * np.log(datum)
-        return boussinesq_cell_periodic(x, y, *grid.cell, grid.period) + shift
+        return np.asarray(boussinesq_cell_periodic(x, y, *grid.cell, grid.period) + shift)
 
 
 def _offsets(grid: Grid, along: int) -> tuple[Array, Array]:
     """Offsets [m] of 0, 1, ... cells: across as a column, and ``along`` of them as a row."""
     dx, dy = grid.cell
-    return np.arange(grid.cells[0])[:, None] * dx, np.arange(along)[None, :] * dy
+    return np.arange(0.0, grid.cells[0])[:, None] * dx, np.arange(0.0, along)[None, :] * dy

@@ -39,7 +39,7 @@ class PolonskyKeer:
         max_iterations: int,
     ) -> Iterate:
         """Iterate until ``residual(pressure, gap) <= tolerance``; all arguments dimensionless."""
-        pressure = pressures.uniform(undeformed_gap.shape)  # type: ignore[arg-type]
+        pressure = pressures.uniform(undeformed_gap.shape)
         direction = np.zeros_like(pressure)
         previous, conjugate = 1.0, 0.0
         iteration = 0

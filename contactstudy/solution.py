@@ -15,7 +15,10 @@ class Status(Enum):
         "converged, but the contact reaches the edge of the width and is cut off there: "
         "give Grid.extent a larger width"
     )
-    ITERATION_LIMIT = "max_iterations was reached before the tolerance: allow more iterations or a larger tolerance"
+    ITERATION_LIMIT = (
+        "max_iterations was reached before the tolerance: "
+        "allow more iterations or a larger tolerance"
+    )
     NOT_FINITE = (
         "the iteration left the range of floating-point numbers: "
         "check the heights for nan and for values far beyond the contact's own scale"

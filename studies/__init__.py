@@ -1,0 +1,1 @@
+"""The study layer: drives contactstudy, and is never imported by it."""

@@ -7,9 +7,11 @@ import numpy as np
 import xarray as xr
 
 from studies.front import pareto_front
-from studies.style import paddings, percent
+from studies.padding import settings
+from studies.style import label_of, percent
 
 Row = tuple[str, ...]
+TARGETS = (1e-1, 1e-2, 1e-3, 2e-4)
 
 
 @dataclass(frozen=True)
@@ -41,61 +43,63 @@ def findings(stored: Mapping[str, xr.Dataset]) -> tuple[Finding, ...]:
 
 def _which_padding(dataset: xr.Dataset) -> Finding:
     here = dataset.isel(period=dataset.sizes["period"] // 2, grid=-1, images=-1)
-    time = here["setup_time"] + here["solve_time"]
     exact = here.sel(padding="exact")
-    others = [name for name in paddings(dataset) if name not in ("exact", "zero")]
-    costs = ", ".join(
-        f"{float(time.sel(padding=name) / time.sel(padding='exact')):.2g} times as long with {name} padding"
-        for name in others
+    others = (here.sel(padding=name) for name in ("duplicated", "superposed"))
+    costs = " and ".join(
+        f"{float(_time(one) / _time(exact)):.2g} times that with {label_of(one)}" for one in others
     )
+    variation = float(exact["length_variation"])
+    even = "not at all" if variation == 0 else f"by {variation:.0e} p_H, which is rounding"
     return Finding(
-        "Use exact periodicity: it is the most accurate at every setting, and never needs a choice of n.",
+        "Use exact periodicity: no choice of n, no error of its own, at every period.",
         f"At {int(here['grid'])} x {int(here['grid'])} cells and L = {float(here['period']):g} a its "
-        f"peak pressure is off by {percent(exact['peak_pressure_error'])}, the same at every period, and it "
-        f"varies along the length by {float(exact['length_variation']):.1e} p_H. It took "
-        f"{float(time.sel(padding='exact')):.2g} s; the same case took {costs} "
-        f"(n = {int(here['images'])}).",
+        f"peak pressure is off by {percent(exact['peak_pressure_error'])}, which is the grid's error, and "
+        f"varies along the length {even}. It took {float(_time(exact)):.2g} s; the same grid took {costs}, "
+        f"with errors of {percent(here['peak_pressure_error'].sel(padding='duplicated'))} and "
+        f"{percent(here['peak_pressure_error'].sel(padding='superposed'))}.",
     )
+
+
+def _time(dataset: xr.Dataset) -> xr.DataArray:
+    return dataset["setup_time"] + dataset["solve_time"]
 
 
 def _six_images(dataset: xr.Dataset) -> Finding:
     here = dataset.sel(period=2.4, method="nearest").isel(grid=-1)
-    peak, largest = np.abs(here["peak_pressure_error"]), here["length_variation"]
-    duplicated = float(peak.sel(padding="duplicated")[0])
-    superposed = {
-        int(n): float(peak.sel(padding="superposed", images=n)) for n in here["images"].values
-    }
-    six = min(superposed, key=lambda n: abs(n - 6))
-    closest = min(superposed, key=lambda n: abs(np.log(superposed[n] / duplicated)))
-    variation = float(largest.sel(padding="superposed", images=six))
+    duplicated = here.sel(padding="duplicated").isel(images=0)
+    six = here.sel(padding="superposed").sel(images=6, method="nearest")
+    peak, copied = (
+        abs(float(six["peak_pressure_error"])),
+        abs(float(duplicated["peak_pressure_error"])),
+    )
     return Finding(
-        "“n ≥ 6 gives very similar results to duplicated padding” does not hold.",
-        f"At L = {float(here['period']):g} a the peak pressure is off by {percent(duplicated)} with "
-        f"duplicated padding and by {percent(superposed[six])} with n = {six}: "
-        f"{duplicated / superposed[six]:.0f} times less. A copy of the pressure reaches as far as about "
-        f"half a superposed period more than none, and the n closest to it is {closest}. What superposition "
-        f"costs instead is evenness: with n = {six} the pressure of a uniform cylinder varies along "
-        f"the length by {percent(variation)} of p_H, with duplicated padding by rounding only. The two "
-        "look alike in the paper's Figure 5 because both lie within the width of a line.",
+        "“n ≥ 6 gives very similar results to duplicated padding”: the numbers say otherwise.",
+        f"At L = {float(here['period']):g} a the peak pressure is off by {percent(copied)} with "
+        f"duplicated padding and by {percent(peak)} with n = {int(six['images'])}, {copied / peak:.0f} times "
+        "less. A copy of the pressure reaches one period to each side, as n = ½ would. Superposition costs "
+        f"evenness instead: with n = {int(six['images'])} the pressure of a uniform cylinder varies along the "
+        f"length by {percent(six['length_variation'])} of p_H, with duplicated padding by "
+        f"{percent(duplicated['length_variation'])}. In a plot of the pressure, as in the paper's Fig. 5, all "
+        "of this is hardly wider than the line.",
     )
 
 
 def _any_period(dataset: xr.Dataset) -> Finding:
-    here = np.abs(dataset["peak_pressure_error"].isel(grid=-1, images=-1))
+    here = dataset.isel(grid=-1, images=-1)
     short, long = float(here["period"].min()), float(here["period"].max())
-    facts = ", ".join(
-        f"{percent(here.sel(padding=name, period=short))} to {percent(here.sel(padding=name, period=long))} "
-        f"with {name} padding"
-        for name in ("duplicated", "superposed")
-        if name in paddings(dataset)
+    facts = " and ".join(
+        f"from {percent(one.sel(period=short)['peak_pressure_error'])} to "
+        f"{percent(one.sel(period=long)['peak_pressure_error'])} with {label_of(one)}"
+        for one in (here.sel(padding=name) for name in ("duplicated", "superposed"))
     )
-    exact = dataset["peak_pressure_error"].sel(padding="exact").isel(grid=-1, images=-1)
+    exact = here["peak_pressure_error"].sel(padding="exact")
     spread = float(exact.max() - exact.min())
     return Finding(
-        "“Independent of the domain extent in the length direction” holds only for exact periodicity.",
-        f"Between L = {short:g} a and L = {long:g} a the peak-pressure error goes from {facts} "
-        f"(n = {int(dataset['images'][-1])}); with exact periodicity it moves by {spread:.1e}. A window that "
-        "reaches D to each side leaves a²/(8D²).",
+        "“Independent of the domain extent in the length direction”: true of exact periodicity alone.",
+        f"Between L = {short:g} a and L = {long:g} a the peak-pressure error goes {facts}; "
+        f"with exact periodicity it moves by {spread:.0e} of p_H. "
+        "A window that reaches D to each side leaves a²/(8D²), so a period of a few half-widths is "
+        "not long enough for a truncated one.",
     )
 
 
@@ -103,14 +107,13 @@ def _which_grid(dataset: xr.Dataset) -> Finding:
     exact = dataset.sel(padding="exact").isel(images=-1, period=-1)
     cells = exact["grid"].values
     rate = np.polyfit(np.log(cells), np.log(exact["pressure_error_l1"].values), 1)[0]
-    time = exact["setup_time"] + exact["solve_time"]
     first, last = exact.isel(grid=0), exact.isel(grid=-1)
     return Finding(
         "With the images out of the way, the grid is all that is left to pay for.",
-        f"The L1 error of the pressure falls like N^{rate:.2f}, from "
-        f"{percent(first['pressure_error_l1'])} at {cells[0]} cells across to "
-        f"{percent(last['pressure_error_l1'])} at {cells[-1]}, for {float(time[0]):.1e} s and "
-        f"{float(time[-1]):.2g} s. The largest error, at the contact edge, falls far more slowly: "
+        f"The L1 error of the pressure falls like N^({rate:.2f}), from "
+        f"{percent(first['pressure_error_l1'])} at {cells[0]} cells across in {float(_time(first)):.1g} s to "
+        f"{percent(last['pressure_error_l1'])} at {cells[-1]} in {float(_time(last)):.2g} s. The largest "
+        "error, in the cells that hold the contact edge, falls far more slowly: "
         f"{percent(last['pressure_error_max'])} of p_H is still there at {cells[-1]}.",
     )
 
@@ -119,23 +122,21 @@ def accuracy_table(dataset: xr.Dataset) -> Table:
     """Errors and cost of every mode at the paper's setting."""
     rows = []
     for name in ("exact", "duplicated", "superposed", "zero"):
-        if name not in paddings(dataset):
-            continue
-        for images in (
+        counted = (
             dataset["images"].values if name == "superposed" else dataset["images"].values[-1:]
-        ):
+        )
+        for images in counted:
             one = dataset.sel(padding=name, images=images)
-            label = {"superposed": f"superposed, n = {images}", "zero": "zero (not periodic)"}.get(
-                name, name
+            errors = (
+                "peak_pressure_error",
+                "pressure_error_max",
+                "length_variation",
+                "half_width_error",
             )
-            variation = float(one["length_variation"])
             rows.append(
                 (
-                    label,
-                    percent(one["peak_pressure_error"]),
-                    percent(one["pressure_error_max"]),
-                    percent(variation) if variation > 1e-9 else "none but rounding",
-                    percent(one["half_width_error"]),
+                    "zero (not periodic)" if name == "zero" else label_of(one),
+                    *(percent(one[error]) for error in errors),
                     str(int(one["iterations"])),
                     f"{float(one['setup_time']):.3f}",
                     f"{float(one['solve_time']):.3f}",
@@ -156,30 +157,21 @@ def price_table(dataset: xr.Dataset) -> Table:
     """The cheapest stored setting for each step of accuracy, at every period."""
     rows = []
     for period in dataset["period"].values:
-        points = dataset.sel(period=period).stack(point=("padding", "images", "grid"))
-        cost = (points["setup_time"] + points["solve_time"]).values
-        error = points["pressure_error_l1"].values
+        points = settings(dataset.sel(period=period))
+        cost, error = points["cost"].values, points["error"].values
         front = pareto_front(cost, error)
-        for target in (0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4):
+        for target in TARGETS:
             meets = front[error[front] <= target]
             if not meets.size:
-                rows.append((f"{period:g} a", percent(target), "none stored", "–", "–", "–"))
-                break
-            best = points.isel(point=int(meets[0]))
-            name = str(best["padding"].values)
-            label = f"superposed, n = {int(best['images'])}" if name == "superposed" else name
-            rows.append(
-                (
-                    f"{period:g} a",
-                    percent(target),
-                    label,
-                    str(int(best["grid"])),
-                    percent(error[meets[0]]),
-                    f"{cost[meets[0]]:.2g}",
-                )
-            )
+                best = points.isel(point=front[-1])
+                said = f"none stored; the best is {label_of(best)}"
+            else:
+                best = points.isel(point=meets[0])
+                said = label_of(best)
+            numbers = (str(int(best["grid"])), percent(best["error"]), f"{float(best['cost']):.2g}")
+            rows.append((f"{period:g} a", percent(target), said, *numbers))
     return Table(
         "What accuracy costs: the cheapest stored setting whose L1 pressure error meets each target.",
-        ("period", "asked", "cheapest padding", "cells across", "reached", "time [s]"),
+        ("period", "L1 error asked", "cheapest padding", "cells across", "reached", "time [s]"),
         tuple(rows),
     )

@@ -1,13 +1,12 @@
 """Accuracy against the number n of superposed periods."""
 
-import numpy as np
 import xarray as xr
 
 from contactstudy.analytic import truncation_error
 from studies import line_contact
 from studies.line_contact import measures, padding_at, scene_at
-from studies.style import LAW, look, paddings, panels, percent, some
 from studies.study import Plate
+from studies.style import LAW, legend_below, look, paddings, panels, percent, some
 
 __all__ = ["figure", "measures", "points", "scene_at"]
 
@@ -16,6 +15,7 @@ points = line_contact.axes(
     images=(*range(11), 20, 50, 100),
     period=(0.6, 2.4, 9.6),
 )
+LABEL = "n + ½  (n periods on each side)"
 
 
 def figure(dataset: xr.Dataset) -> tuple[Plate, ...]:
@@ -30,68 +30,57 @@ def _peak(dataset: xr.Dataset) -> Plate:
     half = dataset["images"].values + 0.5
     for ax, period in zip(axes, periods, strict=True):
         for name in paddings(dataset):
-            error = np.abs(dataset["peak_pressure_error"].sel(padding=name, period=period))
+            error = abs(dataset["peak_pressure_error"].sel(padding=name, period=period))
             style = look(name) | ({} if name == "superposed" else {"marker": "none"})
             ax.loglog(half, error, label=name, **style)
-        if "superposed" in paddings(dataset):
-            law = [
-                truncation_error(1, padding_at("superposed", int(n)).reach(period))
-                for n in dataset["images"]
-            ]
-            ax.loglog(half, law, label="law a²/(8D²), D = (n + ½)L", **LAW)
-        ax.set(title=f"period L = {period:g} a", xlabel="n + ½  (n periods on each side)")
+        reach = [padding_at("superposed", int(n)).reach(period) for n in dataset["images"]]
+        ax.loglog(half, truncation_error(1, reach), label="law a²/(8D²), D = (n + ½)L", **LAW)
+        ax.set(title=f"period L = {period:g} a", xlabel=LABEL)
     axes[0].set_ylabel("|peak-pressure error|")
-    axes[-1].legend(loc="best")
+    legend_below(plate)
     return Plate("peak_error", plate, _peak_words(dataset, periods))
 
 
 def _peak_words(dataset: xr.Dataset, periods: list[float]) -> str:
     words = (
         "Peak-pressure error against the number of superposed periods. It falls like the square of the "
-        "window's reach until the grid's own error, that of exact periodicity, shows. "
+        "window's reach until the grid's own error, that of exact periodicity, shows; where the two are "
+        "of one size they may cancel, since truncation raises the peak and the grid may lower it. "
     )
     if not {"superposed", "duplicated"} <= set(paddings(dataset)):
         return words
-    errors = np.abs(dataset["peak_pressure_error"])
+    errors = abs(dataset["peak_pressure_error"])
     facts = []
     for period in periods:
         duplicated = float(errors.sel(padding="duplicated", period=period)[0])
         superposed = errors.sel(padding="superposed", period=period)
         better = dataset["images"].values[(superposed < duplicated).values]
         if better.size:
-            facts.append(
-                f"n = {better[0]} already beats duplicated padding ({percent(duplicated)}) at L = {period:g} a"
-            )
-    return words + ("; ".join(facts) + "." if facts else "")
+            facts.append(f"at L = {period:g} a from n = {better[0]} on ({percent(duplicated)})")
+    return words + (
+        "Superposition beats duplicated padding " + ", ".join(facts) + "." if facts else ""
+    )
 
 
 def _variation(dataset: xr.Dataset) -> Plate:
-    plate, (ax,) = panels(1, width=5.5, height=3.6)
+    plate, (ax,) = panels(1, width=6, height=3.4)
     half = dataset["images"].values + 0.5
-    lines = ("-", "--", "-.")
     periods = some(dataset["period"].values)
-    for period, line in zip(periods, lines, strict=False):
-        if "superposed" not in paddings(dataset):
-            break
+    shown = "superposed" in paddings(dataset)
+    for period, line in zip(periods if shown else [], ("-", "--", "-."), strict=False):
         variation = dataset["length_variation"].sel(padding="superposed", period=period)
-        ax.loglog(
-            half,
-            variation,
-            linestyle=line,
-            label=f"superposed, L = {period:g} a",
-            **look("superposed"),
-        )
-        anchor = float(variation[len(variation) // 2]) * half[len(half) // 2] ** 2
-        ax.loglog(
-            half, anchor / half**2, label="slope −2" if period == periods[-1] else None, **LAW
-        )
-    ax.set(xlabel="n + ½  (n periods on each side)", ylabel="pressure variation along length / p_H")
-    ax.legend()
+        style = look("superposed") | {"linestyle": line}
+        ax.loglog(half, variation, label=f"superposed, L = {period:g} a", **style)
+        middle = len(half) // 2
+        law = float(variation[middle]) * (half[middle] / half) ** 2
+        ax.loglog(half, law, label="slope −2", **LAW)
+    ax.set(xlabel=LABEL, ylabel="pressure variation along length / p_H")
+    legend_below(plate)
     return Plate(
         "length_variation",
         plate,
         "A uniform cylinder comes out uneven along its length under superposition, because the window of "
-        "images is centred on the domain and not on the observer. The unevenness falls with the square of "
-        "the window. Duplicated padding and exact periodicity, which are circular, show none "
-        "but rounding.",
+        "images is centred on the domain and not on the observer. The difference a lopsided window makes "
+        "falls with the square of its reach. Duplicated padding and exact periodicity are circular: "
+        "every observer sees the same, and nothing varies but by rounding.",
     )

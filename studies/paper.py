@@ -1,6 +1,7 @@
 """The paper's figures: displacement under a periodic point pressure, pressure of a line contact."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -8,10 +9,12 @@ import xarray as xr
 import contactstudy as cs
 from studies import line_contact
 from studies.case import Case
-from studies.style import LAW, look, paddings, panels, percent
 from studies.study import Plate, Point
+from studies.style import LAW, label_of, legend_below, look, paddings, panels, percent
 
 WIDTH, CELLS = 3.0, 120  # Fig. 4: a square of three contact radii, which is also the period
+
+TITLES = {"across": "across the contact", "along": "along the length"}
 
 points = tuple(
     axis for axis in line_contact.axes(images=(1, 6)) if axis.name in ("padding", "images")
@@ -82,11 +85,10 @@ def _displacement(dataset: xr.Dataset) -> Plate:
             ax.plot(offset, moved, label=f"{name} padding", markevery=8, **look(name))
         analytic = hertz.displacement(offset * hertz.contact_radius) / hertz.approach
         ax.plot(offset, analytic, label="Hertz, one contact alone", **LAW)
-        ax.set(xlabel="distance from centre / contact radius", title=f"{direction} the length")
+        ax.set(xlabel="distance from centre / contact radius", title=TITLES[direction])
     axes[0].set_ylabel("displacement / Hertz central displacement")
-    axes[0].legend(loc="lower center")
-    centre = dict(offset=CELLS // 2, images=-1)
-    edge = dict(offset=0, images=-1)
+    legend_below(plate)
+    centre, edge = {"offset": CELLS // 2, "images": -1}, {"offset": 0, "images": -1}
     words = [
         f"{name}: {float(dataset['displacement_across'].sel(padding=name).isel(centre)):.4f} at the "
         f"centre, {float(dataset['displacement_across'].sel(padding=name).isel(edge)):.4f} at the edge "
@@ -112,12 +114,12 @@ def _pressure(dataset: xr.Dataset) -> Plate:
     hertz = np.sqrt(np.clip(1 - x**2, 0, None))
     for name in paddings(dataset):
         chosen = dataset.sel(padding=name).isel(images=-1)
-        label = name
-        if name == "superposed":
-            label += f", n = {int(dataset['images'][-1])}"
+        label = label_of(chosen)
         whole.plot(x, chosen["pressure"], label=label, markevery=8, **look(name))
         error.plot(x, 100 * (chosen["pressure"] - hertz), label=label, markevery=8, **look(name))
-        band = {"color": look(name)["color"], "alpha": 0.18, "linewidth": 0}
+        if name == "zero":  # its ends would fill the picture
+            continue
+        band: dict[str, Any] = {"color": look(name)["color"], "alpha": 0.18, "linewidth": 0}
         error.fill_between(
             x,
             100 * (chosen["pressure_least"] - hertz),
@@ -131,15 +133,16 @@ def _pressure(dataset: xr.Dataset) -> Plate:
         ylabel="error against Hertz [% of p_H]",
         ylim=(-25, 25),
     )
-    whole.legend(loc="lower center")
+    legend_below(plate)
     facts = "; ".join(
-        f"{name} {percent(float(dataset['pressure_error_max'].sel(padding=name).isel(images=-1)))}"
-        for name in paddings(dataset)
+        f"{label_of(one)} {percent(one['pressure_error_max'])}"
+        for one in (dataset.sel(padding=name).isel(images=-1) for name in paddings(dataset))
     )
     return Plate(
         "pressure",
         plate,
         "The paper's Fig. 5. Pressure across the line contact in the middle of the length, and its error; "
-        "the bands span the values along the length. On the scale of the left panel all periodic "
-        f"modes look alike; the largest error anywhere, over p_H, tells them apart: {facts}.",
+        "the bands span the values along the length (zero padding's, with its ends, would fill the picture). "
+        "On the scale of the left panel the periodic modes look alike; the "
+        f"largest error anywhere, over p_H, tells them apart: {facts}.",
     )

@@ -3,8 +3,11 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, SupportsFloat
 
 import matplotlib as mpl
+import matplotlib.style
+import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -14,7 +17,7 @@ from studies.study import Plate
 
 mpl.use("Agg")
 
-SETTINGS = {
+SETTINGS: dict[str, Any] = {
     "figure.dpi": 100,
     "savefig.dpi": 200,
     "font.size": 9.5,
@@ -28,9 +31,8 @@ SETTINGS = {
     "lines.linewidth": 1.4,
     "lines.markersize": 5,
     "pdf.fonttype": 42,
-    "svg.fonttype": "none",
 }
-mpl.rcParams.update(SETTINGS)
+mpl.style.use(SETTINGS)
 
 
 @dataclass(frozen=True)
@@ -47,10 +49,10 @@ LOOKS = {
     "superposed": Look("#009E73", "^"),
     "exact": Look("#0072B2", "o"),
 }
-LAW = {"color": "black", "linestyle": ":", "linewidth": 1.0, "marker": "none"}
+LAW: dict[str, Any] = {"color": "black", "linestyle": ":", "linewidth": 1.0, "marker": "none"}
 
 
-def look(padding: str) -> dict[str, str]:
+def look(padding: str) -> dict[str, Any]:
     """Keywords for matplotlib; a padding without a look of its own is purple."""
     chosen = LOOKS.get(padding, Look("#CC79A7", "D"))
     return {"color": chosen.color, "marker": chosen.marker}
@@ -63,11 +65,31 @@ def panels(
     columns = min(columns, count)
     rows = -(-count // columns)
     # not pyplot's: nothing is kept open, nothing needs closing
-    figure = Figure(figsize=(max(width * columns, 5), height * rows), layout="constrained")
+    figure = Figure(figsize=(width * columns, height * rows), layout="constrained")
     axes = figure.subplots(rows, columns, squeeze=False).ravel().tolist()
     for spare in axes[count:]:
         spare.set_visible(False)
     return figure, axes[:count]
+
+
+def legend_below(figure: Figure) -> None:
+    """One legend for all panels, where it can cover nothing."""
+    entries: dict[str, Any] = {}
+    for ax in figure.axes:
+        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
+            entries.setdefault(label, handle)
+    columns = min(len(entries), max(2, int(figure.get_figwidth() / 1.7)))
+    figure.legend(entries.values(), entries.keys(), loc="outside lower center", ncols=columns)
+
+
+def name_of(padding: str, images: int) -> str:
+    """A padding with its n, where it has one."""
+    return f"{padding}, n = {images}" if padding == "superposed" else padding
+
+
+def label_of(dataset: xr.Dataset) -> str:
+    """:func:`name_of` a Dataset reduced to one padding and one n."""
+    return name_of(str(dataset["padding"].values), int(dataset["images"]))
 
 
 def some(values: Iterable[float], most: int = 3) -> list[float]:
@@ -78,24 +100,20 @@ def some(values: Iterable[float], most: int = 3) -> list[float]:
     return [chosen[round(k * (len(chosen) - 1) / (most - 1))] for k in range(most)]
 
 
-def text(names: Iterable[object]) -> list[str]:
-    """Coordinate labels as plain text."""
-    return [str(name) for name in names]
-
-
-def percent(value: float) -> str:
+def percent(value: SupportsFloat) -> str:
     """A share as a person writes it: two digits, in per cent."""
     share = 100 * abs(float(value))
-    if share == 0:
-        return "0 %"
-    if share < 1e-3:
-        return f"{share:.1e} %".replace("e-0", "e-")
-    return f"{share:.2g} %" if share < 10 else f"{share:.0f} %"
+    if not np.isfinite(share) or share == 0:
+        return "0 %" if share == 0 else "not known"
+    if share >= 10:
+        return f"{share:.0f} %"
+    digits = max(0, 1 - int(np.floor(np.log10(share))))
+    return f"{share:.{digits}f} %" if digits < 7 else f"{share:.1e} %"
 
 
 def paddings(dataset: xr.Dataset) -> list[str]:
     """The paddings a Dataset holds, in its order."""
-    return text(dataset["padding"].values)
+    return [str(name) for name in dataset["padding"].values]
 
 
 def save(plates: Sequence[Plate], folder: Path) -> None:

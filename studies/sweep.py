@@ -7,9 +7,11 @@ from contextlib import nullcontext
 from multiprocessing import get_context
 from pathlib import Path
 
-import dask
+import dask.config
 import xarray as xr
+from dask.base import compute as compute_all
 from dask.callbacks import Callback
+from dask.delayed import delayed
 from tqdm import tqdm
 
 from studies.case import Case
@@ -53,17 +55,17 @@ def run(
 
 def _solve(study: Study, cases: list[Case], workers: int) -> dict[Case, Outcome]:
     tasks = [
-        dask.delayed(compute, pure=False)(case, study.measures, dask_key_name=f"case-{number}")
+        delayed(compute, pure=False)(case, study.measures, dask_key_name=f"case-{number}")
         for number, case in enumerate(cases)
     ]
     pool = _pool(workers) if workers else nullcontext()
     bar = tqdm(total=len(cases), desc=f"{study.name}: solving", unit="case", disable=None)
-    with pool as executor, bar, _Progress(bar):
+    with pool as executor, bar, Callback(posttask=lambda *_: bar.update()):
         settings = (
             {"scheduler": "processes", "pool": executor} if workers else {"scheduler": "sync"}
         )
         with dask.config.set(settings):
-            return dict(zip(cases, dask.compute(*tasks), strict=True))
+            return dict(zip(cases, compute_all(*tasks), strict=True))
 
 
 def _time(name: str, cases: Iterable[Case], repeats: int) -> Mapping[Case, tuple[float, float]]:
@@ -84,10 +86,3 @@ def _pool(workers: int) -> ProcessPoolExecutor:
         initializer=signal.signal,
         initargs=(signal.SIGINT, signal.SIG_IGN),
     )
-
-
-class _Progress(Callback):  # type: ignore[misc]
-    """Moves the bar by one case each time a task ends."""
-
-    def __init__(self, bar: "tqdm[object]") -> None:
-        super().__init__(posttask=lambda *_: bar.update())

@@ -11,7 +11,7 @@ from numpy.polynomial.legendre import leggauss
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import binom, digamma, k0, zeta
 
-Array = NDArray[np.float64]
+from contactstudy.arrays import Array
 
 # Beyond NEAR cells a line's field is analytic in a Bernstein ellipse of rho >= 9.9, so that 8 Gauss
 # points leave rho^-16 ~ 1e-16; beyond FAR cells rho >= 160 and 4 points do.
@@ -147,7 +147,7 @@ def _mean_over_cell(x: Array, y: Array, half_x: Array, half_y: float) -> Array:
     beyond = inner >= FOURIER_END
     wide = ~beyond & (half_x.reshape(inner.shape) > 0.5)
     fourier = ~beyond & ~wide & (inner >= HANDOVER)
-    forms: dict[Callable[[Array, Array, Array, float], Array], Array] = {
+    forms: dict[Callable[[Array, Array, Array, float], Array], NDArray[np.bool_]] = {
         _logarithm: beyond,
         _strips: wide,
         _fourier: fourier,
@@ -163,11 +163,10 @@ def _mean_over_cell(x: Array, y: Array, half_x: Array, half_y: float) -> Array:
 
 def _images(x: Array, y: Array, half_x: Array, half_y: float) -> Array:
     """The nearest images one by one, the rest as a series in ``x^2`` that converges like 4^-k."""
-    area = 4 * half_x * half_y
-    total = sum(
-        boussinesq_cell(x, y + m, 2 * half_x, 2 * half_y) for m in range(-IMAGES, IMAGES + 1)
-    )
-    total = total / area - 2 * np.log(2)
+    total: Array = np.zeros(np.broadcast_shapes(x.shape, y.shape))
+    for m in range(-IMAGES, IMAGES + 1):
+        total += boussinesq_cell(x, y + m, 2 * half_x, 2 * half_y)
+    total = total / (4 * half_x * half_y) - 2 * np.log(2)
     sides = [
         (weight, IMAGES + 1 + sign * (y + node * half_y))
         for node, weight in _gauss(NEAR_POINTS)

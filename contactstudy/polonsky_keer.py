@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contactstudy.arrays import Array
+from contactstudy.arrays import Array, inner
 from contactstudy.pressures import AdmissiblePressures
 
 
@@ -55,12 +55,12 @@ class PolonskyKeer:
                 return Iterate(pressure, moved, approach, left, iteration, convolutions)
             iteration += 1
             descent = np.where(contact, gap, 0.0)
-            steepness = float(np.vdot(descent, descent))
+            steepness = inner(descent, descent)
             direction = np.where(contact, gap + conjugate * (steepness / previous) * direction, 0.0)
             previous = steepness
             response = displacement(direction)
             response -= response[contact].mean()
-            step = float(np.vdot(descent, direction) / np.vdot(response, direction))
+            step = inner(descent, direction) / inner(response, direction)
             pressure = pressures.clip(pressure - step * direction)
             overlap = (pressure == 0) & (gap < 0)
             conjugate = 0.0 if overlap.any() else 1.0

@@ -5,7 +5,7 @@ from typing import Protocol
 
 import numpy as np
 
-from contactstudy.arrays import Array
+from contactstudy.arrays import Array, inner
 from contactstudy.checks import positive, whole
 from contactstudy.polonsky_keer import Iterate, PolonskyKeer
 from contactstudy.pressures import AdmissiblePressures
@@ -55,7 +55,7 @@ def solve(
 
     def residual(pressure: Array, gap: Array) -> float:
         total = pressure.sum()
-        complementarity = np.vdot(pressure, np.abs(gap)) / total
+        complementarity = inner(pressure, np.abs(gap)) / total
         penetration = np.max(-gap, where=pressure == 0, initial=0.0)
         return float(max(complementarity, penetration, abs(total / pressures.total - 1)))
 

@@ -13,7 +13,7 @@ from studies.style import LAW, label_of, legend_below, look, paddings, panels
 
 __all__ = ["figure", "measures", "points", "scene_at"]
 
-points = line_contact.axes(grid=(16, 24, 32, 48, 64, 96, 128, 192, 256, 512))
+points = line_contact.axes(grid=(16, 24, 32, 48, 64, 96, 128, 192, 256))
 
 PANELS = {
     "peak_pressure_error": "|peak-pressure error|",

@@ -49,7 +49,8 @@ def assemble(
             values = [value.astype(np.int8) for value in values]
             attrs["flag_values"] = np.asarray(attrs["flag_values"], dtype=np.int8)
         data[name] = xr.Variable(names + kind.dims, np.reshape(values, shape + kind.shape), attrs)
-        if np.issubdtype(kind.dtype, np.integer):
+        # a whole number has no nan: where one is missing, readers are told which stands for it
+        if np.issubdtype(kind.dtype, np.integer) and any(name not in o.variables for o in at):
             data[name].encoding["_FillValue"] = np.array(-1, data[name].dtype)[()]
     for column, (name, long_name) in enumerate(
         (

@@ -1,0 +1,33 @@
+"""A smooth line contact that many tests share."""
+
+from dataclasses import dataclass
+
+import pytest
+
+import contactstudy as cs
+
+STEEL = cs.HalfSpace(youngs_modulus=210e9, poisson_ratio=0.3)
+
+
+@dataclass(frozen=True)
+class LineContact:
+    """Steel on steel, 100 N/mm, R = 10 mm."""
+
+    scene: cs.Scene
+    hertz: cs.analytic.HertzLine
+
+    def grid(self, cells: int | tuple[int, int], period: float, width: float = 2.4) -> cs.Grid:
+        """Cells over extents given in Hertz half-widths."""
+        cells = cells if isinstance(cells, tuple) else (cells, cells)
+        a = self.hertz.half_width
+        return cs.Grid(cells=cells, extent=(width * a, period * a))
+
+
+@pytest.fixture(scope="session")
+def line_contact() -> LineContact:
+    scene = cs.Scene(
+        load=cs.LineLoad(1e5), solids=(STEEL, STEEL), shapes=(cs.Cylinder(radius=0.01),)
+    )
+    hertz = scene.hertz
+    assert hertz is not None
+    return LineContact(scene, hertz)

@@ -1,0 +1,27 @@
+"""One small sweep, run once, that many tests read."""
+
+from pathlib import Path
+
+import pytest
+
+from studies.study import Study, load
+from studies.sweep import run
+
+SMALL = {"images": "0:2", "period": "0.6,2.4", "grid": "16,24"}
+
+
+def quiet(_: str) -> None:
+    """For ``say``."""
+
+
+@pytest.fixture(scope="session")
+def small_study() -> Study:
+    return load("padding").override(SMALL)
+
+
+@pytest.fixture(scope="session")
+def small_run(small_study: Study, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder with padding.nc, computed in this process."""
+    out = tmp_path_factory.mktemp("small")
+    run(small_study, out, workers=0, repeats=1, say=quiet)
+    return out

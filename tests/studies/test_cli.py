@@ -1,0 +1,110 @@
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+COMMAND = str(Path(sys.executable).with_name("contactstudy"))
+SMALL = [
+    "--padding",
+    "exact",
+    "--period",
+    "2.4",
+    "--grid",
+    "16,24",
+    "--images",
+    "6",
+    "--workers",
+    "0",
+    "--repeats",
+    "1",
+]
+
+
+def call(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [COMMAND, *arguments], capture_output=True, text=True, cwd=cwd, timeout=300
+    )
+
+
+def test_run_leaves_a_dataset_and_its_figures(tmp_path: Path) -> None:
+    done = call("run", "period", "--out", "here", *SMALL, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "here" / "period.nc").is_file()
+    assert (tmp_path / "here" / "period" / "period.pdf").is_file()
+    assert "2 distinct cases" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (
+            ["run", "paddin"],
+            "Study 'paddin' is not known: did you mean 'padding', or give a .py file.",
+        ),
+        (
+            ["run", "padding", "--perid", "1"],
+            "Parameter 'perid' is not one of study 'padding': did you mean 'period'.",
+        ),
+        (["run", "padding", "--period", "0"], "period is 0.0: give a period above 0 half-widths."),
+        (["run", "padding", "--period", "nan"], "period is 'nan': give numbers such as 0.6,2.4."),
+        (["run", "padding", "--grid", "1"], "grid is 1: give at least 2 cells across the width."),
+        (["run", "padding", "--grid"], "Parameter 'grid' has no values: write --grid values."),
+        (
+            ["run", "padding", "extra"],
+            "Argument 'extra' is not expected: write --parameter values.",
+        ),
+        (
+            ["run", "padding", "--out", "/dev/null/x"],
+            "Output folder '/dev/null/x' cannot be written to (Not a directory): give another with --out.",
+        ),
+        (
+            ["draw", "--out", "empty"],
+            "Study file 'empty/paper.nc' cannot be read (No such file or directory): run the study first.",
+        ),
+    ],
+    ids=lambda part: " ".join(part) if isinstance(part, list) else "",
+)
+def test_bad_input_is_one_sentence_and_leaves_nothing(
+    arguments: list[str], sentence: str, tmp_path: Path
+) -> None:
+    done = call(*arguments, cwd=tmp_path)
+    assert done.returncode == 2
+    assert done.stderr == f"contactstudy: {sentence}\n"
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "arguments", [["nothing"], ["report", "--workers", "-1"], ["run"], ["report", "--sideways"]]
+)
+def test_a_wrong_word_is_an_error_without_traceback(arguments: list[str], tmp_path: Path) -> None:
+    done = call(*arguments, cwd=tmp_path)
+    assert done.returncode == 2
+    assert "Error: " in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_studies_are_listed_with_their_axes(tmp_path: Path) -> None:
+    done = call("studies", cwd=tmp_path)
+    assert "paper: " in done.stdout
+    assert "--period 0.15,0.3" in done.stdout
+
+
+def test_an_interrupt_ends_in_one_sentence_and_leaves_nothing_half_written(tmp_path: Path) -> None:
+    arguments = ["run", "grid", "--grid", "256,360,512", "--out", "here"]
+    running = subprocess.Popen(
+        [COMMAND, *arguments], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        start_new_session=True,
+    )  # fmt: skip
+    assert running.stdout is not None
+    assert "distinct cases" in running.stdout.readline()
+    time.sleep(4)
+    os.killpg(running.pid, signal.SIGINT)  # a terminal sends Ctrl-C to the whole group
+    _, err = running.communicate(timeout=60)
+    assert running.returncode == 130, err
+    assert err.splitlines()[-1].startswith("contactstudy: stopped")
+    assert "Traceback" not in err
+    assert list((tmp_path / "here").iterdir()) == []

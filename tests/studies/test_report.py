@@ -1,0 +1,108 @@
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+from studies import report
+from studies.study import BUILT_IN, Study, load
+from studies.style import percent
+from studies.sweep import run
+from tests.studies.conftest import quiet
+
+FEW = {"grid": "16,24", "period": "0.6,2.4"}
+
+
+@pytest.fixture(scope="module")
+def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("report")
+    for name in BUILT_IN:
+        study = load(name)
+        few = study.override(
+            {axis.name: FEW[axis.name] for axis in study.points if axis.name in FEW}
+        )
+        run(few, folder, workers=0, repeats=1, say=quiet)
+        report.draw(few, folder)
+    report.write(folder)
+    return folder
+
+
+class Page(HTMLParser):
+    """Pictures, links, and that every tag is closed."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.sources: list[str] = []
+        self.links: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        given = dict(attrs)
+        self.sources += [given["src"] or ""] if "src" in given else []
+        self.links += [given["href"] or ""] if "href" in given else []
+        if tag not in ("meta", "br", "img", "link"):
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+
+def test_report_stands_alone_and_its_links_lead_somewhere(out: Path) -> None:
+    text = (out / "report.html").read_text()
+    page = Page()
+    page.feed(text)
+    assert page.open == []
+    assert len(page.sources) == len(list(out.rglob("*.png")))
+    assert all(source.startswith("data:image/png;base64,") for source in page.sources)
+    for link in page.links:
+        assert (f'id="{link[1:]}"' in text) if link.startswith("#") else (out / link).is_file(), (
+            link
+        )
+    assert not re.search(r"https?://|\bnan\b|\bNone\b", re.sub(r"base64,[^\"]*", "", text))
+
+
+def test_every_study_leaves_netcdf_png_and_pdf(out: Path) -> None:
+    for name in BUILT_IN:
+        assert (out / f"{name}.nc").is_file()
+        pictures = {path.stem for path in (out / name).glob("*.png")}
+        assert pictures
+        assert pictures == {path.stem for path in (out / name).glob("*.pdf")}
+    assert not list(out.rglob("*.partial*"))
+
+
+def test_report_examines_the_two_claims_with_measured_numbers(out: Path) -> None:
+    text = (out / "report.html").read_text()
+    assert "n ≥ 6 gives very similar results" in text
+    assert "Independent of the domain extent" in text
+    # at 128 cells, from the paper's own setting
+    for shown in ("1.9 %", "17 %", "0.050 %", "31 %", "527 %"):
+        assert shown in text
+
+
+@pytest.mark.parametrize("name", ["padding", "images", "period", "grid"])
+@pytest.mark.parametrize("padding", ["exact", "zero", "superposed"])
+def test_figures_can_be_drawn_of_one_mode_at_one_point(
+    name: str, padding: str, tmp_path: Path
+) -> None:
+    study: Study = load(name).override(
+        {"padding": padding, "images": "1", "period": "1.2", "grid": "16"}
+    )
+    run(study, tmp_path, workers=0, repeats=1, say=quiet)
+    report.draw(study, tmp_path)
+    assert list((tmp_path / name).glob("*.png"))
+
+
+@pytest.mark.parametrize(
+    ("share", "text"),
+    [
+        (0.0, "0 %"),
+        (-0.0192, "1.9 %"),
+        (0.167, "17 %"),
+        (8.5e-6, "0.00085 %"),
+        (5.27, "527 %"),
+        (1e-12, "1.0e-10 %"),
+        (float("nan"), "not known"),
+    ],
+)
+def test_shares_are_written_with_two_digits(share: float, text: str) -> None:
+    assert percent(share) == text

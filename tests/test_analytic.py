@@ -1,0 +1,67 @@
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+import contactstudy as cs
+from contactstudy.analytic import truncation_error
+
+LINE = cs.analytic.hertz_line(load_per_length=1e5, radius=0.01, contact_modulus=1.15e11)
+POINT = cs.analytic.hertz_point(load=100.0, radius=0.01, contact_modulus=1.15e11)
+
+
+def test_hertz_line_pressure_carries_its_load() -> None:
+    a = LINE.half_width
+    load = quad(lambda t: LINE.pressure(a * np.sin(t)) * a * np.cos(t), -np.pi / 2, np.pi / 2)[0]
+    assert load == pytest.approx(1e5, rel=1e-12)
+
+
+def test_hertz_line_surfaces_touch_inside_and_part_outside() -> None:
+    a = LINE.half_width
+    x = np.array([0.0, 0.3, 0.8, 1.0, 1.2, 3.0]) * a
+    gap = x**2 / (2 * LINE.radius) + LINE.displacement(x, a) - LINE.displacement(0.0, a)
+    np.testing.assert_allclose(gap[:4], 0, atol=4e-16 * LINE.displacement(0.0, a))
+    assert (np.diff(gap[3:]) > 0).all()
+
+
+def test_hertz_line_displacement_is_the_logarithmic_potential_of_its_pressure() -> None:
+    a, datum = LINE.half_width, 2.5 * LINE.half_width
+    for x in (0.4 * a, 1.7 * a, 30 * a):
+        kink = [np.arcsin(x / a)] if x < a else None
+        potential = quad(
+            lambda t, x=x: LINE.pressure(a * np.sin(t)) * a * np.cos(t)
+            * np.log(datum / abs(x - a * np.sin(t))),
+            -np.pi / 2, np.pi / 2, points=kink, epsrel=1e-11, limit=200,
+        )[0]  # fmt: skip
+        expected = 2 / (np.pi * LINE.contact_modulus) * potential
+        assert LINE.displacement(x, datum) == pytest.approx(expected, rel=1e-8)
+
+
+def test_hertz_point_surfaces_touch_inside_and_part_outside() -> None:
+    a = POINT.contact_radius
+    r = np.array([0.0, 0.5, 1.0, 1.1, 2.0]) * a
+    gap = r**2 / (2 * POINT.radius) + POINT.displacement(r) - POINT.approach
+    np.testing.assert_allclose(gap[:3], 0, atol=4e-16 * POINT.approach)
+    assert (np.diff(gap[2:]) > 0).all()
+
+
+def test_hertz_point_looks_like_a_point_force_from_afar() -> None:
+    r = 1e3 * POINT.contact_radius
+    expected = POINT.load / (np.pi * POINT.contact_modulus * r)
+    assert POINT.displacement(r) == pytest.approx(expected, rel=1e-6)
+
+
+def test_hertz_point_peak_pressure_carries_its_load() -> None:
+    a = POINT.contact_radius
+    load = quad(lambda r: 2 * np.pi * r * POINT.pressure(r), 0, a, epsrel=1e-11)[0]
+    assert load == pytest.approx(POINT.load, rel=1e-8)
+
+
+def test_truncation_error_is_one_eighth_of_the_squared_ratio() -> None:
+    np.testing.assert_array_equal(truncation_error(2.0, [4.0, 8.0]), [1 / 32, 1 / 128])
+
+
+@pytest.mark.parametrize("field", ["load_per_length", "radius", "contact_modulus"])
+def test_hertz_line_refuses_what_is_not_above_zero(field: str) -> None:
+    good = {"load_per_length": 1.0, "radius": 1.0, "contact_modulus": 1.0}
+    with pytest.raises(cs.InvalidInput, match=rf"^hertz_line\.{field} is -1\.0: "):
+        cs.analytic.hertz_line(**(good | {field: -1.0}))

@@ -1,0 +1,70 @@
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import contactstudy as cs
+
+PADDINGS = [cs.ZeroPadding(), cs.DuplicatedPadding(), cs.Superposition(2), cs.ExactPeriodicity()]
+CELLS = [(8, 6), (7, 5), (16, 1), (3, 13)]
+
+
+def operator(cells: tuple[int, int], padding: cs.Padding) -> cs.Convolution:
+    return cs.convolution(2.0, cs.Grid(cells=cells, extent=(1.0, 0.7)), padding, datum=1.0)
+
+
+def two(cells: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+    first, second = np.random.default_rng(1).standard_normal((2, *cells))
+    return first, second
+
+
+@pytest.mark.parametrize("padding", PADDINGS, ids=str)
+@pytest.mark.parametrize("cells", CELLS, ids=str)
+def test_operator_is_self_adjoint(cells: tuple[int, int], padding: cs.Padding) -> None:
+    a, b = two(cells)
+    apply = operator(cells, padding)
+    scale = np.abs(apply(np.abs(a))).max() * np.abs(b).sum()
+    assert abs(np.vdot(b, apply(a)) - np.vdot(a, apply(b))) < 1e-15 * a.size * scale
+
+
+@pytest.mark.parametrize("padding", PADDINGS, ids=str)
+def test_operator_is_linear(padding: cs.Padding) -> None:
+    a, b = two((8, 6))
+    apply = operator((8, 6), padding)
+    assert_allclose(apply(3 * a - b), 3 * apply(a) - apply(b), atol=1e-14)
+
+
+@pytest.mark.parametrize("padding", [cs.DuplicatedPadding(), cs.ExactPeriodicity()], ids=str)
+@pytest.mark.parametrize("cells", CELLS, ids=str)
+def test_what_wraps_moves_with_its_pressure(cells: tuple[int, int], padding: cs.Padding) -> None:
+    a, _ = two(cells)
+    apply = operator(cells, padding)
+    assert_allclose(apply(np.roll(a, 1, axis=1)), np.roll(apply(a), 1, axis=1), atol=1e-14)
+
+
+@pytest.mark.parametrize("padding", PADDINGS, ids=str)
+def test_operator_leaves_its_pressure_alone(padding: cs.Padding) -> None:
+    a, _ = two((8, 6))
+    kept = a.copy()
+    operator((8, 6), padding)(a)
+    assert (a == kept).all()
+
+
+def test_one_cell_along_the_length_is_plane_strain() -> None:
+    """The line load's logarithm, averaged over a strip (Johnson 1985, sect. 2.3)."""
+    nx, dx = 9, 0.25
+    grid = cs.Grid(cells=(nx, 1), extent=(nx * dx, 3.0))
+    apply = cs.convolution(2.0, grid, cs.ExactPeriodicity(), datum=0.5)
+    unit = np.zeros((nx, 1))
+    unit[2] = 1.0
+    edges = (grid.x[:, None] - grid.x[2]) + np.array([0.5, -0.5]) * dx
+    primitive = edges * np.log(np.abs(edges) / 0.5) - edges
+    expected = -2 / (np.pi * 2.0) * (primitive[:, 0] - primitive[:, 1])
+    assert_allclose(apply(unit)[:, 0], expected, atol=1e-15)
+
+
+def test_doubling_the_period_with_the_same_pressure_changes_nothing_exact() -> None:
+    once, twice = (cs.Grid(cells=(8, 6 * k), extent=(1.0, 0.7 * k)) for k in (1, 2))
+    a, _ = two((8, 6))
+    single = cs.convolution(2.0, once, cs.ExactPeriodicity(), datum=1.0)(a)
+    double = cs.convolution(2.0, twice, cs.ExactPeriodicity(), datum=1.0)(np.tile(a, 2))
+    assert_allclose(double, np.tile(single, 2), atol=1e-14)

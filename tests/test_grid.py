@@ -1,0 +1,43 @@
+import numpy as np
+import pytest
+
+import contactstudy as cs
+
+
+def test_cell_centres_are_symmetric_to_the_last_bit() -> None:
+    grid = cs.Grid(cells=(7, 10), extent=(0.3, 0.7))
+    assert (grid.x == -grid.x[::-1]).all()
+    assert (grid.y == -grid.y[::-1]).all()
+    assert grid.x[3] == 0
+    np.testing.assert_allclose(np.diff(grid.y), grid.cell[1], rtol=1e-14)
+    np.testing.assert_allclose(grid.x[-1] + grid.cell[0] / 2, 0.15, rtol=1e-15)
+
+
+def test_one_cell_along_the_length_is_plane_strain_and_allowed() -> None:
+    assert cs.Grid(cells=(2, 1), extent=(1.0, 1.0)).y.tolist() == [0.0]
+
+
+@pytest.mark.parametrize(
+    ("cells", "extent", "field", "value"),
+    [
+        ((1, 8), (1.0, 1.0), "Grid.cells[0]", "1"),
+        ((8, 0), (1.0, 1.0), "Grid.cells[1]", "0"),
+        ((8.5, 8), (1.0, 1.0), "Grid.cells[0]", "8.5"),
+        ((True, 8), (1.0, 1.0), "Grid.cells[0]", "True"),
+        (8, (1.0, 1.0), "Grid.cells", "8"),
+        ((8, 8), (1.0, 0.0), "Grid.extent[1]", "0.0"),
+        ((8, 8), (-1.0, 1.0), "Grid.extent[0]", "-1.0"),
+        ((8, 8), (float("nan"), 1.0), "Grid.extent[0]", "nan"),
+        ((8, 8), (1.0, float("inf")), "Grid.extent[1]", "inf"),
+        ((8, 8), 1.0, "Grid.extent", "1.0"),
+    ],
+)
+def test_a_bad_grid_is_refused_in_one_sentence(
+    cells: object, extent: object, field: str, value: str
+) -> None:
+    with pytest.raises(cs.InvalidInput) as refusal:
+        cs.Grid(cells=cells, extent=extent)  # type: ignore[arg-type]
+    sentence = str(refusal.value)
+    assert sentence.startswith(f"{field} is {value}: give ")
+    assert sentence.endswith(".")
+    assert "\n" not in sentence

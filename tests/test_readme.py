@@ -1,0 +1,29 @@
+"""Every Python block of the README runs, in order, and says what its comments say."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from studies.study import load
+from studies.sweep import run
+
+README = (Path(__file__).parent.parent / "README.md").read_text()
+SWEEP = re.search(r"contactstudy run padding --out (\S+) (.*)", README)
+
+
+def test_readme_python_blocks_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert SWEEP is not None
+    folder, words = SWEEP[1], SWEEP[2].split()
+    axes = dict(zip((word[2:] for word in words[::2]), words[1::2], strict=True))
+    run(load("padding").override(axes), Path(folder), workers=0, repeats=1)
+    capsys.readouterr()
+    for block in re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL):
+        exec(compile(block, "README.md", "exec"), {})
+    out = capsys.readouterr().out.splitlines()
+    assert out[0] == "CONVERGED: the residual is below the tolerance."
+    assert float(out[1]) == pytest.approx(1.0, abs=5e-4)
+    assert (tmp_path / "outputs" / "contact.nc").is_file()

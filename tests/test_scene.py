@@ -1,0 +1,57 @@
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from tests.conftest import STEEL, LineContact
+
+
+@pytest.mark.parametrize("radius", [-0.01, 0.0, math.nan, math.inf, "10 mm", None])
+def test_a_bad_radius_is_refused_by_name_and_value(radius: object) -> None:
+    with pytest.raises(
+        cs.InvalidInput, match=r"^Cylinder\.radius is .*: give a radius above 0 m\.$"
+    ):
+        cs.Cylinder(radius=radius)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("load", [-1.0, 0.0, math.nan])
+def test_a_load_that_does_not_press_is_refused(load: float) -> None:
+    with pytest.raises(cs.InvalidInput, match=r"^LineLoad\.per_length is .* above 0 N/m\.$"):
+        cs.LineLoad(load)
+
+
+@pytest.mark.parametrize(
+    ("modulus", "ratio"), [(0.0, 0.3), (-1.0, 0.3), (1e9, 0.51), (1e9, -1.0), (1e9, math.nan)]
+)
+def test_a_solid_that_cannot_exist_is_refused(modulus: float, ratio: float) -> None:
+    with pytest.raises(cs.InvalidInput, match=r"^HalfSpace\."):
+        cs.HalfSpace(youngs_modulus=modulus, poisson_ratio=ratio)
+
+
+def test_two_rigid_bodies_are_refused() -> None:
+    rigid = cs.HalfSpace(youngs_modulus=math.inf, poisson_ratio=0.3)
+    with pytest.raises(cs.InvalidInput, match="all rigid"):
+        cs.Scene(load=cs.LineLoad(1.0), solids=(rigid, rigid))
+
+
+@pytest.mark.parametrize("solids", [(STEEL,), STEEL, (STEEL, 210e9), ()])
+def test_solids_that_are_not_two_bodies_are_refused(solids: object) -> None:
+    with pytest.raises(cs.InvalidInput, match=r"^Scene\.solids"):
+        cs.Scene(load=cs.LineLoad(1.0), solids=solids)  # type: ignore[arg-type]
+
+
+def test_a_rigid_body_adds_no_compliance() -> None:
+    rigid = cs.HalfSpace(youngs_modulus=math.inf, poisson_ratio=0.0)
+    scene = cs.Scene(load=cs.LineLoad(1.0), solids=(STEEL, rigid))
+    assert scene.contact_modulus == pytest.approx(210e9 / (1 - 0.09), rel=1e-15)
+
+
+def test_shapes_add_up(line_contact: LineContact) -> None:
+    halves = replace(line_contact.scene, shapes=(cs.Cylinder(0.02), cs.Cylinder(0.02)))
+    grid = line_contact.grid((16, 4), 1.0)
+    whole = line_contact.scene.problem(grid, cs.ExactPeriodicity())
+    split = halves.problem(grid, cs.ExactPeriodicity())
+    np.testing.assert_allclose(split.undeformed_gap, whole.undeformed_gap, rtol=4e-16)
+    assert split.scales.length == pytest.approx(whole.scales.length, rel=1e-15)

@@ -1,0 +1,152 @@
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import contactstudy as cs
+from tests.conftest import STEEL, LineContact
+
+PADDINGS = [cs.ZeroPadding(), cs.DuplicatedPadding(), cs.Superposition(2), cs.ExactPeriodicity()]
+
+
+@pytest.mark.parametrize("padding", PADDINGS, ids=str)
+def test_solution_meets_the_contact_conditions(
+    padding: cs.Padding, line_contact: LineContact
+) -> None:
+    problem = line_contact.scene.problem(line_contact.grid(32, 1.2), padding)
+    solution = cs.solve(problem, tolerance=1e-9)
+    scale = problem.scales.gap
+    assert solution.status is cs.Status.CONVERGED
+    assert solution.residual <= 1e-9
+    assert (solution.pressure >= 0).all()
+    assert solution.gap[solution.pressure == 0].min() >= -1e-9 * scale
+    weighted = (solution.pressure * np.abs(solution.gap)).sum() / solution.pressure.sum()
+    assert weighted <= 1e-9 * scale * (1 + 1e-6)
+    carried = solution.pressure.sum() * problem.grid.cell_area
+    assert carried == pytest.approx(1e5 * problem.grid.period, rel=1e-12)
+    rebuilt = problem.undeformed_gap + problem.displacement(solution.pressure) - solution.approach
+    np.testing.assert_allclose(solution.gap, rebuilt, atol=1e-13 * scale)
+
+
+def test_solution_is_that_of_a_dense_active_set(line_contact: LineContact) -> None:
+    """Remove tensile cells from a dense linear system until none is left."""
+    grid = line_contact.grid((20, 4), 1.2)
+    problem = line_contact.scene.problem(grid, cs.Superposition(1))
+    cells = grid.cells[0] * grid.cells[1]
+    units = np.eye(cells).reshape(cells, *grid.cells) * problem.scales.pressure
+    matrix = np.stack([problem.displacement(u).ravel() for u in units], 1) / problem.scales.gap
+    gap = problem.undeformed_gap.ravel() / problem.scales.gap
+    total = problem.pressures.total / problem.scales.pressure
+    active = np.ones(cells, dtype=bool)
+    while True:
+        n = active.sum()
+        system = np.block(
+            [
+                [matrix[np.ix_(active, active)], -np.ones((n, 1))],
+                [np.ones((1, n)), np.zeros((1, 1))],
+            ]
+        )
+        found = np.linalg.solve(system, np.append(-gap[active], total))
+        if (found[:-1] > 0).all():
+            break
+        active[np.flatnonzero(active)[found[:-1] <= 0]] = False
+    pressure = np.zeros(cells)
+    pressure[active] = found[:-1]
+    assert (gap + matrix @ pressure - found[-1] > -1e-12)[~active].all()
+    solution = cs.solve(problem, tolerance=1e-11)
+    error = solution.pressure.ravel() / problem.scales.pressure - pressure
+    assert np.abs(error).max() < 1e-8
+    assert solution.approach / problem.scales.gap == pytest.approx(found[-1], rel=1e-9)
+
+
+def test_approach_of_the_line_contact_is_hertz(line_contact: LineContact) -> None:
+    grid = line_contact.grid((256, 1), 2.4)
+    solution = cs.solve(line_contact.scene.problem(grid, cs.ExactPeriodicity()))
+    a = line_contact.hertz.half_width
+    # second order in the cell, for the pressure is constant in each
+    assert solution.approach == pytest.approx(
+        line_contact.hertz.displacement(0.0, a), rel=(2.4 / 256) ** 2
+    )
+
+
+@pytest.mark.parametrize("padding", PADDINGS, ids=str)
+@pytest.mark.parametrize(("metre", "newton"), [(1e9, 1.0), (1e-3, 1e-12), (1e3, 1e3)])
+def test_units_do_not_change_the_answer(
+    padding: cs.Padding, metre: float, newton: float, line_contact: LineContact
+) -> None:
+    pascal = newton / metre**2
+    solid = replace(STEEL, youngs_modulus=STEEL.youngs_modulus * pascal)
+    scene = cs.Scene(
+        load=cs.LineLoad(1e5 * newton / metre),
+        solids=(solid, solid),
+        shapes=(cs.Cylinder(0.01 * metre),),
+    )
+    grid = line_contact.grid((24, 6), 1.2)
+    other = cs.Grid(cells=grid.cells, extent=(grid.extent[0] * metre, grid.extent[1] * metre))
+    # rounding sends the iteration on another path, so both must end closer than they are compared
+    plain = cs.solve(line_contact.scene.problem(grid, padding), tolerance=1e-12)
+    scaled = cs.solve(scene.problem(other, padding), tolerance=1e-12)
+    atol = 1e-10 * plain.pressure.max()
+    np.testing.assert_allclose(scaled.pressure / pascal, plain.pressure, rtol=0, atol=atol)
+    assert scaled.approach / metre == pytest.approx(plain.approach, rel=1e-10)
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    load=st.floats(1e2, 1e7),
+    modulus=st.floats(1e6, 1e12),
+    radius=st.floats(1e-4, 10.0),
+)
+def test_pressure_scales_as_the_root_of_load_times_modulus_over_radius(
+    load: float, modulus: float, radius: float
+) -> None:
+    tolerance = 1e-9
+    peaks = []
+    for w, e, r in ((load, modulus, radius), (1.0, 1.0, 1.0)):
+        solid = cs.HalfSpace(youngs_modulus=e, poisson_ratio=0.3)
+        scene = cs.Scene(load=cs.LineLoad(w), solids=(solid, solid), shapes=(cs.Cylinder(r),))
+        law = math.sqrt(w * scene.contact_modulus / r)
+        width = 2.4 * math.sqrt(w * r / scene.contact_modulus)
+        grid = cs.Grid(cells=(32, 2), extent=(width, width))
+        solution = cs.solve(scene.problem(grid, cs.ExactPeriodicity()), tolerance=tolerance)
+        assert solution.status is not cs.Status.ITERATION_LIMIT
+        peaks.append(solution.pressure.max() / law)
+    # a residual in the gap is one in the pressure times the operator's condition, some 32
+    assert peaks[0] == pytest.approx(peaks[1], rel=32 * tolerance)
+
+
+def test_no_iterations_means_no_convergence(line_contact: LineContact) -> None:
+    problem = line_contact.scene.problem(line_contact.grid(16, 1.2), cs.ExactPeriodicity())
+    for limit in (0, 1, 3):
+        solution = cs.solve(problem, max_iterations=limit)
+        assert solution.status is cs.Status.ITERATION_LIMIT
+        assert solution.iterations == limit
+        assert solution.convolutions == 2 * limit + 1
+        assert "max_iterations" in str(solution.status)
+
+
+def test_contact_that_outgrows_the_width_is_flagged(line_contact: LineContact) -> None:
+    grid = line_contact.grid(16, 1.2, width=1.5)
+    solution = cs.solve(line_contact.scene.problem(grid, cs.ExactPeriodicity()))
+    assert solution.status is cs.Status.CONTACT_AT_EDGE
+    assert "larger width" in str(solution.status)
+
+
+def test_heights_that_are_not_numbers_end_in_a_status(line_contact: LineContact) -> None:
+    problem = line_contact.scene.problem(line_contact.grid(16, 1.2), cs.ExactPeriodicity())
+    heights = problem.undeformed_gap.copy()
+    heights[3, 3] = np.nan
+    solution = cs.solve(replace(problem, undeformed_gap=heights))
+    assert solution.status is cs.Status.NOT_FINITE
+
+
+@pytest.mark.parametrize("tolerance", [0.0, -1e-8, math.nan, "tight"])
+def test_a_tolerance_that_is_none_is_refused(tolerance: object, line_contact: LineContact) -> None:
+    problem = line_contact.scene.problem(line_contact.grid(16, 1.2), cs.ExactPeriodicity())
+    with pytest.raises(cs.InvalidInput, match=r"^solve\.tolerance is "):
+        cs.solve(problem, tolerance=tolerance)  # type: ignore[arg-type]
+    with pytest.raises(cs.InvalidInput, match=r"^solve\.max_iterations is -1"):
+        cs.solve(problem, max_iterations=-1)

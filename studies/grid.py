@@ -5,11 +5,10 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from contactstudy.analytic import truncation_error
-from contactstudy.arrays import Array
 from studies import line_contact
 from studies.line_contact import WIDTH, measures, padding_at, scene_at
 from studies.study import Plate
-from studies.style import LAW, label_of, legend_below, look, paddings, panels
+from studies.style import LAW, finish, label_of, look, paddings, panels
 
 __all__ = ["figure", "measures", "points", "scene_at"]
 
@@ -37,29 +36,35 @@ def figure(dataset: xr.Dataset) -> tuple[Plate, ...]:
         ax.set(xlabel=f"cells N across {WIDTH} a", ylabel=label)
         ax.set_xticks(cells[::2], [str(n) for n in cells[::2]])
         ax.minorticks_off()
-    legend_below(plate)
+    finish(plate)
     return (Plate("grid", plate, _words(chosen)),)
 
 
 def _law(ax: Axes, variable: str, chosen: xr.Dataset) -> None:
-    """What theory says of one panel, as a dotted line with its name beside it."""
+    """What theory says of one panel, dotted, and named above it."""
     cells = chosen["grid"].values
     if variable == "peak_pressure_error":
-        for name in paddings(chosen):
-            reach = padding_at(name, int(chosen["images"])).reach(float(chosen["period"]))
-            if np.isfinite(reach) and name != "zero":
-                _dotted(ax, cells, np.full(len(cells), truncation_error(1, reach)), "a²/(8D²)")
+        name = "a²/(8D²)"
+        reaches = (
+            padding_at(padding, int(chosen["images"])).reach(float(chosen["period"]))
+            for padding in paddings(chosen)
+            if padding != "zero"
+        )
+        laws = [
+            np.full(len(cells), truncation_error(1, reach)) for reach in reaches if reach < np.inf
+        ]
     elif variable == "half_width_error":
-        _dotted(ax, cells, 0.05 * WIDTH / cells, "a twentieth of a cell")
+        name, laws = "a twentieth of a cell", [0.05 * WIDTH / cells]
     elif "exact" in paddings(chosen):
         rate = RATES[variable]
-        level = np.exp(np.mean(np.log(chosen[variable].sel(padding="exact").values / cells**rate)))
-        _dotted(ax, cells, level * cells**rate, f"N^({rate:g})")
-
-
-def _dotted(ax: Axes, cells: Array, law: Array, text: str) -> None:
-    ax.loglog(cells, law, **LAW)
-    ax.text(cells[-1], 1.1 * law[-1], text, fontsize="small", ha="right", va="bottom")
+        error = chosen[variable].sel(padding="exact").values
+        laws = [np.exp(np.mean(np.log(error / cells**rate))) * cells**rate]
+        name = f"N^({rate:g})"
+    else:
+        return
+    for law in laws:
+        ax.loglog(cells, law, **LAW)
+    ax.set_title(f"dotted: {name}", loc="right", fontsize="small")
 
 
 def _words(chosen: xr.Dataset) -> str:

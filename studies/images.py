@@ -6,7 +6,7 @@ from contactstudy.analytic import truncation_error
 from studies import line_contact
 from studies.line_contact import measures, padding_at, scene_at
 from studies.study import Plate
-from studies.style import LAW, legend_below, look, paddings, panels, percent, some
+from studies.style import LAW, finish, look, paddings, panels, percent, some
 
 __all__ = ["figure", "measures", "points", "scene_at"]
 
@@ -26,7 +26,7 @@ def figure(dataset: xr.Dataset) -> tuple[Plate, ...]:
 
 def _peak(dataset: xr.Dataset) -> Plate:
     periods = some(dataset["period"].values)
-    plate, axes = panels(len(periods))
+    plate, axes = panels(len(periods), share="y")
     half = dataset["images"].values + 0.5
     for ax, period in zip(axes, periods, strict=True):
         for name in paddings(dataset):
@@ -37,7 +37,7 @@ def _peak(dataset: xr.Dataset) -> Plate:
         ax.loglog(half, truncation_error(1, reach), label="law a²/(8D²), D = (n + ½)L", **LAW)
         ax.set(title=f"period L = {period:g} a", xlabel=LABEL)
     axes[0].set_ylabel("|peak-pressure error|")
-    legend_below(plate)
+    finish(plate)
     return Plate("peak_error", plate, _peak_words(dataset, periods))
 
 
@@ -75,7 +75,7 @@ def _variation(dataset: xr.Dataset) -> Plate:
         law = float(variation[middle]) * (half[middle] / half) ** 2
         ax.loglog(half, law, label="slope −2", **LAW)
     ax.set(xlabel=LABEL, ylabel="pressure variation along length / p_H")
-    legend_below(plate)
+    finish(plate)
     return Plate(
         "length_variation",
         plate,

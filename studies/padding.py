@@ -8,7 +8,7 @@ from studies import line_contact
 from studies.front import pareto_front
 from studies.line_contact import measures, padding_at, scene_at
 from studies.study import Plate
-from studies.style import LAW, label_of, legend_below, look, paddings, panels, percent, some
+from studies.style import LAW, finish, label_of, look, paddings, panels, percent, some
 
 __all__ = ["figure", "measures", "points", "scene_at"]
 
@@ -44,20 +44,21 @@ def _reach(dataset: xr.Dataset) -> Plate:
         reach = np.geomspace(min(spans), max(spans))
         ax.loglog(reach, truncation_error(1, reach), label="law a²/(8D²)", **LAW)
     ax.set(xlabel="reach of the window D / half-width a", ylabel="|peak-pressure error|")
-    legend_below(plate)
+    finish(plate)
     return Plate(
         "reach",
         plate,
         "Peak-pressure error of every setting against how far to each side a point sees pressure "
-        "(D = L/2 without neighbours, L duplicated, (n + ½)L superposed). Whatever the mode, what "
-        "is not seen costs a²/(8D²) once D exceeds about 3a; only exact periodicity is left with the "
-        "error of the grid.",
+        "(D = L/2 without neighbours, L duplicated, (n + ½)L superposed). What is not seen costs "
+        "a²/(8D²) once D exceeds about 3a, whichever way the images are counted; zero padding lies above, "
+        "since its pressure ends with the domain. Only exact periodicity is left with the error of "
+        "the grid alone.",
     )
 
 
 def _runtime(dataset: xr.Dataset) -> Plate:
     periods = some(dataset["period"].values)
-    plate, axes = panels(len(periods), height=3.6)
+    plate, axes = panels(len(periods), height=3.6, share="y")
     words = []
     for ax, period in zip(axes, periods, strict=True):
         points = settings(dataset.sel(period=period))
@@ -87,7 +88,7 @@ def _runtime(dataset: xr.Dataset) -> Plate:
             f"{percent(best['error'])} in {float(best['cost']):.2g} s"
         )
     axes[0].set_ylabel("relative L1 error of the pressure")
-    legend_below(plate)
+    finish(plate)
     return Plate(
         "runtime",
         plate,

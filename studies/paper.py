@@ -10,7 +10,7 @@ import contactstudy as cs
 from studies import line_contact
 from studies.case import Case
 from studies.study import Plate, Point
-from studies.style import LAW, label_of, legend_below, look, paddings, panels, percent
+from studies.style import LAW, finish, label_of, look, paddings, panels, percent
 
 WIDTH, CELLS = 3.0, 120  # Fig. 4: a square of three contact radii, which is also the period
 
@@ -86,8 +86,8 @@ def _displacement(dataset: xr.Dataset) -> Plate:
         analytic = hertz.displacement(offset * hertz.contact_radius) / hertz.approach
         ax.plot(offset, analytic, label="Hertz, one contact alone", **LAW)
         ax.set(xlabel="distance from centre / contact radius", title=TITLES[direction])
-    axes[0].set_ylabel("displacement / Hertz central displacement")
-    legend_below(plate)
+    axes[0].set_ylabel("displacement / Hertz's at the centre")
+    finish(plate)
     centre, edge = {"offset": CELLS // 2, "images": -1}, {"offset": 0, "images": -1}
     words = [
         f"{name}: {float(dataset['displacement_across'].sel(padding=name).isel(centre)):.4f} at the "
@@ -133,9 +133,9 @@ def _pressure(dataset: xr.Dataset) -> Plate:
         ylabel="error against Hertz [% of p_H]",
         ylim=(-25, 25),
     )
-    legend_below(plate)
+    finish(plate)
     facts = "; ".join(
-        f"{label_of(one)} {percent(one['pressure_error_max'])}"
+        f"{label_of(one)}: {percent(one['pressure_error_max'])}"
         for one in (dataset.sel(padding=name).isel(images=-1) for name in paddings(dataset))
     )
     return Plate(

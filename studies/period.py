@@ -7,7 +7,7 @@ from contactstudy.analytic import truncation_error
 from studies import line_contact
 from studies.line_contact import measures, padding_at, scene_at
 from studies.study import Plate
-from studies.style import LAW, label_of, legend_below, look, paddings, panels, percent
+from studies.style import LAW, finish, label_of, look, paddings, panels, percent
 
 __all__ = ["figure", "measures", "points", "scene_at"]
 
@@ -31,7 +31,7 @@ def figure(dataset: xr.Dataset) -> tuple[Plate, ...]:
             peak.loglog(periods[beyond], law, label="law a²/(8D²)", **LAW)
     peak.set(xlabel="period L / half-width a", ylabel="|peak-pressure error|")
     largest.set(xlabel="period L / half-width a", ylabel="largest pressure error / p_H")
-    legend_below(plate)
+    finish(plate)
     return (Plate("period", plate, _words(chosen)),)
 
 

@@ -54,4 +54,9 @@ def _plate(plate: Plate) -> dict[str, str]:
     buffer = io.BytesIO()
     plate.figure.savefig(buffer, format="png")
     picture = base64.b64encode(buffer.getvalue()).decode()
-    return {"name": plate.name, "caption": plate.caption, "picture": picture}
+    return {
+        "name": plate.name,
+        "caption": plate.caption,
+        "picture": picture,
+        "width": f"{100 * plate.figure.get_figwidth():.0f}px",
+    }

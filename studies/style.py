@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, SupportsFloat
+from typing import Any, Literal, SupportsFloat
 
 import matplotlib as mpl
 import matplotlib.style
@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 from studies.store import replacing
 from studies.study import Plate
@@ -49,6 +50,8 @@ LOOKS = {
     "superposed": Look("#009E73", "^"),
     "exact": Look("#0072B2", "o"),
 }
+Share = Literal["none", "y"]
+
 LAW: dict[str, Any] = {"color": "black", "linestyle": ":", "linewidth": 1.0, "marker": "none"}
 
 
@@ -59,23 +62,26 @@ def look(padding: str) -> dict[str, Any]:
 
 
 def panels(
-    count: int, *, columns: int = 3, width: float = 3.4, height: float = 3.2
+    count: int, *, columns: int = 3, width: float = 3.4, height: float = 3.2, share: Share = "none"
 ) -> tuple[Figure, list[Axes]]:
-    """A figure with ``count`` panels."""
+    """A figure with ``count`` panels; ``share="y"`` gives all of them one scale."""
     columns = min(columns, count)
     rows = -(-count // columns)
     # not pyplot's: nothing is kept open, nothing needs closing
     figure = Figure(figsize=(width * columns, height * rows), layout="constrained")
-    axes = figure.subplots(rows, columns, squeeze=False).ravel().tolist()
+    axes = figure.subplots(rows, columns, squeeze=False, sharey=share == "y").ravel().tolist()
     for spare in axes[count:]:
         spare.set_visible(False)
     return figure, axes[:count]
 
 
-def legend_below(figure: Figure) -> None:
-    """One legend for all panels, where it can cover nothing."""
+def finish(figure: Figure) -> None:
+    """One legend for all panels, where it can cover nothing; numbers at decades only."""
     entries: dict[str, Any] = {}
     for ax in figure.axes:
+        for axis in (ax.xaxis, ax.yaxis):
+            if axis.get_scale() == "log":
+                axis.set_minor_formatter(NullFormatter())
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
             entries.setdefault(label, handle)
     columns = min(len(entries), max(2, int(figure.get_figwidth() / 1.7)))

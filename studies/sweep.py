@@ -39,7 +39,7 @@ def run(
     outcomes = _solve(study, distinct, workers)
     solved = [case for case, outcome in outcomes.items() if outcome.fate is Fate.OK]
     times = _time(study.name, solved, repeats)
-    attributes = {"title": study.title, "case": repr(distinct[0])} | dict(provenance())
+    attributes = {"title": study.title, "first_case": repr(distinct[0])} | dict(provenance())
     attributes["timing"] = f"wall time, least of {repeats}, one case at a time, one thread"
     dataset = assemble(study.points, cases, outcomes, times, attributes)
     path = folder / f"{study.name}.nc"

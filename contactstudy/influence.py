@@ -4,7 +4,8 @@ A uniform pressure p on one cell moves the surface of the half-space by ``I p / 
 functions here return ``I``, a length, for one cell and for a cell repeated with a period.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
@@ -83,10 +84,11 @@ def _lines(x: Array, y: Array, half_x: Array, half_y: Array, points: int) -> Arr
     return 2 * half_x * total
 
 
-def _gauss(points: int) -> Iterator[tuple[float, float]]:
+@cache
+def _gauss(points: int) -> tuple[tuple[float, float], ...]:
     """Gauss-Legendre nodes on (-1, 1) with weights that add up to one."""
     nodes, weights = leggauss(points)
-    return zip(nodes.tolist(), (weights / 2).tolist(), strict=True)
+    return tuple(zip(nodes.tolist(), (weights / 2).tolist(), strict=True))
 
 
 def boussinesq_cell_periodic(

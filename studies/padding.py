@@ -58,7 +58,7 @@ def _reach(dataset: xr.Dataset) -> Plate:
 
 def _runtime(dataset: xr.Dataset) -> Plate:
     periods = some(dataset["period"].values)
-    plate, axes = panels(len(periods), height=3.6, share="y")
+    plate, axes = panels(len(periods), height=3.6, share="both")
     words = []
     for ax, period in zip(axes, periods, strict=True):
         points = settings(dataset.sel(period=period))

@@ -50,7 +50,7 @@ LOOKS = {
     "superposed": Look("#009E73", "^"),
     "exact": Look("#0072B2", "o"),
 }
-Share = Literal["none", "y"]
+Share = Literal["none", "y", "both"]
 
 LAW: dict[str, Any] = {"color": "black", "linestyle": ":", "linewidth": 1.0, "marker": "none"}
 
@@ -64,12 +64,18 @@ def look(padding: str) -> dict[str, Any]:
 def panels(
     count: int, *, columns: int = 3, width: float = 3.4, height: float = 3.2, share: Share = "none"
 ) -> tuple[Figure, list[Axes]]:
-    """A figure with ``count`` panels; ``share="y"`` gives all of them one scale."""
+    """A figure with ``count`` panels; ``share="y"`` gives all of them one scale of it."""
     columns = min(columns, count)
     rows = -(-count // columns)
     # not pyplot's: nothing is kept open, nothing needs closing
     figure = Figure(figsize=(width * columns, height * rows), layout="constrained")
-    axes = figure.subplots(rows, columns, squeeze=False, sharey=share == "y").ravel().tolist()
+    axes = (
+        figure.subplots(
+            rows, columns, squeeze=False, sharex=share == "both", sharey=share != "none"
+        )
+        .ravel()
+        .tolist()
+    )
     for spare in axes[count:]:
         spare.set_visible(False)
     return figure, axes[:count]

@@ -6,6 +6,7 @@ functions here return ``I``, a length, for one cell and for a cell repeated with
 
 from collections.abc import Callable
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
@@ -23,8 +24,12 @@ NEAR_POINTS, FAR_POINTS = 8, 4
 # over from them (its 13 terms end at exp(-13 pi) ~ 1e-18); where only its logarithm is left.
 IMAGES, HANDOVER, FOURIER_END = 3, 0.5, 6.0
 SERIES_TERMS, FOURIER_TERMS = 24, 13
-STRIPS = 14
 CELL_POINTS = 16
+
+# What a cell wider than the period is cut into, each strip narrower than it. They are odd in number,
+# so that no seam meets the axis: beside an observer, a seam of one rounding costs 1e-10 of a thin
+# cell. They end beyond FOURIER_END, so that the flanks are all logarithm.
+STRIPS, STRIPS_END = 15, 7.2
 
 
 def boussinesq_cell(x: ArrayLike, y: ArrayLike, dx: ArrayLike, dy: ArrayLike) -> Array:
@@ -121,17 +126,17 @@ def boussinesq_cell_periodic(
 def _repeated(x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
     """S for one kind of cell."""
     shape = np.broadcast_shapes(x.shape, y.shape)
-    # The nearest image is found before the period becomes the unit of length: fmod and the difference
-    # are exact, where a rounded y / period would move the observer by many of its smallest cells.
-    y = np.fmod(np.abs(y), period)
-    x, y = np.abs(x) / period, np.minimum(y, period - y) / period
+    # Exact, where a rounded y / period would move the observer by many of its smallest cells.
+    x, y = np.abs(x), np.fmod(np.abs(y), period)
+    y = np.minimum(y, period - y)
+    if dy == period:  # nothing varies along y, and the seams must not
+        y = np.zeros_like(y)
     if _is_outer(x.shape, y.shape):
         x, y = x.reshape(-1, 1), y.reshape(1, -1)
     else:
         x, y = (np.broadcast_to(a, shape).ravel() for a in (x, y))
-    half_x, half_y = np.full_like(x, dx / period / 2), dy / period / 2
-    mean = _mean_over_cell(x, y, half_x, half_y).reshape(shape)
-    return np.asarray((mean - 2 * np.log(period)) * (dx * dy / period))
+    mean = _mean_over_cell(x, y, np.full_like(x, dx / 2), dy / 2, period)
+    return np.asarray(mean.reshape(shape) * (dx * dy / period))
 
 
 def _is_outer(x: tuple[int, ...], y: tuple[int, ...]) -> bool:
@@ -142,14 +147,14 @@ def _is_outer(x: tuple[int, ...], y: tuple[int, ...]) -> bool:
     return last_x < first_y
 
 
-def _mean_over_cell(x: Array, y: Array, half_x: Array, half_y: float) -> Array:
-    """S per unit area of a cell, period 1; x and y both flat, or a column and a row."""
+def _mean_over_cell(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> Array:
+    """S in units of ``dx dy / period``; x and y both flat, or a column and a row."""
     result = np.empty(np.broadcast_shapes(x.shape, y.shape))
-    inner = (x - half_x).reshape(len(x))
+    inner = (x - half_x).reshape(len(x)) / period
     beyond = inner >= FOURIER_END
-    wide = ~beyond & (half_x.reshape(inner.shape) > 0.5)
+    wide = ~beyond & (half_x.reshape(len(x)) > period / 2)
     fourier = ~beyond & ~wide & (inner >= HANDOVER)
-    forms: dict[Callable[[Array, Array, Array, float], Array], NDArray[np.bool_]] = {
+    forms: dict[Callable[[Array, Array, Array, float, float], Array], NDArray[np.bool_]] = {
         _logarithm: beyond,
         _strips: wide,
         _fourier: fourier,
@@ -157,18 +162,23 @@ def _mean_over_cell(x: Array, y: Array, half_x: Array, half_y: float) -> Array:
     }
     for form, rows in forms.items():
         if rows.any():
-            result[rows] = form(
-                x[rows], y[rows] if len(y) == len(rows) else y, half_x[rows], half_y
-            )
+            result[rows] = form(x[rows], _share(y, rows), half_x[rows], half_y, period)
     return result
 
 
-def _images(x: Array, y: Array, half_x: Array, half_y: float) -> Array:
+def _share(y: Array, rows: NDArray[np.bool_]) -> Array:
+    """The offsets y that belong to some rows of x: their own if flat, else the same row for all."""
+    return y[rows] if len(y) == len(rows) else y
+
+
+def _images(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> Array:
     """The nearest images one by one, the rest as a series in ``x^2`` that converges like 4^-k."""
     total: Array = np.zeros(np.broadcast_shapes(x.shape, y.shape))
     for m in range(-IMAGES, IMAGES + 1):
-        total += boussinesq_cell(x, y + m, 2 * half_x, 2 * half_y)
-    total = total / (4 * half_x * half_y) - 2 * np.log(2)
+        # in the lengths as given: to round them would move the edges
+        total += boussinesq_cell(x, y + m * period, 2 * half_x, 2 * half_y)
+    total = total * period / (4 * half_x * half_y) - 2 * np.log(2 * period)
+    x, y, half_x, half_y = x / period, y / period, half_x / period, half_y / period
     sides = [
         (weight, IMAGES + 1 + sign * (y + node * half_y))
         for node, weight in _gauss(NEAR_POINTS)
@@ -181,16 +191,17 @@ def _images(x: Array, y: Array, half_x: Array, half_y: float) -> Array:
     return total
 
 
-def _fourier(x: Array, y: Array, half_x: Array, half_y: float) -> Array:
+def _fourier(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> Array:
     """The plane-strain logarithm and the harmonics of the period, which decay like exp(-2 pi j x)."""
-    total = _logarithm(x, y, half_x, half_y)
+    total = _logarithm(x, y, half_x, half_y, period)
     for j in range(1, FOURIER_TERMS + 1):
-        across = sum(w * k0(2 * np.pi * j * (x + node * half_x)) for node, w in _gauss(CELL_POINTS))
-        total = total + 4 * across * np.cos(2 * np.pi * j * y) * np.sinc(2 * j * half_y)
+        wave = 2 * np.pi * j / period
+        across = sum(w * k0(wave * (x + node * half_x)) for node, w in _gauss(CELL_POINTS))
+        total = total + 4 * across * np.cos(wave * y) * np.sinc(2 * j * half_y / period)
     return total
 
 
-def _logarithm(x: Array, y: Array, half_x: Array, half_y: float) -> Array:
+def _logarithm(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> Array:
     """``-2 ln |x|``, averaged over a cell that does not reach the axis."""
     # Neither end of the cell cancels the other, for a narrow cell (t -> 0) or one next to the axis (1).
     t = half_x / x
@@ -198,20 +209,14 @@ def _logarithm(x: Array, y: Array, half_x: Array, half_y: float) -> Array:
     return -2 * mean * np.ones_like(y)
 
 
-def _strips(x: Array, y: Array, half_x: Array, half_y: float) -> Array:
-    """A cell wider than the period: the strips about the axis one by one, the flanks as logarithms."""
-    left, right, reach = x - half_x, x + half_x, FOURIER_END
-    inner_left, inner_right = np.maximum(left, -reach), np.minimum(right, reach)
-    half = (inner_right - inner_left) / (2 * STRIPS)
+def _strips(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> Array:
+    """A cell wider than the period: strips of fixed distance from the axis, and the two flanks."""
+    marks = np.linspace(-STRIPS_END, STRIPS_END, STRIPS + 1) * period
     total = np.zeros(np.broadcast_shapes(x.shape, y.shape))
-    for k in range(STRIPS):
-        centre = np.abs(inner_left + (2 * k + 1) * half)
-        total += _mean_over_cell(centre, y, half, half_y) * half
-    for near, far in ((inner_right, right), (-inner_left, -left)):
-        rows = (far > near).reshape(len(x))
+    for start, end in pairwise((-np.inf, *marks.tolist(), np.inf)):
+        left, right = np.maximum(x - half_x, start), np.minimum(x + half_x, end)
+        rows = (left < right).reshape(len(x))
         if rows.any():
-            flank = (far - near)[rows] / 2
-            middle = (far + near)[rows] / 2
-            row_y = y[rows] if len(y) == len(rows) else y
-            total[rows] += _logarithm(middle, row_y, flank, half_y) * flank
+            middle, half = np.abs(left + right)[rows] / 2, (right - left)[rows] / 2
+            total[rows] += _mean_over_cell(middle, _share(y, rows), half, half_y, period) * half
     return total / half_x

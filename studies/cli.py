@@ -7,9 +7,10 @@ from pathlib import Path
 import click
 
 from contactstudy import InvalidInput, __version__
-from studies import report as reporting
 from studies.study import BUILT_IN, load
 from studies.sweep import run as run_study
+
+# Worker processes import this module too: what draws is imported by the commands that draw.
 
 OUT = click.option(
     "--out",
@@ -46,6 +47,8 @@ def cli() -> None:
 @REPEATS
 def report(out: Path, workers: int, repeats: int) -> None:
     """Run the paper's study and the four sweeps, and write report.html."""
+    from studies import report as reporting
+
     for name in BUILT_IN:
         study = load(name)
         run_study(study, out, workers=workers, repeats=repeats, say=click.echo)
@@ -65,6 +68,8 @@ def report(out: Path, workers: int, repeats: int) -> None:
 @click.pass_context
 def run(context: click.Context, study: str, out: Path, workers: int, repeats: int) -> None:
     """Run STUDY, a built-in name or a .py file, over its axes or those given here."""
+    from studies import report as reporting
+
     chosen = load(study).override(_axes(context.args))
     run_study(chosen, out, workers=workers, repeats=repeats, say=click.echo)
     reporting.draw(chosen, out)
@@ -75,6 +80,8 @@ def run(context: click.Context, study: str, out: Path, workers: int, repeats: in
 @OUT
 def draw(out: Path) -> None:
     """Draw figures and report again from the netCDF files in the folder; nothing is solved."""
+    from studies import report as reporting
+
     for name in BUILT_IN:
         reporting.draw(load(name), out)
     click.echo(f"report: wrote {reporting.write(out)}")

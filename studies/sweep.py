@@ -1,10 +1,7 @@
 """Runs a study: every distinct case once through dask, then alone against the clock."""
 
-import signal
 from collections.abc import Callable, Iterable, Mapping
-from concurrent.futures import ProcessPoolExecutor
 from contextlib import nullcontext
-from multiprocessing import get_context
 from pathlib import Path
 
 import dask.config
@@ -16,6 +13,7 @@ from tqdm import tqdm
 
 from studies.case import Case
 from studies.outcome import Fate, Outcome, clock, compute
+from studies.pool import process_pool
 from studies.provenance import provenance
 from studies.store import assemble, open_folder, write
 from studies.study import Study
@@ -58,7 +56,7 @@ def _solve(study: Study, cases: list[Case], workers: int) -> dict[Case, Outcome]
         delayed(compute, pure=False)(case, study.measures, dask_key_name=f"case-{number}")
         for number, case in enumerate(cases)
     ]
-    pool = _pool(workers) if workers else nullcontext()
+    pool = process_pool(workers) if workers else nullcontext()
     bar = tqdm(total=len(cases), desc=f"{study.name}: solving", unit="case", disable=None)
     with pool as executor, bar, Callback(posttask=lambda *_: bar.update()):
         settings = (
@@ -76,13 +74,3 @@ def _time(name: str, cases: Iterable[Case], repeats: int) -> Mapping[Case, tuple
         setup, solve = (min(pair) for pair in pairs)
         least[case] = setup, solve
     return least
-
-
-def _pool(workers: int) -> ProcessPoolExecutor:
-    # spawned, since a fork would copy the state of threads; Ctrl-C is the parent's to answer
-    return ProcessPoolExecutor(
-        workers,
-        mp_context=get_context("spawn"),
-        initializer=signal.signal,
-        initargs=(signal.SIGINT, signal.SIG_IGN),
-    )

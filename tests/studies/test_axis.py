@@ -35,7 +35,8 @@ def test_values_may_come_from_python() -> None:
     ("axis", "text"),
     [
         (WHOLE, ""), (WHOLE, "six"), (WHOLE, "1.5"), (WHOLE, "3:1"), (WHOLE, "0:4:0"), (WHOLE, "1,,2"),
-        (WHOLE, "nan"), (WHOLE, "inf"), (REAL, "0:10"), (REAL, "nan"), (REAL, "inf"), (REAL, "1e999"), (REAL, ","),
+        (WHOLE, "nan"), (WHOLE, "inf"), (REAL, "0:10"), (REAL, "nan"), (REAL, "inf"), (REAL, "1e999"),
+        (REAL, ","),
     ],
 )  # fmt: skip
 def test_what_cannot_be_read_is_refused_with_its_axis(axis: Axis, text: str) -> None:

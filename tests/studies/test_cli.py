@@ -93,7 +93,10 @@ def test_studies_are_listed_with_their_axes(tmp_path: Path) -> None:
     assert "--period 0.15,0.3" in done.stdout
 
 
-def test_an_interrupt_ends_in_one_sentence_and_leaves_nothing_half_written(tmp_path: Path) -> None:
+@pytest.mark.parametrize("delay", [0.1, 1.0, 4.0])
+def test_an_interrupt_ends_in_one_sentence_and_leaves_nothing_half_written(
+    delay: float, tmp_path: Path
+) -> None:
     arguments = ["run", "grid", "--grid", "256,360,512", "--out", "here"]
     running = subprocess.Popen(
         [COMMAND, *arguments], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
@@ -101,7 +104,7 @@ def test_an_interrupt_ends_in_one_sentence_and_leaves_nothing_half_written(tmp_p
     )  # fmt: skip
     assert running.stdout is not None
     assert "distinct cases" in running.stdout.readline()
-    time.sleep(4)
+    time.sleep(delay)
     os.killpg(running.pid, signal.SIGINT)  # a terminal sends Ctrl-C to the whole group
     _, err = running.communicate(timeout=60)
     assert running.returncode == 130, err

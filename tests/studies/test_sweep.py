@@ -51,7 +51,16 @@ def test_every_variable_says_what_it_is_and_in_which_unit(dataset: xr.Dataset) -
 
 
 def test_the_file_says_where_its_numbers_come_from(dataset: xr.Dataset) -> None:
-    for name in ("title", "first_case", "source", "history", "git_revision", "cpu", "threads", "timing"):
+    for name in (
+        "title",
+        "first_case",
+        "source",
+        "history",
+        "git_revision",
+        "cpu",
+        "threads",
+        "timing",
+    ):
         assert dataset.attrs[name], name
     assert f"contactstudy {cs.__version__}" in dataset.attrs["source"]
     assert "LineLoad(per_length=100000.0)" in dataset.attrs["first_case"]

@@ -9,9 +9,11 @@ from contactstudy.convolution import Convolution, convolution
 from contactstudy.grid import Grid
 from contactstudy.load import LineLoad
 from contactstudy.padding import (
+    CircularSuperposition,
     DuplicatedPadding,
     ExactPeriodicity,
     Padding,
+    Paddings,
     Superposition,
     ZeroPadding,
 )
@@ -29,6 +31,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
+    "CircularSuperposition",
     "Convolution",
     "Cylinder",
     "DuplicatedPadding",
@@ -38,6 +41,7 @@ __all__ = [
     "InvalidInput",
     "LineLoad",
     "Padding",
+    "Paddings",
     "PolonskyKeer",
     "Problem",
     "Scene",

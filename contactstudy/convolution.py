@@ -7,7 +7,8 @@ from scipy import fft
 
 from contactstudy.arrays import Array
 from contactstudy.grid import Grid
-from contactstudy.padding import Padding
+from contactstudy.kernel import kernel
+from contactstudy.padding import Padding, Paddings, across_and_along
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,17 +33,22 @@ class Convolution:
         return np.asarray(fft.irfft(rows, py, axis=1)[:, :ny])
 
 
-def convolution(contact_modulus: float, grid: Grid, padding: Padding, datum: float) -> Convolution:
-    """The operator of two half-spaces on ``grid``, with ``padding`` along the length.
+def convolution(
+    contact_modulus: float, grid: Grid, padding: Padding | Paddings, datum: float
+) -> Convolution:
+    """The operator of two half-spaces on ``grid``.
 
-    ``contact_modulus`` E* [Pa]; ``datum`` [m] is where displacement is counted from in a padding that
-    leaves it open. The width is always free, hence zero-padded to twice its cells; a zero-padded axis
-    is linear convolution (Liu, Wang & Liu 2000), an axis that wraps is circular.
+    ``contact_modulus`` E* [Pa]; ``padding`` along the length, or (across, along); ``datum`` [m] is where
+    displacement is counted from in a padding that leaves it open. An axis that wraps is circular, one
+    that does not is padded to twice its cells, which makes it linear (Liu, Wang & Liu 2000).
     """
-    nx, ny = grid.cells
-    px = fft.next_fast_len(2 * nx - 1)
-    py = ny if padding.wraps else fft.next_fast_len(2 * ny - 1, real=True)
-    coefficients = padding.influence(grid, datum) / (np.pi * contact_modulus)
+    paddings = across_and_along(padding)
+    sizes = zip(grid.cells, paddings, (False, True), strict=True)
+    px, py = (
+        n if padding.wraps else fft.next_fast_len(2 * n - 1, real=real)
+        for n, padding, real in sizes
+    )
+    coefficients = kernel(grid, paddings, datum) / (np.pi * contact_modulus)
     around = coefficients[np.ix_(*map(_around, coefficients.shape, (px, py)))]
     # even about zero along both axes, so the transform is real
     spectrum = fft.fft(fft.rfft(around, axis=1), axis=0).real

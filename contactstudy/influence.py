@@ -65,7 +65,9 @@ def _line(x: Array, y: Array, half: Array) -> Array:
     u, v, h = x[within], y[within], half[within]
     result[within] = np.arcsinh((v + h) / u) - np.arcsinh((v - h) / u)
     u, v, h = x[~within], y[~within], half[~within]
-    result[~within] = 2 * np.arctanh(2 * h / (np.hypot(u, v + h) + np.hypot(u, v - h)))
+    # 2 artanh(2 h / ends), at a quarter of that function's time
+    ends = np.hypot(u, v + h) + np.hypot(u, v - h)
+    result[~within] = np.log1p(4 * h / (ends - 2 * h))
     return result
 
 
@@ -84,13 +86,13 @@ def _edges(x: Array, y: Array, half_x: Array, half_y: Array) -> Array:
 def _lines(x: Array, y: Array, half_x: Array, half_y: Array, points: int) -> Array:
     """Gauss points across the cell, each a line along it."""
     total = np.zeros(x.shape)
-    for node, weight in _gauss(points):
+    for node, weight in gauss(points):
         total += weight * _line(x + node * half_x, y, half_y)
     return 2 * half_x * total
 
 
 @cache
-def _gauss(points: int) -> tuple[tuple[float, float], ...]:
+def gauss(points: int) -> tuple[tuple[float, float], ...]:
     """Gauss-Legendre nodes on (-1, 1) with weights that add up to one."""
     nodes, weights = leggauss(points)
     return tuple(zip(nodes.tolist(), (weights / 2).tolist(), strict=True))
@@ -130,7 +132,7 @@ def _repeated(x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
     x, y = np.abs(x), np.fmod(np.abs(y), period)
     y = np.minimum(y, period - y)
     if dy == period:  # nothing varies along y, and the seams must not
-        y = np.zeros_like(y)
+        y = 0.0 * y
     if _is_outer(x.shape, y.shape):
         x, y = x.reshape(-1, 1), y.reshape(1, -1)
     else:
@@ -181,12 +183,12 @@ def _images(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> 
     x, y, half_x, half_y = x / period, y / period, half_x / period, half_y / period
     sides = [
         (weight, IMAGES + 1 + sign * (y + node * half_y))
-        for node, weight in _gauss(NEAR_POINTS)
+        for node, weight in gauss(NEAR_POINTS)
         for sign in (1, -1)
     ]
     total -= sum(weight * digamma(away) for weight, away in sides)
     for k in range(1, SERIES_TERMS + 1):
-        power = sum(w * (x + node * half_x) ** (2 * k) for node, w in _gauss(CELL_POINTS))
+        power = sum(w * (x + node * half_x) ** (2 * k) for node, w in gauss(CELL_POINTS))
         total += binom(-0.5, k) * power * sum(w * zeta(2 * k + 1, away) for w, away in sides)
     return total
 
@@ -196,7 +198,7 @@ def _fourier(x: Array, y: Array, half_x: Array, half_y: float, period: float) ->
     total = _logarithm(x, y, half_x, half_y, period)
     for j in range(1, FOURIER_TERMS + 1):
         wave = 2 * np.pi * j / period
-        across = sum(w * k0(wave * (x + node * half_x)) for node, w in _gauss(CELL_POINTS))
+        across = sum(w * k0(wave * (x + node * half_x)) for node, w in gauss(CELL_POINTS))
         total = total + 4 * across * np.cos(wave * y) * np.sinc(2 * j * half_y / period)
     return total
 

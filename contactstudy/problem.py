@@ -22,7 +22,9 @@ class Problem:
     """Find p in ``pressures`` with ``gap = undeformed_gap + displacement(p) - approach >= 0``, ``p gap = 0``.
 
     ``undeformed_gap`` (width, length) [m]; ``displacement`` maps pressure [Pa] to displacement [m],
-    both (width, length). ``attributes`` describe where the problem came from, for the record only.
+    both (width, length). ``open_edges`` are the rows, counted across, that contact should not reach,
+    since the surface goes on beyond them. ``attributes`` describe where the problem came from, for
+    the record only.
     """
 
     grid: Grid
@@ -30,4 +32,5 @@ class Problem:
     displacement: Callable[[Array], Array]
     pressures: AdmissiblePressures
     scales: Scales
+    open_edges: tuple[int, ...] = ()
     attributes: Mapping[str, str | float] = field(default_factory=dict)

@@ -9,7 +9,7 @@ from contactstudy.checks import InvalidInput
 from contactstudy.convolution import convolution
 from contactstudy.grid import Grid
 from contactstudy.load import LineLoad
-from contactstudy.padding import Padding
+from contactstudy.padding import Padding, Paddings, ZeroPadding, across_and_along
 from contactstudy.pressures import AdmissiblePressures
 from contactstudy.problem import Problem, Scales
 from contactstudy.shapes import Shape
@@ -65,8 +65,12 @@ class Scene:
             length, pressure = grid.extent[0], self.load.per_length / grid.extent[0]
         return Scales(length, pressure, pressure * length / self.contact_modulus)
 
-    def problem(self, grid: Grid, padding: Padding) -> Problem:
-        """This scene on ``grid``, its length represented by ``padding``."""
+    def problem(self, grid: Grid, padding: Padding | Paddings) -> Problem:
+        """This scene on ``grid``, with ``padding`` along its length, or a tuple (across, along).
+
+        Raises :class:`~contactstudy.InvalidInput` for what is neither.
+        """
+        paddings = across_and_along(padding)
         gap = np.zeros(grid.cells)
         for shape in self.shapes:
             gap += shape.gap(grid)
@@ -74,9 +78,10 @@ class Scene:
         return Problem(
             grid=grid,
             undeformed_gap=gap,
-            displacement=convolution(self.contact_modulus, grid, padding, scales.length),
+            displacement=convolution(self.contact_modulus, grid, paddings, scales.length),
             pressures=AdmissiblePressures(self.load.per_length * grid.period / grid.cell_area),
             scales=scales,
+            open_edges=(0, -1) if paddings[0] == ZeroPadding() else (),
             attributes={"scene": repr(self), "grid": repr(grid), "padding": repr(padding)},
         )
 

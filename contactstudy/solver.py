@@ -75,18 +75,18 @@ def solve(
         displacement=moved,
         gap=problem.undeformed_gap + moved - approach,
         approach=approach,
-        status=_status(last, tolerance),
+        status=_status(last, tolerance, problem.open_edges),
         iterations=last.iterations,
         convolutions=last.convolutions,
         residual=last.residual,
     )
 
 
-def _status(last: Iterate, tolerance: float) -> Status:
+def _status(last: Iterate, tolerance: float, open_edges: tuple[int, ...]) -> Status:
     if not np.isfinite(last.residual):
         return Status.NOT_FINITE
     if last.residual > tolerance:
         return Status.ITERATION_LIMIT
-    if last.pressure[[0, -1]].any():
+    if last.pressure[list(open_edges)].any():
         return Status.CONTACT_AT_EDGE
     return Status.CONVERGED

@@ -1,33 +1,98 @@
-"""One computation: what to solve, and how exactly."""
+"""One computation of a study: a value that says what to compute, and how exactly."""
 
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field
+from typing import Any, Protocol
 
-from contactstudy import Grid, Padding, PolonskyKeer, Problem, Scene, Solution, Solver, solve
+import numpy as np
+import xarray as xr
+
+import contactstudy as cs
+
+
+class Computation(Hashable, Protocol):
+    """What a study computes at a point.
+
+    Two points with equal computations share one. The two steps are timed apart, as ``setup_time``
+    and ``solve_time``.
+    """
+
+    def prepare(self) -> Any:
+        """The set-up."""
+        ...
+
+    def run(self, prepared: Any) -> Any:
+        """The result, from what was prepared."""
+        ...
+
+    def record(self, result: Any) -> Mapping[str, xr.Variable]:
+        """What is kept of every result, whatever else a study measures of it."""
+        ...
 
 
 @dataclass(frozen=True)
 class Case:
-    """A scene on a grid with a padding, and the solver's settings.
+    """A contact to solve: a scene on a grid with a padding, and the solver's settings."""
 
-    A case is a value: points of a study that come to the same case are computed once.
-    """
-
-    scene: Scene
-    grid: Grid
-    padding: Padding
+    scene: cs.Scene
+    grid: cs.Grid
+    padding: cs.Padding | cs.Paddings
     tolerance: float = 1e-8
     max_iterations: int = 2000
-    solver: Solver = field(default_factory=PolonskyKeer)
+    solver: cs.Solver = field(default_factory=cs.PolonskyKeer)
 
-    def problem(self) -> Problem:
-        """The set-up: influence coefficients, transforms, gap."""
+    def prepare(self) -> cs.Problem:
+        """Influence coefficients, transforms, gap."""
         return self.scene.problem(self.grid, self.padding)
 
-    def solve(self, problem: Problem) -> Solution:
+    def run(self, prepared: cs.Problem) -> cs.Solution:
         """The solve proper."""
-        return solve(
-            problem,
+        return cs.solve(
+            prepared,
             tolerance=self.tolerance,
             max_iterations=self.max_iterations,
             solver=self.solver,
         )
+
+    def record(self, result: cs.Solution) -> Mapping[str, xr.Variable]:
+        """The solver's own numbers, and its status as CF flags."""
+        statuses = list(cs.Status)
+        flags = {
+            "long_name": "outcome of the solver",
+            "flag_values": np.arange(len(statuses), dtype=np.int8),
+            "flag_meanings": " ".join(status.name.lower() for status in statuses),
+        }
+        return {
+            "outcome": xr.Variable((), np.int8(statuses.index(result.status)), flags),
+            "iterations": number(result.iterations, "solver iterations"),
+            "convolutions": number(result.convolutions, "transform pairs of the full grid"),
+            "residual": number(result.residual, "residual of the solver"),
+        }
+
+
+@dataclass(frozen=True)
+class Operator:
+    """A convolution to set up, and to apply once."""
+
+    contact_modulus: float
+    grid: cs.Grid
+    padding: cs.Padding | cs.Paddings
+    datum: float
+
+    def prepare(self) -> cs.Convolution:
+        """Influence coefficients and their transform."""
+        return cs.convolution(self.contact_modulus, self.grid, self.padding, self.datum)
+
+    def run(self, prepared: cs.Convolution) -> cs.Convolution:
+        """One transform pair."""
+        prepared(np.ones(self.grid.cells))
+        return prepared
+
+    def record(self, result: cs.Convolution) -> Mapping[str, xr.Variable]:
+        """The size of what is transformed."""
+        return {"padded_cells": number(int(np.prod(result.padded)), "cells of the padded grid")}
+
+
+def number(value: float, long_name: str) -> xr.Variable:
+    """A dimensionless number with its name."""
+    return xr.Variable((), value, {"units": "1", "long_name": long_name})

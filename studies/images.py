@@ -6,12 +6,12 @@ from contactstudy.analytic import truncation_error
 from studies import line_contact
 from studies.line_contact import measures, padding_at, scene_at
 from studies.study import Plate
-from studies.style import LAW, finish, look, paddings, panels, percent, some
+from studies.style import LAW, finish, look, marked, paddings, panels, percent, some
 
 __all__ = ["figure", "measures", "points", "scene_at"]
 
 points = line_contact.axes(
-    padding=("superposed", "duplicated", "exact"),
+    padding=("superposed", "circular", "duplicated", "exact"),
     images=(*range(11), 20, 50, 100),
     period=(0.6, 2.4, 9.6),
 )
@@ -31,8 +31,7 @@ def _peak(dataset: xr.Dataset) -> Plate:
     for ax, period in zip(axes, periods, strict=True):
         for name in paddings(dataset):
             error = abs(dataset["peak_pressure_error"].sel(padding=name, period=period))
-            style = look(name) | ({} if name == "superposed" else {"marker": "none"})
-            ax.loglog(half, error, label=name, **style)
+            ax.loglog(half, error, label=name, **marked(name))
         reach = [padding_at("superposed", int(n)).reach(period) for n in dataset["images"]]
         ax.loglog(half, truncation_error(1, reach), label="law a²/(8D²), D = (n + ½)L", **LAW)
         ax.set(title=f"period L = {period:g} a", xlabel=LABEL)
@@ -81,6 +80,7 @@ def _variation(dataset: xr.Dataset) -> Plate:
         plate,
         "A uniform cylinder comes out uneven along its length under superposition, because the window of "
         "images is centred on the domain and not on the observer. The difference a lopsided window makes "
-        "falls with the square of its reach. Duplicated padding and exact periodicity are circular: "
+        "falls with the square of its reach. Circular superposition, duplicated padding and exact "
+        "periodicity move with the observer: "
         "every observer sees the same, and nothing varies but by rounding.",
     )

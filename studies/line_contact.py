@@ -10,7 +10,7 @@ import contactstudy as cs
 from contactstudy.checks import positive, whole
 from contactstudy.edge import half_widths
 from studies.axis import Axis
-from studies.case import Case
+from studies.case import Case, number
 from studies.study import Point
 
 STEEL = cs.HalfSpace(youngs_modulus=210e9, poisson_ratio=0.3)
@@ -22,8 +22,13 @@ PADDINGS: dict[str, Callable[[int], cs.Padding]] = {
     "zero": lambda images: cs.ZeroPadding(),
     "duplicated": lambda images: cs.DuplicatedPadding(),
     "superposed": cs.Superposition,
+    "circular": cs.CircularSuperposition,
     "exact": lambda images: cs.ExactPeriodicity(),
 }
+
+
+# Those that count images, and so have an n.
+COUNTED = frozenset(name for name, make in PADDINGS.items() if make(0) != make(1))
 
 
 def axes(
@@ -75,21 +80,19 @@ def measures(case: Case, solution: cs.Solution) -> Mapping[str, xr.Variable]:
     share = grid.cell[0] / (np.pi / 2 * hertz.half_width)
     edge = half_widths(pressure, grid.x).mean() / hertz.half_width
     return {
-        "peak_pressure_error": _number(
-            pressure[axis].mean() - 1, "relative error of the peak pressure (cells beside the axis)"
+        "peak_pressure_error": number(
+            float(pressure[axis].mean() - 1),
+            "relative error of the peak pressure (cells beside the axis)",
         ),
-        "pressure_error_max": _number(
-            np.abs(error).max(), "largest pressure error over Hertz peak pressure"
+        "pressure_error_max": number(
+            float(np.abs(error).max()), "largest pressure error over Hertz peak pressure"
         ),
-        "pressure_error_l1": _number(
-            np.abs(error).sum(axis=0).mean() * share, "relative L1 error of the pressure"
+        "pressure_error_l1": number(
+            float(np.abs(error).sum(axis=0).mean() * share), "relative L1 error of the pressure"
         ),
-        "half_width_error": _number(edge - 1, "relative error of the contact half-width"),
-        "length_variation": _number(
-            np.ptp(pressure, axis=1).max(), "pressure variation along the length over peak pressure"
+        "half_width_error": number(float(edge - 1), "relative error of the contact half-width"),
+        "length_variation": number(
+            float(np.ptp(pressure, axis=1).max()),
+            "pressure variation along the length over peak pressure",
         ),
     }
-
-
-def _number(value: float, long_name: str) -> xr.Variable:
-    return xr.Variable((), float(value), {"units": "1", "long_name": long_name})

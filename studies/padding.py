@@ -6,7 +6,7 @@ import xarray as xr
 from contactstudy.analytic import truncation_error
 from studies import line_contact
 from studies.front import pareto_front
-from studies.line_contact import measures, padding_at, scene_at
+from studies.line_contact import COUNTED, measures, padding_at, scene_at
 from studies.study import Plate
 from studies.style import LAW, finish, label_of, look, paddings, panels, percent, some
 
@@ -25,9 +25,7 @@ def _reach(dataset: xr.Dataset) -> Plate:
     spans: list[float] = []
     for name in paddings(dataset):
         errors, reaches = [], []
-        for images in (
-            dataset["images"].values if name == "superposed" else dataset["images"].values[:1]
-        ):
+        for images in dataset["images"].values if name in COUNTED else dataset["images"].values[:1]:
             for period in dataset["period"].values:
                 chosen = dataset["peak_pressure_error"].sel(
                     padding=name, images=images, period=period

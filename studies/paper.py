@@ -49,7 +49,7 @@ def measures(case: Case, solution: cs.Solution) -> Mapping[str, xr.Variable]:
     }
 
 
-def point_displacement(padding: cs.Padding) -> Mapping[str, xr.Variable]:
+def point_displacement(padding: cs.Padding | cs.Paddings) -> Mapping[str, xr.Variable]:
     """Displacement under a semi-elliptic pressure that repeats every three radii, over Hertz's central one."""
     hertz = cs.analytic.hertz_point(load=1.0, radius=1.0, contact_modulus=1.0)
     a = hertz.contact_radius

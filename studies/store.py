@@ -11,15 +11,15 @@ import xarray as xr
 
 from contactstudy import InvalidInput
 from studies.axis import Axis
-from studies.case import Case
+from studies.case import Computation
 from studies.outcome import Fate, Outcome
 
 
 def assemble(
     axes: Sequence[Axis],
-    cases: Sequence[Case],
-    outcomes: Mapping[Case, Outcome],
-    times: Mapping[Case, tuple[float, float]],
+    cases: Sequence[Computation],
+    outcomes: Mapping[Computation, Outcome],
+    times: Mapping[Computation, tuple[float, float]],
     attributes: Mapping[str, str],
 ) -> xr.Dataset:
     """Every point of the axes with the outcome of its case; points of one case share its numbers.
@@ -42,20 +42,18 @@ def assemble(
         if kind.dims == (name,):
             coords[name] = kind
             continue
-        fill = np.full(kind.shape, -1 if np.issubdtype(kind.dtype, np.integer) else np.nan)
+        missing = -1 if np.issubdtype(kind.dtype, np.integer) else np.nan
+        fill = np.full(kind.shape, missing, dtype=kind.dtype)
         values = [np.asarray(o.variables[name]) if name in o.variables else fill for o in at]
-        attrs = dict(kind.attrs)
-        if "flag_values" in attrs:
-            values = [value.astype(np.int8) for value in values]
-            attrs["flag_values"] = np.asarray(attrs["flag_values"], dtype=np.int8)
-        data[name] = xr.Variable(names + kind.dims, np.reshape(values, shape + kind.shape), attrs)
+        stacked = np.reshape(values, shape + kind.shape)
+        data[name] = xr.Variable(names + kind.dims, stacked, kind.attrs)
         # a whole number has no nan: where one is missing, readers are told which stands for it
         if np.issubdtype(kind.dtype, np.integer) and any(name not in o.variables for o in at):
             data[name].encoding["_FillValue"] = np.array(-1, data[name].dtype)[()]
     for column, (name, long_name) in enumerate(
         (
             ("setup_time", "wall time to set up coefficients and transforms"),
-            ("solve_time", "wall time to solve"),
+            ("solve_time", "wall time to solve, or to apply an operator once"),
         )
     ):
         seconds = [times.get(case, (np.nan, np.nan))[column] for case in cases]

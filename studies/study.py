@@ -9,21 +9,22 @@ from difflib import get_close_matches
 from itertools import product
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
-from contactstudy import InvalidInput, Solution
+from contactstudy import InvalidInput
 from studies.axis import Axis, Value
-from studies.case import Case
+from studies.case import Computation
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Point = Mapping[str, Value]
-Measures = Callable[[Case, Solution], Mapping[str, xr.Variable]]
+# of what a study computes, and of its result: as specific as the study
+Measures = Callable[[Any, Any], Mapping[str, xr.Variable]]
 
-BUILT_IN = ("paper", "padding", "images", "period", "grid")
+BUILT_IN = ("paper", "padding", "images", "period", "grid", "kernels")
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,8 +40,9 @@ class Plate:
 class Study:
     """``points`` to visit, ``scene_at`` a point, what one ``measures`` there, and the ``figure`` drawn.
 
-    ``points``: the axes. ``scene_at(point)``: the :class:`~studies.case.Case` at a point, where bad
-    values raise :class:`~contactstudy.InvalidInput`. ``measures(case, solution)``: named variables,
+    ``points``: the axes. ``scene_at(point)``: the computation at a point, mostly a
+    :class:`~studies.case.Case`; bad values raise :class:`~contactstudy.InvalidInput`.
+    ``measures(case, result)``: named variables,
     scalar or with dimensions of their own; a variable named like its dimension is its coordinate.
     ``figure(dataset)``: the plates, drawn from the stored Dataset alone.
     """
@@ -48,7 +50,7 @@ class Study:
     name: str
     title: str
     points: tuple[Axis, ...]
-    scene_at: Callable[[Point], Case]
+    scene_at: Callable[[Point], Computation]
     measures: Measures
     figure: Callable[[xr.Dataset], Sequence[Plate]]
 
@@ -65,7 +67,7 @@ class Study:
         )
         return replace(self, points=changed)
 
-    def cases(self) -> list[Case]:
+    def cases(self) -> list[Computation]:
         """The case at every point, in the order of the axes (last one fastest)."""
         names = [axis.name for axis in self.points]
         values = [axis.values for axis in self.points]

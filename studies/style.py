@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
+from studies.line_contact import COUNTED
 from studies.store import replacing
 from studies.study import Plate
 
@@ -48,6 +49,7 @@ LOOKS = {
     "zero": Look("#595959", "x"),
     "duplicated": Look("#D55E00", "s"),
     "superposed": Look("#009E73", "^"),
+    "circular": Look("#CC79A7", "v"),
     "exact": Look("#0072B2", "o"),
 }
 Share = Literal["none", "y", "both"]
@@ -56,8 +58,8 @@ LAW: dict[str, Any] = {"color": "black", "linestyle": ":", "linewidth": 1.0, "ma
 
 
 def look(padding: str) -> dict[str, Any]:
-    """Keywords for matplotlib; a padding without a look of its own is purple."""
-    chosen = LOOKS.get(padding, Look("#CC79A7", "D"))
+    """Keywords for matplotlib; a padding without a look of its own is ochre."""
+    chosen = LOOKS.get(padding, Look("#E69F00", "D"))
     return {"color": chosen.color, "marker": chosen.marker}
 
 
@@ -96,12 +98,17 @@ def finish(figure: Figure) -> None:
 
 def name_of(padding: str, images: int) -> str:
     """A padding with its n, where it has one."""
-    return f"{padding}, n = {images}" if padding == "superposed" else padding
+    return f"{padding}, n = {images}" if padding in COUNTED else padding
 
 
 def label_of(dataset: xr.Dataset) -> str:
     """:func:`name_of` a Dataset reduced to one padding and one n."""
     return name_of(str(dataset["padding"].values), int(dataset["images"]))
+
+
+def marked(padding: str) -> dict[str, Any]:
+    """:func:`look` for a figure against n, where a padding without an n is a line without markers."""
+    return look(padding) | ({} if padding in COUNTED else {"marker": "none"})
 
 
 def some(values: Iterable[float], most: int = 3) -> list[float]:

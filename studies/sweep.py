@@ -11,7 +11,7 @@ from dask.callbacks import Callback
 from dask.delayed import delayed
 from tqdm import tqdm
 
-from studies.case import Case
+from studies.case import Computation
 from studies.outcome import Fate, Outcome, clock, compute
 from studies.pool import process_pool
 from studies.provenance import provenance
@@ -51,7 +51,7 @@ def run(
     return dataset
 
 
-def _solve(study: Study, cases: list[Case], workers: int) -> dict[Case, Outcome]:
+def _solve(study: Study, cases: list[Computation], workers: int) -> dict[Computation, Outcome]:
     tasks = [
         delayed(compute, pure=False)(case, study.measures, dask_key_name=f"case-{number}")
         for number, case in enumerate(cases)
@@ -66,9 +66,11 @@ def _solve(study: Study, cases: list[Case], workers: int) -> dict[Case, Outcome]
             return dict(zip(cases, compute_all(*tasks), strict=True))
 
 
-def _time(name: str, cases: Iterable[Case], repeats: int) -> Mapping[Case, tuple[float, float]]:
+def _time(
+    name: str, cases: Iterable[Computation], repeats: int
+) -> Mapping[Computation, tuple[float, float]]:
     turns = [case for _ in range(repeats) for case in cases]
-    least: dict[Case, tuple[float, float]] = {}
+    least: dict[Computation, tuple[float, float]] = {}
     for case in tqdm(turns, desc=f"{name}: timing", unit="run", disable=None):
         pairs = zip(clock(case), least.get(case, (float("inf"),) * 2), strict=True)
         setup, solve = (min(pair) for pair in pairs)

@@ -4,11 +4,24 @@ from numpy.testing import assert_allclose
 
 import contactstudy as cs
 
-PADDINGS = [cs.ZeroPadding(), cs.DuplicatedPadding(), cs.Superposition(2), cs.ExactPeriodicity()]
+ALONG = [
+    cs.ZeroPadding(),
+    cs.DuplicatedPadding(),
+    cs.Superposition(2),
+    cs.CircularSuperposition(2),
+    cs.ExactPeriodicity(),
+]
+BOTH = [
+    (cs.ExactPeriodicity(), cs.ZeroPadding()),
+    (cs.ExactPeriodicity(), cs.ExactPeriodicity()),
+    (cs.CircularSuperposition(1), cs.Superposition(2)),
+    (cs.DuplicatedPadding(), cs.ExactPeriodicity()),
+]
+PADDINGS: list[cs.Padding | cs.Paddings] = [*ALONG, *BOTH]
 CELLS = [(8, 6), (7, 5), (16, 1), (3, 13)]
 
 
-def operator(cells: tuple[int, int], padding: cs.Padding) -> cs.Convolution:
+def operator(cells: tuple[int, int], padding: cs.Padding | cs.Paddings) -> cs.Convolution:
     return cs.convolution(2.0, cs.Grid(cells=cells, extent=(1.0, 0.7)), padding, datum=1.0)
 
 
@@ -19,7 +32,9 @@ def two(cells: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize("padding", PADDINGS, ids=str)
 @pytest.mark.parametrize("cells", CELLS, ids=str)
-def test_operator_is_self_adjoint(cells: tuple[int, int], padding: cs.Padding) -> None:
+def test_operator_is_self_adjoint(
+    cells: tuple[int, int], padding: cs.Padding | cs.Paddings
+) -> None:
     a, b = two(cells)
     apply = operator(cells, padding)
     scale = np.abs(apply(np.abs(a))).max() * np.abs(b).sum()
@@ -27,22 +42,45 @@ def test_operator_is_self_adjoint(cells: tuple[int, int], padding: cs.Padding) -
 
 
 @pytest.mark.parametrize("padding", PADDINGS, ids=str)
-def test_operator_is_linear(padding: cs.Padding) -> None:
+def test_operator_is_linear(padding: cs.Padding | cs.Paddings) -> None:
     a, b = two((8, 6))
     apply = operator((8, 6), padding)
     assert_allclose(apply(3 * a - b), 3 * apply(a) - apply(b), atol=1e-14)
 
 
-@pytest.mark.parametrize("padding", [cs.DuplicatedPadding(), cs.ExactPeriodicity()], ids=str)
+@pytest.mark.parametrize("padding", [p for p in ALONG if p.wraps], ids=str)
+@pytest.mark.parametrize("axis", [0, 1], ids=["across", "along"])
 @pytest.mark.parametrize("cells", CELLS, ids=str)
-def test_what_wraps_moves_with_its_pressure(cells: tuple[int, int], padding: cs.Padding) -> None:
+def test_what_wraps_moves_with_its_pressure(
+    cells: tuple[int, int], axis: int, padding: cs.Padding
+) -> None:
     a, _ = two(cells)
-    apply = operator(cells, padding)
-    assert_allclose(apply(np.roll(a, 1, axis=1)), np.roll(apply(a), 1, axis=1), atol=1e-14)
+    free = cs.ZeroPadding()
+    apply = operator(cells, (padding, free) if axis == 0 else (free, padding))
+    assert_allclose(apply(np.roll(a, 1, axis)), np.roll(apply(a), 1, axis), atol=1e-14)
+
+
+@pytest.mark.parametrize("across", ALONG, ids=str)
+@pytest.mark.parametrize("along", ALONG, ids=str)
+def test_axes_choose_by_themselves(across: cs.Padding, along: cs.Padding) -> None:
+    """Turning the surface by a right angle turns the answer, and nothing else."""
+    cells = (6, 5)
+    a, _ = two(cells)
+    grid = cs.Grid(cells=cells, extent=(1.0, 0.7))
+    turned = cs.Grid(cells=cells[::-1], extent=grid.extent[::-1])
+    straight = cs.convolution(2.0, grid, (across, along), datum=1.0)(a)
+    sideways = cs.convolution(2.0, turned, (along, across), datum=1.0)(a.T).T
+    assert_allclose(straight, sideways, atol=4e-15 * np.abs(straight).max())
+
+
+@pytest.mark.parametrize("padding", [None, "exact", (cs.ZeroPadding(),), (cs.ZeroPadding(), 6)])
+def test_what_is_no_padding_is_refused(padding: object) -> None:
+    with pytest.raises(cs.InvalidInput, match=r"^padding is .*\(across, along\)\.$"):
+        operator((8, 6), padding)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("padding", PADDINGS, ids=str)
-def test_operator_leaves_its_pressure_alone(padding: cs.Padding) -> None:
+def test_operator_leaves_its_pressure_alone(padding: cs.Padding | cs.Paddings) -> None:
     a, _ = two((8, 6))
     kept = a.copy()
     operator((8, 6), padding)(a)

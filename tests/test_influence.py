@@ -318,6 +318,31 @@ def test_lattice_is_exact_on_edges_and_corners(dx: float, dy: float) -> None:
     assert lattice_error(x, y, dx, dy, 1.0) < EXACT
 
 
+@pytest.mark.parametrize(
+    ("width", "length"), [((-6, 0), (-6, 0)), ((-6, 0), (0, 0)), ((0, 3), (-6, 0))]
+)
+def test_lattice_is_exact_beside_edges_and_corners(
+    width: tuple[int, int], length: tuple[int, int]
+) -> None:
+    """Off the grid and of no special period: to round a place there costs a thin cell up to 1e-9."""
+    rng = np.random.default_rng(7)
+    period, dx, dy = (10 ** rng.uniform(*ends, 15) for ends in ((-3, 3), width, length))
+    dx, dy = dx * period, dy * period
+    beside, inside = (
+        10 ** rng.uniform(-16, 0, (2, 15)) * rng.choice([-1, 1], (2, 15)) * np.minimum(dx, dy),
+        rng.uniform(-0.5, 0.5, 15),
+    )
+    assert lattice_error(dx / 2 + beside[0], inside * dy, dx, dy, period) < EXACT
+    assert lattice_error(inside * dx, dy / 2 + beside[1], dx, dy, period) < EXACT
+    assert lattice_error(dx / 2 + beside[0], dy / 2 + beside[1], dx, dy, period) < EXACT
+
+
+@pytest.mark.parametrize("dx", [1.1, 1.7, 3.7, 1100.0])
+def test_no_seam_of_a_wide_cell_is_seen(dx: float) -> None:
+    parts = np.array([0, 1 / 4, 1 / 6, 1 / 10, 1 / 14])
+    assert lattice_error(parts[:, None] * dx, [0.0, 0.5e-6], dx, 1e-6, 1.0) < EXACT
+
+
 @pytest.mark.parametrize(("dx", "dy"), CELLS)
 def test_forms_of_the_lattice_meet(dx: float, dy: float) -> None:
     """Each form is exact up to where it hands over to the next: an end of the cell at these places."""
@@ -363,6 +388,7 @@ def test_one_cell_per_period_is_plane_strain(dx: float, period: float) -> None:
     # ends - dx cancels down to dx (dx / x)^2 / 12 of x
     rounding = 8 * EPS * (datum + dx * (1 + np.abs(np.log(datum * period)))) * period
     assert (np.abs(found - expected) <= rounding + EXACT * dx * period).all()
+    assert (found == found[:, :1]).all()
 
 
 @pytest.mark.parametrize("cells", [2, 3, 64])

@@ -9,7 +9,13 @@ from hypothesis import strategies as st
 import contactstudy as cs
 from tests.conftest import STEEL, LineContact
 
-PADDINGS = [cs.ZeroPadding(), cs.DuplicatedPadding(), cs.Superposition(2), cs.ExactPeriodicity()]
+PADDINGS = [
+    cs.ZeroPadding(),
+    cs.DuplicatedPadding(),
+    cs.Superposition(2),
+    cs.CircularSuperposition(2),
+    cs.ExactPeriodicity(),
+]
 
 
 @pytest.mark.parametrize("padding", PADDINGS, ids=str)
@@ -133,6 +139,31 @@ def test_contact_that_outgrows_the_width_is_flagged(line_contact: LineContact) -
     solution = cs.solve(line_contact.scene.problem(grid, cs.ExactPeriodicity()))
     assert solution.status is cs.Status.CONTACT_AT_EDGE
     assert "larger width" in str(solution.status)
+
+
+@pytest.mark.parametrize("across", [cs.ExactPeriodicity(), cs.CircularSuperposition(1)], ids=str)
+def test_contact_on_a_closed_width_has_no_edge_to_reach(
+    across: cs.Padding, line_contact: LineContact
+) -> None:
+    grid = line_contact.grid(16, 1.2, width=1.5)
+    solution = cs.solve(line_contact.scene.problem(grid, (across, cs.ExactPeriodicity())))
+    assert solution.status is cs.Status.CONVERGED
+
+
+def test_a_wide_row_of_line_contacts_tends_to_one_alone(line_contact: LineContact) -> None:
+    """Neighbours at every W add x^2 / (k W)^2 to the potential on both sides: the curvature changes by
+    the factor 1 + pi^2 a^2 / (6 W^2), and so the peak by half of that.
+    """
+    exact = cs.ExactPeriodicity()
+    peaks = {}
+    for width in (2.4, 9.6, 19.2):
+        grid = line_contact.grid((round(64 * width / 2.4), 1), 1.2, width)
+        across = cs.ZeroPadding() if width == 2.4 else exact
+        problem = line_contact.scene.problem(grid, (across, exact))
+        peaks[width] = cs.solve(problem, tolerance=1e-10).pressure.max()
+    for width in (9.6, 19.2):
+        change = peaks[width] / peaks[2.4] - 1
+        assert abs(change) == pytest.approx(np.pi**2 / (12 * width**2), rel=0.1)
 
 
 def test_heights_that_are_not_numbers_end_in_a_status(line_contact: LineContact) -> None:

@@ -112,7 +112,7 @@ def test_a_case_that_fails_is_data_and_the_others_go_on(small_study: Study, tmp_
     assert reason == "ArithmeticError in failing: one image too many"
     assert np.isnan(dataset["peak_pressure_error"].values[failed.values]).all()
     assert np.isfinite(dataset["peak_pressure_error"].values[~failed.values]).all()
-    assert any("1 of 6 cases failed" in line for line in lines)
+    assert any("1 of 9 cases failed" in line for line in lines)
 
 
 def test_nothing_is_written_when_a_point_is_bad(small_study: Study, tmp_path: Path) -> None:

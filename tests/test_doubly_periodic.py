@@ -1,0 +1,87 @@
+"""A cell repeated along both axes, against sums and closed forms of another kind."""
+
+import mpmath as mp
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from contactstudy.doubly_periodic import boussinesq_cell_doubly_periodic
+from contactstudy.influence import boussinesq_cell
+
+EXTENTS = [(1.2, 0.8), (0.8, 1.2), (1.0, 1.0), (3.0, 0.05), (0.02, 5.0)]
+
+
+def one_period(width: float, period: float, nx: int, ny: int) -> np.ndarray:
+    x, y = np.arange(nx)[:, None] * width / nx, np.arange(ny) * period / ny
+    return boussinesq_cell_doubly_periodic(x, y, width / nx, period / ny, width, period)
+
+
+@pytest.mark.parametrize(("width", "period"), EXTENTS)
+def test_the_mean_is_zero(width: float, period: float) -> None:
+    found = one_period(width, period, 6, 5)
+    assert abs(found.mean()) < 1e-14 * np.abs(found).max()
+
+
+@pytest.mark.parametrize(("width", "period"), EXTENTS)
+def test_axes_may_be_swapped(width: float, period: float) -> None:
+    found = one_period(width, period, 6, 5)
+    swapped = one_period(period, width, 5, 6).T
+    assert_allclose(found, swapped, rtol=0, atol=1e-14 * np.abs(found).max())
+
+
+def test_sums_over_a_disc_of_images_tend_to_it() -> None:
+    """With the images inside a radius R, less their mean, the rest is of order 1 / R."""
+    width, period, nx, ny = 1.2, 0.8, 6, 5
+    exact = one_period(width, period, nx, ny)
+    x = np.minimum(np.arange(nx), nx - np.arange(nx))[:, None] * width / nx
+    y = np.minimum(np.arange(ny), ny - np.arange(ny)) * period / ny
+    errors = []
+    for radius in (12.0, 24.0, 48.0):
+        total = np.zeros((nx, ny))
+        reach = int(radius / period)
+        for k in range(-reach, reach + 1):
+            for m in range(-reach, reach + 1):
+                if np.hypot(k * width, m * period) <= radius:
+                    total += boussinesq_cell(x + k * width, y + m * period, width / nx, period / ny)
+        errors.append(np.abs(total - total.mean() - exact).max())
+    assert errors[-1] < 2e-3 * exact.max()
+    assert_allclose(np.array(errors[:-1]) / errors[1:], 2, rtol=0.1)
+
+
+@pytest.mark.parametrize("x", [0.0, 0.1, 0.35, 0.5, 0.9, 1.0])
+def test_a_cell_as_long_as_the_period_is_a_row_of_line_loads(x: float) -> None:
+    """``-2 ln |2 sin(pi x / W)|`` (Johnson 1985, sect. 13.2), integrated over the cell."""
+    width, dx, period = 1.0, 0.125, 0.7
+    with mp.workdps(30):
+        edges = [mp.mpf(x) - dx / 2, mp.mpf(x), mp.mpf(x) + dx / 2]
+        poles = [mp.mpf(n) for n in (0, 1) if edges[0] < n < edges[2]]
+        integral = mp.quad(
+            lambda t: -2 * mp.log(abs(2 * mp.sin(mp.pi * t / width))), sorted({*edges, *poles})
+        )
+    for y in (0.0, 0.2, 0.35):
+        found = boussinesq_cell_doubly_periodic(x, y, dx, period, width, period)
+        assert float(found) == pytest.approx(float(integral), abs=1e-13 * dx)
+
+
+def test_cells_add_up() -> None:
+    width, period, dx, dy = 1.2, 0.8, 0.3, 0.2
+    x, y = np.array([0.0, 0.4, 0.6])[:, None], np.array([0.0, 0.15, 0.4])
+    whole = boussinesq_cell_doubly_periodic(x, y, dx, dy, width, period)
+    parts = sum(
+        boussinesq_cell_doubly_periodic(
+            x + sx * dx / 4, y + sy * dy / 4, dx / 2, dy / 2, width, period
+        )
+        for sx in (1, -1)
+        for sy in (1, -1)
+    )
+    assert_allclose(parts, whole, rtol=0, atol=1e-13 * dx * dy / period)
+
+
+def test_offsets_count_modulo_the_periods_and_without_sign() -> None:
+    x, y = 0.31, 0.17
+    base = boussinesq_cell_doubly_periodic(x, y, 0.1, 0.1, 1.2, 0.8)
+    for sx, sy in ((1, -1), (-1, 1), (-1, -1)):
+        mirrored = boussinesq_cell_doubly_periodic(sx * x, sy * y, 0.1, 0.1, 1.2, 0.8)
+        assert_array_equal(mirrored, base)
+    moved = boussinesq_cell_doubly_periodic(x + 1.2, y - 0.8, 0.1, 0.1, 1.2, 0.8)
+    assert_allclose(moved, base, rtol=1e-13)

@@ -50,9 +50,7 @@ def report(out: Path, workers: int, repeats: int) -> None:
     from studies import report as reporting
 
     for name in BUILT_IN:
-        study = load(name)
-        run_study(study, out, workers=workers, repeats=repeats, say=click.echo)
-        reporting.draw(study, out)
+        run_study(load(name), out, workers=workers, repeats=repeats, say=click.echo)
     click.echo(f"report: wrote {reporting.write(out)}")
 
 
@@ -82,8 +80,6 @@ def draw(out: Path) -> None:
     """Draw figures and report again from the netCDF files in the folder; nothing is solved."""
     from studies import report as reporting
 
-    for name in BUILT_IN:
-        reporting.draw(load(name), out)
     click.echo(f"report: wrote {reporting.write(out)}")
 
 

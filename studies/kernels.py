@@ -17,7 +17,7 @@ from studies.style import LAW, finish, label_of, marked, paddings, panels, some
 __all__ = ["figure", "measures", "points", "scene_at"]
 
 points = line_contact.axes(
-    images=(0, 1, 2, 4, 6, 10, 30, 100), period=(0.15, 0.6, 2.4, 9.6), grid=(128,)
+    images=(0, 1, 2, 4, 6, 10, 30), period=(0.15, 0.6, 2.4, 9.6), grid=(128,)
 )
 
 

@@ -12,7 +12,7 @@ from studies.style import LAW, finish, label_of, look, paddings, panels, percent
 
 __all__ = ["figure", "measures", "points", "scene_at"]
 
-points = line_contact.axes(images=(1, 2, 6, 20), period=(0.6, 2.4, 9.6), grid=(32, 64, 128, 256))
+points = line_contact.axes(images=(1, 6, 20), period=(0.6, 2.4), grid=(32, 64, 128, 256))
 
 
 def figure(dataset: xr.Dataset) -> tuple[Plate, ...]:

@@ -1,10 +1,9 @@
 """Stored studies -> figures -> one self-contained page."""
 
 import base64
-import io
+from collections.abc import Sequence
 from pathlib import Path
 
-import xarray as xr
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
 from studies.findings import accuracy_table, findings, price_table
@@ -13,15 +12,17 @@ from studies.study import BUILT_IN, Plate, Study, load
 from studies.style import save
 
 
-def draw(study: Study, out: Path) -> None:
+def draw(study: Study, out: Path) -> Sequence[Plate]:
     """The plates of ``study`` as PNG and PDF in ``<out>/<study>/``, from its netCDF alone."""
-    save(study.figure(read(out / f"{study.name}.nc")), out / study.name)
+    plates = study.figure(read(out / f"{study.name}.nc"))
+    save(plates, out / study.name)
+    return plates
 
 
 def write(out: Path) -> Path:
-    """``<out>/report.html`` from the netCDF files of the built-in studies; returns its path."""
+    """Figures and ``<out>/report.html`` from the netCDF files of the built-in studies; returns its path."""
     stored = {name: read(out / f"{name}.nc") for name in BUILT_IN}
-    chapters = [_chapter(load(name), dataset) for name, dataset in stored.items()]
+    chapters = [_chapter(load(name), out) for name in BUILT_IN]
     environment = Environment(
         loader=PackageLoader("studies", "."),
         autoescape=select_autoescape(),
@@ -42,21 +43,19 @@ def write(out: Path) -> Path:
     return path
 
 
-def _chapter(study: Study, dataset: xr.Dataset) -> dict[str, object]:
+def _chapter(study: Study, out: Path) -> dict[str, object]:
     return {
         "name": study.name,
-        "title": dataset.attrs["title"],
-        "plates": [_plate(plate) for plate in study.figure(dataset)],
+        "title": study.title.rstrip("."),
+        "plates": [_plate(plate, out / study.name) for plate in draw(study, out)],
     }
 
 
-def _plate(plate: Plate) -> dict[str, str]:
-    buffer = io.BytesIO()
-    plate.figure.savefig(buffer, format="png")
-    picture = base64.b64encode(buffer.getvalue()).decode()
+def _plate(plate: Plate, folder: Path) -> dict[str, str]:
+    picture = base64.b64encode((folder / f"{plate.name}.png").read_bytes())
     return {
         "name": plate.name,
         "caption": plate.caption,
-        "picture": picture,
+        "picture": picture.decode(),
         "width": f"{100 * plate.figure.get_figwidth():.0f}px",
     }

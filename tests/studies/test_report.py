@@ -22,7 +22,6 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
             {axis.name: FEW[axis.name] for axis in study.points if axis.name in FEW}
         )
         run(few, folder, workers=0, repeats=1, say=quiet)
-        report.draw(few, folder)
     report.write(folder)
     return folder
 

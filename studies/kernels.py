@@ -60,8 +60,10 @@ def _errors(dataset: xr.Dataset) -> Plate:
             error = dataset["kernel_error"].sel(padding=name, period=period)
             if (error > 0).all():
                 ax.loglog(half, error, label=name, **marked(name))
-        # x^2 / (4 D^2), half of it to either side, at the largest offset across
-        ax.loglog(half, WIDTH**2 / (8 * (half * period) ** 2), label="law x²/(8D²)", **LAW)
+        # ln r gains x^2 / (4 D^2) from what lies beyond D, and loses y^2 / (2 D^2) to an observer y off
+        # the window's centre, up to L / 2 between two images: half of that span to either side
+        law = (WIDTH**2 / 4 + period**2 / 8) / (2 * (half * period) ** 2)
+        ax.loglog(half, law, label="law (x²/4 + L²/8)/(2D²)", **LAW)
         ax.set(title=f"period L = {period:g} a", xlabel="n + ½  (n periods on each side)")
     axes[0].set_ylabel("error of the logarithm in the coefficients")
     finish(plate)

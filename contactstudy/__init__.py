@@ -18,7 +18,9 @@ from contactstudy.padding import (
     ZeroPadding,
 )
 from contactstudy.polonsky_keer import PolonskyKeer
+from contactstudy.preconditioned_cg import PreconditionedCG
 from contactstudy.problem import Problem
+from contactstudy.roughness import Roughness
 from contactstudy.scene import Scene
 from contactstudy.shapes import Cylinder, Shape
 from contactstudy.solids import HalfSpace
@@ -43,7 +45,9 @@ __all__ = [
     "Padding",
     "Paddings",
     "PolonskyKeer",
+    "PreconditionedCG",
     "Problem",
+    "Roughness",
     "Scene",
     "Shape",
     "Solution",

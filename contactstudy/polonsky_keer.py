@@ -1,64 +1,56 @@
 """The conjugate gradient scheme of Polonsky & Keer (1999)."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from contactstudy.arrays import Array, inner
-from contactstudy.pressures import AdmissiblePressures
-
-
-@dataclass(frozen=True, eq=False)
-class Iterate:
-    """Where an iteration stopped; all dimensionless."""
-
-    pressure: Array
-    displacement: Array
-    approach: float
-    residual: float
-    iterations: int
-    convolutions: int
+from contactstudy.iterate import Iterate, Stall
+from contactstudy.problem import BareProblem
 
 
 @dataclass(frozen=True)
 class PolonskyKeer:
     """Conjugate gradients on the cells in contact, restarted when the contact gains a cell.
 
-    Two convolutions per iteration. Source: Polonsky & Keer (1999), Wear 231, sect. 3.
+    Two convolutions per iteration. ``patience`` is the number of iterations without a halving of the
+    residual after which it stops. Source: Polonsky & Keer (1999), Wear 231, sect. 3.
     """
+
+    patience: int = 400
 
     def iterate(
         self,
-        undeformed_gap: Array,
-        displacement: Callable[[Array], Array],
-        pressures: AdmissiblePressures,
-        residual: Callable[[Array, Array], float],
+        problem: BareProblem,
         *,
         tolerance: float,
         max_iterations: int,
+        start: Array | None = None,
     ) -> Iterate:
-        """Iterate until ``residual(pressure, gap) <= tolerance``; all arguments dimensionless."""
-        pressure = pressures.uniform(undeformed_gap.shape)
+        """Iterate until ``problem.residual(pressure, gap) <= tolerance``."""
+        pressures = problem.pressures
+        pressure = pressures.uniform(problem.undeformed_gap.shape) if start is None else start
         direction = np.zeros_like(pressure)
         previous, conjugate = 1.0, 0.0
+        stall = Stall(self.patience)
         iteration = 0
         while True:
-            moved = displacement(pressure)
-            gap = undeformed_gap + moved
+            moved = problem.displacement(pressure)
+            gap = problem.undeformed_gap + moved
             contact = pressure > 0
             approach = float(gap[contact].mean())
             gap -= approach
-            left = residual(pressure, gap)
-            if not (tolerance < left < np.inf) or iteration == max_iterations:
-                convolutions = 2 * iteration + 1
+            left = problem.residual(pressure, gap)
+            done = not (tolerance < left < np.inf) or iteration == max_iterations
+            if done or stall.sees(left):
+                convolutions = 2.0 * iteration + 1
                 return Iterate(pressure, moved, approach, left, iteration, convolutions)
             iteration += 1
             descent = np.where(contact, gap, 0.0)
             steepness = inner(descent, descent)
             direction = np.where(contact, gap + conjugate * (steepness / previous) * direction, 0.0)
             previous = steepness
-            response = displacement(direction)
+            response = problem.displacement(direction)
             response -= response[contact].mean()
             step = inner(descent, direction) / inner(response, direction)
             pressure = pressures.clip(pressure - step * direction)

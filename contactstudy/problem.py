@@ -2,10 +2,48 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import Protocol, Self
 
-from contactstudy.arrays import Array
+import numpy as np
+
+from contactstudy.arrays import Array, inner
 from contactstudy.grid import Grid
 from contactstudy.pressures import AdmissiblePressures
+
+
+class Operator(Protocol):
+    """A symmetric linear map from pressure to displacement, both (width, length)."""
+
+    @property
+    def work(self) -> float:
+        """Cells transformed in one application."""
+        ...
+
+    @property
+    def own(self) -> float:
+        """Displacement of a cell under its own unit pressure."""
+        ...
+
+    @property
+    def blocks(self) -> tuple[int, int]:
+        """How many cells across and along :meth:`coarsened` makes one of; (1, 1) if it cannot."""
+        ...
+
+    def __call__(self, pressure: Array) -> Array:
+        """The displacement under ``pressure``."""
+        ...
+
+    def scaled(self, factor: float) -> Self:
+        """This operator times ``factor``."""
+        ...
+
+    def coarsened(self) -> Self:
+        """The operator on a grid of larger cells, each a block of these."""
+        ...
+
+    def approximate_inverse(self) -> tuple[Callable[[Array], Array], float]:
+        """A map from displacement to pressure, good enough to precondition with, and its work."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -15,6 +53,34 @@ class Scales:
     length: float
     pressure: float
     gap: float
+
+
+@dataclass(frozen=True, eq=False)
+class BareProblem:
+    """A problem without dimensions: what a solver sees."""
+
+    undeformed_gap: Array
+    displacement: Operator
+    pressures: AdmissiblePressures
+
+    def residual(self, pressure: Array, gap: Array) -> float:
+        """The measure of :func:`~contactstudy.solve`."""
+        total = pressure.sum()
+        complementarity = inner(pressure, np.abs(gap)) / total
+        penetration = np.max(-gap, where=pressure == 0, initial=0.0)
+        return float(max(complementarity, penetration, abs(total / self.pressures.total - 1)))
+
+    def coarsened(self) -> "BareProblem | None":
+        """The same problem on blocks of cells, heights averaged; None where the grid does not halve."""
+        across, along = self.displacement.blocks
+        if across * along == 1:
+            return None
+        nx, ny = self.undeformed_gap.shape
+        gap = self.undeformed_gap.reshape(nx // across, across, ny // along, along).mean(
+            axis=(1, 3)
+        )
+        total = self.pressures.total / (across * along)
+        return BareProblem(gap, self.displacement.coarsened(), AdmissiblePressures(total))
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,8 +95,16 @@ class Problem:
 
     grid: Grid
     undeformed_gap: Array
-    displacement: Callable[[Array], Array]
+    displacement: Operator
     pressures: AdmissiblePressures
     scales: Scales
     open_edges: tuple[int, ...] = ()
     attributes: Mapping[str, str | float] = field(default_factory=dict)
+
+    def bare(self) -> BareProblem:
+        """This problem in its own scales."""
+        return BareProblem(
+            self.undeformed_gap / self.scales.gap,
+            self.displacement.scaled(self.scales.pressure / self.scales.gap),
+            AdmissiblePressures(self.pressures.total / self.scales.pressure),
+        )

@@ -19,6 +19,10 @@ class Status(Enum):
         "max_iterations was reached before the tolerance: "
         "allow more iterations or a larger tolerance"
     )
+    STALLED = (
+        "the residual stopped falling above the tolerance: it is as small as rounding lets it become; "
+        "give a tolerance no smaller than it"
+    )
     NOT_FINITE = (
         "the iteration left the range of floating-point numbers: "
         "check the heights for nan and for values far beyond the contact's own scale"
@@ -35,7 +39,8 @@ class Solution:
     ``gap = undeformed gap + displacement - approach`` holds to rounding, so in the contact ``gap``
     shows what the solver left over. ``approach`` [m] is counted from the same datum as the
     displacement. ``residual`` is dimensionless (see :func:`~contactstudy.solve`); ``convolutions``
-    counts transform pairs of the full grid.
+    counts transform pairs of the full grid, smaller ones in proportion. ``note`` is empty, or says how
+    the solver went on after a stall.
     """
 
     problem: Problem
@@ -45,5 +50,6 @@ class Solution:
     approach: float
     status: Status
     iterations: int
-    convolutions: int
+    convolutions: float
     residual: float
+    note: str = ""

@@ -1,15 +1,14 @@
 """Problem -> Solution."""
 
-from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
 
-from contactstudy.arrays import Array, inner
+from contactstudy.arrays import Array
 from contactstudy.checks import positive, whole
-from contactstudy.polonsky_keer import Iterate, PolonskyKeer
-from contactstudy.pressures import AdmissiblePressures
-from contactstudy.problem import Problem
+from contactstudy.iterate import Iterate
+from contactstudy.preconditioned_cg import PreconditionedCG
+from contactstudy.problem import BareProblem, Problem
 from contactstudy.solution import Solution, Status
 
 
@@ -18,15 +17,13 @@ class Solver(Protocol):
 
     def iterate(
         self,
-        undeformed_gap: Array,
-        displacement: Callable[[Array], Array],
-        pressures: AdmissiblePressures,
-        residual: Callable[[Array, Array], float],
+        problem: BareProblem,
         *,
         tolerance: float,
         max_iterations: int,
+        start: Array | None = None,
     ) -> Iterate:
-        """Iterate until ``residual(pressure, gap) <= tolerance`` or the limit."""
+        """Iterate until ``problem.residual(pressure, gap) <= tolerance``, the limit, or a stall."""
         ...
 
 
@@ -35,7 +32,7 @@ def solve(
     *,
     tolerance: float = 1e-8,
     max_iterations: int = 2000,
-    solver: Solver = PolonskyKeer(),  # noqa: B008 (a frozen value)
+    solver: Solver = PreconditionedCG(),  # noqa: B008 (a frozen value)
 ) -> Solution:
     """Solve ``problem`` and say how far the answer can be trusted.
 
@@ -47,27 +44,9 @@ def solve(
     """
     positive("solve.tolerance", tolerance, "give a dimensionless tolerance above 0, such as 1e-8")
     whole("solve.max_iterations", max_iterations, 0, "give a whole number of iterations from 0 on")
-    scales = problem.scales
-    pressures = AdmissiblePressures(problem.pressures.total / scales.pressure)
-
-    def displacement(pressure: Array) -> Array:
-        return problem.displacement(pressure) * (scales.pressure / scales.gap)
-
-    def residual(pressure: Array, gap: Array) -> float:
-        total = pressure.sum()
-        complementarity = inner(pressure, np.abs(gap)) / total
-        penetration = np.max(-gap, where=pressure == 0, initial=0.0)
-        return float(max(complementarity, penetration, abs(total / pressures.total - 1)))
-
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        last = solver.iterate(
-            problem.undeformed_gap / scales.gap,
-            displacement,
-            pressures,
-            residual,
-            tolerance=tolerance,
-            max_iterations=max_iterations,
-        )
+        last = solver.iterate(problem.bare(), tolerance=tolerance, max_iterations=max_iterations)
+    scales = problem.scales
     moved, approach = last.displacement * scales.gap, last.approach * scales.gap
     return Solution(
         problem=problem,
@@ -75,18 +54,22 @@ def solve(
         displacement=moved,
         gap=problem.undeformed_gap + moved - approach,
         approach=approach,
-        status=_status(last, tolerance, problem.open_edges),
+        status=_status(last, tolerance, max_iterations, problem.open_edges),
         iterations=last.iterations,
         convolutions=last.convolutions,
         residual=last.residual,
+        note=last.note,
     )
 
 
-def _status(last: Iterate, tolerance: float, open_edges: tuple[int, ...]) -> Status:
+def _status(
+    last: Iterate, tolerance: float, max_iterations: int, open_edges: tuple[int, ...]
+) -> Status:
     if not np.isfinite(last.residual):
         return Status.NOT_FINITE
     if last.residual > tolerance:
-        return Status.ITERATION_LIMIT
+        limited = last.iterations >= max_iterations
+        return Status.ITERATION_LIMIT if limited else Status.STALLED
     if last.pressure[list(open_edges)].any():
         return Status.CONTACT_AT_EDGE
     return Status.CONVERGED

@@ -1,5 +1,6 @@
 import math
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -126,11 +127,10 @@ def test_pressure_scales_as_the_root_of_load_times_modulus_over_radius(
 
 def test_no_iterations_means_no_convergence(line_contact: LineContact) -> None:
     problem = line_contact.scene.problem(line_contact.grid(16, 1.2), cs.ExactPeriodicity())
-    for limit in (0, 1, 3):
-        solution = cs.solve(problem, max_iterations=limit)
+    for limit, solver in product((0, 1, 3), (cs.PolonskyKeer(), cs.PreconditionedCG())):
+        solution = cs.solve(problem, max_iterations=limit, solver=solver)
         assert solution.status is cs.Status.ITERATION_LIMIT
         assert solution.iterations == limit
-        assert solution.convolutions == 2 * limit + 1
         assert "max_iterations" in str(solution.status)
 
 

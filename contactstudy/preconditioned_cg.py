@@ -11,7 +11,7 @@ from contactstudy.polonsky_keer import PolonskyKeer
 from contactstudy.problem import BareProblem
 
 # A trial step is taken whole, zeros and all, from this share of the best step along its line on.
-WHOLE = 0.9
+WHOLE = 0.8
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class PreconditionedCG:
     the line search on the admissible step are of this package.
     """
 
-    coarse_tolerance: float = 1e-3
+    coarse_tolerance: float = 1e-4
     seed: float = 0.1
     patience: int = 40
 

@@ -39,7 +39,7 @@ class Case:
     padding: cs.Padding | cs.Paddings
     tolerance: float = 1e-8
     max_iterations: int = 2000
-    solver: cs.Solver = field(default_factory=cs.PolonskyKeer)
+    solver: cs.Solver = field(default_factory=cs.PreconditionedCG)
 
     def prepare(self) -> cs.Problem:
         """Influence coefficients, transforms, gap."""

@@ -77,8 +77,8 @@ def _runtime(dataset: xr.Dataset) -> Plate:
         if own.size:
             finest = own[np.argmin(error[own])]
             span = np.array([cost[own].min(), cost[finest]])
-            law = error[finest] * (span / cost[finest]) ** -0.6
-            ax.loglog(span, law, label="law t^(−3/5), exact", **LAW)
+            law = error[finest] * (span / cost[finest]) ** -0.75
+            ax.loglog(span, law, label="law t^(−3/4), exact", **LAW)
         ax.set(title=f"period L = {period:g} a", xlabel="wall time, set-up and solve [s]")
         best = points.isel(point=front[-1])
         words.append(
@@ -92,7 +92,7 @@ def _runtime(dataset: xr.Dataset) -> Plate:
         plate,
         "Accuracy against wall time on one thread, every mode, n and grid; the line joins the settings "
         "that nothing beats on both counts. The dotted law is what an error of N^(−3/2) costs when a "
-        "solve takes N² operations an iteration, but for logarithms, and about N^(1/2) iterations; small "
+        "solve takes N² operations an iteration, but for logarithms, and as many iterations on every grid; "
         "grids lie above it since their set-up does not shrink with them. The most accurate settings: "
         + "; ".join(words)
         + ".",

@@ -25,6 +25,7 @@ NEAR_POINTS, FAR_POINTS = 8, 4
 IMAGES, HANDOVER, FOURIER_END = 3, 0.5, 6.0
 SERIES_TERMS, FOURIER_TERMS = 24, 13
 CELL_POINTS = 16
+ROUNDING = 1e-17
 
 # What a cell wider than the period is cut into, each strip narrower than it. They are odd in number,
 # so that no seam meets the axis: beside an observer, a seam of one rounding costs 1e-10 of a thin
@@ -187,7 +188,9 @@ def _images(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> 
         for sign in (1, -1)
     ]
     total -= sum(weight * digamma(away) for weight, away in sides)
-    for k in range(1, SERIES_TERMS + 1):
+    # from one term to the next by at least this factor
+    ratio = float(np.fmax.reduce(x + half_x, axis=None, initial=1e-3)) / (IMAGES + 0.5 - half_y)
+    for k in range(1, min(SERIES_TERMS, int(np.log(ROUNDING) / np.log(ratio**2)) + 1) + 1):
         power = sum(w * (x + node * half_x) ** (2 * k) for node, w in gauss(CELL_POINTS))
         total += binom(-0.5, k) * power * sum(w * zeta(2 * k + 1, away) for w, away in sides)
     return total
@@ -196,7 +199,9 @@ def _images(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> 
 def _fourier(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> Array:
     """The plane-strain logarithm and the harmonics of the period, which decay like exp(-2 pi j x)."""
     total = _logarithm(x, y, half_x, half_y, period)
-    for j in range(1, FOURIER_TERMS + 1):
+    # further from the axis, so many fewer
+    inner = float(np.fmin.reduce((x - half_x) / period, axis=None, initial=FOURIER_END))
+    for j in range(1, int(np.ceil(FOURIER_TERMS * HANDOVER / inner)) + 1):
         wave = 2 * np.pi * j / period
         across = sum(w * k0(wave * (x + node * half_x)) for node, w in gauss(CELL_POINTS))
         total = total + 4 * across * np.cos(wave * y) * np.sinc(2 * j * half_y / period)

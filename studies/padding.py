@@ -93,7 +93,7 @@ def _runtime(dataset: xr.Dataset) -> Plate:
         "Accuracy against wall time on one thread, every mode, n and grid; the line joins the settings "
         "that nothing beats on both counts. The dotted law is what an error of N^(−3/2) costs when a "
         "solve takes N² operations an iteration, but for logarithms, and as many iterations on every grid; "
-        "grids lie above it since their set-up does not shrink with them. The most accurate settings: "
+        "small grids lie above it since their set-up does not shrink with them. The most accurate settings: "
         + "; ".join(words)
         + ".",
     )

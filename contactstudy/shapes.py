@@ -1,10 +1,13 @@
 """Heights of the undeformed gap; the shapes of a scene add up."""
 
 from dataclasses import dataclass
+from math import inf, isinf
 from typing import Protocol
 
+import numpy as np
+
 from contactstudy.arrays import Array
-from contactstudy.checks import positive
+from contactstudy.checks import InvalidInput, finite, positive
 from contactstudy.grid import Grid
 
 
@@ -42,3 +45,41 @@ class Cylinder:
     def gap(self, grid: Grid) -> Array:
         """``x^2 / (2 R)``, shape (width, 1) [m]."""
         return (grid.x**2 / (2 * self.radius))[:, None]
+
+
+@dataclass(frozen=True)
+class Waviness:
+    """A plane wave of height, ``amplitude cos(2 pi (x / across + y / along) + phase)``.
+
+    ``amplitude`` [m]; wavelengths ``across`` and ``along`` [m], infinite by default, which is none in
+    that direction; ``phase`` [rad]. Raises :class:`~contactstudy.InvalidInput` where a period of the
+    grid does not hold a whole number of waves along.
+    """
+
+    amplitude: float
+    across: float = inf
+    along: float = inf
+    phase: float = 0.0
+
+    def __post_init__(self) -> None:
+        finite("Waviness.amplitude", self.amplitude, "give a height in m")
+        finite("Waviness.phase", self.phase, "give an angle in rad")
+        for name in ("across", "along"):
+            if not isinf(getattr(self, name)):
+                positive(f"Waviness.{name}", getattr(self, name), "give a wavelength above 0 m")
+
+    @property
+    def curvature(self) -> float:
+        """None on the mean."""
+        return 0.0
+
+    def gap(self, grid: Grid) -> Array:
+        """The wave at the cell centres, shape (width, length) [m]."""
+        waves = grid.period / self.along
+        if abs(waves - round(waves)) > 1e-9 * max(waves, 1):
+            raise InvalidInput(
+                f"Waviness.along is {self.along!r}: give a wavelength that divides the period "
+                f"{grid.period!r} m, or change the period."
+            )
+        angle = 2 * np.pi * (grid.x[:, None] / self.across + grid.y / self.along) + self.phase
+        return np.asarray(self.amplitude * np.cos(angle))

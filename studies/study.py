@@ -24,7 +24,7 @@ Point = Mapping[str, Value]
 # of what a study computes, and of its result: as specific as the study
 Measures = Callable[[Any, Any], Mapping[str, xr.Variable]]
 
-BUILT_IN = ("paper", "padding", "images", "period", "grid", "kernels")
+BUILT_IN = ("paper", "padding", "images", "period", "grid", "kernels", "speed")
 
 
 @dataclass(frozen=True, eq=False)

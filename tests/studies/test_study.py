@@ -64,7 +64,7 @@ def test_a_study_without_one_of_its_names_is_refused(study_file: Path, part: str
     ("name", "message"),
     [
         ("paddin", "did you mean 'padding'"),
-        ("xyz", "choose from grid, images, kernels, padding, paper, period"),
+        ("xyz", "choose from grid, images, kernels, padding, paper, period, speed"),
         ("nowhere.py", "cannot be read"),
     ],
 )

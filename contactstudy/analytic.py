@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contactstudy.arrays import Array
-from contactstudy.checks import positive
+from contactstudy.checks import keep, positive
 
 
 @dataclass(frozen=True)
@@ -21,9 +21,9 @@ class HertzLine:
     contact_modulus: float
 
     def __post_init__(self) -> None:
-        positive("hertz_line.load_per_length", self.load_per_length, "give a load above 0 N/m")
-        positive("hertz_line.radius", self.radius, "give a radius above 0 m")
-        positive("hertz_line.contact_modulus", self.contact_modulus, "give a modulus above 0 Pa")
+        _keep_positive(
+            self, "hertz_line", load_per_length="load", radius="radius", contact_modulus="modulus"
+        )
 
     @property
     def half_width(self) -> float:
@@ -62,9 +62,7 @@ class HertzPoint:
     contact_modulus: float
 
     def __post_init__(self) -> None:
-        positive("hertz_point.load", self.load, "give a load above 0 N")
-        positive("hertz_point.radius", self.radius, "give a radius above 0 m")
-        positive("hertz_point.contact_modulus", self.contact_modulus, "give a modulus above 0 Pa")
+        _keep_positive(self, "hertz_point", load="load", radius="radius", contact_modulus="modulus")
 
     @property
     def contact_radius(self) -> float:
@@ -93,6 +91,12 @@ class HertzPoint:
         out = np.maximum(t, 1)
         outside = (2 - out**2) * np.arcsin(1 / out) + np.sqrt((out - 1) * (out + 1))
         return self.approach * np.where(t <= 1, inside, outside / np.pi)
+
+
+def _keep_positive(instance: object, function: str, **fields: str) -> None:
+    for name, what in fields.items():
+        value = positive(f"{function}.{name}", getattr(instance, name), f"give a {what} above 0")
+        keep(instance, **{name: value})
 
 
 def hertz_line(load_per_length: float, radius: float, contact_modulus: float) -> HertzLine:

@@ -10,9 +10,15 @@ class InvalidInput(ValueError):
 
 def finite(field: str, value: object, remedy: str) -> float:
     """``value`` as a finite float, or :class:`InvalidInput`."""
-    if isinstance(value, bool) or not isinstance(value, Real) or not math.isfinite(value):
+    if isinstance(value, bool) or not isinstance(value, Real):
         raise InvalidInput(f"{field} is {value!r}: {remedy}.")
-    return float(value)
+    try:
+        number = float(value)
+    except OverflowError:  # an int beyond any float
+        number = math.inf
+    if not math.isfinite(number):
+        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
+    return number
 
 
 def positive(field: str, value: object, remedy: str) -> float:
@@ -35,3 +41,9 @@ def pair(field: str, value: object, remedy: str) -> tuple[object, object]:
     if not isinstance(value, tuple | list) or len(value) != 2:
         raise InvalidInput(f"{field} is {value!r}: {remedy}.")
     return value[0], value[1]
+
+
+def keep(instance: object, **values: object) -> None:
+    """Checked values in place of those given to a frozen dataclass, in its ``__post_init__``."""
+    for name, value in values.items():
+        object.__setattr__(instance, name, value)

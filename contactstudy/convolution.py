@@ -7,6 +7,7 @@ import numpy as np
 from scipy import fft
 
 from contactstudy.arrays import Array
+from contactstudy.checks import InvalidInput, positive
 from contactstudy.grid import Grid
 from contactstudy.kernel import kernel
 from contactstudy.padding import Padding, Paddings, across_and_along
@@ -30,6 +31,8 @@ class Convolution:
 
     def __call__(self, pressure: Array) -> Array:
         """Displacement [m] under ``pressure`` [Pa], both (width, length)."""
+        if pressure.shape != self.cells:
+            raise InvalidInput(f"pressure has the shape {pressure.shape}: give it {self.cells}.")
         (nx, ny), (px, py) = self.cells, self.padded
         waves = fft.fft(fft.rfft(pressure, py, axis=1), px, axis=0, overwrite_x=True)
         waves *= self.spectrum
@@ -113,6 +116,7 @@ def convolution(
     that does not is padded to twice its cells, which makes it linear (Liu, Wang & Liu 2000).
     """
     paddings = across_and_along(padding)
+    datum = positive("datum", datum, "give a distance above 0 m")
     px, py = (
         n if one.wraps else 2 * fft.next_fast_len(n, real=real)
         for n, one, real in zip(grid.cells, paddings, (False, True), strict=True)

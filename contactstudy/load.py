@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from contactstudy.checks import positive
+from contactstudy.checks import keep, positive
 
 
 @dataclass(frozen=True)
@@ -12,4 +12,5 @@ class LineLoad:
     per_length: float
 
     def __post_init__(self) -> None:
-        positive("LineLoad.per_length", self.per_length, "give a load above 0 N/m")
+        load = positive("LineLoad.per_length", self.per_length, "give a load above 0 N/m")
+        keep(self, per_length=load)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from math import inf
 from typing import ClassVar, Protocol
 
-from contactstudy.checks import InvalidInput, whole
+from contactstudy.checks import InvalidInput, keep, whole
 
 
 class Padding(Protocol):
@@ -142,7 +142,7 @@ def across_and_along(padding: Padding | Paddings) -> Paddings:
     Raises :class:`~contactstudy.InvalidInput` for what is neither.
     """
     both = padding if isinstance(padding, tuple) else (ZeroPadding(), padding)
-    if len(both) != 2 or not all(hasattr(one, "window") for one in both):
+    if len(both) != 2 or any(isinstance(one, type) or not hasattr(one, "window") for one in both):
         raise InvalidInput(
             f"padding is {padding!r}: give one for the length, such as ExactPeriodicity(), or a "
             "tuple of two, (across, along)."
@@ -152,4 +152,5 @@ def across_and_along(padding: Padding | Paddings) -> Paddings:
 
 def _check_images(padding: Superposition | CircularSuperposition) -> None:
     field = f"{type(padding).__name__}.images"
-    whole(field, padding.images, 0, "give a whole number of periods from 0 on")
+    remedy = "give a whole number of periods from 0 on"
+    keep(padding, images=whole(field, padding.images, 0, remedy))

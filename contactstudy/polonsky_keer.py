@@ -33,6 +33,7 @@ class PolonskyKeer:
         direction = np.zeros_like(pressure)
         previous, conjugate = 1.0, 0.0
         stall = Stall(self.patience)
+        own = problem.displacement.own
         iteration = 0
         while True:
             moved = problem.displacement(pressure)
@@ -48,11 +49,14 @@ class PolonskyKeer:
             iteration += 1
             descent = np.where(contact, gap, 0.0)
             steepness = inner(descent, descent)
-            direction = np.where(contact, gap + conjugate * (steepness / previous) * direction, 0.0)
+            kept = conjugate * steepness / previous if previous > 0 else 0.0
+            direction = np.where(contact, gap + kept * direction, 0.0)
             previous = steepness
             response = problem.displacement(direction)
             response -= response[contact].mean()
-            step = inner(descent, direction) / inner(response, direction)
+            curvature = inner(response, direction)
+            # a single cell in contact is level with itself: the others then close their own gaps
+            step = inner(descent, direction) / curvature if curvature > 0 else 1 / own
             pressure = pressures.clip(pressure - step * direction)
             overlap = (pressure == 0) & (gap < 0)
             conjugate = 0.0 if overlap.any() else 1.0

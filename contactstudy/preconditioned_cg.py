@@ -47,7 +47,7 @@ class PreconditionedCG:
         if start is None:
             start, work = self._from_coarser(problem, max(tolerance, self.coarse_tolerance))
         last = self._descend(problem, start, tolerance, max_iterations, work)
-        if last.residual <= tolerance or last.iterations == max_iterations:
+        if not (tolerance < last.residual < np.inf) or last.iterations == max_iterations:
             return last
         rest = PolonskyKeer().iterate(
             problem,
@@ -94,7 +94,7 @@ class PreconditionedCG:
         moved = operator(pressure)
         work += 1
         step = response = None
-        length = 1.0
+        length = curvature = 1.0
         stall = Stall(self.patience)
         iteration = 0
         while True:
@@ -110,7 +110,7 @@ class PreconditionedCG:
             direction = _within(contact, precondition(np.where(contact, -gap, 0.0)))
             work += 1 + its_work / operator.work
             if step is not None and response is not None:
-                conjugate = inner(direction, response) / inner(step, response)
+                conjugate = inner(direction, response) / curvature
                 tried = _within(contact, direction - conjugate * step)
                 if inner(gap, tried) < 0:
                     direction = tried
@@ -123,12 +123,13 @@ class PreconditionedCG:
             step = trial - pressure
             ahead = operator(trial)
             response = ahead - moved
-            best = -inner(gap, step) / inner(step, response)
+            curvature = inner(step, response)
+            best = -inner(gap, step) / curvature if curvature > 0 else 0.0
             if not best > 0:  # balancing the load has turned the step uphill: shorten, start afresh
                 length /= 4
                 step = response = None
                 continue
-            taken = self._share(pressure, step, best, cut=cut)
+            taken = _whole_or_best(best) if cut else _to_first_loss(pressure, step, best)
             if taken == 1:
                 pressure, moved = trial, ahead
             else:
@@ -136,17 +137,21 @@ class PreconditionedCG:
                 moved = moved + taken * response
             length *= min(max(best, 0.3), 3.0)
 
-    @staticmethod
-    def _share(pressure: Array, step: Array, best: float, *, cut: bool) -> float:
-        """How much of the step to take, with ``best`` the lowest point of its line."""
-        if cut:
-            # the whole of it leaves zeros where tension was; beyond it they would turn to tension
-            return 1.0 if best > WHOLE else best
-        falling = step < 0
-        if best <= 1 or not falling.any():
-            return best
-        # as far as the first cell to lose contact
-        return min(best, max(1.0, float((pressure[falling] / -step[falling]).min())))
+
+def _whole_or_best(best: float) -> float:
+    """How much of a step to take that has cut off tension, ``best`` being the lowest point of its line.
+
+    The whole of it leaves zeros where tension was; beyond it they would turn to tension.
+    """
+    return 1.0 if best > WHOLE else best
+
+
+def _to_first_loss(pressure: Array, step: Array, best: float) -> float:
+    """How much of a step to take that has cut off nothing: up to where a cell would lose contact."""
+    falling = step < 0
+    if best <= 1 or not falling.any():
+        return best
+    return min(best, max(1.0, float((pressure[falling] / -step[falling]).min())))
 
 
 def _within(contact: NDArray[np.bool_], direction: Array) -> Array:

@@ -1,6 +1,6 @@
 """The pressures a contact may take: never tensile, and carrying the load."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,6 +12,10 @@ class AdmissiblePressures:
     """``p >= 0`` and ``sum(p) = total`` (the load over the cell's area, in the unit of p)."""
 
     total: float
+
+    def scaled(self, factor: float) -> "AdmissiblePressures":
+        """The same set in another unit of pressure, or of area."""
+        return replace(self, total=self.total * factor)
 
     def uniform(self, shape: tuple[int, int]) -> Array:
         """The same pressure everywhere."""

@@ -79,8 +79,8 @@ class BareProblem:
         gap = self.undeformed_gap.reshape(nx // across, across, ny // along, along).mean(
             axis=(1, 3)
         )
-        total = self.pressures.total / (across * along)
-        return BareProblem(gap, self.displacement.coarsened(), AdmissiblePressures(total))
+        pressures = self.pressures.scaled(1 / (across * along))
+        return BareProblem(gap, self.displacement.coarsened(), pressures)
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,5 +106,5 @@ class Problem:
         return BareProblem(
             self.undeformed_gap / self.scales.gap,
             self.displacement.scaled(self.scales.pressure / self.scales.gap),
-            AdmissiblePressures(self.pressures.total / self.scales.pressure),
+            self.pressures.scaled(1 / self.scales.pressure),
         )

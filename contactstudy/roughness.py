@@ -1,13 +1,12 @@
 """Self-affine random roughness, the same surface on every grid."""
 
 from dataclasses import dataclass
-from math import isfinite
 
 import numpy as np
 from scipy import fft
 
 from contactstudy.arrays import Array
-from contactstudy.checks import InvalidInput, finite, positive, whole
+from contactstudy.checks import InvalidInput, finite, keep, positive, whole
 from contactstudy.grid import Grid
 
 
@@ -30,19 +29,22 @@ class Roughness:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        if finite("Roughness.rms", self.rms, "give an rms height of 0 m or more") < 0:
-            raise InvalidInput(f"Roughness.rms is {self.rms!r}: give an rms height of 0 m or more.")
-        if not (isfinite(self.hurst) and 0 < self.hurst < 1):
-            raise InvalidInput(
-                f"Roughness.hurst is {self.hurst!r}: give an exponent between 0 and 1."
-            )
-        positive("Roughness.cut_off", self.cut_off, "give a wavelength above 0 m")
-        positive("Roughness.roll_off", self.roll_off, "give a wavelength above 0 m")
+        remedy = "give an rms height of 0 m or more"
+        rms = finite("Roughness.rms", self.rms, remedy)
+        if rms < 0:
+            raise InvalidInput(f"Roughness.rms is {self.rms!r}: {remedy}.")
+        remedy = "give an exponent between 0 and 1"
+        hurst = finite("Roughness.hurst", self.hurst, remedy)
+        if not 0 < hurst < 1:
+            raise InvalidInput(f"Roughness.hurst is {self.hurst!r}: {remedy}.")
+        cut_off = positive("Roughness.cut_off", self.cut_off, "give a wavelength above 0 m")
+        roll_off = positive("Roughness.roll_off", self.roll_off, "give a wavelength above 0 m")
+        keep(self, rms=rms, hurst=hurst, cut_off=cut_off, roll_off=roll_off)
         if self.roll_off < self.cut_off:
             raise InvalidInput(
                 f"Roughness.roll_off is {self.roll_off!r}: give a wavelength no shorter than cut_off."
             )
-        whole("Roughness.seed", self.seed, 0, "give a whole number from 0 on")
+        keep(self, seed=whole("Roughness.seed", self.seed, 0, "give a whole number from 0 on"))
 
     @property
     def curvature(self) -> float:
@@ -76,4 +78,9 @@ class Roughness:
         normal = np.random.default_rng(self.seed).standard_normal((2, *density.shape))
         waves = np.sqrt(density) * (normal[0] + 1j * normal[1])
         power = np.sum(np.abs(waves) ** 2) / 2
-        return waves * (self.rms / np.sqrt(power) if power > 0 else 0.0), (kx, ky)
+        if power == 0 and self.rms > 0:
+            raise InvalidInput(
+                f"Roughness.cut_off is {self.cut_off!r}: give a wavelength below the grid's extent "
+                f"{grid.extent!r} m, or there is no wave to carry the height."
+            )
+        return waves * (self.rms / np.sqrt(power) if self.rms > 0 else 0.0), (kx, ky)

@@ -9,7 +9,7 @@ from contactstudy.checks import InvalidInput
 from contactstudy.convolution import convolution
 from contactstudy.grid import Grid
 from contactstudy.load import LineLoad
-from contactstudy.padding import Padding, Paddings, ZeroPadding, across_and_along
+from contactstudy.padding import Padding, Paddings, across_and_along
 from contactstudy.pressures import AdmissiblePressures
 from contactstudy.problem import Problem, Scales
 from contactstudy.shapes import Shape
@@ -43,6 +43,13 @@ class Scene:
         for number, solid in enumerate(self.solids):
             _typed(f"Scene.solids[{number}]", solid, HalfSpace, "give a HalfSpace")
         contact_modulus(self.solids)
+        for number, shape in enumerate(self.shapes):
+            if isinstance(shape, type) or not (
+                hasattr(shape, "gap") and hasattr(shape, "curvature")
+            ):
+                raise InvalidInput(
+                    f"Scene.shapes[{number}] is {shape!r}: give a shape, such as Cylinder(radius=0.01)."
+                )
 
     @property
     def contact_modulus(self) -> float:
@@ -70,6 +77,7 @@ class Scene:
 
         Raises :class:`~contactstudy.InvalidInput` for what is neither.
         """
+        _typed("grid", grid, Grid, "give a Grid")
         paddings = across_and_along(padding)
         gap = np.zeros(grid.cells)
         for shape in self.shapes:
@@ -81,9 +89,14 @@ class Scene:
             displacement=convolution(self.contact_modulus, grid, paddings, scales.length),
             pressures=AdmissiblePressures(self.load.per_length * grid.period / grid.cell_area),
             scales=scales,
-            open_edges=(0, -1) if paddings[0] == ZeroPadding() else (),
+            open_edges=(0, -1) if _is_free(paddings[0]) else (),
             attributes={"scene": repr(self), "grid": repr(grid), "padding": repr(padding)},
         )
+
+
+def _is_free(padding: Padding) -> bool:
+    """Whether the surface goes on beyond the domain without pressure on it."""
+    return not padding.wraps and padding.window is not None and len(padding.window) == 1
 
 
 def _typed(field: str, value: object, kind: type | object, remedy: str) -> None:

@@ -1,13 +1,13 @@
 """Heights of the undeformed gap; the shapes of a scene add up."""
 
 from dataclasses import dataclass
-from math import inf, isinf
+from math import inf
 from typing import Protocol
 
 import numpy as np
 
 from contactstudy.arrays import Array
-from contactstudy.checks import InvalidInput, finite, positive
+from contactstudy.checks import InvalidInput, finite, keep, positive
 from contactstudy.grid import Grid
 
 
@@ -35,7 +35,7 @@ class Cylinder:
     radius: float
 
     def __post_init__(self) -> None:
-        positive("Cylinder.radius", self.radius, "give a radius above 0 m")
+        keep(self, radius=positive("Cylinder.radius", self.radius, "give a radius above 0 m"))
 
     @property
     def curvature(self) -> float:
@@ -62,11 +62,17 @@ class Waviness:
     phase: float = 0.0
 
     def __post_init__(self) -> None:
-        finite("Waviness.amplitude", self.amplitude, "give a height in m")
-        finite("Waviness.phase", self.phase, "give an angle in rad")
+        keep(
+            self,
+            amplitude=finite("Waviness.amplitude", self.amplitude, "give a height in m"),
+            phase=finite("Waviness.phase", self.phase, "give an angle in rad"),
+        )
         for name in ("across", "along"):
-            if not isinf(getattr(self, name)):
-                positive(f"Waviness.{name}", getattr(self, name), "give a wavelength above 0 m")
+            if getattr(self, name) != inf:
+                length = positive(
+                    f"Waviness.{name}", getattr(self, name), "give a wavelength above 0 m"
+                )
+                keep(self, **{name: length})
 
     @property
     def curvature(self) -> float:

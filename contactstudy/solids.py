@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from contactstudy.checks import InvalidInput, finite, positive
+from contactstudy.checks import InvalidInput, finite, keep, positive
 
 
 @dataclass(frozen=True)
@@ -20,11 +20,13 @@ class HalfSpace:
     def __post_init__(self) -> None:
         remedy = "give a modulus above 0 Pa, or inf for a rigid body"
         if self.youngs_modulus != math.inf:
-            positive("HalfSpace.youngs_modulus", self.youngs_modulus, remedy)
+            modulus = positive("HalfSpace.youngs_modulus", self.youngs_modulus, remedy)
+            keep(self, youngs_modulus=modulus)
         remedy = "give a ratio above -1 and up to 0.5"
         ratio = finite("HalfSpace.poisson_ratio", self.poisson_ratio, remedy)
         if not -1 < ratio <= 0.5:
             raise InvalidInput(f"HalfSpace.poisson_ratio is {self.poisson_ratio!r}: {remedy}.")
+        keep(self, poisson_ratio=ratio)
 
     @property
     def compliance(self) -> float:

@@ -20,8 +20,9 @@ class Status(Enum):
         "allow more iterations or a larger tolerance"
     )
     STALLED = (
-        "the residual stopped falling above the tolerance: it is as small as rounding lets it become; "
-        "give a tolerance no smaller than it"
+        "the residual stopped falling above the tolerance: as a rule because rounding "
+        "leaves no room below: give a tolerance no smaller than the residual reached, and check the heights "
+        "for values far beyond the contact's own scale"
     )
     NOT_FINITE = (
         "the iteration left the range of floating-point numbers: "

@@ -4,6 +4,8 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
+import numpy as np
+
 from contactstudy import InvalidInput
 
 Value = str | int | float
@@ -24,6 +26,21 @@ class Axis:
     long_name: str
     units: str = "1"
 
+    def __post_init__(self) -> None:
+        # numpy's scalars become Python's, and one number with a fraction makes all of them such
+        values = tuple(v.item() if isinstance(v, np.generic) else v for v in self.values)
+        if (
+            not values
+            or isinstance(values[0], bool)
+            or not isinstance(values[0], str | int | float)
+        ):
+            raise InvalidInput(
+                f"Axis {self.name!r} has values {self.values!r}: give names or numbers."
+            )
+        if any(isinstance(value, float) for value in values):
+            values = tuple(float(value) for value in values)
+        object.__setattr__(self, "values", values)
+
     @property
     def kind(self) -> type:
         """int, float or str, by the first value."""
@@ -36,12 +53,16 @@ class Axis:
         """
         raw = list(_split(values, self.kind)) if isinstance(values, str) else list(values)
         parsed = dict.fromkeys(self._convert(value) for value in raw)
+        if self.kind is not str:  # figures and findings read from the least to the largest
+            parsed = dict.fromkeys(sorted(parsed))
         if not parsed:
             raise InvalidInput(f"{self.name} is {values!r}: {FORMS[self.kind]}.")
         return Axis(self.name, tuple(parsed), self.long_name, self.units)
 
     def _convert(self, value: Value) -> Value:
         try:
+            if isinstance(value, bool) or (self.kind is str and not isinstance(value, str)):
+                raise TypeError
             converted = self.kind(value)
             exact = self.kind is not int or float(value) == converted
         except (TypeError, ValueError, OverflowError):
@@ -65,4 +86,8 @@ def _split(text: str, kind: type) -> Iterator[str | int]:
 
 
 def _is_whole(text: str) -> bool:
-    return text.strip().lstrip("-").isdecimal()
+    try:
+        int(text)
+    except ValueError:
+        return False
+    return True

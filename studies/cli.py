@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from contactstudy import InvalidInput, __version__
+from studies.outcome import Fate
 from studies.study import BUILT_IN, load
 from studies.sweep import run as run_study
 
@@ -46,7 +47,7 @@ def cli() -> None:
 @WORKERS
 @REPEATS
 def report(out: Path, workers: int, repeats: int) -> None:
-    """Run the paper's study and the four sweeps, and write report.html."""
+    """Run the paper's study, the sweeps and those of kernels and speed, and write report.html."""
     from studies import report as reporting
 
     for name in BUILT_IN:
@@ -69,18 +70,29 @@ def run(context: click.Context, study: str, out: Path, workers: int, repeats: in
     from studies import report as reporting
 
     chosen = load(study).override(_axes(context.args))
-    run_study(chosen, out, workers=workers, repeats=repeats, say=click.echo)
+    dataset = run_study(chosen, out, workers=workers, repeats=repeats, say=click.echo)
+    if not (dataset["status"] == Fate.OK).any():
+        click.echo(f"{chosen.name}: no case gave numbers, so there is nothing to draw.", err=True)
+        sys.exit(1)
     reporting.draw(chosen, out)
     click.echo(f"{chosen.name}: drew {out / chosen.name}")
 
 
 @cli.command()
+@click.argument("study", nargs=-1)
 @OUT
-def draw(out: Path) -> None:
-    """Draw figures and report again from the netCDF files in the folder; nothing is solved."""
+def draw(study: tuple[str, ...], out: Path) -> None:
+    """Draw again from the netCDF files in the folder: the figures of STUDY, or all and the report.
+
+    STUDY is a built-in name or a .py file. Nothing is solved.
+    """
     from studies import report as reporting
 
-    click.echo(f"report: wrote {reporting.write(out)}")
+    for name in study:
+        reporting.draw(load(name), out)
+        click.echo(f"{name}: drew {out / load(name).name}")
+    if not study:
+        click.echo(f"report: wrote {reporting.write(out)}")
 
 
 @cli.command()
@@ -104,6 +116,10 @@ def _axes(arguments: list[str]) -> Mapping[str, str]:
         given = value if equals else next(rest, None)
         if given is None:
             raise InvalidInput(f"Parameter {name!r} has no values: write --{name} values.")
+        if name in axes:
+            raise InvalidInput(
+                f"Parameter {name!r} is given twice: write all its values in one list."
+            )
         axes[name] = given
     return axes
 
@@ -120,6 +136,7 @@ def main() -> None:
         sys.exit(error.exit_code)
     except (KeyboardInterrupt, click.Abort):
         click.echo(
-            "contactstudy: stopped; what was finished before is in the output folder.", err=True
+            "contactstudy: stopped; a study that was solved before is in the output folder.",
+            err=True,
         )
         sys.exit(130)

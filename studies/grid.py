@@ -77,6 +77,6 @@ def _words(chosen: xr.Dataset) -> str:
         f"Error against the number of cells N. With exact periodicity the L1 error falls like N^({rate:.2f}); "
         "the largest error sits in the cells that hold the contact edge, and both it and the half-width "
         "jump with where the edge falls in its cell. A truncated window has an error of its own, which no "
-        "grid removes: its curves level off, for the peak pressure at the law for its reach. Without "
+        "grid removes: its curves level off, for the peak pressure near the law for its reach. Without "
         "neighbours the pressure at the two ends of the length grows with every refinement."
     )

@@ -1,5 +1,6 @@
 """Accuracy against the number n of superposed periods."""
 
+import numpy as np
 import xarray as xr
 
 from contactstudy.analytic import truncation_error
@@ -53,7 +54,8 @@ def _peak_words(dataset: xr.Dataset, periods: list[float]) -> str:
     for period in periods:
         duplicated = float(errors.sel(padding="duplicated", period=period)[0])
         superposed = errors.sel(padding="superposed", period=period)
-        better = dataset["images"].values[(superposed < duplicated).values]
+        worse = np.flatnonzero((superposed >= duplicated).values)
+        better = dataset["images"].values[worse[-1] + 1 if worse.size else 0 :]
         if better.size:
             facts.append(f"at L = {period:g} a from n = {better[0]} on ({percent(duplicated)})")
     return words + (

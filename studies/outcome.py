@@ -35,10 +35,18 @@ def compute(case: Computation, measures: Measures) -> Outcome:
     try:
         with threadpool_limits(1):
             result = case.run(case.prepare())
-            return Outcome(Fate.OK, dict(measures(case, result)) | dict(case.record(result)))
+            measured = dict(measures(case, result)) | dict(case.record(result))
+            return Outcome(Fate.OK, {name: _variable(name, v) for name, v in measured.items()})
     except Exception as error:  # noqa: BLE001 (whatever a study's own code raises is data)
         place = traceback.extract_tb(error.__traceback__)[-1]
         return Outcome(Fate.FAILED, error=f"{type(error).__name__} in {place.name}: {error}")
+
+
+def _variable(name: str, value: xr.Variable | float) -> xr.Variable:
+    """A bare number gets its name for a label."""
+    if isinstance(value, xr.Variable):
+        return value
+    return xr.Variable((), value, {"long_name": name.replace("_", " ")})
 
 
 def clock(case: Computation) -> tuple[float, float]:

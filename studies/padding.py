@@ -48,8 +48,8 @@ def _reach(dataset: xr.Dataset) -> Plate:
         plate,
         "Peak-pressure error of every setting against how far to each side a point sees pressure "
         "(D = L/2 without neighbours, L duplicated, (n + ½)L superposed). What is not seen costs "
-        "a²/(8D²) once D exceeds about 3a, whichever way the images are counted; zero padding lies above, "
-        "since its pressure ends with the domain. Only exact periodicity is left with the error of "
+        "a²/(8D²) once D exceeds about 3a, whichever way the images are counted. Zero padding follows no such "
+        "law, since its pressure ends with the domain. Only exact periodicity is left with the error of "
         "the grid alone.",
     )
 

@@ -143,6 +143,5 @@ def _pressure(dataset: xr.Dataset) -> Plate:
         plate,
         "The paper's Fig. 5. Pressure across the line contact in the middle of the length, and its error; "
         "the bands span the values along the length (zero padding's, with its ends, would fill the picture). "
-        "On the scale of the left panel the periodic modes look alike; the "
-        f"largest error anywhere, over p_H, tells them apart: {facts}.",
+        f"The largest error of any cell, over p_H: {facts}.",
     )

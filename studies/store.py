@@ -37,19 +37,23 @@ def assemble(
         )
         for axis in axes
     }
+    left_out: list[str] = []
     kinds = {name: variable for outcome in at for name, variable in outcome.variables.items()}
     for name, kind in kinds.items():
         if kind.dims == (name,):
-            coords[name] = kind
+            same = all(kind.equals(o.variables[name]) for o in at if name in o.variables)
+            coords.update({name: kind} if same else {})
+            left_out += [] if same else [name]
             continue
-        missing = -1 if np.issubdtype(kind.dtype, np.integer) else np.nan
-        fill = np.full(kind.shape, missing, dtype=kind.dtype)
-        values = [np.asarray(o.variables[name]) if name in o.variables else fill for o in at]
+        there = [o.variables[name] for o in at if name in o.variables]
+        if any(variable.shape != kind.shape for variable in there):
+            left_out.append(name)
+            continue
+        values = [np.asarray(o.variables.get(name, np.nan)) for o in at]
+        if len(there) < len(at):  # neither a whole number nor a truth has a nan
+            values = [np.broadcast_to(value.astype(float), kind.shape) for value in values]
         stacked = np.reshape(values, shape + kind.shape)
         data[name] = xr.Variable(names + kind.dims, stacked, kind.attrs)
-        # a whole number has no nan: where one is missing, readers are told which stands for it
-        if np.issubdtype(kind.dtype, np.integer) and any(name not in o.variables for o in at):
-            data[name].encoding["_FillValue"] = np.array(-1, data[name].dtype)[()]
     for column, (name, long_name) in enumerate(
         (
             ("setup_time", "wall time to set up coefficients and transforms"),
@@ -69,7 +73,8 @@ def assemble(
     if any(outcome.error for outcome in at):
         errors = np.reshape(np.array([outcome.error for outcome in at], dtype=object), shape)
         data["error"] = xr.Variable(names, errors, {"long_name": "why the case failed"})
-    return xr.Dataset(data, coords, dict(attributes))
+    noted = {"left_out": f"not the same at every point: {', '.join(left_out)}"} if left_out else {}
+    return xr.Dataset(data, coords, dict(attributes) | noted)
 
 
 def _units(axis: Axis) -> dict[str, str]:
@@ -87,10 +92,14 @@ def open_folder(path: Path) -> Path:
             pass
     except OSError as error:
         raise InvalidInput(
-            f"Output folder {str(path)!r} cannot be written to ({error.strerror}): "
+            f"Output folder {str(path)!r} cannot be written to ({_reason(path, error)}): "
             "give another with --out."
         ) from None
     return path
+
+
+def _reason(path: Path, error: OSError) -> str:
+    return "it is a file" if path.is_file() else str(error.strerror)
 
 
 @contextmanager

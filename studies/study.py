@@ -80,6 +80,8 @@ def load(name: str) -> Study:
     Raises :class:`~contactstudy.InvalidInput` where there is none, or one of its four names is missing.
     """
     if name.endswith(".py"):
+        if Path(name).stem in BUILT_IN:
+            raise InvalidInput(f"Study file {name!r} has the name of a built-in study: rename it.")
         return _study(Path(name).stem, _from_file(Path(name)))
     if name not in BUILT_IN:
         known = _suggest(name, BUILT_IN)
@@ -88,7 +90,9 @@ def load(name: str) -> Study:
 
 
 def _from_file(path: Path) -> ModuleType:
-    spec = importlib.util.spec_from_file_location(path.stem, path)
+    # a name of its own, lest a file called time.py be taken for Python's
+    name = f"study_in_file_{path.stem}"
+    spec = importlib.util.spec_from_file_location(name, path)
     if not path.is_file() or spec is None or spec.loader is None:
         raise InvalidInput(
             f"Study file {str(path)!r} cannot be read: give the path of a Python file."
@@ -98,7 +102,7 @@ def _from_file(path: Path) -> ModuleType:
     # workers know nothing of this file: send its functions by value, not by name
     from cloudpickle import register_pickle_by_value
 
-    sys.modules[path.stem] = module
+    sys.modules[name] = module
     register_pickle_by_value(module)
     return module
 

@@ -15,7 +15,7 @@ from studies.case import Computation
 from studies.outcome import Fate, Outcome, clock, compute
 from studies.pool import process_pool
 from studies.provenance import provenance
-from studies.store import assemble, open_folder, write
+from studies.store import assemble, open_folder, read, write
 from studies.study import Study
 
 Say = Callable[[str], object]
@@ -35,17 +35,27 @@ def run(
     folder = open_folder(out)
     say(f"{study.name}: {len(cases)} points, {len(distinct)} distinct cases")
     outcomes = _solve(study, distinct, workers)
-    solved = [case for case, outcome in outcomes.items() if outcome.fate is Fate.OK]
-    times = _time(study.name, solved, repeats)
+    path = folder / f"{study.name}.nc"
     attributes = {"title": study.title, "first_case": repr(distinct[0])} | dict(provenance())
     attributes["timing"] = f"wall time, least of {repeats}, one case at a time, one thread"
-    dataset = assemble(study.points, cases, outcomes, times, attributes)
-    path = folder / f"{study.name}.nc"
-    write(dataset, path)
+    # twice, so that an interrupt of the timing leaves what was solved
+    write(assemble(study.points, cases, outcomes, {}, attributes), path)
+    solved = [case for case, outcome in outcomes.items() if outcome.fate is Fate.OK]
+    times = _time(study.name, solved, repeats)
+    write(assemble(study.points, cases, outcomes, times, attributes), path)
+    dataset = read(path)
+    if "left_out" in dataset.attrs:
+        say(f"{study.name}: left out, {dataset.attrs['left_out']}")
     failed = [outcome.error for outcome in outcomes.values() if outcome.fate is Fate.FAILED]
     if failed:
         say(
             f"{study.name}: {len(failed)} of {len(distinct)} cases failed, the first with {failed[0]}"
+        )
+    ends = [o.variables["outcome"] for o in outcomes.values() if "outcome" in o.variables]
+    unsettled = sum(int(end) != 0 for end in ends)
+    if unsettled:
+        say(
+            f"{study.name}: {unsettled} of {len(ends)} solves did not simply converge; see 'outcome'"
         )
     say(f"{study.name}: wrote {path}")
     return dataset

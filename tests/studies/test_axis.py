@@ -13,7 +13,7 @@ NAME = Axis("padding", ("zero",), "mode")
     [
         (WHOLE, "0:10", tuple(range(11))),
         (WHOLE, "0:10:5,100", (0, 5, 10, 100)),
-        (WHOLE, "6, 1,6", (6, 1)),
+        (WHOLE, "6, 1,6", (1, 6)),
         (REAL, "0.15,0.6,2.4", (0.15, 0.6, 2.4)),
         (REAL, "2", (2.0,)),
         (NAME, "zero,exact", ("zero", "exact")),
@@ -35,6 +35,7 @@ def test_values_may_come_from_python() -> None:
     ("axis", "text"),
     [
         (WHOLE, ""), (WHOLE, "six"), (WHOLE, "1.5"), (WHOLE, "3:1"), (WHOLE, "0:4:0"), (WHOLE, "1,,2"),
+        (WHOLE, "0:--3"),
         (WHOLE, "nan"), (WHOLE, "inf"), (REAL, "0:10"), (REAL, "nan"), (REAL, "inf"), (REAL, "1e999"),
         (REAL, ","),
     ],

@@ -60,3 +60,10 @@ def test_no_height_is_no_surface() -> None:
 def test_a_surface_that_cannot_be_is_refused(field: str, value: float) -> None:
     with pytest.raises(cs.InvalidInput, match=rf"^Roughness\.{field} is "):
         replace(ROUGH, **{field: value})
+
+
+def test_a_surface_without_room_for_a_wave_is_refused() -> None:
+    small = cs.Grid(cells=(32, 32), extent=(5e-6, 5e-6))
+    with pytest.raises(cs.InvalidInput, match=r"below the grid's extent"):
+        ROUGH.gap(small)
+    assert not replace(ROUGH, rms=0.0).gap(small).any()

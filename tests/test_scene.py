@@ -55,3 +55,41 @@ def test_shapes_add_up(line_contact: LineContact) -> None:
     split = halves.problem(grid, cs.ExactPeriodicity())
     np.testing.assert_allclose(split.undeformed_gap, whole.undeformed_gap, rtol=4e-16)
     assert split.scales.length == pytest.approx(whole.scales.length, rel=1e-15)
+
+
+@pytest.mark.parametrize("kind", [np.int16, np.int64, np.float16, np.float32, int])
+def test_numbers_of_any_kind_are_kept_as_floats(kind: type) -> None:
+    """Else an int16 would overflow in a formula, and a float32 round it."""
+    load = cs.LineLoad(kind(10_000))
+    assert type(load.per_length) is float
+    assert load.per_length == 10_000.0
+    assert type(cs.Cylinder(kind(2)).radius) is float
+    assert type(cs.Superposition(np.uint8(3)).images) is int
+    hertz = cs.analytic.hertz_line(kind(100), kind(1), kind(1000))
+    assert hertz == cs.analytic.hertz_line(100.0, 1.0, 1000.0)
+
+
+def test_a_number_beyond_floats_is_refused() -> None:
+    with pytest.raises(cs.InvalidInput, match=r"^Cylinder\.radius is 1000"):
+        cs.Cylinder(10**400)
+
+
+@pytest.mark.parametrize("shape", [0.01, cs.Cylinder, None])
+def test_what_is_no_shape_is_refused(shape: object) -> None:
+    with pytest.raises(cs.InvalidInput, match=r"^Scene\.shapes\[0\] is .*: give a shape"):
+        cs.Scene(load=cs.LineLoad(1.0), solids=(STEEL, STEEL), shapes=(shape,))  # type: ignore[arg-type]
+
+
+def test_what_is_no_grid_is_refused(line_contact: LineContact) -> None:
+    with pytest.raises(cs.InvalidInput, match=r"^grid is \(8, 8\): give a Grid\.$"):
+        line_contact.scene.problem((8, 8), cs.ExactPeriodicity())  # type: ignore[arg-type]
+
+
+def test_waves_must_fit_the_period(line_contact: LineContact) -> None:
+    grid = cs.Grid(cells=(8, 8), extent=(1e-3, 1e-3))
+    wave = cs.Waviness(amplitude=1e-6, across=3e-4, along=2.5e-4, phase=0.3)
+    x, y = grid.x[:, None], grid.y
+    expected = 1e-6 * np.cos(2 * np.pi * (x / 3e-4 + y / 2.5e-4) + 0.3)
+    np.testing.assert_allclose(wave.gap(grid), expected, rtol=0, atol=1e-20)
+    with pytest.raises(cs.InvalidInput, match=r"^Waviness\.along is 0\.0003: give a wavelength"):
+        replace(wave, along=3e-4).gap(grid)

@@ -181,3 +181,43 @@ def test_a_tolerance_that_is_none_is_refused(tolerance: object, line_contact: Li
         cs.solve(problem, tolerance=tolerance)  # type: ignore[arg-type]
     with pytest.raises(cs.InvalidInput, match=r"^solve\.max_iterations is -1"):
         cs.solve(problem, max_iterations=-1)
+
+
+def test_an_axis_that_sees_one_period_is_free_whatever_its_name(line_contact: LineContact) -> None:
+    grid = line_contact.grid(16, 1.2, width=1.5)
+    for across in (cs.ZeroPadding(), cs.Superposition(0)):
+        problem = line_contact.scene.problem(grid, (across, cs.ExactPeriodicity()))
+        assert cs.solve(problem).status is cs.Status.CONTACT_AT_EDGE
+
+
+@pytest.mark.parametrize("solver", [cs.PolonskyKeer(), cs.PreconditionedCG()], ids=str)
+def test_one_cell_left_in_contact_is_no_dead_end(solver: cs.Solver) -> None:
+    """A cell alone is level with itself, which leaves conjugate gradients no direction."""
+    scene = cs.Scene(load=cs.LineLoad(1e5), solids=(STEEL, STEEL))
+    grid = cs.Grid(cells=(2, 2), extent=(2e-5, 2.3513e-6))
+    problem = scene.problem(grid, cs.ExactPeriodicity())
+    heights = np.array([[-0.21, -0.32], [-0.07, -0.46]]) * problem.scales.gap
+    solution = cs.solve(replace(problem, undeformed_gap=heights), solver=solver)
+    assert solution.residual <= 1e-8
+
+
+def test_a_pressure_of_another_shape_is_refused(line_contact: LineContact) -> None:
+    problem = line_contact.scene.problem(line_contact.grid((8, 4), 1.0), cs.ExactPeriodicity())
+    with pytest.raises(
+        cs.InvalidInput, match=r"^pressure has the shape \(4, 8\): give it \(8, 4\)\.$"
+    ):
+        problem.displacement(np.ones((4, 8)))
+
+
+def test_random_small_rough_contacts_end_well() -> None:
+    """Few cells and wild heights: where active sets go wrong first."""
+    rng = np.random.default_rng(7)
+    scene = cs.Scene(load=cs.LineLoad(1e5), solids=(STEEL, STEEL))
+    for _ in range(150):
+        cells = tuple(int(n) for n in rng.integers((2, 1), 7))
+        grid = cs.Grid(cells=cells, extent=(2e-5, 2e-5 * 10 ** rng.uniform(-1, 1)))
+        problem = scene.problem(grid, cs.ExactPeriodicity())
+        heights = rng.standard_normal(cells) * problem.scales.gap * 10 ** rng.uniform(-2, 0)
+        for solver in (cs.PolonskyKeer(), cs.PreconditionedCG()):
+            solution = cs.solve(replace(problem, undeformed_gap=heights), solver=solver)
+            assert solution.residual <= 1e-8

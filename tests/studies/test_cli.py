@@ -87,6 +87,41 @@ def test_a_wrong_word_is_an_error_without_traceback(arguments: list[str], tmp_pa
     assert "Traceback" not in done.stderr
 
 
+OWN = '''"""One axis, plain numbers."""
+
+from studies import line_contact
+from studies.axis import Axis
+
+points = (Axis("grid", (16, 24), "cells"),)
+
+
+def scene_at(point):
+    return line_contact.scene_at({"padding": "exact", "images": 0, "period": 1.0} | dict(point))
+
+
+def measures(case, solution):
+    return {"peak": solution.pressure.MAX()}
+
+
+def figure(dataset):
+    return ()
+'''
+
+
+def test_a_study_of_ones_own_runs_under_any_name_and_fails_in_a_sentence(tmp_path: Path) -> None:
+    path = tmp_path / "json.py"
+    path.write_text(OWN.replace("MAX", "max"))
+    done = call("run", "json.py", "--workers", "1", "--repeats", "1", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "outputs" / "json.nc").is_file()
+    assert call("draw", "json.py", cwd=tmp_path).returncode == 0
+    path.write_text(OWN)
+    done = call("run", "json.py", "--workers", "0", "--repeats", "1", cwd=tmp_path)
+    assert done.returncode == 1
+    assert "2 of 2 cases failed, the first with AttributeError in measures" in done.stdout
+    assert done.stderr == "json: no case gave numbers, so there is nothing to draw.\n"
+
+
 def test_studies_are_listed_with_their_axes(tmp_path: Path) -> None:
     done = call("studies", cwd=tmp_path)
     assert "paper: " in done.stdout

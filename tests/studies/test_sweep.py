@@ -7,7 +7,7 @@ import xarray as xr
 
 import contactstudy as cs
 from studies.case import Case
-from studies.line_contact import HERTZ, measures
+from studies.line_contact import HERTZ, SCENE, measures
 from studies.store import read
 from studies.study import Study
 from studies.sweep import run
@@ -119,3 +119,17 @@ def test_nothing_is_written_when_a_point_is_bad(small_study: Study, tmp_path: Pa
     with pytest.raises(cs.InvalidInput):
         run(small_study.override({"period": "1,0"}), tmp_path / "new", say=quiet)
     assert not (tmp_path / "new").exists()
+
+
+def test_measures_do_not_depend_on_the_unit_of_length() -> None:
+    """A cell of a nanometre is a cell."""
+    found = []
+    for radius in (1e-2, 1e-7):
+        scene = replace(SCENE, shapes=(cs.Cylinder(radius),), load=cs.LineLoad(1e7 * radius))
+        hertz = scene.hertz
+        assert hertz is not None
+        grid = cs.Grid(cells=(32, 2), extent=(2.4 * hertz.half_width, hertz.half_width))
+        case = Case(scene, grid, cs.ExactPeriodicity(), tolerance=1e-11)
+        measured = measures(case, case.run(case.prepare()))
+        found.append([float(variable) for variable in measured.values()])
+    np.testing.assert_allclose(found[0], found[1], rtol=0, atol=1e-9)

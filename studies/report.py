@@ -35,7 +35,7 @@ def write(out: Path) -> Path:
         tables=(accuracy_table(stored["paper"]), price_table(stored["padding"])),
         text_columns=("padding", "cheapest padding", "period"),
         chapters=chapters,
-        provenance=stored["padding"].attrs,
+        provenance={name: dataset.attrs for name, dataset in stored.items()},
     )
     path = out / "report.html"
     with replacing(path) as partial:

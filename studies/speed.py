@@ -27,6 +27,7 @@ SURFACES: dict[str, tuple[cs.Shape, ...]] = {
     "rough": (cs.Roughness(rms=0.6 * GAP, hurst=0.8, roll_off=1.2 * A, cut_off=0.15 * A, seed=1),),
 }
 WIDTH, PERIOD = 4.8, 2.4  # half-widths
+TITLES = {"preconditioned_cg": "preconditioned CG", "polonsky_keer": "Polonsky & Keer"}
 COLORS = {"preconditioned_cg": "#0072B2", "polonsky_keer": "#D55E00"}
 LINES = {"smooth": "-", "wavy": "--", "rough": ":"}
 
@@ -82,11 +83,13 @@ def figure(dataset: xr.Dataset) -> tuple[Plate, ...]:
             for surface in (str(name) for name in dataset["surface"].values):
                 line = dataset[variable].sel(solver=solver, surface=surface)
                 style = {"color": COLORS[solver], "linestyle": LINES[surface], "marker": "o"}
-                ax.loglog(cells, line, label=f"{solver.replace('_', ' ')}, {surface}", **style)
+                ax.loglog(cells, line, label=f"{TITLES[solver]}, {surface}", **style)
+        if variable == "solve_time":
+            least = float(dataset[variable].isel(grid=0).min())
+            ax.loglog(cells, least * (cells / cells[0]) ** 2, label="N²", **LAW)
         ax.set(xlabel="cells N across and along", ylabel=label)
         ax.set_xticks(cells, [str(n) for n in cells])
-    least = float(dataset["solve_time"].isel(grid=0).min())
-    axes[0].loglog(cells, least * (cells / cells[0]) ** 2, label="N²", **LAW)
+        ax.minorticks_off()
     finish(plate)
     return (Plate("speed", plate, _words(dataset)),)
 
@@ -107,7 +110,7 @@ def _words(dataset: xr.Dataset) -> str:
             ]
             growth = f", growing like N^{min(rates):.1f} to N^{max(rates):.1f}"
         facts.append(
-            f"{solver.replace('_', ' ')}: {int(one['iterations'].min())} to "
+            f"{TITLES[solver]}: {int(one['iterations'].min())} to "
             f"{int(one['iterations'].max())} iterations, {float(one['solve_time'].min()):.2g} to "
             f"{float(one['solve_time'].max()):.2g} s{growth}, at most "
             f"{float(one['memory'].max()):.0f} fields of memory"

@@ -22,7 +22,7 @@ from contactstudy.preconditioned_cg import PreconditionedCG
 from contactstudy.problem import Problem
 from contactstudy.roughness import Roughness
 from contactstudy.scene import Scene
-from contactstudy.shapes import Cylinder, Shape, Waviness
+from contactstudy.shapes import Cylinder, Shape, Sphere, Waviness
 from contactstudy.solids import HalfSpace
 from contactstudy.solution import Solution, Status
 from contactstudy.solver import Solver, solve
@@ -52,6 +52,7 @@ __all__ = [
     "Shape",
     "Solution",
     "Solver",
+    "Sphere",
     "Status",
     "Superposition",
     "Waviness",

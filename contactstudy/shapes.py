@@ -89,3 +89,26 @@ class Waviness:
             )
         angle = 2 * np.pi * (grid.x[:, None] / self.across + grid.y / self.along) + self.phase
         return np.asarray(self.amplitude * np.cos(angle))
+
+
+@dataclass(frozen=True)
+class Sphere:
+    """A paraboloid about the origin, ``(x^2 + y^2) / (2 R)``, as in Hertz's theory of a sphere.
+
+    ``radius`` R [m], above zero, else :class:`~contactstudy.InvalidInput`. Along a free length it is a
+    point contact under the load per length times the grid's period.
+    """
+
+    radius: float
+
+    def __post_init__(self) -> None:
+        keep(self, radius=positive("Sphere.radius", self.radius, "give a radius above 0 m"))
+
+    @property
+    def curvature(self) -> float:
+        """None of a line contact."""
+        return 0.0
+
+    def gap(self, grid: Grid) -> Array:
+        """``(x^2 + y^2) / (2 R)``, shape (width, length) [m]."""
+        return np.asarray((grid.x[:, None] ** 2 + grid.y**2) / (2 * self.radius))

@@ -8,7 +8,7 @@ import click
 
 from contactstudy import InvalidInput, __version__
 from studies.outcome import Fate
-from studies.study import BUILT_IN, load
+from studies.study import BUILT_IN, OPTIONAL, load
 from studies.sweep import run as run_study
 
 # Worker processes import this module too: what draws is imported by the commands that draw.
@@ -98,7 +98,7 @@ def draw(study: tuple[str, ...], out: Path) -> None:
 @cli.command()
 def studies() -> None:
     """List the built-in studies, their axes and default values."""
-    for name in BUILT_IN:
+    for name in BUILT_IN + OPTIONAL:
         study = load(name)
         click.echo(f"{name}: {study.title}")
         for axis in study.points:

@@ -9,6 +9,7 @@ from time import perf_counter
 import xarray as xr
 from threadpoolctl import threadpool_limits
 
+from contactstudy import InvalidInput
 from studies.case import Computation
 from studies.study import Measures
 
@@ -19,6 +20,10 @@ class Fate(IntEnum):
     NOT_RUN = 0
     OK = 1
     FAILED = 2
+
+
+# what the store says of every case itself
+TAKEN = frozenset({"status", "error", "setup_time", "solve_time"})
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +41,10 @@ def compute(case: Computation, measures: Measures) -> Outcome:
         with threadpool_limits(1):
             result = case.run(case.prepare())
             measured = dict(measures(case, result)) | dict(case.record(result))
+            if taken := TAKEN & set(measured):
+                raise InvalidInput(
+                    f"measures gives {sorted(taken)}: these names are taken, choose others."
+                )
             return Outcome(Fate.OK, {name: _variable(name, v) for name, v in measured.items()})
     except Exception as error:  # noqa: BLE001 (whatever a study's own code raises is data)
         place = traceback.extract_tb(error.__traceback__)[-1]

@@ -24,7 +24,9 @@ Point = Mapping[str, Value]
 # of what a study computes, and of its result: as specific as the study
 Measures = Callable[[Any, Any], Mapping[str, xr.Variable]]
 
+# Those the report is made of, and those that want more than this project installs.
 BUILT_IN = ("paper", "padding", "images", "period", "grid", "kernels", "speed")
+OPTIONAL = ("peers",)
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,11 +82,11 @@ def load(name: str) -> Study:
     Raises :class:`~contactstudy.InvalidInput` where there is none, or one of its four names is missing.
     """
     if name.endswith(".py"):
-        if Path(name).stem in BUILT_IN:
+        if Path(name).stem in BUILT_IN + OPTIONAL:
             raise InvalidInput(f"Study file {name!r} has the name of a built-in study: rename it.")
         return _study(Path(name).stem, _from_file(Path(name)))
-    if name not in BUILT_IN:
-        known = _suggest(name, BUILT_IN)
+    if name not in BUILT_IN + OPTIONAL:
+        known = _suggest(name, BUILT_IN + OPTIONAL)
         raise InvalidInput(f"Study {name!r} is not known: {known}, or give a .py file.")
     return _study(name, importlib.import_module(f"studies.{name}"))
 

@@ -221,3 +221,22 @@ def test_random_small_rough_contacts_end_well() -> None:
         for solver in (cs.PolonskyKeer(), cs.PreconditionedCG()):
             solution = cs.solve(replace(problem, undeformed_gap=heights), solver=solver)
             assert solution.residual <= 1e-8
+
+
+def test_a_sphere_on_a_free_surface_is_hertz_point_contact() -> None:
+    """Free along both axes; errors of the cell that holds the edge aside, of second order in the cell."""
+    hertz = cs.analytic.hertz_point(load=100.0, radius=0.01, contact_modulus=1.15e11)
+    a, cells = hertz.contact_radius, 64
+    grid = cs.Grid(cells=(cells, cells), extent=(2.5 * a, 2.5 * a))
+    solid = cs.HalfSpace(youngs_modulus=2.3e11, poisson_ratio=0.0)
+    load = cs.LineLoad(hertz.load / grid.period)
+    scene = cs.Scene(load=load, solids=(solid, solid), shapes=(cs.Sphere(0.01),))
+    free = cs.ZeroPadding()
+    solution = cs.solve(scene.problem(grid, (free, free)))
+    assert solution.status is cs.Status.CONVERGED
+    step = (grid.cell[0] / a) ** 2
+    assert solution.approach == pytest.approx(hertz.approach, rel=step)
+    r = np.hypot(grid.x[:, None], grid.y)
+    inside = r < 0.8 * a
+    error = np.abs(solution.pressure - hertz.pressure(r))[inside].max()
+    assert error < 5 * step * hertz.peak_pressure

@@ -1,0 +1,196 @@
+"""This program beside others: time, and error against the same discrete problem solved further.
+
+The other programs are optional: ``pip install 'contactstudy[peers]'``. A program that is not there, or
+has no such boundary, is a failed case that says so.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+import contactstudy as cs
+from contactstudy.arrays import Array
+from contactstudy.checks import InvalidInput, whole
+from studies.axis import Axis
+from studies.case import number
+from studies.line_contact import HERTZ, SCENE
+from studies.study import Plate, Point
+from studies.style import finish, panels
+
+A, P_H, MODULUS = HERTZ.half_width, HERTZ.peak_pressure, HERTZ.contact_modulus
+FREE, EXACT = cs.ZeroPadding(), cs.ExactPeriodicity()
+PADDINGS: dict[str, cs.Paddings] = {
+    "semi-periodic": (FREE, EXACT),
+    "free": (FREE, FREE),
+    "periodic": (EXACT, EXACT),
+}
+# a cylinder, a sphere of the same contact size, and a rough flat with half its area in contact
+SHAPES: dict[str, cs.Shape] = {
+    "semi-periodic": cs.Cylinder(0.01),
+    "free": cs.Sphere(0.02),
+    "periodic": cs.Roughness(rms=A * P_H / MODULUS, hurst=0.8, roll_off=A, cut_off=0.1 * A, seed=1),
+}
+WIDTH = 2.4  # half-widths, both ways
+TOLERANCE = 1e-10  # for an error of about 1e-7; the others are given 1e-8 of their own measures
+
+
+@dataclass(frozen=True)
+class Contest:
+    """One program on one problem."""
+
+    program: str
+    boundary: str
+    cells: int
+
+    def problem(self) -> cs.Problem:
+        """The problem in this program's terms: heights, boundary and load are read from it."""
+        scene = cs.Scene(SCENE.load, SCENE.solids, (SHAPES[self.boundary],))
+        grid = cs.Grid(cells=(self.cells, self.cells), extent=(WIDTH * A, WIDTH * A))
+        return scene.problem(grid, PADDINGS[self.boundary])
+
+    def prepare(self) -> Callable[[], Array]:
+        """The set-up of the program, up to its solve."""
+        return PROGRAMS[self.program](self)
+
+    def run(self, prepared: Callable[[], Array]) -> Array:
+        """The pressure [Pa]."""
+        return prepared()
+
+    def record(self, result: Array) -> Mapping[str, xr.Variable]:
+        """The load carried, over the load given: they should agree."""
+        given = SCENE.load.per_length * (WIDTH * A)
+        carried = float(result.sum()) * (WIDTH * A / self.cells) ** 2
+        return {"load_carried": number(carried / given, "load carried over load given")}
+
+
+def _contactstudy(contest: Contest) -> Callable[[], Array]:
+    problem = contest.problem()
+    return lambda: cs.solve(problem, tolerance=TOLERANCE).pressure
+
+
+def _contact_mechanics(contest: Contest) -> Callable[[], Array]:
+    import ContactMechanics as peer
+    from ContactMechanics.Optimization import constrained_conjugate_gradients
+    from SurfaceTopography import Topography
+
+    grid, heights, gap = _given(contest)
+    substrate = {
+        "semi-periodic": lambda: peer.SemiPeriodicFFTElasticHalfSpace(
+            grid.cells, MODULUS, grid.extent, periodicity=(False, True), n_images=10
+        ),
+        "free": lambda: peer.FreeFFTElasticHalfSpace(grid.cells, MODULUS, grid.extent),
+        "periodic": lambda: peer.PeriodicFFTElasticHalfSpace(grid.cells, MODULUS, grid.extent),
+    }[contest.boundary]()
+
+    def solve() -> Array:
+        found = constrained_conjugate_gradients(
+            substrate,
+            Topography(heights, grid.extent),
+            external_force=SCENE.load.per_length * grid.period,
+            pentol=1e-8 * gap,
+            forcetol=1e-8 * P_H * grid.cell_area,
+        )
+        return np.asarray(found.jac)[: contest.cells, : contest.cells] / grid.cell_area
+
+    return solve
+
+
+def _tamaas(contest: Contest) -> Callable[[], Array]:
+    import tamaas as peer
+
+    if contest.boundary == "semi-periodic":
+        raise NotImplementedError("tamaas has no boundary that is periodic along one axis only")
+    grid, heights, _ = _given(contest)
+    model = peer.ModelFactory.createModel(
+        peer.model_type.basic_2d, list(grid.extent), list(grid.cells)
+    )
+    model.E, model.nu = MODULUS, 0.0
+    if contest.boundary == "free":
+        peer.ModelFactory.registerNonPeriodic(model, "dcfft")
+    primal = peer.PolonskyKeerRey.pressure
+    solver = peer.PolonskyKeerRey(model, heights, 1e-8, primal, primal)
+    if contest.boundary == "free":
+        solver.setIntegralOperator("dcfft")
+    solver.max_iter = 20_000
+    solver.dump_freq = 100_000
+
+    def solve() -> Array:
+        solver.solve(SCENE.load.per_length / grid.extent[0])
+        return np.array(model.traction)
+
+    return solve
+
+
+def _given(contest: Contest) -> tuple[cs.Grid, Array, float]:
+    """Grid, heights towards the other body [m], and the gap scale [m]."""
+    grid = cs.Grid(cells=(contest.cells, contest.cells), extent=(WIDTH * A, WIDTH * A))
+    heights = np.ascontiguousarray(-SHAPES[contest.boundary].gap(grid) * np.ones(grid.cells))
+    return grid, heights, P_H * A / MODULUS
+
+
+PROGRAMS: dict[str, Callable[[Contest], Callable[[], Array]]] = {
+    "contactstudy": _contactstudy,
+    "ContactMechanics": _contact_mechanics,
+    "tamaas": _tamaas,
+}
+COLORS = dict(zip(PROGRAMS, ("#0072B2", "#D55E00", "#009E73"), strict=True))
+
+points = (
+    Axis("program", tuple(PROGRAMS), "program"),
+    Axis("boundary", tuple(PADDINGS), "which axes are periodic"),
+    Axis("grid", (128, 256, 512), "cells across and along"),
+)
+
+
+def scene_at(point: Point) -> Contest:
+    """A program, a problem and a grid."""
+    for name, known in (("program", PROGRAMS), ("boundary", PADDINGS)):
+        if point[name] not in known:
+            raise InvalidInput(f"{name} is {point[name]!r}: choose from {', '.join(known)}.")
+    cells = whole("grid", point["grid"], 2, "give at least 2 cells across the width")
+    return Contest(str(point["program"]), str(point["boundary"]), cells)
+
+
+def measures(case: Contest, result: Array) -> Mapping[str, xr.Variable]:
+    """Largest error against the discrete solution with cells of constant pressure and exact images."""
+    converged = cs.solve(case.problem(), tolerance=1e-12).pressure
+    error = float(np.abs(result - converged).max() / converged.max())
+    return {"difference": number(error, "largest pressure difference over peak pressure")}
+
+
+def figure(dataset: xr.Dataset) -> tuple[Plate, ...]:
+    """Time in all against the grid, a panel for each boundary."""
+    boundaries = [str(name) for name in dataset["boundary"].values]
+    plate, axes = panels(len(boundaries), share="y")
+    time = dataset["setup_time"] + dataset["solve_time"]
+    facts = []
+    for ax, boundary in zip(axes, boundaries, strict=True):
+        for program in (str(name) for name in dataset["program"].values):
+            one = time.sel(program=program, boundary=boundary)
+            if not np.isfinite(one).any():
+                continue
+            ax.loglog(dataset["grid"], one, marker="o", color=COLORS[program], label=program)
+            finest = dataset.sel(program=program, boundary=boundary).isel(grid=-1)
+            facts.append(
+                f"{boundary}, {program} {float(one[-1]):.2g} s with a difference of "
+                f"{float(finest['difference']):.0e}"
+            )
+        ax.set(title=boundary, xlabel="cells across and along")
+        ax.set_xticks(dataset["grid"], [str(n) for n in dataset["grid"].values])
+        ax.minorticks_off()
+    axes[0].set_ylabel("wall time, set-up and solve [s]")
+    finish(plate)
+    return (
+        Plate(
+            "peers",
+            plate,
+            f"Time in all on one thread. At {int(dataset['grid'][-1])} cells: "
+            + "; ".join(facts)
+            + ". "
+            "The difference is the largest from the converged solution for cells of constant pressure; on "
+            "periodic surfaces the others hold the pressure to be a sum of waves, which is another "
+            "discretisation and not an error.",
+        ),
+    )

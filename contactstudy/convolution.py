@@ -2,6 +2,8 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
+from threading import local
 
 import numpy as np
 from scipy import fft
@@ -11,6 +13,7 @@ from contactstudy.checks import InvalidInput, positive
 from contactstudy.grid import Grid
 from contactstudy.kernel import kernel
 from contactstudy.padding import Padding, Paddings, across_and_along
+from contactstudy.transforms import TRANSFORMS, Waves
 
 # Axes of fewer cells than this are not coarsened: a coarser grid would no longer see the contact.
 COARSEST = 32
@@ -33,11 +36,24 @@ class Convolution:
         """Displacement [m] under ``pressure`` [Pa], both (width, length)."""
         if pressure.shape != self.cells:
             raise InvalidInput(f"pressure has the shape {pressure.shape}: give it {self.cells}.")
-        (nx, ny), (px, py) = self.cells, self.padded
-        waves = fft.fft(fft.rfft(pressure, py, axis=1), px, axis=0, overwrite_x=True)
+        waves = TRANSFORMS.forward(pressure, self.padded, self._room(self.padded))
         waves *= self.spectrum
-        rows = fft.ifft(waves, axis=0, overwrite_x=True)[:nx]
-        return np.asarray(fft.irfft(rows, py, axis=1)[:, :ny])
+        return TRANSFORMS.backward(waves, self.cells, self.padded)
+
+    @cached_property
+    def _rooms(self) -> local:
+        return local()
+
+    def _room(self, shape: tuple[int, int]) -> Waves:
+        """A work array of this thread's own, kept: large ones anew would cost as much as a transform."""
+        rooms: dict[tuple[int, int], Waves] = self._rooms.__dict__.setdefault("rooms", {})
+        if shape not in rooms:
+            rooms[shape] = np.empty((shape[0], shape[1] // 2 + 1), dtype=np.complex128)
+        return rooms[shape]
+
+    def __getstate__(self) -> dict[str, object]:
+        """Without the work arrays."""
+        return {name: value for name, value in self.__dict__.items() if name != "_rooms"}
 
     @property
     def work(self) -> float:
@@ -99,9 +115,9 @@ class Convolution:
         inverse[0, 0] = 0.0
 
         def apply(displacement: Array) -> Array:
-            waves = fft.rfft2(displacement)
+            waves = TRANSFORMS.forward(displacement, self.cells, self._room(self.cells))
             waves *= inverse
-            return np.asarray(fft.irfft2(waves, s=(nx, ny), overwrite_x=True))
+            return TRANSFORMS.backward(waves, self.cells, self.cells)
 
         return apply, float(nx * ny)
 

@@ -10,6 +10,8 @@ from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
 
+from contactstudy.transforms import TRANSFORMS
+
 PACKAGES = ("contactstudy", "numpy", "scipy", "xarray", "dask", "netCDF4")
 
 
@@ -20,6 +22,7 @@ def provenance() -> Mapping[str, str]:
     return {
         "Conventions": "CF-1.11",
         "source": ", ".join(f"{name} {version(name)}" for name in PACKAGES),
+        "transforms": type(TRANSFORMS).__name__,
         "history": f"{now} {command}",
         "python": platform.python_version(),
         "git_revision": _revision(),

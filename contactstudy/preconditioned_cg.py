@@ -95,6 +95,7 @@ class PreconditionedCG:
         work += 1
         step = response = None
         length = curvature = 1.0
+        own = operator.own
         stall = Stall(self.patience)
         iteration = 0
         while True:
@@ -118,7 +119,7 @@ class PreconditionedCG:
             cut = bool((trial < 0).any())
             trial = pressures.clip(trial)
             penetrating = ~contact & (gap < 0)
-            trial[penetrating] = -self.seed / operator.own * gap[penetrating]
+            trial[penetrating] = -self.seed / own * gap[penetrating]
             trial = pressures.balance(trial)
             step = trial - pressure
             ahead = operator(trial)

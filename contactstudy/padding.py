@@ -63,24 +63,19 @@ class DuplicatedPadding:
 
 
 @dataclass(frozen=True)
-class Superposition:
-    """Coefficients summed over ``images`` periods on each side (the paper's eq. 5), zero-padded.
-
-    The window of images is centred on the domain and not on the observer, so that points near the
-    ends of the domain see more pressure on one side. ``images`` is a whole number from 0 on;
-    0 is :class:`ZeroPadding`.
-    """
+class _Counted:
+    """A number of images on each side; what they are counted from is the subclass's to say."""
 
     images: int
 
-    wraps: ClassVar[bool] = False
-
     def __post_init__(self) -> None:
-        _check_images(self)
+        field = f"{type(self).__name__}.images"
+        remedy = "give a whole number of periods from 0 on"
+        keep(self, images=whole(field, self.images, 0, remedy))
 
     @property
     def window(self) -> range:
-        """``images`` periods on each side of the domain."""
+        """``images`` periods on each side."""
         return range(-self.images, self.images + 1)
 
     def reach(self, period: float) -> float:
@@ -89,7 +84,19 @@ class Superposition:
 
 
 @dataclass(frozen=True)
-class CircularSuperposition:
+class Superposition(_Counted):
+    """Coefficients summed over ``images`` periods on each side (the paper's eq. 5), zero-padded.
+
+    The window of images is centred on the domain and not on the observer, so that points near the
+    ends of the domain see more pressure on one side. ``images`` is a whole number from 0 on;
+    0 is :class:`ZeroPadding`.
+    """
+
+    wraps: ClassVar[bool] = False
+
+
+@dataclass(frozen=True)
+class CircularSuperposition(_Counted):
     """The sum of :class:`Superposition`, but centred on the observer and circular.
 
     Every point sees ``images + 1/2`` periods to either side of itself, so that a uniform contact comes
@@ -97,21 +104,7 @@ class CircularSuperposition:
     semi-periodic contacts are computed in ContactMechanics (with 10 images) and slippy.
     """
 
-    images: int
-
     wraps: ClassVar[bool] = True
-
-    def __post_init__(self) -> None:
-        _check_images(self)
-
-    @property
-    def window(self) -> range:
-        """``images`` periods on each side of the observer."""
-        return range(-self.images, self.images + 1)
-
-    def reach(self, period: float) -> float:
-        """Half a period and ``images`` more, from any point."""
-        return (self.images + 0.5) * period
 
 
 @dataclass(frozen=True)
@@ -148,9 +141,3 @@ def across_and_along(padding: Padding | Paddings) -> Paddings:
             "tuple of two, (across, along)."
         )
     return both
-
-
-def _check_images(padding: Superposition | CircularSuperposition) -> None:
-    field = f"{type(padding).__name__}.images"
-    remedy = "give a whole number of periods from 0 on"
-    keep(padding, images=whole(field, padding.images, 0, remedy))

@@ -92,7 +92,10 @@ def finish(figure: Figure) -> None:
                 axis.set_minor_formatter(NullFormatter())
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
             entries.setdefault(label, handle)
-    columns = min(len(entries), max(2, int(figure.get_figwidth() / 1.7)))
+    if not entries:
+        return
+    rows = -(-len(entries) // max(2, int(figure.get_figwidth() / 1.7)))
+    columns = -(-len(entries) // rows)
     figure.legend(entries.values(), entries.keys(), loc="outside lower center", ncols=columns)
 
 

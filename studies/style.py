@@ -90,6 +90,11 @@ def finish(figure: Figure) -> None:
         for axis in (ax.xaxis, ax.yaxis):
             if axis.get_scale() == "log":
                 axis.set_minor_formatter(NullFormatter())
+                low, high = axis.get_view_interval()
+                if (
+                    high < 1.001 * low
+                ):  # one value, and its law within rounding of it: no picture of that
+                    axis.set_view_interval(low / 2, 2 * high, ignore=True)
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
             entries.setdefault(label, handle)
     if not entries:

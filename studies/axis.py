@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from difflib import get_close_matches
 
 import numpy as np
 
@@ -15,6 +16,21 @@ FORMS = {
     float: "give numbers such as 0.6,2.4",
     str: "give names separated by commas",
 }
+
+
+def remedy(name: str, known: Iterable[str]) -> str:
+    """What to give instead of an unknown ``name``: the known one most like it, or any of them."""
+    choices = list(known)
+    close = get_close_matches(name, choices, n=1)
+    return f"did you mean {close[0]!r}" if close else "choose from " + ", ".join(choices)
+
+
+def one_of(field: str, value: object, known: Iterable[str]) -> str:
+    """``value``, if it is one of the names ``known``; else :class:`~contactstudy.InvalidInput`."""
+    choices = list(known)
+    if value not in choices:
+        raise InvalidInput(f"{field} is {value!r}: {remedy(str(value), choices)}.")
+    return str(value)
 
 
 @dataclass(frozen=True)

@@ -89,8 +89,9 @@ def draw(study: tuple[str, ...], out: Path) -> None:
     from studies import report as reporting
 
     for name in study:
-        reporting.draw(load(name), out)
-        click.echo(f"{name}: drew {out / load(name).name}")
+        chosen = load(name)
+        reporting.draw(chosen, out)
+        click.echo(f"{name}: drew {out / chosen.name}")
     if not study:
         click.echo(f"report: wrote {reporting.write(out)}")
 

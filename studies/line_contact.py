@@ -1,7 +1,6 @@
 """The smooth line contact that every sweep solves: its scene at a point, and its errors against Hertz."""
 
 from collections.abc import Callable, Mapping
-from difflib import get_close_matches
 
 import numpy as np
 import xarray as xr
@@ -9,7 +8,7 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.checks import positive, whole
 from contactstudy.edge import half_widths
-from studies.axis import Axis
+from studies.axis import Axis, one_of
 from studies.case import Case, number
 from studies.study import Point
 
@@ -49,12 +48,8 @@ def axes(
 
 def padding_at(padding: str, images: int) -> cs.Padding:
     """The padding of that name; ``images`` matters to those that count them."""
-    if padding not in PADDINGS:
-        close = get_close_matches(padding, PADDINGS, n=1)
-        remedy = f"did you mean {close[0]!r}" if close else "choose from " + ", ".join(PADDINGS)
-        raise cs.InvalidInput(f"padding is {padding!r}: {remedy}.")
-    whole("images", images, 0, "give a whole number of periods from 0 on")
-    return PADDINGS[padding](images)
+    make = PADDINGS[one_of("padding", padding, PADDINGS)]
+    return make(whole("images", images, 0, "give a whole number of periods from 0 on"))
 
 
 def scene_at(point: Point) -> Case:

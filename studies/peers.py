@@ -12,8 +12,8 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.arrays import Array
-from contactstudy.checks import InvalidInput, whole
-from studies.axis import Axis
+from contactstudy.checks import whole
+from studies.axis import Axis, one_of
 from studies.case import number
 from studies.line_contact import HERTZ, SCENE
 from studies.study import Plate, Point
@@ -44,11 +44,15 @@ class Contest:
     boundary: str
     cells: int
 
+    @property
+    def grid(self) -> cs.Grid:
+        """The same for every program."""
+        return cs.Grid(cells=(self.cells, self.cells), extent=(WIDTH * A, WIDTH * A))
+
     def problem(self) -> cs.Problem:
-        """The problem in this program's terms: heights, boundary and load are read from it."""
+        """The problem in this program's own terms."""
         scene = cs.Scene(SCENE.load, SCENE.solids, (SHAPES[self.boundary],))
-        grid = cs.Grid(cells=(self.cells, self.cells), extent=(WIDTH * A, WIDTH * A))
-        return scene.problem(grid, PADDINGS[self.boundary])
+        return scene.problem(self.grid, PADDINGS[self.boundary])
 
     def prepare(self) -> Callable[[], Array]:
         """The set-up of the program, up to its solve."""
@@ -60,8 +64,8 @@ class Contest:
 
     def record(self, result: Array) -> Mapping[str, xr.Variable]:
         """The load carried, over the load given: they should agree."""
-        given = SCENE.load.per_length * (WIDTH * A)
-        carried = float(result.sum()) * (WIDTH * A / self.cells) ** 2
+        given = SCENE.load.per_length * self.grid.period
+        carried = float(result.sum()) * self.grid.cell_area
         return {"load_carried": number(carried / given, "load carried over load given")}
 
 
@@ -75,7 +79,7 @@ def _contact_mechanics(contest: Contest) -> Callable[[], Array]:
     from ContactMechanics.Optimization import constrained_conjugate_gradients
     from SurfaceTopography import Topography
 
-    grid, heights, gap = _given(contest)
+    grid, heights = contest.grid, _heights(contest)
     substrate = {
         "semi-periodic": lambda: peer.SemiPeriodicFFTElasticHalfSpace(
             grid.cells, MODULUS, grid.extent, periodicity=(False, True), n_images=10
@@ -89,7 +93,7 @@ def _contact_mechanics(contest: Contest) -> Callable[[], Array]:
             substrate,
             Topography(heights, grid.extent),
             external_force=SCENE.load.per_length * grid.period,
-            pentol=1e-8 * gap,
+            pentol=1e-8 * P_H * A / MODULUS,
             forcetol=1e-8 * P_H * grid.cell_area,
         )
         return np.asarray(found.jac)[: contest.cells, : contest.cells] / grid.cell_area
@@ -102,7 +106,7 @@ def _tamaas(contest: Contest) -> Callable[[], Array]:
 
     if contest.boundary == "semi-periodic":
         raise NotImplementedError("tamaas has no boundary that is periodic along one axis only")
-    grid, heights, _ = _given(contest)
+    grid, heights = contest.grid, _heights(contest)
     model = peer.ModelFactory.createModel(
         peer.model_type.basic_2d, list(grid.extent), list(grid.cells)
     )
@@ -123,11 +127,10 @@ def _tamaas(contest: Contest) -> Callable[[], Array]:
     return solve
 
 
-def _given(contest: Contest) -> tuple[cs.Grid, Array, float]:
-    """Grid, heights towards the other body [m], and the gap scale [m]."""
-    grid = cs.Grid(cells=(contest.cells, contest.cells), extent=(WIDTH * A, WIDTH * A))
-    heights = np.ascontiguousarray(-SHAPES[contest.boundary].gap(grid) * np.ones(grid.cells))
-    return grid, heights, P_H * A / MODULUS
+def _heights(contest: Contest) -> Array:
+    """Heights towards the other body, shape (width, length) [m]."""
+    gap = SHAPES[contest.boundary].gap(contest.grid)
+    return np.ascontiguousarray(-gap * np.ones(contest.grid.cells))
 
 
 PROGRAMS: dict[str, Callable[[Contest], Callable[[], Array]]] = {
@@ -146,11 +149,9 @@ points = (
 
 def scene_at(point: Point) -> Contest:
     """A program, a problem and a grid."""
-    for name, known in (("program", PROGRAMS), ("boundary", PADDINGS)):
-        if point[name] not in known:
-            raise InvalidInput(f"{name} is {point[name]!r}: choose from {', '.join(known)}.")
     cells = whole("grid", point["grid"], 2, "give at least 2 cells across the width")
-    return Contest(str(point["program"]), str(point["boundary"]), cells)
+    program = one_of("program", point["program"], PROGRAMS)
+    return Contest(program, one_of("boundary", point["boundary"], PADDINGS), cells)
 
 
 def measures(case: Contest, result: Array) -> Mapping[str, xr.Variable]:

@@ -4,6 +4,7 @@ import base64
 from collections.abc import Sequence
 from pathlib import Path
 
+import xarray as xr
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
 from studies.findings import accuracy_table, findings, price_table
@@ -14,7 +15,11 @@ from studies.style import save
 
 def draw(study: Study, out: Path) -> Sequence[Plate]:
     """The plates of ``study`` as PNG and PDF in ``<out>/<study>/``, from its netCDF alone."""
-    plates = study.figure(read(out / f"{study.name}.nc"))
+    return _draw(study, read(out / f"{study.name}.nc"), out)
+
+
+def _draw(study: Study, dataset: xr.Dataset, out: Path) -> Sequence[Plate]:
+    plates = study.figure(dataset)
     save(plates, out / study.name)
     return plates
 
@@ -22,7 +27,7 @@ def draw(study: Study, out: Path) -> Sequence[Plate]:
 def write(out: Path) -> Path:
     """Figures and ``<out>/report.html`` from the netCDF files of the built-in studies; returns its path."""
     stored = {name: read(out / f"{name}.nc") for name in BUILT_IN}
-    chapters = [_chapter(load(name), out) for name in BUILT_IN]
+    chapters = [_chapter(load(name), dataset, out) for name, dataset in stored.items()]
     environment = Environment(
         loader=PackageLoader("studies", "."),
         autoescape=select_autoescape(),
@@ -43,11 +48,11 @@ def write(out: Path) -> Path:
     return path
 
 
-def _chapter(study: Study, out: Path) -> dict[str, object]:
+def _chapter(study: Study, dataset: xr.Dataset, out: Path) -> dict[str, object]:
     return {
         "name": study.name,
         "title": study.title.rstrip("."),
-        "plates": [_plate(plate, out / study.name) for plate in draw(study, out)],
+        "plates": [_plate(plate, out / study.name) for plate in _draw(study, dataset, out)],
     }
 
 

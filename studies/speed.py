@@ -8,8 +8,8 @@ import numpy as np
 import xarray as xr
 
 import contactstudy as cs
-from contactstudy.checks import InvalidInput, whole
-from studies.axis import Axis
+from contactstudy.checks import whole
+from studies.axis import Axis, one_of
 from studies.case import Case, number
 from studies.line_contact import HERTZ, SCENE
 from studies.study import Plate, Point
@@ -40,16 +40,15 @@ points = (
 
 def scene_at(point: Point) -> Case:
     """A line contact, exactly periodic, to the default tolerance."""
-    for name, known in (("solver", SOLVERS), ("surface", SURFACES)):
-        if point[name] not in known:
-            raise InvalidInput(f"{name} is {point[name]!r}: choose from {', '.join(known)}.")
+    solver = one_of("solver", point["solver"], SOLVERS)
+    surface = one_of("surface", point["surface"], SURFACES)
     cells = whole("grid", point["grid"], 2, "give at least 2 cells across the width")
     return Case(
-        scene=replace(SCENE, shapes=SCENE.shapes + SURFACES[str(point["surface"])]),
+        scene=replace(SCENE, shapes=SCENE.shapes + SURFACES[surface]),
         grid=cs.Grid(cells=(cells, cells), extent=(WIDTH * A, PERIOD * A)),
         padding=cs.ExactPeriodicity(),
         max_iterations=5000,
-        solver=SOLVERS[str(point["solver"])],
+        solver=SOLVERS[solver],
     )
 
 

@@ -5,7 +5,6 @@ import importlib.util
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from itertools import product
 from pathlib import Path
 from types import ModuleType
@@ -14,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import xarray as xr
 
 from contactstudy import InvalidInput
-from studies.axis import Axis, Value
+from studies.axis import Axis, Value, remedy
 from studies.case import Computation
 
 if TYPE_CHECKING:
@@ -62,7 +61,7 @@ class Study:
         for name in axes:
             if name not in known:
                 raise InvalidInput(
-                    f"Parameter {name!r} is not one of study {self.name!r}: {_suggest(name, known)}."
+                    f"Parameter {name!r} is not one of study {self.name!r}: {remedy(name, sorted(known))}."
                 )
         changed = tuple(
             axis.override(axes[axis.name]) if axis.name in axes else axis for axis in self.points
@@ -86,7 +85,7 @@ def load(name: str) -> Study:
             raise InvalidInput(f"Study file {name!r} has the name of a built-in study: rename it.")
         return _study(Path(name).stem, _from_file(Path(name)))
     if name not in BUILT_IN + OPTIONAL:
-        known = _suggest(name, BUILT_IN + OPTIONAL)
+        known = remedy(name, sorted(BUILT_IN + OPTIONAL))
         raise InvalidInput(f"Study {name!r} is not known: {known}, or give a .py file.")
     return _study(name, importlib.import_module(f"studies.{name}"))
 
@@ -117,8 +116,3 @@ def _study(name: str, module: ModuleType) -> Study:
             )
     title = (module.__doc__ or name).strip().split("\n")[0]
     return Study(name, title, tuple(module.points), module.scene_at, module.measures, module.figure)
-
-
-def _suggest(name: str, known: Iterable[str]) -> str:
-    close = get_close_matches(name, list(known), n=1)
-    return f"did you mean {close[0]!r}" if close else "choose from " + ", ".join(sorted(known))

@@ -27,9 +27,9 @@ class PolonskyKeer:
         max_iterations: int,
         start: Array | None = None,
     ) -> Iterate:
-        """Iterate until ``problem.residual(pressure, gap) <= tolerance``."""
+        """Iterate until ``problem.pressures.residual(pressure, gap) <= tolerance``."""
         pressures = problem.pressures
-        pressure = pressures.uniform(problem.undeformed_gap.shape) if start is None else start
+        pressure = pressures.admit(problem.uniform() if start is None else start.copy())
         direction = np.zeros_like(pressure)
         previous, conjugate = 1.0, 0.0
         stall = Stall(self.patience)
@@ -38,10 +38,10 @@ class PolonskyKeer:
         while True:
             moved = problem.displacement(pressure)
             gap = problem.undeformed_gap + moved
-            contact = pressure > 0
-            approach = float(gap[contact].mean())
+            contact = pressures.free(pressure)
+            approach = pressures.approach(pressure, gap, contact)
             gap -= approach
-            left = problem.residual(pressure, gap)
+            left = pressures.residual(pressure, gap)
             done = not (tolerance < left < np.inf) or iteration == max_iterations
             if done or stall.sees(left):
                 convolutions = 2.0 * iteration + 1
@@ -52,13 +52,17 @@ class PolonskyKeer:
             kept = conjugate * steepness / previous if previous > 0 else 0.0
             direction = np.where(contact, gap + kept * direction, 0.0)
             previous = steepness
+            if inner(descent, direction) <= 0:  # the contact has changed: conjugacy is lost
+                direction = descent
             response = problem.displacement(direction)
-            response -= response[contact].mean()
+            response -= response.mean(where=contact)
             curvature = inner(response, direction)
             # a single cell in contact is level with itself: the others then close their own gaps
             step = inner(descent, direction) / curvature if curvature > 0 else 1 / own
-            pressure = pressures.clip(pressure - step * direction)
-            overlap = (pressure == 0) & (gap < 0)
-            conjugate = 0.0 if overlap.any() else 1.0
-            pressure[overlap] -= step * gap[overlap]
-            pressure = pressures.balance(pressure)
+            before, pressure = pressure, pressures.clip(pressure - step * direction)
+            trial = pressure.copy()
+            pressures.release(trial, pressure, gap, 1 / step)
+            conjugate = 1.0 if (trial == pressure).all() else 0.0
+            pressure = pressures.admit(trial)
+            if inner(gap, pressure - before) >= 0:  # balancing the load has turned the step uphill
+                conjugate, pressure = 0.0, pressures.nearest(before - step * gap)

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from contactstudy.arrays import Array, inner
 from contactstudy.iterate import Iterate, Stall
 from contactstudy.polonsky_keer import PolonskyKeer
+from contactstudy.pressures import AdmissiblePressures
 from contactstudy.problem import BareProblem
 
 # A trial step is taken whole, zeros and all, from this share of the best step along its line on.
@@ -42,7 +43,7 @@ class PreconditionedCG:
         max_iterations: int,
         start: Array | None = None,
     ) -> Iterate:
-        """Iterate until ``problem.residual(pressure, gap) <= tolerance``."""
+        """Iterate until ``problem.pressures.residual(pressure, gap) <= tolerance``."""
         work = 0.0
         if start is None:
             start, work = self._from_coarser(problem, max(tolerance, self.coarse_tolerance))
@@ -69,14 +70,15 @@ class PreconditionedCG:
 
     def _from_coarser(self, problem: BareProblem, tolerance: float) -> tuple[Array, float]:
         """A start, and what it cost."""
-        shape = problem.undeformed_gap.shape
         coarse = problem.coarsened()
         if coarse is None:
-            return problem.pressures.uniform(shape), 0.0
+            return problem.uniform(), 0.0
         start, work = self._from_coarser(coarse, tolerance)
         last = self._descend(coarse, start, tolerance, self.patience, work)
         ratio = coarse.displacement.work / problem.displacement.work
-        blocks = [n // m for n, m in zip(shape, last.pressure.shape, strict=True)]
+        blocks = [
+            n // m for n, m in zip(problem.undeformed_gap.shape, last.pressure.shape, strict=True)
+        ]
         fine = last.pressure.repeat(blocks[0], axis=0).repeat(blocks[1], axis=1)
         return fine, last.convolutions * ratio
 
@@ -90,7 +92,7 @@ class PreconditionedCG:
     ) -> Iterate:
         operator, pressures = problem.displacement, problem.pressures
         precondition, its_work = operator.approximate_inverse()
-        pressure = pressures.balance(pressure.copy())
+        pressure = pressures.admit(pressure.copy())
         moved = operator(pressure)
         work += 1
         step = response = None
@@ -99,11 +101,11 @@ class PreconditionedCG:
         stall = Stall(self.patience)
         iteration = 0
         while True:
-            contact = pressure > 0
+            contact = pressures.free(pressure)
             gap = problem.undeformed_gap + moved
-            approach = float(gap[contact].mean())
+            approach = pressures.approach(pressure, gap, contact)
             gap -= approach
-            left = problem.residual(pressure, gap)
+            left = pressures.residual(pressure, gap)
             done = not (tolerance < left < np.inf) or iteration == max_iterations
             if done or stall.sees(left):
                 return Iterate(pressure, moved, approach, left, iteration, work)
@@ -116,21 +118,22 @@ class PreconditionedCG:
                 if inner(gap, tried) < 0:
                     direction = tried
             trial = pressure + length * direction
-            cut = bool((trial < 0).any())
-            trial = pressures.clip(trial)
-            penetrating = ~contact & (gap < 0)
-            trial[penetrating] = -self.seed / own * gap[penetrating]
-            trial = pressures.balance(trial)
+            cut = pressures.cuts(trial)
+            pressures.release(trial, pressure, gap, own / self.seed)
+            trial = pressures.admit(trial)
             step = trial - pressure
+            if inner(gap, step) >= 0:
+                # balancing the load has turned the step uphill: that to the nearest pressure never is
+                cut, length = True, length / 4
+                trial = pressures.nearest(pressure - gap / own)
+                step = trial - pressure
             ahead = operator(trial)
             response = ahead - moved
             curvature = inner(step, response)
             best = -inner(gap, step) / curvature if curvature > 0 else 0.0
-            if not best > 0:  # balancing the load has turned the step uphill: shorten, start afresh
-                length /= 4
-                step = response = None
-                continue
-            taken = _whole_or_best(best) if cut else _to_first_loss(pressure, step, best)
+            taken = (
+                _whole_or_best(best) if cut else _to_first_limit(pressures, pressure, step, best)
+            )
             if taken == 1:
                 pressure, moved = trial, ahead
             else:
@@ -147,12 +150,11 @@ def _whole_or_best(best: float) -> float:
     return 1.0 if best > WHOLE else best
 
 
-def _to_first_loss(pressure: Array, step: Array, best: float) -> float:
-    """How much of a step to take that has cut off nothing: up to where a cell would lose contact."""
-    falling = step < 0
-    if best <= 1 or not falling.any():
-        return best
-    return min(best, max(1.0, float((pressure[falling] / -step[falling]).min())))
+def _to_first_limit(
+    pressures: AdmissiblePressures, pressure: Array, step: Array, best: float
+) -> float:
+    """How much of a step to take that has cut off nothing: up to where a cell would meet a limit."""
+    return best if best <= 1 else min(best, max(1.0, pressures.room(pressure, step)))
 
 
 def _within(contact: NDArray[np.bool_], direction: Array) -> Array:

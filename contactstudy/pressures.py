@@ -1,31 +1,237 @@
-"""The pressures a contact may take: never tensile, and carrying the load."""
+"""The pressures a contact may take: never tensile, at most the hardness, and carrying the load."""
 
 from dataclasses import dataclass, replace
+from math import inf, prod
+from typing import Protocol, Self
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
 
-from contactstudy.arrays import Array
+from contactstudy.arrays import Array, inner
+
+Mask = NDArray[np.bool_]
+
+
+class AdmissiblePressures(Protocol):
+    """A convex set of pressures (width, length); cells at one of its limits are bound, others free."""
+
+    @property
+    def total(self) -> float:
+        """``sum(p)``: the load over a cell's area, in the unit of p."""
+        ...
+
+    def scaled(self, pressure: float, cells: int = 1) -> Self:
+        """The same set in another unit of pressure (times ``pressure``), on blocks of so many cells."""
+        ...
+
+    def is_empty(self, shape: tuple[int, ...]) -> bool:
+        """Whether no field of that shape is in the set."""
+        ...
+
+    def free(self, pressure: Array) -> Mask:
+        """Cells at no limit: there the bodies touch, no more and no less."""
+        ...
+
+    def approach(self, pressure: Array, gap: Array, free: Mask) -> float:
+        """The approach at which ``gap`` is zero on the mean of the ``free`` cells of ``pressure``."""
+        ...
+
+    def release(self, trial: Array, pressure: Array, gap: Array, compliance: float) -> None:
+        """In a ``trial``, the bound cells that ``gap`` says should be free get a pressure that closes it.
+
+        ``compliance`` is the displacement of a cell under its own unit pressure, as the solver takes it.
+        """
+        ...
+
+    def cuts(self, trial: Array) -> bool:
+        """Whether a limit cuts something off ``trial``."""
+        ...
+
+    def clip(self, trial: Array) -> Array:
+        """``trial`` cut off at the limits, in place."""
+        ...
+
+    def admit(self, trial: Array) -> Array:
+        """``trial`` cut off at the limits and made to carry the load, in place."""
+        ...
+
+    def nearest(self, trial: Array) -> Array:
+        """The admissible pressure nearest to ``trial``; a step against the gap, made so, is downhill."""
+        ...
+
+    def room(self, pressure: Array, step: Array) -> float:
+        """How many times ``step`` may be taken before a free cell of ``pressure`` meets a limit."""
+        ...
+
+    def residual(self, pressure: Array, gap: Array) -> float:
+        """The measure of :func:`~contactstudy.solve`, of ``gap`` in units of the gap scale."""
+        ...
 
 
 @dataclass(frozen=True)
-class AdmissiblePressures:
-    """``p >= 0`` and ``sum(p) = total`` (the load over the cell's area, in the unit of p)."""
+class CompressivePressures:
+    """``p >= 0`` and ``sum(p) = total``."""
 
     total: float
 
-    def scaled(self, factor: float) -> "AdmissiblePressures":
-        """The same set in another unit of pressure, or of area."""
-        return replace(self, total=self.total * factor)
+    def scaled(self, pressure: float, cells: int = 1) -> "CompressivePressures":
+        """In another unit, on larger cells."""
+        return replace(self, total=self.total * pressure / cells)
 
-    def uniform(self, shape: tuple[int, int]) -> Array:
-        """The same pressure everywhere."""
-        return np.full(shape, self.total / (shape[0] * shape[1]))
+    def is_empty(self, shape: tuple[int, ...]) -> bool:
+        """Never."""
+        return False
 
-    def clip(self, pressure: Array) -> Array:
-        """Tension cut off, in place."""
-        return np.maximum(pressure, 0, out=pressure)
+    def free(self, pressure: Array) -> Mask:
+        """Cells that bear pressure."""
+        return pressure > 0
 
-    def balance(self, pressure: Array) -> Array:
-        """Scaled in place so that it carries the load."""
-        pressure *= self.total / pressure.sum()
-        return pressure
+    def approach(self, pressure: Array, gap: Array, free: Mask) -> float:
+        """The mean gap of the contact."""
+        return float(gap[free].mean())
+
+    def release(self, trial: Array, pressure: Array, gap: Array, compliance: float) -> None:
+        """Of cells out of contact, those that penetrate."""
+        penetrating = (pressure == 0) & (gap < 0)
+        trial[penetrating] = gap[penetrating] / -compliance
+
+    def cuts(self, trial: Array) -> bool:
+        """Tension."""
+        return bool((trial < 0).any())
+
+    def clip(self, trial: Array) -> Array:
+        """No tension."""
+        return np.maximum(trial, 0, out=trial)
+
+    def admit(self, trial: Array) -> Array:
+        """Tension cut off, the rest scaled."""
+        self.clip(trial)
+        trial *= self.total / trial.sum()
+        return trial
+
+    def nearest(self, trial: Array) -> Array:
+        """Shifted, then cut off."""
+        return _shifted(trial, self.total, inf)
+
+    def room(self, pressure: Array, step: Array) -> float:
+        """Until a cell would lose contact."""
+        falling = step < 0
+        return float(np.min(pressure[falling] / -step[falling], initial=inf))
+
+    def residual(self, pressure: Array, gap: Array) -> float:
+        """Complementarity, penetration, load."""
+        total = pressure.sum()
+        complementarity = inner(pressure, np.abs(gap)) / total
+        penetration = np.max(-gap, where=pressure == 0, initial=0.0)
+        return float(max(complementarity, penetration, abs(total / self.total - 1)))
+
+
+@dataclass(frozen=True)
+class LimitedPressures:
+    """``0 <= p <= hardness`` and ``sum(p) = total``: perfectly plastic above the hardness.
+
+    Where p is at the hardness the bodies may overlap, by what the softer one gives way.
+    Source: Almqvist, Sahlin, Larsson & Glavatskih (2007), sect. 2.
+    """
+
+    total: float
+    hardness: float
+
+    def scaled(self, pressure: float, cells: int = 1) -> "LimitedPressures":
+        """In another unit, on larger cells."""
+        return LimitedPressures(self.total * pressure / cells, self.hardness * pressure)
+
+    def is_empty(self, shape: tuple[int, ...]) -> bool:
+        """Whether not even the hardness everywhere carries the load."""
+        return self.hardness * prod(shape) < self.total
+
+    def free(self, pressure: Array) -> Mask:
+        """Cells that bear pressure below the hardness."""
+        return (pressure > 0) & (pressure < self.hardness)
+
+    def approach(self, pressure: Array, gap: Array, free: Mask) -> float:
+        """The mean gap of the free cells; where all have yielded, the least that leaves none open."""
+        return float(gap[free].mean() if free.any() else gap[pressure > 0].max())
+
+    def release(self, trial: Array, pressure: Array, gap: Array, compliance: float) -> None:
+        """Cells that penetrate or have yielded: as if the limits were not there.
+
+        A yielding cell that overlaps thus stands above the hardness, and stays there when the rest is
+        scaled down a little.
+        """
+        bound = ((pressure == 0) & (gap < 0)) | (pressure >= self.hardness)
+        trial[bound] = pressure[bound] - gap[bound] / compliance
+
+    def cuts(self, trial: Array) -> bool:
+        """Tension, or more than the hardness."""
+        return bool((trial < 0).any() or (trial > self.hardness).any())
+
+    def clip(self, trial: Array) -> Array:
+        """No tension, and nothing above the hardness."""
+        return np.clip(trial, 0, self.hardness, out=trial)
+
+    def admit(self, trial: Array) -> Array:
+        """Scaled before it is cut off at the hardness, by the one factor that makes it carry the load."""
+        np.maximum(trial, 0, out=trial)
+        bearing = trial > 0
+        if np.count_nonzero(bearing) * self.hardness <= self.total:
+            self._spread(trial, bearing)
+            return trial
+        borne = trial[bearing]
+        # what is carried grows with the factor along a concave broken line: Newton's steps from the left
+        # never pass the root, and end on its own segment
+        factor = self.total / borne.sum()
+        while True:
+            yielding = borne * factor >= self.hardness
+            rest = self.total - self.hardness * np.count_nonzero(yielding)
+            better = rest / borne[~yielding].sum()
+            if not better > factor:
+                break
+            factor = better
+        trial *= factor
+        return np.minimum(trial, self.hardness, out=trial)
+
+    def _spread(self, trial: Array, bearing: Mask) -> None:
+        """The bearing cells at the hardness, what they leave of the load evenly on the others."""
+        others = trial.size - np.count_nonzero(bearing)
+        rest = self.total - self.hardness * (trial.size - others)
+        np.copyto(trial, min(rest / others, self.hardness) if others else self.hardness)
+        trial[bearing] = self.hardness
+
+    def nearest(self, trial: Array) -> Array:
+        """Shifted, then cut off."""
+        return _shifted(trial, self.total, self.hardness)
+
+    def room(self, pressure: Array, step: Array) -> float:
+        """Until a cell would lose contact or yield."""
+        falling, rising = step < 0, step > 0
+        lost = np.min(pressure[falling] / -step[falling], initial=inf)
+        return float(np.min((self.hardness - pressure[rising]) / step[rising], initial=lost))
+
+    def residual(self, pressure: Array, gap: Array) -> float:
+        """Complementarity of the free cells, penetration, gaps that yielding cells leave open, load."""
+        free = np.where(pressure < self.hardness, pressure, 0.0)
+        borne = free.sum()
+        complementarity = inner(free, np.abs(gap)) / borne if borne > 0 else 0.0
+        penetration = np.max(-gap, where=pressure == 0, initial=0.0)
+        opening = np.max(gap, where=pressure >= self.hardness, initial=0.0)
+        return float(
+            max(complementarity, penetration, opening, abs(pressure.sum() / self.total - 1))
+        )
+
+
+def _shifted(trial: Array, total: float, most: float) -> Array:
+    """``trial`` shifted by the one height at which, cut off at 0 and ``most``, it sums to ``total``."""
+    mean = total / trial.size
+
+    def lacking(shift: float) -> float:
+        return total - float(np.clip(trial + shift, 0, most).sum())
+
+    low, high = mean - float(trial.max()), min(total, most) - float(trial.min())
+    # at these ends too little and too much is carried, but for rounding
+    if lacking(high) >= 0 or lacking(low) <= 0:
+        shift = high if lacking(high) >= 0 else low
+    else:
+        shift = brentq(lacking, low, high, xtol=1e-300)
+    return np.clip(trial + shift, 0, most)

@@ -6,7 +6,7 @@ from typing import Protocol, Self
 
 import numpy as np
 
-from contactstudy.arrays import Array, inner
+from contactstudy.arrays import Array
 from contactstudy.grid import Grid
 from contactstudy.pressures import AdmissiblePressures
 
@@ -63,12 +63,10 @@ class BareProblem:
     displacement: Operator
     pressures: AdmissiblePressures
 
-    def residual(self, pressure: Array, gap: Array) -> float:
-        """The measure of :func:`~contactstudy.solve`."""
-        total = pressure.sum()
-        complementarity = inner(pressure, np.abs(gap)) / total
-        penetration = np.max(-gap, where=pressure == 0, initial=0.0)
-        return float(max(complementarity, penetration, abs(total / self.pressures.total - 1)))
+    def uniform(self) -> Array:
+        """The load spread evenly."""
+        gap = self.undeformed_gap
+        return np.full_like(gap, self.pressures.total / gap.size)
 
     def coarsened(self) -> "BareProblem | None":
         """The same problem on blocks of cells, heights averaged; None where the grid does not halve."""
@@ -79,7 +77,7 @@ class BareProblem:
         gap = self.undeformed_gap.reshape(nx // across, across, ny // along, along).mean(
             axis=(1, 3)
         )
-        pressures = self.pressures.scaled(1 / (across * along))
+        pressures = self.pressures.scaled(1.0, across * along)
         return BareProblem(gap, self.displacement.coarsened(), pressures)
 
 

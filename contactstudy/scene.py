@@ -1,16 +1,17 @@
 """Where effects meet: a scene names them, and turns them into a problem on a grid."""
 
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 
 from contactstudy.analytic import HertzLine
-from contactstudy.checks import InvalidInput
+from contactstudy.checks import InvalidInput, keep, positive
 from contactstudy.convolution import convolution
 from contactstudy.grid import Grid
 from contactstudy.load import LineLoad
 from contactstudy.padding import Padding, Paddings, across_and_along
-from contactstudy.pressures import AdmissiblePressures
+from contactstudy.pressures import AdmissiblePressures, CompressivePressures, LimitedPressures
 from contactstudy.problem import Problem, Scales
 from contactstudy.shapes import Shape
 from contactstudy.solids import HalfSpace, contact_modulus
@@ -18,7 +19,10 @@ from contactstudy.solids import HalfSpace, contact_modulus
 
 @dataclass(frozen=True)
 class Scene:
-    """A line contact, by the effects it calls for: a load, two bodies, and shapes that add up.
+    """A line contact, by the effects it calls for: a load, two bodies, shapes that add up, a hardness.
+
+    ``hardness`` [Pa] is the largest pressure the softer body bears: there it yields, and the gap of the
+    solution is negative by as much as it gives way. It is infinite by default, which is no limit.
 
     Raises :class:`~contactstudy.InvalidInput` unless ``solids`` are two bodies, not both rigid, and
     ``shapes`` is a tuple.
@@ -27,6 +31,7 @@ class Scene:
     load: LineLoad
     solids: tuple[HalfSpace, HalfSpace]
     shapes: tuple[Shape, ...] = ()
+    hardness: float = inf
 
     def __post_init__(self) -> None:
         _typed("Scene.load", self.load, LineLoad, "give a LineLoad")
@@ -43,6 +48,9 @@ class Scene:
         for number, solid in enumerate(self.solids):
             _typed(f"Scene.solids[{number}]", solid, HalfSpace, "give a HalfSpace")
         contact_modulus(self.solids)
+        if self.hardness != inf:
+            remedy = "give a pressure above 0 Pa, or inf for no limit"
+            keep(self, hardness=positive("Scene.hardness", self.hardness, remedy))
         for number, shape in enumerate(self.shapes):
             if isinstance(shape, type) or not (
                 hasattr(shape, "gap") and hasattr(shape, "curvature")
@@ -87,11 +95,17 @@ class Scene:
             grid=grid,
             undeformed_gap=gap,
             displacement=convolution(self.contact_modulus, grid, paddings, scales.length),
-            pressures=AdmissiblePressures(self.load.per_length * grid.period / grid.cell_area),
+            pressures=self._pressures(grid),
             scales=scales,
             open_edges=(0, -1) if _is_free(paddings[0]) else (),
             attributes={"scene": repr(self), "grid": repr(grid), "padding": repr(padding)},
         )
+
+    def _pressures(self, grid: Grid) -> AdmissiblePressures:
+        total = self.load.per_length * grid.period / grid.cell_area
+        if self.hardness == inf:
+            return CompressivePressures(total)
+        return LimitedPressures(total, self.hardness)
 
 
 def _is_free(padding: Padding) -> bool:

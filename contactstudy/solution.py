@@ -24,6 +24,10 @@ class Status(Enum):
         "leaves no room below: give a tolerance no smaller than the residual reached, and check the heights "
         "for values far beyond the contact's own scale"
     )
+    NO_ADMISSIBLE_PRESSURE = (
+        "the hardness everywhere would not carry the load: "
+        "give a larger hardness, a smaller load or a larger width"
+    )
     NOT_FINITE = (
         "the iteration left the range of floating-point numbers: "
         "check the heights for nan and for values far beyond the contact's own scale"

@@ -1,5 +1,6 @@
 """Problem -> Solution."""
 
+from math import inf
 from typing import Protocol
 
 import numpy as np
@@ -23,7 +24,7 @@ class Solver(Protocol):
         max_iterations: int,
         start: Array | None = None,
     ) -> Iterate:
-        """Iterate until ``problem.residual(pressure, gap) <= tolerance``, the limit, or a stall."""
+        """Iterate until ``problem.pressures.residual(pressure, gap) <= tolerance``, the limit, or a stall."""
         ...
 
 
@@ -38,12 +39,15 @@ def solve(
 
     One stopping rule, dimensionless: the largest of complementarity, ``sum(p |gap|) / sum(p)``,
     penetration, ``max(-gap)`` where p = 0, both over the problem's gap scale ``p_H a / E*``, and load,
-    ``|sum(p) / total - 1|``, is at most ``tolerance``. Numerical outcomes are a
+    ``|sum(p) / total - 1|``, is at most ``tolerance``. Under a hardness, cells that yield count by the
+    gap they leave open, and complementarity is that of the others. Numerical outcomes are a
     :class:`~contactstudy.Status`; only a tolerance that is not above zero or a negative limit raises
     :class:`~contactstudy.InvalidInput`.
     """
     positive("solve.tolerance", tolerance, "give a dimensionless tolerance above 0, such as 1e-8")
     whole("solve.max_iterations", max_iterations, 0, "give a whole number of iterations from 0 on")
+    if problem.pressures.is_empty(problem.undeformed_gap.shape):
+        return _without_pressure(problem)
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         last = solver.iterate(problem.bare(), tolerance=tolerance, max_iterations=max_iterations)
     scales = problem.scales
@@ -59,6 +63,22 @@ def solve(
         convolutions=last.convolutions,
         residual=last.residual,
         note=last.note,
+    )
+
+
+def _without_pressure(problem: Problem) -> Solution:
+    """What there is to say when no admissible pressure carries the load: the bodies as they were."""
+    nothing = np.zeros_like(problem.undeformed_gap)
+    return Solution(
+        problem=problem,
+        pressure=nothing,
+        displacement=nothing.copy(),
+        gap=problem.undeformed_gap.copy(),
+        approach=0.0,
+        status=Status.NO_ADMISSIBLE_PRESSURE,
+        iterations=0,
+        convolutions=0.0,
+        residual=inf,
     )
 
 

@@ -18,6 +18,7 @@ from contactstudy.padding import (
     ZeroPadding,
 )
 from contactstudy.polonsky_keer import PolonskyKeer
+from contactstudy.precision import Precision
 from contactstudy.preconditioned_cg import PreconditionedCG
 from contactstudy.problem import Problem
 from contactstudy.roughness import Roughness
@@ -45,6 +46,7 @@ __all__ = [
     "Padding",
     "Paddings",
     "PolonskyKeer",
+    "Precision",
     "PreconditionedCG",
     "Problem",
     "Roughness",

@@ -13,6 +13,7 @@ from contactstudy.checks import InvalidInput, positive
 from contactstudy.grid import Grid
 from contactstudy.kernel import kernel
 from contactstudy.padding import Padding, Paddings, across_and_along
+from contactstudy.precision import Precision
 from contactstudy.transforms import TRANSFORMS, Waves
 
 # Axes of fewer cells than this are not coarsened: a coarser grid would no longer see the contact.
@@ -48,7 +49,9 @@ class Convolution:
         """A work array of this thread's own, kept: large ones anew would cost as much as a transform."""
         rooms: dict[tuple[int, int], Waves] = self._rooms.__dict__.setdefault("rooms", {})
         if shape not in rooms:
-            rooms[shape] = np.empty((shape[0], shape[1] // 2 + 1), dtype=np.complex128)
+            rooms[shape] = np.empty(
+                (shape[0], shape[1] // 2 + 1), dtype=np.result_type(self.spectrum, np.complex64)
+            )
         return rooms[shape]
 
     def __getstate__(self) -> dict[str, object]:
@@ -69,9 +72,10 @@ class Convolution:
             stored_once += self.spectrum[:, -1].sum()
         return float((2 * self.spectrum.sum() - stored_once) / self.work)
 
-    def scaled(self, factor: float) -> "Convolution":
-        """This operator times ``factor``."""
-        return replace(self, spectrum=self.spectrum * factor)
+    def scaled(self, factor: float, precision: Precision) -> "Convolution":
+        """This operator times ``factor``, in ``precision``."""
+        spectrum = np.multiply(self.spectrum, factor, dtype=self.spectrum.dtype)
+        return replace(self, spectrum=spectrum.astype(precision.real, copy=False))
 
     @property
     def blocks(self) -> tuple[int, int]:
@@ -97,6 +101,7 @@ class Convolution:
             kept = py // 4 + 1
             spectrum = weighted[:, :kept] + weighted[:, ::-1][:, :kept]
         cells = self.cells[0] // across, self.cells[1] // along
+        spectrum = spectrum.astype(self.spectrum.dtype, copy=False)
         return Convolution(spectrum, cells, (px // across, py // along))
 
     def approximate_inverse(self) -> tuple[Callable[[Array], Array], float]:

@@ -42,7 +42,7 @@ class PolonskyKeer:
             approach = pressures.approach(pressure, gap, contact)
             gap -= approach
             left = pressures.residual(pressure, gap)
-            done = not (tolerance < left < np.inf) or iteration == max_iterations
+            done = problem.ends(left, moved, tolerance) or iteration == max_iterations
             if done or stall.sees(left):
                 convolutions = 2.0 * iteration + 1
                 return Iterate(pressure, moved, approach, left, iteration, convolutions)

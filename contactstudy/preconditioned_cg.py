@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contactstudy.arrays import Array, inner
 from contactstudy.iterate import Iterate, Stall
@@ -48,7 +47,8 @@ class PreconditionedCG:
         if start is None:
             start, work = self._from_coarser(problem, max(tolerance, self.coarse_tolerance))
         last = self._descend(problem, start, tolerance, max_iterations, work)
-        if not (tolerance < last.residual < np.inf) or last.iterations == max_iterations:
+        ended = problem.ends(last.residual, last.displacement, tolerance)
+        if ended or last.iterations == max_iterations:
             return last
         rest = PolonskyKeer().iterate(
             problem,
@@ -106,15 +106,16 @@ class PreconditionedCG:
             approach = pressures.approach(pressure, gap, contact)
             gap -= approach
             left = pressures.residual(pressure, gap)
-            done = not (tolerance < left < np.inf) or iteration == max_iterations
+            done = problem.ends(left, moved, tolerance) or iteration == max_iterations
             if done or stall.sees(left):
                 return Iterate(pressure, moved, approach, left, iteration, work)
             iteration += 1
-            direction = _within(contact, precondition(np.where(contact, -gap, 0.0)))
+            inside = contact.astype(gap.dtype)
+            direction = _within(inside, np.negative(precondition(gap * inside)))
             work += 1 + its_work / operator.work
             if step is not None and response is not None:
                 conjugate = inner(direction, response) / curvature
-                tried = _within(contact, direction - conjugate * step)
+                tried = _within(inside, direction - conjugate * step)
                 if inner(gap, tried) < 0:
                     direction = tried
             trial = pressure + length * direction
@@ -157,7 +158,11 @@ def _to_first_limit(
     return best if best <= 1 else min(best, max(1.0, pressures.room(pressure, step)))
 
 
-def _within(contact: NDArray[np.bool_], direction: Array) -> Array:
-    """``direction`` on the contact, and such that the load stays as it is."""
-    direction = np.where(contact, direction, 0.0)
-    return np.where(contact, direction - direction.sum() / contact.sum(), 0.0)
+def _within(inside: Array, direction: Array) -> Array:
+    """``direction`` where ``inside`` is 1 and not 0, and such that the load stays as it is, in place.
+
+    Products, for a masked choice costs ten times as much where the mask is rough.
+    """
+    direction -= inner(direction, inside) / inside.sum()
+    direction *= inside
+    return direction

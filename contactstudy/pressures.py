@@ -89,7 +89,7 @@ class CompressivePressures:
 
     def approach(self, pressure: Array, gap: Array, free: Mask) -> float:
         """The mean gap of the contact."""
-        return float(gap[free].mean())
+        return inner(gap, free.astype(gap.dtype)) / np.count_nonzero(free)
 
     def release(self, trial: Array, pressure: Array, gap: Array, compliance: float) -> None:
         """Of cells out of contact, those that penetrate."""
@@ -123,7 +123,7 @@ class CompressivePressures:
         """Complementarity, penetration, load."""
         total = pressure.sum()
         complementarity = inner(pressure, np.abs(gap)) / total
-        penetration = np.max(-gap, where=pressure == 0, initial=0.0)
+        penetration = -(gap * (pressure == 0)).min()
         return float(max(complementarity, penetration, abs(total / self.total - 1)))
 
 
@@ -152,7 +152,9 @@ class LimitedPressures:
 
     def approach(self, pressure: Array, gap: Array, free: Mask) -> float:
         """The mean gap of the free cells; where all have yielded, the least that leaves none open."""
-        return float(gap[free].mean() if free.any() else gap[pressure > 0].max())
+        if not free.any():
+            return float(gap[pressure > 0].max())
+        return inner(gap, free.astype(gap.dtype)) / np.count_nonzero(free)
 
     def release(self, trial: Array, pressure: Array, gap: Array, compliance: float) -> None:
         """Cells that penetrate or have yielded: as if the limits were not there.
@@ -214,8 +216,8 @@ class LimitedPressures:
         free = np.where(pressure < self.hardness, pressure, 0.0)
         borne = free.sum()
         complementarity = inner(free, np.abs(gap)) / borne if borne > 0 else 0.0
-        penetration = np.max(-gap, where=pressure == 0, initial=0.0)
-        opening = np.max(gap, where=pressure >= self.hardness, initial=0.0)
+        penetration = -(gap * (pressure == 0)).min()
+        opening = (gap * (pressure >= self.hardness)).max()
         return float(
             max(complementarity, penetration, opening, abs(pressure.sum() / self.total - 1))
         )
@@ -224,14 +226,15 @@ class LimitedPressures:
 def _shifted(trial: Array, total: float, most: float) -> Array:
     """``trial`` shifted by the one height at which, cut off at 0 and ``most``, it sums to ``total``."""
     mean = total / trial.size
+    fine = trial.astype(np.float64, copy=False)
 
     def lacking(shift: float) -> float:
-        return total - float(np.clip(trial + shift, 0, most).sum())
+        return total - float(np.clip(fine + shift, 0, most).sum())
 
     low, high = mean - float(trial.max()), min(total, most) - float(trial.min())
     # at these ends too little and too much is carried, but for rounding
     if lacking(high) >= 0 or lacking(low) <= 0:
         shift = high if lacking(high) >= 0 else low
     else:
-        shift = brentq(lacking, low, high, xtol=1e-300)
-    return np.clip(trial + shift, 0, most)
+        shift = brentq(lacking, low, high, xtol=1e-16 * (high - low))
+    return np.clip(fine + shift, 0, most).astype(trial.dtype, copy=False)

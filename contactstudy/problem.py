@@ -2,13 +2,18 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from math import inf
 from typing import Protocol, Self
 
 import numpy as np
 
 from contactstudy.arrays import Array
 from contactstudy.grid import Grid
+from contactstudy.precision import Precision
 from contactstudy.pressures import AdmissiblePressures
+
+# A gap is uncertain by so many roundings of the largest displacement: residuals stop falling at half of it.
+ROUNDINGS = 2.0
 
 
 class Operator(Protocol):
@@ -33,8 +38,8 @@ class Operator(Protocol):
         """The displacement under ``pressure``."""
         ...
 
-    def scaled(self, factor: float) -> Self:
-        """This operator times ``factor``."""
+    def scaled(self, factor: float, precision: Precision) -> Self:
+        """This operator times ``factor``, in ``precision``."""
         ...
 
     def coarsened(self) -> Self:
@@ -57,7 +62,7 @@ class Scales:
 
 @dataclass(frozen=True, eq=False)
 class BareProblem:
-    """A problem without dimensions: what a solver sees."""
+    """A problem without dimensions, in the precision of its gap: what a solver sees."""
 
     undeformed_gap: Array
     displacement: Operator
@@ -67,6 +72,14 @@ class BareProblem:
         """The load spread evenly."""
         gap = self.undeformed_gap
         return np.full_like(gap, self.pressures.total / gap.size)
+
+    def rounding(self, displacement: Array) -> float:
+        """What rounding leaves uncertain of a gap under ``displacement``: no residual means less."""
+        return float(ROUNDINGS * np.finfo(displacement.dtype).eps * np.abs(displacement).max())
+
+    def ends(self, residual: float, displacement: Array, tolerance: float) -> bool:
+        """Whether there is no use in going on from ``residual``."""
+        return not max(tolerance, self.rounding(displacement)) < residual < inf
 
     def coarsened(self) -> "BareProblem | None":
         """The same problem on blocks of cells, heights averaged; None where the grid does not halve."""
@@ -99,10 +112,10 @@ class Problem:
     open_edges: tuple[int, ...] = ()
     attributes: Mapping[str, str | float] = field(default_factory=dict)
 
-    def bare(self) -> BareProblem:
+    def bare(self, precision: Precision = Precision.DOUBLE) -> BareProblem:
         """This problem in its own scales."""
         return BareProblem(
-            self.undeformed_gap / self.scales.gap,
-            self.displacement.scaled(self.scales.pressure / self.scales.gap),
+            (self.undeformed_gap / self.scales.gap).astype(precision.real, copy=False),
+            self.displacement.scaled(self.scales.pressure / self.scales.gap, precision),
             self.pressures.scaled(1 / self.scales.pressure),
         )

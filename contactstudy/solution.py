@@ -19,10 +19,13 @@ class Status(Enum):
         "max_iterations was reached before the tolerance: "
         "allow more iterations or a larger tolerance"
     )
+    PRECISION_LIMIT = (
+        "the residual is as small as rounding lets it be, and above the tolerance: "
+        "give a tolerance no smaller than the residual reached, or solve in double precision"
+    )
     STALLED = (
-        "the residual stopped falling above the tolerance: as a rule because rounding "
-        "leaves no room below: give a tolerance no smaller than the residual reached, and check the heights "
-        "for values far beyond the contact's own scale"
+        "the residual stopped falling above the tolerance: give a tolerance no smaller than the "
+        "residual reached, and check the heights for values far beyond the contact's own scale"
     )
     NO_ADMISSIBLE_PRESSURE = (
         "the hardness everywhere would not carry the load: "

@@ -8,6 +8,7 @@ import numpy as np
 from contactstudy.arrays import Array
 from contactstudy.checks import positive, whole
 from contactstudy.iterate import Iterate
+from contactstudy.precision import Precision
 from contactstudy.preconditioned_cg import PreconditionedCG
 from contactstudy.problem import BareProblem, Problem
 from contactstudy.solution import Solution, Status
@@ -34,6 +35,7 @@ def solve(
     tolerance: float = 1e-8,
     max_iterations: int = 2000,
     solver: Solver = PreconditionedCG(),  # noqa: B008 (a frozen value)
+    precision: Precision = Precision.DOUBLE,
 ) -> Solution:
     """Solve ``problem`` and say how far the answer can be trusted.
 
@@ -48,17 +50,18 @@ def solve(
     whole("solve.max_iterations", max_iterations, 0, "give a whole number of iterations from 0 on")
     if problem.pressures.is_empty(problem.undeformed_gap.shape):
         return _without_pressure(problem)
+    bare = problem.bare(precision)
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        last = solver.iterate(problem.bare(), tolerance=tolerance, max_iterations=max_iterations)
+        last = solver.iterate(bare, tolerance=tolerance, max_iterations=max_iterations)
     scales = problem.scales
-    moved, approach = last.displacement * scales.gap, last.approach * scales.gap
+    moved, approach = _in(scales.gap, last.displacement), last.approach * scales.gap
     return Solution(
         problem=problem,
-        pressure=last.pressure * scales.pressure,
+        pressure=_in(scales.pressure, last.pressure),
         displacement=moved,
         gap=problem.undeformed_gap + moved - approach,
         approach=approach,
-        status=_status(last, tolerance, max_iterations, problem.open_edges),
+        status=_status(bare, last, tolerance, max_iterations, problem.open_edges),
         iterations=last.iterations,
         convolutions=last.convolutions,
         residual=last.residual,
@@ -82,12 +85,22 @@ def _without_pressure(problem: Problem) -> Solution:
     )
 
 
+def _in(scale: float, field: Array) -> Array:
+    return np.multiply(field, scale, dtype=np.float64)
+
+
 def _status(
-    last: Iterate, tolerance: float, max_iterations: int, open_edges: tuple[int, ...]
+    bare: BareProblem,
+    last: Iterate,
+    tolerance: float,
+    max_iterations: int,
+    open_edges: tuple[int, ...],
 ) -> Status:
     if not np.isfinite(last.residual):
         return Status.NOT_FINITE
     if last.residual > tolerance:
+        if bare.ends(last.residual, last.displacement, tolerance):
+            return Status.PRECISION_LIMIT
         limited = last.iterations >= max_iterations
         return Status.ITERATION_LIMIT if limited else Status.STALLED
     if last.pressure[list(open_edges)].any():

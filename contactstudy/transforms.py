@@ -16,7 +16,7 @@ from scipy import fft
 
 from contactstudy.arrays import Array
 
-Waves = NDArray[np.complex128]
+Waves = NDArray[np.complexfloating[Any, Any]]
 
 
 class Transforms(Protocol):
@@ -56,7 +56,7 @@ class Ducc:
         """Along the length on the rows there are, then across."""
         nx, ny = field.shape
         if ny < padded[1]:
-            wide = np.zeros((nx, padded[1]))
+            wide = np.zeros((nx, padded[1]), dtype=field.dtype)
             wide[:, :ny] = field
             field = wide
         self._fft.r2c(field, axes=(1,), out=work[:nx], nthreads=1)

@@ -95,4 +95,5 @@ def test_exact_answer_is_the_same_at_every_period(line_contact: LineContact) -> 
         errors(line_contact, cs.ExactPeriodicity(), (64, 8), period)
         for period in (0.01, 0.3, 2.4, 50.0)
     ]
-    np.testing.assert_allclose(answers, np.broadcast_to(answers[0], (4, 4)), rtol=0, atol=1e-9)
+    # the residual solved to, times the operator's condition
+    np.testing.assert_allclose(answers, np.broadcast_to(answers[0], (4, 4)), rtol=0, atol=64e-10)

@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.polynomial.legendre import leggauss
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import binom, digamma, k0, zeta
+from scipy.special import binom, digamma, k0, xlog1py, zeta
 
 from contactstudy.arrays import Array
 
@@ -132,8 +132,10 @@ def _repeated(x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
     # Exact, where a rounded y / period would move the observer by many of its smallest cells.
     x, y = np.abs(x), np.fmod(np.abs(y), period)
     y = np.minimum(y, period - y)
-    if dy == period:  # nothing varies along y, and the seams must not
-        y = 0.0 * y
+    if dy == period:  # nothing varies along y: plane strain
+        return np.asarray(
+            _log_mean(*np.broadcast_arrays(x + 0.0 * y, dx / 2)) * (-2 * dx * dy / period)
+        )
     if _is_outer(x.shape, y.shape):
         x, y = x.reshape(-1, 1), y.reshape(1, -1)
     else:
@@ -210,10 +212,20 @@ def _fourier(x: Array, y: Array, half_x: Array, half_y: float, period: float) ->
 
 def _logarithm(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> Array:
     """``-2 ln |x|``, averaged over a cell that does not reach the axis."""
-    # Neither end of the cell cancels the other, for a narrow cell (t -> 0) or one next to the axis (1).
-    t = half_x / x
-    mean = np.log(x) - 1 + ((1 + t) * np.log1p(t) - (1 - t) * np.log1p(-t)) / (2 * t)
-    return -2 * mean * np.ones_like(y)
+    return -2 * _log_mean(x, half_x) * np.ones_like(y)
+
+
+def _log_mean(x: Array, half: Array) -> Array:
+    """Mean of ``ln |x|`` over a segment of half-length ``half`` whose centre is ``x >= 0`` away."""
+    mean = np.empty(x.shape)
+    aside = x >= half
+    # Neither end cancels the other, for a narrow segment (t -> 0) or one next to the axis (1).
+    t = half[aside] / x[aside]
+    ends = (1 + t) * np.log1p(t) - xlog1py(1 - t, -t)
+    mean[aside] = np.log(x[aside]) - 1 + ends / (2 * t)
+    t = x[~aside] / half[~aside]
+    mean[~aside] = np.log(half[~aside]) - 1 + ((1 + t) * np.log1p(t) + (1 - t) * np.log1p(-t)) / 2
+    return mean
 
 
 def _strips(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> Array:

@@ -12,6 +12,8 @@ from contactstudy.problem import BareProblem
 
 # A trial step is taken whole, zeros and all, from this share of the best step along its line on.
 WHOLE = 0.8
+# On grids of so few cells an iteration costs the same however few they are: coarser ones save nothing.
+SMALL = 1024
 
 
 @dataclass(frozen=True)
@@ -70,7 +72,8 @@ class PreconditionedCG:
 
     def _from_coarser(self, problem: BareProblem, tolerance: float) -> tuple[Array, float]:
         """A start, and what it cost."""
-        coarse = problem.coarsened()
+        small = problem.undeformed_gap.size <= SMALL
+        coarse = None if small else problem.coarsened()
         if coarse is None:
             return problem.uniform(), 0.0
         start, work = self._from_coarser(coarse, tolerance)

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 from contactstudy import analytic, influence
 from contactstudy.checks import InvalidInput
 from contactstudy.convolution import Convolution, convolution
+from contactstudy.crown import Crown, LundbergProfile
+from contactstudy.finite_length import FiniteLength
 from contactstudy.grid import Grid
 from contactstudy.load import LineLoad
 from contactstudy.padding import (
@@ -21,12 +23,13 @@ from contactstudy.polonsky_keer import PolonskyKeer
 from contactstudy.precision import Precision
 from contactstudy.preconditioned_cg import PreconditionedCG
 from contactstudy.problem import Problem
-from contactstudy.roughness import Roughness
+from contactstudy.roughness import RmsSlope, Roughness
 from contactstudy.scene import Scene
 from contactstudy.shapes import Cylinder, Shape, Sphere, Waviness
 from contactstudy.solids import HalfSpace
 from contactstudy.solution import Solution, Status
 from contactstudy.solver import Solver, solve
+from contactstudy.texture import Cosine, Dimple, FlatBottomed, Groove, Parabolic, Texture
 
 if TYPE_CHECKING:
     from contactstudy.dataset import to_dataset
@@ -36,19 +39,28 @@ __version__ = "0.1.0"
 __all__ = [
     "CircularSuperposition",
     "Convolution",
+    "Cosine",
+    "Crown",
     "Cylinder",
+    "Dimple",
     "DuplicatedPadding",
     "ExactPeriodicity",
+    "FiniteLength",
+    "FlatBottomed",
     "Grid",
+    "Groove",
     "HalfSpace",
     "InvalidInput",
     "LineLoad",
+    "LundbergProfile",
     "Padding",
     "Paddings",
+    "Parabolic",
     "PolonskyKeer",
     "Precision",
     "PreconditionedCG",
     "Problem",
+    "RmsSlope",
     "Roughness",
     "Scene",
     "Shape",
@@ -57,6 +69,7 @@ __all__ = [
     "Sphere",
     "Status",
     "Superposition",
+    "Texture",
     "Waviness",
     "ZeroPadding",
     "analytic",

@@ -29,6 +29,14 @@ def positive(field: str, value: object, remedy: str) -> float:
     return number
 
 
+def from_zero(field: str, value: object, remedy: str) -> float:
+    """``value`` as a finite float not below zero, or :class:`InvalidInput`."""
+    number = finite(field, value, remedy)
+    if number < 0:
+        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
+    return number
+
+
 def whole(field: str, value: object, at_least: int, remedy: str) -> int:
     """``value`` as an int not below ``at_least``, or :class:`InvalidInput`."""
     if isinstance(value, bool) or not isinstance(value, Integral) or int(value) < at_least:
@@ -41,6 +49,17 @@ def pair(field: str, value: object, remedy: str) -> tuple[object, object]:
     if not isinstance(value, tuple | list) or len(value) != 2:
         raise InvalidInput(f"{field} is {value!r}: {remedy}.")
     return value[0], value[1]
+
+
+def divides(field: str, length: float, period: float) -> int:
+    """How often ``length`` goes into ``period``: a whole number, or :class:`InvalidInput`."""
+    times = period / length
+    if abs(times - round(times)) > 1e-9 * max(times, 1):
+        raise InvalidInput(
+            f"{field} is {length!r}: give a length that divides the period {period!r} m, or change "
+            "the period."
+        )
+    return round(times)
 
 
 def keep(instance: object, **values: object) -> None:

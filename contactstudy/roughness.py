@@ -6,45 +6,80 @@ import numpy as np
 from scipy import fft
 
 from contactstudy.arrays import Array
-from contactstudy.checks import InvalidInput, finite, keep, positive, whole
+from contactstudy.checks import (
+    InvalidInput,
+    divides,
+    finite,
+    from_zero,
+    keep,
+    pair,
+    positive,
+    whole,
+)
 from contactstudy.grid import Grid
+
+
+@dataclass(frozen=True)
+class RmsSlope:
+    """A roughness by its rms slope, the root of the mean square of ``|grad h|``, from zero on."""
+
+    slope: float
+
+    def __post_init__(self) -> None:
+        keep(self, slope=from_zero("RmsSlope.slope", self.slope, "give a slope of 0 or more"))
+
+    def __bool__(self) -> bool:
+        return self.slope > 0
 
 
 @dataclass(frozen=True)
 class Roughness:
     """A Gaussian surface whose spectral density falls like ``k^(-2 (1 + H))`` between two wavelengths.
 
-    ``rms`` height [m], from zero on; ``hurst`` H in (0, 1); wavelengths [m] ``roll_off``, above which the
-    density is constant, and ``cut_off``, below which there is none; ``seed`` names the surface. It is
-    periodic over the grid's extent, and depends on that and on its own fields alone: a finer grid
-    shows the same surface, so that refinement converges. Zero rms is no surface.
+    ``rms`` height [m], from zero on, or an :class:`RmsSlope`; ``hurst`` H in (0, 1); wavelengths [m]
+    ``roll_off``, above which the density is constant, and ``cut_off``, below which there is none;
+    ``seed`` names the surface. ``peklenik`` is the correlation length across the contact over that along
+    it: below 1 the lay runs along the length, above 1 across it, and the wavelengths named are those
+    across the lay. ``extent`` (width, length) [m] is the surface's own period, the grid's where it is None;
+    its length must divide the grid's period. The surface depends on its extent and its own fields
+    alone: a finer or, with an ``extent``, wider grid shows the same. Zero rms is no surface.
 
-    Source: Persson, Albohr, Tartaglino, Volokitin & Tosatti (2005), sect. 3.
+    Source: Persson, Albohr, Tartaglino, Volokitin & Tosatti (2005), sect. 3; lay Peklenik (1967).
     """
 
-    rms: float
+    rms: float | RmsSlope
     hurst: float
     roll_off: float
     cut_off: float
     seed: int = 0
+    peklenik: float = 1.0
+    extent: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
-        remedy = "give an rms height of 0 m or more"
-        rms = finite("Roughness.rms", self.rms, remedy)
-        if rms < 0:
-            raise InvalidInput(f"Roughness.rms is {self.rms!r}: {remedy}.")
+        if not isinstance(self.rms, RmsSlope):
+            keep(
+                self, rms=from_zero("Roughness.rms", self.rms, "give an rms height of 0 m or more")
+            )
         remedy = "give an exponent between 0 and 1"
         hurst = finite("Roughness.hurst", self.hurst, remedy)
         if not 0 < hurst < 1:
             raise InvalidInput(f"Roughness.hurst is {self.hurst!r}: {remedy}.")
         cut_off = positive("Roughness.cut_off", self.cut_off, "give a wavelength above 0 m")
         roll_off = positive("Roughness.roll_off", self.roll_off, "give a wavelength above 0 m")
-        keep(self, rms=rms, hurst=hurst, cut_off=cut_off, roll_off=roll_off)
+        keep(self, hurst=hurst, cut_off=cut_off, roll_off=roll_off)
         if self.roll_off < self.cut_off:
             raise InvalidInput(
                 f"Roughness.roll_off is {self.roll_off!r}: give a wavelength no shorter than cut_off."
             )
         keep(self, seed=whole("Roughness.seed", self.seed, 0, "give a whole number from 0 on"))
+        remedy = "give a ratio of lengths above 0, 1 for no lay"
+        keep(self, peklenik=positive("Roughness.peklenik", self.peklenik, remedy))
+        if self.extent is not None:
+            remedy = "give two lengths, (width, length) [m], or None for the grid's"
+            width, length = pair("Roughness.extent", self.extent, remedy)
+            width = positive("Roughness.extent[0]", width, "give a width above 0 m")
+            length = positive("Roughness.extent[1]", length, "give a length above 0 m")
+            keep(self, extent=(width, length))
 
     @property
     def curvature(self) -> float:
@@ -52,35 +87,57 @@ class Roughness:
         return 0.0
 
     def gap(self, grid: Grid) -> Array:
-        """Heights [m] with zero mean over the extent, shape (width, length)."""
+        """Heights [m] with zero mean over the surface's extent, shape (width, length).
+
+        (width, 1) where there is no surface.
+        """
+        if not self.rms:
+            return np.zeros((grid.cells[0], 1))
         waves, (kx, ky) = self._waves(grid)
-        if not waves.any():
-            return np.zeros(grid.cells)
+        nx, ny = grid.cells
+        if self.extent is not None and self.extent[0] != grid.extent[0]:
+            # waves that do not fit the grid's width are summed as they are
+            across = np.exp(2j * np.pi * (grid.x[:, None] * kx.T)) @ waves
+            folded = _folded(
+                across * np.exp(2j * np.pi * (ky * grid.y[0])), np.arange(nx), ky, grid
+            )
+            return np.asarray(fft.ifft(folded, axis=1).real * ny)
         # the phase of every wave at the first cell's centre
         waves *= np.exp(2j * np.pi * (kx * grid.x[0] + ky * grid.y[0]))
-        nx, ny = grid.cells
-        # waves shorter than two cells look like longer ones, as in any sample
-        across = np.round(kx * grid.extent[0]).astype(int).ravel() % nx
-        along = np.round(ky * grid.extent[1]).astype(int).ravel() % ny
-        folded = np.zeros(grid.cells, dtype=complex)
-        np.add.at(folded, np.ix_(across, along), waves)
-        return np.asarray(fft.ifft2(folded).real * (nx * ny))
+        rows = np.round(kx * grid.extent[0]).astype(int).ravel() % nx
+        return np.asarray(fft.ifft2(_folded(waves, rows, ky, grid)).real * (nx * ny))
 
     def _waves(self, grid: Grid) -> tuple[np.ndarray, tuple[Array, Array]]:
         """Complex amplitudes [m] of half the plane of waves, and their wave numbers [1/m]."""
-        most = [int(extent / self.cut_off) for extent in grid.extent]
-        kx = np.arange(-most[0], most[0] + 1)[:, None] / grid.extent[0]
-        ky = np.arange(most[1] + 1)[None, :] / grid.extent[1]
-        k = np.hypot(kx, ky)
+        extent = self.extent or grid.extent
+        divides("Roughness.extent[1]", extent[1], grid.period)
+        most = [int(side / self.cut_off) for side in extent]
+        kx = np.arange(-most[0], most[0] + 1)[:, None] / extent[0]
+        ky = np.arange(most[1] + 1)[None, :] / extent[1]
+        # stretched along the lay, so that no wave is shorter than asked
+        k = np.hypot(kx * max(self.peklenik, 1), ky * max(1 / self.peklenik, 1))
         density = np.maximum(k, 1 / self.roll_off) ** (-2 * (1 + self.hurst))
         # of a wave and its opposite, which carry the same heights, one
         density[(k > 1 / self.cut_off) | ((ky == 0) & (kx <= 0))] = 0
         normal = np.random.default_rng(self.seed).standard_normal((2, *density.shape))
         waves = np.sqrt(density) * (normal[0] + 1j * normal[1])
         power = np.sum(np.abs(waves) ** 2) / 2
-        if power == 0 and self.rms > 0:
+        if power == 0:
+            whose = "surface's" if self.extent else "grid's"
             raise InvalidInput(
-                f"Roughness.cut_off is {self.cut_off!r}: give a wavelength below the grid's extent "
-                f"{grid.extent!r} m, or there is no wave to carry the height."
+                f"Roughness.cut_off is {self.cut_off!r}: give a wavelength below the {whose} extent "
+                f"{extent!r} m, or there is no wave to carry the height."
             )
-        return waves * (self.rms / np.sqrt(power) if self.rms > 0 else 0.0), (kx, ky)
+        if isinstance(self.rms, RmsSlope):
+            wave_number = 2 * np.pi * np.hypot(kx, ky)
+            power = np.sum(np.abs(wave_number * waves) ** 2) / 2
+            return waves * (self.rms.slope / np.sqrt(power)), (kx, ky)
+        return waves * (self.rms / np.sqrt(power)), (kx, ky)
+
+
+def _folded(waves: np.ndarray, rows: np.ndarray, ky: Array, grid: Grid) -> np.ndarray:
+    """Waves by the grid's own wave numbers: those shorter than two cells look like longer ones."""
+    columns = np.round(ky * grid.period).astype(int).ravel() % grid.cells[1]
+    folded = np.zeros(grid.cells, dtype=complex)
+    np.add.at(folded, np.ix_(rows, columns), waves)
+    return folded

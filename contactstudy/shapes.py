@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 
 from contactstudy.arrays import Array
-from contactstudy.checks import InvalidInput, finite, keep, positive
+from contactstudy.checks import divides, finite, keep, positive
 from contactstudy.grid import Grid
 
 
@@ -20,7 +20,10 @@ class Shape(Protocol):
         ...
 
     def gap(self, grid: Grid) -> Array:
-        """Undeformed gap [m] at the cell centres; broadcasts to (width, length)."""
+        """Undeformed gap [m] at the cell centres; broadcasts to (width, length).
+
+        The shape (width, 1) says that nothing varies along the length.
+        """
         ...
 
 
@@ -80,14 +83,10 @@ class Waviness:
         return 0.0
 
     def gap(self, grid: Grid) -> Array:
-        """The wave at the cell centres, shape (width, length) [m]."""
-        waves = grid.period / self.along
-        if abs(waves - round(waves)) > 1e-9 * max(waves, 1):
-            raise InvalidInput(
-                f"Waviness.along is {self.along!r}: give a wavelength that divides the period "
-                f"{grid.period!r} m, or change the period."
-            )
-        angle = 2 * np.pi * (grid.x[:, None] / self.across + grid.y / self.along) + self.phase
+        """The wave at the cell centres [m], shape (width, length), or (width, 1) without waves along."""
+        divides("Waviness.along", self.along, grid.period)
+        y = grid.y if self.amplitude and self.along < inf else np.zeros(1)
+        angle = 2 * np.pi * (grid.x[:, None] / self.across + y / self.along) + self.phase
         return np.asarray(self.amplitude * np.cos(angle))
 
 

@@ -91,5 +91,5 @@ def test_waves_must_fit_the_period(line_contact: LineContact) -> None:
     x, y = grid.x[:, None], grid.y
     expected = 1e-6 * np.cos(2 * np.pi * (x / 3e-4 + y / 2.5e-4) + 0.3)
     np.testing.assert_allclose(wave.gap(grid), expected, rtol=0, atol=1e-20)
-    with pytest.raises(cs.InvalidInput, match=r"^Waviness\.along is 0\.0003: give a wavelength"):
+    with pytest.raises(cs.InvalidInput, match=r"^Waviness\.along is 0\.0003: give a length"):
         replace(wave, along=3e-4).gap(grid)

@@ -10,6 +10,8 @@ from contactstudy.crown import Crown, LundbergProfile
 from contactstudy.finite_length import FiniteLength
 from contactstudy.grid import Grid
 from contactstudy.load import LineLoad
+from contactstudy.measured import MeasuredSurface
+from contactstudy.missing import HarmonicFill, RefuseMissing
 from contactstudy.padding import (
     CircularSuperposition,
     DuplicatedPadding,
@@ -25,11 +27,13 @@ from contactstudy.preconditioned_cg import PreconditionedCG
 from contactstudy.problem import Problem
 from contactstudy.roughness import RmsSlope, Roughness
 from contactstudy.scene import Scene
+from contactstudy.seam import AsMeasured, Mirrored, Tapered
 from contactstudy.shapes import Cylinder, Shape, Sphere, Waviness
 from contactstudy.solids import HalfSpace
 from contactstudy.solution import Solution, Status
 from contactstudy.solver import Solver, solve
 from contactstudy.texture import Cosine, Dimple, FlatBottomed, Groove, Parabolic, Texture
+from contactstudy.trend import Trend
 
 if TYPE_CHECKING:
     from contactstudy.dataset import to_dataset
@@ -37,6 +41,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
+    "AsMeasured",
     "CircularSuperposition",
     "Convolution",
     "Cosine",
@@ -50,9 +55,12 @@ __all__ = [
     "Grid",
     "Groove",
     "HalfSpace",
+    "HarmonicFill",
     "InvalidInput",
     "LineLoad",
     "LundbergProfile",
+    "MeasuredSurface",
+    "Mirrored",
     "Padding",
     "Paddings",
     "Parabolic",
@@ -60,6 +68,7 @@ __all__ = [
     "Precision",
     "PreconditionedCG",
     "Problem",
+    "RefuseMissing",
     "RmsSlope",
     "Roughness",
     "Scene",
@@ -69,7 +78,9 @@ __all__ = [
     "Sphere",
     "Status",
     "Superposition",
+    "Tapered",
     "Texture",
+    "Trend",
     "Waviness",
     "ZeroPadding",
     "analytic",

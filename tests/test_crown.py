@@ -1,0 +1,153 @@
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import integrate
+
+import contactstudy as cs
+from tests.conftest import LineContact
+
+FREE = (cs.ZeroPadding(), cs.ZeroPadding())
+LENGTH = 16.0  # half-widths
+
+
+def roller(contact: LineContact, *more: cs.Shape, across: int = 32) -> cs.Solution:
+    """A roller of square cells whose ends are the grid's."""
+    scene = replace(contact.scene, shapes=contact.scene.shapes + more)
+    grid = contact.grid((across, round(across * LENGTH / 2.5)), LENGTH, width=2.5)
+    return cs.solve(scene.problem(grid, FREE))
+
+
+def lundberg(contact: LineContact, length: float = LENGTH) -> cs.LundbergProfile:
+    return cs.LundbergProfile.for_load(
+        contact.scene.load.per_length,
+        contact_modulus=contact.scene.contact_modulus,
+        radius=0.01,
+        length=length * contact.hertz.half_width,
+    )
+
+
+@pytest.mark.parametrize(
+    "none",
+    [
+        cs.Crown(),
+        cs.Crown.of_drop(0.0, 0.01),
+        cs.LundbergProfile(amplitude=0.0, end_drop=1e-6, length=0.01),
+        cs.LundbergProfile(amplitude=1e-7, end_drop=0.0, length=0.01),
+    ],
+    ids=repr,
+)
+def test_no_drop_is_the_roller_without_a_crown(none: cs.Shape, line_contact: LineContact) -> None:
+    grid = line_contact.grid((16, 8), LENGTH)
+    assert none.gap(grid).shape == (16, 1)
+    plain, crowned = roller(line_contact), roller(line_contact, none)
+    np.testing.assert_array_equal(crowned.pressure, plain.pressure)
+
+
+def test_crown_drops_at_the_ends_by_what_was_asked() -> None:
+    crown = cs.Crown.of_drop(5e-6, 0.01)
+    assert crown.radius == pytest.approx(2.5)
+    grid = cs.Grid(cells=(4, 1001), extent=(1e-3, 0.01 * 1001 / 1000))
+    gap = crown.gap(grid)
+    assert gap.shape == (1, 1001)
+    assert gap[0, [0, 500, -1]] == pytest.approx([5e-6, 0, 5e-6], rel=1e-12)
+
+
+def test_crowned_cylinder_of_equal_radii_is_a_sphere() -> None:
+    grid = cs.Grid(cells=(8, 6), extent=(1e-3, 2e-3))
+    both = cs.Cylinder(0.02).gap(grid) + cs.Crown(0.02).gap(grid)
+    np.testing.assert_allclose(both, cs.Sphere(0.02).gap(grid), rtol=1e-15)
+
+
+def test_profile_follows_its_formula_and_ends_at_its_drop() -> None:
+    profile = cs.LundbergProfile(amplitude=2e-7, end_drop=1e-6, length=0.01)
+    grid = cs.Grid(cells=(4, 64), extent=(1e-3, 0.01))
+    t = 2 * grid.y / 0.01
+    expected = -2e-7 * np.log(1 - (1 - math.exp(-5)) * t**2)
+    np.testing.assert_allclose(profile.gap(grid)[0], expected, rtol=1e-12)
+    longer = cs.Grid(cells=(4, 128), extent=(1e-3, 0.02))
+    assert (profile.gap(longer)[0, :32] == 1e-6).all()
+
+
+@pytest.mark.parametrize("drop", [1e-3, 1.0])
+def test_a_drop_without_bound_is_lundbergs_own_profile(drop: float) -> None:
+    profile = cs.LundbergProfile(amplitude=2e-7, end_drop=drop, length=0.01)
+    grid = cs.Grid(cells=(4, 64), extent=(1e-3, 0.01))
+    expected = -2e-7 * np.log1p(-((2 * grid.y / 0.01) ** 2))
+    np.testing.assert_allclose(profile.gap(grid)[0], expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("share", [0.5, 1.0])
+def test_profile_is_what_an_even_pressure_of_finite_length_lifts(
+    share: float, line_contact: LineContact
+) -> None:
+    """Displacement of the axis under Hertz's pressure on ``|y| < l``, by quadrature of Boussinesq's.
+
+    Lundberg's profile leaves out, and so does the drop at the ends, what falls as the square of half-width
+    over length.
+    """
+    hertz, errors = line_contact.hertz, []
+    for length in (8.0, 16.0, 32.0):
+        end = length / 2
+
+        def displaced(y: float, end: float = end) -> float:
+            def along(x: float) -> float:
+                ends = math.asinh((end - y) / x) + math.asinh((end + y) / x)
+                return math.sqrt(1 - x * x) * ends
+
+            return 4 / math.pi * float(integrate.quad(along, 0, 1, epsabs=1e-12, epsrel=1e-12)[0])
+
+        amplitude = hertz.load_per_length / (math.pi * hertz.contact_modulus)
+        lifted = amplitude * (displaced(0.0) - displaced(share * end))
+        profile = lundberg(line_contact, length)
+        if share < 1:
+            profile = replace(profile, end_drop=1.0)
+        grid = cs.Grid(cells=(2, 2), extent=(1.0, 2 * share * profile.length))
+        drop = profile.gap(grid)[0, 0]
+        errors.append(abs(drop - lifted) / amplitude)
+    assert errors[-1] <= errors[0] / 13, errors  # second order would be 16
+    assert errors[-1] < 0.5 / 16**2
+
+
+def test_ends_of_a_cylindrical_roller_bear_a_peak_that_grows_with_the_grid(
+    line_contact: LineContact,
+) -> None:
+    """Like the inverse root of the distance, as under a sharp punch: by root two a halving."""
+    peaks = [roller(line_contact, across=n).pressure.max() for n in (32, 64)]
+    assert peaks[0] > 2 * line_contact.hertz.peak_pressure
+    assert peaks[1] / peaks[0] == pytest.approx(math.sqrt(2), rel=0.05)
+
+
+def test_a_lundberg_profile_removes_the_peak_at_the_ends(line_contact: LineContact) -> None:
+    """What is left is bounded, and the pressure is Hertz's all along but for the ends."""
+    profile, p_h = lundberg(line_contact), line_contact.hertz.peak_pressure
+    coarse, fine = (roller(line_contact, profile, across=n).pressure for n in (32, 64))
+    assert fine.max() < 1.15 * p_h
+    assert fine.max() / coarse.max() == pytest.approx(1, abs=0.03)
+    count = fine.shape[1]
+    axis = fine[fine.shape[0] // 2, count // 10 : -count // 10]
+    assert np.abs(axis / p_h - 1).max() < 0.03
+
+
+@pytest.mark.parametrize(
+    ("make", "field"),
+    [
+        (lambda: cs.Crown(radius=0.0), r"Crown\.radius"),
+        (lambda: cs.Crown(radius=math.nan), r"Crown\.radius"),
+        (lambda: cs.Crown.of_drop(-1e-6, 0.01), "Crown end_drop"),
+        (lambda: cs.Crown.of_drop(1e-6, 0.0), "Crown length"),
+        (lambda: cs.LundbergProfile(-1e-7, 1e-6, 0.01), r"LundbergProfile\.amplitude"),
+        (lambda: cs.LundbergProfile(1e-7, -1e-6, 0.01), r"LundbergProfile\.end_drop"),
+        (lambda: cs.LundbergProfile(1e-7, 1e-6, 0.0), r"LundbergProfile\.length"),
+        (
+            lambda: cs.LundbergProfile.for_load(
+                1e5, contact_modulus=1e11, radius=0.01, length=1e-5
+            ),
+            r"LundbergProfile\.length",
+        ),
+    ],
+)
+def test_a_crown_that_cannot_be_is_refused(make: object, field: str) -> None:
+    with pytest.raises(cs.InvalidInput, match=rf"^{field} is .*: give "):
+        make()  # type: ignore[operator]

@@ -141,6 +141,10 @@ class Texture:
         density = positive("Texture area_density", area_density, remedy)
         if density >= 1:
             raise InvalidInput(f"Texture area_density is {area_density!r}: {remedy}.")
+        if isinstance(feature, Dimple):
+            positive(
+                "Texture along", along, "give the pitch of the dimples along the length, above 0 m"
+            )
         return cls(feature, (feature.density((1.0, along)) / density, along))
 
     @property

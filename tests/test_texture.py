@@ -1,0 +1,113 @@
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from tests.conftest import LineContact
+
+DIMPLE = cs.Dimple(depth=5e-6, diameter=1e-4)
+GROOVE = cs.Groove(depth=2e-6, width=4e-5)
+DIMPLES = cs.Texture(DIMPLE, pitch=(2e-4, 2.5e-4))
+
+
+def grid(nx: int, ny: int) -> cs.Grid:
+    return cs.Grid(cells=(nx, ny), extent=(4e-4, 5e-4))
+
+
+@pytest.mark.parametrize(
+    "texture",
+    [
+        cs.Texture(replace(DIMPLE, depth=0.0), (2e-4, 2.5e-4)),
+        cs.Texture(replace(GROOVE, depth=0.0), (np.inf, 2.5e-4)),
+    ],
+    ids=repr,
+)
+def test_no_depth_is_the_scene_without_a_texture(
+    texture: cs.Texture, line_contact: LineContact
+) -> None:
+    scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, texture))
+    assert texture.gap(grid(16, 8)).shape == (16, 1)
+    solutions = [
+        cs.solve(one.problem(grid(16, 8), cs.ExactPeriodicity()))
+        for one in (line_contact.scene, scene)
+    ]
+    np.testing.assert_array_equal(solutions[0].pressure, solutions[1].pressure)
+
+
+def test_dimples_repeat_at_their_pitch_and_are_deepest_in_the_middle() -> None:
+    depths = DIMPLES.gap(grid(401, 501))
+    assert depths[200, 250] == 5e-6
+    assert depths.max() == 5e-6
+    assert depths.min() == 0
+    even = DIMPLES.gap(grid(80, 100))
+    np.testing.assert_allclose(even[40:], even[:40], rtol=0, atol=1e-12 * 5e-6)
+    np.testing.assert_allclose(even[:, 50:], even[:, :50], rtol=0, atol=1e-12 * 5e-6)
+
+
+@pytest.mark.parametrize(
+    ("profile", "share"),
+    [(cs.Parabolic(), 1 / 2), (cs.Cosine(), 1 / 2 - 2 / math.pi**2), (cs.FlatBottomed(), 1.0)],
+    ids=repr,
+)
+def test_dimples_hold_the_volume_of_their_profile(profile: object, share: float) -> None:
+    """In closed form; a cell on the rim is in or out, so the error of the sum is a part of theirs."""
+    texture = replace(DIMPLES, feature=replace(DIMPLE, profile=profile))
+    cells = 800
+    rim = math.pi * DIMPLE.diameter * math.hypot(4e-4 / cells, 5e-4 / cells)
+    area = math.pi * DIMPLE.diameter**2 / 4
+    mean = texture.gap(grid(cells, cells)).mean()
+    assert mean == pytest.approx(share * texture.area_density * 5e-6, rel=rim / area / 2)
+
+
+def test_area_density_is_the_share_of_cells_below_the_surface() -> None:
+    assert DIMPLES.area_density == pytest.approx(math.pi / 4 * 1e-8 / 5e-8)
+    cells = 800
+    found = (DIMPLES.gap(grid(cells, cells)) > 0).mean()
+    rim = math.pi * 1e-4 * math.hypot(4e-4 / cells, 5e-4 / cells)
+    assert found == pytest.approx(DIMPLES.area_density, abs=rim / 5e-8 / 2)
+
+
+def test_a_texture_is_found_by_its_area_density() -> None:
+    dimples = cs.Texture.of_density(DIMPLE, 0.2, along=2.5e-4)
+    assert dimples.area_density == pytest.approx(0.2, rel=1e-14)
+    assert dimples.pitch[1] == 2.5e-4
+    grooves = cs.Texture.of_density(GROOVE, 0.2)
+    assert grooves.area_density == pytest.approx(0.2, rel=1e-14)
+    assert grooves.pitch == pytest.approx((2e-4, math.inf))
+
+
+def test_grooves_run_along_or_across_the_length() -> None:
+    along = cs.Texture(GROOVE, (1e-4, np.inf))
+    across = cs.Texture(GROOVE, (np.inf, 1.25e-4))
+    assert along.gap(grid(40, 50)).shape == (40, 1)
+    depths = across.gap(grid(40, 50))
+    assert depths.shape == (40, 50)
+    np.testing.assert_array_equal(depths, np.broadcast_to(depths[:1], depths.shape))
+    offset = (grid(40, 50).y + 6.25e-5) % 1.25e-4 - 6.25e-5
+    expected = np.where(np.abs(offset) < 2e-5, 1e-6 * (1 + np.cos(2 * np.pi * offset / 4e-5)), 0.0)
+    np.testing.assert_allclose(depths[0], expected, rtol=0, atol=1e-18)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: replace(DIMPLE, depth=-1e-6), r"Dimple\.depth"),
+        (lambda: replace(DIMPLE, diameter=0.0), r"Dimple\.diameter"),
+        (lambda: replace(GROOVE, depth=np.nan), r"Groove\.depth"),
+        (lambda: replace(GROOVE, width=-1.0), r"Groove\.width"),
+        (lambda: replace(DIMPLES, feature=1e-6), r"Texture\.feature"),
+        (lambda: replace(DIMPLES, pitch=1e-4), r"Texture\.pitch"),
+        (lambda: replace(DIMPLES, pitch=(0.0, 1e-4)), r"Texture\.pitch\[0\]"),
+        (lambda: replace(DIMPLES, pitch=(1e-4, np.inf)), r"Texture\.pitch"),
+        (lambda: replace(DIMPLES, pitch=(0.9e-4, 2e-4)), r"Texture\.pitch"),
+        (lambda: cs.Texture(GROOVE, (1e-4, 1e-4)), r"Texture\.pitch"),
+        (lambda: cs.Texture.of_density(DIMPLE, 1.0, 2e-4), "Texture area_density"),
+        (lambda: cs.Texture.of_density(DIMPLE, 0.1), "Texture along"),
+        (lambda: replace(DIMPLES, pitch=(2e-4, 2e-4)).gap(grid(8, 8)), r"Texture\.pitch\[1\]"),
+    ],
+)
+def test_a_texture_that_cannot_be_is_refused(make: object, message: str) -> None:
+    with pytest.raises(cs.InvalidInput, match=rf"^{message} is .*: give "):
+        make()  # type: ignore[operator]

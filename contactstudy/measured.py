@@ -108,14 +108,14 @@ class MeasuredSurface:
                 f"{grid.extent[0]!r} m wide, or a wider surface."
             )
         depths = cell_means(
-            depths, 0, extent=width, cells=grid.cells[0], width=grid.extent[0], periodic=False
+            depths, 0, extent=width, cells=grid.cells[0], width=grid.extent[0], ends="not-a-knot"
         )
         if one_profile:
             return depths
         period = self.seam.lengths * length
         divides("MeasuredSurface period", period, grid.period)
         return cell_means(
-            depths, 1, extent=period, cells=grid.cells[1], width=grid.period, periodic=True
+            depths, 1, extent=period, cells=grid.cells[1], width=grid.period, ends="periodic"
         )
 
     def _cell_for_cell(self, depths: Array, grid: Grid) -> Array:

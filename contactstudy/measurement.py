@@ -45,15 +45,15 @@ def read(path: str | PathLike[str]) -> Measurement:
     name = fspath(path)
     try:
         with open_topography(name) as file:
-            surface = file.topography()
-            if surface.dim != 2:
+            channel = file.default_channel
+            if channel.dim != 2:
                 raise InvalidInput(f"path is {name!r}: give a file of a surface, not of a profile.")
-            if surface.unit is None or surface.physical_sizes is None:
+            if channel.unit is None or channel.physical_sizes is None:
                 raise InvalidInput(
                     f"path is {name!r}, which has no sizes or no unit: read it yourself, and give the "
                     "heights and extent in m."
                 )
-            surface = surface.to_unit("m")
+            surface = channel.topography().to_unit("m")
             points = np.ma.filled(np.ma.asarray(surface.heights(), dtype=np.float64), np.nan)
             width, length = (float(size) for size in surface.physical_sizes)
     except Exceptions.ReadFileError as unreadable:

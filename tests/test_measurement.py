@@ -1,3 +1,7 @@
+import subprocess
+import sys
+import warnings
+from pathlib import Path
 from typing import Any
 
 import dask.array
@@ -6,7 +10,7 @@ import pytest
 import xarray as xr
 
 import contactstudy as cs
-from contactstudy.measurement import measurement
+from contactstudy.measurement import measurement, read
 
 HEIGHTS = np.random.default_rng(0).standard_normal((6, 4)) * 1e-7
 
@@ -117,8 +121,71 @@ def test_coordinates_in_other_units_are_refused() -> None:
 
 
 @pytest.fixture
-def topography() -> Any:
-    pytest.importorskip("NuMPI", exc_type=ImportError)
-    from SurfaceTopography import Topography
+def written(tmp_path: Path) -> Path:
+    """An X3P file of HEIGHTS over 6 um x 8 um, written in um."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ImportWarning)
+        surfaces = pytest.importorskip("SurfaceTopography")
+    path = tmp_path / "surface.x3p"
+    surfaces.Topography(HEIGHTS * 1e6, (6.0, 8.0), unit="µm").to_x3p(str(path))
+    return path
 
-    return Topography
+
+def test_a_file_is_read_in_metres(written: Path) -> None:
+    points, extent = read(written)
+    np.testing.assert_allclose(points, HEIGHTS, rtol=1e-14)
+    assert extent == pytest.approx((6e-6, 8e-6), rel=1e-14)
+
+
+def test_a_surface_from_a_file_is_that_of_its_heights(written: Path) -> None:
+    surface = cs.MeasuredSurface.read(str(written))
+    points, extent = read(written)
+    given = cs.MeasuredSurface(points, extent, trend=cs.Trend.PLANE, seam=cs.Tapered())
+    assert surface == given
+
+
+def test_missing_points_of_a_file_are_missing(tmp_path: Path, written: Path) -> None:
+    surfaces = pytest.importorskip("SurfaceTopography")
+    heights = np.ma.masked_greater(HEIGHTS, HEIGHTS.mean())
+    path = tmp_path / "holes.x3p"
+    surfaces.Topography(heights, (6e-6, 8e-6), unit="m").to_x3p(str(path))
+    np.testing.assert_array_equal(np.isnan(read(path)[0]), heights.mask)
+
+
+def test_a_file_that_is_none_is_refused(tmp_path: Path, written: Path) -> None:
+    nothing = tmp_path / "nothing.x3p"
+    nothing.write_bytes(b"nothing")
+    with pytest.raises(
+        cs.InvalidInput, match=r"^path is '.*nothing\.x3p': give a file in a format"
+    ):
+        read(nothing)
+    with pytest.raises(FileNotFoundError):
+        read(tmp_path / "absent.x3p")
+
+
+def test_a_file_without_sizes_is_refused(tmp_path: Path, written: Path) -> None:
+    heights = tmp_path / "matrix.txt"
+    np.savetxt(heights, HEIGHTS)
+    with pytest.raises(
+        cs.InvalidInput, match=r"matrix\.txt', which has no sizes or no unit: read it"
+    ):
+        read(heights)
+
+
+def test_without_the_library_its_extra_is_named(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
+    with pytest.raises(ModuleNotFoundError, match=r"pip install 'contactstudy\[measured\]'"):
+        read(tmp_path / "surface.x3p")
+
+
+def test_a_scene_without_a_file_does_not_import_the_library() -> None:
+    code = (
+        "import sys, contactstudy as cs; g = cs.Grid(cells=(4, 4), extent=(1.0, 1.0)); "
+        "cs.MeasuredSurface([[0.0] * 4] * 4).gap(g); "
+        "print(sorted({'SurfaceTopography', 'xarray', 'scipy.interpolate', 'scipy.sparse'} "
+        "& set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

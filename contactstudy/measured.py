@@ -55,12 +55,15 @@ class MeasuredSurface:
                     f"heights say {sizes!r} m."
                 )
             sizes = extent
-        for name, kind in (("missing", "fill"), ("trend", "subtracted"), ("seam", "close")):
+        for name, duty, example in (
+            ("missing", "fill", "RefuseMissing()"),
+            ("trend", "subtracted", "Trend.PLANE"),
+            ("seam", "close", "Mirrored()"),
+        ):
             value = getattr(self, name)
-            if isinstance(value, type) or not hasattr(value, kind):
+            if isinstance(value, type) or not hasattr(value, duty):
                 raise InvalidInput(
-                    f"MeasuredSurface.{name} is {value!r}: give a value such as "
-                    f"{type(self).__dataclass_fields__[name].default_factory!r}."
+                    f"MeasuredSurface.{name} is {value!r}: give a value such as {example}."
                 )
         self.missing.admit(int(np.isnan(points).sum()), points.size)
         digest = blake2b(repr(points.shape).encode() + points.tobytes(), digest_size=16).hexdigest()

@@ -55,6 +55,7 @@ class Dimple:
     profile: Profile = field(default_factory=Parabolic)
 
     def __post_init__(self) -> None:
+        _is_profile("Dimple.profile", self.profile)
         keep(
             self,
             depth=from_zero("Dimple.depth", self.depth, "give a depth of 0 m or more"),
@@ -80,6 +81,7 @@ class Groove:
     profile: Profile = field(default_factory=Cosine)
 
     def __post_init__(self) -> None:
+        _is_profile("Groove.profile", self.profile)
         keep(
             self,
             depth=from_zero("Groove.depth", self.depth, "give a depth of 0 m or more"),
@@ -175,3 +177,8 @@ def _from_nearest(position: Array, pitch: float) -> Array:
     if pitch == inf:
         return np.zeros_like(position)
     return np.asarray(position - pitch * np.round(position / pitch))
+
+
+def _is_profile(name: str, profile: object) -> None:
+    if isinstance(profile, type) or not callable(profile):
+        raise InvalidInput(f"{name} is {profile!r}: give a profile, such as Cosine().")

@@ -95,6 +95,8 @@ def test_grooves_run_along_or_across_the_length() -> None:
     [
         (lambda: replace(DIMPLE, depth=-1e-6), r"Dimple\.depth"),
         (lambda: replace(DIMPLE, diameter=0.0), r"Dimple\.diameter"),
+        (lambda: replace(DIMPLE, profile=cs.Cosine), r"Dimple\.profile"),
+        (lambda: replace(GROOVE, profile="cosine"), r"Groove\.profile"),
         (lambda: replace(GROOVE, depth=np.nan), r"Groove\.depth"),
         (lambda: replace(GROOVE, width=-1.0), r"Groove\.width"),
         (lambda: replace(DIMPLES, feature=1e-6), r"Texture\.feature"),

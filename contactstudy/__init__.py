@@ -7,6 +7,7 @@ from contactstudy import analytic, influence
 from contactstudy.checks import InvalidInput
 from contactstudy.convolution import Convolution, convolution
 from contactstudy.crown import Crown, LundbergProfile
+from contactstudy.detail import Detail
 from contactstudy.finite_length import FiniteLength
 from contactstudy.grid import Grid
 from contactstudy.load import LineLoad
@@ -21,6 +22,7 @@ from contactstudy.padding import (
     Superposition,
     ZeroPadding,
 )
+from contactstudy.plan import Plan, plan
 from contactstudy.polonsky_keer import PolonskyKeer
 from contactstudy.precision import Precision
 from contactstudy.preconditioned_cg import PreconditionedCG
@@ -47,6 +49,7 @@ __all__ = [
     "Cosine",
     "Crown",
     "Cylinder",
+    "Detail",
     "Dimple",
     "DuplicatedPadding",
     "ExactPeriodicity",
@@ -64,6 +67,7 @@ __all__ = [
     "Padding",
     "Paddings",
     "Parabolic",
+    "Plan",
     "PolonskyKeer",
     "Precision",
     "PreconditionedCG",
@@ -86,6 +90,7 @@ __all__ = [
     "analytic",
     "convolution",
     "influence",
+    "plan",
     "solve",
     "to_dataset",
 ]

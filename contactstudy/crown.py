@@ -9,7 +9,9 @@ import numpy as np
 from contactstudy.analytic import HertzLine
 from contactstudy.arrays import Array
 from contactstudy.checks import InvalidInput, from_zero, keep, positive
+from contactstudy.detail import Detail
 from contactstudy.grid import Grid
+from contactstudy.units import Metres
 
 HEIGHT = "give a height of 0 m or more"
 
@@ -25,7 +27,7 @@ class Crown:
     Source: Harris & Kotzalas (2006), Essential Concepts of Bearing Technology, sect. 6.6.
     """
 
-    radius: float = inf
+    radius: Metres = inf
 
     def __post_init__(self) -> None:
         if self.radius != inf:
@@ -43,6 +45,11 @@ class Crown:
     def curvature(self) -> float:
         """None of the cross-section."""
         return 0.0
+
+    @property
+    def detail(self) -> Detail:
+        """A roller of any length."""
+        return Detail(roller=inf if self.radius < inf else 0.0)
 
     def gap(self, grid: Grid) -> Array:
         """``y^2 / (2 R)``, shape (1, length), or (width, 1) where there is no crown [m]."""
@@ -64,9 +71,9 @@ class LundbergProfile:
     ends is Johns & Gohar's (1981), Tribology International 14, 131.
     """
 
-    amplitude: float
-    end_drop: float
-    length: float
+    amplitude: Metres
+    end_drop: Metres
+    length: Metres
 
     def __post_init__(self) -> None:
         keep(
@@ -104,6 +111,11 @@ class LundbergProfile:
     def curvature(self) -> float:
         """None of the cross-section."""
         return 0.0
+
+    @property
+    def detail(self) -> Detail:
+        """The roller it is made for."""
+        return Detail(roller=self.length)
 
     def gap(self, grid: Grid) -> Array:
         """The profile at the cell centres, shape (1, length), or (width, 1) where there is none [m]."""

@@ -6,7 +6,9 @@ import numpy as np
 
 from contactstudy.arrays import Array
 from contactstudy.checks import keep, positive
+from contactstudy.detail import Detail
 from contactstudy.grid import Grid
+from contactstudy.units import Metres
 
 
 @dataclass(frozen=True)
@@ -21,7 +23,7 @@ class FiniteLength:
     grid of the roller's own length ends it as well, without a cell to spare.
     """
 
-    length: float
+    length: Metres
 
     def __post_init__(self) -> None:
         keep(
@@ -35,6 +37,11 @@ class FiniteLength:
     def curvature(self) -> float:
         """None."""
         return 0.0
+
+    @property
+    def detail(self) -> Detail:
+        """The roller."""
+        return Detail(roller=self.length)
 
     def gap(self, grid: Grid) -> Array:
         """Zero on the roller, ``length`` beyond it, shape (1, length), or (width, 1) without an end [m]."""

@@ -6,6 +6,7 @@ import numpy as np
 
 from contactstudy.arrays import Array
 from contactstudy.checks import pair, positive, whole
+from contactstudy.units import Metres
 
 
 @dataclass(frozen=True)
@@ -18,7 +19,7 @@ class Grid:
     """
 
     cells: tuple[int, int]
-    extent: tuple[float, float]
+    extent: tuple[Metres, Metres]
 
     def __post_init__(self) -> None:
         nx, ny = pair("Grid.cells", self.cells, "give two whole numbers, (across, along)")

@@ -3,13 +3,14 @@
 from dataclasses import dataclass
 
 from contactstudy.checks import keep, positive
+from contactstudy.units import NewtonsPerMetre
 
 
 @dataclass(frozen=True)
 class LineLoad:
     """A normal load ``per_length`` [N/m] of contact length, above zero."""
 
-    per_length: float
+    per_length: NewtonsPerMetre
 
     def __post_init__(self) -> None:
         load = positive("LineLoad.per_length", self.per_length, "give a load above 0 N/m")

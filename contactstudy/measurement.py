@@ -17,12 +17,15 @@ METRES = (None, "", "m", "metre", "metres", "meter", "meters")
 
 
 def measurement(heights: Any) -> Measurement:
-    """Points of an array or an xarray.DataArray, nan where one is missing.
+    """Points of an array, an xarray.DataArray or a file at a path, nan where one is missing.
 
     Dimensions of a DataArray are put in the order (width, length) or (x, y) where they are called
     that; sizes come from equidistant coordinates. Raises :class:`~contactstudy.InvalidInput` for what
     is not a plane field of real numbers in metres.
     """
+    if isinstance(heights, str | PathLike):
+        points, extent = read(heights)
+        return _plane(points), extent
     if hasattr(heights, "dims") and hasattr(heights, "coords"):
         return _labelled(heights)
     return _plane(heights), None

@@ -6,7 +6,6 @@ from typing import Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from contactstudy.arrays import Array, inner
 
@@ -225,6 +224,8 @@ class LimitedPressures:
 
 def _shifted(trial: Array, total: float, most: float) -> Array:
     """``trial`` shifted by the one height at which, cut off at 0 and ``most``, it sums to ``total``."""
+    from scipy.optimize import brentq  # as heavy as all else together, and hardly ever needed
+
     mean = total / trial.size
     fine = trial.astype(np.float64, copy=False)
 

@@ -16,14 +16,19 @@ from contactstudy.checks import (
     positive,
     whole,
 )
+from contactstudy.detail import Detail
 from contactstudy.grid import Grid
+from contactstudy.units import Metres, Number
+
+# The highest of a surface, in its rms heights.
+HIGHEST = 4.0
 
 
 @dataclass(frozen=True)
 class RmsSlope:
     """A roughness by its rms slope, the root of the mean square of ``|grad h|``, from zero on."""
 
-    slope: float
+    slope: Number
 
     def __post_init__(self) -> None:
         keep(self, slope=from_zero("RmsSlope.slope", self.slope, "give a slope of 0 or more"))
@@ -47,13 +52,13 @@ class Roughness:
     Source: Persson, Albohr, Tartaglino, Volokitin & Tosatti (2005), sect. 3; lay Peklenik (1967).
     """
 
-    rms: float | RmsSlope
-    hurst: float
-    roll_off: float
-    cut_off: float
+    rms: Metres | RmsSlope
+    hurst: Number
+    roll_off: Metres
+    cut_off: Metres
     seed: int = 0
-    peklenik: float = 1.0
-    extent: tuple[float, float] | None = None
+    peklenik: Number = 1.0
+    extent: tuple[Metres, Metres] | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.rms, RmsSlope):
@@ -85,6 +90,33 @@ class Roughness:
     def curvature(self) -> float:
         """None of its own."""
         return 0.0
+
+    @property
+    def detail(self) -> Detail:
+        """Heights up to four times their rms, as in any Gaussian surface of some ten thousand waves."""
+        if not self.rms:
+            return Detail()
+        across, along = max(self.peklenik, 1), max(1 / self.peklenik, 1)
+        rms, slope = self._rms_height_and_slope()
+        return Detail(
+            finest=(self.cut_off * across, self.cut_off * along),
+            repeat=self.extent[1] if self.extent else 0.0,
+            longest=self.roll_off * along,
+            height=HIGHEST * rms,
+            slope=slope,
+        )
+
+    def _rms_height_and_slope(self) -> tuple[float, float]:
+        """Both, of which one is given, by the spectrum of a surface without lay and without end."""
+        # the moments of k^(-2 (1 + H)) between the wave numbers, flat below the first
+        low, high = 2 * np.pi / self.roll_off, 2 * np.pi / self.cut_off
+        span, hurst = high / low, self.hurst
+        height = 1 / 2 + (1 - span ** (-2 * hurst)) / (2 * hurst)
+        slope = low**2 * (1 / 4 + (span ** (2 - 2 * hurst) - 1) / (2 - 2 * hurst))
+        ratio = float(np.sqrt(slope / height))
+        if isinstance(self.rms, RmsSlope):
+            return self.rms.slope / ratio, self.rms.slope
+        return self.rms, self.rms * ratio
 
     def gap(self, grid: Grid) -> Array:
         """Heights [m] with zero mean over the surface's extent, shape (width, length).

@@ -15,6 +15,7 @@ from contactstudy.pressures import AdmissiblePressures, CompressivePressures, Li
 from contactstudy.problem import Problem, Scales
 from contactstudy.shapes import Shape
 from contactstudy.solids import HalfSpace, contact_modulus
+from contactstudy.units import Pascals
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ class Scene:
     load: LineLoad
     solids: tuple[HalfSpace, HalfSpace]
     shapes: tuple[Shape, ...] = ()
-    hardness: float = inf
+    hardness: Pascals = inf
 
     def __post_init__(self) -> None:
         _typed("Scene.load", self.load, LineLoad, "give a LineLoad")

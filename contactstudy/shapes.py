@@ -8,7 +8,9 @@ import numpy as np
 
 from contactstudy.arrays import Array
 from contactstudy.checks import divides, finite, keep, positive
+from contactstudy.detail import Detail
 from contactstudy.grid import Grid
+from contactstudy.units import Metres, Radians
 
 
 class Shape(Protocol):
@@ -35,7 +37,7 @@ class Cylinder:
     are two curved bodies: curvatures add.
     """
 
-    radius: float
+    radius: Metres
 
     def __post_init__(self) -> None:
         keep(self, radius=positive("Cylinder.radius", self.radius, "give a radius above 0 m"))
@@ -44,6 +46,11 @@ class Cylinder:
     def curvature(self) -> float:
         """1 / R [1/m]."""
         return 1 / self.radius
+
+    @property
+    def detail(self) -> Detail:
+        """Smooth."""
+        return Detail()
 
     def gap(self, grid: Grid) -> Array:
         """``x^2 / (2 R)``, shape (width, 1) [m]."""
@@ -59,10 +66,10 @@ class Waviness:
     grid does not hold a whole number of waves along.
     """
 
-    amplitude: float
-    across: float = inf
-    along: float = inf
-    phase: float = 0.0
+    amplitude: Metres
+    across: Metres = inf
+    along: Metres = inf
+    phase: Radians = 0.0
 
     def __post_init__(self) -> None:
         keep(
@@ -82,6 +89,17 @@ class Waviness:
         """None on the mean."""
         return 0.0
 
+    @property
+    def detail(self) -> Detail:
+        """One wave."""
+        if self.amplitude == 0:
+            return Detail()
+        repeat = self.along if self.along < inf else 0.0
+        slope = np.sqrt(2) * np.pi * abs(self.amplitude) * np.hypot(1 / self.across, 1 / self.along)
+        return Detail(
+            (self.across, self.along), repeat, 0.0, height=abs(self.amplitude), slope=float(slope)
+        )
+
     def gap(self, grid: Grid) -> Array:
         """The wave at the cell centres [m], shape (width, length), or (width, 1) without waves along."""
         divides("Waviness.along", self.along, grid.period)
@@ -98,7 +116,7 @@ class Sphere:
     point contact under the load per length times the grid's period.
     """
 
-    radius: float
+    radius: Metres
 
     def __post_init__(self) -> None:
         keep(self, radius=positive("Sphere.radius", self.radius, "give a radius above 0 m"))
@@ -107,6 +125,11 @@ class Sphere:
     def curvature(self) -> float:
         """None of a line contact."""
         return 0.0
+
+    @property
+    def detail(self) -> Detail:
+        """A roller of its own."""
+        return Detail(roller=inf)
 
     def gap(self, grid: Grid) -> Array:
         """``(x^2 + y^2) / (2 R)``, shape (width, length) [m]."""

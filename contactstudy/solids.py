@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 
 from contactstudy.checks import InvalidInput, finite, keep, positive
+from contactstudy.units import Number, Pascals
 
 
 @dataclass(frozen=True)
@@ -14,8 +15,8 @@ class HalfSpace:
     to 0.5 (incompressible). Raises :class:`~contactstudy.InvalidInput` for anything else.
     """
 
-    youngs_modulus: float
-    poisson_ratio: float
+    youngs_modulus: Pascals
+    poisson_ratio: Number
 
     def __post_init__(self) -> None:
         remedy = "give a modulus above 0 Pa, or inf for a rigid body"

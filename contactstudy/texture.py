@@ -8,7 +8,9 @@ import numpy as np
 
 from contactstudy.arrays import Array
 from contactstudy.checks import InvalidInput, divides, from_zero, keep, pair, positive
+from contactstudy.detail import Detail
 from contactstudy.grid import Grid
+from contactstudy.units import Metres
 
 
 class Profile(Protocol):
@@ -50,8 +52,8 @@ class FlatBottomed:
 class Dimple:
     """A round dimple: ``depth`` [m], from zero on; ``diameter`` at the rim [m], above zero; ``profile``."""
 
-    depth: float
-    diameter: float
+    depth: Metres
+    diameter: Metres
     profile: Profile = field(default_factory=Parabolic)
 
     def __post_init__(self) -> None:
@@ -76,8 +78,8 @@ class Dimple:
 class Groove:
     """A straight groove: ``depth`` [m], from zero on; ``width`` at the rim [m], above zero; ``profile``."""
 
-    depth: float
-    width: float
+    depth: Metres
+    width: Metres
     profile: Profile = field(default_factory=Cosine)
 
     def __post_init__(self) -> None:
@@ -110,7 +112,7 @@ class Texture:
     """
 
     feature: Dimple | Groove
-    pitch: tuple[float, float]
+    pitch: tuple[Metres, Metres]
 
     def __post_init__(self) -> None:
         if not isinstance(self.feature, Dimple | Groove):
@@ -158,6 +160,18 @@ class Texture:
     def curvature(self) -> float:
         """None on the mean."""
         return 0.0
+
+    @property
+    def detail(self) -> Detail:
+        """Features are as fine as they are wide."""
+        if self.feature.depth == 0:
+            return Detail()
+        size, (across, along) = self.feature.size, self.pitch
+        finest = (size if across < inf else inf, size if along < inf else inf)
+        repeat = along if along < inf else 0.0
+        # a depth over half the size, on the textured share of the surface
+        slope = 2 * self.feature.depth / size * self.area_density**0.5
+        return Detail(finest, repeat, slope=slope)
 
     def gap(self, grid: Grid) -> Array:
         """Depths [m] at the cell centres, shape (width, length), or (width, 1) for grooves along it."""

@@ -96,14 +96,25 @@ def test_a_wider_grid_shows_the_same_surface() -> None:
     )
 
 
-def test_a_mirrored_surface_needs_and_fills_twice_the_period() -> None:
+def test_a_mirrored_surface_fills_twice_the_period() -> None:
     surface = cs.MeasuredSurface(HEIGHTS, GRID.extent, seam=cs.Mirrored())
     twice = cs.Grid(cells=(24, 32), extent=(2e-4, 2e-4))
     np.testing.assert_array_equal(
         surface.gap(twice), np.concatenate([-HEIGHTS, -HEIGHTS[:, ::-1]], axis=1)
     )
     with pytest.raises(cs.InvalidInput, match=r"^MeasuredSurface period is 0\.0002: give a length"):
-        surface.gap(GRID)
+        surface.gap(replace(GRID, extent=(2e-4, 3e-4)))
+
+
+@pytest.mark.parametrize("seam", [cs.AsMeasured(), cs.Mirrored(), cs.Tapered()], ids=repr)
+def test_a_shorter_period_shows_the_middle_of_the_surface(seam: cs.Mirrored) -> None:
+    surface = cs.MeasuredSurface(HEIGHTS, GRID.extent, seam=seam)
+    short = cs.Grid(cells=(24, 10 * seam.lengths), extent=(2e-4, 10 / 16 * 1e-4 * seam.lengths))
+    expected = -seam.close(HEIGHTS[:, 3:13])
+    np.testing.assert_allclose(surface.gap(short), expected, rtol=0, atol=1e-13 * 1e-7 * 16)
+    fine = surface.gap(replace(short, cells=(24, 3 * short.cells[1])))
+    blocks = fine.reshape(24, -1, 3).mean(axis=2)
+    np.testing.assert_allclose(blocks, expected, rtol=0, atol=1e-13 * 1e-7 * 48)
 
 
 def test_a_measured_profile_is_the_same_all_along() -> None:
@@ -121,6 +132,10 @@ def test_turned_grooves_run_across() -> None:
     assert turned.extent == (1e-4, 2e-4)
     across = turned.gap(cs.Grid(cells=(16, 24), extent=(1e-4, 2e-4)))
     np.testing.assert_array_equal(across, np.rot90(-groove))
+    rough = cs.MeasuredSurface(HEIGHTS, GRID.extent).turned()
+    np.testing.assert_array_equal(
+        rough.gap(cs.Grid(cells=(16, 24), extent=(1e-4, 2e-4))), np.rot90(-HEIGHTS)
+    )
     back = turned.turned().turned().turned()
     assert back == surface
     np.testing.assert_array_equal(back.heights, surface.heights)
@@ -177,6 +192,8 @@ def test_points_that_are_not_the_grids_cells_need_sizes() -> None:
         cs.InvalidInput, match=r"^MeasuredSurface\.heights has \(24, 8\) points in a period: give"
     ):
         cs.MeasuredSurface(HEIGHTS[:, :8]).gap(GRID)
+    with pytest.raises(cs.InvalidInput, match=r"\(24, 8\) points in a period"):
+        cs.MeasuredSurface(np.zeros((24, 8))).gap(GRID)
 
 
 @pytest.mark.skipif(

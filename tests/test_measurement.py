@@ -142,6 +142,7 @@ def test_a_surface_from_a_file_is_that_of_its_heights(written: Path) -> None:
     points, extent = read(written)
     given = cs.MeasuredSurface(points, extent, trend=cs.Trend.PLANE, seam=cs.Tapered())
     assert surface == given
+    assert cs.MeasuredSurface(written) == cs.MeasuredSurface(points, extent)
 
 
 def test_missing_points_of_a_file_are_missing(tmp_path: Path, written: Path) -> None:

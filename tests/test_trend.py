@@ -22,6 +22,17 @@ def test_trend_takes_off_its_own_form_and_no_more(trend: cs.Trend) -> None:
         assert abs((left * form).sum()) < 1e-11
 
 
+def test_trend_leaves_the_forms_beyond_it() -> None:
+    """Products of deviations from the mean are orthogonal to every polynomial of lower total degree."""
+    x, y = X - X.mean(), Y - Y.mean()
+    for trend, beyond in (
+        (cs.Trend.MEAN, x),
+        (cs.Trend.PLANE, x * y),
+        (cs.Trend.QUADRATIC, (x**2 - (x**2).mean()) * y),
+    ):
+        np.testing.assert_allclose(trend.subtracted(beyond), beyond, rtol=0, atol=1e-12)
+
+
 @pytest.mark.parametrize("trend", FORMS, ids=str)
 def test_a_flat_surface_stays_flat(trend: cs.Trend) -> None:
     assert not trend.subtracted(np.zeros((8, 8))).any()

@@ -1,0 +1,22 @@
+"""What a grid must hold of a shape: how fine, how long, how high it is."""
+
+from dataclasses import dataclass
+from math import inf
+
+
+@dataclass(frozen=True)
+class Detail:
+    """The scales of a shape, as far as they bear on the choice of a grid; all [m] but the slope.
+
+    ``finest`` are its shortest wavelengths (across, along), infinite where it is smooth. ``repeat`` is the
+    length after which it repeats, 0 where any will do; ``longest`` its longest wavelength along the length;
+    ``roller`` the length of a roller that it ends or crowns, infinite where it has none of its own, 0
+    for other shapes. ``height`` is how far its highest stands above its mean; ``slope`` its rms slope.
+    """
+
+    finest: tuple[float, float] = (inf, inf)
+    repeat: float = 0.0
+    longest: float = 0.0
+    roller: float = 0.0
+    height: float = 0.0
+    slope: float = 0.0

@@ -1,0 +1,20 @@
+"""The SI units of quantities, beside their types: what a text with a unit in it is converted to."""
+
+from dataclasses import dataclass
+from typing import Annotated
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit by its symbol, and the quantity in words with an example, for who gives another."""
+
+    symbol: str
+    quantity: str
+    example: str
+
+
+Metres = Annotated[float, Unit("m", "a length", "10 mm")]
+Pascals = Annotated[float, Unit("Pa", "a pressure", "1.2 GPa")]
+NewtonsPerMetre = Annotated[float, Unit("N/m", "a load per length", "100 N/mm")]
+Radians = Annotated[float, Unit("rad", "an angle", "90 degree")]
+Number = Annotated[float, Unit("", "a number", "0.3")]

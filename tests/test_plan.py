@@ -1,0 +1,141 @@
+from dataclasses import replace
+from math import inf
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from tests.conftest import LineContact
+
+
+def l1(contact: LineContact, solution: cs.Solution) -> float:
+    """Relative L1 error against Hertz."""
+    exact = contact.hertz.pressure(solution.problem.grid.x)[:, None]
+    return float(
+        np.abs(solution.pressure - exact).sum() / (exact.sum() * solution.pressure.shape[1])
+    )
+
+
+def with_shapes(contact: LineContact, *shapes: cs.Shape) -> cs.Scene:
+    return replace(contact.scene, shapes=(*contact.scene.shapes, *shapes))
+
+
+def rough(contact: LineContact, share: float, cut_off: float = 0.3) -> cs.Scene:
+    a, gap = contact.hertz.half_width, contact.hertz.half_width**2 / contact.hertz.radius / 2
+    shape = cs.Roughness(share * gap, hurst=0.8, roll_off=1.2 * a, cut_off=cut_off * a, seed=1)
+    return with_shapes(contact, shape)
+
+
+@pytest.mark.parametrize("error", [1e-2, 1e-3, 1e-4, 1e-5])
+def test_a_planned_smooth_contact_meets_its_error(error: float, line_contact: LineContact) -> None:
+    plan = cs.plan(line_contact.scene, error=error)
+    solution = cs.solve(line_contact.scene.problem(plan.grid, plan.padding), tolerance=1e-3 * error)
+    assert solution.status is cs.Status.CONVERGED
+    assert plan.error <= error
+    # the place of the edge in its cell moves the error by a factor of two either way
+    assert error / 8 < l1(line_contact, solution) < 2 * error
+
+
+@pytest.mark.parametrize("share", [0.15, 0.6, 2.2])
+def test_a_planned_rough_contact_meets_its_error(share: float, line_contact: LineContact) -> None:
+    scene, error = rough(line_contact, share), 0.05
+    plan = cs.plan(scene, error=error, period=2.4 * line_contact.hertz.half_width)
+    finer = cs.Grid((4 * plan.grid.cells[0], 4 * plan.grid.cells[1]), plan.grid.extent)
+    coarse, fine = (
+        cs.solve(scene.problem(grid, plan.padding), tolerance=1e-5) for grid in (plan.grid, finer)
+    )
+    nx, ny = plan.grid.cells
+    means = fine.pressure.reshape(nx, 4, ny, 4).mean(axis=(1, 3))
+    found = np.abs(coarse.pressure - means).sum() / means.sum()
+    assert plan.dimension == 2
+    assert error / 4 < found < 2 * error
+    assert coarse.status is cs.Status.CONVERGED  # the contact ends within the width
+
+
+def test_where_nothing_varies_along_the_length_the_plan_is_one_dimensional(
+    line_contact: LineContact,
+) -> None:
+    a = line_contact.hertz.half_width
+    groove = cs.Texture(cs.Groove(1e-8, 0.1 * a), pitch=(0.4 * a, inf))
+    for scene in (line_contact.scene, with_shapes(line_contact, groove)):
+        plan = cs.plan(scene, error=1e-2)
+        assert plan.dimension == plan.grid.cells[1] == 1
+        full = cs.Grid((plan.grid.cells[0], 16), plan.grid.extent)
+        line, plane = (
+            cs.solve(scene.problem(grid, plan.padding), tolerance=1e-12)
+            for grid in (plan.grid, full)
+        )
+        np.testing.assert_allclose(
+            plane.pressure,
+            np.broadcast_to(line.pressure, full.cells),
+            atol=1e-9 * line.pressure.max(),
+        )
+        assert plane.approach == pytest.approx(line.approach, rel=1e-9)
+
+
+def test_a_plan_runs_as_it_stands_for_every_kind_of_shape(line_contact: LineContact) -> None:
+    a = line_contact.hertz.half_width
+    heights = 1e-8 * np.random.default_rng(0).standard_normal((32, 24))
+    for shape, free in (
+        (cs.Waviness(2e-8, along=0.5 * a), False),
+        (cs.Texture(cs.Dimple(5e-8, 0.2 * a), pitch=(0.5 * a, 0.5 * a)), False),
+        (cs.MeasuredSurface(heights, extent=(8 * a, 6 * a)), False),
+        (cs.FiniteLength(8 * a), True),
+        (cs.LundbergProfile(1e-7, 1e-6, 8 * a), True),
+    ):
+        scene = with_shapes(line_contact, shape)
+        plan = cs.plan(scene, error=0.1)
+        solution = cs.solve(scene.problem(plan.grid, plan.padding))
+        assert solution.status is cs.Status.CONVERGED, shape
+        assert isinstance(plan.padding, tuple) == free
+        assert len(plan.reasons) == 4
+        assert plan.seconds > 0
+        assert plan.bytes > 8 * 12 * solution.pressure.size
+
+
+def test_shapes_that_repeat_share_a_period(line_contact: LineContact) -> None:
+    a = line_contact.hertz.half_width
+    waves = (cs.Waviness(1e-8, along=0.5 * a), cs.Waviness(1e-8, along=0.75 * a))
+    assert cs.plan(with_shapes(line_contact, *waves), error=0.1).grid.period == pytest.approx(
+        1.5 * a
+    )
+    stranger = cs.Waviness(1e-8, along=0.5 * np.pi * a)
+    with pytest.raises(cs.InvalidInput, match="share no period"):
+        cs.plan(with_shapes(line_contact, *waves, stranger))
+
+
+def test_what_is_wrong_with_a_grid_is_said_before_anything_runs(line_contact: LineContact) -> None:
+    a = line_contact.hertz.half_width
+    scene = rough(line_contact, 0.6)
+    good = cs.plan(scene, error=0.1)
+    assert good.warnings == ()
+    assert cs.plan(scene, grid=good.grid).warnings == ()
+    narrow = replace(good.grid, extent=(2 * a, good.grid.period))
+    assert "outgrow" in " ".join(cs.plan(scene, grid=narrow).warnings)
+    short = replace(good.grid, extent=(good.grid.extent[0], 2 * a))
+    assert "longest wavelength" in " ".join(cs.plan(scene, grid=short).warnings)
+    coarse = replace(good.grid, cells=(16, 16))
+    said = cs.plan(scene, grid=coarse).warnings
+    assert [f"Grid.cells[{axis}] is 16" in text for axis, text in enumerate(said[:2])] == [True] * 2
+    wave = with_shapes(line_contact, cs.Waviness(1e-8, along=0.3 * a))
+    odd = cs.Grid((64, 64), (2.4 * a, a))
+    assert "no whole number" in cs.plan(wave, grid=odd).period_check
+
+
+def test_a_plan_that_cannot_be_made_says_what_it_lacks(line_contact: LineContact) -> None:
+    flat = cs.Scene(line_contact.scene.load, line_contact.scene.solids)
+    with pytest.raises(cs.InvalidInput, match="no curvature"):
+        cs.plan(flat)
+    with pytest.raises(cs.InvalidInput, match="without a length"):
+        cs.plan(with_shapes(line_contact, cs.Crown(1.0)))
+    with pytest.raises(cs.InvalidInput, match=r"^plan\.error is 0"):
+        cs.plan(line_contact.scene, error=0)
+
+    class Bump:
+        curvature = 0.0
+
+        def gap(self, grid: cs.Grid) -> np.ndarray:
+            return np.zeros(grid.cells)
+
+    with pytest.raises(cs.InvalidInput, match="how fine it is"):
+        cs.plan(with_shapes(line_contact, Bump()))

@@ -39,6 +39,7 @@ from contactstudy.trend import Trend
 
 if TYPE_CHECKING:
     from contactstudy.dataset import to_dataset
+    from contactstudy.scene_file import read_scene
 
 __version__ = "0.1.0"
 
@@ -91,13 +92,17 @@ __all__ = [
     "convolution",
     "influence",
     "plan",
+    "read_scene",
     "solve",
     "to_dataset",
 ]
 
 
+# What needs libraries that a solve does not, imported by whoever asks for it.
+LATER = {"read_scene": "contactstudy.scene_file", "to_dataset": "contactstudy.dataset"}
+
+
 def __getattr__(name: str) -> object:
-    # xarray is imported by whoever asks for a Dataset, not by whoever solves
-    if name == "to_dataset":
-        return import_module("contactstudy.dataset").to_dataset
+    if name in LATER:
+        return getattr(import_module(LATER[name]), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

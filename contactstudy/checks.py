@@ -1,6 +1,8 @@
 """What makes a number admissible, said in one sentence when it is not."""
 
 import math
+from collections.abc import Iterable
+from difflib import get_close_matches
 from numbers import Integral, Real
 
 
@@ -66,3 +68,10 @@ def keep(instance: object, **values: object) -> None:
     """Checked values in place of those given to a frozen dataclass, in its ``__post_init__``."""
     for name, value in values.items():
         object.__setattr__(instance, name, value)
+
+
+def remedy(name: str, known: Iterable[str]) -> str:
+    """What to give instead of an unknown ``name``: the known one most like it, or any of them."""
+    choices = list(known)
+    close = get_close_matches(name, choices, n=1)
+    return f"did you mean {close[0]!r}" if close else "choose from " + ", ".join(choices)

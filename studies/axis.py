@@ -3,11 +3,11 @@
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from difflib import get_close_matches
 
 import numpy as np
 
 from contactstudy import InvalidInput
+from contactstudy.checks import remedy
 
 Value = str | int | float
 
@@ -16,13 +16,6 @@ FORMS = {
     float: "give numbers such as 0.6,2.4",
     str: "give names separated by commas",
 }
-
-
-def remedy(name: str, known: Iterable[str]) -> str:
-    """What to give instead of an unknown ``name``: the known one most like it, or any of them."""
-    choices = list(known)
-    close = get_close_matches(name, choices, n=1)
-    return f"did you mean {close[0]!r}" if close else "choose from " + ", ".join(choices)
 
 
 def one_of(field: str, value: object, known: Iterable[str]) -> str:

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 import xarray as xr
 
 from contactstudy import InvalidInput
-from studies.axis import Axis, Value, remedy
+from contactstudy.checks import remedy
+from studies.axis import Axis, Value
 from studies.case import Computation
 
 if TYPE_CHECKING:

@@ -1,0 +1,202 @@
+"""A scene in a TOML file: numbers in SI units, or texts with a unit such as "10 mm"."""
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from math import inf
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from contactstudy.checks import InvalidInput
+from contactstudy.crown import Crown, LundbergProfile
+from contactstudy.finite_length import FiniteLength
+from contactstudy.grid import Grid
+from contactstudy.load import LineLoad
+from contactstudy.measured import MeasuredSurface
+from contactstudy.missing import HarmonicFill, Missing, RefuseMissing
+from contactstudy.padding import (
+    CircularSuperposition,
+    DuplicatedPadding,
+    ExactPeriodicity,
+    Padding,
+    Paddings,
+    Superposition,
+    ZeroPadding,
+)
+from contactstudy.plan import Plan, plan
+from contactstudy.polonsky_keer import PolonskyKeer
+from contactstudy.precision import Precision
+from contactstudy.preconditioned_cg import PreconditionedCG
+from contactstudy.roughness import Roughness
+from contactstudy.scene import Scene
+from contactstudy.seam import AsMeasured, Mirrored, Seam, Tapered
+from contactstudy.shapes import Cylinder, Shape, Sphere, Waviness
+from contactstudy.solids import HalfSpace
+from contactstudy.solution import Solution
+from contactstudy.solver import Solver, solve
+from contactstudy.structure import structured
+from contactstudy.texture import Cosine, FlatBottomed, Parabolic, Profile, Texture
+from contactstudy.trend import Trend
+from contactstudy.units import Metres, Number, Pascals
+
+
+class Turn(Enum):
+    """How a measured surface is laid on the grid."""
+
+    NONE = "as measured"
+    QUARTER = "what ran along the length runs across it"
+
+
+@dataclass(frozen=True)
+class MeasuredFile:
+    """A measured surface by the file it is in; a path that is not absolute starts at the scene's folder."""
+
+    file: str
+    missing: Missing = field(default_factory=RefuseMissing)
+    trend: Trend = Trend.PLANE
+    seam: Seam = field(default_factory=Tapered)
+    turn: Turn = Turn.NONE
+
+    def read(self, folder: Path) -> MeasuredSurface:
+        """The surface."""
+        path = folder / self.file
+        if not path.is_file():
+            raise InvalidInput(f"MeasuredSurface.file is {self.file!r}: give a file that is there.")
+        surface = MeasuredSurface.read(path, missing=self.missing, trend=self.trend, seam=self.seam)
+        return surface.turned() if self.turn is Turn.QUARTER else surface
+
+
+@dataclass(frozen=True)
+class Wish:
+    """What a plan is to meet, where the file names no grid."""
+
+    error: Number = 1e-3
+    period: Metres | None = None
+
+
+@dataclass(frozen=True)
+class Settings:
+    """The solver's."""
+
+    tolerance: Number = 1e-8
+    max_iterations: int = 2000
+    solver: Solver = field(default_factory=PreconditionedCG)
+    precision: Precision = Precision.DOUBLE
+
+
+@dataclass(frozen=True)
+class Document:
+    """The keys of a file."""
+
+    load: LineLoad
+    solids: tuple[HalfSpace, HalfSpace]
+    shapes: tuple[Shape, ...] = ()
+    hardness: Pascals = inf
+    grid: Grid | None = None
+    padding: Padding | None = None
+    padding_across: Padding | None = None
+    plan: Wish = field(default_factory=Wish)
+    solve: Settings = field(default_factory=Settings)
+
+
+# What stands in a file for what cannot be written there.
+STANDING_IN: Mapping[type, type] = {MeasuredSurface: MeasuredFile}
+# What may stand where a file says kind = "...", by the type that is wanted there.
+KINDS: Mapping[Any, Mapping[str, type]] = {
+    wanted: {kind.__name__: STANDING_IN.get(kind, kind) for kind in kinds}
+    for wanted, kinds in (
+        (
+            Shape,
+            (
+                Cylinder,
+                Crown,
+                LundbergProfile,
+                FiniteLength,
+                Waviness,
+                Texture,
+                Roughness,
+                MeasuredSurface,
+                Sphere,
+            ),
+        ),
+        (
+            Padding,
+            (
+                ZeroPadding,
+                DuplicatedPadding,
+                Superposition,
+                CircularSuperposition,
+                ExactPeriodicity,
+            ),
+        ),
+        (Profile, (Parabolic, Cosine, FlatBottomed)),
+        (Missing, (RefuseMissing, HarmonicFill)),
+        (Seam, (AsMeasured, Mirrored, Tapered)),
+        (Solver, (PreconditionedCG, PolonskyKeer)),
+    )
+}
+
+
+@dataclass(frozen=True)
+class SceneFile:
+    """A scene with what its file says of grid, padding and solver; what it leaves open is planned."""
+
+    scene: Scene
+    wish: Wish
+    settings: Settings
+    grid: Grid | None = None
+    padding: Padding | Paddings | None = None
+
+    def plan(self) -> Plan:
+        """The plan for this scene, on the file's grid if it has one."""
+        period = None if self.grid else self.wish.period
+        return plan(self.scene, error=self.wish.error, period=period, grid=self.grid)
+
+    def solve(self) -> Solution:
+        """Solve on the grid and with the padding of the file, or those of the plan."""
+        grid, padding = self.grid, self.padding
+        if grid is None or padding is None:
+            planned = self.plan()
+            grid, padding = planned.grid, padding or planned.padding
+        settings = self.settings
+        return solve(
+            self.scene.problem(grid, padding),
+            tolerance=settings.tolerance,
+            max_iterations=settings.max_iterations,
+            solver=settings.solver,
+            precision=settings.precision,
+        )
+
+
+def read_scene(path: str | PathLike[str]) -> SceneFile:
+    """The scene in a TOML file.
+
+    Tables ``load``, ``solids`` (two), ``shapes`` (each with its ``kind``), ``grid``, ``padding``, ``plan``
+    and ``solve``, and the key ``hardness``, take the fields of the values of these names. Raises
+    :class:`~contactstudy.InvalidInput`, which names the key, for anything else.
+    """
+    path = Path(path)
+    try:
+        raw = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        raise InvalidInput(
+            f"{path} cannot be read ({error}): give a TOML file in UTF-8."
+        ) from error
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise InvalidInput(f"{path} is no TOML: {error}.") from error
+    document = structured(raw, Document, KINDS, str(path))
+    shapes = tuple(
+        shape.read(path.parent) if isinstance(shape, MeasuredFile) else shape
+        for shape in document.shapes
+    )
+    scene = Scene(document.load, document.solids, shapes, document.hardness)
+    padding: Padding | Paddings | None = document.padding
+    if document.padding_across is not None:
+        if document.padding is None:
+            raise InvalidInput(
+                f"{path}: padding_across is given without padding: give the one along the length too."
+            )
+        padding = document.padding_across, document.padding
+    return SceneFile(scene, document.plan, document.solve, document.grid, padding)

@@ -99,8 +99,18 @@ class Scene:
             pressures=self._pressures(grid),
             scales=scales,
             open_edges=(0, -1) if _is_free(paddings[0]) else (),
-            attributes={"scene": repr(self), "grid": repr(grid), "padding": repr(padding)},
+            attributes=self._reference()
+            | {"scene": repr(self), "grid": repr(grid), "padding": repr(padding)},
         )
+
+    def _reference(self) -> dict[str, str | float]:
+        """What the record says of the smooth contact that a scene's is compared with."""
+        if (hertz := self.hertz) is None:
+            return {}
+        return {
+            "hertz_half_width": hertz.half_width,
+            "hertz_peak_pressure": hertz.peak_pressure,
+        }
 
     def _pressures(self, grid: Grid) -> AdmissiblePressures:
         total = self.load.per_length * grid.period / grid.cell_area

@@ -8,6 +8,7 @@ import click
 
 from contactstudy import InvalidInput, __version__
 from studies.outcome import Fate
+from studies.scenes import plan, solve
 from studies.study import BUILT_IN, OPTIONAL, load
 from studies.sweep import run as run_study
 
@@ -94,6 +95,10 @@ def draw(study: tuple[str, ...], out: Path) -> None:
         click.echo(f"{name}: drew {out / chosen.name}")
     if not study:
         click.echo(f"report: wrote {reporting.write(out)}")
+
+
+cli.add_command(plan)
+cli.add_command(solve)
 
 
 @cli.command()

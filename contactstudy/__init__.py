@@ -39,7 +39,7 @@ from contactstudy.trend import Trend
 
 if TYPE_CHECKING:
     from contactstudy.dataset import to_dataset
-    from contactstudy.scene_file import read_scene
+    from contactstudy.scene_file import SceneFile, read_scene
 
 __version__ = "0.1.0"
 
@@ -77,6 +77,7 @@ __all__ = [
     "RmsSlope",
     "Roughness",
     "Scene",
+    "SceneFile",
     "Shape",
     "Solution",
     "Solver",
@@ -99,7 +100,11 @@ __all__ = [
 
 
 # What needs libraries that a solve does not, imported by whoever asks for it.
-LATER = {"read_scene": "contactstudy.scene_file", "to_dataset": "contactstudy.dataset"}
+LATER = {
+    "SceneFile": "contactstudy.scene_file",
+    "read_scene": "contactstudy.scene_file",
+    "to_dataset": "contactstudy.dataset",
+}
 
 
 def __getattr__(name: str) -> object:

@@ -33,6 +33,8 @@ def quantity(field: str, value: object, unit: Unit) -> float:
     found = NUMBER.fullmatch(value) if isinstance(value, str) else None
     if found is None or (found[2] and not SYMBOLS.fullmatch(found[2])):
         raise InvalidInput(f"{field} is {value!r}: {remedy}.")
+    if not found[2] and found[1].endswith("inf"):  # without end in any unit
+        return float(found[1])
     registry = _registry()
     try:
         read = registry.Quantity(

@@ -187,8 +187,15 @@ def read_scene(path: str | PathLike[str]) -> SceneFile:
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise InvalidInput(f"{path} is no TOML: {error}.") from error
     document = structured(raw, Document, KINDS, str(path))
+    try:
+        return _scene_file(document, path.parent)
+    except InvalidInput as error:
+        raise InvalidInput(f"{path}: {error}") from error
+
+
+def _scene_file(document: Document, folder: Path) -> SceneFile:
     shapes = tuple(
-        shape.read(path.parent) if isinstance(shape, MeasuredFile) else shape
+        shape.read(folder) if isinstance(shape, MeasuredFile) else shape
         for shape in document.shapes
     )
     scene = Scene(document.load, document.solids, shapes, document.hardness)
@@ -196,7 +203,7 @@ def read_scene(path: str | PathLike[str]) -> SceneFile:
     if document.padding_across is not None:
         if document.padding is None:
             raise InvalidInput(
-                f"{path}: padding_across is given without padding: give the one along the length too."
+                "padding_across is given without padding: give the one along the length too."
             )
         padding = document.padding_across, document.padding
     return SceneFile(scene, document.plan, document.solve, document.grid, padding)

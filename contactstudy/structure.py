@@ -97,13 +97,13 @@ def _converter(kinds_of: Kinds) -> cattrs.Converter:
 
     hooks: tuple[tuple[Callable[[Any], bool], Callable[[Any, Any], Any]], ...] = (
         (lambda wanted: get_origin(wanted) is Annotated, number),
-        (lambda wanted: wanted is int, whole),
-        (lambda wanted: wanted is str, text),
         (lambda wanted: isinstance(wanted, type) and issubclass(wanted, Enum), name),
         (lambda wanted: get_origin(wanted) is tuple, several),
         (lambda wanted: wanted in kinds_of or get_origin(wanted) in (Union, UnionType), either),
     )
     converter.register_structure_hook_factory(is_dataclass, table)
+    converter.register_structure_hook(int, whole)
+    converter.register_structure_hook(str, text)
     for applies, hook in hooks:
         converter.register_structure_hook_func(applies, hook)
     return converter

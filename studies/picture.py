@@ -19,14 +19,11 @@ def picture(solved: xr.Dataset) -> Figure:
     """``solved``, as :func:`~contactstudy.to_dataset` labels it; nothing else is needed."""
     lined = solved.sizes["length"] == 1
     stressed = "von_mises" in solved
-    figure, axes = panels(3 - lined + stressed, columns=2, width=4.6, height=3.4)
-    left = iter(axes)
-    if not lined:
-        _map(next(left), solved)
-    _sections(next(left), solved)
-    _gap(next(left), solved)
-    if stressed:
-        _stress(next(left), solved)
+    drawn = [_across, _gap] if lined else [_map, _along, _across, _gap]
+    drawn += [_stress] if stressed else []
+    figure, axes = panels(len(drawn), columns=2 if len(drawn) < 5 else 3, width=4.6, height=3.4)
+    for draw, ax in zip(drawn, axes, strict=True):
+        draw(ax, solved)
     finish(figure)
     return figure
 
@@ -56,7 +53,20 @@ def _map(ax: Axes, solved: xr.Dataset) -> None:
     ax.figure.colorbar(mesh, ax=ax)
 
 
-def _sections(ax: Axes, solved: xr.Dataset) -> None:
+def _along(ax: Axes, solved: xr.Dataset) -> None:
+    length, metres = _scaled(solved["length"], LENGTHS)
+    size, pascals = _scaled(solved["pressure"], PRESSURES)
+    axis = np.abs(solved["width"]) <= np.abs(solved["width"]).min() * (1 + 1e-9)
+    middle = solved["pressure"].where(axis, drop=True).mean("width")
+    ax.plot(
+        solved["length"] / length, middle / size, label="in the middle", **look("exact") | MARKS
+    )
+    if "hertz_peak_pressure" in solved.attrs:
+        ax.axhline(solved.attrs["hertz_peak_pressure"] / size, **LAW)
+    ax.set(xlabel=f"along [{metres}]", ylabel=f"pressure [{pascals}]", title="along the contact")
+
+
+def _across(ax: Axes, solved: xr.Dataset) -> None:
     width, metres = _scaled(solved["width"], LENGTHS)
     size, pascals = _scaled(solved["pressure"], PRESSURES)
     x, pressure = solved["width"] / width, solved["pressure"] / size

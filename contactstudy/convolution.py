@@ -11,7 +11,7 @@ from scipy import fft
 from contactstudy.arrays import Array
 from contactstudy.checks import InvalidInput, positive
 from contactstudy.grid import Grid
-from contactstudy.kernel import kernel
+from contactstudy.kernel import Displacement, kernel
 from contactstudy.padding import Padding, Paddings, across_and_along
 from contactstudy.precision import Precision
 from contactstudy.transforms import TRANSFORMS, Waves
@@ -138,15 +138,33 @@ def convolution(
     """
     paddings = across_and_along(padding)
     datum = positive("datum", datum, "give a distance above 0 m")
+    padded = padded_cells(grid, paddings)
+    coefficients = kernel(grid, paddings, Displacement(datum)) / (np.pi * contact_modulus)
+    # even about zero along both axes, so the transform is real
+    around = spread(coefficients, padded, Displacement.parity)
+    spectrum = fft.fft(fft.rfft(around, axis=1), axis=0).real
+    return Convolution(np.ascontiguousarray(spectrum), grid.cells, padded)
+
+
+def padded_cells(grid: Grid, paddings: Paddings) -> tuple[int, int]:
+    """Points of the transform along either axis."""
     px, py = (
         n if one.wraps else 2 * fft.next_fast_len(n, real=real)
         for n, one, real in zip(grid.cells, paddings, (False, True), strict=True)
     )
-    coefficients = kernel(grid, paddings, datum) / (np.pi * contact_modulus)
-    around = coefficients[np.ix_(*map(_around, coefficients.shape, (px, py)))]
-    # even about zero along both axes, so the transform is real
-    spectrum = fft.fft(fft.rfft(around, axis=1), axis=0).real
-    return Convolution(np.ascontiguousarray(spectrum), grid.cells, (px, py))
+    return px, py
+
+
+def spread(coefficients: Array, padded: tuple[int, int], parity: tuple[int, int]) -> Array:
+    """Coefficients of known offsets at every point of the padded grid, mirrored by their parity."""
+    around = coefficients[np.ix_(*map(_around, coefficients.shape, padded))]
+    for axis, even in enumerate(parity):
+        if even < 0:  # nothing at zero and half-way round, where both sides meet
+            n = padded[axis]
+            index = np.arange(n)
+            sign = np.sign(n - 2 * index) * (index > 0)
+            around *= np.expand_dims(sign, 1 - axis)
+    return around
 
 
 def _around(known: int, padded: int) -> np.ndarray[tuple[int], np.dtype[np.intp]]:

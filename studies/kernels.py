@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 import contactstudy as cs
-from contactstudy.kernel import kernel
+from contactstudy.kernel import Displacement, kernel
 from contactstudy.padding import across_and_along
 from studies import line_contact
 from studies.case import Operator, number
@@ -34,7 +34,7 @@ def measures(case: Operator, result: cs.Convolution) -> Mapping[str, xr.Variable
     In units of ``2 dx dy / L``, the weight of the logarithm: so it is the error of that logarithm.
     """
     window, exact = (
-        kernel(case.grid, across_and_along(padding), case.datum)
+        kernel(case.grid, across_and_along(padding), Displacement(case.datum))
         for padding in (case.padding, cs.ExactPeriodicity())
     )
     cells = case.grid.cells[1]

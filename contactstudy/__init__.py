@@ -40,6 +40,7 @@ from contactstudy.trend import Trend
 if TYPE_CHECKING:
     from contactstudy.dataset import to_dataset
     from contactstudy.scene_file import SceneFile, read_scene
+    from contactstudy.stress import SubsurfaceStress
 
 __version__ = "0.1.0"
 
@@ -83,6 +84,7 @@ __all__ = [
     "Solver",
     "Sphere",
     "Status",
+    "SubsurfaceStress",
     "Superposition",
     "Tapered",
     "Texture",
@@ -102,6 +104,7 @@ __all__ = [
 # What needs libraries that a solve does not, imported by whoever asks for it.
 LATER = {
     "SceneFile": "contactstudy.scene_file",
+    "SubsurfaceStress": "contactstudy.stress",
     "read_scene": "contactstudy.scene_file",
     "to_dataset": "contactstudy.dataset",
 }

@@ -49,6 +49,20 @@ class HertzLine:
         scale = 2 * self.load_per_length / (np.pi * self.contact_modulus)
         return np.asarray(scale * (rigid - t**2 + beyond))
 
+    def stress(self, x: ArrayLike, depth: ArrayLike) -> Array:
+        """Stress xx, zz and xz [Pa] at ``x`` and ``depth`` [m], tension positive, z into the body.
+
+        Source: McEwen (1949), by way of Johnson (1985), eqs. 4.49.
+        """
+        x, z = np.broadcast_arrays(*(np.asarray(c, dtype=np.float64) for c in (x, depth)))
+        x, z = x / self.half_width, z / self.half_width
+        difference = (1 - x) * (1 + x) + z**2
+        root = np.hypot(difference, 2 * x * z)
+        m, n = np.sqrt((root + difference) / 2), np.copysign(np.sqrt((root - difference) / 2), x)
+        share = (z**2 + n**2) / root
+        xx, zz = 2 * z - m * (1 + share), -m * (1 - share)
+        return self.peak_pressure * np.stack([xx, zz, -n * (m**2 - z**2) / root])
+
 
 @dataclass(frozen=True)
 class HertzPoint:
@@ -91,6 +105,16 @@ class HertzPoint:
         out = np.maximum(t, 1)
         outside = (2 - out**2) * np.arcsin(1 / out) + np.sqrt((out - 1) * (out + 1))
         return self.approach * np.where(t <= 1, inside, outside / np.pi)
+
+    def axis_stress(self, depth: ArrayLike, poisson_ratio: float) -> Array:
+        """Stress rr (equal to the hoop stress) and zz [Pa] at ``depth`` [m] > 0 below the centre.
+
+        Source: Huber (1904), by way of Johnson (1985), eqs. 3.45.
+        """
+        z = np.asarray(depth, dtype=np.float64) / self.contact_radius
+        zz = -1 / (1 + z**2)
+        rr = -(1 + poisson_ratio) * (1 - z * np.arctan(1 / z)) - zz / 2
+        return self.peak_pressure * np.stack([rr, zz])
 
 
 def _keep_positive(instance: object, function: str, **fields: str) -> None:

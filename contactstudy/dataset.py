@@ -9,11 +9,11 @@ def to_dataset(solution: Solution) -> xr.Dataset:
     """``solution`` with dimensions (width, length), units, long names, and where it came from.
 
     Coordinates are cell centres [m]; scalars are variables without dimensions; ``status`` and its
-    sentence are attributes.
+    sentence are attributes. What ``Scene.outputs`` asks for is found here.
     """
     grid, fields = solution.problem.grid, ("width", "length")
     metres, one = {"units": "m"}, {"units": "1"}
-    return xr.Dataset(
+    dataset = xr.Dataset(
         {
             "pressure": (
                 fields,
@@ -47,3 +47,8 @@ def to_dataset(solution: Solution) -> xr.Dataset:
             "status_sentence": str(solution.status),
         },
     )
+    for output in solution.problem.outputs:
+        for name, one_field in output.fields(solution.pressure).items():
+            labels = {"units": one_field.units, "long_name": one_field.long_name}
+            dataset[name] = one_field.dimensions, one_field.values, labels
+    return dataset

@@ -9,6 +9,7 @@ import numpy as np
 
 from contactstudy.arrays import Array
 from contactstudy.grid import Grid
+from contactstudy.outputs import Derived
 from contactstudy.precision import Precision
 from contactstudy.pressures import AdmissiblePressures
 
@@ -100,8 +101,8 @@ class Problem:
 
     ``undeformed_gap`` (width, length) [m]; ``displacement`` maps pressure [Pa] to displacement [m],
     both (width, length). ``open_edges`` are the rows, counted across, that contact should not reach,
-    since the surface goes on beyond them. ``attributes`` describe where the problem came from, for
-    the record only.
+    since the surface goes on beyond them. ``outputs`` are found from the solution when it is labelled;
+    ``attributes`` describe where the problem came from. Neither is for the solver.
     """
 
     grid: Grid
@@ -110,6 +111,7 @@ class Problem:
     pressures: AdmissiblePressures
     scales: Scales
     open_edges: tuple[int, ...] = ()
+    outputs: tuple[Derived, ...] = ()
     attributes: Mapping[str, str | float] = field(default_factory=dict)
 
     def bare(self, precision: Precision = Precision.DOUBLE) -> BareProblem:

@@ -10,6 +10,7 @@ from contactstudy.checks import InvalidInput, keep, positive
 from contactstudy.convolution import convolution
 from contactstudy.grid import Grid
 from contactstudy.load import LineLoad
+from contactstudy.outputs import Output
 from contactstudy.padding import Padding, Paddings, across_and_along
 from contactstudy.pressures import AdmissiblePressures, CompressivePressures, LimitedPressures
 from contactstudy.problem import Problem, Scales
@@ -25,20 +26,23 @@ class Scene:
     ``hardness`` [Pa] is the largest pressure the softer body bears: there it yields, and the gap of the
     solution is negative by as much as it gives way. It is infinite by default, which is no limit.
 
+    ``outputs`` are what else to find from the solution, such as subsurface stress.
     Raises :class:`~contactstudy.InvalidInput` unless ``solids`` are two bodies, not both rigid, and
-    ``shapes`` is a tuple.
+    ``shapes`` and ``outputs`` are tuples.
     """
 
     load: LineLoad
     solids: tuple[HalfSpace, HalfSpace]
     shapes: tuple[Shape, ...] = ()
     hardness: Pascals = inf
+    outputs: tuple[Output, ...] = ()
 
     def __post_init__(self) -> None:
         _typed("Scene.load", self.load, LineLoad, "give a LineLoad")
         for name, remedy in (
             ("solids", "give a tuple of two HalfSpace"),
             ("shapes", "give a tuple of shapes, such as (Cylinder(radius=0.01),)"),
+            ("outputs", "give a tuple of outputs, such as (SubsurfaceStress(depths=(1e-4,)),)"),
         ):
             _typed(f"Scene.{name}", getattr(self, name), tuple | list, remedy)
             object.__setattr__(self, name, tuple(getattr(self, name)))
@@ -59,6 +63,17 @@ class Scene:
                 raise InvalidInput(
                     f"Scene.shapes[{number}] is {shape!r}: give a shape, such as Cylinder(radius=0.01)."
                 )
+        for number, output in enumerate(self.outputs):
+            if isinstance(output, type) or not (hasattr(output, "of") and hasattr(output, "check")):
+                raise InvalidInput(
+                    f"Scene.outputs[{number}] is {output!r}: give an output, such as "
+                    "SubsurfaceStress(depths=(1e-4,))."
+                )
+            if type(output) in map(type, self.outputs[:number]):
+                raise InvalidInput(
+                    f"Scene.outputs[{number}] is {output!r}, the second of its kind: give one."
+                )
+            output.check(self.solids)
 
     @property
     def contact_modulus(self) -> float:
@@ -99,6 +114,7 @@ class Scene:
             pressures=self._pressures(grid),
             scales=scales,
             open_edges=(0, -1) if _is_free(paddings[0]) else (),
+            outputs=tuple(output.of(self.solids, grid, paddings) for output in self.outputs),
             attributes=self._reference()
             | {"scene": repr(self), "grid": repr(grid), "padding": repr(padding)},
         )

@@ -1,0 +1,150 @@
+"""Stress below a cell repeated along one axis or both, all images counted."""
+
+from functools import cache
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.linalg import eigh_tridiagonal
+
+from contactstudy.arrays import Array
+from contactstudy.influence import gauss
+from contactstudy.stress_influence import COMPONENTS, Component, Strip, stress_cell, strip
+
+# Distances from the axis, in periods: beyond PLANE nothing is left of the period but
+# exp(-2 pi PLANE) ~ 1e-17; before, the reach that the images counted one by one must double.
+PLANE = 6.0
+# Positions that stand for the images beyond: each gains a factor of rho^2 = 8^2.
+TAIL_POINTS = 10
+# Images that the tail's rule is made from.
+TAIL_IMAGES = 20_000
+
+
+def stress_cell_periodic(
+    component: Component,
+    x: ArrayLike,
+    y: ArrayLike,
+    z: float,
+    dx: float,
+    dy: float,
+    period: float,
+    poisson_ratio: float,
+) -> Array:
+    """The cell of :func:`~contactstudy.stress_influence.stress_cell` repeated along y without end.
+
+    for every pair of x and y, shape (x, y); ``dy <= period``. Error below 1e-12 of the largest component.
+
+    The nearest images are summed one by one, the others, which are 1/m^2 times a smooth function of
+    1/m, by Gauss's rule for such sums (Monien 2010, Math. Comp. 79): its nodes are positions between
+    the images. Far from the axis, the row is a strip in plane strain.
+    """
+    x = np.asarray(x, dtype=np.float64).reshape(-1, 1)
+    y = np.asarray(y, dtype=np.float64).reshape(1, -1)
+    y = y - period * np.round(y / period)
+    outer, inner = (np.maximum(np.abs(x.ravel()) + side * dx / 2, 0) for side in (1, -1))
+    far = (np.hypot(inner, z) >= PLANE * period) | (dy == period)
+    result = np.empty(np.broadcast_shapes(x.shape, y.shape))
+    if far.any():
+        plane = plane_strain(component, strip(x[far], z, dx), poisson_ratio)
+        result[far] = plane * (dy / period)
+    reach = np.exp2(np.ceil(np.log2(np.maximum(np.hypot(outer, z) / period, 1)))).astype(int)
+    for periods in np.unique(reach[~far]).tolist():
+        rows = ~far & (reach == periods)
+        total: Array | float = 0.0
+        for position, weight in _images(2 * periods):
+            image = y + position * period
+            total = total + weight * stress_cell(
+                component, x[rows], image, z, dx, dy, poisson_ratio
+            )
+        result[rows] = total
+    return result
+
+
+def plane_strain(component: Component, seen: Strip, poisson_ratio: float) -> Array:
+    """Stress under unit pressure on a strip."""
+    return np.asarray(component.plane(seen, poisson_ratio) / np.pi + 0 * seen.angle)
+
+
+@cache
+def _images(beyond: int) -> tuple[tuple[float, float], ...]:
+    """Positions in periods and their weights: far ones first, each image up to ``beyond`` by itself."""
+    positions, weights = _tail(beyond)
+    far = zip(positions.tolist(), weights.tolist(), strict=True)
+    both = [(sign * position, weight) for position, weight in far for sign in (1, -1)]
+    near = sorted(range(1 - beyond, beyond), key=abs, reverse=True)
+    return (*both, *((float(m), 1.0) for m in near))
+
+
+def _tail(start: int) -> tuple[Array, Array]:
+    """Positions and weights with ``sum over m >= start of f(m)`` for f(m) = m^-2 polynomial(1/m)."""
+    end = start + TAIL_IMAGES
+    m = np.arange(start, end, dtype=np.float64)
+    # the sum from there on is an integral but for 1 / (12 end^3)
+    nodes, shares = np.array(gauss(TAIL_POINTS)).T
+    rest = 1 / (end - 0.5)
+    t = np.append(1 / m, (1 + nodes) / 2 * rest)
+    weights = np.append(m**-2, shares * rest)
+    # Lanczos: the three-term recurrence of the polynomials orthogonal over this sum
+    vectors = [np.sqrt(weights / weights.sum())]
+    diagonal, off = [], []
+    for _ in range(TAIL_POINTS):
+        following = t * vectors[-1]
+        diagonal.append(float((following * vectors[-1]).sum()))
+        for _again in range(2):
+            for vector in vectors:
+                following = following - (following * vector).sum() * vector
+        off.append(float(np.sqrt((following**2).sum())))
+        vectors.append(following / off[-1])
+    nodes, eigenvectors = eigh_tridiagonal(np.array(diagonal), np.array(off[:-1]))
+    return 1 / nodes, weights.sum() * (eigenvectors[0] / nodes) ** 2
+
+
+def stress_cell_doubly_periodic(
+    component: Component,
+    x: ArrayLike,
+    y: ArrayLike,
+    z: float,
+    dx: float,
+    dy: float,
+    width: float,
+    period: float,
+    poisson_ratio: float,
+) -> Array:
+    """The cell repeated with ``width`` along x and ``period`` along y; for every pair.
+
+    Periodic displacement, along both axes: the mean strain along the surface is zero, and so the mean
+    of xx and yy is ``-nu / (1 - nu)`` of the mean pressure. Without this, it would hang on the order of
+    summation. Error below 1e-12 of the largest component.
+
+    Each row of :func:`stress_cell_periodic` less its strip dies out within a few periods; the strips
+    have a closed form together.
+    """
+    x = np.asarray(x, dtype=np.float64).reshape(-1, 1)
+    y = np.asarray(y, dtype=np.float64).reshape(1, -1)
+    if period > width:  # the rows that die out sooner
+        turned = COMPONENTS[component.turned]
+        arguments = y.T, x.T, z, dy, dx, period, width, poisson_ratio
+        return stress_cell_doubly_periodic(turned, *arguments).T
+    x = x - width * np.round(x / width)
+    rows = int(np.ceil(PLANE * period / width)) + 1
+    total = np.zeros(np.broadcast_shapes(x.shape, y.shape))
+    for m in sorted(range(-rows, rows + 1), key=abs, reverse=True):
+        image = x + m * width
+        total += stress_cell_periodic(component, image, y, z, dx, dy, period, poisson_ratio)
+        total -= plane_strain(component, strip(image, z, dx), poisson_ratio) * (dy / period)
+    strips = plane_strain(component, _strips(x, z, dx, width), poisson_ratio)
+    confined = (1 - 2 * poisson_ratio) / (1 - poisson_ratio) * dx / width
+    held = {"xx": confined, "yy": poisson_ratio * confined}.get(component.name, 0.0)
+    return np.asarray(total + (strips + held) * (dy / period))
+
+
+def _strips(x: Array, z: float, dx: float, width: float) -> Strip:
+    """Strips repeated with ``width``: 1/x becomes (pi/W) cot(pi x/W) (Johnson 1985, sect. 13.2)."""
+    # beyond this the harmonics have long underflowed, and cosh would not hold them
+    depth = min(2 * np.pi * z / width, 100.0)
+    twice, cell = 2 * np.pi * x / width, np.pi * dx / width
+    edges = 2 * np.sin((twice + cell) / 2) * np.sin((twice - cell) / 2)
+    fading = 2 * np.sinh(depth / 2) ** 2 * np.cos(twice)
+    # cosh(depth) (cos(cell) - cos(twice)) + ..., by products where the difference would cancel
+    angle = np.arctan2(np.sin(cell) * np.sinh(depth), edges * np.cosh(depth) + fading)
+    pole = edges - fading + 1j * np.sin(twice) * np.sinh(depth)
+    return Strip(angle, -2 * np.pi * z / width * np.sin(cell) / pole)

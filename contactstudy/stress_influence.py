@@ -161,8 +161,8 @@ def stress_cell(
     """Stress at depth ``z`` under unit pressure on a ``dx * dy`` cell whose centre is ``(x, y)`` away.
 
     x and y broadcast; lengths in one common unit, ``z`` from 0 on (0 not on the edge of the cell).
-    Error below 1e-12 of the largest component at that distance for ``dx / dy`` from 1e-2 to 1e2; even
-    or odd in x and y to the last bit.
+    Error below 1e-12 of the largest component at that distance for ``dx / dy`` from 0.1 to 10, and beyond
+    in proportion to it; even or odd in x and y to the last bit.
     """
     offsets = (np.asarray(a, dtype=np.float64) for a in (x, y))
     across, along = np.broadcast_arrays(*offsets)

@@ -166,7 +166,8 @@ def stress_cell(
     """
     offsets = (np.asarray(a, dtype=np.float64) for a in (x, y))
     across, along = np.broadcast_arrays(*offsets)
-    sign = _sign(across, component.parity[0]) * _sign(along, component.parity[1])
+    even_x, even_y = component.parity
+    signs = sign(across, even_x) * sign(along, even_y)
     u, v = np.abs(across), np.abs(along)
     distance = np.sqrt(u * u + v * v + z * z) / max(dx, dy)
     result = np.empty(u.shape)
@@ -176,10 +177,11 @@ def stress_cell(
     for (start, points), end in zip(GAUSS_ZONES, ends, strict=True):
         zone = (distance >= start) & (distance < end)
         result[zone] = _points(component.point, u[zone], v[zone], z, dx, dy, poisson_ratio, points)
-    return np.asarray(sign * result / (2 * np.pi))
+    return np.asarray(signs * result / (2 * np.pi))
 
 
-def _sign(offset: Array, parity: int) -> Array | float:
+def sign(offset: Array, parity: int) -> Array | float:
+    """What a field of this parity takes from the sign of its offset."""
     return np.sign(offset) if parity < 0 else 1.0
 
 

@@ -3,18 +3,21 @@
 from functools import cache
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import ArrayLike
 from scipy.linalg import eigh_tridiagonal
 
 from contactstudy.arrays import Array
 from contactstudy.influence import gauss
-from contactstudy.stress_influence import COMPONENTS, Component, Strip, stress_cell, strip
+from contactstudy.stress_influence import COMPONENTS, Component, Strip, sign, stress_cell, strip
 
-# Distances from the axis, in periods: beyond PLANE nothing is left of the period but
-# exp(-2 pi PLANE) ~ 1e-17; before, the reach that the images counted one by one must double.
+# Distance from the axis, in periods, beyond which nothing is left of the period: exp(-2 pi 6) ~ 1e-17.
 PLANE = 6.0
-# Positions that stand for the images beyond: each gains a factor of rho^2 = 8^2.
+# Positions that stand for the images at more than twice the distance from the axis: each gains a
+# factor of rho^2 = 8^2.
 TAIL_POINTS = 10
+# Points across and along that all of these are interpolated from: rho >= 6 and 13.
+INTERPOLATED = 22, 14
 # Images that the tail's rule is made from.
 TAIL_IMAGES = 20_000
 
@@ -31,11 +34,12 @@ def stress_cell_periodic(
 ) -> Array:
     """The cell of :func:`~contactstudy.stress_influence.stress_cell` repeated along y without end.
 
-    for every pair of x and y, shape (x, y); ``dy <= period``. Error below 1e-12 of the largest component.
+    Every x with every y, shape (x, y); ``dy <= period``. Error below 1e-12 of the largest component, of
+    one cell or of the row, whichever is larger.
 
-    The nearest images are summed one by one, the others, which are 1/m^2 times a smooth function of
-    1/m, by Gauss's rule for such sums (Monien 2010, Math. Comp. 79): its nodes are positions between
-    the images. Far from the axis, the row is a strip in plane strain.
+    The nearest images are summed one by one. The others are 1/m^2 times a smooth function of 1/m, and
+    summed by Gauss's rule for such sums (Monien 2010, Math. Comp. 79), whose nodes are positions
+    between the images. Far from the axis, the row is a strip in plane strain.
     """
     x = np.asarray(x, dtype=np.float64).reshape(-1, 1)
     y = np.asarray(y, dtype=np.float64).reshape(1, -1)
@@ -49,12 +53,11 @@ def stress_cell_periodic(
     reach = np.exp2(np.ceil(np.log2(np.maximum(np.hypot(outer, z) / period, 1)))).astype(int)
     for periods in np.unique(reach[~far]).tolist():
         rows = ~far & (reach == periods)
-        total: Array | float = 0.0
-        for position, weight in _images(2 * periods):
-            image = y + position * period
-            total = total + weight * stress_cell(
-                component, x[rows], image, z, dx, dy, poisson_ratio
-            )
+        near = sorted(range(1 - 2 * periods, 2 * periods), key=abs, reverse=True)
+        # small terms add up before they meet the large ones
+        total = _far_images(component, x[rows], y, z, (dx, dy), period, periods, poisson_ratio)
+        for m in near:
+            total += stress_cell(component, x[rows], y + m * period, z, dx, dy, poisson_ratio)
         result[rows] = total
     return result
 
@@ -64,16 +67,45 @@ def plane_strain(component: Component, seen: Strip, poisson_ratio: float) -> Arr
     return np.asarray(component.plane(seen, poisson_ratio) / np.pi + 0 * seen.angle)
 
 
+def _far_images(
+    component: Component,
+    x: Array,
+    y: Array,
+    z: float,
+    cell: tuple[float, float],
+    period: float,
+    periods: int,
+    poisson_ratio: float,
+) -> Array:
+    """Images from ``2 periods`` on, seen from within ``periods`` of the axis: smooth, so interpolated."""
+    ends = periods * period, period / 2
+    (u, from_x), (v, from_y) = (
+        _interpolation(np.abs(a.ravel()), end, count)
+        for a, end, count in zip((x, y), ends, INTERPOLATED, strict=True)
+    )
+    total = np.zeros((len(u), len(v)))
+    for position, weight in zip(*_tail(2 * periods), strict=True):
+        for side in (1, -1):
+            image = v + side * position * period
+            total += weight * stress_cell(component, u[:, None], image, z, *cell, poisson_ratio)
+    # not through BLAS, which would start threads for it
+    smooth = np.einsum("iu,uj->ij", from_x, np.einsum("uv,jv->uj", total, from_y))
+    across, along = component.parity
+    return np.asarray(smooth * sign(x, across) * sign(y, along))
+
+
+def _interpolation(at: Array, end: float, count: int) -> tuple[Array, Array]:
+    """Chebyshev's points between 0 and ``end``, and what takes values there to values ``at``."""
+    points = np.cos(np.pi * (np.arange(count) + 0.5) / count)
+    basis = chebvander(points, count - 1)
+    # the polynomials are orthogonal over their points
+    weights = basis.T * (np.where(np.arange(count) == 0, 1, 2)[:, None] / count)
+    return (1 + points) / 2 * end, np.einsum(
+        "ik,kj->ij", chebvander(2 * at / end - 1, count - 1), weights
+    )
+
+
 @cache
-def _images(beyond: int) -> tuple[tuple[float, float], ...]:
-    """Positions in periods and their weights: far ones first, each image up to ``beyond`` by itself."""
-    positions, weights = _tail(beyond)
-    far = zip(positions.tolist(), weights.tolist(), strict=True)
-    both = [(sign * position, weight) for position, weight in far for sign in (1, -1)]
-    near = sorted(range(1 - beyond, beyond), key=abs, reverse=True)
-    return (*both, *((float(m), 1.0) for m in near))
-
-
 def _tail(start: int) -> tuple[Array, Array]:
     """Positions and weights with ``sum over m >= start of f(m)`` for f(m) = m^-2 polynomial(1/m)."""
     end = start + TAIL_IMAGES
@@ -109,7 +141,7 @@ def stress_cell_doubly_periodic(
     period: float,
     poisson_ratio: float,
 ) -> Array:
-    """The cell repeated with ``width`` along x and ``period`` along y; for every pair.
+    """The cell repeated with ``width`` along x and ``period`` along y; every x with every y.
 
     Periodic displacement, along both axes: the mean strain along the surface is zero, and so the mean
     of xx and yy is ``-nu / (1 - nu)`` of the mean pressure. Without this, it would hang on the order of

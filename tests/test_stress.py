@@ -83,7 +83,7 @@ def test_counted_images_tend_to_all_of_them(name: str, rate: int) -> None:
     pressure = np.random.default_rng(2).random((6, 5))
     number = NAMES.index(name)
     exact = below((6, 5), cs.ExactPeriodicity(), 0.2)(pressure)[number]
-    counts = (8, 16, 32)
+    counts = (16, 32, 64)
     errors = [
         np.abs(below((6, 5), cs.CircularSuperposition(n), 0.2)(pressure)[number] - exact).max()
         for n in counts

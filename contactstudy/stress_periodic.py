@@ -18,6 +18,8 @@ PLANE = 6.0
 TAIL_POINTS = 10
 # Points across and along that all of these are interpolated from: rho >= 6 and 13.
 INTERPOLATED = 22, 14
+# Points along either axis that all rows of a lattice but three are interpolated from: rho >= 9.
+LATTICE_INTERPOLATED = 18
 # Images that the tail's rule is made from.
 TAIL_IMAGES = 20_000
 
@@ -158,11 +160,27 @@ def stress_cell_doubly_periodic(
         return stress_cell_doubly_periodic(turned, *arguments).T
     x = x - width * np.round(x / width)
     rows = int(np.ceil(PLANE * period / width)) + 1
-    total = np.zeros(np.broadcast_shapes(x.shape, y.shape))
-    for m in sorted(range(-rows, rows + 1), key=abs, reverse=True):
+    y = y - period * np.round(y / period)
+
+    def row(x: Array, y: Array, m: int) -> Array:
         image = x + m * width
-        total += stress_cell_periodic(component, image, y, z, dx, dy, period, poisson_ratio)
-        total -= plane_strain(component, strip(image, z, dx), poisson_ratio) * (dy / period)
+        found = stress_cell_periodic(component, image, y, z, dx, dy, period, poisson_ratio)
+        plane = plane_strain(component, strip(image, z, dx), poisson_ratio)
+        return np.asarray(found - plane * (dy / period))
+
+    # smooth from the second row on, so interpolated
+    u, from_x = _interpolation(np.abs(x.ravel()), width / 2, LATTICE_INTERPOLATED)
+    v, from_y = _interpolation(np.abs(y.ravel()), period / 2, LATTICE_INTERPOLATED)
+    far = np.zeros((len(u), len(v)))
+    for m in range(rows, 1, -1):
+        far += row(u.reshape(-1, 1), v.reshape(1, -1), m) + row(
+            u.reshape(-1, 1), v.reshape(1, -1), -m
+        )
+    even_x, even_y = component.parity
+    smooth = np.einsum("iu,uj->ij", from_x, np.einsum("uv,jv->uj", far, from_y))
+    total = smooth * sign(x, even_x) * sign(y, even_y)
+    for m in (1, -1, 0):
+        total = total + row(x, y, m)
     strips = plane_strain(component, _strips(x, z, dx, width), poisson_ratio)
     confined = (1 - 2 * poisson_ratio) / (1 - poisson_ratio) * dx / width
     held = {"xx": confined, "yy": poisson_ratio * confined}.get(component.name, 0.0)

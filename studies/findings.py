@@ -164,9 +164,9 @@ def accuracy_table(dataset: xr.Dataset) -> Table:
     return Table(
         "A smooth line contact on the paper's grid, 128 x 128 cells over 2.4 a x 2.4 a, against Hertz. "
         "Pressures over p_H: the peak as the mean along the length beside the axis, the highest anywhere, "
-        "the largest error of any cell. That error sits at the contact edge, and like that of the "
-        "half-width it jumps with where the edge falls in its cell, so on one grid a truncated window may "
-        "come out ahead by chance. Times on one thread.",
+        "the largest error of any cell. That error sits at the contact edge and jumps with where the edge "
+        "falls in its cell, so on one grid a truncated window may come out ahead by chance. "
+        "Times on one thread.",
         (
             "padding", "peak error",
             "highest pressure", "largest error", "variation along length", "half-width error",

@@ -8,6 +8,7 @@ from contactstudy.checks import InvalidInput
 from contactstudy.convolution import Convolution, convolution
 from contactstudy.crown import Crown, LundbergProfile
 from contactstudy.detail import Detail
+from contactstudy.error_estimate import ErrorEstimate, ErrorParts, error_estimate
 from contactstudy.finite_length import FiniteLength
 from contactstudy.grid import Grid
 from contactstudy.load import LineLoad
@@ -54,6 +55,8 @@ __all__ = [
     "Detail",
     "Dimple",
     "DuplicatedPadding",
+    "ErrorEstimate",
+    "ErrorParts",
     "ExactPeriodicity",
     "FiniteLength",
     "FlatBottomed",
@@ -93,6 +96,7 @@ __all__ = [
     "ZeroPadding",
     "analytic",
     "convolution",
+    "error_estimate",
     "influence",
     "plan",
     "read_scene",

@@ -117,6 +117,51 @@ class HertzPoint:
         return self.peak_pressure * np.stack([rr, zz])
 
 
+@dataclass(frozen=True)
+class Westergaard:
+    """Westergaard's (1939) contact of a wavy surface with a flat, in plane strain (Johnson 1985, sect. 13.2).
+
+    ``mean_pressure`` [Pa]; heights ``amplitude cos(2 pi x / wavelength)`` [m]; ``contact_modulus`` E* [Pa].
+    """
+
+    mean_pressure: float
+    amplitude: float
+    wavelength: float
+    contact_modulus: float
+
+    def __post_init__(self) -> None:
+        _keep_positive(
+            self, "westergaard", mean_pressure="pressure", amplitude="height",
+            wavelength="length", contact_modulus="modulus",
+        )  # fmt: skip
+
+    @property
+    def closing_pressure(self) -> float:
+        """Mean pressure ``p* = pi E* amplitude / wavelength`` [Pa] from which on no gap is left."""
+        return np.pi * self.contact_modulus * self.amplitude / self.wavelength
+
+    @property
+    def half_width(self) -> float:
+        """Of a strip of contact [m]: ``(wavelength / pi) asin(sqrt(mean / p*))``, half a wave when closed."""
+        share = min(self.mean_pressure / self.closing_pressure, 1.0)
+        return float(self.wavelength / np.pi * np.arcsin(np.sqrt(share)))
+
+    @property
+    def peak_pressure(self) -> float:
+        """``2 sqrt(mean p*)``, or ``mean + p*`` when closed [Pa]."""
+        mean, closing = self.mean_pressure, self.closing_pressure
+        return mean + closing if mean >= closing else 2 * float(np.sqrt(mean * closing))
+
+    def pressure(self, x: ArrayLike) -> Array:
+        """``2 p* cos(t) sqrt(mean / p* - sin(t)^2)``, ``t = pi x / wavelength`` [Pa], ``x`` from a crest."""
+        mean, closing = self.mean_pressure, self.closing_pressure
+        angle = np.pi * np.asarray(x, dtype=np.float64) / self.wavelength
+        if mean >= closing:
+            return np.asarray(mean + closing * np.cos(2 * angle))
+        inside = np.clip(mean / closing - np.sin(angle) ** 2, 0, None)
+        return np.asarray(2 * closing * np.abs(np.cos(angle)) * np.sqrt(inside))
+
+
 def _keep_positive(instance: object, function: str, **fields: str) -> None:
     for name, what in fields.items():
         value = positive(f"{function}.{name}", getattr(instance, name), f"give a {what} above 0")
@@ -131,6 +176,13 @@ def hertz_line(load_per_length: float, radius: float, contact_modulus: float) ->
 def hertz_point(load: float, radius: float, contact_modulus: float) -> HertzPoint:
     """The Hertz point contact under P [N], for R [m] and E* [Pa]."""
     return HertzPoint(load, radius, contact_modulus)
+
+
+def westergaard(
+    mean_pressure: float, amplitude: float, wavelength: float, contact_modulus: float
+) -> Westergaard:
+    """The wavy contact under a mean pressure [Pa], for heights [m], a wavelength [m] and E* [Pa]."""
+    return Westergaard(mean_pressure, amplitude, wavelength, contact_modulus)
 
 
 def truncation_error(half_width: ArrayLike, reach: ArrayLike) -> Array:

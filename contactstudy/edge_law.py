@@ -21,6 +21,9 @@ from contactstudy.influence import gauss
 
 # modes k = 1 ... MODES behave like d^(k - 3/2) at d cells from the edge
 MODES = 4
+# where the edge can lie, in cells outward of the last touching centre: further in that cell would lose
+# contact, further out the next would gain it
+EDGE_RANGE, EDGE_STEPS, EDGE_CELLS, LEAP = (-0.175, 0.83), 200, 200, 0.06
 # e(z) has coefficients that fall like j^-4
 TERMS, SAMPLES = 400, 4096
 
@@ -76,6 +79,33 @@ def powers() -> Array:
         for q in range(k + 1):
             result[q, k - 1] = series[k - q] / gamma(q - 0.5)
     return result
+
+
+def edge_error(last: Array, inner: Array) -> Array:
+    """L1 pressure error at an edge, ``sum |p - true at the centres|``, from the last two cells beside it.
+
+    The ratio of ``last`` and ``inner`` tells where in its cell the edge of a smooth contact lies. The
+    error leaps where the edge passes the centre of a cell; so it is the largest within ``LEAP`` of a cell
+    to either side. Where a single cell touches (``inner`` is zero), or ``last`` is the higher, the law
+    has ended, and the edge is taken to lie as far out as it can.
+    """
+    ratio, error = _edge_errors()
+    inner = np.maximum(inner, last / ratio[-1])
+    return np.asarray(np.interp(last / inner, ratio, error) * inner)
+
+
+@cache
+def _edge_errors() -> tuple[Array, Array]:
+    """Ratio of the last two cells' pressures, and L1 error over the inner one's, as the edge moves out."""
+    amplitudes = powers()[1:3, :2]
+    edge = np.linspace(*EDGE_RANGE, EDGE_STEPS)  # from the last centre
+    shift = edge - offset()
+    strength = np.linalg.solve(amplitudes, np.stack([shift / 2, np.ones_like(shift)]))
+    cells = np.arange(EDGE_CELLS)[:, None]
+    found = modes(EDGE_CELLS)[:, :2] @ strength
+    error = np.abs(found - np.sqrt(np.maximum(cells + edge, 0))).sum(axis=0) / found[1]
+    near = np.abs(edge[:, None] - edge) <= LEAP
+    return found[0] / found[1], np.where(near, error, 0).max(axis=1)
 
 
 def _log_symbol(angle: Array) -> Array:

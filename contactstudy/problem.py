@@ -10,6 +10,7 @@ import numpy as np
 from contactstudy.arrays import Array
 from contactstudy.grid import Grid
 from contactstudy.outputs import Derived
+from contactstudy.padding import Paddings
 from contactstudy.precision import Precision
 from contactstudy.pressures import AdmissiblePressures
 
@@ -101,8 +102,9 @@ class Problem:
 
     ``undeformed_gap`` (width, length) [m]; ``displacement`` maps pressure [Pa] to displacement [m],
     both (width, length). ``open_edges`` are the rows, counted across, that contact should not reach,
-    since the surface goes on beyond them. ``outputs`` are found from the solution when it is labelled;
-    ``attributes`` describe where the problem came from. Neither is for the solver.
+    since the surface goes on beyond them. ``paddings`` (across, along) are those behind the operator,
+    where it was made of any. ``outputs`` are found from the solution when it is labelled; ``attributes``
+    describe where the problem came from. None of these is for the solver.
     """
 
     grid: Grid
@@ -111,6 +113,7 @@ class Problem:
     pressures: AdmissiblePressures
     scales: Scales
     open_edges: tuple[int, ...] = ()
+    paddings: Paddings | None = None
     outputs: tuple[Derived, ...] = ()
     attributes: Mapping[str, str | float] = field(default_factory=dict)
 

@@ -113,6 +113,7 @@ class Scene:
             displacement=convolution(self.contact_modulus, grid, paddings, scales.length),
             pressures=self._pressures(grid),
             scales=scales,
+            paddings=paddings,
             open_edges=(0, -1) if _is_free(paddings[0]) else (),
             outputs=tuple(output.of(self.solids, grid, paddings) for output in self.outputs),
             attributes=self._reference()

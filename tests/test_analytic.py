@@ -56,6 +56,53 @@ def test_hertz_point_peak_pressure_carries_its_load() -> None:
     assert load == pytest.approx(POINT.load, rel=1e-8)
 
 
+def westergaard(share: float) -> cs.analytic.Westergaard:
+    """Of the pressure that closes every gap."""
+    closing = np.pi * 2e11 * 1e-6 / 1e-3
+    return cs.analytic.westergaard(share * closing, 1e-6, 1e-3, 2e11)
+
+
+@pytest.mark.parametrize("share", [0.01, 0.3, 0.9, 1.0, 1.5])
+def test_westergaard_pressure_carries_its_load(share: float) -> None:
+    wave = westergaard(share)
+    a = wave.half_width
+    load = quad(lambda t: wave.pressure(a * np.sin(t)) * a * np.cos(t), -np.pi / 2, np.pi / 2)[0]
+    assert load == pytest.approx(wave.mean_pressure * wave.wavelength, rel=1e-9)
+    assert wave.pressure(0.0) == pytest.approx(wave.peak_pressure, rel=1e-14)
+
+
+@pytest.mark.parametrize("share", [0.1, 0.6, 1.0])
+def test_westergaard_surface_is_flat_inside(share: float) -> None:
+    """The slope under its pressure, a row of ``cot(pi (x - t) / wavelength)``, is that of the wave."""
+    wave = westergaard(share)
+    a, length = wave.half_width, wave.wavelength
+
+    def slope(x: float) -> float:
+        # both sides of the pole at once, which cancels it
+        at, reach = float(wave.pressure(x)), length / 2
+        paired = quad(
+            lambda t: (wave.pressure(x - t) - wave.pressure(x + t)) / np.tan(np.pi * t / length),
+            0, reach, points=sorted({abs(a - x), a + x, 1e-3 * a} - {0.0}), limit=400,
+        )[0]  # fmt: skip
+        assert at > 0
+        return -2 / wave.contact_modulus / length * paired
+
+    for x in (0.2 * a, 0.7 * a):
+        wanted = -wave.amplitude * 2 * np.pi / length * np.sin(2 * np.pi * x / length)
+        assert slope(x) == pytest.approx(wanted, rel=1e-6)
+
+
+def test_lightly_loaded_westergaard_is_hertz() -> None:
+    """To first order in the load: the crest is a parabola then."""
+    for share in (1e-3, 1e-4):
+        wave = westergaard(share)
+        radius = wave.wavelength**2 / (4 * np.pi**2 * wave.amplitude)
+        load = wave.mean_pressure * wave.wavelength
+        line = cs.analytic.hertz_line(load, radius, wave.contact_modulus)
+        assert wave.half_width == pytest.approx(line.half_width, rel=share)
+        assert wave.peak_pressure == pytest.approx(line.peak_pressure, rel=share)
+
+
 def test_truncation_error_is_one_eighth_of_the_squared_ratio() -> None:
     np.testing.assert_array_equal(truncation_error(2.0, [4.0, 8.0]), [1 / 32, 1 / 128])
 

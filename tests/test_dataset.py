@@ -24,6 +24,22 @@ def test_dataset_labels_every_variable(line_contact: LineContact, tmp_path) -> N
     xr.testing.assert_identical(xr.load_dataset(tmp_path / "solution.nc"), dataset)
 
 
+def test_dataset_holds_an_estimate_by_cause(line_contact: LineContact, tmp_path) -> None:  # noqa: ANN001
+    problem = line_contact.scene.problem(line_contact.grid(16, 1.2), cs.DuplicatedPadding())
+    solution = cs.solve(problem)
+    estimate = cs.error_estimate(solution)
+    dataset = cs.to_dataset(solution, estimate)
+    for name, parts in (("peak_pressure", estimate.peak_pressure), ("pressure_l1", estimate.l1)):
+        error = dataset[f"{name}_error_estimate"]
+        assert float(error.sel(cause="truncation")) == parts.truncation
+        assert float(error.sum("cause")) == parts.total
+        assert error.attrs["units"]
+        assert error.attrs["long_name"]
+    dataset.to_netcdf(tmp_path / "solution.nc")
+    xr.testing.assert_identical(xr.load_dataset(tmp_path / "solution.nc"), dataset)
+    assert "cause" not in cs.to_dataset(solution).dims
+
+
 def test_a_solve_imports_neither_xarray_nor_matplotlib() -> None:
     code = (
         "import sys, contactstudy as cs; s = cs.HalfSpace(youngs_modulus=1e9, poisson_ratio=0.3); "

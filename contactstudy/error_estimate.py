@@ -1,0 +1,74 @@
+"""How far a solution is from the contact it stands for, by cause."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contactstudy.checks import InvalidInput
+from contactstudy.discretisation import discretisation
+from contactstudy.solution import Solution, Status
+from contactstudy.truncation import truncation
+
+# An approximate inverse is out by up to this factor where the padding is a short window.
+MARGIN = 1.5
+# a maximum may be taken over by a cell this much lower
+RIVAL = 0.9
+
+
+@dataclass(frozen=True)
+class ErrorParts:
+    """A relative error's upper estimate by cause: images left out, cells, and the solver stopping."""
+
+    truncation: float
+    discretisation: float
+    residual: float
+
+    @property
+    def total(self) -> float:
+        """Of all three, should they have one sign."""
+        return self.truncation + self.discretisation + self.residual
+
+
+@dataclass(frozen=True)
+class ErrorEstimate:
+    """Relative errors of the highest pressure, and of the pressure in L1 against cell centres."""
+
+    peak_pressure: ErrorParts
+    l1: ErrorParts
+
+
+def error_estimate(solution: Solution) -> ErrorEstimate:
+    """Estimate the errors of ``solution`` from itself, at the cost of one approximate inverse.
+
+    Meant as bounds that are a few times too large at most: not for a contact that reaches the edge of
+    the width, nor for heights the grid does not resolve. Infinite where the iteration was not finite.
+    Raises :class:`~contactstudy.InvalidInput` where the problem does not say its paddings, or no law is
+    known for them (see :func:`~contactstudy.truncation.truncation`).
+    """
+    problem = solution.problem
+    if problem.paddings is None:
+        raise InvalidInput(
+            "Problem.paddings is None: give the paddings of the two axes, (across, along)."
+        )
+    if solution.status is Status.NOT_FINITE:
+        lost = ErrorParts(0.0, 0.0, np.inf)
+        return ErrorEstimate(lost, lost)
+    across, along = problem.paddings
+    cut = truncation(solution.pressure, problem.grid, problem.paddings)
+    cells = discretisation(solution.pressure, (across.wraps, along.wraps))
+    left = _residual(solution)
+    peak, l1 = (ErrorParts(*parts) for parts in zip(cut, cells, left, strict=True))
+    return ErrorEstimate(peak, l1)
+
+
+def _residual(solution: Solution) -> tuple[float, float]:
+    """The same two errors by the gap left over: the pressure that would close it, to first order."""
+    scales, operator = solution.problem.scales, solution.problem.bare().displacement
+    pressure, gap = solution.pressure / scales.pressure, solution.gap / scales.gap
+    contact = pressure > 0
+    closing = operator.approximate_inverse()[0](np.where(contact, -gap, 0.0))
+    closing = np.where(contact, closing - closing[contact].mean(), 0.0)
+    penetrating = np.where(contact, 0.0, np.maximum(-gap, 0) / operator.own)
+    missing = MARGIN * (np.abs(closing) + penetrating)
+    high = pressure >= RIVAL * pressure.max()
+    return float(missing[high].max() / pressure.max()), float(missing.sum() / pressure.sum())

@@ -51,12 +51,12 @@ def corrected_pressure(pressure: Array) -> Array:
     corrected = pressure.copy()
     for given, result in ((pressure, corrected), (pressure[::-1], corrected[::-1])):
         edges = _resolved(given)
-        for i, row in enumerate(edges.rows):
-            cells = np.arange(edges.touching[i] // SHARE)
-            inside = np.maximum(cells + edges.outward[i], 0)
-            law = np.sqrt(inside) * np.polynomial.polynomial.polyval(inside, edges.shape[:, i])
-            law -= modes(len(cells)) @ edges.strength[:, i]
-            result[edges.last[i] - cells, row] += law
+        reach = edges.touching // SHARE
+        cells = np.arange(reach.max(initial=0))[:, None]
+        inside = np.maximum(cells + edges.outward, 0)
+        law = np.sqrt(inside) * np.polynomial.polynomial.polyval(inside, edges.shape, tensor=False)
+        law -= modes(len(cells)) @ edges.strength
+        result[edges.last - cells, edges.rows] += np.where(cells < reach, law, 0)
     return np.maximum(corrected, 0)
 
 

@@ -10,6 +10,7 @@ from contactstudy.checks import positive, whole
 from contactstudy.edge import corrected_pressure, half_widths
 from studies.axis import Axis, one_of
 from studies.case import Case, number
+from studies.estimate import estimated
 from studies.study import Point
 
 STEEL = cs.HalfSpace(youngs_modulus=210e9, poisson_ratio=0.3)
@@ -98,4 +99,5 @@ def measures(case: Case, solution: cs.Solution) -> Mapping[str, xr.Variable]:
             float(np.ptp(pressure, axis=1).max()),
             "pressure variation along the length over peak pressure",
         ),
+        **estimated(solution),
     }

@@ -5,8 +5,8 @@ import numpy as np
 from contactstudy.arrays import Array
 from contactstudy.edge_law import edge_error
 
-# How far, over the second difference at a maximum, it moves with where the edges fall in their cells:
-# 1/16 between straight edges, if both fall alike; and a third of that for what is neither straight nor smooth.
+# How far a maximum moves, over its second difference, with where the edges fall in their cells: by 1/16
+# between two straight edges that fall alike; here a third more, for those that are neither.
 EDGES = 1 / 12
 
 
@@ -27,7 +27,9 @@ def discretisation(pressure: Array, wraps: tuple[bool, bool]) -> tuple[float, fl
         if pressure.shape[axis] == 1:
             continue
         along = np.moveaxis(pressure, axis, 0)
-        before, after = _neighbours(along, closed)
+        # at an open end the cell stands for its own neighbour
+        around = np.pad(along, ((1, 1), (0, 0)), mode="wrap" if closed else "edge")
+        before, after = around[:-2], around[2:]
         bend = np.abs(before + after - 2 * along)
         within = (along > 0) & (before > 0) & (after > 0)
         l1 += bend[within].sum() / 24
@@ -41,11 +43,3 @@ def discretisation(pressure: Array, wraps: tuple[bool, bool]) -> tuple[float, fl
         beside += slope**2 / bent / 2 - bent / 24 if bent > 0 else 0.0
         edges = max(edges, EDGES * bent)
     return (abs(beside) + edges) / level, float(l1 / pressure.sum())
-
-
-def _neighbours(pressure: Array, closed: bool) -> tuple[Array, Array]:  # noqa: FBT001
-    """The cells before and after along the first axis; at an open end, the cell itself."""
-    before, after = np.roll(pressure, 1, axis=0), np.roll(pressure, -1, axis=0)
-    if not closed:
-        before[0], after[-1] = pressure[0], pressure[-1]
-    return before, after

@@ -17,9 +17,12 @@ SHARE = 4
 
 @dataclass(frozen=True)
 class _Edges:
-    """The edges on the side of growing x that are resolved: ``rows``, and in each the cell that
-    touches last, how many touch, and by the law the pressure ``sqrt(D) (A + B D + G D^2)`` at D cells
-    inside the edge, which lies ``outward`` cells beyond the centre of the last."""
+    """The resolved edges on the side of growing x.
+
+    In each of ``rows`` the ``last`` cell that touches, how many are ``touching``, how many cells
+    ``outward`` of that one's centre the edge lies, and the pressure D cells inside it, ``sqrt(D) (A + B D + G
+    D^2)`` with ``shape`` (A, B, G), which the cells render with this ``strength`` of each mode.
+    """
 
     rows: NDArray[np.intp]
     last: NDArray[np.intp]
@@ -80,7 +83,7 @@ def _resolved(pressure: Array) -> _Edges:
     touching = (pressure[last - inward, np.arange(pressure.shape[1])] > 0).cumprod(axis=0)
     within = np.arange(count)[:, None] <= last
     touching = (touching * within).sum(axis=0)
-    straight = (last == np.roll(last, 1)) & (last == np.roll(last, -1))
+    straight = (last == np.roll(last, 1)) & (last == np.roll(last, -1)) & (last < count - 1)
     rows = np.flatnonzero(straight & (touching >= RESOLVED))
     beside = pressure[last[rows] - np.arange(FITTED)[:, None], rows]
     strength = np.linalg.lstsq(modes(FITTED), beside, rcond=None)[0]

@@ -3,7 +3,8 @@
 Beside a straight edge and many cells from any other, the cells see the half-plane's logarithm
 alone. In units of a cell, its coefficients ``K_j = -int ln|x| dx`` over cell j have the transform
 
-    K(t) = 2 pi sin(t / 2) sum_m sgn(m) (-1)^m / (t + 2 pi m)^2 = (pi / |t|) (1 - t^2 / 24 + ...),
+    K(t) = 2 pi sin(t / 2) sum_m sgn(t + 2 pi m) (-1)^m / (t + 2 pi m)^2
+         = (pi / |t|) (1 - t^2 / 24 + ...),
 
 and the pressures that leave the gap of a half-line of cells a polynomial are the coefficients
 of ``z^j`` in ``(1 - z)^(1/2 - k) e(z)``, with ``|1 - z| K / pi = 1 / |e(z)|^2`` (Wiener & Hopf 1931).

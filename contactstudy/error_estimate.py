@@ -39,7 +39,7 @@ def error_estimate(solution: Solution) -> ErrorEstimate:
     """Estimate the errors of ``solution`` from itself, at the cost of one approximate inverse.
 
     Meant as bounds that are a few times too large at most: not for a contact that reaches the edge of
-    the width, nor for heights the grid does not resolve. Infinite where the iteration was not finite.
+    the width, nor for heights the grid does not resolve. Infinite where there is no solution.
     Raises :class:`~contactstudy.InvalidInput` where the problem does not say its paddings, or no law is
     known for them (see :func:`~contactstudy.truncation.truncation`).
     """
@@ -48,7 +48,7 @@ def error_estimate(solution: Solution) -> ErrorEstimate:
         raise InvalidInput(
             "Problem.paddings is None: give the paddings of the two axes, (across, along)."
         )
-    if solution.status is Status.NOT_FINITE:
+    if solution.status in (Status.NOT_FINITE, Status.NO_ADMISSIBLE_PRESSURE):
         lost = ErrorParts(0.0, 0.0, np.inf)
         return ErrorEstimate(lost, lost)
     across, along = problem.paddings
@@ -61,13 +61,15 @@ def error_estimate(solution: Solution) -> ErrorEstimate:
 
 def _residual(solution: Solution) -> tuple[float, float]:
     """The same two errors by the gap left over: the pressure that would close it, to first order."""
-    scales, operator = solution.problem.scales, solution.problem.bare().displacement
+    problem = solution.problem
+    scales, operator = problem.scales, problem.bare().displacement
     pressure, gap = solution.pressure / scales.pressure, solution.gap / scales.gap
-    contact = pressure > 0
-    closing = operator.approximate_inverse()[0](np.where(contact, -gap, 0.0))
-    closing = np.where(contact, closing - closing[contact].mean(), 0.0)
-    penetrating = np.where(contact, 0.0, np.maximum(-gap, 0) / operator.own)
-    missing = MARGIN * (np.abs(closing) + penetrating)
+    free, apart = problem.pressures.free(solution.pressure), pressure == 0
+    closing = operator.approximate_inverse()[0](np.where(free, -gap, 0.0))
+    closing = np.where(free, closing - closing.mean(where=free) if free.any() else 0.0, 0.0)
+    # cells at a limit that should not be: out of contact and penetrating, or yielding and open
+    bound = np.where(free, 0.0, np.maximum(np.where(apart, -gap, gap), 0) / operator.own)
+    missing = MARGIN * (np.abs(closing) + bound)
     l1 = float(missing.sum() / pressure.sum())
     # another cell may yet become the highest; and the inverse, blind to where a length that does not wrap
     # ends, tells the whole better than the single cell

@@ -24,6 +24,10 @@ class AdmissiblePressures(Protocol):
         """The same set in another unit of pressure (times ``pressure``), on blocks of so many cells."""
         ...
 
+    def of(self, pressure: Array, unit: float) -> Array:
+        """The field of this set that ``pressure`` is in another ``unit``."""
+        ...
+
     def is_empty(self, shape: tuple[int, ...]) -> bool:
         """Whether no field of that shape is in the set."""
         ...
@@ -77,6 +81,10 @@ class CompressivePressures:
     def scaled(self, pressure: float, cells: int = 1) -> "CompressivePressures":
         """In another unit, on larger cells."""
         return replace(self, total=self.total * pressure / cells)
+
+    def of(self, pressure: Array, unit: float) -> Array:
+        """In this unit."""
+        return np.multiply(pressure, unit, dtype=np.float64)
 
     def is_empty(self, shape: tuple[int, ...]) -> bool:
         """Never."""
@@ -140,6 +148,11 @@ class LimitedPressures:
     def scaled(self, pressure: float, cells: int = 1) -> "LimitedPressures":
         """In another unit, on larger cells."""
         return LimitedPressures(self.total * pressure / cells, self.hardness * pressure)
+
+    def of(self, pressure: Array, unit: float) -> Array:
+        """In this unit; what yielded there has the hardness to the last bit here."""
+        yielding = pressure >= self.scaled(1 / unit).hardness
+        return np.where(yielding, self.hardness, np.multiply(pressure, unit, dtype=np.float64))
 
     def is_empty(self, shape: tuple[int, ...]) -> bool:
         """Whether not even the hardness everywhere carries the load."""

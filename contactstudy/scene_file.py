@@ -16,6 +16,7 @@ from contactstudy.grid import Grid
 from contactstudy.load import LineLoad
 from contactstudy.measured import MeasuredSurface
 from contactstudy.missing import HarmonicFill, Missing, RefuseMissing
+from contactstudy.outputs import Output
 from contactstudy.padding import (
     CircularSuperposition,
     DuplicatedPadding,
@@ -36,6 +37,7 @@ from contactstudy.shapes import Cylinder, Shape, Sphere, Waviness
 from contactstudy.solids import HalfSpace
 from contactstudy.solution import Solution
 from contactstudy.solver import Solver, solve
+from contactstudy.stress import SubsurfaceStress
 from contactstudy.structure import structured
 from contactstudy.texture import Cosine, FlatBottomed, Parabolic, Profile, Texture
 from contactstudy.trend import Trend
@@ -94,6 +96,7 @@ class Document:
     solids: tuple[HalfSpace, HalfSpace]
     shapes: tuple[Shape, ...] = ()
     hardness: Pascals = inf
+    outputs: tuple[Output, ...] = ()
     grid: Grid | None = None
     padding: Padding | None = None
     padding_across: Padding | None = None
@@ -131,6 +134,7 @@ KINDS: Mapping[Any, Mapping[str, type]] = {
                 ExactPeriodicity,
             ),
         ),
+        (Output, (SubsurfaceStress,)),
         (Profile, (Parabolic, Cosine, FlatBottomed)),
         (Missing, (RefuseMissing, HarmonicFill)),
         (Seam, (AsMeasured, Mirrored, Tapered)),
@@ -173,9 +177,9 @@ class SceneFile:
 def read_scene(path: str | PathLike[str]) -> SceneFile:
     """The scene in a TOML file.
 
-    Tables ``load``, ``solids`` (two), ``shapes`` (each with its ``kind``), ``grid``, ``padding``, ``plan``
-    and ``solve``, and the key ``hardness``, take the fields of the values of these names. Raises
-    :class:`~contactstudy.InvalidInput`, which names the key, for anything else.
+    Tables ``load``, ``solids`` (two), ``shapes`` and ``outputs`` (each with its ``kind``), ``grid``,
+    ``padding``, ``plan`` and ``solve``, and the key ``hardness``, take the fields of the values of these
+    names. Raises :class:`~contactstudy.InvalidInput`, which names the key, for anything else.
     """
     path = Path(path)
     try:
@@ -198,7 +202,7 @@ def _scene_file(document: Document, folder: Path) -> SceneFile:
         shape.read(folder) if isinstance(shape, MeasuredFile) else shape
         for shape in document.shapes
     )
-    scene = Scene(document.load, document.solids, shapes, document.hardness)
+    scene = Scene(document.load, document.solids, shapes, document.hardness, document.outputs)
     padding: Padding | Paddings | None = document.padding
     if document.padding_across is not None:
         if document.padding is None:

@@ -54,10 +54,11 @@ def solve(
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         last = solver.iterate(bare, tolerance=tolerance, max_iterations=max_iterations)
     scales = problem.scales
-    moved, approach = _in(scales.gap, last.displacement), last.approach * scales.gap
+    moved = np.multiply(last.displacement, scales.gap, dtype=np.float64)
+    approach = last.approach * scales.gap
     return Solution(
         problem=problem,
-        pressure=_in(scales.pressure, last.pressure),
+        pressure=problem.pressures.of(last.pressure, scales.pressure),
         displacement=moved,
         gap=problem.undeformed_gap + moved - approach,
         approach=approach,
@@ -83,10 +84,6 @@ def _without_pressure(problem: Problem) -> Solution:
         convolutions=0.0,
         residual=inf,
     )
-
-
-def _in(scale: float, field: Array) -> Array:
-    return np.multiply(field, scale, dtype=np.float64)
 
 
 def _status(

@@ -17,6 +17,7 @@ from contactstudy.solids import HalfSpace
 from contactstudy.stress_influence import COMPONENTS, Component, stress_cell
 from contactstudy.stress_periodic import stress_cell_doubly_periodic, stress_cell_periodic
 from contactstudy.transforms import TRANSFORMS, Waves
+from contactstudy.units import Metres
 
 
 @dataclass(frozen=True)
@@ -30,7 +31,7 @@ class SubsurfaceStress:
     Raises :class:`~contactstudy.InvalidInput` for other depths or bodies, a scene with it for a rigid one.
     """
 
-    depths: tuple[float, ...]
+    depths: tuple[Metres, ...]
     solid: int = 0
 
     def __post_init__(self) -> None:

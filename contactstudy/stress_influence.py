@@ -54,7 +54,7 @@ class Strip:
 
 def _angle(x: Array, y: Array, z: float, r: Array) -> Array:
     """Minus the solid angle of a quadrant: integral of ``-z / r^3``."""
-    return -np.arctan2(x * y, z * r)
+    return np.asarray(-np.arctan2(x * y, z * r))
 
 
 def _arch(x: Array, y: Array, z: float, r: Array) -> Array:

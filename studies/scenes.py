@@ -70,7 +70,8 @@ def solve(scene: Path, out: Path) -> None:
     start = perf_counter()
     solution = described.solve()
     seconds = perf_counter() - start
-    dataset = cs.to_dataset(solution)
+    estimate = cs.error_estimate(solution)
+    dataset = cs.to_dataset(solution, estimate)
     path = folder / f"{scene.stem}.nc"
     write(dataset, path)
     from studies.picture import picture
@@ -93,6 +94,14 @@ def solve(scene: Path, out: Path) -> None:
         f"{np.mean(solution.pressure > 0) * solution.problem.grid.extent[0]:.4g} m of the width on the "
         f"mean, approach {solution.approach:.4g} m"
     )
+    for what, parts in (
+        ("highest pressure", estimate.peak_pressure),
+        ("pressure in L1", estimate.l1),
+    ):
+        click.echo(
+            f"  error of the {what} at most some {parts.total:.1g}: images {parts.truncation:.1g}, "
+            f"cells {parts.discretisation:.1g}, solver {parts.residual:.1g}"
+        )
     click.echo(f"  wrote {path} and {path.with_suffix('.png')}")
     if solution.status is not cs.Status.CONVERGED:
         sys.exit(1)

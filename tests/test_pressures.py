@@ -87,6 +87,8 @@ def test_both_solvers_give_one_answer_under_a_hardness(
         assert solution.note == ""
         assert (solution.pressure <= hardness).all()
         yielding = solution.pressure == hardness
+        estimate = cs.error_estimate(solution)
+        assert max(estimate.l1.residual, estimate.peak_pressure.residual) < 64 * 1e-10 * 10
         assert (solution.gap[yielding] <= 1e-10 * posed.scales.gap).all()
         assert solution.pressure.sum() == pytest.approx(posed.pressures.total, rel=1e-10)
     ours, reference = (solution.pressure / posed.scales.pressure for solution in solutions)

@@ -30,7 +30,7 @@ IMAGES = 200 * 2 ** np.arange(6)
 
 
 def boussinesq(x: Array, y: Array, z: Array, nu: float) -> Array:
-    """Stress under a unit force (Johnson 1985, eqs. 3.19, his 3.19d without its misprint)."""
+    """Stress under a unit force (Johnson 1985, eqs. 3.19; xy from the others by rotation)."""
     rho, r2 = np.sqrt(x * x + y * y + z * z), x * x + y * y
     part, lateral = (1 - z / rho) / r2, (1 - 2 * nu) / r2
     xx = lateral * (part * (x * x - y * y) + z * y * y / rho**3) - 3 * z * x * x / rho**5

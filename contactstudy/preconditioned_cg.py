@@ -1,5 +1,6 @@
 """Preconditioned conjugate gradients that look before they step, from coarse grids to fine."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,7 +8,7 @@ import numpy as np
 from contactstudy.arrays import Array, inner
 from contactstudy.iterate import Iterate, Stall
 from contactstudy.polonsky_keer import PolonskyKeer
-from contactstudy.pressures import AdmissiblePressures
+from contactstudy.pressures import AdmissiblePressures, Mask
 from contactstudy.problem import BareProblem
 
 # A trial step is taken whole, zeros and all, from this share of the best step along its line on.
@@ -45,10 +46,7 @@ class PreconditionedCG:
         start: Array | None = None,
     ) -> Iterate:
         """Iterate until ``problem.pressures.residual(pressure, gap) <= tolerance``."""
-        work = 0.0
-        if start is None:
-            start, work = self._from_coarser(problem, max(tolerance, self.coarse_tolerance))
-        last = self._descend(problem, start, tolerance, max_iterations, work)
+        last = self._descend(problem, start, tolerance, max_iterations)
         ended = problem.ends(last.residual, last.displacement, tolerance)
         if ended or last.iterations == max_iterations:
             return last
@@ -70,42 +68,43 @@ class PreconditionedCG:
             f"{last.iterations} iterations; Polonsky & Keer's scheme went on from there.",
         )
 
-    def _from_coarser(self, problem: BareProblem, tolerance: float) -> tuple[Array, float]:
-        """A start, and what it cost."""
-        small = problem.undeformed_gap.size <= SMALL
-        coarse = None if small else problem.coarsened()
+    def _begin(
+        self, problem: BareProblem, start: Array | None, tolerance: float
+    ) -> tuple[Array, float]:
+        """A pressure to begin with, the caller's own, and what it cost."""
+        if start is not None:
+            return start.copy(), 0.0
+        shape = problem.undeformed_gap.shape
+        coarse = problem.coarsened() if problem.undeformed_gap.size > SMALL else None
         if coarse is None:
             return problem.uniform(), 0.0
-        start, work = self._from_coarser(coarse, tolerance)
-        last = self._descend(coarse, start, tolerance, self.patience, work)
-        ratio = coarse.displacement.work / problem.displacement.work
-        blocks = [
-            n // m for n, m in zip(problem.undeformed_gap.shape, last.pressure.shape, strict=True)
-        ]
+        last = self._descend(coarse, None, max(tolerance, self.coarse_tolerance), self.patience)
+        blocks = [n // m for n, m in zip(shape, last.pressure.shape, strict=True)]
         fine = last.pressure.repeat(blocks[0], axis=0).repeat(blocks[1], axis=1)
-        return fine, last.convolutions * ratio
+        return fine, last.convolutions * coarse.displacement.work / problem.displacement.work
 
     def _descend(
         self,
         problem: BareProblem,
-        pressure: Array,
+        start: Array | None,
         tolerance: float,
         max_iterations: int,
-        work: float,
     ) -> Iterate:
         operator, pressures = problem.displacement, problem.pressures
         precondition, its_work = operator.approximate_inverse()
-        pressure = pressures.admit(pressure.copy())
+        pressure, work = self._begin(problem, start, tolerance)
+        pressure = pressures.admit(pressure)
         moved = operator(pressure)
         work += 1
-        step = response = None
-        length = curvature = 1.0
+        last: _Step | None = None
+        length = 1.0
         own = operator.own
         stall = Stall(self.patience)
         iteration = 0
+        gap = np.empty_like(moved)
         while True:
             contact = pressures.free(pressure)
-            gap = problem.undeformed_gap + moved
+            np.add(problem.undeformed_gap, moved, out=gap)
             approach = pressures.approach(pressure, gap, contact)
             gap -= approach
             left = pressures.residual(pressure, gap)
@@ -113,37 +112,65 @@ class PreconditionedCG:
             if done or stall.sees(left):
                 return Iterate(pressure, moved, approach, left, iteration, work)
             iteration += 1
-            inside = contact.astype(gap.dtype)
-            direction = _within(inside, np.negative(precondition(gap * inside)))
+            trial = _direction(gap, contact, precondition, last)
             work += 1 + its_work / operator.work
-            if step is not None and response is not None:
-                conjugate = inner(direction, response) / curvature
-                tried = _within(inside, direction - conjugate * step)
-                if inner(gap, tried) < 0:
-                    direction = tried
-            trial = pressure + length * direction
+            trial *= length
+            trial += pressure
             cut = pressures.cuts(trial)
             pressures.release(trial, pressure, gap, own / self.seed)
             trial = pressures.admit(trial)
-            step = trial - pressure
+            step = np.subtract(trial, pressure, out=last.step if last else None)
             if inner(gap, step) >= 0:
                 # balancing the load has turned the step uphill: that to the nearest pressure never is
                 cut, length = True, length / 4
                 trial = pressures.nearest(pressure - gap / own)
-                step = trial - pressure
+                np.subtract(trial, pressure, out=step)
             ahead = operator(trial)
-            response = ahead - moved
+            response = np.subtract(ahead, moved, out=last.response if last else None)
             curvature = inner(step, response)
             best = -inner(gap, step) / curvature if curvature > 0 else 0.0
             taken = (
                 _whole_or_best(best) if cut else _to_first_limit(pressures, pressure, step, best)
             )
+            last = _Step(step, response, curvature)
             if taken == 1:
                 pressure, moved = trial, ahead
             else:
-                pressure = pressures.clip(pressure + taken * step)
-                moved = moved + taken * response
+                last.scale(taken)
+                pressure += last.step
+                moved += last.response
+                pressures.clip(pressure)
             length *= min(max(best, 0.3), 3.0)
+
+
+@dataclass
+class _Step:
+    """A step taken, the displacement it made, and their product."""
+
+    step: Array
+    response: Array
+    curvature: float
+
+    def scale(self, factor: float) -> None:
+        """Make it so many times as long."""
+        self.step *= factor
+        self.response *= factor
+        self.curvature *= factor**2
+
+
+def _direction(
+    gap: Array, contact: Mask, precondition: Callable[[Array], Array], last: _Step | None
+) -> Array:
+    """The preconditioned gap of the cells in contact, conjugate to the last step where that is downhill."""
+    inside = contact.astype(gap.dtype)
+    direction = precondition(gap * inside)
+    _restrict(np.negative(direction, out=direction), inside)
+    if last is None:
+        return direction
+    tried = last.step * (-inner(direction, last.response) / last.curvature)
+    tried += direction
+    _restrict(tried, inside)
+    return tried if inner(gap, tried) < 0 else direction
 
 
 def _whole_or_best(best: float) -> float:
@@ -161,11 +188,10 @@ def _to_first_limit(
     return best if best <= 1 else min(best, max(1.0, pressures.room(pressure, step)))
 
 
-def _within(inside: Array, direction: Array) -> Array:
-    """``direction`` where ``inside`` is 1 and not 0, and such that the load stays as it is, in place.
+def _restrict(direction: Array, inside: Array) -> None:
+    """Make ``direction`` zero where ``inside`` is not 1, and such that the load stays as it is.
 
-    Products, for a masked choice costs ten times as much where the mask is rough.
+    By products, for a masked choice costs ten times as much where the mask is rough.
     """
     direction -= inner(direction, inside) / inside.sum()
     direction *= inside
-    return direction

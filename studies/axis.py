@@ -47,7 +47,7 @@ class Axis:
                 f"Axis {self.name!r} has values {self.values!r}: give names or numbers."
             )
         if any(isinstance(value, float) for value in values):
-            values = tuple(float(value) for value in values)
+            values = tuple(_snapped(float(value)) for value in values)
         object.__setattr__(self, "values", values)
 
     @property
@@ -78,7 +78,12 @@ class Axis:
             exact = False
         if not exact or (self.kind is float and not math.isfinite(converted)):
             raise InvalidInput(f"{self.name} is {value!r}: {FORMS[self.kind]}.")
-        return converted  # type: ignore[no-any-return]
+        return _snapped(converted) if self.kind is float else converted
+
+
+def _snapped(value: float) -> float:
+    """The shortest number with fifteen digits: 3 * 0.1 is 0.3."""
+    return float(f"{value:.15g}")
 
 
 def _split(text: str, kind: type) -> Iterator[str | int]:

@@ -1,6 +1,6 @@
 """One computation of a study: a value that says what to compute, and how exactly."""
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -57,17 +57,19 @@ class Case:
     def record(self, result: cs.Solution) -> Mapping[str, xr.Variable]:
         """The solver's own numbers, and its status as CF flags."""
         statuses = list(cs.Status)
-        flags = {
-            "long_name": "outcome of the solver",
-            "flag_values": np.arange(len(statuses), dtype=np.int8),
-            "flag_meanings": " ".join(status.name.lower() for status in statuses),
-        }
+        meanings = [status.name.lower() for status in statuses]
+        index = np.asarray(statuses.index(result.status))
         return {
-            "outcome": xr.Variable((), np.int8(statuses.index(result.status)), flags),
+            "outcome": flags((), index, meanings, "outcome of the solver"),
             "iterations": number(result.iterations, "solver iterations"),
             "convolutions": number(result.convolutions, "transform pairs of the full grid"),
             "residual": number(result.residual, "residual of the solver"),
         }
+
+    def fields(self, result: cs.Solution) -> Mapping[str, xr.Variable]:
+        """Pressure and gap over the grid, for those who ask for fields."""
+        dataset = cs.to_dataset(result)
+        return {name: dataset[name].variable for name in ("width", "length", "pressure", "gap")}
 
 
 @dataclass(frozen=True)
@@ -96,3 +98,15 @@ class Operator:
 def number(value: float, long_name: str) -> xr.Variable:
     """A dimensionless number with its name."""
     return xr.Variable((), value, {"units": "1", "long_name": long_name})
+
+
+def flags(
+    dims: Sequence[str], values: np.ndarray, meanings: Sequence[str], long_name: str
+) -> xr.Variable:
+    """Indices into ``meanings``, as CF has it."""
+    attrs = {
+        "long_name": long_name,
+        "flag_values": np.arange(len(meanings), dtype=np.int8),
+        "flag_meanings": " ".join(meanings),
+    }
+    return xr.Variable(tuple(dims), values.astype(np.int8), attrs)

@@ -7,11 +7,13 @@ import subprocess
 import sys
 from collections.abc import Mapping
 from datetime import UTC, datetime
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
 from contactstudy.transforms import TRANSFORMS
 
+# what computes, and what stores
 PACKAGES = ("contactstudy", "numpy", "scipy", "xarray", "dask", "netCDF4")
 
 
@@ -33,6 +35,12 @@ def provenance() -> Mapping[str, str]:
     }
 
 
+def machine() -> str:
+    """The processor and the system: times are compared on one machine only."""
+    return f"{platform.node()}, {_cpu()} x {os.cpu_count()}, {platform.system()}"
+
+
+@cache
 def _revision() -> str:
     """The commit this code stands at, with a mark where files differ from it."""
     here = Path(__file__).parent

@@ -2,34 +2,39 @@
 
 import os
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from contactstudy import InvalidInput
 from studies.axis import Axis
-from studies.case import Computation
-from studies.outcome import Fate, Outcome
+from studies.case import flags
+from studies.outcome import Failure, Fate, Outcome
+from studies.timing import Sample, timing_variables
+
+NOT_RUN = Outcome(Fate.NOT_RUN)
 
 
 def assemble(
     axes: Sequence[Axis],
-    cases: Sequence[Computation],
-    outcomes: Mapping[Computation, Outcome],
-    times: Mapping[Computation, tuple[float, float]],
-    attributes: Mapping[str, str],
+    cases: Sequence[Hashable],
+    outcomes: Mapping[Any, Outcome],
+    samples: Mapping[Any, Sequence[Sample]],
+    attributes: Mapping[str, Any],
 ) -> xr.Dataset:
     """Every point of the axes with the outcome of its case; points of one case share its numbers.
 
-    ``cases`` are in the order of the axes, last one fastest. A variable's own dimensions follow those
-    of the axes. Where a case failed, numbers are missing (NaN), ``status`` says so, ``error`` why.
+    ``cases`` are in the order of the axes, last one fastest: whatever ``outcomes`` and ``samples`` go by.
+    A variable's own dimensions follow those of the axes. Where a case has no numbers (NaN, or no text),
+    ``status`` says so, ``error`` why.
     """
     shape = tuple(len(axis.values) for axis in axes)
     names = tuple(axis.name for axis in axes)
-    at = [outcomes[case] for case in cases]
+    at = [outcomes.get(case, NOT_RUN) for case in cases]
     data: dict[str, xr.Variable] = {}
     coords: dict[str, xr.Variable] = {
         axis.name: xr.Variable(
@@ -49,30 +54,26 @@ def assemble(
         if any(variable.shape != kind.shape for variable in there):
             left_out.append(name)
             continue
-        values = [np.asarray(o.variables.get(name, np.nan)) for o in at]
-        if len(there) < len(at):  # neither a whole number nor a truth has a nan
+        missing = "" if kind.dtype.kind in "US" else np.nan
+        values = [np.asarray(o.variables.get(name, missing)) for o in at]
+        if len(there) < len(at) and missing:  # neither a whole number nor a truth has a nan
             values = [np.broadcast_to(value.astype(float), kind.shape) for value in values]
-        stacked = np.reshape(values, shape + kind.shape)
+        stacked = np.reshape(np.array(np.broadcast_arrays(*values)), shape + kind.shape)
         data[name] = xr.Variable(names + kind.dims, stacked, kind.attrs)
-    for column, (name, long_name) in enumerate(
-        (
-            ("setup_time", "wall time to set up coefficients and transforms"),
-            ("solve_time", "wall time to solve, or to apply an operator once"),
-        )
-    ):
-        seconds = [times.get(case, (np.nan, np.nan))[column] for case in cases]
-        attrs = {"units": "s", "long_name": f"{long_name}, one thread, least of the repeats"}
-        data[name] = xr.Variable(names, np.reshape(seconds, shape), attrs)
-    flags = {
-        "long_name": "what became of the case",
-        "flag_values": np.array(list(Fate), dtype=np.int8),
-        "flag_meanings": " ".join(fate.name.lower() for fate in Fate),
-    }
-    fates = np.reshape([outcome.fate for outcome in at], shape).astype(np.int8)
-    data["status"] = xr.Variable(names, fates, flags)
-    if any(outcome.error for outcome in at):
-        errors = np.reshape(np.array([outcome.error for outcome in at], dtype=object), shape)
-        data["error"] = xr.Variable(names, errors, {"long_name": "why the case failed"})
+    data |= timing_variables(names, shape, [samples.get(case, ()) for case in cases])
+    data["status"] = flags(
+        names, np.reshape([o.fate for o in at], shape), [fate.name.lower() for fate in Fate],
+        "what became of the case",
+    )  # fmt: skip
+    if any(outcome.failure for outcome in at):
+        failures = [outcome.failure or Failure("", "", "") for outcome in at]
+        for name, part, long_name in (
+            ("error", "sentence", "why the case has no numbers"),
+            ("error_type", "kind", "type of the error"),
+            ("error_stage", "stage", "whether set-up, solve or measure failed"),
+        ):
+            texts = np.array([getattr(failure, part) for failure in failures], dtype=object)
+            data[name] = xr.Variable(names, texts.reshape(shape), {"long_name": long_name})
     noted = {"left_out": f"not the same at every point: {', '.join(left_out)}"} if left_out else {}
     return xr.Dataset(data, coords, dict(attributes) | noted)
 
@@ -114,10 +115,20 @@ def replacing(path: Path) -> Iterator[Path]:
         partial.unlink(missing_ok=True)
 
 
-def write(dataset: xr.Dataset, path: Path) -> None:
-    """``dataset`` as netCDF; a file that was there stays until the new one is whole."""
-    with replacing(path) as partial:
-        dataset.to_netcdf(partial, engine="netcdf4")
+def write(dataset: xr.Dataset, path: Path, groups: Iterable[tuple[str, xr.Dataset]] = ()) -> None:
+    """``dataset`` as netCDF, with ``groups`` below it; a file that was there stays until all is whole."""
+    try:
+        with replacing(path) as partial:
+            dataset.to_netcdf(partial, engine="netcdf4")
+            for name, group in groups:
+                group.to_netcdf(partial, engine="netcdf4", group=name, mode="a")
+            with partial.open("rb") as file:
+                os.fsync(file.fileno())
+    except OSError as error:
+        raise InvalidInput(
+            f"Study file {str(path)!r} cannot be written ({error.strerror or error}): what was stored is kept; "
+            "make room or give another folder with --out, and run the same command again."
+        ) from None
 
 
 def read(path: Path) -> xr.Dataset:

@@ -3,7 +3,7 @@
 import importlib
 import importlib.util
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
@@ -69,11 +69,16 @@ class Study:
         )
         return replace(self, points=changed)
 
+    def visits(self) -> Iterator[tuple[Point, Computation]]:
+        """Every point with its case, in the order of the axes (last one fastest)."""
+        names = [axis.name for axis in self.points]
+        for values in product(*(axis.values for axis in self.points)):
+            point = dict(zip(names, values, strict=True))
+            yield point, self.scene_at(point)
+
     def cases(self) -> list[Computation]:
         """The case at every point, in the order of the axes (last one fastest)."""
-        names = [axis.name for axis in self.points]
-        values = [axis.values for axis in self.points]
-        return [self.scene_at(dict(zip(names, point, strict=True))) for point in product(*values)]
+        return [case for _, case in self.visits()]
 
 
 def load(name: str) -> Study:

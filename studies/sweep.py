@@ -1,88 +1,314 @@
-"""Runs a study: every distinct case once through dask, then alone against the clock."""
+"""Runs a study: what is not stored yet, each distinct case once, then alone against the clock."""
 
-from collections.abc import Callable, Iterable, Mapping
-from contextlib import nullcontext
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
+from time import monotonic
+from typing import TYPE_CHECKING
 
-import dask.config
 import xarray as xr
-from dask.base import compute as compute_all
-from dask.callbacks import Callback
-from dask.delayed import delayed
 from tqdm import tqdm
 
+from contactstudy import InvalidInput
+from studies import fields as stored_fields
+from studies.canonical import canonical, differences, key
 from studies.case import Computation
-from studies.outcome import Fate, Outcome, clock, compute
-from studies.pool import process_pool
-from studies.provenance import provenance
+from studies.journal import Contents, Journal, Named
+from studies.lock import holding
+from studies.outcome import Fate, Outcome, Work
+from studies.provenance import machine, provenance
+from studies.recipe import recipe, versions
 from studies.store import assemble, open_folder, read, write
 from studies.study import Study
+from studies.timing import Sample, time
+
+if TYPE_CHECKING:
+    from studies.engine import Engine
 
 Say = Callable[[str], object]
 
+# What ``--retry`` may name.
+RETRIES = {
+    "failed": frozenset({Fate.FAILED, Fate.TIMEOUT, Fate.KILLED}),
+    "timeout": frozenset({Fate.TIMEOUT}),
+    "killed": frozenset({Fate.KILLED}),
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """How a study is run.
+
+    ``scheduler``: address of a dask scheduler, in place of ``workers`` processes (0: this one alone).
+    ``time_limit`` [s] of a case. ``repeats``: timed runs of each case; ``old_times``: "kept" or "dropped".
+    ``retry``: what is computed again though it is stored. ``after_failure``: "go on" or "stop".
+    ``fields``: "none" or "kept", pressure and gap of every case.
+    """
+
+    workers: int = 2
+    scheduler: str | None = None
+    time_limit: float | None = None
+    repeats: int = 2
+    old_times: str = "kept"
+    retry: frozenset[Fate] = frozenset()
+    after_failure: str = "go on"
+    fields: str = "none"
+
+    def __post_init__(self) -> None:
+        if self.time_limit is not None and not self.time_limit > 0:
+            raise InvalidInput(f"time_limit is {self.time_limit!r}: give seconds above 0.")
+
+
+class _FirstFailureError(Exception):
+    """Ends a run that is to stop there."""
+
 
 def run(
-    study: Study, out: Path, *, workers: int = 2, repeats: int = 2, say: Say = print
+    study: Study,
+    out: Path,
+    *,
+    workers: int = 2,
+    repeats: int = 2,
+    say: Say = print,
+    settings: Settings | None = None,
 ) -> xr.Dataset:
-    """Compute ``study`` and leave ``<out>/<study>.nc``; returns what was written.
+    """Compute what is lacking of ``study`` and leave ``<out>/<study>.nc``; returns what was written.
 
-    ``workers`` processes share the cases (0: this process alone); afterwards each case is timed
-    ``repeats`` times on one thread, one at a time, in turns. Bad points raise
-    :class:`~contactstudy.InvalidInput` before anything runs or is written.
+    ``settings`` stand in place of ``workers`` and ``repeats``. Every finished case is in
+    ``<out>/<study>.journal.jsonl`` before it is reported, and is not computed again. Bad points raise
+    :class:`~contactstudy.InvalidInput` before anything runs or is written, as does a folder that cannot be
+    written to.
     """
-    cases = study.cases()
-    distinct = list(dict.fromkeys(cases))
+    chosen = settings or Settings(workers=workers, repeats=repeats)
+    asked = Asked.of(study)
     folder = open_folder(out)
-    say(f"{study.name}: {len(cases)} points, {len(distinct)} distinct cases")
-    outcomes = _solve(study, distinct, workers)
-    path = folder / f"{study.name}.nc"
-    attributes = {"title": study.title, "first_case": repr(distinct[0])} | dict(provenance())
-    attributes["timing"] = f"wall time, least of {repeats}, one case at a time, one thread"
-    # twice, so that an interrupt of the timing leaves what was solved
-    write(assemble(study.points, cases, outcomes, {}, attributes), path)
-    solved = [case for case, outcome in outcomes.items() if outcome.fate is Fate.OK]
-    times = _time(study.name, solved, repeats)
-    write(assemble(study.points, cases, outcomes, times, attributes), path)
-    dataset = read(path)
-    if "left_out" in dataset.attrs:
-        say(f"{study.name}: left out, {dataset.attrs['left_out']}")
-    failed = [outcome.error for outcome in outcomes.values() if outcome.fate is Fate.FAILED]
-    if failed:
-        say(
-            f"{study.name}: {len(failed)} of {len(distinct)} cases failed, the first with {failed[0]}"
-        )
-    ends = [o.variables["outcome"] for o in outcomes.values() if "outcome" in o.variables]
-    unsettled = sum(int(end) != 0 for end in ends)
-    if unsettled:
-        say(
-            f"{study.name}: {unsettled} of {len(ends)} solves did not simply converge; see 'outcome'"
-        )
-    say(f"{study.name}: wrote {path}")
-    return dataset
+    with holding(folder / f".{study.name}.lock", say):
+        journal = Journal(folder / f"{study.name}.journal.jsonl", asked.context, machine())
+        with journal:
+            return _Run(study, asked, folder, journal, chosen, say).go()
 
 
-def _solve(study: Study, cases: list[Computation], workers: int) -> dict[Computation, Outcome]:
-    tasks = [
-        delayed(compute, pure=False)(case, study.measures, dask_key_name=f"case-{number}")
-        for number, case in enumerate(cases)
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """What a study asks for: the key of the case at every point, and each case by its key."""
+
+    keys: Sequence[str]
+    cases: Mapping[str, Computation]
+    names: Mapping[str, Named]
+    context: Mapping[str, str]
+
+    @classmethod
+    def of(cls, study: Study) -> "Asked":
+        """The cases of ``study``, of which those that differ in rounding only are one."""
+        trees: dict[Computation, tuple[str, object]] = {}
+        keys, cases, names = [], {}, {}
+        for point, case in study.visits():
+            if case not in trees:
+                tree = canonical(case)
+                trees[case] = key(tree), tree
+            name, tree = trees[case]
+            keys.append(name)
+            if name not in cases:
+                at = {axis: str(canonical(value)) for axis, value in point.items()}
+                cases[name], names[name] = case, Named(name, tree, at)
+        kinds = frozenset(type(case) for case in cases.values())
+        context = dict(versions()) | {"measures": recipe(study.measures, kinds)}
+        return cls(keys, cases, names, context)
+
+
+class _Run:
+    """One run, with the journal in hand."""
+
+    def __init__(
+        self,
+        study: Study,
+        asked: Asked,
+        folder: Path,
+        journal: Journal,
+        settings: Settings,
+        say: Say,
+    ) -> None:
+        self.study, self.asked, self.folder = study, asked, folder
+        self.journal, self.settings = journal, settings
+        self.say: Say = lambda text: say(f"{study.name}: {text}")
+        self.path = folder / f"{study.name}.nc"
+        self.pictures = folder / f"{study.name}.fields"
+        self.outcomes: dict[str, Outcome] = {}
+        self.attributes: dict[str, object] = {}
+        self.written = 0.0
+
+    def go(self) -> xr.Dataset:
+        cases = self.asked.cases
+        self.say(f"{len(self.asked.keys)} points, {len(cases)} distinct cases")
+        lacking = self._lacking()
+        if len(lacking) < len(cases):
+            self.say(f"{len(cases) - len(lacking)} cases are stored, {len(lacking)} to compute")
+        where = provenance()
+        self.journal.start(where)
+        self.attributes = self._attributes(where)
+        self._write()
+        try:
+            self._solve(lacking)
+            self._write()
+            self._time()
+        except _FirstFailureError:
+            for name in lacking:
+                self.outcomes.setdefault(name, Outcome(Fate.SKIPPED))
+            self.say("stopped at the first failure; what was not reached is marked as skipped")
+        except KeyboardInterrupt:
+            self.journal.sync()
+            self._write()
+            done = sum(name in self.outcomes for name in cases)
+            self.say(f"{done} of {len(cases)} cases are stored; run the same command to go on")
+            raise
+        self._write()
+        dataset = read(self.path)
+        self._report(dataset)
+        return dataset
+
+    def _lacking(self) -> list[str]:
+        """The cases to compute; says why what is stored does not serve, where there is something."""
+        contents, lacking = self.journal.contents, []
+        changes: dict[str, int] = {}
+        for name, named in self.asked.names.items():
+            record = contents.records.get(name)
+            if record is not None and not differences(record.named.tree, named.tree):
+                if self._is_done(name, record.outcome.fate):
+                    self.outcomes[name] = record.outcome
+                    continue
+            else:
+                for change in _changes(contents, named, self.asked.context):
+                    changes[change] = changes.get(change, 0) + 1
+            lacking.append(name)
+        for change, count in changes.items():
+            self.say(f"{count} stored cases are computed anew, since {change}")
+        return lacking
+
+    def _is_done(self, name: str, fate: Fate) -> bool:
+        wants_fields = self.settings.fields == "kept" and fate is Fate.OK
+        return fate not in self.settings.retry and (
+            not wants_fields or stored_fields.are_kept(self.pictures, name)
+        )
+
+    def _solve(self, lacking: Sequence[str]) -> None:
+        if not lacking:
+            return
+        work = Work(self.study.measures, self.settings.fields == "kept", self.settings.time_limit)
+        bar = tqdm(
+            total=len(lacking), desc=f"{self.study.name}: solving", unit="case", disable=None
+        )
+        unseen = 0
+
+        def finished(number: int, outcome: Outcome) -> None:
+            nonlocal unseen
+            name = lacking[number]
+            if outcome.fields:
+                stored_fields.keep(self.pictures, name, outcome.fields)
+                outcome = replace(outcome, fields={})
+            named = self.asked.names[name]
+            is_on_disk = self.journal.add(named, outcome)
+            self.outcomes[name] = outcome
+            unseen += 1
+            if is_on_disk:
+                bar.update(unseen)
+                unseen = 0
+            if outcome.fate is not Fate.OK and self.settings.after_failure == "stop":
+                self.say(f"a case failed: {outcome.error}")
+                raise _FirstFailureError
+            if monotonic() > self.written + 60:
+                self._write()
+
+        with bar:
+            self._engine(lacking).run([self.asked.cases[name] for name in lacking], work, finished)
+            self.journal.sync()
+            bar.update(unseen)
+
+    def _engine(self, lacking: Sequence[str]) -> "Engine":
+        # what an engine needs is imported with it
+        if self.settings.scheduler is not None:
+            from studies.cluster import Cluster
+
+            return Cluster(self.settings.scheduler)
+        from studies.engine import InProcess, Processes
+
+        if self.settings.workers:
+            return Processes(self.settings.workers)
+        begun = self.journal.contents.begun
+        suspects = frozenset(number for number, name in enumerate(lacking) if name == begun)
+        if suspects:
+            self.say("the last run ended during a case, which now needs a process of its own")
+        return InProcess(lambda number: self.journal.begin(lacking[number]), suspects)
+
+    def _time(self) -> None:
+        if self.settings.old_times == "dropped":
+            self.journal.forget_times()
+        there = self.journal.contents.samples
+        counts = {
+            name: self.settings.repeats - len(there.get(name, ()))
+            for name, outcome in self.outcomes.items()
+            if outcome.fate is Fate.OK
+        }
+        counts = {name: count for name, count in counts.items() if count > 0}
+        expected = {name: self.outcomes[name].seconds for name in counts}
+        bar = tqdm(
+            total=sum(counts.values()), desc=f"{self.study.name}: timing", unit="run", disable=None
+        )
+
+        with bar:
+            time(self.asked.cases, counts, expected, partial(self._timed, bar))
+            self.journal.sync()
+
+    def _timed(self, bar: "tqdm[None]", name: str, sample: Sample) -> None:
+        self.journal.time(name, sample)
+        bar.update()
+
+    def _attributes(self, where: Mapping[str, str]) -> dict[str, object]:
+        first = next(iter(self.asked.cases.values()))
+        return {"title": self.study.title, "first_case": repr(first)} | dict(where) | {
+            "history": "\n".join(self.journal.contents.history),
+            "case_versions": ", ".join(f"{k} {v}" for k, v in self.asked.context.items()),
+            "parameter_hash": key(list(self.asked.keys)),
+            "timing": "wall time, least of the repeats, one case at a time, one thread",
+            "timing_threads": 1,
+        }  # fmt: skip
+
+    def _write(self) -> None:
+        samples = self.journal.contents.samples
+        dataset = assemble(
+            self.study.points, self.asked.keys, self.outcomes, samples, self.attributes
+        )
+        groups = (
+            (f"fields/case_{name}", stored_fields.kept(self.pictures, name))
+            for name in self.asked.cases
+            if self.settings.fields == "kept" and stored_fields.are_kept(self.pictures, name)
+        )
+        write(dataset, self.path, groups)
+        self.written = monotonic()
+
+    def _report(self, dataset: xr.Dataset) -> None:
+        if "left_out" in dataset.attrs:
+            self.say(f"left out, {dataset.attrs['left_out']}")
+        found = [self.outcomes[name] for name in self.asked.cases]
+        failed = [outcome.error for outcome in found if outcome.failure]
+        if failed:
+            self.say(f"{len(failed)} of {len(found)} cases failed, the first with {failed[0]}")
+        ends = [o.variables["outcome"] for o in found if "outcome" in o.variables]
+        unsettled = sum(int(end) != 0 for end in ends)
+        if unsettled:
+            self.say(f"{unsettled} of {len(ends)} solves did not simply converge; see 'outcome'")
+        self.say(f"wrote {self.path}")
+
+
+def _changes(contents: Contents, named: Named, context: Mapping[str, str]) -> list[str]:
+    """Why what is stored for ``named``, or at its point, is not what is asked for."""
+    found = contents.changed(named)
+    before = contents.others.get(named.key)
+    if before is None or named.key in contents.records:
+        return found
+    names = sorted(before.context.keys() | context.keys())
+    return found + [
+        f"{name} was {before.context.get(name, 'absent')} and is {context.get(name, 'absent')}"
+        for name in names
+        if before.context.get(name) != context.get(name)
     ]
-    pool = process_pool(workers) if workers else nullcontext()
-    bar = tqdm(total=len(cases), desc=f"{study.name}: solving", unit="case", disable=None)
-    with pool as executor, bar, Callback(posttask=lambda *_: bar.update()):
-        settings = (
-            {"scheduler": "processes", "pool": executor} if workers else {"scheduler": "sync"}
-        )
-        with dask.config.set(settings):
-            return dict(zip(cases, compute_all(*tasks), strict=True))
-
-
-def _time(
-    name: str, cases: Iterable[Computation], repeats: int
-) -> Mapping[Computation, tuple[float, float]]:
-    turns = [case for _ in range(repeats) for case in cases]
-    least: dict[Computation, tuple[float, float]] = {}
-    for case in tqdm(turns, desc=f"{name}: timing", unit="run", disable=None):
-        pairs = zip(clock(case), least.get(case, (float("inf"),) * 2), strict=True)
-        setup, solve = (min(pair) for pair in pairs)
-        least[case] = setup, solve
-    return least

@@ -8,7 +8,7 @@ from contactstudy import InvalidInput
 from studies import line_contact
 from studies.axis import Axis
 from studies.case import Case
-from studies.outcome import Fate, Outcome
+from studies.outcome import Failure, Fate, Outcome
 from studies.store import assemble, open_folder, read, replacing, write
 
 
@@ -59,7 +59,9 @@ def outcomes(*variables: dict[str, xr.Variable] | None) -> tuple[list[Case], dic
         for p in (1, 2)
     ]
     return cases, {
-        case: Outcome(Fate.FAILED, error="no") if one is None else Outcome(Fate.OK, one)
+        case: Outcome(Fate.FAILED, failure=Failure("E", "no", "solve"))
+        if one is None
+        else Outcome(Fate.OK, one)
         for case, one in zip(cases, variables, strict=True)
     }
 

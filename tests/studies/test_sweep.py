@@ -25,9 +25,10 @@ def dataset(small_run: Path) -> xr.Dataset:
 
 
 def test_every_selection_is_filled(dataset: xr.Dataset) -> None:
-    assert tuple(dataset.sizes) == ("padding", "images", "period", "grid")
+    axes = ("padding", "images", "period", "grid")
+    assert tuple(dataset.sizes) == (*axes, "repeat")
     for name in NUMBERS:
-        assert dataset[name].dims == tuple(dataset.sizes)
+        assert dataset[name].dims == axes
         assert np.isfinite(dataset[name]).all(), name
     assert (dataset["status"] == 1).all()
 
@@ -56,8 +57,10 @@ def test_a_mode_without_n_is_computed_once_and_broadcast(dataset: xr.Dataset) ->
 def test_every_variable_says_what_it_is_and_in_which_unit(dataset: xr.Dataset) -> None:
     for name, variable in dataset.variables.items():
         assert variable.attrs["long_name"], name
-        assert name in ("padding", "status", "outcome") or variable.attrs["units"], name
-    for name in ("status", "outcome"):
+        assert name in ("padding", "status", "outcome", "contended") or variable.attrs["units"], (
+            name
+        )
+    for name in ("status", "outcome", "contended"):
         flags = dataset[name].attrs
         assert dataset[name].dtype == np.int8
         assert len(flags["flag_values"]) == len(flags["flag_meanings"].split())

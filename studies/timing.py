@@ -1,0 +1,126 @@
+"""Times that can be trusted: one case at a time, one thread, in turns, every sample kept."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from time import perf_counter, process_time
+
+import numpy as np
+import xarray as xr
+from threadpoolctl import threadpool_limits
+
+from studies.case import Computation, flags
+
+THREADS = 1
+# A case shorter than this is run once untimed; in a longer one the first touch of memory is lost.
+WARM_UP = 0.3
+# A neighbour on the core takes CPU time away; one on the memory bus, or a slower clock, makes repeats
+# differ. Times are to hold within 10 %.
+LEAST_SHARE = 0.95
+SPREAD = 1.1
+
+
+@dataclass(frozen=True)
+class Sample:
+    """One timed run of a case [s]: wall and CPU time of set-up and solve, and the threads allowed."""
+
+    setup: float
+    solve: float
+    setup_cpu: float
+    solve_cpu: float
+    threads: int
+
+
+def clock(case: Computation) -> Sample:
+    """One run of ``case``, against the wall clock and the processor's."""
+    wall, cpu = perf_counter(), process_time()
+    prepared = case.prepare()
+    ready, ready_cpu = perf_counter(), process_time()
+    case.run(prepared)
+    done, done_cpu = perf_counter(), process_time()
+    return Sample(ready - wall, done - ready, ready_cpu - cpu, done_cpu - ready_cpu, THREADS)
+
+
+def time(
+    cases: Mapping[str, Computation],
+    lacking: Mapping[str, int],
+    expected: Mapping[str, float],
+    taken: Callable[[str, Sample], object],
+) -> None:
+    """``lacking[key]`` samples of each case, case after case in turns, each given to ``taken``.
+
+    ``expected`` seconds decide which cases are warmed up; what a case raises leaves it without times.
+    """
+    with threadpool_limits(THREADS):
+        failed = set()
+        for turn, key in turns(lacking):
+            if key in failed:
+                continue
+            try:
+                if turn == 0 and expected.get(key, 0.0) < WARM_UP:
+                    clock(cases[key])
+                sample = clock(cases[key])
+            except Exception:  # noqa: BLE001 (it was computed before, so this is chance, and no sample)
+                failed.add(key)
+            else:
+                taken(key, sample)
+
+
+def turns(lacking: Mapping[str, int]) -> Iterator[tuple[int, str]]:
+    """Every case once, then every case again, for as long as one lacks a sample."""
+    for turn in range(max(lacking.values(), default=0)):
+        yield from ((turn, key) for key, count in lacking.items() if turn < count)
+
+
+def is_contended(samples: Sequence[Sample]) -> bool:
+    """Whether the least time may be too long by a tenth: CPU time lacks, or no repeat confirms it."""
+    wall = np.array([sample.setup + sample.solve for sample in samples])
+    cpu = np.array([sample.setup_cpu + sample.solve_cpu for sample in samples])
+    least = int(wall.argmin())
+    lacks = cpu[least] < LEAST_SHARE * wall[least]
+    confirmed = len(wall) > 1 and np.sort(wall)[1] <= SPREAD * wall[least]
+    return bool(lacks or not confirmed)
+
+
+CONTENDED = ("no", "yes", "not_timed")
+PARTS = {
+    "setup": "to set up coefficients and transforms",
+    "solve": "to solve, or to apply an operator once",
+}
+
+
+def timing_variables(
+    names: tuple[str, ...], shape: tuple[int, ...], samples: Sequence[Sequence[Sample]]
+) -> Mapping[str, xr.Variable]:
+    """Least, median and CPU time of each case, every sample along ``repeat``, and whether it can be trusted."""
+    data = {}
+    repeats = max((len(one) for one in samples), default=0)
+
+    def seconds(attribute: str) -> np.ndarray:
+        rows = [[getattr(s, attribute) for s in one] for one in samples]
+        filled = [row + [np.nan] * (repeats - len(row)) for row in rows]
+        return np.array(filled, dtype=float).reshape(len(samples), repeats)
+
+    def variable(values: np.ndarray, what: str, *more: str) -> xr.Variable:
+        stacked = values.reshape(shape + values.shape[1:])
+        return xr.Variable(names + more, stacked, {"units": "s", "long_name": what})
+
+    for part, what in PARTS.items():
+        wall, cpu = seconds(part), seconds(f"{part}_cpu")
+        least, middle, least_cpu = np.full((3, len(samples)), np.nan)
+        for row, one in enumerate(samples):
+            if one:
+                chosen = wall[row, : len(one)]
+                least[row], middle[row] = chosen.min(), np.median(chosen)
+                least_cpu[row] = cpu[row, chosen.argmin()]
+        name = f"{part}_time"
+        data[name] = variable(least, f"wall time {what}, one thread, least of the repeats")
+        data[f"{name}_median"] = variable(middle, f"wall time {what}, median of the repeats")
+        data[f"{name}_cpu"] = variable(
+            least_cpu, f"CPU time {what}, in the repeat of least wall time"
+        )
+        if repeats:
+            data[f"{name}_all"] = variable(wall, f"wall time {what}, every repeat", "repeat")
+    marks = [int(is_contended(one)) if one else CONTENDED.index("not_timed") for one in samples]
+    what = "whether something else may have slowed the timing down by a tenth"
+    data["contended"] = flags(names, np.reshape(marks, shape), CONTENDED, what)
+    return data

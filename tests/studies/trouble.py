@@ -1,0 +1,66 @@
+"""Twenty cases, sixteen of them good; without a contact, so that only the running of them takes time."""
+
+import os
+import signal
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from studies.axis import Axis
+from studies.study import Plate, Point, Study
+
+RAISES, NAN, HANGS, DIES = 3, 7, 11, 15
+
+
+@dataclass(frozen=True)
+class Trouble:
+    """A number to square, which may go wrong; ``log`` gets a line for each time it is computed."""
+
+    number: float
+    log: str = ""
+    seconds: float = 0.0
+
+    def prepare(self) -> float:
+        return self.number
+
+    def run(self, prepared: float) -> float:
+        if self.log:
+            with Path(self.log).open("a") as file:
+                file.write(f"{self.number}\n")
+        if self.seconds:
+            time.sleep(self.seconds)
+        if prepared == RAISES:
+            raise ArithmeticError("this one")
+        if prepared == HANGS:
+            time.sleep(1000)
+        if prepared == DIES:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return prepared**2
+
+    def record(self, result: float) -> Mapping[str, xr.Variable]:
+        return {}
+
+
+def measures(case: Trouble, result: float) -> Mapping[str, xr.Variable | float]:
+    label = {"units": "1", "long_name": "its powers"}
+    return {
+        "square": np.nan if case.number == NAN else result,
+        "third": result / 3,
+        "powers": xr.Variable(("power",), result ** np.arange(3) / 7, label),
+    }
+
+
+def figure(dataset: xr.Dataset) -> tuple[Plate, ...]:
+    return ()
+
+
+def study(numbers: object = range(20), log: str = "", seconds: float = 0.0) -> Study:
+    def scene_at(point: Point) -> Trouble:
+        return Trouble(float(point["number"]), log, seconds)
+
+    axis = Axis("number", tuple(float(n) for n in numbers), "what is squared")  # type: ignore[attr-defined]
+    return Study("trouble", "Twenty cases.", (axis,), scene_at, measures, figure)

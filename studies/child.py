@@ -8,7 +8,7 @@ from multiprocessing.connection import Connection
 
 from threadpoolctl import threadpool_limits
 
-from studies.outcome import Failure, Fate, Outcome, compute
+from studies.outcome import Failure, Fate, Outcome, compute, warm_up
 
 IDLE = 120.0  # seconds without work after which it ends
 
@@ -19,6 +19,7 @@ def main() -> None:
     connection = Connection(int(sys.argv[1]))
     sys.path[:] = connection.recv()
     work = connection.recv()
+    warm_up()
     connection.send("ready")
     try:
         with threadpool_limits(1):

@@ -7,12 +7,10 @@ from pathlib import Path
 import click
 
 from contactstudy import InvalidInput, __version__
-from studies.outcome import Fate
 from studies.scenes import plan, solve
 from studies.study import BUILT_IN, OPTIONAL, load
-from studies.sweep import run as run_study
 
-# Worker processes import this module too: what draws is imported by the commands that draw.
+# What runs is imported by the commands that run, and what draws by those that draw: help comes at once.
 
 OUT = click.option(
     "--out",
@@ -50,6 +48,7 @@ def cli() -> None:
 def report(out: Path, workers: int, repeats: int) -> None:
     """Run the paper's study, the sweeps and those of kernels and speed, and write report.html."""
     from studies import report as reporting
+    from studies.sweep import run as run_study
 
     for name in BUILT_IN:
         run_study(load(name), out, workers=workers, repeats=repeats, say=click.echo)
@@ -65,16 +64,89 @@ def report(out: Path, workers: int, repeats: int) -> None:
 @OUT
 @WORKERS
 @REPEATS
+@click.option(
+    "--scheduler",
+    metavar="ADDRESS",
+    help="dask scheduler whose workers share the cases, such as tcp://127.0.0.1:8786, in place of --workers.",
+)
+@click.option(
+    "--time-limit",
+    type=click.FloatRange(min=0, min_open=True),
+    metavar="SECONDS",
+    help="Longest time of one case, after which it is given up.  [default: none]",
+)
+@click.option(
+    "--retry",
+    type=click.Choice(["failed", "timeout", "killed"]),
+    multiple=True,
+    help="Compute again what failed (in any way), timed out, or was killed.",
+)
+@click.option(
+    "--fail-fast",
+    "after_failure",
+    flag_value="stop",
+    default="go on",
+    help="Stop at the first case that fails.",
+)
+@click.option(
+    "--fields",
+    flag_value="kept",
+    default="none",
+    help="Keep the pressure and gap of every case, as groups of the netCDF file.",
+)
+@click.option(
+    "--retime",
+    "old_times",
+    flag_value="dropped",
+    default="kept",
+    help="Time all cases anew, though their times are stored.",
+)
+@click.option("--dry-run", is_flag=True, help="Say what there is to compute and what it will take.")
 @click.pass_context
-def run(context: click.Context, study: str, out: Path, workers: int, repeats: int) -> None:
-    """Run STUDY, a built-in name or a .py file, over its axes or those given here."""
-    from studies import report as reporting
+def run(
+    context: click.Context,
+    study: str,
+    out: Path,
+    workers: int,
+    repeats: int,
+    scheduler: str | None,
+    time_limit: float | None,
+    retry: tuple[str, ...],
+    after_failure: str,
+    fields: str,
+    old_times: str,
+    dry_run: bool,  # noqa: FBT001 (click gives it by name)
+) -> None:
+    """Run STUDY, a built-in name or a .py file, over its axes or those given here.
+
+    What is stored in the folder is not computed again.
+    """
+    from studies.outcome import Fate
+    from studies.sweep import RETRIES, Settings, foresee
+    from studies.sweep import run as run_study
 
     chosen = load(study).override(_axes(context.args))
-    dataset = run_study(chosen, out, workers=workers, repeats=repeats, say=click.echo)
+    settings = Settings(
+        workers=workers,
+        scheduler=scheduler,
+        time_limit=time_limit,
+        repeats=repeats,
+        old_times=old_times,
+        retry=frozenset(fate for name in retry for fate in RETRIES[name]),
+        after_failure=after_failure,
+        fields=fields,
+    )
+    if dry_run:
+        foresee(chosen, out, settings=settings, say=click.echo)
+        return
+    dataset = run_study(chosen, out, settings=settings, say=click.echo)
     if not (dataset["status"] == Fate.OK).any():
         click.echo(f"{chosen.name}: no case gave numbers, so there is nothing to draw.", err=True)
         sys.exit(1)
+    if after_failure == "stop" and not (dataset["status"] == Fate.OK).all():
+        sys.exit(1)
+    from studies import report as reporting
+
     reporting.draw(chosen, out)
     click.echo(f"{chosen.name}: drew {out / chosen.name}")
 
@@ -142,7 +214,7 @@ def main() -> None:
         sys.exit(error.exit_code)
     except (KeyboardInterrupt, click.Abort):
         click.echo(
-            "contactstudy: stopped; a study that was solved before is in the output folder.",
+            "contactstudy: stopped; run the same command to go on from what is stored.",
             err=True,
         )
         sys.exit(130)

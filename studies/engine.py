@@ -14,7 +14,7 @@ from threadpoolctl import threadpool_limits
 
 from studies.case import Computation
 from studies.guard import Guard
-from studies.outcome import Fate, Finished, Outcome, Work, compute
+from studies.outcome import Fate, Finished, Outcome, Work, compute, warm_up
 
 CHUNK = 0.02  # seconds of work that are sent to a process in one go
 
@@ -39,6 +39,7 @@ class InProcess:
 
     def run(self, cases: Sequence[Computation], work: Work, finished: Finished) -> None:
         """One after the other."""
+        warm_up()
         with threadpool_limits(1):
             for number, case in enumerate(cases):
                 if number in self.suspects:

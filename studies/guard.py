@@ -68,7 +68,7 @@ class Guard:
         # the child's own alarm comes first, and spares it; here is for what the alarm cannot reach
         patience = None if self._limit is None else 1.1 * self._limit + 0.5
         try:
-            if connection.poll(patience):
+            if patience is None or connection.poll(patience):
                 outcome = pickle.loads(connection.recv_bytes())
                 assert isinstance(outcome, Outcome)
                 return outcome

@@ -51,6 +51,7 @@ class Contents:
     samples: dict[str, list[Sample]] = field(default_factory=dict)
     begun: str | None = None
     history: list[str] = field(default_factory=list)
+    score: Mapping[str, float] = field(default_factory=dict)
     _at: dict[tuple[tuple[str, str], ...], Record] = field(default_factory=dict)
 
     def keep(self, record: Record, *, is_present: bool) -> None:
@@ -69,13 +70,15 @@ class Journal:
     """The journal at ``path``, read, and open to be written on; a torn last line is cut off.
 
     Lines are ``run`` (who writes from here on), ``kind`` (see :class:`~studies.encode.Kinds`), ``begin``,
-    ``case`` and ``time``. Only one process at a time may have it open.
+    ``case``, ``time``, ``retime`` and ``score``. Records of another ``context``, and times of another
+    ``machine``, are kept apart; without a context all count, and nothing can be written. Only one process
+    at a time may have it open.
     """
 
-    def __init__(self, path: Path, context: Mapping[str, str], machine: str) -> None:
+    def __init__(self, path: Path, context: Mapping[str, str] | None, machine: str) -> None:
         self.path = path
         self.contents = Contents()
-        self._context, self._machine = dict(context), machine
+        self._context, self._machine = context, machine
         self._kinds = Kinds()
         self._synced = monotonic()
         self._end = self._read()
@@ -102,10 +105,26 @@ class Journal:
 
     def start(self, provenance: Mapping[str, str]) -> None:
         """A run begins, in the present context."""
-        run = {"context": self._context, "machine": self._machine, "provenance": dict(provenance)}
+        run = {
+            "context": dict(self._present),
+            "machine": self._machine,
+            "provenance": dict(provenance),
+        }
         self._write({"run": run})
         self.contents.history.append(provenance["history"])
         self.sync()
+
+    @property
+    def _present(self) -> Mapping[str, str]:
+        assert self._context is not None, (
+            "a journal that is read whatever its context is not written"
+        )
+        return self._context
+
+    def score(self, found: Mapping[str, float]) -> None:
+        """Write down how far off the forecast was."""
+        self._write({"score": dict(found)})
+        self.contents.score = found
 
     def begin(self, key: str) -> None:
         """This process itself begins a case: should it die, the next will know in which."""
@@ -127,7 +146,7 @@ class Journal:
         if outcome.failure is not None:
             line["failure"] = asdict(outcome.failure)
         self.contents.keep(
-            Record(named, outcome, self._context, self._write(line)), is_present=True
+            Record(named, outcome, self._present, self._write(line)), is_present=True
         )
         if outcome.seconds > TOGETHER / 2 or monotonic() - self._synced > TOGETHER:
             self.sync()
@@ -196,9 +215,11 @@ class Journal:
 
     def _take(self, line: Mapping[str, Any], run: Mapping[str, Any], size: int) -> None:
         contents = self.contents
-        is_present = run["context"] == self._context
+        is_present = self._context is None or run["context"] == self._context
         if "run" in line:
             contents.history.append(run["provenance"]["history"])
+        elif "score" in line:
+            contents.score = line["score"]
         elif "kind" in line:
             self._kinds.add(line["kind"])
         elif "begin" in line:

@@ -55,7 +55,8 @@ def assemble(
             left_out.append(name)
             continue
         missing = "" if kind.dtype.kind in "US" else np.nan
-        values = [np.asarray(o.variables.get(name, missing)) for o in at]
+        lack = xr.Variable((), missing)
+        values = [o.variables.get(name, lack).values for o in at]
         if len(there) < len(at) and missing:  # neither a whole number nor a truth has a nan
             values = [np.broadcast_to(value.astype(float), kind.shape) for value in values]
         stacked = np.reshape(np.array(np.broadcast_arrays(*values)), shape + kind.shape)

@@ -14,6 +14,7 @@ from contactstudy import InvalidInput
 from studies import fields as stored_fields
 from studies.canonical import canonical, differences, key
 from studies.case import Computation
+from studies.forecast import Forecast, forecast, model, score
 from studies.journal import Contents, Journal, Named
 from studies.lock import holding
 from studies.outcome import Fate, Outcome, Work
@@ -89,6 +90,13 @@ def run(
             return _Run(study, asked, folder, journal, chosen, say).go()
 
 
+def foresee(study: Study, out: Path, *, settings: Settings, say: Say = print) -> Forecast:
+    """What :func:`run` would compute, and what that would take; nothing is computed or written."""
+    asked = Asked.of(study)
+    journal = Journal(out / f"{study.name}.journal.jsonl", asked.context, machine())
+    return _Run(study, asked, out, journal, settings, say).foresee()
+
+
 @dataclass(frozen=True, eq=False)
 class Asked:
     """What a study asks for: the key of the case at every point, and each case by its key."""
@@ -144,12 +152,16 @@ class _Run:
         lacking = self._lacking()
         if len(lacking) < len(cases):
             self.say(f"{len(cases) - len(lacking)} cases are stored, {len(lacking)} to compute")
+        predicted = self._forecast(lacking)
+        if lacking and predicted.seconds is not None:
+            self.say(str(predicted))
         where = provenance()
         self.journal.start(where)
         self.attributes = self._attributes(where)
         self._write()
         try:
             self._solve(lacking)
+            self._score(predicted, lacking)
             self._write()
             self._time()
         except _FirstFailureError:
@@ -166,6 +178,32 @@ class _Run:
         dataset = read(self.path)
         self._report(dataset)
         return dataset
+
+    def foresee(self) -> Forecast:
+        """What there is to compute, and what it will take; nothing is computed or written."""
+        cases, lacking = self.asked.cases, self._lacking()
+        predicted = self._forecast(lacking)
+        self.say(
+            f"{len(self.asked.keys)} points, {len(cases)} distinct cases, {len(cases) - len(lacking)} stored, "
+            f"{len(lacking)} to compute"
+        )
+        if lacking:
+            self.say(str(predicted))
+        return predicted
+
+    def _forecast(self, lacking: Sequence[str]) -> Forecast:
+        trees = {name: self.asked.names[name].tree for name in lacking}
+        return forecast(model(self.folder, machine()), trees, lacking, self.settings.repeats)
+
+    def _score(self, predicted: Forecast, lacking: Sequence[str]) -> None:
+        good = [name for name in lacking if self.outcomes[name].fate is Fate.OK]
+        found = score(predicted, {name: self.outcomes[name].seconds for name in good})
+        if found:
+            self.journal.score(found)
+            self.say(
+                f"predicted {found['predicted_seconds']:.2g} s, taken {found['taken_seconds']:.2g} s; "
+                f"half of the cases within a factor {found['prediction_error_factor_median']:.2g}"
+            )
 
     def _lacking(self) -> list[str]:
         """The cases to compute; says why what is stored does not serve, where there is something."""
@@ -275,9 +313,8 @@ class _Run:
 
     def _write(self) -> None:
         samples = self.journal.contents.samples
-        dataset = assemble(
-            self.study.points, self.asked.keys, self.outcomes, samples, self.attributes
-        )
+        attributes = self.attributes | dict(self.journal.contents.score)
+        dataset = assemble(self.study.points, self.asked.keys, self.outcomes, samples, attributes)
         groups = (
             (f"fields/case_{name}", stored_fields.kept(self.pictures, name))
             for name in self.asked.cases

@@ -6,6 +6,9 @@ import time
 from pathlib import Path
 
 import pytest
+import xarray as xr
+
+from studies.outcome import Fate
 
 COMMAND = str(Path(sys.executable).with_name("contactstudy"))
 SMALL = [
@@ -145,4 +148,6 @@ def test_an_interrupt_ends_in_one_sentence_and_leaves_nothing_half_written(
     assert running.returncode == 130, err
     assert err.splitlines()[-1].startswith("contactstudy: stopped")
     assert "Traceback" not in err
-    assert list((tmp_path / "here").iterdir()) == []
+    assert not list((tmp_path / "here").glob("*.partial*"))
+    for path in (tmp_path / "here").glob("*.nc"):
+        assert set(xr.load_dataset(path)["status"].values.flat) <= {Fate.NOT_RUN, Fate.OK}

@@ -4,7 +4,7 @@ import os
 import signal
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -21,8 +21,9 @@ class Trouble:
     """A number to square, which may go wrong; ``log`` gets a line for each time it is computed."""
 
     number: float
-    log: str = ""
-    seconds: float = 0.0
+    offset: float = 0.0
+    log: str = field(default="", compare=False)
+    seconds: float = field(default=0.0, compare=False)
 
     def prepare(self) -> float:
         return self.number
@@ -39,7 +40,7 @@ class Trouble:
             time.sleep(1000)
         if prepared == DIES:
             os.kill(os.getpid(), signal.SIGKILL)
-        return prepared**2
+        return prepared**2 + self.offset
 
     def record(self, result: float) -> Mapping[str, xr.Variable]:
         return {}
@@ -60,7 +61,7 @@ def figure(dataset: xr.Dataset) -> tuple[Plate, ...]:
 
 def study(numbers: object = range(20), log: str = "", seconds: float = 0.0) -> Study:
     def scene_at(point: Point) -> Trouble:
-        return Trouble(float(point["number"]), log, seconds)
+        return Trouble(float(point["number"]), log=log, seconds=seconds)
 
     axis = Axis("number", tuple(float(n) for n in numbers), "what is squared")  # type: ignore[attr-defined]
     return Study("trouble", "Twenty cases.", (axis,), scene_at, measures, figure)

@@ -66,6 +66,11 @@ def assemble(
         names, np.reshape([o.fate for o in at], shape), [fate.name.lower() for fate in Fate],
         "what became of the case",
     )  # fmt: skip
+    data["case"] = xr.Variable(
+        names,
+        np.array([str(case) for case in cases], dtype=object).reshape(shape),
+        {"long_name": "key of the case, also in the journal and of the group of its fields"},
+    )
     if any(outcome.failure for outcome in at):
         failures = [outcome.failure or Failure("", "", "") for outcome in at]
         for name, part, long_name in (
@@ -120,9 +125,11 @@ def write(dataset: xr.Dataset, path: Path, groups: Iterable[tuple[str, xr.Datase
     """``dataset`` as netCDF, with ``groups`` below it; a file that was there stays until all is whole."""
     try:
         with replacing(path) as partial:
-            dataset.to_netcdf(partial, engine="netcdf4")
+            dataset.to_netcdf(partial, engine="netcdf4", encoding=_encoding(dataset))
             for name, group in groups:
-                group.to_netcdf(partial, engine="netcdf4", group=name, mode="a")
+                group.to_netcdf(
+                    partial, engine="netcdf4", group=name, mode="a", encoding=_encoding(group)
+                )
             with partial.open("rb") as file:
                 os.fsync(file.fileno())
     except OSError as error:
@@ -130,6 +137,11 @@ def write(dataset: xr.Dataset, path: Path, groups: Iterable[tuple[str, xr.Datase
             f"Study file {str(path)!r} cannot be written ({error.strerror or error}): what was stored is kept; "
             "make room or give another folder with --out, and run the same command again."
         ) from None
+
+
+def _encoding(dataset: xr.Dataset) -> dict[Hashable, dict[str, None]]:
+    """CF: a coordinate is nowhere missing, and so names no value that would mean so."""
+    return {name: {"_FillValue": None} for name in dataset.coords}
 
 
 def read(path: Path) -> xr.Dataset:

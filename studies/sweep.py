@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 from time import monotonic
@@ -305,6 +306,7 @@ class _Run:
         first = next(iter(self.asked.cases.values()))
         return {"title": self.study.title, "first_case": repr(first)} | dict(where) | {
             "history": "\n".join(self.journal.contents.history),
+            "date_created": self.journal.contents.history[0].split()[0],
             "case_versions": ", ".join(f"{k} {v}" for k, v in self.asked.context.items()),
             "parameter_hash": key(list(self.asked.keys)),
             "timing": "wall time, least of the repeats, one case at a time, one thread",
@@ -313,7 +315,8 @@ class _Run:
 
     def _write(self) -> None:
         samples = self.journal.contents.samples
-        attributes = self.attributes | dict(self.journal.contents.score)
+        now = datetime.now(UTC).isoformat(timespec="seconds")
+        attributes = self.attributes | dict(self.journal.contents.score) | {"date_modified": now}
         dataset = assemble(self.study.points, self.asked.keys, self.outcomes, samples, attributes)
         groups = (
             (f"fields/case_{name}", stored_fields.kept(self.pictures, name))

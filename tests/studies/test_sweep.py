@@ -57,9 +57,9 @@ def test_a_mode_without_n_is_computed_once_and_broadcast(dataset: xr.Dataset) ->
 def test_every_variable_says_what_it_is_and_in_which_unit(dataset: xr.Dataset) -> None:
     for name, variable in dataset.variables.items():
         assert variable.attrs["long_name"], name
-        assert name in ("padding", "status", "outcome", "contended") or variable.attrs["units"], (
-            name
-        )
+        assert (
+            name in ("padding", "status", "outcome", "contended", "case") or variable.attrs["units"]
+        ), name
     for name in ("status", "outcome", "contended"):
         flags = dataset[name].attrs
         assert dataset[name].dtype == np.int8

@@ -1,0 +1,117 @@
+"""``dataset.study``: what one asks of a stored study again and again. ``import studies.accessor`` first."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import xarray as xr
+
+from contactstudy import InvalidInput
+from contactstudy.arrays import Array
+from studies.axis import one_of
+from studies.front import pareto_front
+from studies.outcome import Fate
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True)
+class Order:
+    """``|error| ~ axis ** -order``, with the standard error of the fit and the number of points in it."""
+
+    order: float
+    uncertainty: float
+    points: int
+
+
+@xr.register_dataset_accessor("study")
+class StudyAccessor:
+    """Convergence, cost against error, and tables of a stored study.
+
+    All raise :class:`~contactstudy.InvalidInput` for names that the dataset has not.
+    """
+
+    def __init__(self, dataset: xr.Dataset) -> None:
+        self._dataset = dataset
+
+    @property
+    def axes(self) -> tuple[str, ...]:
+        """The axes of the study."""
+        return tuple(str(name) for name in self._dataset["status"].dims)
+
+    @property
+    def cost(self) -> xr.DataArray:
+        """Wall time of set-up and solve [s]."""
+        time = self._dataset["setup_time"] + self._dataset["solve_time"]
+        return time.assign_attrs(units="s", long_name="wall time, set-up and solve").rename("cost")
+
+    def order(self, error: str, axis: str, **at: object) -> Order:
+        """The order of convergence of ``error`` along a numeric ``axis``, at one value of the others.
+
+        Least squares through the logarithms; points where the error is zero or missing are left out.
+        """
+        one_of("axis", axis, self.axes)
+        line = abs(self._variable(error).sel(at).squeeze())
+        if line.dims != (axis,):
+            others = [str(name) for name in line.dims if name != axis]
+            raise InvalidInput(f"order has more than one value along {others}: give one of each.")
+        x, y = line[axis].values, line.values
+        is_there = np.isfinite(y) & (y > 0) & (x > 0)
+        if is_there.sum() < 3:
+            raise InvalidInput(
+                f"order of {error!r} has {int(is_there.sum())} points along {axis!r}: give three or more."
+            )
+        slope, deviation = _slope(np.log(x[is_there].astype(float)), np.log(y[is_there]))
+        return Order(-slope, deviation, int(is_there.sum()))
+
+    def pareto(self, error: str, cost: str | xr.DataArray | None = None) -> "pd.DataFrame":
+        """The settings that none beats in both, cheapest first, with their cost and error."""
+        table = self._priced(error, cost)
+        front = pareto_front(table["cost"].to_numpy(), table[error].to_numpy())
+        return table.iloc[front].reset_index(drop=True)
+
+    def cheapest(self, error: str, at_most: float, cost: str | None = None) -> "pd.Series[object]":
+        """The cheapest setting whose ``error`` is ``at_most`` so large.
+
+        Raises :class:`~contactstudy.InvalidInput` where there is none, and says the least there is.
+        """
+        table = self._priced(error, cost)
+        good = table[table[error] <= at_most]
+        if good.empty:
+            raise InvalidInput(
+                f"{error} is nowhere below {at_most:g}: the least is {table[error].min():.3g}; refine an axis."
+            )
+        return good.loc[good["cost"].idxmin()]
+
+    def table(self, variables: Sequence[str] = ()) -> "pd.DataFrame":
+        """A row for every point: the axes, and ``variables`` (all that have no other dimension)."""
+        names = [self._variable(name).name for name in variables] or [
+            name for name, variable in self._dataset.data_vars.items() if variable.dims == self.axes
+        ]
+        flat = self._dataset[names].drop_vars(
+            [name for name in self._dataset.coords if name not in self.axes]
+        )
+        return flat.to_dataframe(dim_order=list(self.axes)).reset_index()
+
+    def _priced(self, error: str, cost: str | xr.DataArray | None) -> "pd.DataFrame":
+        price = self.cost if cost is None else cost
+        price = self._variable(price) if isinstance(price, str) else price
+        both = xr.Dataset({error: abs(self._variable(error)), "cost": price})
+        both = both.where(self._dataset["status"] == Fate.OK)
+        table = both.to_dataframe(dim_order=list(self.axes)).reset_index()
+        # points of one case stand once
+        return table.dropna(subset=[error, "cost"]).drop_duplicates([error, "cost"])
+
+    def _variable(self, name: str) -> xr.DataArray:
+        return self._dataset[one_of("variable", name, [str(n) for n in self._dataset.data_vars])]
+
+
+def _slope(x: Array, y: Array) -> tuple[float, float]:
+    """Of the least-squares line, with its standard error."""
+    centred = x - x.mean()
+    spread = float((centred**2).sum())
+    slope = float((centred * y).sum()) / spread
+    residual = y - y.mean() - slope * centred
+    return slope, float(np.sqrt((residual**2).sum() / (len(x) - 2) / spread))

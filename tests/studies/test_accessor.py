@@ -1,0 +1,93 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import studies.accessor  # noqa: F401 (registers dataset.study)
+from contactstudy import InvalidInput
+from studies.outcome import Fate
+from studies.store import read
+
+GRID = [16, 32, 64, 128]
+
+
+@pytest.fixture
+def dataset() -> xr.Dataset:
+    """Errors N^-1.5 and 3 N^-2 at costs N^2 and 2 N^2."""
+    n = np.array(GRID, dtype=float)
+    dims = ("mode", "grid")
+    return xr.Dataset(
+        {
+            "error_max": (dims, [n**-1.5, -3 * n**-2]),
+            "setup_time": (dims, [n * 0, n**2]),
+            "solve_time": (dims, [n**2, n**2]),
+            "status": (dims, np.full((2, 4), Fate.OK, dtype=np.int8)),
+            "profile": ((*dims, "x"), np.zeros((2, 4, 3))),
+        },
+        {"mode": ["a", "b"], "grid": GRID},
+    )
+
+
+def test_the_order_of_a_power_is_its_exponent(dataset: xr.Dataset) -> None:
+    for mode, order in (("a", 1.5), ("b", 2.0)):
+        found = dataset.study.order("error_max", "grid", mode=mode)
+        assert found.order == pytest.approx(order, abs=1e-12)
+        assert found.uncertainty < 1e-12
+        assert found.points == 4
+
+
+def test_the_uncertainty_of_an_order_is_that_of_a_line(dataset: xr.Dataset) -> None:
+    noise = np.array([0.1, -0.1, -0.1, 0.1])
+    dataset["error_max"][0] *= np.exp(noise)
+    found = dataset.study.order("error_max", "grid", mode="a")
+    x = np.log(GRID)
+    fit, covariance = np.polyfit(x, np.log(dataset["error_max"][0].values), 1, cov=True)
+    assert found.order == pytest.approx(-fit[0], rel=1e-9)
+    assert found.uncertainty == pytest.approx(np.sqrt(covariance[0, 0]), rel=1e-9)
+
+
+def test_the_front_and_the_cheapest_are_those_by_hand(dataset: xr.Dataset) -> None:
+    front = dataset.study.pareto("error_max")
+    points = [(m, g) for m, g in zip(front["mode"], front["grid"], strict=True)]
+    error = {("a", n): n**-1.5 for n in GRID} | {("b", n): 3 * n**-2.0 for n in GRID}
+    cost = {("a", n): n**2 for n in GRID} | {("b", n): 2 * n**2 for n in GRID}
+    for point in error:
+        beaten = any(
+            (cost[o] <= cost[point] and error[o] <= error[point]) and o != point for o in error
+        )
+        assert (point in points) == (not beaten)
+    best = dataset.study.cheapest("error_max", 0.005)
+    good = [point for point in error if error[point] <= 0.005]
+    assert (best["mode"], best["grid"]) == min(good, key=lambda point: cost[point])
+
+
+def test_a_failed_case_is_no_setting(dataset: xr.Dataset) -> None:
+    dataset["status"][0, 0] = Fate.FAILED
+    front = dataset.study.pareto("error_max")
+    assert ("a", 16) not in list(zip(front["mode"], front["grid"], strict=True))
+
+
+def test_a_table_has_a_row_for_every_point(dataset: xr.Dataset) -> None:
+    table = dataset.study.table()
+    assert len(table) == 8
+    assert "profile" not in table
+    assert list(dataset.study.table(["error_max"]).columns) == ["mode", "grid", "error_max"]
+
+
+def test_what_is_not_there_is_refused_with_a_remedy(dataset: xr.Dataset) -> None:
+    with pytest.raises(InvalidInput, match="did you mean 'error_max'"):
+        dataset.study.pareto("eror_max")
+    with pytest.raises(InvalidInput, match=r"more than one value along \['mode'\]"):
+        dataset.study.order("error_max", "grid")
+    with pytest.raises(InvalidInput, match="the least is"):
+        dataset.study.cheapest("error_max", 1e-9)
+    with pytest.raises(InvalidInput, match="give three or more"):
+        dataset.isel(grid=slice(2)).study.order("error_max", "grid", mode="a")
+
+
+def test_a_stored_sweep_answers(small_run: Path) -> None:
+    dataset = read(small_run / "padding.nc")
+    front = dataset.study.pareto("pressure_error_l1")
+    assert (np.diff(front["cost"]) > 0).all()
+    assert len(dataset.study.table()) == dataset["status"].size

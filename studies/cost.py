@@ -20,6 +20,7 @@ from studies.canonical import DEFAULTS, Tree, text
 # number changes four-fold; times that repeat within a tenth.
 SCALE, POWER, FACTOR, REACH, NOISE = 10.0, 1.0, 0.4, 1.5, 0.1
 UNLIKE = 1.0  # how far, in logarithms, one mode may be from another
+CALLS = 5e4  # what a small transform costs, in units of N log N: that of 80 x 80 cells
 LARGEST = 100.0  # of any logarithm: e100 is as good as without end
 MOST = 300  # cases of a mode that are looked at, the last ones
 
@@ -106,9 +107,11 @@ def _value(known: Mapping[str, float], quantity: str) -> float:
 
 
 def _work(quantity: str, numbers: Mapping[str, float]) -> float:
-    """The logarithm of N log N, for what takes time in proportion to it."""
+    """The logarithm of N log N, and of the calls that any N takes, for what takes time so."""
+    if quantity not in ("case", "setup", "each", "solve"):
+        return 0.0
     cells = sum(value for name, value in numbers.items() if ".cells" in name)
-    return cells + log(max(cells, 1.0)) if quantity in ("case", "setup", "each", "solve") else 0.0
+    return log(exp(cells) * cells + CALLS) if cells > 0 else 0.0
 
 
 def _described(tree: Tree) -> tuple[str, Mapping[str, float]]:

@@ -14,7 +14,10 @@ from studies.timing import WARM_UP
 
 @dataclass(frozen=True)
 class Forecast:
-    """Seconds of the cases (one after the other) and of their timing, and bytes on disk; None if not known."""
+    """Seconds of the cases, one after the other, and of their timing, and bytes on disk; None if not known.
+
+    Seconds are those of a core that does nothing else.
+    """
 
     cases: int
     seconds: Estimate | None
@@ -52,10 +55,11 @@ def observations(contents: Contents) -> list[Observation]:
         variables = record.outcome.variables
         if not variables:
             continue
-        known = {"case": record.outcome.seconds, "bytes": float(record.size)}
+        # CPU time is wall time on a core of one's own, whatever else the core was doing
+        known = {"case": record.outcome.cpu, "bytes": float(record.size)}
         if samples := contents.samples.get(name):
-            known["setup"] = min(sample.setup for sample in samples)
-            known["solve"] = min(sample.solve for sample in samples)
+            known["setup"] = min(sample.setup_cpu for sample in samples)
+            known["solve"] = min(sample.solve_cpu for sample in samples)
         for count in ("iterations", "convolutions"):  # the latter says more
             if count in variables and variables[count].ndim == 0:
                 known["iterations"] = float(variables[count])

@@ -141,6 +141,7 @@ class Journal:
             "point": dict(named.point),
             "tree": named.tree,
             "seconds": outcome.seconds,
+            "cpu": outcome.cpu,
             "values": variables,
         }
         if outcome.failure is not None:
@@ -243,4 +244,4 @@ class Journal:
         failure = Failure(**line["failure"]) if "failure" in line else None
         fate = Fate[line["status"].upper()]
         variables: Mapping[str, xr.Variable] = self._kinds.decode(line["values"])
-        return Outcome(fate, variables, failure, line["seconds"])
+        return Outcome(fate, variables, failure, line["seconds"], {}, line["cpu"])

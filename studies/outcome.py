@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from enum import IntEnum
-from time import perf_counter
+from time import perf_counter, process_time
 from types import FrameType
 from typing import Any, NoReturn, Protocol, runtime_checkable
 
@@ -54,7 +54,8 @@ class Failure:
 class Outcome:
     """The variables of one computation, or the failure for which there are none.
 
-    ``fields`` are those of the contact, where they were asked for; ``seconds`` what it all took.
+    ``fields`` are those of the contact, where they were asked for; ``seconds`` and ``cpu`` what it all
+    took, of wall and of CPU time [s].
     """
 
     fate: Fate
@@ -62,6 +63,7 @@ class Outcome:
     failure: Failure | None = None
     seconds: float = 0.0
     fields: Mapping[str, xr.Variable] = field(default_factory=dict)
+    cpu: float = 0.0
 
     @property
     def error(self) -> str:
@@ -97,7 +99,7 @@ class TimeLimitError(BaseException):
 
 def compute(case: Computation, work: Work) -> Outcome:
     """Compute and measure ``case``; a failure is an outcome, so that the others go on."""
-    stage, start = "setup", perf_counter()
+    stage, start, cpu = "setup", perf_counter(), process_time()
     try:
         with _limit(work.time_limit):
             prepared = case.prepare()
@@ -107,7 +109,8 @@ def compute(case: Computation, work: Work) -> Outcome:
             variables = _variables(work.measures(case, result), case.record(result))
             wanted = work.keeps_fields and isinstance(case, Pictured)
             fields = case.fields(result) if wanted and isinstance(case, Pictured) else {}
-        return Outcome(Fate.OK, variables, None, perf_counter() - start, fields)
+        taken, worked = perf_counter() - start, process_time() - cpu
+        return Outcome(Fate.OK, variables, None, taken, fields, worked)
     except TimeLimitError:
         return timed_out(work.time_limit, stage, perf_counter() - start)
     except (Exception, SystemExit) as error:  # noqa: BLE001 (whatever a study's own code raises is data)

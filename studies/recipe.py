@@ -44,11 +44,8 @@ def recipe(measures: Callable[..., object], kinds: frozenset[type]) -> str:
     Comments, docstrings and layout do not count; nor does the core, which has its version, nor a
     library.
     """
-    roots: list[object] = [measures]
-    for kind in sorted(kinds, key=lambda kind: kind.__name__):
-        roots += [part for part in vars(kind).values() if isinstance(part, FunctionType)]
     seen: dict[int, str] = {}
-    for root in roots:
+    for root in (measures, *kinds):
         _follow(root, seen)
     return hashlib.sha256("\n".join(sorted(set(seen.values()))).encode()).hexdigest()[:12]
 
@@ -56,6 +53,12 @@ def recipe(measures: Callable[..., object], kinds: frozenset[type]) -> str:
 def _follow(thing: object, seen: dict[int, str]) -> None:
     if isinstance(thing, int | float | str | bool):
         seen[id(thing)] = repr(thing)
+        return
+    if isinstance(thing, type):
+        if id(thing) not in seen and not _is_library(thing):
+            seen[id(thing)] = thing.__name__
+            for method in _methods(thing):
+                _follow(method, seen)
         return
     function = inspect.unwrap(thing) if callable(thing) else thing
     if not isinstance(function, FunctionType) or id(function) in seen or _is_library(function):
@@ -68,6 +71,15 @@ def _follow(thing: object, seen: dict[int, str]) -> None:
         seen[id(function)] = ast.dump(_plain(source))
     for used in _used(function):
         _follow(used, seen)
+
+
+def _methods(kind: type) -> Iterator[object]:
+    """But for what a dataclass makes of its fields: those are the case's own."""
+    for owner in kind.__mro__:
+        for name, part in vars(owner).items():
+            if not name.startswith("__") or name == "__post_init__":
+                method = getattr(part, "__func__", part)
+                yield method.fget if isinstance(method, property) else method
 
 
 def _plain(tree: ast.Module) -> ast.Module:
@@ -98,7 +110,7 @@ def _libraries() -> tuple[str, ...]:
     return paths["stdlib"], paths["purelib"], paths["platlib"]
 
 
-def _is_library(thing: FunctionType | ModuleType) -> bool:
+def _is_library(thing: FunctionType | ModuleType | type) -> bool:
     module = thing if isinstance(thing, ModuleType) else inspect.getmodule(thing)
     if module is None:
         return False

@@ -198,11 +198,12 @@ class _Run:
 
     def _score(self, predicted: Forecast, lacking: Sequence[str]) -> None:
         good = [name for name in lacking if self.outcomes[name].fate is Fate.OK]
-        found = score(predicted, {name: self.outcomes[name].seconds for name in good})
+        found = score(predicted, {name: self.outcomes[name].cpu for name in good})
         if found:
             self.journal.score(found)
             self.say(
-                f"predicted {found['predicted_seconds']:.2g} s, taken {found['taken_seconds']:.2g} s; "
+                f"predicted {found['predicted_seconds']:.2g} s of CPU time, taken "
+                f"{found['taken_seconds']:.2g} s; "
                 f"half of the cases within a factor {found['prediction_error_factor_median']:.2g}"
             )
 

@@ -1,0 +1,85 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from studies import timing
+from studies.outcome import Fate
+from studies.sweep import Settings, run
+from studies.timing import Sample, is_contended, timing_variables, turns
+from tests.studies import trouble
+from tests.studies.conftest import quiet
+
+
+def sample(wall: float, cpu: float | None = None) -> Sample:
+    return Sample(0.25 * wall, 0.75 * wall, 0.0, wall if cpu is None else cpu, 1)
+
+
+def test_repeats_are_interleaved_between_cases() -> None:
+    assert list(turns({"a": 2, "b": 1, "c": 2})) == [
+        (0, "a"), (0, "b"), (0, "c"), (1, "a"), (1, "c"),
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("samples", "is_flagged"),
+    [
+        ([sample(1.0), sample(1.05)], False),
+        ([sample(1.0), sample(3.0), sample(1.02)], False),
+        ([sample(1.0), sample(1.2)], True),
+        ([sample(1.0)], True),
+        ([sample(1.0, cpu=0.8), sample(1.0)], True),
+        ([sample(1.0), sample(1.05, cpu=0.5)], False),
+    ],
+)
+def test_a_time_that_no_repeat_confirms_or_that_lacked_the_processor_is_flagged(
+    samples: list[Sample], is_flagged: object
+) -> None:
+    assert is_contended(samples) is is_flagged
+
+
+def test_every_sample_is_kept_with_least_median_and_processor_time() -> None:
+    data = timing_variables(
+        ("n",), (3,), [[sample(1.0), sample(3.0), sample(2.0)], [sample(4.0)], []]
+    )
+    assert data["solve_time"].values[:2] == pytest.approx([0.75, 3.0])
+    assert data["solve_time_median"].values[0] == pytest.approx(1.5)
+    assert data["solve_time_cpu"].values[0] == pytest.approx(1.0)
+    assert data["solve_time_all"].dims == ("n", "repeat")
+    assert data["solve_time_all"].values[0] == pytest.approx([0.75, 2.25, 1.5])
+    assert np.isnan(data["solve_time"].values[2])
+    assert data["contended"].values.tolist() == [1, 1, 2]
+
+
+def test_stored_times_are_not_taken_again_unless_asked(tmp_path: Path) -> None:
+    study = trouble.study([1.0, 2.0])
+    first = run(study, tmp_path, settings=Settings(workers=0, repeats=2), say=quiet)
+    again = run(study, tmp_path, settings=Settings(workers=0, repeats=2), say=quiet)
+    np.testing.assert_array_equal(first["solve_time_all"], again["solve_time_all"])
+    more = run(study, tmp_path, settings=Settings(workers=0, repeats=3), say=quiet)
+    np.testing.assert_array_equal(first["solve_time_all"], more["solve_time_all"][:, :2])
+    anew = Settings(workers=0, repeats=2, old_times="dropped")
+    dropped = run(study, tmp_path, settings=anew, say=quiet)
+    assert not np.isin(dropped["solve_time_all"], more["solve_time_all"]).any()
+
+
+def test_a_case_is_warmed_up_if_it_is_short(monkeypatch: pytest.MonkeyPatch) -> None:
+    clocked: list[object] = []
+    monkeypatch.setattr(timing, "clock", lambda case: clocked.append(case) or sample(1.0))
+    cases = {"short": trouble.Trouble(1.0), "long": trouble.Trouble(2.0)}
+    taken: list[str] = []
+    timing.time(
+        cases,
+        {"short": 1, "long": 1},
+        {"short": 0.1, "long": 9.0},
+        lambda key, _: taken.append(key),
+    )
+    assert taken == ["short", "long"]
+    assert clocked.count(cases["short"]) == 2
+    assert clocked.count(cases["long"]) == 1
+
+
+def test_what_failed_is_not_timed(tmp_path: Path) -> None:
+    dataset = run(trouble.study([1.0, 3.0]), tmp_path, workers=0, repeats=1, say=quiet)
+    assert dataset["status"].values.tolist() == [Fate.OK, Fate.FAILED]
+    assert dataset["contended"].values.tolist()[1] == 2

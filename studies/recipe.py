@@ -6,6 +6,8 @@ import importlib.util
 import inspect
 import sysconfig
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import fields, is_dataclass
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -13,6 +15,8 @@ from types import FunctionType, ModuleType
 from typing import Any
 
 import contactstudy
+from contactstudy import InvalidInput
+from studies.canonical import canonical, text
 
 # What the numbers of a solve depend on.
 LIBRARIES = ("numpy", "scipy", "ducc0")
@@ -51,8 +55,9 @@ def recipe(measures: Callable[..., object], kinds: frozenset[type]) -> str:
 
 
 def _follow(thing: object, seen: dict[int, str]) -> None:
-    if isinstance(thing, int | float | str | bool):
-        seen[id(thing)] = repr(thing)
+    if not callable(thing) and not isinstance(thing, ModuleType):
+        with suppress(InvalidInput):  # a table of functions, or the like
+            seen[id(thing)] = text(canonical(thing))
         return
     if isinstance(thing, type):
         if id(thing) not in seen and not _is_library(thing):
@@ -75,8 +80,11 @@ def _follow(thing: object, seen: dict[int, str]) -> None:
 
 def _methods(kind: type) -> Iterator[object]:
     """But for what a dataclass makes of its fields: those are the case's own."""
+    own = {part.name for part in fields(kind)} if is_dataclass(kind) else set()
     for owner in kind.__mro__:
         for name, part in vars(owner).items():
+            if name in own:
+                continue
             if not name.startswith("__") or name == "__post_init__":
                 method = getattr(part, "__func__", part)
                 yield method.fget if isinstance(method, property) else method

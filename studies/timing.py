@@ -14,30 +14,47 @@ THREADS = 1
 # A case shorter than this is run once untimed; in a longer one the first touch of memory is lost.
 WARM_UP = 0.3
 # A neighbour on the core takes CPU time away; one on the memory bus, or a slower clock, makes repeats
-# differ. Times are to hold within 10 %.
+# differ, or a fixed piece of work take longer. Times are to hold within 10 %.
 LEAST_SHARE = 0.95
 SPREAD = 1.1
+WAVE = np.outer(np.cos(np.arange(128.0)), np.sin(np.arange(128.0)))
 
 
 @dataclass(frozen=True)
 class Sample:
-    """One timed run of a case [s]: wall and CPU time of set-up and solve, and the threads allowed."""
+    """One timed run of a case [s]: wall and CPU time of set-up and solve, and the threads allowed.
+
+    ``pace``: what a fixed piece of work took beside it, the longer of before and after.
+    """
 
     setup: float
     solve: float
     setup_cpu: float
     solve_cpu: float
     threads: int
+    pace: float = 0.0
 
 
 def clock(case: Computation) -> Sample:
     """One run of ``case``, against the wall clock and the processor's."""
+    before = _pace()
     wall, cpu = perf_counter(), process_time()
     prepared = case.prepare()
     ready, ready_cpu = perf_counter(), process_time()
     case.run(prepared)
     done, done_cpu = perf_counter(), process_time()
-    return Sample(ready - wall, done - ready, ready_cpu - cpu, done_cpu - ready_cpu, THREADS)
+    pace = max(before, _pace())
+    return Sample(ready - wall, done - ready, ready_cpu - cpu, done_cpu - ready_cpu, THREADS, pace)
+
+
+def _pace() -> float:
+    """Seconds of a transform of 128 x 128 cells, the least of three."""
+    least = np.inf
+    for _ in range(3):
+        start = perf_counter()
+        np.fft.irfft2(np.fft.rfft2(WAVE))
+        least = min(least, perf_counter() - start)
+    return float(least)
 
 
 def time(
@@ -71,14 +88,18 @@ def turns(lacking: Mapping[str, int]) -> Iterator[tuple[int, str]]:
         yield from ((turn, key) for key, count in lacking.items() if turn < count)
 
 
-def is_contended(samples: Sequence[Sample]) -> bool:
-    """Whether the least time may be too long by a tenth: CPU time lacks, or no repeat confirms it."""
+def is_contended(samples: Sequence[Sample], pace: float = np.inf) -> bool:
+    """Whether the least time may be too long by a tenth.
+
+    CPU time lacks, no repeat confirms it, or the processor was then slower than at its best, when
+    the fixed piece of work took ``pace`` [s].
+    """
     wall = np.array([sample.setup + sample.solve for sample in samples])
     cpu = np.array([sample.setup_cpu + sample.solve_cpu for sample in samples])
     least = int(wall.argmin())
     lacks = cpu[least] < LEAST_SHARE * wall[least]
     confirmed = len(wall) > 1 and np.sort(wall)[1] <= SPREAD * wall[least]
-    return bool(lacks or not confirmed)
+    return bool(lacks or not confirmed or samples[least].pace > SPREAD * pace)
 
 
 CONTENDED = ("no", "yes", "not_timed")
@@ -120,7 +141,10 @@ def timing_variables(
         )
         if repeats:
             data[f"{name}_all"] = variable(wall, f"wall time {what}, every repeat", "repeat")
-    marks = [int(is_contended(one)) if one else CONTENDED.index("not_timed") for one in samples]
+    pace = min((sample.pace for one in samples for sample in one), default=np.inf)
+    marks = [
+        int(is_contended(one, pace)) if one else CONTENDED.index("not_timed") for one in samples
+    ]
     what = "whether something else may have slowed the timing down by a tenth"
     data["contended"] = flags(names, np.reshape(marks, shape), CONTENDED, what)
     return data

@@ -7,7 +7,9 @@ from pathlib import Path
 
 import pytest
 import xarray as xr
+from click.testing import CliRunner, Result
 
+from studies.cli import cli
 from studies.outcome import Fate
 
 COMMAND = str(Path(sys.executable).with_name("contactstudy"))
@@ -151,3 +153,34 @@ def test_an_interrupt_ends_in_one_sentence_and_leaves_nothing_half_written(
     assert not list((tmp_path / "here").glob("*.partial*"))
     for path in (tmp_path / "here").glob("*.nc"):
         assert set(xr.load_dataset(path)["status"].values.flat) <= {Fate.NOT_RUN, Fate.OK}
+
+
+FEW = ["--padding", "exact", "--period", "2.4", "--images", "6", "--workers", "0"]
+
+
+def invoke(*words: str) -> Result:
+    return CliRunner().invoke(cli, ["run", *words], catch_exceptions=False)
+
+
+def test_options_of_a_run_do_what_they_say(tmp_path: Path) -> None:
+    here = ["period", *FEW, "--out", str(tmp_path)]
+    dry = invoke(*here, "--grid", "16,24", "--dry-run")
+    assert "2 distinct cases, 0 stored, 2 to compute" in dry.stdout
+    assert list(tmp_path.iterdir()) == []
+    invoke(*here, "--grid", "16", "--repeats", "1", "--fields", "--time-limit", "60")
+    assert len(list((tmp_path / "period.fields").iterdir())) == 1
+    dry = invoke(*here, "--grid", "16,24", "--dry-run")
+    assert "1 stored, 1 to compute" in dry.stdout
+    assert "s (within a factor" in dry.stdout
+    grown = invoke(*here, "--grid", "16,24", "--repeats", "3", "--retime", "--retry", "failed")
+    assert "1 cases are stored, 1 to compute" in grown.stdout
+    assert xr.load_dataset(tmp_path / "period.nc").sizes["repeat"] == 3
+
+
+def test_fail_fast_stops_with_an_exit_code(tmp_path: Path) -> None:
+    path = tmp_path / "own.py"
+    path.write_text(OWN)
+    done = invoke(str(path), "--workers", "0", "--out", str(tmp_path), "--fail-fast")
+    assert done.exit_code == 1
+    status = xr.load_dataset(tmp_path / "own.nc")["status"].values.tolist()
+    assert status == [Fate.FAILED, Fate.SKIPPED]

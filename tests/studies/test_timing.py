@@ -1,3 +1,4 @@
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -36,6 +37,12 @@ def test_a_time_that_no_repeat_confirms_or_that_lacked_the_processor_is_flagged(
     samples: list[Sample], is_flagged: object
 ) -> None:
     assert is_contended(samples) is is_flagged
+
+
+def test_a_time_taken_while_the_processor_was_slow_is_flagged() -> None:
+    slow = [replace(sample(1.0), pace=1.2e-3)] * 2
+    assert is_contended(slow, pace=1e-3)
+    assert not is_contended(slow, pace=1.15e-3)
 
 
 def test_every_sample_is_kept_with_least_median_and_processor_time() -> None:

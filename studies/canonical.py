@@ -3,8 +3,9 @@
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import MISSING, Field, fields, is_dataclass
+from dataclasses import MISSING, fields, is_dataclass
 from enum import Enum
+from functools import cache
 from pathlib import PurePath
 from typing import Any
 
@@ -19,12 +20,22 @@ Tree = Any  # what JSON can hold
 DEFAULTS = "="
 
 
-def canonical(value: object) -> Tree:
+Memory = dict[int, tuple[object, Tree]]
+
+
+def canonical(value: object, memory: Memory | None = None) -> Tree:
     """``value`` as a tree of text: numbers to twelve digits, dataclasses by name and fields.
 
+    ``memory`` holds the dataclasses met before, for the many cases that share a scene.
     Raises :class:`~contactstudy.InvalidInput` for what has no value of its own, such as an object
     known by its address.
     """
+    if is_dataclass(value) and not isinstance(value, type):
+        if memory is None:
+            return _record(value, {})
+        if id(value) not in memory:
+            memory[id(value)] = value, _record(value, memory)
+        return memory[id(value)][1]
     match value:
         case bool() | np.bool_():
             return bool(value)
@@ -38,15 +49,13 @@ def canonical(value: object) -> Tree:
             digest = hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()
             return {"": "array", "dtype": value.dtype.str, "shape": list(value.shape), "is": digest}
         case tuple() | list():
-            return [canonical(item) for item in value]
+            return [canonical(item, memory) for item in value]
         case frozenset() | set():
             return sorted((canonical(item) for item in value), key=text)
         case Mapping():
             return {str(name): canonical(item) for name, item in sorted(value.items(), key=repr)}
         case PurePath() | complex():
             return str(value)
-    if is_dataclass(value) and not isinstance(value, type):
-        return _record(value)
     raise InvalidInput(
         f"A case holds {value!r}, which cannot be told from another of its kind: make its class a "
         "frozen dataclass."
@@ -60,22 +69,28 @@ def _number(value: float | np.number[Any]) -> str:
     return "0" if short == "-0" else short
 
 
-def _record(value: Any) -> Tree:
+def _record(value: Any, memory: Memory) -> Tree:
     tree: dict[str, Tree] = {"": type(value).__name__}
     defaults: dict[str, Tree] = {}
-    for part in fields(value):
-        if part.compare:
-            held = canonical(getattr(value, part.name))
-            (defaults if _is_default(part, held) else tree)[part.name] = held
+    for part, default in _parts(type(value)):  # type: ignore[arg-type]
+        held = canonical(getattr(value, part), memory)
+        (defaults if held == default else tree)[part] = held
     return tree | {DEFAULTS: defaults} if defaults else tree
 
 
-def _is_default(part: "Field[Any]", held: Tree) -> bool:
-    if part.default is not MISSING:
-        return bool(canonical(part.default) == held)
-    if part.default_factory is not MISSING:
-        return bool(canonical(part.default_factory()) == held)
-    return False
+@cache
+def _parts(kind: type) -> tuple[tuple[str, Tree], ...]:
+    """The fields of a dataclass that tell its values apart, with the trees of their defaults."""
+    found = []
+    for part in fields(kind):
+        default: Tree = MISSING
+        if part.default is not MISSING:
+            default = canonical(part.default)
+        elif part.default_factory is not MISSING:
+            default = canonical(part.default_factory())
+        if part.compare:
+            found.append((part.name, default))
+    return tuple(found)
 
 
 def text(tree: Tree) -> str:

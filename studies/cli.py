@@ -122,7 +122,8 @@ def run(
     What is stored in the folder is not computed again.
     """
     from studies.outcome import Fate
-    from studies.sweep import RETRIES, Settings, foresee
+    from studies.settings import RETRIES, Settings
+    from studies.sweep import foresee
     from studies.sweep import run as run_study
 
     chosen = load(study).override(_axes(context.args))

@@ -1,7 +1,7 @@
 """Runs a study: what is not stored yet, each distinct case once, then alone against the clock."""
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
@@ -11,16 +11,15 @@ from typing import TYPE_CHECKING
 import xarray as xr
 from tqdm import tqdm
 
-from contactstudy import InvalidInput
 from studies import fields as stored_fields
-from studies.canonical import canonical, differences, key
-from studies.case import Computation
+from studies.asked import Asked, reasons
+from studies.canonical import differences, key
 from studies.forecast import Forecast, forecast, model, score
-from studies.journal import Contents, Journal, Named
+from studies.journal import Journal
 from studies.lock import holding
 from studies.outcome import Fate, Outcome, Work
 from studies.provenance import machine, provenance
-from studies.recipe import recipe, versions
+from studies.settings import Settings
 from studies.store import assemble, open_folder, read, write
 from studies.study import Study
 from studies.timing import Sample, time
@@ -29,37 +28,6 @@ if TYPE_CHECKING:
     from studies.engine import Engine
 
 Say = Callable[[str], object]
-
-# What ``--retry`` may name.
-RETRIES = {
-    "failed": frozenset({Fate.FAILED, Fate.TIMEOUT, Fate.KILLED}),
-    "timeout": frozenset({Fate.TIMEOUT}),
-    "killed": frozenset({Fate.KILLED}),
-}
-
-
-@dataclass(frozen=True, kw_only=True)
-class Settings:
-    """How a study is run.
-
-    ``scheduler``: address of a dask scheduler, in place of ``workers`` processes (0: this one alone).
-    ``time_limit`` [s] of a case. ``repeats``: timed runs of each case; ``old_times``: "kept" or "dropped".
-    ``retry``: what is computed again though it is stored. ``after_failure``: "go on" or "stop".
-    ``fields``: "none" or "kept", pressure and gap of every case.
-    """
-
-    workers: int = 2
-    scheduler: str | None = None
-    time_limit: float | None = None
-    repeats: int = 2
-    old_times: str = "kept"
-    retry: frozenset[Fate] = frozenset()
-    after_failure: str = "go on"
-    fields: str = "none"
-
-    def __post_init__(self) -> None:
-        if self.time_limit is not None and not self.time_limit > 0:
-            raise InvalidInput(f"time_limit is {self.time_limit!r}: give seconds above 0.")
 
 
 class _FirstFailureError(Exception):
@@ -96,34 +64,6 @@ def foresee(study: Study, out: Path, *, settings: Settings, say: Say = print) ->
     asked = Asked.of(study)
     journal = Journal(out / f"{study.name}.journal.jsonl", asked.context, machine())
     return _Run(study, asked, out, journal, settings, say).foresee()
-
-
-@dataclass(frozen=True, eq=False)
-class Asked:
-    """What a study asks for: the key of the case at every point, and each case by its key."""
-
-    keys: Sequence[str]
-    cases: Mapping[str, Computation]
-    names: Mapping[str, Named]
-    context: Mapping[str, str]
-
-    @classmethod
-    def of(cls, study: Study) -> "Asked":
-        """The cases of ``study``, of which those that differ in rounding only are one."""
-        trees: dict[Computation, tuple[str, object]] = {}
-        keys, cases, names = [], {}, {}
-        for point, case in study.visits():
-            if case not in trees:
-                tree = canonical(case)
-                trees[case] = key(tree), tree
-            name, tree = trees[case]
-            keys.append(name)
-            if name not in cases:
-                at = {axis: str(canonical(value)) for axis, value in point.items()}
-                cases[name], names[name] = case, Named(name, tree, at)
-        kinds = frozenset(type(case) for case in cases.values())
-        context = dict(versions()) | {"measures": recipe(study.measures, kinds)}
-        return cls(keys, cases, names, context)
 
 
 class _Run:
@@ -171,11 +111,11 @@ class _Run:
             self.say("stopped at the first failure; what was not reached is marked as skipped")
         except KeyboardInterrupt:
             self.journal.sync()
-            self._write()
+            self._write(self._pictures())
             done = sum(name in self.outcomes for name in cases)
             self.say(f"{done} of {len(cases)} cases are stored; run the same command to go on")
             raise
-        self._write()
+        self._write(self._pictures())
         dataset = read(self.path)
         self._report(dataset)
         return dataset
@@ -218,7 +158,7 @@ class _Run:
                     self.outcomes[name] = record.outcome
                     continue
             else:
-                for change in _changes(contents, named, self.asked.context):
+                for change in reasons(contents, named, self.asked.context):
                     changes[change] = changes.get(change, 0) + 1
             lacking.append(name)
         for change, count in changes.items():
@@ -314,18 +254,20 @@ class _Run:
             "timing_threads": 1,
         }  # fmt: skip
 
-    def _write(self) -> None:
+    def _write(self, groups: Iterable[tuple[str, xr.Dataset]] = ()) -> None:
         samples = self.journal.contents.samples
         now = datetime.now(UTC).isoformat(timespec="seconds")
         attributes = self.attributes | dict(self.journal.contents.score) | {"date_modified": now}
         dataset = assemble(self.study.points, self.asked.keys, self.outcomes, samples, attributes)
-        groups = (
-            (f"fields/case_{name}", stored_fields.kept(self.pictures, name))
-            for name in self.asked.cases
-            if self.settings.fields == "kept" and stored_fields.are_kept(self.pictures, name)
-        )
         write(dataset, self.path, groups)
         self.written = monotonic()
+
+    def _pictures(self) -> Iterator[tuple[str, xr.Dataset]]:
+        """A group for every case with fields, read when it is written."""
+        if self.settings.fields == "kept":
+            for name in self.asked.cases:
+                if stored_fields.are_kept(self.pictures, name):
+                    yield f"fields/case_{name}", stored_fields.kept(self.pictures, name)
 
     def _report(self, dataset: xr.Dataset) -> None:
         if "left_out" in dataset.attrs:
@@ -339,17 +281,3 @@ class _Run:
         if unsettled:
             self.say(f"{unsettled} of {len(ends)} solves did not simply converge; see 'outcome'")
         self.say(f"wrote {self.path}")
-
-
-def _changes(contents: Contents, named: Named, context: Mapping[str, str]) -> list[str]:
-    """Why what is stored for ``named``, or at its point, is not what is asked for."""
-    found = contents.changed(named)
-    before = contents.others.get(named.key)
-    if before is None or named.key in contents.records:
-        return found
-    names = sorted(before.context.keys() | context.keys())
-    return found + [
-        f"{name} was {before.context.get(name, 'absent')} and is {context.get(name, 'absent')}"
-        for name in names
-        if before.context.get(name) != context.get(name)
-    ]

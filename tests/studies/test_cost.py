@@ -11,8 +11,9 @@ from studies.canonical import canonical
 from studies.cost import CostModel, Estimate, Observation, total
 from studies.forecast import Forecast, forecast, score
 from studies.line_contact import scene_at
+from studies.settings import Settings
 from studies.study import load
-from studies.sweep import Settings, foresee, run
+from studies.sweep import foresee, run
 from tests.studies.conftest import quiet
 
 STORED = [

@@ -16,12 +16,13 @@ import pytest
 import xarray as xr
 
 from contactstudy import InvalidInput
-from studies import sweep
+from studies import asked
 from studies.axis import Axis
 from studies.lock import holding
 from studies.outcome import Fate
+from studies.settings import Settings
 from studies.study import Point
-from studies.sweep import Settings, run
+from studies.sweep import run
 from tests.studies import trouble
 from tests.studies.conftest import quiet
 from tests.studies.trouble import Trouble
@@ -31,7 +32,8 @@ ALONE = Settings(workers=0, repeats=1)
 SCRIPT = """
 import sys
 from pathlib import Path
-from studies.sweep import Settings, run
+from studies.settings import Settings
+from studies.sweep import run
 from tests.studies import trouble
 out, log, workers, numbers, seconds = sys.argv[1:]
 study = trouble.study([n + 0.5 for n in range(int(numbers))], log, float(seconds))
@@ -160,7 +162,7 @@ def test_a_changed_measure_scene_or_version_is_said_and_not_mixed_in(
     assert any("case.number was" in line for line in said)
 
     said.clear()
-    monkeypatch.setattr(sweep, "versions", lambda: {"contactstudy": "9.9"})
+    monkeypatch.setattr(asked, "versions", lambda: {"contactstudy": "9.9"})
     run(study, tmp_path, settings=ALONE, say=said.append)
     assert any("contactstudy was 0.1.0 and is 9.9" in line for line in said)
 

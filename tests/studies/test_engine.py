@@ -15,7 +15,8 @@ import xarray as xr
 from contactstudy import InvalidInput
 from studies.cluster import Cluster
 from studies.outcome import Fate, Work
-from studies.sweep import Settings, run
+from studies.settings import Settings
+from studies.sweep import run
 from tests.studies import trouble
 from tests.studies.conftest import quiet
 from tests.studies.trouble import DIES, HANGS, NAN, RAISES
@@ -52,7 +53,8 @@ def test_processes_label_four_troubles_among_twenty(tmp_path: Path) -> None:
 SCRIPT = """
 import sys
 from pathlib import Path
-from studies.sweep import Settings, run
+from studies.settings import Settings
+from studies.sweep import run
 from tests.studies import trouble
 run(trouble.study(), Path(sys.argv[1]), settings=Settings(workers=0, time_limit=1.5, repeats=1))
 """

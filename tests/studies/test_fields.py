@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from studies.settings import Settings
 from studies.study import load
-from studies.sweep import Settings, run
+from studies.sweep import run
 from tests.studies.conftest import quiet
 
 KEPT = Settings(workers=0, repeats=1, fields="kept")

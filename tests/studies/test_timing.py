@@ -6,7 +6,8 @@ import pytest
 
 from studies import timing
 from studies.outcome import Fate
-from studies.sweep import Settings, run
+from studies.settings import Settings
+from studies.sweep import run
 from studies.timing import Sample, is_contended, timing_variables, turns
 from tests.studies import trouble
 from tests.studies.conftest import quiet

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from studies.canonical import canonical
@@ -54,6 +54,7 @@ def test_the_uncertainty_is_that_of_the_errors() -> None:
     assert 0.3 < np.sqrt(np.mean(np.square(scaled))) < 2
 
 
+@settings(deadline=None)
 @given(power=st.floats(0.5, 2.5), scale=st.floats(1e-6, 1e-2))
 def test_a_power_is_found_and_uncertainty_grows_with_distance(power: float, scale: float) -> None:
     def row(size: float) -> Observation:

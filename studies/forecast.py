@@ -32,12 +32,13 @@ class Forecast:
         if self.timing is not None and self.timing.value:
             text += f", {_within(self.timing, 's')} to time"
         if self.size is not None:
-            text += f", {_within(self.size, 'bytes')} on disk"
+            kilobytes = Estimate(self.size.value / 1000, self.size.factor)
+            text += f", {_within(kilobytes, 'kB')} on disk"
         return text
 
 
 def _within(estimate: Estimate, unit: str) -> str:
-    return f"{estimate.value:.2g} {unit} (within a factor {estimate.factor:.2g})"
+    return f"{estimate.value:.3g} {unit} (within a factor {estimate.factor:.2g})"
 
 
 def model(folder: Path, machine: str) -> CostModel:

@@ -26,7 +26,6 @@ FLATTENING = A**2 / (
 # its longest waves along with the strongest lay below; the finest are five cells of the grid below.
 WIDTH, LENGTH = 3.2, 2.4
 ROLL_OFF, CUT_OFF = 0.3, 0.1
-TOLERANCE = 1e-6  # some hundredth of the smallest error shown
 
 points = (
     Axis("rms", (0.0, 0.03, 0.1, 0.3), "rms height over a²/(2R)"),
@@ -94,7 +93,6 @@ def scene_at(point: Point) -> Comparison:
         scene=replace(SCENE, shapes=SCENE.shapes + ((shape,) if rms else ())),
         grid=cs.Grid((cells, max(1, round(cells * period / WIDTH))), (WIDTH * A, period * A)),
         padding=cs.ExactPeriodicity(),
-        tolerance=TOLERANCE,
     )
     images = whole("images", point["images"], 0, "give a whole number of periods from 0 on")
     return Comparison(case, images)

@@ -141,7 +141,6 @@ HEAVY = (
     "pandas",
     "scipy.interpolate",
     "scipy.ndimage",
-    "scipy.optimize",
     "xarray",
 )
 

@@ -176,6 +176,9 @@ def _rough_surfaces(dataset: xr.Dataset) -> Finding:
         float(limit) for limit in (min(r.min() for r in ratios), max(r.max() for r in ratios))
     )
     shift = middle["smooth_difference"].sel(padding="exact").isel(rms=1)
+    systematic = (
+        "; unlike that, a window's error has one sign on every surface, and no mean removes it"
+    )
     return Finding(
         "On a rough surface a padding errs as on a smooth one: a²/(8D²) holds for the contact as a whole, "
         "not for its single cells.",
@@ -187,8 +190,7 @@ def _rough_surfaces(dataset: xr.Dataset) -> Finding:
         f"the error sits: the largest of any cell grows from {' and from '.join(cells)}, since "
         "asperities that barely touch come and go, while that of the highest pressure, now under an asperity, "
         f"falls from {' and from '.join(highest)}. Roughness itself moves the pressure by "
-        f"{percent(shift)} (L1) at an rms of {float(shift['rms']):g} already; other than that, "
-        "a window's error has the same sign on every surface, and no mean over surfaces removes it.",
+        f"{percent(shift)} (L1) at an rms of {float(shift['rms']):g}{systematic if low > 0 else ''}.",
     )
 
 

@@ -127,6 +127,33 @@ def _tamaas(contest: Contest) -> Callable[[], Array]:
     return solve
 
 
+def _aspher(contest: Contest) -> Callable[[], Array]:
+    import aspher as peer
+
+    if contest.boundary == "semi-periodic":
+        raise NotImplementedError("aspher has no boundary that is periodic along one axis only")
+    grid, gap = contest.grid, -_heights(contest)
+    backend = "fft" if contest.boundary == "free" else "periodic"
+    # its nested solver, in its own order of tasks: coarser grids first, down to the coarsest it halves to
+    coarsest = contest.cells
+    while coarsest % 2 == 0 and coarsest > 64:
+        coarsest //= 2
+
+    def solve() -> Array:
+        found = peer.solve_nested(
+            contest.cells,
+            gap / A,
+            SCENE.load.per_length / grid.extent[0] / MODULUS,
+            domain_size=grid.extent[0] / A,
+            coarsest=coarsest,
+            tol=1e-10,
+            backend=backend,
+        )
+        return np.asarray(found.pressure).reshape(grid.cells) * MODULUS
+
+    return solve
+
+
 def _heights(contest: Contest) -> Array:
     """Heights towards the other body, shape (width, length) [m]."""
     gap = SHAPES[contest.boundary].gap(contest.grid)
@@ -137,8 +164,9 @@ PROGRAMS: dict[str, Callable[[Contest], Callable[[], Array]]] = {
     "contactstudy": _contactstudy,
     "ContactMechanics": _contact_mechanics,
     "tamaas": _tamaas,
+    "aspher": _aspher,
 }
-COLORS = dict(zip(PROGRAMS, ("#0072B2", "#D55E00", "#009E73"), strict=True))
+COLORS = dict(zip(PROGRAMS, ("#0072B2", "#D55E00", "#009E73", "#CC79A7"), strict=True))
 
 points = (
     Axis("program", tuple(PROGRAMS), "program"),

@@ -77,7 +77,8 @@ class BareProblem:
 
     def rounding(self, displacement: Array) -> float:
         """What rounding leaves uncertain of a gap under ``displacement``: no residual means less."""
-        return float(ROUNDINGS * np.finfo(displacement.dtype).eps * np.abs(displacement).max())
+        largest = max(float(displacement.max()), -float(displacement.min()))
+        return float(ROUNDINGS * np.finfo(displacement.dtype).eps * largest)
 
     def ends(self, residual: float, displacement: Array, tolerance: float) -> bool:
         """Whether there is no use in going on from ``residual``."""

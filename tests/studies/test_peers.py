@@ -24,7 +24,7 @@ def test_a_program_that_is_not_there_is_a_failed_case_that_says_so(tmp_path: Pat
 
 @pytest.mark.parametrize(
     ("program", "boundaries"),
-    [("ContactMechanics", ["semi-periodic", "free"]), ("tamaas", ["free"])],
+    [("ContactMechanics", ["semi-periodic", "free"]), ("tamaas", ["free"]), ("aspher", ["free"])],
 )
 def test_programs_agree_where_they_hold_pressure_constant_in_cells(
     program: str, boundaries: list[str], tmp_path: Path

@@ -6,7 +6,7 @@ import pytest
 
 from studies import report
 from studies.study import BUILT_IN, Study, load
-from studies.style import percent
+from studies.words import percent
 from studies.sweep import run
 from tests.studies.conftest import quiet
 

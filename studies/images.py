@@ -111,7 +111,7 @@ def _what_n(dataset: xr.Dataset) -> Finding:
         facts.append(f"{said} at L = {period:g} a")
     exact = errors.sel(padding="exact").max()
     return Finding(
-        "None: exact periodicity counts every image. A window of n images errs by a²/(8(n + ½)²L²).",
+        "No n to choose: exact periodicity counts every image. A window of n images errs by a²/(8(n + ½)²L²).",
         f"For {percent(TARGET)} of the peak pressure circular superposition wants {', '.join(facts)} (of the n "
         f"that are stored); exact periodicity is within {percent(exact)} at all of them.",
         "What n?",

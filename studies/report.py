@@ -64,13 +64,14 @@ def write(out: Path) -> Path:
 
 
 def formulas(text: str) -> Markup:
-    """``text`` with its indices and powers, written p_H and N^(-3/2), set as such."""
+    """``text`` with its indices and powers, written p_H, N^2, N^(-3/2) and 7.9e-06, set as such."""
     marked = re.sub(r"\b([a-zA-Z])_([a-zA-Z])\b", r"\1<sub>\2</sub>", str(escape(text)))
-    marked = re.sub(r"\^\(([^()]*)\)", lambda power: f"<sup>{power[1]}</sup>", marked)
-    # minus signs where a number follows, and e-06 as a person writes it
+    marked = re.sub(r"\^(?:\(([^()]*)\)|(-?\d+(?:\.\d+)?))", r"<sup>\1\2</sup>", marked)
     marked = re.sub(r"(?<![\w.])-(?=\d)", "−", marked)
-    marked = re.sub(r"(\d)e-0?(\d+)", r"\1·10<sup>−\2</sup>", marked)
-    return Markup(marked)
+    marked = re.sub(r"(?<![\w.])1e-0?(\d+)\b", r"10<sup>−\1</sup>", marked)
+    marked = re.sub(r"(?<=\d)e-0?(\d+)\b", r"·10<sup>−\1</sup>", marked)
+    # a number and its unit stay on one line
+    return Markup(re.sub(r"(?<=\d) (?=(?:%|a|s)(?!\w))", "\u00a0", marked))
 
 
 @dataclass(frozen=True, eq=False)

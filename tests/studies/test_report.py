@@ -6,8 +6,8 @@ import pytest
 
 from studies import report
 from studies.study import BUILT_IN, Study, load
-from studies.words import percent
 from studies.sweep import run
+from studies.words import percent
 from tests.studies.conftest import quiet
 
 FEW = {"grid": "16,24", "period": "0.6,2.4"}
@@ -105,3 +105,16 @@ def test_figures_can_be_drawn_of_one_mode_at_one_point(
 )
 def test_shares_are_written_with_two_digits(share: float, text: str) -> None:
     assert percent(share) == text
+
+
+@pytest.mark.parametrize(
+    ("text", "markup"),
+    [
+        ("1.9 % of p_H at 2.4 a", "1.9\xa0% of p<sub>H</sub> at 2.4\xa0a"),
+        ("N^(-3/2) & N^1.7", "N<sup>−3/2</sup> &amp; N<sup>1.7</sup>"),
+        ("2.1e-06 % to 1e-13", "2.1·10<sup>−6</sup> % to 10<sup>−13</sup>"),
+        ("preconditioned_cg, 2021-02", "preconditioned_cg, 2021-02"),
+    ],
+)
+def test_indices_and_powers_are_set_as_such(text: str, markup: str) -> None:
+    assert report.formulas(text) == markup

@@ -141,7 +141,8 @@ def _what_it_costs(dataset: xr.Dataset) -> Finding:
         growth = 10 ** (np.log(cost[-1] / cost[0]) / np.log(error[0] / error[-1]))
         dearer = f", and a tenth of an error {growth:.0f} times its time"
     return Finding(
-        f"With exact periodicity an L1 error of {percent(error[-1])} costs {cost[-1]:.2g} s on one thread{dearer}.",
+        f"With exact periodicity an L1 error of {percent(error[-1])} costs {cost[-1]:.2g} s on one "
+        f"thread{dearer}.",
         f"Measured: {'; '.join(steps)}. The L1 error falls like N^(-3/2) and an iteration takes N² "
         "operations, but for logarithms, so that on large grids a tenth of the error wants 10^(4/3) ≈ 22 times "
         "the time; on small ones less, since much of theirs is a set-up that hardly grows.",

@@ -1,10 +1,13 @@
 import re
+import shutil
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
 
 from studies import report
+from studies.finding import Finding, Table
 from studies.study import BUILT_IN, Study, load
 from studies.sweep import run
 from studies.words import percent
@@ -76,6 +79,40 @@ def test_report_examines_the_two_claims_with_measured_numbers(out: Path) -> None
     # at 128 cells, from the paper's own setting
     for shown in ("1.9 %", "17 %", "0.050 %", "31 %", "527 %"):
         assert shown in text
+
+
+def test_report_has_a_summary_then_every_study_in_order(out: Path) -> None:
+    text = (out / "report.html").read_text()
+    summary, contents, *sections = re.split(r"<nav |<section ", text)
+    assert [
+        re.search('aria-labelledby="(.*?)"', section)[1]  # type: ignore[index]
+        for section in sections
+    ] == [*BUILT_IN, "trust"]
+    asked = re.findall(r'class="question">(.*?)<', summary)
+    assert asked[:4] == ["Which padding?", "What does it cost?", "What n?", "What period?"]
+    assert asked[-2:] == ["The paper&#39;s first claim", "The paper&#39;s second claim"]
+    for name in BUILT_IN:
+        assert f'href="#{name}"' in contents
+        assert f'href="{name}.nc"' in text
+
+
+def test_a_study_slots_in_with_what_it_says(
+    out: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copytree(out, tmp_path, dirs_exist_ok=True)
+    new = replace(
+        load("speed"),
+        title="Something new.",
+        findings=lambda dataset: (Finding("A < B", "by 2.4 a", "Which is it?"),),
+        tables=lambda dataset: (Table("cases", ("case", "error"), (("hard", "1 %"),)),),
+    )
+    monkeypatch.setattr(report, "BUILT_IN", ("speed",))
+    monkeypatch.setattr(report, "load", lambda name: new)
+    text = report.write(tmp_path).read_text()
+    assert '<h2 id="speed">Something new</h2>' in text
+    assert text.count("A &lt; B") == 2  # in the summary, and in its section
+    assert '<td class="number" data-value="1 %">1\xa0%</td>' in text
+    assert "trust" not in text  # nothing stored has an estimate
 
 
 @pytest.mark.parametrize("name", ["padding", "images", "period", "grid"])

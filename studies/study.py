@@ -25,7 +25,7 @@ Point = Mapping[str, Value]
 # of what a study computes, and of its result: as specific as the study
 Measures = Callable[[Any, Any], Mapping[str, xr.Variable]]
 
-# Those the report is made of, in its order, and those that want more than this project installs.
+# Those the report is made of, and those that want more than this project installs.
 BUILT_IN = ("paper", "padding", "images", "period", "grid", "kernels", "speed")
 OPTIONAL = ("peers",)
 

@@ -38,7 +38,7 @@ def write(out: Path) -> Path:
     """Figures and ``<out>/report.html`` from the netCDF files of the built-in studies; returns its path.
 
     A chapter for each study in the order of ``BUILT_IN``: its title, what it swept, its findings, plates
-    and tables. A finding that answers a question is in the summary as well.
+    and tables. All findings are in the summary as well, those that answer a question before the others.
     """
     stored = {name: read(out / f"{name}.nc") for name in BUILT_IN}
     chapters = [_chapter(load(name), dataset, out) for name, dataset in stored.items()]
@@ -126,11 +126,6 @@ def _plate(plate: Plate, folder: str, out: Path) -> Mapping[str, str]:
 
 
 def _answers(chapters: Sequence[Chapter]) -> Sequence[tuple[str, Finding]]:
-    """The findings of the summary, each with its chapter: questions first, then what else was examined."""
-    asked = [
-        (chapter.name, finding)
-        for chapter in chapters
-        for finding in chapter.findings
-        if finding.question
-    ]
-    return sorted(asked, key=lambda one: not one[1].question.endswith("?"))
+    """All findings, each with its chapter: those that answer a question first."""
+    found = [(chapter.name, finding) for chapter in chapters for finding in chapter.findings]
+    return sorted(found, key=lambda one: not one[1].question.endswith("?"))

@@ -103,7 +103,7 @@ def test_a_study_slots_in_with_what_it_says(
     new = replace(
         load("speed"),
         title="Something new.",
-        findings=lambda dataset: (Finding("A < B", "by 2.4 a", "Which is it?"),),
+        findings=lambda dataset: (Finding("C", "c"), Finding("A < B", "by 2.4 a", "Which is it?")),
         tables=lambda dataset: (Table("cases", ("case", "error"), (("hard", "1 %"),)),),
     )
     monkeypatch.setattr(report, "BUILT_IN", ("speed",))
@@ -111,6 +111,7 @@ def test_a_study_slots_in_with_what_it_says(
     text = report.write(tmp_path).read_text()
     assert '<h2 id="speed">Something new</h2>' in text
     assert text.count("A &lt; B") == 2  # in the summary, and in its section
+    assert re.findall(r'<dt class="question">(.*?)</dt>', text) == ["Which is it?", "Speed"]
     assert '<td class="number" data-value="1 %">1\xa0%</td>' in text
     assert "trust" not in text  # nothing stored has an estimate
 

@@ -113,7 +113,7 @@ def test_a_study_slots_in_with_what_it_says(
     assert text.count("A &lt; B") == 2  # in the summary, and in its section
     assert re.findall(r'<dt class="question">(.*?)</dt>', text) == ["Which is it?", "Speed"]
     assert '<td class="number" data-value="1 %">1\xa0%</td>' in text
-    assert "trust" not in text  # nothing stored has an estimate
+    assert 'id="trust"' not in text  # nothing stored has an estimate
 
 
 @pytest.mark.parametrize("name", ["padding", "images", "period", "grid"])

@@ -15,7 +15,8 @@ from studies.axis import Axis, one_of
 from studies.case import Case, number
 from studies.line_contact import HERTZ, SCENE
 from studies.study import Plate, Point
-from studies.style import finish, panels, percent
+from studies.style import finish, panels
+from studies.words import percent
 
 A, P_H = HERTZ.half_width, HERTZ.peak_pressure
 FLATTENING = A**2 / (2 * HERTZ.radius)

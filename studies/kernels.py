@@ -12,7 +12,8 @@ from studies import line_contact
 from studies.case import Operator, number
 from studies.line_contact import WIDTH
 from studies.study import Plate, Point
-from studies.style import LAW, finish, label_of, marked, paddings, panels, some
+from studies.style import LAW, finish, marked, panels
+from studies.words import label_of, paddings, some
 
 __all__ = ["figure", "measures", "points", "scene_at"]
 

@@ -11,6 +11,7 @@ from contactstudy.edge import corrected_pressure, half_widths
 from studies.axis import Axis, one_of
 from studies.case import Case, number
 from studies.estimate import estimated
+from studies.outcome import Fate
 from studies.study import Point
 
 STEEL = cs.HalfSpace(youngs_modulus=210e9, poisson_ratio=0.3)
@@ -101,3 +102,18 @@ def measures(case: Case, solution: cs.Solution) -> Mapping[str, xr.Variable]:
         ),
         **estimated(solution),
     }
+
+
+def holds(dataset: xr.Dataset, names: set[str], **values: set[float]) -> bool:
+    """Whether a sweep has these paddings and values of its axes, and all its cases came to an end.
+
+    Where it has not, a finding about them is left out: a sentence that fits any numbers says nothing.
+    """
+    there = all(wanted <= set(dataset[axis].values.tolist()) for axis, wanted in values.items())
+    held = {str(name) for name in dataset["padding"].values}
+    return there and names <= held and bool((dataset["status"] == Fate.OK).all())
+
+
+def total_time(dataset: xr.Dataset) -> xr.DataArray:
+    """Wall time to set up and solve [s]."""
+    return dataset["setup_time"] + dataset["solve_time"]

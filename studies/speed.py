@@ -11,7 +11,9 @@ import contactstudy as cs
 from contactstudy.checks import whole
 from studies.axis import Axis, one_of
 from studies.case import Case, number
+from studies.finding import Finding
 from studies.line_contact import HERTZ, SCENE
+from studies.outcome import Fate
 from studies.study import Plate, Point
 from studies.style import LAW, finish, panels
 
@@ -119,4 +121,30 @@ def _words(dataset: xr.Dataset) -> str:
         f"counted. At {int(finest['grid'])} x {int(finest['grid'])} cells, "
         + "; ".join(facts)
         + "."
+    )
+
+
+def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
+    """Which solver."""
+    solvers = set(dataset["solver"].values.tolist())
+    if not solvers >= set(SOLVERS) or not (dataset["status"] == Fate.OK).all():
+        return ()
+    finest = dataset.isel(grid=-1)
+    new, old = (finest.sel(solver=name) for name in ("preconditioned_cg", "polonsky_keer"))
+    facts = "; ".join(
+        f"{surface}: "
+        + " beside ".join(
+            f"{int(one['iterations'])} iterations in {float(one['solve_time']):.2g} s"
+            for one in (solver.sel(surface=surface) for solver in (new, old))
+        )
+        for surface in finest["surface"].values.tolist()
+    )
+    ratio = old["solve_time"] / new["solve_time"]
+    return (
+        Finding(
+            f"Preconditioned conjugate gradients: {float(ratio.min()):.1f} to {float(ratio.max()):.1f} times "
+            "faster than Polonsky & Keer's scheme.",
+            f"At {int(finest['grid'])} x {int(finest['grid'])} cells, beside Polonsky & Keer's: {facts}.",
+            "Which solver?",
+        ),
     )

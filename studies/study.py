@@ -1,4 +1,4 @@
-"""What a study is: four names in a Python file."""
+"""What a study is: four names in a Python file, and two more where it has something to say."""
 
 import importlib
 import importlib.util
@@ -16,6 +16,7 @@ from contactstudy import InvalidInput
 from contactstudy.checks import remedy
 from studies.axis import Axis, Value
 from studies.case import Computation
+from studies.finding import Finding, Table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -48,6 +49,11 @@ class Plate:
     caption: str
 
 
+def silent(dataset: xr.Dataset) -> tuple[()]:
+    """What a study says that only draws."""
+    return ()
+
+
 @dataclass(frozen=True, eq=False)
 class Study:
     """``points`` to visit, ``scene_at`` a point, what one ``measures`` there, and the ``figure`` drawn.
@@ -56,7 +62,8 @@ class Study:
     :class:`~studies.case.Case`; bad values raise :class:`~contactstudy.InvalidInput`.
     ``measures(case, result)``: named variables,
     scalar or with dimensions of their own; a variable named like its dimension is its coordinate.
-    ``figure(dataset)``: the plates, drawn from the stored Dataset alone.
+    ``figure(dataset)``: the plates, drawn from the stored Dataset alone. ``findings(dataset)`` and
+    ``tables(dataset)``: what the report says beside them; nothing, unless the file defines them.
     """
 
     name: str
@@ -65,6 +72,8 @@ class Study:
     scene_at: Callable[[Point], Computation]
     measures: Measures
     figure: Callable[[xr.Dataset], Sequence[Plate]]
+    findings: Callable[[xr.Dataset], Sequence[Finding]] = silent
+    tables: Callable[[xr.Dataset], Sequence[Table]] = silent
 
     def override(self, axes: Mapping[str, str | Iterable[Value]]) -> "Study":
         """This study over other values of some of its axes."""
@@ -131,4 +140,13 @@ def _study(name: str, module: ModuleType) -> Study:
                 f"Study {name!r} has no {part!r}: define it at the file's top level."
             )
     title = (module.__doc__ or name).strip().split("\n")[0]
-    return Study(name, title, tuple(module.points), module.scene_at, module.measures, module.figure)
+    return Study(
+        name,
+        title,
+        tuple(module.points),
+        module.scene_at,
+        module.measures,
+        module.figure,
+        getattr(module, "findings", silent),
+        getattr(module, "tables", silent),
+    )

@@ -1,21 +1,15 @@
-"""How figures look: one colour, marker and name per padding, the same in every figure."""
+"""How figures look: one colour and marker per padding, the same in every figure."""
 
-from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any, Literal, SupportsFloat
+from typing import Any, Literal
 
 import matplotlib as mpl
 import matplotlib.style
-import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
 from studies.line_contact import COUNTED
-from studies.store import replacing
-from studies.study import Plate
 
 mpl.use("Agg")
 
@@ -104,48 +98,6 @@ def finish(figure: Figure) -> None:
     figure.legend(entries.values(), entries.keys(), loc="outside lower center", ncols=columns)
 
 
-def name_of(padding: str, images: int) -> str:
-    """A padding with its n, where it has one."""
-    return f"{padding}, n = {images}" if padding in COUNTED else padding
-
-
-def label_of(dataset: xr.Dataset) -> str:
-    """:func:`name_of` a Dataset reduced to one padding and one n."""
-    return name_of(str(dataset["padding"].values), int(dataset["images"]))
-
-
 def marked(padding: str) -> dict[str, Any]:
     """:func:`look` for a figure against n, where a padding without an n is a line without markers."""
     return look(padding) | ({} if padding in COUNTED else {"marker": "none"})
-
-
-def some(values: Iterable[float], most: int = 3) -> list[float]:
-    """At most ``most`` of ``values``, first and last among them: what fits on a figure."""
-    chosen = list(values)
-    if len(chosen) <= most:
-        return chosen
-    return [chosen[round(k * (len(chosen) - 1) / (most - 1))] for k in range(most)]
-
-
-def percent(value: SupportsFloat) -> str:
-    """A share as a person writes it: two digits, in per cent."""
-    share = 100 * abs(float(value))
-    if not np.isfinite(share) or share == 0:
-        return "0 %" if share == 0 else "not known"
-    if share >= 10:
-        return f"{share:.0f} %"
-    digits = max(0, 1 - int(np.floor(np.log10(share))))
-    return f"{share:.{digits}f} %" if digits < 7 else f"{share:.1e} %"
-
-
-def paddings(dataset: xr.Dataset) -> list[str]:
-    """The paddings a Dataset holds, in its order."""
-    return [str(name) for name in dataset["padding"].values]
-
-
-def save(plates: Sequence[Plate], folder: Path) -> None:
-    """Every plate as PNG and PDF in ``folder``."""
-    for plate in plates:
-        for suffix in ("png", "pdf"):
-            with replacing(folder / f"{plate.name}.{suffix}") as path:
-                plate.figure.savefig(path)

@@ -1,39 +1,76 @@
-"""Every Python block of the README runs, in order, and says what its comments say."""
+"""Every block of the README and of docs/ runs, in order, and prints what its comments say."""
 
 import re
+import shlex
+import shutil
 from pathlib import Path
 
 import pytest
 
+from studies.cli import cli
 from studies.study import load
 from studies.sweep import run
 
-README = (Path(__file__).parent.parent / "README.md").read_text()
-SWEEP = re.search(r"contactstudy run padding --out (\S+) (.*)", README)
+ROOT = Path(__file__).parent.parent
+PAGES = ("README.md", "docs/tutorial.md", "docs/own-study.md", "docs/sweeps.md")
+# Set-up, and what CI does with the README's own commands; two that want all studies, or other programs.
+ELSEWHERE = ("python3 -m venv", ".venv/bin/pip", ".venv/bin/contactstudy run peers")
+BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", flags=re.DOTALL | re.MULTILINE)
+SAID = re.compile(r"^print\(.*\)  # (.*)$", flags=re.MULTILINE)
 
 
-def test_readme_python_blocks_run(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+@pytest.fixture(autouse=True)
+def somewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The project's examples in a folder that may be written to."""
+    shutil.copytree(ROOT / "examples", tmp_path / "examples")
+    (tmp_path / "outputs").mkdir()
     monkeypatch.chdir(tmp_path)
-    assert SWEEP is not None
-    folder, words = SWEEP[1], SWEEP[2].split()
-    axes = dict(zip((word[2:] for word in words[::2]), words[1::2], strict=True))
-    run(load("padding").override(axes), Path(folder), workers=0, repeats=1)
-    capsys.readouterr()
-    blocks = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
-    for block in blocks:
-        if "points =" in block:
+
+
+def command(line: str) -> None:
+    """What a shell would do with ``line``, in this process and with the least of timing."""
+    if line.startswith(ELSEWHERE):
+        return
+    program, *words = shlex.split(line, comments=True)
+    assert program == ".venv/bin/contactstudy", line
+    quick = ["--workers", "0", "--repeats", "1"] if words[0] == "run" else []
+    cli.main([*words, *quick], standalone_mode=False)
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_every_block_of_a_page_runs_and_prints_what_it_says(
+    page: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    known: dict[str, object] = {}
+    for kind, block in BLOCK.findall((ROOT / page).read_text()):
+        capsys.readouterr()
+        if kind == "sh":
+            for line in block.splitlines():
+                command(line)
+        elif "points =" in block:
             Path("radius.py").write_text(block)
-            continue
-        exec(compile(block, "README.md", "exec"), {})
-    out = capsys.readouterr().out.splitlines()
-    assert out[0] == "CONVERGED: the residual is below the tolerance."
-    assert float(out[1]) == pytest.approx(1.0, abs=5e-4)
-    assert (tmp_path / "outputs" / "contact.nc").is_file()
+        elif kind != "py":  # which is for a cluster
+            assert kind == "python"
+            exec(compile(block, page, "exec"), known)
+            assert capsys.readouterr().out.splitlines() == SAID.findall(block)
+
+
+def test_no_page_is_left_out() -> None:
+    assert {str(page.relative_to(ROOT)) for page in ROOT.glob("docs/*.md")} == set(PAGES[1:])
+
+
+def test_pages_link_to_what_is_there() -> None:
+    for page in PAGES:
+        for link in re.findall(r"\]\(([^)#]+)\)", (ROOT / page).read_text()):
+            assert (ROOT / page).parent.joinpath(link).exists(), f"{page}: {link}"
+
+
+def test_own_study_keeps_the_law_it_shows() -> None:
+    text = (ROOT / "docs/own-study.md").read_text()
+    block = next(block for _, block in BLOCK.findall(text) if "points =" in block)
+    Path("radius.py").write_text(block)
     own = load("radius.py").override({"radius": "0.01,0.02,0.04"})
     dataset = run(own, Path("outputs"), workers=0, repeats=1)
-    assert own.figure(dataset)[0].name == "peak"
     peaks = dataset["peak_pressure"].values
     # the same grid in half-widths, and so the same error: the law holds to the solver's residual
     assert peaks[:-1] / peaks[1:] == pytest.approx([2**0.5] * 2, rel=1e-5)

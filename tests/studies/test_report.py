@@ -1,13 +1,16 @@
 import re
+import shutil
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
 
 from studies import report
+from studies.finding import Finding, Table
 from studies.study import BUILT_IN, Study, load
-from studies.style import percent
 from studies.sweep import run
+from studies.words import percent
 from tests.studies.conftest import quiet
 
 FEW = {"grid": "16,24", "period": "0.6,2.4"}
@@ -80,6 +83,41 @@ def test_report_examines_the_two_claims_with_measured_numbers(out: Path) -> None
         assert shown in text
 
 
+def test_report_has_a_summary_then_every_study_in_order(out: Path) -> None:
+    text = (out / "report.html").read_text()
+    summary, contents, *sections = re.split(r"<nav |<section ", text)
+    assert [
+        re.search('aria-labelledby="(.*?)"', section)[1]  # type: ignore[index]
+        for section in sections
+    ] == [*BUILT_IN, "trust"]
+    asked = re.findall(r'class="question">(.*?)<', summary)
+    assert asked[:4] == ["Which padding?", "What does it cost?", "What n?", "What period?"]
+    assert asked[-2:] == ["The paper&#39;s first claim", "The paper&#39;s second claim"]
+    for name in BUILT_IN:
+        assert f'href="#{name}"' in contents
+        assert f'href="{name}.nc"' in text
+
+
+def test_a_study_slots_in_with_what_it_says(
+    out: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copytree(out, tmp_path, dirs_exist_ok=True)
+    new = replace(
+        load("speed"),
+        title="Something new.",
+        findings=lambda dataset: (Finding("C", "c"), Finding("A < B", "by 2.4 a", "Which is it?")),
+        tables=lambda dataset: (Table("cases", ("case", "error"), (("hard", "1 %"),)),),
+    )
+    monkeypatch.setattr(report, "BUILT_IN", ("speed",))
+    monkeypatch.setattr(report, "load", lambda name: new)
+    text = report.write(tmp_path).read_text()
+    assert '<h2 id="speed">Something new</h2>' in text
+    assert text.count("A &lt; B") == 2  # in the summary, and in its section
+    assert re.findall(r'<dt class="question">(.*?)</dt>', text) == ["Which is it?", "Speed"]
+    assert '<td class="number" data-value="1 %">1\xa0%</td>' in text
+    assert 'id="trust"' not in text  # nothing stored has an estimate
+
+
 @pytest.mark.parametrize("name", ["padding", "images", "period", "grid"])
 @pytest.mark.parametrize("padding", ["exact", "zero", "superposed"])
 def test_figures_can_be_drawn_of_one_mode_at_one_point(
@@ -107,3 +145,16 @@ def test_figures_can_be_drawn_of_one_mode_at_one_point(
 )
 def test_shares_are_written_with_two_digits(share: float, text: str) -> None:
     assert percent(share) == text
+
+
+@pytest.mark.parametrize(
+    ("text", "markup"),
+    [
+        ("1.9 % of p_H at 2.4 a", "1.9\xa0% of p<sub>H</sub> at 2.4\xa0a"),
+        ("N^(-3/2) & N^1.7", "N<sup>−3/2</sup> &amp; N<sup>1.7</sup>"),
+        ("2.1e-06 % to 1e-13", "2.1·10<sup>−6</sup> % to 10<sup>−13</sup>"),
+        ("preconditioned_cg, 2021-02", "preconditioned_cg, 2021-02"),
+    ],
+)
+def test_indices_and_powers_are_set_as_such(text: str, markup: str) -> None:
+    assert report.formulas(text) == markup

@@ -185,4 +185,5 @@ def _rough_surfaces(dataset: xr.Dataset) -> Finding:
         "asperities that barely touch come and go, while that of the highest pressure, now under an asperity, "
         f"falls from {' and from '.join(highest)}. Roughness itself moves the pressure by "
         f"{percent(shift)} (L1) at an rms of {float(shift['rms']):g}{systematic if low > 0 else ''}.",
+        "Does roughness change that?",
     )

@@ -92,7 +92,8 @@ def test_report_has_a_summary_then_every_study_in_order(out: Path) -> None:
     ] == [*BUILT_IN, "trust"]
     asked = re.findall(r'class="question">(.*?)<', summary)
     assert asked[:4] == ["Which padding?", "What does it cost?", "What n?", "What period?"]
-    assert asked[-2:] == ["The paper&#39;s first claim", "The paper&#39;s second claim"]
+    first = asked.index("The paper&#39;s first claim")
+    assert asked[first + 1] == "The paper&#39;s second claim"
     for name in BUILT_IN:
         assert f'href="#{name}"' in contents
         assert f'href="{name}.nc"' in text

@@ -61,7 +61,8 @@ def solve(
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         last = solver.iterate(bare, tolerance=tolerance, max_iterations=max_iterations, start=start)
     scales = problem.scales
-    moved, approach = _in(scales.gap, last.displacement), last.approach * scales.gap
+    moved = _in(scales.gap, last.displacement)
+    approach = last.approach * scales.gap + problem.datum
     return Solution(
         problem=problem,
         pressure=_in(scales.pressure, last.pressure),

@@ -116,7 +116,8 @@ class PreconditionedCG:
             inside = contact.astype(gap.dtype)
             direction = _within(inside, np.negative(precondition(gap * inside)))
             work += 1 + its_work / operator.work
-            if step is not None and response is not None:
+            # a trial cut back to where it began has been no step
+            if step is not None and response is not None and curvature > 0:
                 conjugate = inner(direction, response) / curvature
                 tried = _within(inside, direction - conjugate * step)
                 if inner(gap, tried) < 0:

@@ -57,8 +57,8 @@ def solve(
         return _without_pressure(problem)
     if start is not None:
         start = _admitted(start, problem, precision)
-    bare = problem.bare(precision)
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        bare = problem.bare(precision)
         last = solver.iterate(bare, tolerance=tolerance, max_iterations=max_iterations, start=start)
     scales = problem.scales
     moved = _in(scales.gap, last.displacement)

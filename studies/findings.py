@@ -10,6 +10,8 @@ from studies.front import pareto_front
 from studies.line_contact import COUNTED
 from studies.outcome import Fate
 from studies.padding import settings
+from studies.hard_cases import CASES
+from studies.stability import VERDICTS, ends_of
 from studies.style import label_of, paddings, percent
 
 Row = tuple[str, ...]
@@ -49,6 +51,8 @@ def findings(stored: Mapping[str, xr.Dataset]) -> tuple[Finding, ...]:
         found.append(_any_period(stored["period"]))
     if _holds(stored["grid"], {"exact"}) and stored["grid"].sizes["grid"] > 2:
         found.append(_which_grid(stored["grid"]))
+    if "stability" in stored and stored["stability"].sizes["case"] == len(CASES):
+        found.append(_hard_cases(stored["stability"]))
     return tuple(found)
 
 
@@ -134,6 +138,46 @@ def _which_grid(dataset: xr.Dataset) -> Finding:
         f"{percent(last['pressure_error_l1'])} at {cells[-1]} in {float(_time(last)):.2g} s. The largest "
         f"error, in the cells that hold the contact edge, falls like N^({rates[1]:.2f}) only, by leaps: it "
         f"is {percent(last['pressure_error_max'])} of p_H at {cells[-1]}.",
+    )
+
+
+def _hard_cases(dataset: xr.Dataset) -> Finding:
+    counts = [int((dataset["verdict"] == number).sum()) for number in range(len(VERDICTS))]
+    right, said, wrong, _ = counts
+    ended = dataset["verdict"] == VERDICTS.index("right")
+    share = (dataset["pressure_error"] / dataset["stated_error"]).where(ended)
+    claim = "Hard cases end in a right answer within a stated error, or in a sentence that says why not."
+    if wrong:
+        claim = "Some hard cases end neither right nor in a sentence that says why not."
+    return Finding(
+        claim,
+        f"{dataset.sizes['case']} contacts with something hard about them were solved with "
+        f"{dataset.sizes['padding']} paddings and both solvers, where that makes sense: {right} solves are right "
+        f"within the error stated for them, {said} say why there is no answer, {wrong} do neither. The error "
+        f"is on the median {percent(share.median())} of the one stated, and at most {percent(share.max())}.",
+    )
+
+
+def stability_table(dataset: xr.Dataset) -> Table:
+    """What was hard, how it ended, and the errors, over all paddings and solvers."""
+    rows = []
+    for name in (str(one) for one in dataset["case"].values):
+        one = dataset.sel(case=name)
+        asked = one.where(one["verdict"] != VERDICTS.index("not_asked"))
+        right = one["verdict"] == VERDICTS.index("right")
+        error, stated = (
+            f"{float(one[which].where(right).max()):.0e}" if right.any() else "none"
+            for which in ("pressure_error", "stated_error")
+        )
+        worst = VERDICTS[int(asked["verdict"].max())]
+        hard = CASES[name].hard if name in CASES else ""
+        rows.append((name, hard, ends_of(dataset, name), error, stated, worst))
+    return Table(
+        "Hard cases: how each ended over all paddings and both solvers; the largest error of the pressure over "
+        "its highest, and the largest error stated. The verdict is the worst of all solves: right within the "
+        "error stated, or said by a status.",
+        ("case", "what is hard", "how it ended", "error", "stated error", "verdict"),
+        tuple(rows),
     )
 
 

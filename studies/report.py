@@ -7,7 +7,7 @@ from pathlib import Path
 import xarray as xr
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
-from studies.findings import accuracy_table, findings, price_table
+from studies.findings import accuracy_table, findings, price_table, stability_table
 from studies.store import read, replacing
 from studies.study import BUILT_IN, Plate, Study, load
 from studies.style import save
@@ -37,8 +37,20 @@ def write(out: Path) -> Path:
     )
     page = environment.get_template("report.html").render(
         findings=findings(stored),
-        tables=(accuracy_table(stored["paper"]), price_table(stored["padding"])),
-        text_columns=("padding", "cheapest padding", "period"),
+        tables=(
+            accuracy_table(stored["paper"]),
+            price_table(stored["padding"]),
+            stability_table(stored["stability"]),
+        ),
+        text_columns=(
+            "padding",
+            "cheapest padding",
+            "period",
+            "case",
+            "what is hard",
+            "how it ended",
+            "verdict",
+        ),
         chapters=chapters,
         provenance={name: dataset.attrs for name, dataset in stored.items()},
     )

@@ -64,7 +64,10 @@ def test_a_study_without_one_of_its_names_is_refused(study_file: Path, part: str
     ("name", "message"),
     [
         ("paddin", "did you mean 'padding'"),
-        ("xyz", "choose from grid, images, kernels, padding, paper, peers, period, speed"),
+        (
+            "xyz",
+            "choose from grid, images, kernels, padding, paper, peers, period, speed, stability",
+        ),
         ("nowhere.py", "cannot be read"),
     ],
 )

@@ -1,7 +1,7 @@
 """Where effects meet: a scene names them, and turns them into a problem on a grid."""
 
 from dataclasses import dataclass
-from math import inf
+from math import inf, log2
 
 import numpy as np
 
@@ -74,12 +74,16 @@ class Scene:
         return HertzLine(self.load.per_length, 1 / curvature, self.contact_modulus)
 
     def scales(self, grid: Grid) -> Scales:
-        """Hertz's half-width and peak pressure, or the width and the mean pressure where nothing is curved."""
+        """Hertz's half-width and peak pressure, or the width and the mean pressure where nothing is curved.
+
+        The pressure is the power of two next to it, which no pressure, and so no hardness, loses a bit to.
+        """
         if (hertz := self.hertz) is not None:
             length, pressure = hertz.half_width, hertz.peak_pressure
         else:
             length, pressure = grid.extent[0], self.load.per_length / grid.extent[0]
-        return Scales(length, pressure, pressure * length / self.contact_modulus)
+        gap = pressure * length / self.contact_modulus
+        return Scales(length, 2.0 ** round(log2(pressure)), gap)
 
     def problem(self, grid: Grid, padding: Padding | Paddings) -> Problem:
         """This scene on ``grid``, with ``padding`` along its length, or a tuple (across, along).

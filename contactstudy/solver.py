@@ -65,7 +65,8 @@ def solve(
     approach = last.approach * scales.gap + problem.datum
     return Solution(
         problem=problem,
-        pressure=_in(scales.pressure, last.pressure),
+        # in single precision a limit may have been rounded up
+        pressure=problem.pressures.clip(_in(scales.pressure, last.pressure)),
         displacement=moved,
         gap=problem.undeformed_gap + moved - approach,
         approach=approach,

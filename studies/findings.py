@@ -7,10 +7,10 @@ import numpy as np
 import xarray as xr
 
 from studies.front import pareto_front
+from studies.hard_cases import CASES
 from studies.line_contact import COUNTED
 from studies.outcome import Fate
 from studies.padding import settings
-from studies.hard_cases import CASES
 from studies.stability import VERDICTS, ends_of
 from studies.style import label_of, paddings, percent
 
@@ -152,9 +152,10 @@ def _hard_cases(dataset: xr.Dataset) -> Finding:
     return Finding(
         claim,
         f"{dataset.sizes['case']} contacts with something hard about them were solved with "
-        f"{dataset.sizes['padding']} paddings and both solvers, where that makes sense: {right} solves are right "
-        f"within the error stated for them, {said} say why there is no answer, {wrong} do neither. The error "
-        f"is on the median {percent(share.median())} of the one stated, and at most {percent(share.max())}.",
+        f"{dataset.sizes['padding']} paddings and {dataset.sizes['solver']} solvers, where that makes sense: "
+        f"{right} solves are right within the error stated for them, {said} say why there is no answer, "
+        f"{wrong} do neither. The error is on the median {percent(share.median())} of the one stated, and at "
+        f"most {percent(share.max())}.",
     )
 
 

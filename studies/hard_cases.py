@@ -302,7 +302,7 @@ def _material() -> dict[str, HardCase]:
         "all but two cells yield",
         replace(full, hardness=0.03661931369241763 * P_H),
         grid((7, 7), 44.29302973822934, 2.0062328974336388),
-        AT_EDGE,
+        AT_EDGE | {cs.Status.STALLED},
         tolerance=1e-9,
     )
     found["hardness 0.3 p_H"] = HardCase(

@@ -7,7 +7,11 @@ import contactstudy as cs
 from studies.hard_cases import CASES, PADDINGS, SOLVERS
 
 # Solutions that claim nothing, and say why.
-UNFINISHED = {cs.Status.ITERATION_LIMIT, cs.Status.NO_ADMISSIBLE_PRESSURE}
+UNFINISHED = {
+    cs.Status.ITERATION_LIMIT,
+    cs.Status.STALLED,
+    cs.Status.NO_ADMISSIBLE_PRESSURE,
+}
 
 
 def every(group: str) -> pytest.MarkDecorator:
@@ -30,6 +34,8 @@ def ends_well(name: str, padding: str, solver: str) -> cs.Solution:
     problem = case.scene.problem(case.grid, PADDINGS[padding])
     solution = case.solve(problem, SOLVERS[solver])
     assert solution.status in case.ends
+    if solver == "preconditioned CG":
+        assert solution.status is not cs.Status.STALLED
     for field in (solution.pressure, solution.displacement, solution.gap):
         assert np.isfinite(field).all()
     assert (solution.pressure >= 0).all()
@@ -37,7 +43,7 @@ def ends_well(name: str, padding: str, solver: str) -> cs.Solution:
     if solution.status in UNFINISHED:
         return solution
     carried = solution.pressure.sum() / problem.pressures.total
-    assert carried == pytest.approx(1, rel=max(case.tolerance, 1e-12))
+    assert carried == pytest.approx(1, rel=max(solution.residual, 1e-12))
     error, stated = case.judge(solution, PADDINGS[padding], SOLVERS[solver])
     assert error <= stated
     # and is worth stating: a residual times the condition of a few dozen elongated cells

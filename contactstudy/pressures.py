@@ -180,6 +180,9 @@ class LimitedPressures:
             self._spread(trial, bearing)
             return trial
         borne = trial[bearing]
+        rounding = 8 * np.finfo(trial.dtype).eps
+        if borne.max() == self.hardness and abs(borne.sum() / self.total - 1) <= rounding:
+            return trial  # a factor one bit below 1 would take yielding cells off their limit
         # what is carried grows with the factor along a concave broken line: Newton's steps from the left
         # never pass the root, and end on its own segment
         factor = self.total / borne.sum()

@@ -31,6 +31,19 @@ def positive(field: str, value: object, remedy: str) -> float:
     return number
 
 
+# In SI units, so far apart that nothing measured is beyond them, and near enough for their products
+# and quotients to be numbers.
+LEAST, MOST = 1e-60, 1e60
+
+
+def quantity(field: str, value: object, remedy: str) -> float:
+    """``value`` as a float above zero that a computation can bear, or :class:`InvalidInput`."""
+    number = positive(field, value, remedy)
+    if not LEAST <= number <= MOST:
+        raise InvalidInput(f"{field} is {value!r}: {remedy}, between {LEAST:g} and {MOST:g}.")
+    return number
+
+
 def from_zero(field: str, value: object, remedy: str) -> float:
     """``value`` as a finite float not below zero, or :class:`InvalidInput`."""
     number = finite(field, value, remedy)

@@ -65,12 +65,17 @@ class Convolution:
 
     @property
     def own(self) -> float:
-        """Displacement of a cell under its own unit pressure: the mean of the whole spectrum."""
+        """Displacement of a cell under its own unit pressure, above the mean over the padded grid.
+
+        It is the mean of the whole spectrum but for its first entry, the rigid shift: without images'
+        end that may have any sign, and in a cell far wider than the datum it makes the whole negative.
+        """
         py = self.padded[1]
         stored_once = self.spectrum[:, 0].sum()
         if py % 2 == 0 and py > 1:
             stored_once += self.spectrum[:, -1].sum()
-        return float((2 * self.spectrum.sum() - stored_once) / self.work)
+        total = 2 * self.spectrum.sum() - stored_once - self.spectrum[0, 0]
+        return float(total / self.work)
 
     def scaled(self, factor: float, precision: Precision) -> "Convolution":
         """This operator times ``factor``, in ``precision``."""

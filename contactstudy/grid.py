@@ -5,8 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from contactstudy.arrays import Array
-from contactstudy.checks import pair, positive, whole
+from contactstudy.checks import InvalidInput, pair, quantity, whole
 from contactstudy.units import Metres
+
+LONGEST = 1e9  # times as long as wide
 
 
 @dataclass(frozen=True)
@@ -15,7 +17,8 @@ class Grid:
 
     x runs across the contact, y along it. Fields are constant in a cell and have the shape (nx, ny);
     ``ny = 1`` is plane strain. Raises :class:`~contactstudy.InvalidInput` for fewer than two cells
-    across, none along, or an extent that is not a positive length.
+    across, none along, an extent that is not a positive length, or cells a billion times as long as wide
+    or as wide as long: the coefficients of such are lost in rounding.
     """
 
     cells: tuple[int, int]
@@ -29,11 +32,17 @@ class Grid:
             whole("Grid.cells[1]", ny, 1, "give at least 1 cell along the length"),
         )
         extent = (
-            positive("Grid.extent[0]", width, "give a width above 0 m"),
-            positive("Grid.extent[1]", period, "give a period above 0 m"),
+            quantity("Grid.extent[0]", width, "give a width above 0 m"),
+            quantity("Grid.extent[1]", period, "give a period above 0 m"),
         )
         object.__setattr__(self, "cells", cells)
         object.__setattr__(self, "extent", extent)
+        elongation = self.cell[1] / self.cell[0]
+        if not 1 / LONGEST <= elongation <= LONGEST:
+            raise InvalidInput(
+                f"Grid.extent is {extent!r}: give lengths whose cells are no more than {LONGEST:g} times as "
+                f"long as wide, or as wide as long; these are {elongation:g} times as long."
+            )
 
     @property
     def cell(self) -> tuple[float, float]:

@@ -165,7 +165,8 @@ def _direction(
     inside = contact.astype(gap.dtype)
     direction = precondition(gap * inside)
     _restrict(np.negative(direction, out=direction), inside)
-    if last is None:
+    # a trial cut back to where it began has been no step
+    if last is None or not last.curvature > 0:
         return direction
     tried = last.step * (-inner(direction, last.response) / last.curvature)
     tried += direction

@@ -131,7 +131,7 @@ class CompressivePressures:
         total = pressure.sum()
         complementarity = inner(pressure, np.abs(gap)) / total
         penetration = -(gap * (pressure == 0)).min()
-        return float(max(complementarity, penetration, abs(total / self.total - 1)))
+        return _largest(complementarity, penetration, abs(total / self.total - 1))
 
 
 @dataclass(frozen=True)
@@ -193,6 +193,9 @@ class LimitedPressures:
             self._spread(trial, bearing)
             return trial
         borne = trial[bearing]
+        rounding = 8 * np.finfo(trial.dtype).eps
+        if borne.max() == self.hardness and abs(borne.sum() / self.total - 1) <= rounding:
+            return trial  # a factor one bit below 1 would take yielding cells off their limit
         # what is carried grows with the factor along a concave broken line: Newton's steps from the left
         # never pass the root, and end on its own segment
         factor = self.total / borne.sum()
@@ -230,9 +233,13 @@ class LimitedPressures:
         complementarity = inner(free, np.abs(gap)) / borne if borne > 0 else 0.0
         penetration = -(gap * (pressure == 0)).min()
         opening = (gap * (pressure >= self.hardness)).max()
-        return float(
-            max(complementarity, penetration, opening, abs(pressure.sum() / self.total - 1))
-        )
+        unbalanced = abs(pressure.sum() / self.total - 1)
+        return _largest(complementarity, penetration, opening, unbalanced)
+
+
+def _largest(*measures: float) -> float:
+    """The largest, or nan where any is nan: Python's own ``max`` forgets a nan that comes later."""
+    return float(np.max(measures))
 
 
 def _shifted(trial: Array, total: float, most: float) -> Array:

@@ -28,7 +28,10 @@ class Operator(Protocol):
 
     @property
     def own(self) -> float:
-        """Displacement of a cell under its own unit pressure."""
+        """Displacement of a cell under its own unit pressure, above the mean of all cells.
+
+        So that it does not depend on a rigid shift, which a balanced load cannot tell, and is above zero.
+        """
         ...
 
     @property
@@ -118,10 +121,19 @@ class Problem:
     outputs: tuple[Derived, ...] = ()
     attributes: Mapping[str, str | float] = field(default_factory=dict)
 
+    @property
+    def datum(self) -> float:
+        """The undeformed gap at the highest point [m], from which a bare problem counts heights.
+
+        Where these are large, so is their rounding: it should not be there where the bodies touch.
+        """
+        return float(self.undeformed_gap.min())
+
     def bare(self, precision: Precision = Precision.DOUBLE) -> BareProblem:
-        """This problem in its own scales."""
+        """This problem in its own scales, its highest point at zero."""
+        heights = (self.undeformed_gap - self.datum) / self.scales.gap
         return BareProblem(
-            (self.undeformed_gap / self.scales.gap).astype(precision.real, copy=False),
+            heights.astype(precision.real, copy=False),
             self.displacement.scaled(self.scales.pressure / self.scales.gap, precision),
             self.pressures.scaled(1 / self.scales.pressure),
         )

@@ -1,12 +1,12 @@
 """Where effects meet: a scene names them, and turns them into a problem on a grid."""
 
 from dataclasses import dataclass
-from math import inf
+from math import inf, log2
 
 import numpy as np
 
 from contactstudy.analytic import HertzLine
-from contactstudy.checks import InvalidInput, keep, positive
+from contactstudy.checks import InvalidInput, keep, quantity
 from contactstudy.convolution import convolution
 from contactstudy.grid import Grid
 from contactstudy.load import LineLoad
@@ -55,7 +55,7 @@ class Scene:
         contact_modulus(self.solids)
         if self.hardness != inf:
             remedy = "give a pressure above 0 Pa, or inf for no limit"
-            keep(self, hardness=positive("Scene.hardness", self.hardness, remedy))
+            keep(self, hardness=quantity("Scene.hardness", self.hardness, remedy))
         for number, shape in enumerate(self.shapes):
             if isinstance(shape, type) or not (
                 hasattr(shape, "gap") and hasattr(shape, "curvature")
@@ -89,12 +89,16 @@ class Scene:
         return HertzLine(self.load.per_length, 1 / curvature, self.contact_modulus)
 
     def scales(self, grid: Grid) -> Scales:
-        """Hertz's half-width and peak pressure, or the width and the mean pressure where nothing is curved."""
+        """Hertz's half-width and peak pressure, or the width and the mean pressure where nothing is curved.
+
+        The pressure is the power of two next to it, which no pressure, and so no hardness, loses a bit to.
+        """
         if (hertz := self.hertz) is not None:
             length, pressure = hertz.half_width, hertz.peak_pressure
         else:
             length, pressure = grid.extent[0], self.load.per_length / grid.extent[0]
-        return Scales(length, pressure, pressure * length / self.contact_modulus)
+        gap = pressure * length / self.contact_modulus
+        return Scales(length, 2.0 ** round(log2(pressure)), gap)
 
     def problem(self, grid: Grid, padding: Padding | Paddings) -> Problem:
         """This scene on ``grid``, with ``padding`` along its length, or a tuple (across, along).

@@ -25,7 +25,8 @@ class Status(Enum):
     )
     STALLED = (
         "the residual stopped falling above the tolerance: give a tolerance no smaller than the "
-        "residual reached, and check the heights for values far beyond the contact's own scale"
+        "residual reached, check the heights for values far beyond the contact's own scale, and the grid "
+        "for cells a thousand times as long as wide or more"
     )
     NO_ADMISSIBLE_PRESSURE = (
         "the hardness everywhere would not carry the load: "

@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 
 from contactstudy.arrays import Array
-from contactstudy.checks import positive, whole
+from contactstudy.checks import InvalidInput, positive, whole
 from contactstudy.iterate import Iterate
 from contactstudy.precision import Precision
 from contactstudy.preconditioned_cg import PreconditionedCG
@@ -36,26 +36,33 @@ def solve(
     max_iterations: int = 2000,
     solver: Solver = PreconditionedCG(),  # noqa: B008 (a frozen value)
     precision: Precision = Precision.DOUBLE,
+    start: Array | None = None,
 ) -> Solution:
     """Solve ``problem`` and say how far the answer can be trusted.
 
     One stopping rule, dimensionless: the largest of complementarity, ``sum(p |gap|) / sum(p)``,
     penetration, ``max(-gap)`` where p = 0, both over the problem's gap scale ``p_H a / E*``, and load,
     ``|sum(p) / total - 1|``, is at most ``tolerance``. Under a hardness, cells that yield count by the
-    gap they leave open, and complementarity is that of the others. Numerical outcomes are a
-    :class:`~contactstudy.Status`; only a tolerance that is not above zero or a negative limit raises
-    :class:`~contactstudy.InvalidInput`.
+    gap they leave open, and complementarity is that of the others. ``start`` (width, length) [Pa] is the
+    pressure to go on from, such as that of a like scene or of a solution stopped early: cut off at its
+    limits and scaled to the load, and without it found on coarser grids. Numerical outcomes are a
+    :class:`~contactstudy.Status`; only a tolerance that is not above zero, a negative limit or a start
+    that is no pressure raises :class:`~contactstudy.InvalidInput`.
     """
     positive("solve.tolerance", tolerance, "give a dimensionless tolerance above 0, such as 1e-8")
     whole("solve.max_iterations", max_iterations, 0, "give a whole number of iterations from 0 on")
+    if start is not None:
+        start = _finite_pressure(start, problem)
     if problem.pressures.is_empty(problem.undeformed_gap.shape):
         return _without_pressure(problem)
-    bare = problem.bare(precision)
+    if start is not None:
+        start = _admitted(start, problem, precision)
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        last = solver.iterate(bare, tolerance=tolerance, max_iterations=max_iterations)
+        bare = problem.bare(precision)
+        last = solver.iterate(bare, tolerance=tolerance, max_iterations=max_iterations, start=start)
     scales = problem.scales
     moved = np.multiply(last.displacement, scales.gap, dtype=np.float64)
-    approach = last.approach * scales.gap
+    approach = last.approach * scales.gap + problem.datum
     return Solution(
         problem=problem,
         pressure=problem.pressures.of(last.pressure, scales.pressure),
@@ -68,6 +75,38 @@ def solve(
         residual=last.residual,
         note=last.note,
     )
+
+
+def _finite_pressure(start: Array, problem: Problem) -> Array:
+    """``start``, if it is a pressure [Pa] on the grid of ``problem``."""
+    shape = problem.undeformed_gap.shape
+    try:
+        pressure = np.asarray(start, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InvalidInput("solve.start is no array of numbers: give a pressure in Pa.") from None
+    if pressure.shape != shape:
+        raise InvalidInput(f"solve.start has the shape {pressure.shape}: give it {shape}.")
+    for wrong, what in ((~np.isfinite(pressure), "not finite"), (pressure < 0, "below 0 Pa")):
+        if wrong.any():
+            raise InvalidInput(
+                f"solve.start is {what} in {np.count_nonzero(wrong)} cells: give a pressure from 0 Pa on."
+            )
+    return pressure
+
+
+def _admitted(pressure: Array, problem: Problem, precision: Precision) -> Array:
+    """A pressure [Pa] made admissible, in the problem's own unit."""
+    with np.errstate(over="ignore", under="ignore"):
+        bare = np.asarray(pressure / problem.scales.pressure)
+        borne = bare.sum()
+    if not np.finfo(np.float64).tiny <= borne < inf:
+        raise InvalidInput(
+            f"solve.start is at most {pressure.max():g} Pa: give a pressure that carries some load, of "
+            f"the order of {problem.scales.pressure:g} Pa."
+        )
+    # to the load before single precision, which would have no number for the factor
+    admitted = problem.pressures.scaled(1 / problem.scales.pressure).admit(bare)
+    return admitted.astype(precision.real, copy=False)
 
 
 def _without_pressure(problem: Problem) -> Solution:

@@ -127,3 +127,20 @@ def test_a_hardness_below_the_mean_pressure_is_said(line_contact: LineContact) -
 def test_a_hardness_that_is_none_is_refused(hardness: object, line_contact: LineContact) -> None:
     with pytest.raises(cs.InvalidInput, match=r"^Scene\.hardness is "):
         replace(line_contact.scene, hardness=hardness)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("precision", cs.Precision)
+def test_cells_that_yield_are_at_the_hardness_to_the_last_bit(
+    precision: cs.Precision, line_contact: LineContact
+) -> None:
+    """Whatever the hardness: a pressure's unit is a power of two."""
+    grid = line_contact.grid((16, 2), 1.2)
+    for share in np.random.default_rng(1).uniform(0.7, 0.95, 20):
+        hardness = share * line_contact.hertz.peak_pressure
+        problem = replace(line_contact.scene, hardness=hardness).problem(
+            grid, cs.ExactPeriodicity()
+        )
+        solution = cs.solve(problem, tolerance=1e-4, precision=precision)
+        assert solution.pressure.max() <= hardness
+        if precision is cs.Precision.DOUBLE:
+            assert solution.pressure.max() == hardness

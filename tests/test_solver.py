@@ -240,3 +240,38 @@ def test_a_sphere_on_a_free_surface_is_hertz_point_contact() -> None:
     inside = r < 0.8 * a
     error = np.abs(solution.pressure - hertz.pressure(r))[inside].max()
     assert error < 5 * step * hertz.peak_pressure
+
+
+SOLVERS = [cs.PolonskyKeer(), cs.PreconditionedCG()]
+
+
+@pytest.mark.parametrize("solver", SOLVERS, ids=str)
+def test_a_solution_is_its_own_start(solver: cs.Solver, line_contact: LineContact) -> None:
+    grid = line_contact.grid((32, 8), 1.2)
+    hard = replace(line_contact.scene, hardness=0.8 * line_contact.hertz.peak_pressure)
+    for scene in (line_contact.scene, hard):
+        problem = scene.problem(grid, cs.ExactPeriodicity())
+        found = cs.solve(problem, solver=solver)
+        again = cs.solve(problem, solver=solver, start=found.pressure)
+        assert again.iterations == 0
+        np.testing.assert_allclose(again.pressure, found.pressure, rtol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("start", "message"),
+    [
+        (np.ones((8, 16)), r"has the shape \(8, 16\): give it \(16, 8\)\.$"),
+        (np.full((16, 8), np.nan), "is not finite in 128 cells: give a pressure from 0 Pa on"),
+        (np.full((16, 8), -1.0), "is below 0 Pa in 128 cells: give a pressure from 0 Pa on"),
+        (np.zeros((16, 8)), "is at most 0 Pa: give a pressure that carries some load"),
+        (np.full((16, 8), 5e-324), "is at most 4.94066e-324 Pa: give a pressure that carries"),
+        ("so", "is no array of numbers: give a pressure in Pa"),
+    ],
+    ids=["shape", "nan", "tension", "zero", "denormal", "text"],
+)
+def test_a_start_that_is_no_pressure_is_refused(
+    start: object, message: str, line_contact: LineContact
+) -> None:
+    problem = line_contact.scene.problem(line_contact.grid((16, 8), 1.2), cs.ExactPeriodicity())
+    with pytest.raises(cs.InvalidInput, match=rf"^solve\.start {message}"):
+        cs.solve(problem, start=start)  # type: ignore[arg-type]

@@ -1,0 +1,51 @@
+"""What every hard case is held to: the same cases as in the study ``stability``."""
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from studies.hard_cases import CASES, PADDINGS, SOLVERS
+
+# Solutions that claim nothing, and say why.
+UNFINISHED = {
+    cs.Status.ITERATION_LIMIT,
+    cs.Status.STALLED,
+    cs.Status.NO_ADMISSIBLE_PRESSURE,
+}
+
+
+def every(group: str) -> pytest.MarkDecorator:
+    """Every case of a group with every padding it makes sense for and both solvers."""
+    return pytest.mark.parametrize(
+        ("name", "padding", "solver"),
+        [
+            (name, padding, solver)
+            for name, case in CASES.items()
+            if case.group == group
+            for padding in case.paddings
+            for solver in SOLVERS
+        ],
+    )
+
+
+def ends_well(name: str, padding: str, solver: str) -> cs.Solution:
+    """Solve a case, and hold it to its stated error, or to a status that says why there is none."""
+    case = CASES[name]
+    problem = case.scene.problem(case.grid, PADDINGS[padding])
+    solution = case.solve(problem, SOLVERS[solver])
+    assert solution.status in case.ends
+    if solver == "preconditioned CG":
+        assert solution.status is not cs.Status.STALLED
+    for field in (solution.pressure, solution.displacement, solution.gap):
+        assert np.isfinite(field).all()
+    assert (solution.pressure >= 0).all()
+    assert (solution.pressure <= case.scene.hardness).all()
+    if solution.status in UNFINISHED:
+        return solution
+    carried = solution.pressure.sum() / problem.pressures.total
+    assert carried == pytest.approx(1, rel=max(solution.residual, 1e-12))
+    error, stated = case.judge(solution, PADDINGS[padding], SOLVERS[solver])
+    assert error <= stated
+    # and is worth stating: a residual times the condition of a few dozen elongated cells
+    assert stated < max(1e-4, 100 * case.tolerance)
+    return solution

@@ -1,0 +1,70 @@
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.analytic import truncation_error
+from studies.hard_cases import HERTZ, P_H, SCENE, A, grid
+from tests.hard_cases.judged import ends_well, every
+
+
+@every("distance")
+def test_case_ends_well(name: str, padding: str, solver: str) -> None:
+    ends_well(name, padding, solver)
+
+
+def peak(padding: cs.Padding, period: float) -> float:
+    """The pressure beside the axis over Hertz's."""
+    posed = SCENE.problem(grid((24, 2), period=period), padding)
+    solution = cs.solve(posed, tolerance=1e-11)
+    assert solution.status is cs.Status.CONVERGED
+    return float(solution.pressure[11:13].mean() / P_H)
+
+
+@pytest.mark.parametrize(
+    ("padding", "period"),
+    [
+        (cs.Superposition(1), 10.0),
+        (cs.CircularSuperposition(1), 10.0),
+        (cs.Superposition(100), 0.05),
+        (cs.CircularSuperposition(100), 0.05),
+        (cs.CircularSuperposition(10_000), 1e-3),
+    ],
+    ids=str,
+)
+def test_any_number_of_images_leaves_what_lies_beyond_them(
+    padding: cs.Padding, period: float
+) -> None:
+    law = truncation_error(1.0, padding.reach(period))
+    found = peak(padding, period) - peak(cs.ExactPeriodicity(), period)
+    # leading term; the next is of the order of its square
+    assert found == pytest.approx(float(law), rel=0.1)
+
+
+def test_no_images_are_no_neighbours() -> None:
+    assert peak(cs.Superposition(0), 1.2) == peak(cs.ZeroPadding(), 1.2)
+
+
+@pytest.mark.parametrize("period", [1e-3, 1e-2, 1.0, 1e2, 1e3])
+@pytest.mark.parametrize("along", [1, 2, 3, 7])
+def test_exact_periodicity_sees_no_period(period: float, along: int) -> None:
+    plane, there = _pressure((24, 1), 1.0), _pressure((24, along), period)
+    # two residuals of 1e-11 times the condition of waves along a period of 1e-3 half-widths: those a
+    # uniform contact has none of, so that of 24 cells across is left
+    np.testing.assert_allclose(there, np.broadcast_to(plane, there.shape), rtol=0, atol=2 * 24e-11)
+
+
+def _pressure(cells: tuple[int, int], period: float) -> np.ndarray:
+    posed = SCENE.problem(grid(cells, period=period), cs.ExactPeriodicity())
+    solution = cs.solve(posed, tolerance=1e-11)
+    assert solution.status is cs.Status.CONVERGED
+    return np.asarray(solution.pressure / P_H)
+
+
+@pytest.mark.parametrize("aspect", [1e-3, 1e3])
+def test_cells_of_any_shape_give_hertz(aspect: float) -> None:
+    cells = (48, 8)
+    on = grid(cells, 2.4, 2.4 / 48 * 8 * aspect)
+    solution = cs.solve(SCENE.problem(on, cs.ExactPeriodicity()))
+    error = np.abs(solution.pressure - HERTZ.pressure(on.x)[:, None])[np.abs(on.x) < 0.8 * A].max()
+    # of second order in the cell, away from the edge
+    assert error < 5 * (on.cell[0] / A) ** 2 * P_H

@@ -1,0 +1,60 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from studies.hard_cases import CASES, FLAT, FLATTENED, PADDINGS, SCENE, grid
+from tests.hard_cases.judged import ends_well, every
+
+
+@every("load")
+def test_case_ends_well(name: str, padding: str, solver: str) -> None:
+    ends_well(name, padding, solver)
+
+
+@pytest.mark.parametrize("padding", PADDINGS)
+def test_a_cell_alone_bears_all(padding: str) -> None:
+    solution = ends_well("one cell touches", padding, "preconditioned CG")
+    assert np.count_nonzero(solution.pressure) == 1
+    on = solution.problem.grid
+    assert solution.pressure.max() * on.cell_area == pytest.approx(
+        SCENE.load.per_length * on.period, rel=1e-14
+    )
+
+
+@pytest.mark.parametrize("padding", ["zero", "exact", "exact on both"])
+def test_a_flattened_cylinder_is_a_flat(padding: str) -> None:
+    """What 1e30 N/m leaves of the curvature is less than rounding."""
+    heavy = ends_well("shape flattened", padding, "preconditioned CG")
+    case = CASES["shape flattened"]
+    flat = case.solve(
+        replace(FLAT, load=case.scene.load).problem(case.grid, PADDINGS[padding]),
+        cs.PreconditionedCG(),
+    )
+    # two residuals of 1e-10 of other gap scales, times the condition of 24 cells across
+    np.testing.assert_allclose(
+        heavy.pressure, flat.pressure, rtol=0, atol=1e-7 * flat.pressure.max()
+    )
+
+
+@pytest.mark.parametrize("solver", [cs.PreconditionedCG(), cs.PolonskyKeer()], ids=str)
+def test_full_contact_is_westergaard(solver: cs.Solver) -> None:
+    """``p = mean + pi E* amplitude / wavelength cos``, of which a cell's mean takes off sinc squared."""
+    scene = CASES["full contact"].scene
+    on = grid((4, 32))
+    both = cs.ExactPeriodicity(), cs.ExactPeriodicity()
+    solution = cs.solve(scene.problem(on, both), tolerance=1e-13, solver=solver)
+    mean = scene.load.per_length / on.extent[0]
+    wave = np.pi * scene.contact_modulus * 1e-3 * FLATTENED / on.period
+    expected = mean - wave * np.cos(2 * np.pi * on.y / on.period)
+    error = np.abs(solution.pressure - expected).max() / wave
+    assert error < (np.pi / 32) ** 2
+
+
+@pytest.mark.parametrize("load", [0.0, -0.0, -1.0, float("nan"), float("inf"), 10**400, None])
+def test_no_load_is_refused(load: object) -> None:
+    with pytest.raises(
+        cs.InvalidInput, match=r"^LineLoad\.per_length is .*: give a load above 0 N/m"
+    ):
+        cs.LineLoad(load)  # type: ignore[arg-type]

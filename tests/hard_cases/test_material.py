@@ -1,0 +1,51 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from studies.hard_cases import CASES, EXACT, P_H, SCENE, grid
+from tests.hard_cases.judged import ends_well, every
+
+
+@every("material")
+def test_case_ends_well(name: str, padding: str, solver: str) -> None:
+    ends_well(name, padding, solver)
+
+
+def test_materials_scale_the_answer_and_nothing_else() -> None:
+    names = ("rigid on elastic", "Poisson's ratio 0", "Poisson's ratio 0.5", "moduli 1:10^6")
+    shapes = []
+    for name in names:
+        solution = ends_well(name, "exact", "preconditioned CG")
+        hertz = CASES[name].scene.hertz
+        assert hertz is not None
+        shapes.append(solution.pressure / hertz.peak_pressure)
+    # two residuals of 1e-10 times the condition of 24 cells
+    np.testing.assert_allclose(shapes, np.broadcast_to(shapes[0], np.shape(shapes)), atol=5e-9)
+
+
+@pytest.mark.parametrize("solver", [cs.PreconditionedCG(), cs.PolonskyKeer()], ids=str)
+def test_a_hardness_binds_from_the_elastic_peak_down(solver: cs.Solver) -> None:
+    posed = SCENE.problem(grid(), EXACT)
+    peak = cs.solve(posed, tolerance=1e-12, solver=solver).pressure.max()
+    for share, yields in ((1 + 1e-6, False), (1 - 1e-6, True)):
+        hard = replace(SCENE, hardness=share * peak)
+        solution = cs.solve(hard.problem(grid(), EXACT), tolerance=1e-12, solver=solver)
+        assert solution.status is cs.Status.CONVERGED
+        assert (solution.pressure == share * peak).any() == yields
+        # what the cap takes off stands beside it: no more than a cell's share moves
+        assert np.abs(solution.pressure.max() / peak - 1) < 2e-6
+
+
+def test_a_hardness_that_just_carries_the_load_bears_evenly() -> None:
+    on = grid(width=4.8)
+    least = SCENE.load.per_length / on.extent[0]
+    hard = replace(SCENE, hardness=least * (1 + 1e-12))
+    for solver in (cs.PreconditionedCG(), cs.PolonskyKeer()):
+        solution = cs.solve(hard.problem(on, EXACT), solver=solver)
+        assert solution.status is cs.Status.CONTACT_AT_EDGE
+        np.testing.assert_allclose(solution.pressure, least, rtol=1e-9)
+    sentence = str(ends_well("hardness 0.3 p_H", "exact", "Polonsky-Keer").status)
+    assert "larger hardness" in sentence
+    assert CASES["hardness 0.3 p_H"].scene.hardness < least < 0.33 * P_H

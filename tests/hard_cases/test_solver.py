@@ -1,0 +1,31 @@
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from studies.hard_cases import CASES, EXACT, SOLVERS
+from tests.hard_cases.judged import ends_well, every
+
+
+@every("solver")
+def test_case_ends_well(name: str, padding: str, solver: str) -> None:
+    ends_well(name, padding, solver)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_an_interrupted_solve_goes_on_where_it_stopped(solver: str) -> None:
+    case = CASES["restart"]
+    problem = case.scene.problem(case.grid, EXACT)
+    whole = cs.solve(problem, tolerance=1e-10, solver=SOLVERS[solver])
+    first = cs.solve(problem, tolerance=1e-10, solver=SOLVERS[solver], max_iterations=5)
+    assert first.status is cs.Status.ITERATION_LIMIT
+    second = cs.solve(problem, tolerance=1e-10, solver=SOLVERS[solver], start=first.pressure)
+    assert second.status is cs.Status.CONVERGED
+    assert second.iterations < whole.iterations
+    # two residuals times the condition of 24 cells
+    difference = np.abs(second.pressure - whole.pressure).max() / problem.scales.pressure
+    assert difference < 2 * 24 * 1e-10
+
+
+def test_a_loose_tolerance_says_how_loose() -> None:
+    solution = ends_well("tolerance 1e-2", "exact", "preconditioned CG")
+    assert 1e-3 < solution.residual <= 1e-2

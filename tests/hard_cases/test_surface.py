@@ -1,0 +1,106 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import contactstudy as cs
+from studies.hard_cases import EXACT, FLATTENED, ROUGH, SCENE, bumpy, grid
+from tests.hard_cases.judged import ends_well, every
+
+HEIGHTS = ROUGH * FLATTENED
+
+
+@every("surface")
+def test_case_ends_well(name: str, padding: str, solver: str) -> None:
+    ends_well(name, padding, solver)
+
+
+def test_one_cell_in_a_thousand_bears_all() -> None:
+    solution = ends_well("0.1 % contact", "exact", "preconditioned CG")
+    assert np.count_nonzero(solution.pressure) == 1
+
+
+def strided(heights: np.ndarray) -> np.ndarray:
+    wide = np.full((48, 36), np.nan)
+    wide[::2, ::3] = heights
+    return wide[::2, ::3]
+
+
+def read_only(heights: np.ndarray) -> np.ndarray:
+    heights = heights.copy()
+    heights.setflags(write=False)
+    return heights
+
+
+def labelled(heights: np.ndarray) -> xr.DataArray:
+    return xr.DataArray(heights, dims=("width", "length"))
+
+
+@pytest.mark.parametrize(
+    "form",
+    [
+        np.asfortranarray,
+        strided,
+        read_only,
+        lambda heights: heights.astype(">f8"),
+        np.ma.asarray,
+        labelled,
+        lambda heights: labelled(heights).transpose(),
+        lambda heights: labelled(heights).chunk({"width": 8, "length": 5}),
+        lambda heights: heights.tolist(),
+    ],
+    ids=[
+        "Fortran",
+        "strided",
+        "read-only",
+        "big-endian",
+        "masked",
+        "xarray",
+        "turned",
+        "dask",
+        "list",
+    ],
+)
+def test_heights_are_the_same_in_any_form(form: object) -> None:
+    plain = cs.solve(bumpy(ROUGH).problem(grid(), EXACT))
+    given = form(HEIGHTS)  # type: ignore[operator]
+    before = np.array(given)
+    scene = replace(SCENE, shapes=(*SCENE.shapes, cs.MeasuredSurface(given)))
+    solution = cs.solve(scene.problem(grid(), EXACT))
+    np.testing.assert_array_equal(solution.pressure, plain.pressure)
+    np.testing.assert_array_equal(np.array(given), before)
+
+
+@pytest.mark.parametrize("kind", [np.float32, np.int64])
+def test_heights_of_another_type_are_the_numbers_they_hold(kind: type) -> None:
+    rounded = (HEIGHTS / 1e-9).astype(kind)
+    surfaces = (
+        cs.MeasuredSurface(rounded * (kind(1) if kind is np.int64 else kind(1e-9))),
+        cs.MeasuredSurface((rounded * (kind(1) if kind is np.int64 else kind(1e-9))).astype(float)),
+    )
+    first, second = (
+        cs.solve(replace(SCENE, shapes=(*SCENE.shapes, one)).problem(grid(), EXACT))
+        for one in surfaces
+    )
+    np.testing.assert_array_equal(first.pressure, second.pressure)
+    assert first.residual <= 1e-8
+
+
+@pytest.mark.parametrize("hole", [np.nan, np.inf, -np.inf])
+def test_missing_points_are_refused_or_filled(hole: float) -> None:
+    heights = HEIGHTS.copy()
+    heights[3:5, 4] = hole
+    with pytest.raises(cs.InvalidInput, match="2 "):
+        cs.MeasuredSurface(heights)
+    filled = cs.MeasuredSurface(heights, missing=cs.HarmonicFill())
+    solution = cs.solve(replace(SCENE, shapes=(*SCENE.shapes, filled)).problem(grid(), EXACT))
+    assert solution.status is cs.Status.CONVERGED
+
+
+def test_an_outlier_is_taken_as_measured() -> None:
+    heights = ROUGH.copy()
+    heights[12, 6] = 1e6
+    solution = cs.solve(bumpy(heights).problem(grid(), EXACT))
+    assert solution.status is cs.Status.CONVERGED
+    assert np.flatnonzero(solution.pressure).tolist() == [12 * 12 + 6]

@@ -32,7 +32,7 @@ class Fate(IntEnum):
 
 # what the store says of every case itself
 TAKEN = frozenset(
-    {"status", "case", "error", "error_type", "error_stage", "contended", "repeat"}
+    {"status", "case_key", "error", "error_type", "error_stage", "contended", "repeat"}
     | {
         f"{part}_time{end}"
         for part in ("setup", "solve")

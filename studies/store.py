@@ -66,7 +66,7 @@ def assemble(
         names, np.reshape([o.fate for o in at], shape), [fate.name.lower() for fate in Fate],
         "what became of the case",
     )  # fmt: skip
-    data["case"] = xr.Variable(
+    data["case_key"] = xr.Variable(
         names,
         np.array([str(case) for case in cases], dtype=object).reshape(shape),
         {"long_name": "key of the case, also in the journal and of the group of its fields"},

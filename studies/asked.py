@@ -3,9 +3,11 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from contactstudy import InvalidInput
 from studies.canonical import Memory, Tree, canonical, key
 from studies.case import Computation
 from studies.journal import Contents, Named
+from studies.outcome import TAKEN
 from studies.recipe import recipe, versions
 from studies.study import Study
 
@@ -22,6 +24,10 @@ class Asked:
     @classmethod
     def of(cls, study: Study) -> "Asked":
         """The cases of ``study``, of which those that differ in rounding only are one."""
+        if taken := TAKEN & {axis.name for axis in study.points}:
+            raise InvalidInput(
+                f"Study {study.name!r} has the axes {sorted(taken)}: these names are taken, choose others."
+            )
         found: dict[Computation, tuple[str, Tree]] = {}
         memory: Memory = {}
         keys, cases, names = [], {}, {}

@@ -29,7 +29,7 @@ def test_fields_are_groups_by_the_key_of_the_case(out: Path) -> None:
     tree = xr.open_datatree(out / "grid.nc")
     with tree:
         one = tree.to_dataset().sel(padding="exact", images=6, period=2.4, grid=24)
-        pressure = tree[f"fields/case_{one['case'].item()}"]["pressure"]
+        pressure = tree[f"fields/case_{one['case_key'].item()}"]["pressure"]
         assert pressure.dims == ("width", "length")
         assert pressure.shape == (24, 24)
         assert pressure.attrs["units"] == "Pa"

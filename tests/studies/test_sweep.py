@@ -58,7 +58,8 @@ def test_every_variable_says_what_it_is_and_in_which_unit(dataset: xr.Dataset) -
     for name, variable in dataset.variables.items():
         assert variable.attrs["long_name"], name
         assert (
-            name in ("padding", "status", "outcome", "contended", "case") or variable.attrs["units"]
+            name in ("padding", "status", "outcome", "contended", "case_key")
+            or variable.attrs["units"]
         ), name
     for name in ("status", "outcome", "contended"):
         flags = dataset[name].attrs

@@ -25,7 +25,7 @@ Point = Mapping[str, Value]
 Measures = Callable[[Any, Any], Mapping[str, xr.Variable]]
 
 # Those the report is made of, and those that want more than this project installs.
-BUILT_IN = ("paper", "padding", "images", "period", "grid", "kernels", "speed")
+BUILT_IN = ("paper", "padding", "images", "period", "grid", "kernels", "speed", "pareto")
 OPTIONAL = ("peers",)
 
 

@@ -8,6 +8,7 @@ import click
 
 from contactstudy import InvalidInput, __version__
 from studies.outcome import Fate
+from studies.recommend import recommendation
 from studies.scenes import plan, solve
 from studies.study import BUILT_IN, OPTIONAL, load
 from studies.sweep import run as run_study
@@ -99,6 +100,7 @@ def draw(study: tuple[str, ...], out: Path) -> None:
 
 cli.add_command(plan)
 cli.add_command(solve)
+cli.add_command(recommendation)
 
 
 @cli.command()

@@ -1,7 +1,8 @@
-"""What accuracy costs: every mode, n, period, grid, tolerance and solver, as solved and with edges corrected."""
+"""What accuracy costs: every mode, n, period, grid, tolerance and solver, as solved and corrected."""
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -13,13 +14,11 @@ from studies import line_contact
 from studies.axis import Axis, one_of
 from studies.case import Case, number
 from studies.front import pareto_front
+from studies.line_contact import LINE
 from studies.price import METRICS, Settings, settings
 from studies.speed import SOLVERS
 from studies.study import Plate, Point
 from studies.style import finish, look, paddings, panels, percent, some
-
-# Where nothing varies along the length one cell stands for all of it, whatever the period.
-LINE = "line"
 
 points = (
     *line_contact.axes(
@@ -39,7 +38,7 @@ def scene_at(point: Point) -> Case:
     solver = SOLVERS[one_of("solver", point["solver"], SOLVERS)]
     lined = point["padding"] == LINE
     # one computation for all periods
-    known = {"padding": "exact", "period": line_contact.WIDTH} if lined else {}
+    known: Point = {"padding": "exact", "period": line_contact.WIDTH} if lined else {}
     case = line_contact.scene_at({**point, **known})
     grid = replace(case.grid, cells=(case.grid.cells[0], 1)) if lined else case.grid
     return replace(case, grid=grid, tolerance=float(point["tolerance"]), solver=solver)
@@ -87,8 +86,8 @@ def _fronts(dataset: xr.Dataset) -> Plate:
         "Accuracy against wall time on one thread: every mode, n, grid, tolerance and solver; filled with the "
         "preconditioned solver, open with Polonsky & Keer's. Black joins the settings that nothing beats "
         "on both counts, dashed those that nothing beats with cells along the length, for a contact that "
-        "varies there; bars reach to the slowest repeat. “line” is exact periodicity with one cell for a length "
-        "along which nothing varies. Points high above the rest stopped at a tolerance of 1e-4, before "
+        "varies there; bars reach to the slowest repeat. “line” is exact periodicity with one cell for a "
+        "length along which nothing varies. Points high above the rest stopped at a tolerance of 1e-4, before "
         "they knew which cells touch. Below, the edge law has taken the edge's own error off, at the cost of a "
         "few operations a cell; a window's own error stays.",
     )
@@ -109,7 +108,7 @@ def _front(ax: Axes, every: Settings) -> None:
         (every.where(every.modes != LINE), "--", "front, cells along the length"),
     ):
         best = chosen.where(pareto_front(chosen.cost, chosen.error))
-        line = {"color": "black", "linewidth": 0.9, "linestyle": style}
+        line: dict[str, Any] = {"color": "black", "linewidth": 0.9, "linestyle": style}
         ax.step(best.cost, best.error, where="post", label=label, **line)
         bars = np.clip([best.cost - best.spread[0], best.spread[1] - best.cost], 0, None)
         ax.errorbar(

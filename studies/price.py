@@ -72,16 +72,15 @@ class Settings:
 def settings(dataset: xr.Dataset, *errors: str) -> Settings:
     """The settings in ``dataset``, which has no period left, by the least of the ``errors`` named."""
     error = np.minimum.reduce([abs(dataset[name]) for name in errors])
-    parts = ("setup_time", "solve_time")
-    cost = sum(dataset[part] for part in parts)
+    cost = dataset["setup_time"] + dataset["solve_time"]
     least = most = cost
     if "setup_time_all" in dataset:
-        every = sum(dataset[f"{part}_all"] for part in parts)
+        every = dataset["setup_time_all"] + dataset["solve_time_all"]
         least, most = every.min("repeat"), every.max("repeat")
     flat = xr.Dataset({"cost": cost, "least": least, "most": most})
     flat["error"] = cost.dims, error
     stacked = flat.stack(point=cost.dims).reset_index("point")
-    axes = {name: stacked[name].values for name in cost.dims}
+    axes = {str(name): stacked[name].values for name in cost.dims}
     spread = np.stack([stacked["least"].values, stacked["most"].values])
     every_one = Settings(stacked["cost"].values, spread, stacked["error"].values, axes)
     # points of one computation have one cost and one error

@@ -26,7 +26,7 @@ def provenance() -> Mapping[str, str]:
         "history": f"{now} {command}",
         "python": platform.python_version(),
         "git_revision": _revision(),
-        "cpu": _cpu(),
+        "cpu": cpu(),
         "cpu_count": str(os.cpu_count()),
         "threads": "1",
         "platform": platform.platform(),
@@ -53,7 +53,8 @@ def _revision() -> str:
     return done.stdout.strip()
 
 
-def _cpu() -> str:
+def cpu() -> str:
+    """The processor's name."""
     try:
         lines = Path("/proc/cpuinfo").read_text().splitlines()
     except OSError:

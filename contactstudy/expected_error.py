@@ -25,7 +25,7 @@ CORRECTED, HALF_WIDTH = 0.1, 0.05
 RESOLVED = 24
 # Errors over the tolerance of the preconditioned solver, where the tolerance tells which cells touch,
 # which takes one of at most SETTLED (dx / a)^1.5.
-PEAK_LEFT, L1_LEFT, CORRECTED_LEFT, HALF_WIDTH_LEFT = 8, 20, 80, 40
+PEAK_LEFT, L1_LEFT, CORRECTED_LEFT, HALF_WIDTH_LEFT = 8, 20, 80, 60
 SETTLED = 1e-3
 
 
@@ -60,7 +60,8 @@ class Contact:
         """
         cell = grid.cell[0] / self.half_width
         cut = expected_truncation(self.half_width, grid, padding)
-        resolved = 2 / cell >= RESOLVED
+        # where a window is centred on the domain the edge is not straight along the length
+        resolved = 2 / cell >= RESOLVED and padding.wraps
         if metric is Metric.PEAK_PRESSURE:
             parts = cut.peak_pressure, PEAK * cell**2, PEAK_LEFT
         elif metric is Metric.HALF_WIDTH:

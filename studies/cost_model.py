@@ -1,8 +1,7 @@
 """Seconds of a setting before it runs: fitted to stored times, or from a small one timed just now."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from functools import cache
+from dataclasses import dataclass, field, replace
 from math import log2, log10, prod
 
 import numpy as np
@@ -52,6 +51,7 @@ class CostModel:
     """Fits by mode; what has none is timed on this machine when it is first asked for."""
 
     fits: Mapping[str, Fit]
+    samples: dict[str, Timed] = field(default_factory=dict)
 
     def seconds(
         self, grid: cs.Grid, padding: cs.Padding | Paddings, tolerance: float, iterations: float
@@ -61,7 +61,20 @@ class CostModel:
         if mode in self.fits and not isinstance(padding, tuple):
             return self.fits[mode].seconds(grid, padding, tolerance, iterations / SMOOTH_ITERATIONS)
         scaled = iterations * -log10(tolerance) / DIGITS
-        return _timed(mode, grid, padding).seconds(grid, padding, scaled)
+        return self._timed(mode, grid, padding).seconds(grid, padding, scaled)
+
+    def _timed(self, mode: str, grid: cs.Grid, padding: cs.Padding | Paddings) -> Timed:
+        if isinstance(padding, tuple) or not hasattr(padding, "images"):
+            return self._sample(grid, padding)
+        few, many = (self._sample(grid, padding_at(mode, images)) for images in (FEW, MANY))
+        each = max(many.setup - few.setup, 0.0) / (MANY - FEW)
+        return replace(few, setup=max(few.setup + each * (padding.images - FEW), 0.0))
+
+    def _sample(self, grid: cs.Grid, padding: cs.Padding | Paddings) -> Timed:
+        key = repr((min(grid.cells[1], 2), padding))
+        if key not in self.samples:
+            self.samples[key] = timed(grid, padding)
+        return self.samples[key]
 
 
 def cost_model(dataset: xr.Dataset | None, cpu: str) -> CostModel:
@@ -80,7 +93,7 @@ def cost_model(dataset: xr.Dataset | None, cpu: str) -> CostModel:
 
 
 def _places(dataset: xr.Dataset) -> list[dict[str, int]]:
-    axes = ("images", "period", "grid", "tolerance")
+    axes = ("images", "period", "grid", "solver_tolerance")
     shape = tuple(dataset.sizes[name] for name in axes)
     return [dict(zip(axes, index, strict=True)) for index in np.ndindex(shape)]
 
@@ -92,7 +105,7 @@ def _row(mode: str, one: xr.Dataset) -> tuple[Array, Array, Array] | None:
     cells = int(one["grid"])
     grid = cs.Grid((cells, 1 if mode == LINE else cells), (1.0, float(one["period"])))
     padding = padding_at("exact" if mode == LINE else mode, int(one["images"]))
-    return *_terms(grid, padding, float(one["tolerance"])), times
+    return *_terms(grid, padding, float(one["solver_tolerance"])), times
 
 
 def _terms(grid: cs.Grid, padding: cs.Padding, tolerance: float) -> tuple[Array, Array]:
@@ -108,23 +121,3 @@ def _shares(terms: Array, times: Array) -> Array:
 
     size = terms.max(axis=0)
     return np.asarray(nnls(terms / size / times[:, None], np.ones(len(times)))[0] / size)
-
-
-def _timed(mode: str, grid: cs.Grid, padding: cs.Padding | Paddings) -> Timed:
-    if isinstance(padding, tuple) or not hasattr(padding, "images"):
-        return _sample(grid.cells[1] == 1, grid.extent, padding)
-    few, many = (
-        _sample(grid.cells[1] == 1, grid.extent, padding_at(mode, images)) for images in (FEW, MANY)
-    )
-    each = max(many.setup - few.setup, 0.0) / (MANY - FEW)
-    setup = few.setup + each * (padding.images - FEW)
-    return Timed(few.cells, few.work, max(setup, 0.0), few.convolution)
-
-
-@cache
-def _sample(
-    lined: bool,  # noqa: FBT001 (a key of the cache)
-    extent: tuple[float, float],
-    padding: cs.Padding | Paddings,
-) -> Timed:
-    return timed(cs.Grid((2, 1 if lined else 2), extent), padding)

@@ -11,6 +11,7 @@ from studies.line_contact import COUNTED
 from studies.outcome import Fate
 from studies.padding import settings
 from studies.style import label_of, paddings, percent
+from studies.worth import DECADES, decades, kept, never_worth
 
 Row = tuple[str, ...]
 TARGETS = (1e-1, 1e-2, 1e-3, 2e-4)
@@ -49,6 +50,10 @@ def findings(stored: Mapping[str, xr.Dataset]) -> tuple[Finding, ...]:
         found.append(_any_period(stored["period"]))
     if _holds(stored["grid"], {"exact"}) and stored["grid"].sizes["grid"] > 2:
         found.append(_which_grid(stored["grid"]))
+    if "pareto" in stored and _holds(stored["pareto"], compared):
+        found += [
+            Finding(*said) for said in (never_worth(stored["pareto"]), kept(stored["pareto"]))
+        ]
     return tuple(found)
 
 
@@ -196,5 +201,20 @@ def price_table(dataset: xr.Dataset) -> Table:
     return Table(
         "What accuracy costs: the cheapest stored setting whose L1 pressure error meets each target.",
         ("period", "L1 error asked", "cheapest padding", "cells across", "reached", "time [s]"),
+        tuple(rows),
+    )
+
+
+def decade_table(dataset: xr.Dataset) -> Table:
+    """The least time in which each mode meets each decade of the L1 error, at every period."""
+    rows = []
+    for (mode, period), seconds in decades(dataset).items():
+        times = (f"{second:.2g}" if np.isfinite(second) else "none" for second in seconds)
+        rows.append((mode, period, *times))
+    return Table(
+        "What each decade costs: the least time [s] on one thread in which each mode meets an L1 error of the "
+        "pressure, its edges corrected or not, over all n, grids, tolerances and solvers of the study. "
+        "“line” is exact periodicity with one cell along a length where nothing varies.",
+        ("padding", "period", *(f"error {target:.0e}" for target in DECADES)),
         tuple(rows),
     )

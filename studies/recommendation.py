@@ -90,6 +90,7 @@ class SmoothContact:
     modes: tuple[str, ...] = (LINE, *PADDINGS)
     across: tuple[int, ...] = ACROSS
     images: tuple[int, ...] = IMAGES
+    tolerances: tuple[float, ...] = TOLERANCES
     iterations: float = field(default=SMOOTH_ITERATIONS, init=False)
 
     def ways(self, limits: Limits) -> Iterator[tuple[cs.Grid, cs.Padding, Edges]]:
@@ -124,6 +125,7 @@ class RoughContact:
 
     needs: Needs
     period: float | None
+    tolerances: tuple[float, ...] = TOLERANCES
     iterations: float = field(default=ROUGH_ITERATIONS, init=False)
 
     def ways(self, limits: Limits) -> Iterator[tuple[cs.Grid, cs.Padding | Paddings, Edges]]:
@@ -177,7 +179,7 @@ def recommend(
     contact: SmoothContact | RoughContact, limits: Limits, costs: CostModel
 ) -> Recommendation:
     """The cheapest setting for ``contact`` within ``limits``, by expected errors and seconds."""
-    found = list(_settings(contact, limits, costs))
+    found = list(candidates(contact, limits, costs))
     within = [s for s in found if s.bytes <= limits.memory and s.seconds <= limits.seconds]
     meeting = [s for s in within if s.error.total <= limits.error]
     if meeting:
@@ -192,19 +194,19 @@ def recommend(
     return Recommendation(limits, best, next(others, None), bool(meeting), bool(within))
 
 
-def _settings(
+def candidates(
     contact: SmoothContact | RoughContact, limits: Limits, costs: CostModel
 ) -> Iterator[Setting]:
     """Every way with the largest tolerance that keeps it to the error, or else the smallest."""
     for grid, padding, edges in contact.ways(limits):
         if prod(grid.cells) > LARGEST:
             continue
-        for tolerance in TOLERANCES:
+        for tolerance in contact.tolerances:
             error = contact.error(limits, grid, padding, edges, tolerance)
             if error.total <= limits.error:
                 break
             if error.truncation + error.discretisation > limits.error:
-                tolerance = TOLERANCES[-1]
+                tolerance = contact.tolerances[-1]
                 error = contact.error(limits, grid, padding, edges, tolerance)
                 break
         if isfinite(error.total):

@@ -7,7 +7,7 @@ from pathlib import Path
 import xarray as xr
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
-from studies.findings import accuracy_table, findings, price_table
+from studies.findings import accuracy_table, decade_table, findings, price_table
 from studies.store import read, replacing
 from studies.study import BUILT_IN, Plate, Study, load
 from studies.style import save
@@ -37,7 +37,11 @@ def write(out: Path) -> Path:
     )
     page = environment.get_template("report.html").render(
         findings=findings(stored),
-        tables=(accuracy_table(stored["paper"]), price_table(stored["padding"])),
+        tables=(
+            accuracy_table(stored["paper"]),
+            price_table(stored["padding"]),
+            decade_table(stored["pareto"]),
+        ),
         text_columns=("padding", "cheapest padding", "period"),
         chapters=chapters,
         provenance={name: dataset.attrs for name, dataset in stored.items()},

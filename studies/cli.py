@@ -49,7 +49,7 @@ def cli() -> None:
 @WORKERS
 @REPEATS
 def report(out: Path, workers: int, repeats: int) -> None:
-    """Run the paper's study, the sweeps and those of kernels and speed, and write report.html."""
+    """Run the paper's study, the sweeps and those of kernels, speed and price, and write report.html."""
     from studies import report as reporting
 
     for name in BUILT_IN:

@@ -81,7 +81,7 @@ def cost_model(dataset: xr.Dataset | None, cpu: str) -> CostModel:
     """Fitted to a stored ``pareto`` if its times are those of this ``cpu``, else without fits."""
     if dataset is None or dataset.attrs.get("cpu") != cpu:
         return CostModel({})
-    kept = dataset.sel(solver="preconditioned_cg")
+    kept = dataset[["setup_time", "solve_time", "status"]].sel(solver="preconditioned_cg")
     fits = {}
     for mode in (str(name) for name in dataset["padding"].values):
         rows = [_row(mode, kept.sel(padding=mode).isel(at)) for at in _places(kept)]

@@ -124,13 +124,18 @@ def _decades(dataset: xr.Dataset) -> Plate:
     words = []
     for ax, (metric, errors) in zip(axes, METRICS.items(), strict=True):
         every = settings(here, *errors)
-        targets = 10.0 ** np.arange(-1, np.floor(np.log10(every.error.min())) - 1, -0.1)
+        targets = 10.0 ** np.arange(-1, np.floor(np.log10(every.error.min())) - 1, -0.02)
         for name in paddings(dataset):
             own = every.where(every.modes == name)
             best = [(target, own.cheapest(target)) for target in targets]
-            met = [(target, own.cost[index]) for target, index in best if index is not None]
+            met = [(target, index) for target, index in best if index is not None]
             if met:
-                ax.loglog(*zip(*met, strict=True), label=name, **look(name) | {"markevery": 5})
+                asked, chosen = map(list, zip(*met, strict=True))
+                style = look(name) | {"markevery": 25}
+                ax.loglog(asked, own.cost[chosen], label=name, **style)
+                ax.fill_between(
+                    asked, *own.spread[:, chosen], color=style["color"], alpha=0.2, lw=0
+                )
         ax.invert_xaxis()
         ax.set(title=f"of the {metric}", xlabel="error asked for")
         least = every.where(np.array([int(np.argmin(every.error))]))
@@ -141,7 +146,7 @@ def _decades(dataset: xr.Dataset) -> Plate:
         "decades",
         plate,
         f"What each decade of accuracy costs, by mode, at L = {period:g} a: the cheapest stored setting that "
-        "meets the error asked for, corrected or not. A line ends where no stored setting of the mode is more "
+        "meets the error asked for, corrected or not, with the spread of its repeats. A line ends where no stored setting of the mode is more "
         f"accurate: a truncated window at its own error, the others at the finest grid. Least errors: "
         f"{'; '.join(words)}.",
     )

@@ -179,7 +179,11 @@ def recommend(
     contact: SmoothContact | RoughContact, limits: Limits, costs: CostModel
 ) -> Recommendation:
     """The cheapest setting for ``contact`` within ``limits``, by expected errors and seconds."""
-    found = list(candidates(contact, limits, costs))
+    return choose(list(candidates(contact, limits, costs)), limits)
+
+
+def choose(found: list[Setting], limits: Limits) -> Recommendation:
+    """The cheapest of the settings ``found`` within ``limits``."""
     within = [s for s in found if s.bytes <= limits.memory and s.seconds <= limits.seconds]
     meeting = [s for s in within if s.error.total <= limits.error]
     if meeting:

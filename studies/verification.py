@@ -8,9 +8,9 @@ import xarray as xr
 from contactstudy.arrays import Array
 from contactstudy.expected_error import Edges, Metric
 from studies.cost_model import cost_model
-from studies.line_contact import HERTZ, LINE
-from studies.price import METRICS, settings
-from studies.recommendation import Limits, Setting, SmoothContact, candidates, recommend
+from studies.line_contact import COUNTED, HERTZ, LINE
+from studies.price import METRICS, Settings, settings
+from studies.recommendation import Limits, Setting, SmoothContact, candidates, choose
 
 TARGETS = 10.0 ** np.arange(-1, -6.1, -0.5)
 WHAT = {
@@ -52,46 +52,41 @@ def verify(dataset: xr.Dataset) -> Verification:
             )
             here = dataset.sel(period=period, padding=list(chosen))
             for metric in Metric:
+                names = METRICS[WHAT[metric]]
+                every = settings(here, *names)
+                own = {Edges.AS_SOLVED: names[0], Edges.CORRECTED: names[-1]}
+                treated = {edges: settings(here, name) for edges, name in own.items()}
                 for target in TARGETS.tolist():
                     limits = Limits(target, metric)
-                    found = recommend(contact, limits, costs)
-                    meeting = [
-                        setting
-                        for setting in candidates(contact, limits, costs)
-                        if setting.error.total <= target
-                    ]
-                    if found.meets:
-                        rows.append(_row(here, metric, target, found.best, meeting))
-    error, slower, lucky = np.array(rows).reshape(-1, 3).T
-    return Verification(error, slower, lucky)
+                    found = list(candidates(contact, limits, costs))
+                    recommended = choose(found, limits)
+                    if recommended.meets:
+                        best = recommended.best
+                        foreseen = [one for one in found if one.error.total <= target]
+                        error = float(
+                            treated[best.edges].error[_places(treated[best.edges], best)][0]
+                        )
+                        rows.append((error / target, *_slower(every, best, foreseen, target)))
+    errors, slower, lucky = np.array(rows).reshape(-1, 3).T
+    return Verification(errors, slower, lucky)
 
 
-def _row(
-    here: xr.Dataset, metric: Metric, target: float, best: Setting, meeting: list[Setting]
-) -> tuple[float, float, float]:
-    names = METRICS[WHAT[metric]]
-    variable = names[-1] if best.edges is Edges.CORRECTED else names[0]
-    cost = _cost(here, best)
-    every = settings(here, *names)
+def _slower(
+    every: Settings, best: Setting, foreseen: list[Setting], target: float
+) -> tuple[float, float]:
+    cost = float(every.cost[_places(every, best)][0])
+    quickest = min(every.cost[_places(every, one)].min() for one in foreseen)
     lucky = every.cheapest(target)
-    return (
-        abs(float(_stored(here, best)[variable])) / target,
-        cost / min(_cost(here, setting) for setting in meeting),
-        cost / float(every.cost[lucky]) if lucky is not None else np.nan,
+    return cost / float(quickest), np.nan if lucky is None else cost / float(every.cost[lucky])
+
+
+def _places(every: Settings, setting: Setting) -> np.ndarray:
+    """Where a setting is among those stored."""
+    axes = every.axes
+    there = (axes["padding"] == setting.mode) & (axes["grid"] == setting.grid.cells[0])
+    there &= (axes["solver"] == "preconditioned_cg") & (
+        axes["solver_tolerance"] == setting.tolerance
     )
-
-
-def _stored(here: xr.Dataset, setting: Setting) -> xr.Dataset:
-    at: dict[str, object] = {
-        "padding": setting.mode,
-        "grid": setting.grid.cells[0],
-        "solver_tolerance": setting.tolerance,
-        "solver": "preconditioned_cg",
-        "images": getattr(setting.padding, "images", int(here["images"][0])),
-    }
-    return here.sel(at)
-
-
-def _cost(here: xr.Dataset, setting: Setting) -> float:
-    one = _stored(here, setting)
-    return float(one["setup_time"] + one["solve_time"])
+    if setting.mode in COUNTED:
+        there &= axes["images"] == getattr(setting.padding, "images", 0)
+    return np.flatnonzero(there)

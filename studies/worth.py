@@ -75,8 +75,8 @@ def never_worth(dataset: xr.Dataset) -> tuple[str, str]:
         assert own is not None
         assert same is not None
         said.append(
-            "where nothing varies along the length one cell there takes a "
-            f"{float(others.cost[same] / line.cost[own]):.0f}th of the time for an error of {percent(target)}"
+            "where nothing varies along the length one cell there is "
+            f"{float(others.cost[same] / line.cost[own]):.0f} times faster, for an error of {percent(target)}"
         )
     return claim, (
         "Over every n, grid, tolerance and solver, by wall time against the L1 error of the "

@@ -10,7 +10,7 @@ from studies.style import percent
 from studies.sweep import run
 from tests.studies.conftest import quiet
 
-FEW = {"grid": "16,24", "period": "0.6,2.4"}
+FEW = {"grid": "16,24", "period": "0.6,2.4", "solver_tolerance": "1e-6"}
 
 
 @pytest.fixture(scope="module")
@@ -78,7 +78,7 @@ def test_report_examines_the_two_claims_with_measured_numbers(out: Path) -> None
         assert shown in text
 
 
-@pytest.mark.parametrize("name", ["padding", "images", "period", "grid"])
+@pytest.mark.parametrize("name", ["padding", "images", "period", "grid", "pareto"])
 @pytest.mark.parametrize("padding", ["exact", "zero", "superposed"])
 def test_figures_can_be_drawn_of_one_mode_at_one_point(
     name: str, padding: str, tmp_path: Path

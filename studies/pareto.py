@@ -26,7 +26,7 @@ points = (
         images=(1, 6),
         period=(0.6, 2.4, 9.6),
         # at 2.4 half-widths across, the edge falls elsewhere in its cell on each of them
-        grid=(32, 64, 104, 160),
+        grid=(32, 56, 88, 136),
     ),
     # not "tolerance", which Dataset.sel takes for its own
     Axis("solver_tolerance", (1e-4, 1e-6, 1e-8), "residual to which the solver goes"),
@@ -146,7 +146,8 @@ def _decades(dataset: xr.Dataset) -> Plate:
         "decades",
         plate,
         f"What each decade of accuracy costs, by mode, at L = {period:g} a: the cheapest stored setting that "
-        "meets the error asked for, corrected or not, with the spread of its repeats. A line ends where no stored setting of the mode is more "
+        "meets the error asked for, corrected or not, with the spread of its "
+        "repeats. A line ends where no stored setting of the mode is more "
         f"accurate: a truncated window at its own error, the others at the finest grid. Least errors: "
         f"{'; '.join(words)}.",
     )

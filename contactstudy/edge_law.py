@@ -95,18 +95,30 @@ def edge_error(last: Array, inner: Array) -> Array:
     return np.asarray(np.interp(last / inner, ratio, error) * inner)
 
 
+def worst_edge_error() -> float:
+    """The largest L1 error an edge can have, over cell^1.5, where the pressure is the root of the depth."""
+    return float(_edge_renderings()[1].max())
+
+
 @cache
 def _edge_errors() -> tuple[Array, Array]:
     """Ratio of the last two cells' pressures, and L1 error over the inner one's, as the edge moves out."""
+    edge, error, last, inner = _edge_renderings()
+    near = np.abs(edge[:, None] - edge) <= LEAP
+    return last / inner, np.where(near, error / inner, 0).max(axis=1)
+
+
+@cache
+def _edge_renderings() -> tuple[Array, Array, Array, Array]:
+    """Where the edge may lie, the L1 error there, and the last two cells, under the root of the depth."""
     amplitudes = powers()[1:3, :2]
     edge = np.linspace(*EDGE_RANGE, EDGE_STEPS)  # from the last centre
     shift = edge - offset()
     strength = np.linalg.solve(amplitudes, np.stack([shift / 2, np.ones_like(shift)]))
     cells = np.arange(EDGE_CELLS)[:, None]
     found = modes(EDGE_CELLS)[:, :2] @ strength
-    error = np.abs(found - np.sqrt(np.maximum(cells + edge, 0))).sum(axis=0) / found[1]
-    near = np.abs(edge[:, None] - edge) <= LEAP
-    return found[0] / found[1], np.where(near, error, 0).max(axis=1)
+    error = np.abs(found - np.sqrt(np.maximum(cells + edge, 0))).sum(axis=0)
+    return edge, error, found[0], found[1]
 
 
 def _log_symbol(angle: Array) -> Array:

@@ -45,6 +45,11 @@ class Needs:
         return min(self.finest) < inf
 
     @property
+    def smooth(self) -> bool:
+        """Whether this is Hertz's contact: no shape stands out of the cylinder or ends it."""
+        return not (self.rough or self.roller or self.height)
+
+    @property
     def roller(self) -> float:
         """The shortest length of a roller that a shape names; infinite where one has no length, 0 for none."""
         return min((d.roller for d in self.details if d.roller), default=0.0)

@@ -1,5 +1,8 @@
 """What leaving out far images costs, from the window alone."""
 
+from dataclasses import dataclass
+from math import inf
+
 import numpy as np
 
 from contactstudy.arrays import Array
@@ -38,14 +41,56 @@ def truncation(pressure: Array, grid: Grid, paddings: Paddings) -> tuple[float, 
             f"padding is {paddings!r}: give ExactPeriodicity() for the axis that counts images, or "
             "ZeroPadding() for the other; only then is the error of a window known."
         )
-    half_width = _half_width(pressure, other)
-    reach, cells = along.reach(period), pressure.shape[1]
+    narrower = _narrower(_half_width(pressure, other), period, pressure.shape[1], along)
+    peak, mean = _ends(pressure, along, _half_width(pressure, other) / period)
+    return float((1 + narrower) * (1 + peak) - 1), float(NARROWER * narrower + mean)
+
+
+@dataclass(frozen=True)
+class ExpectedTruncation:
+    """Relative errors of the highest pressure, of all of it in L1, and of the half-width."""
+
+    peak_pressure: float
+    l1: float
+    half_width: float
+
+
+def expected_truncation(half_width: float, grid: Grid, along: Padding) -> ExpectedTruncation:
+    """What :func:`truncation` will find of a contact of ``half_width`` [m] that is uniform along its length.
+
+    Infinite where a length without images is not periodic at all.
+    """
+    if along.window is None:
+        return ExpectedTruncation(0.0, 0.0, 0.0)
+    if len(along.window) == 1 and not along.wraps:
+        return ExpectedTruncation(inf, inf, inf)
+    narrower = _narrower(half_width, grid.period, grid.cells[1], along)
+    ratio = half_width / grid.period
+    risen = mean = 0.0
+    if not along.wraps:
+        kink = _kink(ratio, len(along.window), grid.cells[1])
+        risen, mean = float(kink.max()) - 1, END * ratio**END_POWER / len(along.window) ** 2
+    return ExpectedTruncation(
+        (1 + narrower) * (1 + risen) - 1,
+        NARROWER * narrower + mean,
+        narrower / (1 + narrower),
+    )
+
+
+def _narrower(half_width: float, period: float, cells: int, along: Padding) -> float:
+    """By what share the images left out raise the peak of a contact and narrow it."""
+    assert along.window is not None
+    reach = along.reach(period)
     # a whole number of cells, if even, cannot lie evenly about the observer's own
     aside = period / cells / 2 if along.wraps and len(along.window) * cells % 2 == 0 else 0.0
     inverse_square = ((reach + aside) ** -2 + (reach - aside) ** -2) / 2
-    narrower = np.sqrt(1 + half_width**2 * inverse_square / 4) - 1
-    peak, mean = _ends(pressure, along, half_width / period)
-    return float((1 + narrower) * (1 + peak) - 1), float(NARROWER * narrower + mean)
+    return float(np.sqrt(1 + half_width**2 * inverse_square / 4) - 1)
+
+
+def _kink(ratio: float, window: int, cells: int) -> Array:
+    """Rise of the pressure towards the ends of a window centred on the domain, in each row of cells."""
+    odd = 2 * np.minimum(np.arange(cells), np.arange(cells)[::-1]) + 1
+    return np.asarray(1 + 2 / np.pi * ratio * np.log(cells / odd) / window**2)
 
 
 def _ends(pressure: Array, along: Padding, ratio: float) -> tuple[float, float]:
@@ -56,13 +101,11 @@ def _ends(pressure: Array, along: Padding, ratio: float) -> tuple[float, float]:
     if len(along.window) == 1:
         load = pressure.sum(axis=0) / pressure.sum(axis=0).mean()
         return max(load[0], load[-1], 1.0) - 1, float(np.abs(load - 1).mean())
-    share, count = len(along.window) ** -2.0, pressure.shape[1]
-    odd = 2 * np.minimum(np.arange(count), np.arange(count)[::-1]) + 1
-    kink = 1 + 2 / np.pi * ratio * share * np.log(count / odd)
+    kink = _kink(ratio, len(along.window), pressure.shape[1])
     highest = pressure.max(axis=0)
     # a maximum away from the ends owes them nothing
     risen = float(highest.max() / (highest / kink).max()) - 1
-    return risen, END * ratio**END_POWER * share
+    return risen, END * ratio**END_POWER / len(along.window) ** 2
 
 
 def _reaches(pressure: Array) -> bool:

@@ -13,6 +13,9 @@ class Unit:
     example: str
 
 
+BYTES = Unit("byte", "a memory", "4 GB")
+SECONDS = Unit("s", "a time", "2 min")
+
 Metres = Annotated[float, Unit("m", "a length", "10 mm")]
 Pascals = Annotated[float, Unit("Pa", "a pressure", "1.2 GPa")]
 NewtonsPerMetre = Annotated[float, Unit("N/m", "a load per length", "100 N/mm")]

@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from contactstudy import InvalidInput, __version__
+from studies.recommend import recommendation
 from studies.scenes import plan, solve
 from studies.study import BUILT_IN, OPTIONAL, load
 
@@ -46,7 +47,7 @@ def cli() -> None:
 @WORKERS
 @REPEATS
 def report(out: Path, workers: int, repeats: int) -> None:
-    """Run the paper's study, the sweeps and those of kernels and speed, and write report.html."""
+    """Run the paper's study, the sweeps and those of kernels, speed and price, and write report.html."""
     from studies import report as reporting
     from studies.sweep import run as run_study
 
@@ -172,6 +173,7 @@ def draw(study: tuple[str, ...], out: Path) -> None:
 
 cli.add_command(plan)
 cli.add_command(solve)
+cli.add_command(recommendation)
 
 
 @cli.command()

@@ -28,7 +28,7 @@ def provenance() -> Mapping[str, str]:
         "history": f"{now} {command}",
         "python": platform.python_version(),
         "git_revision": _revision(),
-        "cpu": _cpu(),
+        "cpu": cpu(),
         "cpu_count": str(os.cpu_count()),
         "threads": "1",
         "platform": platform.platform(),
@@ -37,7 +37,7 @@ def provenance() -> Mapping[str, str]:
 
 def machine() -> str:
     """The processor and the system: times are compared on one machine only."""
-    return f"{platform.node()}, {_cpu()} x {os.cpu_count()}, {platform.system()}"
+    return f"{platform.node()}, {cpu()} x {os.cpu_count()}, {platform.system()}"
 
 
 @cache
@@ -61,7 +61,8 @@ def _revision() -> str:
     return done.stdout.strip()
 
 
-def _cpu() -> str:
+def cpu() -> str:
+    """The processor's name."""
     try:
         lines = Path("/proc/cpuinfo").read_text().splitlines()
     except OSError:

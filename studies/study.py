@@ -36,6 +36,7 @@ BUILT_IN = (
     "speed",
     "roughness",
     "effects",
+    "pareto",
     "stability",
 )
 OPTIONAL = ("peers",)

@@ -45,6 +45,7 @@ LOOKS = {
     "superposed": Look("#009E73", "^"),
     "circular": Look("#CC79A7", "v"),
     "exact": Look("#0072B2", "o"),
+    "line": Look("#56B4E9", "*"),
 }
 Share = Literal["none", "y", "both"]
 

@@ -13,7 +13,7 @@ from studies.sweep import run
 from studies.words import percent
 from tests.studies.conftest import quiet
 
-FEW = {"grid": "16,24", "period": "0.6,2.4"}
+FEW = {"grid": "16,24", "period": "0.6,2.4", "solver_tolerance": "1e-6"}
 # a rough surface has a length of its own, and waves that a grid must show
 ROUGH = {"rms": "0,0.1", "peklenik": "1", "hurst": "0.8", "seed": "1", "grid": "80"}
 
@@ -119,7 +119,7 @@ def test_a_study_slots_in_with_what_it_says(
     assert 'id="trust"' not in text  # nothing stored has an estimate
 
 
-@pytest.mark.parametrize("name", ["padding", "images", "period", "grid"])
+@pytest.mark.parametrize("name", ["padding", "images", "period", "grid", "pareto"])
 @pytest.mark.parametrize("padding", ["exact", "zero", "superposed"])
 def test_figures_can_be_drawn_of_one_mode_at_one_point(
     name: str, padding: str, tmp_path: Path

@@ -22,6 +22,7 @@ SCALE, POWER, FACTOR, REACH, NOISE = 10.0, 1.0, 0.4, 1.5, 0.1
 UNLIKE = 1.0  # how far, in logarithms, one mode may be from another
 CALLS = 5e4  # what a small transform costs, in units of N log N: that of 80 x 80 cells
 LARGEST = 100.0  # of any logarithm: e100 is as good as without end
+CELLS = ".cells"  # what the numbers of a grid are called; without them, and without its like, nothing is known
 MOST = 300  # cases of a mode that are looked at, the last ones
 
 
@@ -68,13 +69,17 @@ class CostModel:
             if value > 0:
                 mode, numbers = _described(one.tree)
                 by_mode[mode].append((numbers, log(value) - _work(quantity, numbers)))
-        everything = [row for rows in by_mode.values() for row in rows]
-        asked: dict[str, list[int]] = defaultdict(list)
+        everything = [row for rows in by_mode.values() for row in rows if _has_cells(row[0])]
+        asked: dict[tuple[str, ...], list[int]] = defaultdict(list)
         described = [_described(tree) for tree in trees]
-        for place, (mode, _) in enumerate(described):
-            asked[mode].append(place)
+        for place, (mode, numbers) in enumerate(described):
+            if mode in by_mode:
+                asked[mode,].append(place)
+            elif _has_cells(numbers):
+                # unlike anything known, and so alike to whatever has the same numbers
+                asked["", *sorted(numbers)].append(place)
         found: list[Estimate | None] = [None] * len(trees)
-        for mode, places in asked.items():
+        for (mode, *_), places in asked.items():
             rows = by_mode.get(mode) or everything
             if not rows:
                 continue
@@ -100,6 +105,10 @@ def _product(a: Estimate, b: Estimate) -> Estimate:
     return Estimate(a.value * b.value, exp(np.hypot(log(a.factor), log(b.factor))))
 
 
+def _has_cells(numbers: Mapping[str, float]) -> bool:
+    return any(CELLS in name for name in numbers)
+
+
 def _value(known: Mapping[str, float], quantity: str) -> float:
     if quantity == "each":
         return known.get("solve", 0.0) / max(known.get("iterations", 0.0), 1e-9)
@@ -110,7 +119,7 @@ def _work(quantity: str, numbers: Mapping[str, float]) -> float:
     """The logarithm of N log N, and of the calls that any N takes, for what takes time so."""
     if quantity not in ("case", "setup", "each", "solve"):
         return 0.0
-    cells = sum(value for name, value in numbers.items() if ".cells" in name)
+    cells = sum(value for name, value in numbers.items() if CELLS in name)
     return log(exp(cells) * cells + CALLS) if cells > 0 else 0.0
 
 

@@ -91,7 +91,7 @@ def _fronts(dataset: xr.Dataset) -> Plate:
         "Accuracy against wall time on one thread: every mode, n, grid, tolerance and solver; filled with the "
         "preconditioned solver, open with Polonsky & Keer's. Black joins the settings that nothing beats "
         "on both counts, dashed those that nothing beats with cells along the length, for a contact that "
-        "varies there; bars reach to the slowest repeat. “line” is exact periodicity with one cell for a "
+        "varies there; grey bars reach to the slowest repeat. “line” is exact periodicity with one cell for a "
         "length along which nothing varies. Points high above the rest stopped at a tolerance of 1e-4, before "
         "they knew which cells touch. Below, the edge law has taken the edge's own error off, at the cost of a "
         "few operations a cell; a window's own error stays.",
@@ -117,8 +117,9 @@ def _front(ax: Axes, every: Settings) -> None:
         ax.step(best.cost, best.error, where="post", label=label, **line)
         bars = np.clip([best.cost - best.spread[0], best.spread[1] - best.cost], 0, None)
         ax.errorbar(
-            best.cost, best.error, xerr=bars, fmt="none", ecolor="black", elinewidth=0.7, capsize=2
-        )
+            best.cost, best.error, xerr=bars, fmt="none", ecolor="grey", elinewidth=1.5, alpha=0.6,
+            zorder=1,
+        )  # fmt: skip
 
 
 def _decades(dataset: xr.Dataset) -> Plate:
@@ -151,7 +152,8 @@ def _decades(dataset: xr.Dataset) -> Plate:
         plate,
         f"What each decade of accuracy costs, by mode, at L = {period:g} a: the cheapest stored setting that "
         "meets the error asked for, corrected or not, with the spread of its "
-        "repeats. A line ends where no stored setting of the mode is more "
-        f"accurate: a truncated window at its own error, the others at the finest grid. Least errors: "
+        "repeats; an error with a sign may by chance undo another's. A line ends where no stored setting "
+        f"of the mode is more accurate: a truncated window at its own error, the others at the finest grid. "
+        "Least errors: "
         f"{'; '.join(words)}.",
     )

@@ -3,7 +3,7 @@
 import json
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -13,17 +13,10 @@ from contactstudy.expected_error import Edges, Metric
 from contactstudy.quantity import quantity
 from contactstudy.units import BYTES, SECONDS
 from studies.axis import one_of
-from studies.cost_model import CostModel, cost_model
-from studies.line_contact import COUNTED, HERTZ, SCENE, WIDTH
-from studies.provenance import cpu
-from studies.recommendation import (
-    Limits,
-    Recommendation,
-    Setting,
-    contact_of,
-    recommend,
-)
-from studies.store import read
+
+if TYPE_CHECKING:
+    from studies.cost_model import CostModel
+    from studies.recommendation import Recommendation, Setting
 
 METRICS = {metric.name.lower(): metric for metric in Metric}
 
@@ -39,7 +32,7 @@ METRICS = {metric.name.lower(): metric for metric in Metric}
 @click.option(
     "--period",
     type=float,
-    default=WIDTH,
+    default=2.4,
     show_default=True,
     help="Period in half-widths, where no SCENE is given.",
 )
@@ -65,6 +58,12 @@ def recommendation(
 
     Without SCENE it is the smooth line contact of the sweeps.
     """
+    from studies.cost_model import cost_model
+    from studies.line_contact import HERTZ, SCENE
+    from studies.provenance import cpu
+    from studies.recommendation import Limits, contact_of, recommend
+    from studies.store import read
+
     limits = Limits(
         error=error,
         metric=METRICS[one_of("metric", metric, METRICS)],
@@ -97,11 +96,11 @@ def _number(text: str) -> str | float:
         return text
 
 
-def _source(costs: CostModel) -> str:
+def _source(costs: "CostModel") -> str:
     return "fitted to the times in pareto.nc" if costs.fits else "from a small case timed just now"
 
 
-def _fields(found: Recommendation, costs: CostModel) -> dict[str, Any]:
+def _fields(found: "Recommendation", costs: "CostModel") -> dict[str, Any]:
     limits = found.limits
     return {
         "asked": {
@@ -121,7 +120,7 @@ def _fields(found: Recommendation, costs: CostModel) -> dict[str, Any]:
     }
 
 
-def _setting(setting: Setting) -> dict[str, Any]:
+def _setting(setting: "Setting") -> dict[str, Any]:
     return {
         "mode": setting.mode,
         "padding": repr(setting.padding),
@@ -135,7 +134,7 @@ def _setting(setting: Setting) -> dict[str, Any]:
     }
 
 
-def _lines(found: Recommendation, name: str, costs: CostModel) -> list[str]:
+def _lines(found: "Recommendation", name: str, costs: "CostModel") -> list[str]:
     limits = found.limits
     asked = f"{limits.metric.value} to {limits.error:.2g}"
     if limits.memory < float("inf"):
@@ -155,18 +154,18 @@ def _lines(found: Recommendation, name: str, costs: CostModel) -> list[str]:
     return [*lines, f"  seconds are {_source(costs)}"]
 
 
-def _words(setting: Setting) -> str:
+def _words(setting: "Setting") -> str:
     cells, extent = setting.grid.cells, setting.grid.extent
     mode = {"line": "exact, one cell along the length", "free": "zero padding along both axes"}
     named = mode.get(setting.mode, setting.mode)
-    if setting.mode in COUNTED:
-        named += f", n = {getattr(setting.padding, 'images', 0)}"
+    if (images := getattr(setting.padding, "images", None)) is not None:
+        named += f", n = {images}"
     text = f"{named}; {cells[0]} x {cells[1]} cells "
     text += f"over {extent[0]:.4g} m x {extent[1]:.4g} m, tolerance {setting.tolerance:.0e}"
     return text + ", pressure corrected at its edges" * (setting.edges is Edges.CORRECTED)
 
 
-def _price(setting: Setting) -> str:
+def _price(setting: "Setting") -> str:
     parts = setting.error
     return (
         f"error at most some {parts.total:.2g} (images {parts.truncation:.1g}, cells "

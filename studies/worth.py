@@ -79,7 +79,8 @@ def never_worth(dataset: xr.Dataset) -> tuple[str, str]:
         paying = {at: best for at, best in places.items() if best[0] > NOISE}
         if mode in never:
             least, error = max(places.values())
-            took = f"takes {1 / least:.2g} times as long as" if least < 1 else "is no quicker than"
+            slower = least < 1 / 1.05
+            took = f"takes {1 / least:.2g} times as long as" if slower else "is no quicker than"
             said.append(
                 f"{mode} padding at its best {took} another mode that is as accurate (at an error of "
                 f"{percent(error)})"

@@ -14,7 +14,6 @@ from studies import pareto
 from studies.case import Case
 from studies.cost_model import CostModel, Fit, cost_model
 from studies.line_contact import HERTZ, LINE, PADDINGS, SCENE, padding_at
-from studies.outcome import compute
 from studies.price import METRICS
 from studies.recommendation import (
     Limits,
@@ -24,8 +23,11 @@ from studies.recommendation import (
     contact_of,
     recommend,
 )
-from studies.store import assemble
+from studies.store import read
+from studies.study import load
+from studies.sweep import run
 from studies.verification import WHAT, verify
+from tests.studies.conftest import quiet
 
 MODES = (LINE, *PADDINGS)
 # a millisecond for the set-up, then in proportion to cells, images and transforms
@@ -77,35 +79,6 @@ def test_a_recommended_setting_of_a_rough_contact_meets_its_error() -> None:
         assert np.abs(coarse.pressure - means).sum() / means.sum() <= error
 
 
-def stored() -> xr.Dataset:
-    """A small ``pareto`` whose times are exactly those of the model."""
-    axes = tuple(
-        axis.override(
-            {"grid": "32,48,64", "solver": "preconditioned_cg"}.get(axis.name, axis.values)
-        )
-        for axis in pareto.points
-        if axis.name != "solver_tolerance"
-    )
-    tolerance = pareto.points[4].override("1e-6,1e-8")
-    axes = (*axes[:4], tolerance, axes[4])
-    from studies.study import load
-
-    study = replace(load("pareto"), points=axes)
-    cases = study.cases()
-    distinct = [case for case in dict.fromkeys(cases) if isinstance(case, Case)]
-    outcomes = {case: compute(case, study.measures) for case in distinct}
-    dataset = assemble(axes, cases, outcomes, {}, {"cpu": "here"})  # type: ignore[arg-type]
-    setup, solve = np.empty((2, *(len(axis.values) for axis in axes)))
-    for index in np.ndindex(setup.shape):
-        point = {axis.name: axis.values[at] for axis, at in zip(axes, index, strict=True)}
-        case = study.scene_at(point)
-        assert isinstance(case, Case)
-        setup[index], solve[index] = model_times(case)
-    for name, times in (("setup_time", setup), ("solve_time", solve)):
-        dataset[name] = tuple(axis.name for axis in axes), times
-    return dataset
-
-
 def model_times(case: Case) -> tuple[float, float]:
     assert not isinstance(case.padding, tuple)
     cells, points = np.prod(case.grid.cells), padded(case.grid, case.padding)
@@ -116,8 +89,17 @@ def model_times(case: Case) -> tuple[float, float]:
 
 
 @pytest.fixture(scope="module")
-def small_pareto() -> xr.Dataset:
-    return stored()
+def small_pareto(tmp_path_factory: pytest.TempPathFactory) -> xr.Dataset:
+    """A small ``pareto`` whose times are exactly those of the model."""
+    axes = {"grid": "32,48,64", "solver": "preconditioned_cg", "solver_tolerance": "1e-6,1e-8"}
+    study, out = load("pareto").override(axes), tmp_path_factory.mktemp("pareto")
+    run(study, out, workers=0, repeats=1, say=quiet)
+    dataset = read(out / "pareto.nc").assign_attrs(cpu="here")
+    times = np.array([model_times(case) for case in study.cases() if isinstance(case, Case)])
+    names = tuple(axis.name for axis in study.points)
+    shape = tuple(dataset.sizes[name] for name in names)
+    dataset["setup_time"], dataset["solve_time"] = ((names, one.reshape(shape)) for one in times.T)
+    return dataset
 
 
 def test_no_stored_setting_foreseen_to_meet_the_error_is_much_faster(

@@ -47,7 +47,7 @@ def cli() -> None:
 @WORKERS
 @REPEATS
 def report(out: Path, workers: int, repeats: int) -> None:
-    """Run the paper's study, the sweeps and those of kernels, speed and price, and write report.html."""
+    """Run every study that needs nothing but this project, and write report.html."""
     from studies import report as reporting
     from studies.sweep import run as run_study
 

@@ -30,9 +30,10 @@ class Fate(IntEnum):
     SKIPPED = 5
 
 
-# what the store says of every case itself
+# what the store says of every case itself; and what xarray's ``sel`` takes for its own, not for an axis
 TAKEN = frozenset(
     {"status", "case_key", "error", "error_type", "error_stage", "contended", "repeat"}
+    | {"tolerance", "method", "drop"}
     | {
         f"{part}_time{end}"
         for part in ("setup", "solve")

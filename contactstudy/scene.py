@@ -9,10 +9,11 @@ from contactstudy.analytic import HertzLine
 from contactstudy.checks import InvalidInput, keep, quantity
 from contactstudy.convolution import convolution
 from contactstudy.grid import Grid
+from contactstudy.limited_pressures import LimitedPressures
 from contactstudy.load import LineLoad
 from contactstudy.outputs import Output
 from contactstudy.padding import Padding, Paddings, across_and_along
-from contactstudy.pressures import AdmissiblePressures, CompressivePressures, LimitedPressures
+from contactstudy.pressures import AdmissiblePressures, CompressivePressures
 from contactstudy.problem import Problem, Scales
 from contactstudy.shapes import Shape
 from contactstudy.solids import HalfSpace, contact_modulus

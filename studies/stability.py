@@ -10,7 +10,8 @@ import xarray as xr
 import contactstudy as cs
 from studies.axis import Axis, one_of
 from studies.case import Case, number
-from studies.hard_cases import CASES, GROUPS, PADDINGS, SOLVERS
+from studies.hard_case import PADDINGS, SOLVERS
+from studies.hard_cases import CASES, GROUPS
 from studies.study import Plate, Point
 from studies.style import finish, panels
 from studies.verdicts import VERDICTS, ends_of, findings, tables

@@ -7,9 +7,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import contactstudy as cs
+from contactstudy.limited_pressures import LimitedPressures
 from contactstudy.polonsky_keer import PolonskyKeer
 from contactstudy.preconditioned_cg import PreconditionedCG
-from contactstudy.pressures import AdmissiblePressures, CompressivePressures, LimitedPressures
+from contactstudy.pressures import AdmissiblePressures, CompressivePressures
 from tests.conftest import LineContact
 from tests.test_preconditioned_cg import ROUGH, problem
 

@@ -8,7 +8,8 @@ import pytest
 import contactstudy as cs
 from contactstudy.padding import across_and_along
 from studies.dense import answer
-from studies.hard_cases import EXACT, FREE, P_H, PADDINGS, SCENE, SOLVERS, bumpy, grid, noise
+from studies.hard_case import EXACT, FREE, P_H, PADDINGS, SOLVERS, bumpy, grid, noise
+from studies.line_contact import SCENE
 
 CELLS = (32, 32)
 

@@ -40,6 +40,7 @@ class Case:
     tolerance: float = 1e-8
     max_iterations: int = 2000
     solver: cs.Solver = field(default_factory=cs.PreconditionedCG)
+    precision: cs.Precision = cs.Precision.DOUBLE
 
     def prepare(self) -> cs.Problem:
         """Influence coefficients, transforms, gap."""
@@ -52,6 +53,7 @@ class Case:
             tolerance=self.tolerance,
             max_iterations=self.max_iterations,
             solver=self.solver,
+            precision=self.precision,
         )
 
     def record(self, result: cs.Solution) -> Mapping[str, xr.Variable]:

@@ -146,7 +146,7 @@ def _aspher(contest: Contest) -> Callable[[], Array]:
             SCENE.load.per_length / grid.extent[0] / MODULUS,
             domain_size=grid.extent[0] / A,
             coarsest=coarsest,
-            tol=1e-10,
+            tol=1e-9,
             backend=backend,
         )
         return np.asarray(found.pressure).reshape(grid.cells) * MODULUS

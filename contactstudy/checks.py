@@ -36,7 +36,7 @@ def positive(field: str, value: object, remedy: str) -> float:
 LEAST, MOST = 1e-60, 1e60
 
 
-def quantity(field: str, value: object, remedy: str) -> float:
+def bearable(field: str, value: object, remedy: str) -> float:
     """``value`` as a float above zero that a computation can bear, or :class:`InvalidInput`."""
     number = positive(field, value, remedy)
     if not LEAST <= number <= MOST:

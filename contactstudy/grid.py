@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contactstudy.arrays import Array
-from contactstudy.checks import InvalidInput, pair, quantity, whole
+from contactstudy.checks import InvalidInput, bearable, pair, whole
 from contactstudy.units import Metres
 
 LONGEST = 1e9  # times as long as wide
@@ -32,8 +32,8 @@ class Grid:
             whole("Grid.cells[1]", ny, 1, "give at least 1 cell along the length"),
         )
         extent = (
-            quantity("Grid.extent[0]", width, "give a width above 0 m"),
-            quantity("Grid.extent[1]", period, "give a period above 0 m"),
+            bearable("Grid.extent[0]", width, "give a width above 0 m"),
+            bearable("Grid.extent[1]", period, "give a period above 0 m"),
         )
         object.__setattr__(self, "cells", cells)
         object.__setattr__(self, "extent", extent)

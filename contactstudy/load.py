@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from contactstudy.checks import keep, quantity
+from contactstudy.checks import bearable, keep
 from contactstudy.units import NewtonsPerMetre
 
 
@@ -13,5 +13,5 @@ class LineLoad:
     per_length: NewtonsPerMetre
 
     def __post_init__(self) -> None:
-        load = quantity("LineLoad.per_length", self.per_length, "give a load above 0 N/m")
+        load = bearable("LineLoad.per_length", self.per_length, "give a load above 0 N/m")
         keep(self, per_length=load)

@@ -6,7 +6,7 @@ from math import inf, log2
 import numpy as np
 
 from contactstudy.analytic import HertzLine
-from contactstudy.checks import InvalidInput, keep, quantity
+from contactstudy.checks import InvalidInput, bearable, keep
 from contactstudy.convolution import convolution
 from contactstudy.grid import Grid
 from contactstudy.limited_pressures import LimitedPressures
@@ -56,7 +56,7 @@ class Scene:
         contact_modulus(self.solids)
         if self.hardness != inf:
             remedy = "give a pressure above 0 Pa, or inf for no limit"
-            keep(self, hardness=quantity("Scene.hardness", self.hardness, remedy))
+            keep(self, hardness=bearable("Scene.hardness", self.hardness, remedy))
         for number, shape in enumerate(self.shapes):
             if isinstance(shape, type) or not (
                 hasattr(shape, "gap") and hasattr(shape, "curvature")

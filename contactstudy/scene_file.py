@@ -158,11 +158,11 @@ class SceneFile:
         period = None if self.grid else self.wish.period
         return plan(self.scene, error=self.wish.error, period=period, grid=self.grid)
 
-    def solve(self) -> Solution:
-        """Solve on the grid and with the padding of the file, or those of the plan."""
+    def solve(self, planned: Plan | None = None) -> Solution:
+        """Solve on the grid and with the padding of the file, or those of the plan, made if not given."""
         grid, padding = self.grid, self.padding
         if grid is None or padding is None:
-            planned = self.plan()
+            planned = planned or self.plan()
             grid, padding = planned.grid, padding or planned.padding
         settings = self.settings
         return solve(

@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 
 from contactstudy.arrays import Array
-from contactstudy.checks import divides, finite, keep, positive, quantity
+from contactstudy.checks import bearable, divides, finite, keep, positive
 from contactstudy.detail import Detail
 from contactstudy.grid import Grid
 from contactstudy.units import Metres, Radians
@@ -40,7 +40,7 @@ class Cylinder:
     radius: Metres
 
     def __post_init__(self) -> None:
-        keep(self, radius=quantity("Cylinder.radius", self.radius, "give a radius above 0 m"))
+        keep(self, radius=bearable("Cylinder.radius", self.radius, "give a radius above 0 m"))
 
     @property
     def curvature(self) -> float:
@@ -119,7 +119,7 @@ class Sphere:
     radius: Metres
 
     def __post_init__(self) -> None:
-        keep(self, radius=quantity("Sphere.radius", self.radius, "give a radius above 0 m"))
+        keep(self, radius=bearable("Sphere.radius", self.radius, "give a radius above 0 m"))
 
     @property
     def curvature(self) -> float:

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from contactstudy.checks import InvalidInput, finite, keep, quantity
+from contactstudy.checks import InvalidInput, bearable, finite, keep
 from contactstudy.units import Number, Pascals
 
 
@@ -21,7 +21,7 @@ class HalfSpace:
     def __post_init__(self) -> None:
         remedy = "give a modulus above 0 Pa, or inf for a rigid body"
         if self.youngs_modulus != math.inf:
-            modulus = quantity("HalfSpace.youngs_modulus", self.youngs_modulus, remedy)
+            modulus = bearable("HalfSpace.youngs_modulus", self.youngs_modulus, remedy)
             keep(self, youngs_modulus=modulus)
         remedy = "give a ratio above -1 and up to 0.5"
         ratio = finite("HalfSpace.poisson_ratio", self.poisson_ratio, remedy)

@@ -13,7 +13,7 @@ from contactstudy.arrays import Array
 from contactstudy.checks import whole
 from studies.axis import Axis, one_of
 from studies.case import Case, number
-from studies.line_contact import HERTZ, SCENE
+from studies.line_contact import HERTZ, SCENE, total_time
 from studies.study import Plate, Point
 from studies.style import finish, panels
 from studies.words import percent
@@ -147,7 +147,7 @@ def _words(dataset: xr.Dataset) -> str:
     )
     both = ["smooth, 1-D", "smooth, 2-D"]
     if set(both) <= set(dataset["effect"].values.tolist()):
-        time = (dataset["setup_time"] + dataset["solve_time"]).sel(effect=both).values
+        time = total_time(dataset).sel(effect=both).values
         words += (
             " Where nothing varies along the length, one cell along it gives the same pressure in "
             f"{percent(time[0] / time[1])} of the time. Heights add up in one field, so that no shape asks "

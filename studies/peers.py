@@ -15,7 +15,7 @@ from contactstudy.arrays import Array
 from contactstudy.checks import whole
 from studies.axis import Axis, one_of
 from studies.case import number
-from studies.line_contact import HERTZ, SCENE
+from studies.line_contact import HERTZ, SCENE, total_time
 from studies.study import Plate, Point
 from studies.style import finish, panels
 
@@ -193,7 +193,7 @@ def figure(dataset: xr.Dataset) -> tuple[Plate, ...]:
     """Time in all against the grid, a panel for each boundary."""
     boundaries = [str(name) for name in dataset["boundary"].values]
     plate, axes = panels(len(boundaries), share="y")
-    time = dataset["setup_time"] + dataset["solve_time"]
+    time = total_time(dataset)
     facts = []
     for ax, boundary in zip(axes, boundaries, strict=True):
         for program in (str(name) for name in dataset["program"].values):

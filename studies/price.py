@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from contactstudy.arrays import Array
+from studies.line_contact import total_time
 from studies.words import name_of
 
 # What of a contact may be asked to be accurate, and the stored errors of it; the second is nearly free.
@@ -72,7 +73,7 @@ class Settings:
 def settings(dataset: xr.Dataset, *errors: str) -> Settings:
     """The settings in ``dataset``, which has no period left, by the least of the ``errors`` named."""
     error = np.minimum.reduce([abs(dataset[name]) for name in errors])
-    cost = dataset["setup_time"] + dataset["solve_time"]
+    cost = total_time(dataset)
     least = most = cost
     if "setup_time_all" in dataset:
         every = dataset["setup_time_all"] + dataset["solve_time_all"]

@@ -57,8 +57,8 @@ def solve(scene: Path, out: Path) -> None:
 
     described = cs.read_scene(scene)
     folder = open_folder(out)
-    if described.scene.hertz is not None:
-        planned = described.plan()
+    planned = None if described.scene.hertz is None else described.plan()
+    if planned is not None:
         for warning in planned.warnings:
             click.echo(f"{scene}: mind: {warning}", err=True)
         if planned.seconds > LONG or planned.bytes > LARGE:
@@ -68,7 +68,7 @@ def solve(scene: Path, out: Path) -> None:
                 err=True,
             )
     start = perf_counter()
-    solution = described.solve()
+    solution = described.solve(planned)
     seconds = perf_counter() - start
     estimate = cs.error_estimate(solution)
     dataset = cs.to_dataset(solution, estimate)

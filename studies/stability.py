@@ -9,7 +9,7 @@ import xarray as xr
 
 import contactstudy as cs
 from studies.axis import Axis, one_of
-from studies.case import Case, number
+from studies.case import Case, flags, number
 from studies.hard_case import PADDINGS, SOLVERS
 from studies.hard_cases import CASES, GROUPS
 from studies.study import Plate, Point
@@ -79,15 +79,11 @@ def measures(case: Trial, solution: cs.Solution) -> Mapping[str, xr.Variable]:
         verdict = "right" if error <= stated and solution.status in hard.ends else "wrong"
     elif case.asked:
         verdict = "said" if solution.status in hard.ends else "wrong"
-    flags = {
-        "long_name": "what became of the case",
-        "flag_values": np.arange(len(VERDICTS), dtype=np.int8),
-        "flag_meanings": " ".join(VERDICTS),
-    }
+    index = np.asarray(VERDICTS.index(verdict))
     return {
         "pressure_error": number(error, "largest pressure error over highest pressure"),
         "stated_error": number(stated, "stated error, infinite where none is stated"),
-        "verdict": xr.Variable((), np.int8(VERDICTS.index(verdict)), flags),
+        "verdict": flags((), index, VERDICTS, "what became of the case"),
     }
 
 

@@ -60,15 +60,25 @@ def test_every_sample_is_kept_with_least_median_and_processor_time() -> None:
 
 
 def test_stored_times_are_not_taken_again_unless_asked(tmp_path: Path) -> None:
-    study = trouble.study([1.0, 2.0])
-    first = run(study, tmp_path, settings=Settings(workers=0, repeats=2), say=quiet)
-    again = run(study, tmp_path, settings=Settings(workers=0, repeats=2), say=quiet)
-    np.testing.assert_array_equal(first["solve_time_all"], again["solve_time_all"])
-    more = run(study, tmp_path, settings=Settings(workers=0, repeats=3), say=quiet)
-    np.testing.assert_array_equal(first["solve_time_all"], more["solve_time_all"][:, :2])
-    anew = Settings(workers=0, repeats=2, old_times="dropped")
-    dropped = run(study, tmp_path, settings=anew, say=quiet)
-    assert not np.isin(dropped["solve_time_all"], more["solve_time_all"]).any()
+    log = tmp_path / "log"
+    study = trouble.study([1.0, 2.0], log=str(log))
+
+    def times(settings: Settings) -> tuple[np.ndarray, int]:
+        before = len(log.read_text().splitlines()) if log.exists() else 0
+        data = run(study, tmp_path, settings=settings, say=quiet)["solve_time_all"].values
+        return data, len(log.read_text().splitlines()) - before
+
+    once = Settings(workers=0, repeats=2)
+    first, _ = times(once)
+    again, taken = times(once)
+    np.testing.assert_array_equal(first, again)
+    assert taken == 0
+    more, taken = times(replace(once, repeats=3))
+    np.testing.assert_array_equal(first, more[:, :2])
+    assert taken == 2 * (1 + 1)  # two cases, a warm-up and what was missing
+    # by count, for two times may agree to the clock's last digit
+    _, taken = times(replace(once, old_times="dropped"))
+    assert taken == 2 * (1 + 2)
 
 
 def test_a_case_is_warmed_up_if_it_is_short(monkeypatch: pytest.MonkeyPatch) -> None:

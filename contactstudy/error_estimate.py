@@ -64,7 +64,7 @@ def _residual(solution: Solution) -> tuple[float, float]:
     problem = solution.problem
     scales, operator = problem.scales, problem.bare().displacement
     pressure, gap = solution.pressure / scales.pressure, solution.gap / scales.gap
-    free, apart = problem.pressures.free(solution.pressure), pressure == 0
+    free, apart = problem.pressures.free(solution.pressure) > 0, pressure == 0
     closing = operator.approximate_inverse()[0](np.where(free, -gap, 0.0))
     closing = np.where(free, closing - closing.mean(where=free) if free.any() else 0.0, 0.0)
     # cells at a limit that should not be: out of contact and penetrating, or yielding and open

@@ -4,9 +4,11 @@ from dataclasses import dataclass
 from math import inf, prod
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contactstudy.arrays import Array, inner
-from contactstudy.pressures import Mask, largest, shifted
+from contactstudy.gap import Gap
+from contactstudy.pressures import largest, shifted
 
 
 @dataclass(frozen=True)
@@ -33,28 +35,19 @@ class LimitedPressures:
         """Whether not even the hardness everywhere carries the load."""
         return self.hardness * prod(shape) < self.total
 
-    def free(self, pressure: Array) -> Mask:
+    def free(self, pressure: Array, out: Array | None = None) -> Array:
         """Cells that bear pressure below the hardness."""
-        return (pressure > 0) & (pressure < self.hardness)
+        return np.multiply(pressure > 0, pressure < self.hardness, out=out, dtype=pressure.dtype)
 
-    def approach(self, pressure: Array, gap: Array, free: Mask) -> float:
+    def approach(self, pressure: Array, gap: Array, free: Array) -> float:
         """The mean gap of the free cells; where all have yielded, the least that leaves none open."""
         if not free.any():
             return float(gap[pressure > 0].max())
-        return inner(gap, free.astype(gap.dtype)) / np.count_nonzero(free)
-
-    def release(self, trial: Array, pressure: Array, gap: Array, compliance: float) -> None:
-        """Cells that penetrate or have yielded: as if the limits were not there.
-
-        A yielding cell that overlaps thus stands above the hardness, and stays there when the rest is
-        scaled down a little.
-        """
-        bound = ((pressure == 0) & (gap < 0)) | (pressure >= self.hardness)
-        trial[bound] = pressure[bound] - gap[bound] / compliance
+        return float(inner(gap, free) / free.sum())
 
     def cuts(self, trial: Array) -> bool:
         """Tension, or more than the hardness."""
-        return bool((trial < 0).any() or (trial > self.hardness).any())
+        return bool(trial.min() < 0 or trial.max() > self.hardness)
 
     def clip(self, trial: Array) -> Array:
         """No tension, and nothing above the hardness."""
@@ -84,7 +77,7 @@ class LimitedPressures:
         trial *= factor
         return np.minimum(trial, self.hardness, out=trial)
 
-    def _spread(self, trial: Array, bearing: Mask) -> None:
+    def _spread(self, trial: Array, bearing: NDArray[np.bool_]) -> None:
         """The bearing cells at the hardness, what they leave of the load evenly on the others."""
         others = trial.size - np.count_nonzero(bearing)
         rest = self.total - self.hardness * (trial.size - others)
@@ -101,12 +94,12 @@ class LimitedPressures:
         lost = np.min(pressure[falling] / -step[falling], initial=inf)
         return float(np.min((self.hardness - pressure[rising]) / step[rising], initial=lost))
 
-    def residual(self, pressure: Array, gap: Array) -> float:
+    def residual(self, pressure: Array, gap: Gap) -> float:
         """Complementarity of the free cells, penetration, gaps that yielding cells leave open, load."""
-        free = np.where(pressure < self.hardness, pressure, 0.0)
-        borne = free.sum()
-        complementarity = inner(free, np.abs(gap)) / borne if borne > 0 else 0.0
-        penetration = -(gap * (pressure == 0)).min()
-        opening = (gap * (pressure >= self.hardness)).max()
+        borne = inner(pressure, self.free(pressure))
+        complementarity = inner(pressure, np.abs(gap.held)) / borne if borne > 0 else 0.0
+        yielding = pressure >= self.hardness
+        penetration = (gap.overlap * ~yielding).max()
+        opening = -(gap.overlap * yielding).min()
         unbalanced = abs(pressure.sum() / self.total - 1)
         return largest(complementarity, penetration, opening, unbalanced)

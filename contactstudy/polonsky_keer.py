@@ -37,32 +37,31 @@ class PolonskyKeer:
         iteration = 0
         while True:
             moved = problem.displacement(pressure)
-            gap = problem.undeformed_gap + moved
-            contact = pressures.free(pressure)
-            approach = pressures.approach(pressure, gap, contact)
-            gap -= approach
+            gap = problem.gap(pressure, moved)
             left = pressures.residual(pressure, gap)
             done = problem.ends(left, moved, tolerance) or iteration == max_iterations
             if done or stall.sees(left):
                 convolutions = 2.0 * iteration + 1
-                return Iterate(pressure, moved, approach, left, iteration, convolutions)
+                return Iterate(pressure, moved, gap.approach, left, iteration, convolutions)
             iteration += 1
-            descent = np.where(contact, gap, 0.0)
-            steepness = inner(descent, descent)
+            steepness = inner(gap.held, gap.held)
             kept = conjugate * steepness / previous if previous > 0 else 0.0
-            direction = np.where(contact, gap + kept * direction, 0.0)
+            direction = gap.held + kept * direction * gap.free
             previous = steepness
-            if inner(descent, direction) <= 0:  # the contact has changed: conjugacy is lost
-                direction = descent
+            if inner(gap.held, direction) <= 0:  # the contact has changed: conjugacy is lost
+                direction = gap.held
             response = problem.displacement(direction)
-            response -= response.mean(where=contact)
+            response -= inner(response, gap.free) / gap.free.sum()
             curvature = inner(response, direction)
             # a single cell in contact is level with itself: the others then close their own gaps
-            step = inner(descent, direction) / curvature if curvature > 0 else 1 / own
+            step = inner(gap.held, direction) / curvature if curvature > 0 else 1 / own
             before, pressure = pressure, pressures.clip(pressure - step * direction)
-            trial = pressure.copy()
-            pressures.release(trial, pressure, gap, 1 / step)
+            whole = gap.held - gap.overlap
+            bound = 1 - pressures.free(pressure)
+            trial = np.maximum(pressure - step * whole * bound, 0)
             conjugate = 1.0 if (trial == pressure).all() else 0.0
             pressure = pressures.admit(trial)
-            if inner(gap, pressure - before) >= 0:  # balancing the load has turned the step uphill
-                conjugate, pressure = 0.0, pressures.nearest(before - step * gap)
+            if (
+                inner(whole, pressure - before) >= 0
+            ):  # balancing the load has turned the step uphill
+                conjugate, pressure = 0.0, pressures.nearest(before - step * whole)

@@ -1,14 +1,14 @@
 """Preconditioned conjugate gradients that look before they step, from coarse grids to fine."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from contactstudy.arrays import Array, inner
+from contactstudy.gap import Gap
 from contactstudy.iterate import Iterate, Stall
 from contactstudy.polonsky_keer import PolonskyKeer
-from contactstudy.pressures import AdmissiblePressures, Mask
+from contactstudy.pressures import AdmissiblePressures
 from contactstudy.problem import BareProblem
 
 # A trial step is taken whole, zeros and all, from this share of the best step along its line on.
@@ -96,39 +96,40 @@ class PreconditionedCG:
         pressure = pressures.admit(pressure)
         moved = operator(pressure)
         work += 1
+        gap: Gap | None = None
         last: _Step | None = None
         length = 1.0
         own = operator.own
         stall = Stall(self.patience)
         iteration = 0
-        gap = np.empty_like(moved)
         while True:
-            contact = pressures.free(pressure)
-            np.add(problem.undeformed_gap, moved, out=gap)
-            approach = pressures.approach(pressure, gap, contact)
-            gap -= approach
+            gap = problem.gap(pressure, moved, gap)
             left = pressures.residual(pressure, gap)
             done = problem.ends(left, moved, tolerance) or iteration == max_iterations
             if done or stall.sees(left):
-                return Iterate(pressure, moved, approach, left, iteration, work)
+                return Iterate(pressure, moved, gap.approach, left, iteration, work)
             iteration += 1
-            trial = _direction(gap, contact, precondition, last)
+            trial = _direction(gap, precondition(gap.held), last)
             work += 1 + its_work / operator.work
             trial *= length
             trial += pressure
             cut = pressures.cuts(trial)
-            pressures.release(trial, pressure, gap, own / self.seed)
+            # as if the limits were not there: a yielding cell thus stands above the hardness, and stays
+            # there when the rest is scaled down a little
+            trial += gap.overlap * (self.seed / own)
             trial = pressures.admit(trial)
             step = np.subtract(trial, pressure, out=last.step if last else None)
-            if inner(gap, step) >= 0:
+            slope = inner(gap.held, step) - inner(gap.overlap, step)
+            if slope >= 0:
                 # balancing the load has turned the step uphill: that to the nearest pressure never is
                 cut, length = True, length / 4
-                trial = pressures.nearest(pressure - gap / own)
+                trial = pressures.nearest(pressure - (gap.held - gap.overlap) / own)
                 np.subtract(trial, pressure, out=step)
+                slope = inner(gap.held, step) - inner(gap.overlap, step)
             ahead = operator(trial)
             response = np.subtract(ahead, moved, out=last.response if last else None)
             curvature = inner(step, response)
-            best = -inner(gap, step) / curvature if curvature > 0 else 0.0
+            best = -slope / curvature if curvature > 0 else 0.0
             taken = (
                 _whole_or_best(best) if cut else _to_first_limit(pressures, pressure, step, best)
             )
@@ -158,20 +159,30 @@ class _Step:
         self.curvature *= factor**2
 
 
-def _direction(
-    gap: Array, contact: Mask, precondition: Callable[[Array], Array], last: _Step | None
-) -> Array:
-    """The preconditioned gap of the cells in contact, conjugate to the last step where that is downhill."""
-    inside = contact.astype(gap.dtype)
-    direction = precondition(gap * inside)
-    _restrict(np.negative(direction, out=direction), inside)
+def _direction(gap: Gap, closing: Array, last: _Step | None) -> Array:
+    """Against the preconditioned gap, ``closing``, and conjugate to the last step where that is downhill.
+
+    Zero in cells at a limit, and such that the load stays as it is. All sums are taken first, so that it
+    is written once.
+    """
+    closing *= gap.free
+    cells = gap.free.sum()
+    level = closing.sum() / cells
     # a trial cut back to where it began has been no step
-    if last is None or not last.curvature > 0:
-        return direction
-    tried = last.step * (-inner(direction, last.response) / last.curvature)
-    tried += direction
-    _restrict(tried, inside)
-    return tried if inner(gap, tried) < 0 else direction
+    if last is not None and last.curvature > 0:
+        kept = (
+            inner(closing, last.response) - level * inner(gap.free, last.response)
+        ) / last.curvature
+        if kept * inner(gap.held, last.step) < inner(gap.held, closing):
+            level -= kept * inner(gap.free, last.step) / cells
+            direction = last.step * kept
+            direction -= closing
+            direction += level
+            direction *= gap.free
+            return np.asarray(direction)
+    closing -= level
+    closing *= -gap.free
+    return closing
 
 
 def _whole_or_best(best: float) -> float:
@@ -187,12 +198,3 @@ def _to_first_limit(
 ) -> float:
     """How much of a step to take that has cut off nothing: up to where a cell would meet a limit."""
     return best if best <= 1 else min(best, max(1.0, pressures.room(pressure, step)))
-
-
-def _restrict(direction: Array, inside: Array) -> None:
-    """Make ``direction`` zero where ``inside`` is not 1, and such that the load stays as it is.
-
-    By products, for a masked choice costs ten times as much where the mask is rough.
-    """
-    direction -= inner(direction, inside) / inside.sum()
-    direction *= inside

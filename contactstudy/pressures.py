@@ -5,11 +5,9 @@ from math import inf
 from typing import Protocol, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contactstudy.arrays import Array, inner
-
-Mask = NDArray[np.bool_]
+from contactstudy.gap import Gap
 
 
 class AdmissiblePressures(Protocol):
@@ -32,19 +30,15 @@ class AdmissiblePressures(Protocol):
         """Whether no field of that shape is in the set."""
         ...
 
-    def free(self, pressure: Array) -> Mask:
-        """Cells at no limit: there the bodies touch, no more and no less."""
-        ...
+    def free(self, pressure: Array, out: Array | None = None) -> Array:
+        """1 for cells at no limit, where the bodies touch, no more and no less; 0 for the others.
 
-    def approach(self, pressure: Array, gap: Array, free: Mask) -> float:
-        """The approach at which ``gap`` is zero on the mean of the ``free`` cells of ``pressure``."""
-        ...
-
-    def release(self, trial: Array, pressure: Array, gap: Array, compliance: float) -> None:
-        """In a ``trial``, the bound cells that ``gap`` says should be free get a pressure that closes it.
-
-        ``compliance`` is the displacement of a cell under its own unit pressure, as the solver takes it.
+        As numbers, for a masked choice costs ten times a product where the contact is rough.
         """
+        ...
+
+    def approach(self, pressure: Array, gap: Array, free: Array) -> float:
+        """The approach at which ``gap`` is zero on the mean of the ``free`` cells of ``pressure``."""
         ...
 
     def cuts(self, trial: Array) -> bool:
@@ -67,8 +61,8 @@ class AdmissiblePressures(Protocol):
         """How many times ``step`` may be taken before a free cell of ``pressure`` meets a limit."""
         ...
 
-    def residual(self, pressure: Array, gap: Array) -> float:
-        """The measure of :func:`~contactstudy.solve`, of ``gap`` in units of the gap scale."""
+    def residual(self, pressure: Array, gap: Gap) -> float:
+        """The measure of :func:`~contactstudy.solve`, of a ``gap`` in units of the gap scale."""
         ...
 
 
@@ -90,22 +84,17 @@ class CompressivePressures:
         """Never."""
         return False
 
-    def free(self, pressure: Array) -> Mask:
+    def free(self, pressure: Array, out: Array | None = None) -> Array:
         """Cells that bear pressure."""
-        return pressure > 0
+        return np.sign(pressure, out=out)
 
-    def approach(self, pressure: Array, gap: Array, free: Mask) -> float:
+    def approach(self, pressure: Array, gap: Array, free: Array) -> float:
         """The mean gap of the contact."""
-        return inner(gap, free.astype(gap.dtype)) / np.count_nonzero(free)
-
-    def release(self, trial: Array, pressure: Array, gap: Array, compliance: float) -> None:
-        """Of cells out of contact, those that penetrate."""
-        penetrating = (pressure == 0) & (gap < 0)
-        trial[penetrating] = gap[penetrating] / -compliance
+        return float(inner(gap, free) / free.sum())
 
     def cuts(self, trial: Array) -> bool:
         """Tension."""
-        return bool((trial < 0).any())
+        return bool(trial.min() < 0)
 
     def clip(self, trial: Array) -> Array:
         """No tension."""
@@ -126,12 +115,11 @@ class CompressivePressures:
         falling = step < 0
         return float(np.min(pressure[falling] / -step[falling], initial=inf))
 
-    def residual(self, pressure: Array, gap: Array) -> float:
+    def residual(self, pressure: Array, gap: Gap) -> float:
         """Complementarity, penetration, load."""
-        total = pressure.sum()
-        complementarity = inner(pressure, np.abs(gap)) / total
-        penetration = -(gap * (pressure == 0)).min()
-        return largest(complementarity, penetration, abs(total / self.total - 1))
+        borne = float(pressure.sum())
+        complementarity = inner(pressure, np.abs(gap.held)) / borne
+        return largest(complementarity, gap.overlap.max(), abs(borne / self.total - 1))
 
 
 def largest(*measures: float) -> float:

@@ -8,6 +8,7 @@ from typing import Protocol, Self
 import numpy as np
 
 from contactstudy.arrays import Array
+from contactstudy.gap import Gap
 from contactstudy.grid import Grid
 from contactstudy.outputs import Derived
 from contactstudy.padding import Paddings
@@ -77,6 +78,16 @@ class BareProblem:
         """The load spread evenly."""
         gap = self.undeformed_gap
         return np.full_like(gap, self.pressures.total / gap.size)
+
+    def gap(self, pressure: Array, displacement: Array, into: Gap | None = None) -> Gap:
+        """The gap under ``pressure`` and the ``displacement`` it makes, ``into`` the fields of another."""
+        pressures = self.pressures
+        free = pressures.free(pressure, into.free if into else None)
+        whole = np.add(self.undeformed_gap, displacement, out=into.overlap if into else None)
+        approach = pressures.approach(pressure, whole, free)
+        whole -= approach
+        held = np.multiply(whole, free, out=into.held if into else None)
+        return Gap(free, held, np.subtract(held, whole, out=whole), approach)
 
     def rounding(self, displacement: Array) -> float:
         """What rounding leaves uncertain of a gap under ``displacement``: no residual means less."""

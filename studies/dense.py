@@ -105,11 +105,9 @@ def stated_error(solution: cs.Solution, found: DenseAnswer) -> float:
     """
     bare, unit = solution.problem.bare(), solution.problem.scales.pressure
     pressure = solution.pressure / unit
-    free = bare.pressures.free(pressure)
-    gap = bare.undeformed_gap + bare.displacement(pressure)
-    gap -= bare.pressures.approach(pressure, gap, free)
+    gap = bare.gap(pressure, bare.displacement(pressure))
     # overlap where nothing is borne is left open too, and so is a gap where all that can be borne is
-    left = np.where(free, gap, np.where(pressure == 0, np.minimum(gap, 0), np.maximum(gap, 0)))
+    left = gap.held + np.where(pressure > 0, np.minimum(gap.overlap, 0), np.maximum(gap.overlap, 0))
     unsure = float(np.linalg.norm(left)) + found.rounding * np.count_nonzero(pressure) ** 0.5
     unbalanced = abs(pressure.sum() / bare.pressures.total - 1)
     return float(unsure / found.softest + pressure.max() * (unbalanced + ROUNDING))

@@ -1,7 +1,7 @@
 """The pressures of a contact whose softer body yields."""
 
 from dataclasses import dataclass
-from math import inf, prod
+from math import prod
 
 import numpy as np
 from numpy.typing import NDArray
@@ -87,12 +87,6 @@ class LimitedPressures:
     def nearest(self, trial: Array) -> Array:
         """Shifted, then cut off."""
         return shifted(trial, self.total, self.hardness)
-
-    def room(self, pressure: Array, step: Array) -> float:
-        """Until a cell would lose contact or yield."""
-        falling, rising = step < 0, step > 0
-        lost = np.min(pressure[falling] / -step[falling], initial=inf)
-        return float(np.min((self.hardness - pressure[rising]) / step[rising], initial=lost))
 
     def residual(self, pressure: Array, gap: Gap) -> float:
         """Complementarity of the free cells, penetration, gaps that yielding cells leave open, load."""

@@ -8,7 +8,6 @@ from contactstudy.arrays import Array, inner
 from contactstudy.gap import Gap
 from contactstudy.iterate import Iterate, Stall
 from contactstudy.polonsky_keer import PolonskyKeer
-from contactstudy.pressures import AdmissiblePressures
 from contactstudy.problem import BareProblem
 
 # A trial step is taken whole, zeros and all, from this share of the best step along its line on.
@@ -130,9 +129,13 @@ class PreconditionedCG:
             response = np.subtract(ahead, moved, out=last.response if last else None)
             curvature = inner(step, response)
             best = -slope / curvature if curvature > 0 else 0.0
-            taken = (
-                _whole_or_best(best) if cut else _to_first_limit(pressures, pressure, step, best)
-            )
+            if cut:
+                # zeros are left where tension was; beyond the whole they would turn to tension
+                taken = 1.0 if best > WHOLE else best
+            else:
+                # nor beyond it to just where a cell meets a limit: rounding would say which of many did
+                meets = best > 1 and pressures.cuts(pressure + best * step)
+                taken = 1.0 if meets else best
             last = _Step(step, response, curvature)
             if taken == 1:
                 pressure, moved = trial, ahead
@@ -183,18 +186,3 @@ def _direction(gap: Gap, closing: Array, last: _Step | None) -> Array:
     closing -= level
     closing *= -gap.free
     return closing
-
-
-def _whole_or_best(best: float) -> float:
-    """How much of a step to take that has cut off tension, ``best`` being the lowest point of its line.
-
-    The whole of it leaves zeros where tension was; beyond it they would turn to tension.
-    """
-    return 1.0 if best > WHOLE else best
-
-
-def _to_first_limit(
-    pressures: AdmissiblePressures, pressure: Array, step: Array, best: float
-) -> float:
-    """How much of a step to take that has cut off nothing: up to where a cell would meet a limit."""
-    return best if best <= 1 else min(best, max(1.0, pressures.room(pressure, step)))

@@ -57,10 +57,6 @@ class AdmissiblePressures(Protocol):
         """The admissible pressure nearest to ``trial``; a step against the gap, made so, is downhill."""
         ...
 
-    def room(self, pressure: Array, step: Array) -> float:
-        """How many times ``step`` may be taken before a free cell of ``pressure`` meets a limit."""
-        ...
-
     def residual(self, pressure: Array, gap: Gap) -> float:
         """The measure of :func:`~contactstudy.solve`, of a ``gap`` in units of the gap scale."""
         ...
@@ -109,11 +105,6 @@ class CompressivePressures:
     def nearest(self, trial: Array) -> Array:
         """Shifted, then cut off."""
         return shifted(trial, self.total, inf)
-
-    def room(self, pressure: Array, step: Array) -> float:
-        """Until a cell would lose contact."""
-        falling = step < 0
-        return float(np.min(pressure[falling] / -step[falling], initial=inf))
 
     def residual(self, pressure: Array, gap: Gap) -> float:
         """Complementarity, penetration, load."""

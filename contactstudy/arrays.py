@@ -8,10 +8,16 @@ from numpy.typing import NDArray
 Array = NDArray[np.floating[Any]]
 
 
+# Up to so many cells BLAS has no use for threads.
+SMALL = 8192
+
+
 def inner(a: Array, b: Array) -> float:
     """Sum of ``a b`` over fields (width, length).
 
-    Row by row, for BLAS would start threads for a whole field: beside a busy neighbour they cost a
-    hundred times what they save.
+    Row by row, for BLAS would start threads for a large field as a whole: beside a busy neighbour they
+    cost a hundred times what they save.
     """
+    if a.size <= SMALL:
+        return float(np.dot(a.ravel(), b.ravel()))
     return float(np.matmul(a[:, None, :], b[:, :, None]).sum())

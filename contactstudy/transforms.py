@@ -55,11 +55,14 @@ class Ducc:
     def forward(self, field: Array, padded: tuple[int, int], work: Waves) -> Waves:
         """Along the length on the rows there are, then across."""
         nx, ny = field.shape
-        if ny < padded[1]:
-            wide = np.zeros((nx, padded[1]), dtype=field.dtype)
-            wide[:, :ny] = field
-            field = wide
-        self._fft.r2c(field, axes=(1,), out=work[:nx], nthreads=1)
+        if padded[1] == 1:  # one cell along is its own wave
+            work[:nx] = field
+        else:
+            if ny < padded[1]:
+                wide = np.zeros((nx, padded[1]), dtype=field.dtype)
+                wide[:, :ny] = field
+                field = wide
+            self._fft.r2c(field, axes=(1,), out=work[:nx], nthreads=1)
         work[nx:] = 0
         self._fft.c2c(work, axes=(0,), out=work, nthreads=1)
         return work
@@ -68,6 +71,8 @@ class Ducc:
         """Across, then along the length on the rows asked for."""
         self._fft.c2c(waves, axes=(0,), forward=False, inorm=2, out=waves, nthreads=1)
         rows = waves[: cells[0]]
+        if padded[1] == 1:
+            return rows.real.copy()
         field = self._fft.c2r(
             rows, axes=(1,), lastsize=padded[1], forward=False, inorm=2, nthreads=1
         )

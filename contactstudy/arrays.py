@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.floating[Any]]
 
 
-# Up to so many cells BLAS has no use for threads.
-SMALL = 8192
+# Up to so many cells BLAS has no use for threads, and rounding in single precision none for rows.
+SMALL = 1024
 
 
 def inner(a: Array, b: Array) -> float:

@@ -42,21 +42,22 @@ class Convolution:
         return TRANSFORMS.backward(waves, self.cells, self.padded)
 
     @cached_property
-    def _rooms(self) -> local:
+    def _kept(self) -> local:
         return local()
 
     def _room(self, shape: tuple[int, int]) -> Waves:
-        """A work array of this thread's own, kept: large ones anew would cost as much as a transform."""
-        rooms: dict[tuple[int, int], Waves] = self._rooms.__dict__.setdefault("rooms", {})
-        if shape not in rooms:
-            rooms[shape] = np.empty(
-                (shape[0], shape[1] // 2 + 1), dtype=np.result_type(self.spectrum, np.complex64)
-            )
-        return rooms[shape]
+        """A work array of this thread's own, kept: a large one anew would cost as much as a transform."""
+        kept = self._kept.__dict__
+        if "waves" not in kept:
+            waves = self.padded[0] * (self.padded[1] // 2 + 1)
+            kept["waves"] = np.empty(waves, dtype=np.result_type(self.spectrum, np.complex64))
+        rows, columns = shape[0], shape[1] // 2 + 1
+        room: Waves = kept["waves"][: rows * columns].reshape(rows, columns)
+        return room
 
     def __getstate__(self) -> dict[str, object]:
         """Without the work arrays."""
-        return {name: value for name, value in self.__dict__.items() if name != "_rooms"}
+        return {name: value for name, value in self.__dict__.items() if name != "_kept"}
 
     @property
     def work(self) -> float:

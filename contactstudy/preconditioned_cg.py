@@ -122,7 +122,10 @@ class PreconditionedCG:
             if slope >= 0:
                 # balancing the load has turned the step uphill: that to the nearest pressure never is
                 cut, length = True, length / 4
-                trial = pressures.nearest(pressure - (gap.held - gap.overlap) / own)
+                np.subtract(gap.overlap, gap.held, out=trial)
+                trial /= own
+                trial += pressure
+                trial = pressures.nearest(trial)
                 np.subtract(trial, pressure, out=step)
                 slope = inner(gap.held, step) - inner(gap.overlap, step)
             ahead = operator(trial)
@@ -134,7 +137,7 @@ class PreconditionedCG:
                 taken = 1.0 if best > WHOLE else best
             else:
                 # nor beyond it to just where a cell meets a limit: rounding would say which of many did
-                meets = best > 1 and pressures.cuts(pressure + best * step)
+                meets = best > 1 and pressures.cuts(_ahead(pressure, step, best, gap.held))
                 taken = 1.0 if meets else best
             last = _Step(step, response, curvature)
             if taken == 1:
@@ -144,6 +147,7 @@ class PreconditionedCG:
                 pressure += last.step
                 moved += last.response
                 pressures.clip(pressure)
+            del trial, ahead  # or they would stand through the next convolution
             length *= min(max(best, 0.3), 3.0)
 
 
@@ -186,3 +190,9 @@ def _direction(gap: Gap, closing: Array, last: _Step | None) -> Array:
     closing -= level
     closing *= -gap.free
     return closing
+
+
+def _ahead(pressure: Array, step: Array, factor: float, out: Array) -> Array:
+    """The pressure so many steps ahead."""
+    np.multiply(step, factor, out=out)
+    return np.add(pressure, out, out=out)

@@ -13,17 +13,20 @@ from numpy.polynomial.legendre import leggauss
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import binom, digamma, k0, xlog1py, zeta
 
-from contactstudy.arrays import Array
+from contactstudy.arrays import Array, product
 
+# Beyond MULTIPOLES half-diagonals of a cell, five moments leave 40^-10 / 11 ~ 1e-17.
+MULTIPOLES = 40.0
 # Beyond NEAR cells a line's field is analytic in a Bernstein ellipse of rho >= 9.9, so that 8 Gauss
 # points leave rho^-16 ~ 1e-16; beyond FAR cells rho >= 160 and 4 points do.
 NEAR, FAR = 2.5, 40.0
 NEAR_POINTS, FAR_POINTS = 8, 4
 
-# Lattice, lengths in periods: images summed one by one on each side; where the Fourier form takes
-# over from them (its 13 terms end at exp(-13 pi) ~ 1e-18); where only its logarithm is left.
-IMAGES, HANDOVER, FOURIER_END = 3, 0.5, 6.0
-SERIES_TERMS, FOURIER_TERMS = 24, 13
+# Lattice, lengths in periods: how far a cell reaches, in distances of the first image that is not
+# summed by itself; where the Fourier form takes over (its 13 terms end at exp(-13 pi) ~ 1e-18); where
+# only its logarithm is left.
+REACH, HANDOVER, FOURIER_END = 0.46, 0.5, 6.0
+FOURIER_TERMS = 13
 CELL_POINTS = 16
 ROUNDING = 1e-17
 
@@ -40,21 +43,73 @@ def boussinesq_cell(x: ArrayLike, y: ArrayLike, dx: ArrayLike, dy: ArrayLike) ->
     and for ``dx / dy`` from 1e-3 to 1e3; even in ``x`` and ``y`` to the last bit.
 
     Source: Love (1929). His difference of four corner terms loses ``(r / dx)^2`` units in the last
-    place; here it is taken edge by edge near the cell, and away from it as Gauss points (in the
-    direction of the larger offset) of lines in closed form, all of one sign.
+    place; here it is taken edge by edge near the cell, then as Gauss points (in the direction of the
+    larger offset) of lines in closed form, all of one sign, and far away as multipoles.
     """
-    offsets = (np.abs(np.asarray(a, dtype=np.float64)) for a in (x, y, dx, dy))
-    x, y, dx, dy = np.broadcast_arrays(*offsets)
-    across, along = x / dx, y / dy
+    x, y, dx, dy = (np.abs(np.asarray(a, dtype=np.float64)) for a in (x, y, dx, dy))
+    half_x, half_y = dx / 2, dy / 2
+    diagonal = np.hypot(half_x, half_y)
+    across, along = (x / diagonal) ** 2, (y / diagonal) ** 2
+    square = np.asarray(across + along)
+    close = square < MULTIPOLES**2
+    # Close to the cell, where this is replaced, it need only be finite.
+    square = np.maximum(square, MULTIPOLES**2)
+    elongation = (half_x / diagonal) ** 2 - (half_y / diagonal) ** 2
+    mean = _multipoles((across - along) / square, 1 / square, elongation)
+    result = np.asarray(4 * half_x * (half_y / diagonal) * mean)
+    if close.any():
+        sides = np.broadcast_arrays(x, y, half_x, half_y)
+        result[close] = _close(*(a[close] for a in sides))
+    return result
+
+
+def _multipoles(c: Array, q: Array, e: Array) -> Array:
+    """Mean of ``1 / |r - s|`` over the points s of a cell, in the unit of its half-diagonal d.
+
+    ``c = cos 2 theta`` for the direction of r, ``q = (d / r)^2``, ``e = (dx^2 - dy^2) / (dx^2 + dy^2)``:
+    ``sqrt(q)`` times the sum of ``q^k < (s / d)^2k P_2k(cos(r, s)) >``.
+    """
+    ee = e * e
+    moments = (
+        (1.0,),
+        (1 / 12, e / 4),
+        ((28 - 67 * ee) / 480, e / 16, 7 * (4 * ee - 1) / 96),
+        (
+            (18 - 37 * ee) / 896,
+            7 * e * (4 - 7 * ee) / 128,
+            3 * (4 * ee - 1) / 128,
+            33 * e * (2 * ee - 1) / 128,
+        ),
+        (
+            (1712 - (11364 - 12707 * ee) * ee) / 92160,
+            3 * e * (14 - 23 * ee) / 512,
+            -11 * (38 - (411 - 518 * ee) * ee) / 5120,
+            143 * e * (2 * ee - 1) / 1536,
+            143 * (1 - (12 - 16 * ee) * ee) / 2048,
+        ),
+    )
+    total = np.zeros_like(c)
+    for polynomial in reversed(moments):
+        total *= q
+        moment = polynomial[-1]
+        for coefficient in polynomial[-2::-1]:
+            moment = moment * c + coefficient
+        total += moment
+    return np.asarray(np.sqrt(q) * total)
+
+
+def _close(x: Array, y: Array, half_x: Array, half_y: Array) -> Array:
+    """The cell seen from near by, or along a side so long that it is not seen as a point."""
+    across, along = x / half_x, y / half_y
     steps = np.maximum(across, along)
-    near, far = steps < NEAR, steps >= FAR
+    near, far = steps < 2 * NEAR, steps >= 2 * FAR
     result = np.empty(x.shape)
-    result[near] = _edges(x[near], y[near], dx[near] / 2, dy[near] / 2)
+    result[near] = _edges(x[near], y[near], half_x[near], half_y[near])
     for zone, points in ((~near & ~far, NEAR_POINTS), (far, FAR_POINTS)):
         wide = zone & (across >= along)
-        result[wide] = _lines(x[wide], y[wide], dx[wide] / 2, dy[wide] / 2, points)
+        result[wide] = _lines(x[wide], y[wide], half_x[wide], half_y[wide], points)
         long = zone & ~wide
-        result[long] = _lines(y[long], x[long], dy[long] / 2, dx[long] / 2, points)
+        result[long] = _lines(y[long], x[long], half_y[long], half_x[long], points)
     return result
 
 
@@ -140,7 +195,7 @@ def _repeated(x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
         x, y = x.reshape(-1, 1), y.reshape(1, -1)
     else:
         x, y = (np.broadcast_to(a, shape).ravel() for a in (x, y))
-    mean = _mean_over_cell(x, y, np.full_like(x, dx / 2), dy / 2, period)
+    mean = _mean_over_cell(x, y, np.full((1,) * x.ndim, dx / 2), dy / 2, period)
     return np.asarray(mean.reshape(shape) * (dx * dy / period))
 
 
@@ -157,7 +212,7 @@ def _mean_over_cell(x: Array, y: Array, half_x: Array, half_y: float, period: fl
     result = np.empty(np.broadcast_shapes(x.shape, y.shape))
     inner = (x - half_x).reshape(len(x)) / period
     beyond = inner >= FOURIER_END
-    wide = ~beyond & (half_x.reshape(len(x)) > period / 2)
+    wide = ~beyond & (half_x.ravel() > period / 2)
     fourier = ~beyond & ~wide & (inner >= HANDOVER)
     forms: dict[Callable[[Array, Array, Array, float, float], Array], NDArray[np.bool_]] = {
         _logarithm: beyond,
@@ -167,47 +222,89 @@ def _mean_over_cell(x: Array, y: Array, half_x: Array, half_y: float, period: fl
     }
     for form, rows in forms.items():
         if rows.any():
-            result[rows] = form(x[rows], _share(y, rows), half_x[rows], half_y, period)
+            result[rows] = form(x[rows], _share(y, rows), _share(half_x, rows), half_y, period)
     return result
 
 
-def _share(y: Array, rows: NDArray[np.bool_]) -> Array:
-    """The offsets y that belong to some rows of x: their own if flat, else the same row for all."""
-    return y[rows] if len(y) == len(rows) else y
+def _share(lengths: Array, rows: NDArray[np.bool_]) -> Array:
+    """The lengths that belong to some rows of x: their own, or the same for all."""
+    return lengths[rows] if len(lengths) == len(rows) else lengths
 
 
 def _images(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> Array:
-    """The nearest images one by one, the rest as a series in ``x^2`` that converges like 4^-k."""
+    """The nearest images one by one, the rest as the multipoles that all of them make together."""
+    furthest = (float(np.fmax.reduce(a, axis=None, initial=0.0)) for a in (x + half_x, y + half_y))
+    reach = np.hypot(*furthest) / period
+    images = max(1, int(np.ceil(reach / REACH)) - 1)
     total: Array = np.zeros(np.broadcast_shapes(x.shape, y.shape))
-    for m in range(-IMAGES, IMAGES + 1):
+    for m in range(-images, images + 1):
         # in the lengths as given: to round them would move the edges
         total += boussinesq_cell(x, y + m * period, 2 * half_x, 2 * half_y)
-    total = total * period / (4 * half_x * half_y) - 2 * np.log(2 * period)
-    x, y, half_x, half_y = x / period, y / period, half_x / period, half_y / period
-    sides = [
-        (weight, IMAGES + 1 + sign * (y + node * half_y))
-        for node, weight in gauss(NEAR_POINTS)
-        for sign in (1, -1)
-    ]
-    total -= sum(weight * digamma(away) for weight, away in sides)
-    # from one term to the next by at least this factor
-    ratio = float(np.fmax.reduce(x + half_x, axis=None, initial=1e-3)) / (IMAGES + 0.5 - half_y)
-    for k in range(1, min(SERIES_TERMS, int(np.log(ROUNDING) / np.log(ratio**2)) + 1) + 1):
-        power = sum(w * (x + node * half_x) ** (2 * k) for node, w in gauss(CELL_POINTS))
-        total += binom(-0.5, k) * power * sum(w * zeta(2 * k + 1, away) for w, away in sides)
+    total *= period / (4 * half_x * half_y)
+    terms = int(np.log(ROUNDING) / (2 * np.log(reach / (images + 1)))) + 1
+    across = _even_powers(x / period, half_x / period, terms)
+    along = _even_powers(y / period, half_y / period, terms).T
+    total += _combined(across, product(_further_images(images, terms), along), total.shape)
+    total -= 2 * np.log(2 * period)
     return total
+
+
+def _even_powers(x: Array, half: Array | float, terms: int) -> Array:
+    """``x^0, x^2, x^4, ...`` averaged over a segment about each x, shape (x, terms)."""
+    return np.asarray(
+        sum(
+            weight * np.vander(((x + node * half) ** 2).ravel(), terms, increasing=True)
+            for node, weight in gauss(CELL_POINTS)
+        )
+    )
+
+
+@cache
+def _further_images(images: int, terms: int) -> Array:
+    """Coefficients of ``x^2k y^2n`` in the field of all unit points beyond ``images`` periods, shape (k, n).
+
+    Points ``m`` away on either side make ``2 sum_k (r / m)^2k P_2k(y / r) / m``, their sum zeta functions.
+    """
+    k = np.arange(terms)
+    order = k[:, None] + k
+    sums = 2 * zeta(2 * order + 1, images + 1)
+    sums[0, 0] = -2 * digamma(images + 1)  # less what all sums together diverge by
+    return np.where(order < terms, binom(-0.5, k)[:, None] * binom(2 * order, 2 * k) * sums, 0.0)
+
+
+def _combined(across: Array, along: Array, shape: tuple[int, ...]) -> Array:
+    """Sum of products of what depends on x, shape (x, terms), with what depends on y, (terms, y)."""
+    return product(across, along) if len(shape) == 2 else (across * along.T).sum(axis=1)
 
 
 def _fourier(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> Array:
     """The plane-strain logarithm and the harmonics of the period, which decay like exp(-2 pi j x)."""
-    total = _logarithm(x, y, half_x, half_y, period)
+    across = harmonics_across(x, half_x, period)
+    along = harmonics_along(y, half_y, period, across.shape[1])
+    shape = np.broadcast_shapes(x.shape, y.shape)
+    return _combined(across, along, shape) - 2 * _log_mean(x, half_x)
+
+
+def harmonics_across(x: Array, half_x: Array, period: float) -> Array:
+    """``4 K0(2 pi j x / L)`` averaged over a segment about each x, shape (x, j = 1, 2 ...)."""
     # further from the axis, so many fewer
     inner = float(np.fmin.reduce((x - half_x) / period, axis=None, initial=FOURIER_END))
-    for j in range(1, int(np.ceil(FOURIER_TERMS * HANDOVER / inner)) + 1):
-        wave = 2 * np.pi * j / period
-        across = sum(w * k0(wave * (x + node * half_x)) for node, w in gauss(CELL_POINTS))
-        total = total + 4 * across * np.cos(wave * y) * np.sinc(2 * j * half_y / period)
-    return total
+    wave = 2 * np.pi / period * np.arange(1, int(np.ceil(FOURIER_TERMS * HANDOVER / inner)) + 1)
+    # K0 is analytic in the Bernstein ellipse through the axis
+    away = float(np.fmin.reduce(x / half_x, axis=None, initial=np.inf))
+    points = int(np.log(ROUNDING) / (-2 * np.arccosh(away))) + 1
+    return np.asarray(
+        sum(
+            4 * weight * k0((x + node * half_x).reshape(-1, 1) * wave)
+            for node, weight in gauss(points)
+        )
+    )
+
+
+def harmonics_along(y: Array, half_y: float, period: float, count: int) -> Array:
+    """``cos(2 pi j y / L)`` averaged over a segment about each y, shape (j = 1, 2 ... count, y)."""
+    j = np.arange(1, count + 1)[:, None]
+    return np.cos(2 * np.pi / period * j * y.ravel()) * np.sinc(2 * j * half_y / period)
 
 
 def _logarithm(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> Array:
@@ -217,6 +314,7 @@ def _logarithm(x: Array, y: Array, half_x: Array, half_y: float, period: float) 
 
 def _log_mean(x: Array, half: Array) -> Array:
     """Mean of ``ln |x|`` over a segment of half-length ``half`` whose centre is ``x >= 0`` away."""
+    x, half = np.broadcast_arrays(x, half)
     mean = np.empty(x.shape)
     aside = x >= half
     # Neither end cancels the other, for a narrow segment (t -> 0) or one next to the axis (1).

@@ -5,7 +5,16 @@ from numpy.typing import ArrayLike
 from scipy.special import gammaln
 
 from contactstudy.arrays import Array
-from contactstudy.influence import CELL_POINTS, FOURIER_END, boussinesq_cell_periodic, gauss
+from contactstudy.influence import (
+    CELL_POINTS,
+    FOURIER_END,
+    boussinesq_cell_periodic,
+    combined,
+    gauss,
+    harmonics_across,
+    harmonics_along,
+    paired,
+)
 
 
 def boussinesq_cell_doubly_periodic(
@@ -25,20 +34,35 @@ def boussinesq_cell_doubly_periodic(
     x, y = np.abs(np.asarray(x, dtype=np.float64)), np.asarray(y, dtype=np.float64)
     x = np.fmod(x, width)
     x = np.minimum(x, width - x)
-    # beyond these rows, at more than FOURIER_END periods from any cell, nothing is left but logarithms
+    total = np.asarray(boussinesq_cell_periodic(x - width, y, dx, dy, period))
+    total += boussinesq_cell_periodic(x, y, dx, dy, period)
+    total += dx * dy / period * _further_rows(x, y, dx, dy, width, period).reshape(total.shape)
+    return total
+
+
+def _further_rows(x: Array, y: Array, dx: float, dy: float, width: float, period: float) -> Array:
+    """All rows but those at x = 0 and at W, in units of ``dx dy / period``: none is near the axis."""
+    x, y = paired(x, y)
+    # beyond these, at more than FOURIER_END periods from any cell, nothing is left but logarithms
     rows = int(np.ceil(FOURIER_END * period / width)) + 1
-    total = sum(
-        boussinesq_cell_periodic(x + m * width, y, dx, dy, period)
-        for m in sorted(range(-rows, rows + 1), key=abs, reverse=True)
-    )
-    # sum of ln |x + m W| over the rows, less ln |2 sin(pi x / W)|: the sine's product without them
+    waves = [
+        harmonics_across(side * x + m * width, dx / 2, period)
+        for m in range(rows, 0, -1)
+        for side in (1, -1)
+        if (m, side) != (1, -1)
+    ]
+    across = np.zeros((x.size, max(wave.shape[1] for wave in waves)))
+    for wave in waves:
+        across[:, : wave.shape[1]] += wave
+    # ln |2 sin(pi x / W)| less ln |x| and ln |W - x|, by the sine's product
     logarithms = (
-        (2 * rows + 1) * np.log(width)
+        2 * np.log(width)
         - np.log(2 * np.pi)
         + sum(
-            weight * gammaln(rows + 1 + sign * (x + node * dx / 2) / width)
+            weight * (gammaln(1 + t) + gammaln(2 - t))
             for node, weight in gauss(CELL_POINTS)
-            for sign in (1, -1)
+            for t in [(x + node * dx / 2) / width]
         )
     )
-    return np.asarray(total + 2 * dx * dy / period * logarithms)
+    along = harmonics_along(y, dy / 2, period, across.shape[1])
+    return combined(across, along, np.broadcast_shapes(x.shape, y.shape)) + 2 * logarithms

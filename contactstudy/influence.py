@@ -52,11 +52,13 @@ def boussinesq_cell(x: ArrayLike, y: ArrayLike, dx: ArrayLike, dy: ArrayLike) ->
     across, along = (x / diagonal) ** 2, (y / diagonal) ** 2
     square = np.asarray(across + along)
     close = square < MULTIPOLES**2
-    # Close to the cell, where this is replaced, it need only be finite.
-    square = np.maximum(square, MULTIPOLES**2)
-    elongation = (half_x / diagonal) ** 2 - (half_y / diagonal) ** 2
-    mean = _multipoles((across - along) / square, 1 / square, elongation)
-    result = np.asarray(4 * half_x * (half_y / diagonal) * mean)
+    # Close to the cell, where this is replaced, it need only be finite. In place: anew, arrays as large
+    # as a grid cost more than what is done with them.
+    inverse = np.reciprocal(np.maximum(square, MULTIPOLES**2, out=square), out=square)
+    cosine = np.asarray(across - along)
+    cosine *= inverse
+    result = _multipoles(cosine, inverse, (half_x / diagonal) ** 2 - (half_y / diagonal) ** 2)
+    result *= 4 * half_x * (half_y / diagonal)
     if close.any():
         sides = np.broadcast_arrays(x, y, half_x, half_y)
         result[close] = _close(*(a[close] for a in sides))
@@ -88,14 +90,16 @@ def _multipoles(c: Array, q: Array, e: Array) -> Array:
             143 * (1 - (12 - 16 * ee) * ee) / 2048,
         ),
     )
-    total = np.zeros_like(c)
+    total, moment = np.zeros_like(q), np.empty_like(q)
     for polynomial in reversed(moments):
         total *= q
-        moment = polynomial[-1]
+        moment[...] = polynomial[-1]
         for coefficient in polynomial[-2::-1]:
-            moment = moment * c + coefficient
+            moment *= c
+            moment += coefficient
         total += moment
-    return np.asarray(np.sqrt(q) * total)
+    total *= np.sqrt(q, out=moment)
+    return total
 
 
 def _close(x: Array, y: Array, half_x: Array, half_y: Array) -> Array:
@@ -191,20 +195,25 @@ def _repeated(x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
         return np.asarray(
             _log_mean(*np.broadcast_arrays(x + 0.0 * y, dx / 2)) * (-2 * dx * dy / period)
         )
-    if _is_outer(x.shape, y.shape):
-        x, y = x.reshape(-1, 1), y.reshape(1, -1)
-    else:
-        x, y = (np.broadcast_to(a, shape).ravel() for a in (x, y))
+    x, y = paired(x, y)
     mean = _mean_over_cell(x, y, np.full((1,) * x.ndim, dx / 2), dy / 2, period)
     return np.asarray(mean.reshape(shape) * (dx * dy / period))
 
 
-def _is_outer(x: tuple[int, ...], y: tuple[int, ...]) -> bool:
-    """Whether the axes of x all come before those of y: then what depends on one is found only once."""
-    ndim = max(len(x), len(y))
-    last_x = max((k + ndim - len(x) for k, n in enumerate(x) if n != 1), default=-1)
-    first_y = min((k + ndim - len(y) for k, n in enumerate(y) if n != 1), default=ndim)
-    return last_x < first_y
+def paired(x: Array, y: Array) -> tuple[Array, Array]:
+    """A column and a row if the axes of x all come before those of y, else both flat.
+
+    In the first case, what depends on one is found only once.
+    """
+    shape = np.broadcast_shapes(x.shape, y.shape)
+    last_x = max((k + len(shape) - x.ndim for k, n in enumerate(x.shape) if n != 1), default=-1)
+    first_y = min(
+        (k + len(shape) - y.ndim for k, n in enumerate(y.shape) if n != 1), default=len(shape)
+    )
+    if last_x < first_y:
+        return x.reshape(-1, 1), y.reshape(1, -1)
+    flat_x, flat_y = (np.broadcast_to(a, shape).ravel() for a in (x, y))
+    return flat_x, flat_y
 
 
 def _mean_over_cell(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> Array:
@@ -244,7 +253,7 @@ def _images(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> 
     terms = int(np.log(ROUNDING) / (2 * np.log(reach / (images + 1)))) + 1
     across = _even_powers(x / period, half_x / period, terms)
     along = _even_powers(y / period, half_y / period, terms).T
-    total += _combined(across, product(_further_images(images, terms), along), total.shape)
+    total += combined(across, product(_further_images(images, terms), along), total.shape)
     total -= 2 * np.log(2 * period)
     return total
 
@@ -272,7 +281,7 @@ def _further_images(images: int, terms: int) -> Array:
     return np.where(order < terms, binom(-0.5, k)[:, None] * binom(2 * order, 2 * k) * sums, 0.0)
 
 
-def _combined(across: Array, along: Array, shape: tuple[int, ...]) -> Array:
+def combined(across: Array, along: Array, shape: tuple[int, ...]) -> Array:
     """Sum of products of what depends on x, shape (x, terms), with what depends on y, (terms, y)."""
     return product(across, along) if len(shape) == 2 else (across * along.T).sum(axis=1)
 
@@ -282,10 +291,10 @@ def _fourier(x: Array, y: Array, half_x: Array, half_y: float, period: float) ->
     across = harmonics_across(x, half_x, period)
     along = harmonics_along(y, half_y, period, across.shape[1])
     shape = np.broadcast_shapes(x.shape, y.shape)
-    return _combined(across, along, shape) - 2 * _log_mean(x, half_x)
+    return combined(across, along, shape) - 2 * _log_mean(x, half_x)
 
 
-def harmonics_across(x: Array, half_x: Array, period: float) -> Array:
+def harmonics_across(x: Array, half_x: Array | float, period: float) -> Array:
     """``4 K0(2 pi j x / L)`` averaged over a segment about each x, shape (x, j = 1, 2 ...)."""
     # further from the axis, so many fewer
     inner = float(np.fmin.reduce((x - half_x) / period, axis=None, initial=FOURIER_END))

@@ -5,12 +5,12 @@ from numpy.typing import ArrayLike
 from scipy.special import gammaln
 
 from contactstudy.arrays import Array
-from contactstudy.influence import (
+from contactstudy.influence import gauss
+from contactstudy.singly_periodic import (
     CELL_POINTS,
     FOURIER_END,
     boussinesq_cell_periodic,
     combined,
-    gauss,
     harmonics_across,
     harmonics_along,
     paired,
@@ -25,7 +25,7 @@ def boussinesq_cell_doubly_periodic(
     Counted from its mean over both periods. Needs ``dx <= width`` and ``dy <= period``. Error below
     1e-13 of ``max(|S|, dx dy / min(width, period))``.
 
-    Source: the rows of :func:`~contactstudy.influence.boussinesq_cell_periodic`, whose harmonics die
+    Source: the rows of :func:`~contactstudy.singly_periodic.boussinesq_cell_periodic`, whose harmonics die
     out within a few of their periods and whose logarithms together are that of a periodic line load,
     ``-2 ln |2 sin(pi x / W)|`` (Johnson 1985, sect. 13.2).
     """
@@ -34,14 +34,14 @@ def boussinesq_cell_doubly_periodic(
     x, y = np.abs(np.asarray(x, dtype=np.float64)), np.asarray(y, dtype=np.float64)
     x = np.fmod(x, width)
     x = np.minimum(x, width - x)
-    total = np.asarray(boussinesq_cell_periodic(x - width, y, dx, dy, period))
+    total = boussinesq_cell_periodic(x - width, y, dx, dy, period)
     total += boussinesq_cell_periodic(x, y, dx, dy, period)
     total += dx * dy / period * _further_rows(x, y, dx, dy, width, period).reshape(total.shape)
     return total
 
 
 def _further_rows(x: Array, y: Array, dx: float, dy: float, width: float, period: float) -> Array:
-    """All rows but those at x = 0 and at W, in units of ``dx dy / period``: none is near the axis."""
+    """All rows but those at 0 and at W, in units of ``dx dy / period``: no cell reaches the axis."""
     x, y = paired(x, y)
     # beyond these, at more than FOURIER_END periods from any cell, nothing is left but logarithms
     rows = int(np.ceil(FOURIER_END * period / width)) + 1
@@ -54,15 +54,12 @@ def _further_rows(x: Array, y: Array, dx: float, dy: float, width: float, period
     across = np.zeros((x.size, max(wave.shape[1] for wave in waves)))
     for wave in waves:
         across[:, : wave.shape[1]] += wave
-    # ln |2 sin(pi x / W)| less ln |x| and ln |W - x|, by the sine's product
-    logarithms = (
-        2 * np.log(width)
-        - np.log(2 * np.pi)
-        + sum(
-            weight * (gammaln(1 + t) + gammaln(2 - t))
-            for node, weight in gauss(CELL_POINTS)
-            for t in [(x + node * dx / 2) / width]
-        )
-    )
     along = harmonics_along(y, dy / 2, period, across.shape[1])
-    return combined(across, along, np.broadcast_shapes(x.shape, y.shape)) + 2 * logarithms
+    total = combined(across, along, np.broadcast_shapes(x.shape, y.shape))
+    # ln |x (W - x)| less ln |2 sin(pi x / W)|, by the sine's product
+    logarithms = 2 * np.log(width) - np.log(2 * np.pi)
+    for node, weight in gauss(CELL_POINTS):
+        t = (x + node * dx / 2) / width
+        logarithms = logarithms + weight * (gammaln(1 + t) + gammaln(2 - t))
+    total += 2 * logarithms
+    return total

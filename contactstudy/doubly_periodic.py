@@ -5,15 +5,14 @@ from numpy.typing import ArrayLike
 from scipy.special import gammaln
 
 from contactstudy.arrays import Array
-from contactstudy.influence import gauss
 from contactstudy.singly_periodic import (
-    CELL_POINTS,
     FOURIER_END,
     boussinesq_cell_periodic,
     combined,
     harmonics_across,
     harmonics_along,
     paired,
+    points_within,
 )
 
 
@@ -58,7 +57,7 @@ def _further_rows(x: Array, y: Array, dx: float, dy: float, width: float, period
     total = combined(across, along, np.broadcast_shapes(x.shape, y.shape))
     # ln |x (W - x)| less ln |2 sin(pi x / W)|, by the sine's product
     logarithms = 2 * np.log(width) - np.log(2 * np.pi)
-    for node, weight in gauss(CELL_POINTS):
+    for node, weight in points_within(2 * width / dx):
         t = (x + node * dx / 2) / width
         logarithms = logarithms + weight * (gammaln(1 + t) + gammaln(2 - t))
     total += 2 * logarithms

@@ -17,7 +17,6 @@ HANDOVER, FOURIER_END, FOURIER_TERMS = 0.5, 6.0, 13
 # Images are summed one by one up to those so far away that observer and cell reach less than this part
 # of the way there: multipoles then fall by a factor of 4.7 from one to the next.
 REACH = 0.46
-CELL_POINTS = 16
 ROUNDING = 1e-17
 
 # What a cell wider than the period is cut into, each strip narrower than it. They are odd in number,
@@ -120,19 +119,21 @@ def _images(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> 
         total += boussinesq_cell(x, y + m * period, 2 * half_x, 2 * half_y)
     total *= period / (4 * half_x * half_y)
     terms = int(np.log(ROUNDING) / (2 * np.log(reach / (images + 1)))) + 1
-    powers_x = _even_powers(x / period, half_x / period, terms)
-    powers_y = _even_powers(y / period, half_y / period, terms).T
+    powers_x = _even_powers(x / period, half_x / period, images, terms)
+    powers_y = _even_powers(y / period, np.array(half_y / period), images, terms).T
     total += combined(powers_x, product(_further_images(images, terms), powers_y), total.shape)
     total -= 2 * np.log(2 * period)
     return total
 
 
-def _even_powers(x: Array, half: Array | float, terms: int) -> Array:
-    """``x^0, x^2, x^4, ...`` averaged over a segment about each x, shape (x, terms)."""
+def _even_powers(x: Array, half: Array, images: int, terms: int) -> Array:
+    """``x^0, x^2, x^4, ...`` averaged over a segment about each x, shape (x, terms), lengths in periods."""
+    # no end of a cell comes nearer to the further images than this
+    points = points_within(images / float(half.max()))
     return np.asarray(
         sum(
             weight * np.vander(((x + node * half) ** 2).ravel(), terms, increasing=True)
-            for node, weight in gauss(CELL_POINTS)
+            for node, weight in points
         )
     )
 
@@ -148,6 +149,12 @@ def _further_images(images: int, terms: int) -> Array:
     sums = zeta(2 * order + 1, images + 1)
     sums[0, 0] = -digamma(images + 1)  # less what it diverges by
     return np.where(order < terms, 2 * binom(-0.5, k)[:, None] * binom(2 * order, 2 * k) * sums, 0)
+
+
+def points_within(away: float) -> tuple[tuple[float, float], ...]:
+    """Gauss points over a segment that leave ROUNDING of what is singular ``away`` half-lengths off."""
+    # They leave rho^-2n, of what is analytic in the Bernstein ellipse of cosh ln rho = away.
+    return gauss(1 + int(np.log(ROUNDING) / (-2 * np.arccosh(away))))
 
 
 def combined(across: Array, along: Array, shape: tuple[int, ...]) -> Array:
@@ -173,14 +180,9 @@ def harmonics_across(x: Array, half_x: Array | float, period: float) -> Array:
     # further from the axis, so many fewer
     inner = float(np.fmin.reduce((x - half_x) / period, axis=None, initial=FOURIER_END))
     wave = 2 * np.pi / period * np.arange(1, int(np.ceil(FOURIER_TERMS * HANDOVER / inner)) + 1)
-    # K0 is analytic in the Bernstein ellipse through the axis
-    away = float(np.fmin.reduce(x / half_x, axis=None, initial=np.inf))
-    points = int(np.log(ROUNDING) / (-2 * np.arccosh(away))) + 1
+    points = points_within(float(np.fmin.reduce(x / half_x, axis=None, initial=np.inf)))
     return np.asarray(
-        sum(
-            4 * weight * k0((x + node * half_x).reshape(-1, 1) * wave)
-            for node, weight in gauss(points)
-        )
+        sum(4 * weight * k0((x + node * half_x).reshape(-1, 1) * wave) for node, weight in points)
     )
 
 

@@ -28,11 +28,14 @@ def boussinesq_cell_doubly_periodic(
     out within a few of their periods and whose logarithms together are that of a periodic line load,
     ``-2 ln |2 sin(pi x / W)|`` (Johnson 1985, sect. 13.2).
     """
-    if period > width:  # the rows that die out sooner
-        return boussinesq_cell_doubly_periodic(y, x, dy, dx, period, width)
-    x, y = np.abs(np.asarray(x, dtype=np.float64)), np.asarray(y, dtype=np.float64)
-    x = np.fmod(x, width)
-    x = np.minimum(x, width - x)
+    x = np.asarray(x, dtype=np.float64)
+    y = np.asarray(y, dtype=np.float64)
+    if period > width:  # the rows that die out sooner; turned, a column and a row are so again
+        ndim = max(x.ndim, y.ndim)
+        turned = np.array(y, ndmin=ndim).T, np.array(x, ndmin=ndim).T
+        return boussinesq_cell_doubly_periodic(*turned, dy, dx, period, width).T
+    folded = np.fmod(np.abs(x), width)
+    x = np.asarray(np.minimum(folded, width - folded))
     total = boussinesq_cell_periodic(x - width, y, dx, dy, period)
     total += boussinesq_cell_periodic(x, y, dx, dy, period)
     total += dx * dy / period * _further_rows(x, y, dx, dy, width, period).reshape(total.shape)

@@ -1,4 +1,4 @@
-"""The one kind of array the solver works on, in either precision, and its inner product."""
+"""The one kind of array the solver works on, in either precision, and its products."""
 
 from typing import Any
 
@@ -21,3 +21,8 @@ def inner(a: Array, b: Array) -> float:
     if a.size <= SMALL:
         return float(np.dot(a.ravel(), b.ravel()))
     return float(np.matmul(a[:, None, :], b[:, :, None]).sum())
+
+
+def product(a: Array, b: Array) -> Array:
+    """The matrix product, row by row for the same reason."""
+    return np.asarray(np.matmul(a[:, None], b)[:, 0])

@@ -146,10 +146,12 @@ def convolution(
     datum = positive("datum", datum, "give a distance above 0 m")
     padded = padded_cells(grid, paddings)
     coefficients = kernel(grid, paddings, Displacement(datum)) / (np.pi * contact_modulus)
-    # even about zero along both axes, so the transform is real
-    around = spread(coefficients, padded, Displacement.parity)
-    spectrum = fft.fft(fft.rfft(around, axis=1), axis=0).real
-    return Convolution(np.ascontiguousarray(spectrum), grid.cells, padded)
+    # even about zero along both axes, so the transform is real, and even too
+    half = coefficients
+    for axis in (1, 0):
+        around = np.take(half, _around(half.shape[axis], padded[axis]), axis)
+        half = fft.rfft(around, axis=axis).real
+    return Convolution(half[_around(len(half), padded[0])], grid.cells, padded)
 
 
 def padded_cells(grid: Grid, paddings: Paddings) -> tuple[int, int]:

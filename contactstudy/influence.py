@@ -1,60 +1,96 @@
 """Influence coefficients of a rectangular cell on an elastic half-space, stable at every distance.
 
-A uniform pressure p on one cell moves the surface of the half-space by ``I p / (pi E*)``; the
-functions here return ``I``, a length, for one cell and for a cell repeated with a period.
+A uniform pressure p on one cell moves the surface of the half-space by ``I p / (pi E*)``, where ``I``
+is a length.
 """
 
-from collections.abc import Callable
 from functools import cache
-from itertools import pairwise
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
-from numpy.typing import ArrayLike, NDArray
-from scipy.special import binom, digamma, k0, xlog1py, zeta
+from numpy.typing import ArrayLike
 
 from contactstudy.arrays import Array
 
+# Beyond MULTIPOLES half-diagonals of a cell, four moments leave at most 64^-8 / 9 ~ 4e-16.
+MULTIPOLES = 64.0
 # Beyond NEAR cells a line's field is analytic in a Bernstein ellipse of rho >= 9.9, so that 8 Gauss
 # points leave rho^-16 ~ 1e-16; beyond FAR cells rho >= 160 and 4 points do.
 NEAR, FAR = 2.5, 40.0
 NEAR_POINTS, FAR_POINTS = 8, 4
 
-# Lattice, lengths in periods: images summed one by one on each side; where the Fourier form takes
-# over from them (its 13 terms end at exp(-13 pi) ~ 1e-18); where only its logarithm is left.
-IMAGES, HANDOVER, FOURIER_END = 3, 0.5, 6.0
-SERIES_TERMS, FOURIER_TERMS = 24, 13
-CELL_POINTS = 16
-ROUNDING = 1e-17
-
-# What a cell wider than the period is cut into, each strip narrower than it. They are odd in number,
-# so that no seam meets the axis: beside an observer, a seam of one rounding costs 1e-10 of a thin
-# cell. They end beyond FOURIER_END, so that the flanks are all logarithm.
-STRIPS, STRIPS_END = 15, 7.2
-
 
 def boussinesq_cell(x: ArrayLike, y: ArrayLike, dx: ArrayLike, dy: ArrayLike) -> Array:
     """Integral of 1/r over a ``dx * dy`` cell whose centre is ``(x, y)`` away; all arguments broadcast.
 
-    Lengths in one common unit, the result in that unit. Relative error below 1e-13 at any distance
-    and for ``dx / dy`` from 1e-3 to 1e3; even in ``x`` and ``y`` to the last bit.
+    Lengths in one common unit, the result in that unit. Relative error below 1e-13 at any distance up
+    to 1e150 cells and for ``dx / dy`` from 1e-3 to 1e3; even in ``x`` and ``y`` to the last bit.
 
     Source: Love (1929). His difference of four corner terms loses ``(r / dx)^2`` units in the last
-    place; here it is taken edge by edge near the cell, and away from it as Gauss points (in the
-    direction of the larger offset) of lines in closed form, all of one sign.
+    place; here it is taken edge by edge near the cell, then as Gauss points (in the direction of the
+    larger offset) of lines in closed form, all of one sign, and far away as multipoles.
     """
-    offsets = (np.abs(np.asarray(a, dtype=np.float64)) for a in (x, y, dx, dy))
-    x, y, dx, dy = np.broadcast_arrays(*offsets)
-    across, along = x / dx, y / dy
+    x, y, dx, dy = (np.abs(np.asarray(a, dtype=np.float64)) for a in (x, y, dx, dy))
+    half_x, half_y = dx / 2, dy / 2
+    diagonal = np.hypot(half_x, half_y)
+    across, along = (x / diagonal) ** 2, (y / diagonal) ** 2
+    square = np.asarray(across + along)
+    close = square < MULTIPOLES**2
+    # Close to the cell, where this is replaced, it need only be finite. In place: anew, arrays as large
+    # as a grid cost more than what is done with them.
+    inverse = np.reciprocal(np.maximum(square, MULTIPOLES**2, out=square), out=square)
+    cosine = np.asarray(across - along)
+    cosine *= inverse
+    result = multipoles(cosine, inverse, (half_x / diagonal) ** 2 - (half_y / diagonal) ** 2)
+    result *= 4 * half_x * (half_y / diagonal)
+    if close.any():
+        sides = np.broadcast_arrays(x, y, half_x, half_y)
+        result[close] = _close(*(a[close] for a in sides))
+    return result
+
+
+def multipoles(c: Array, q: Array, e: Array) -> Array:
+    """Mean of ``1 / |r - s|`` over the points s of a cell, in the unit of its half-diagonal d.
+
+    ``c = cos 2 theta`` for the direction of r, ``q = (d / r)^2``, ``e = (dx^2 - dy^2) / (dx^2 + dy^2)``:
+    ``sqrt(q)`` times the sum of ``q^k < (s / d)^2k P_2k(cos(r, s)) >``.
+    """
+    ee = e * e
+    moments = (
+        (1.0,),
+        (1 / 12, e / 4),
+        ((28 - 67 * ee) / 480, e / 16, 7 * (4 * ee - 1) / 96),
+        (
+            (18 - 37 * ee) / 896,
+            7 * e * (4 - 7 * ee) / 128,
+            3 * (4 * ee - 1) / 128,
+            33 * e * (2 * ee - 1) / 128,
+        ),
+    )
+    total, moment = np.zeros_like(q), np.empty_like(q)
+    for polynomial in reversed(moments):
+        total *= q
+        moment[...] = polynomial[-1]
+        for coefficient in polynomial[-2::-1]:
+            moment *= c
+            moment += coefficient
+        total += moment
+    total *= np.sqrt(q, out=moment)
+    return total
+
+
+def _close(x: Array, y: Array, half_x: Array, half_y: Array) -> Array:
+    """The cell seen from near by, or along a side so long that it is not seen as a point."""
+    across, along = x / half_x, y / half_y
     steps = np.maximum(across, along)
-    near, far = steps < NEAR, steps >= FAR
+    near, far = steps < 2 * NEAR, steps >= 2 * FAR
     result = np.empty(x.shape)
-    result[near] = _edges(x[near], y[near], dx[near] / 2, dy[near] / 2)
+    result[near] = _edges(x[near], y[near], half_x[near], half_y[near])
     for zone, points in ((~near & ~far, NEAR_POINTS), (far, FAR_POINTS)):
         wide = zone & (across >= along)
-        result[wide] = _lines(x[wide], y[wide], dx[wide] / 2, dy[wide] / 2, points)
+        result[wide] = _lines(x[wide], y[wide], half_x[wide], half_y[wide], points)
         long = zone & ~wide
-        result[long] = _lines(y[long], x[long], dy[long] / 2, dx[long] / 2, points)
+        result[long] = _lines(y[long], x[long], half_y[long], half_x[long], points)
     return result
 
 
@@ -97,145 +133,3 @@ def gauss(points: int) -> tuple[tuple[float, float], ...]:
     """Gauss-Legendre nodes on (-1, 1) with weights that add up to one."""
     nodes, weights = leggauss(points)
     return tuple(zip(nodes.tolist(), (weights / 2).tolist(), strict=True))
-
-
-def boussinesq_cell_periodic(
-    x: ArrayLike, y: ArrayLike, dx: ArrayLike, dy: ArrayLike, period: ArrayLike
-) -> Array:
-    """The cell of :func:`boussinesq_cell` repeated with ``period`` along y without end; all broadcast.
-
-    ``S = lim_M [ sum_{|m| <= M} I(x, y + m L) - (2 dx dy / L) ln((2 M + 1) L) ]``: the divergent rigid
-    shift is taken off, so that the mean over a period is ``-(2 dx dy / L) mean ln |x|``. Lengths in one
-    common unit, the result in that unit. Needs ``dy <= period``. Error below 1e-13 of
-    ``max(|S|, dx dy / period)``; even in ``x`` and ``y``.
-
-    Source: images summed one by one and their remainder expanded in Hurwitz zeta functions near the
-    axis; Fourier series in Bessel functions K0 (Lekner 1991, eq. for a line of charges) away from it.
-    """
-    arguments = [np.asarray(a, dtype=np.float64) for a in (x, y, dx, dy, period)]
-    x, y, *cell = arguments
-    shape = np.broadcast_shapes(*(a.shape for a in arguments))
-    if all(a.size == 1 for a in cell):
-        return _repeated(x, y, *(float(a.item()) for a in cell)).reshape(shape)
-    x, y, *cell = (a.ravel() for a in np.broadcast_arrays(*arguments))
-    result = np.empty(x.shape)
-    kinds, which = np.unique(np.stack(cell), axis=1, return_inverse=True)
-    for kind, values in enumerate(kinds.T.tolist()):
-        chosen = which.ravel() == kind
-        result[chosen] = _repeated(x[chosen], y[chosen], *values)
-    return result.reshape(shape)
-
-
-def _repeated(x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
-    """S for one kind of cell."""
-    shape = np.broadcast_shapes(x.shape, y.shape)
-    # Exact, where a rounded y / period would move the observer by many of its smallest cells.
-    x, y = np.abs(x), np.fmod(np.abs(y), period)
-    y = np.minimum(y, period - y)
-    if dy == period:  # nothing varies along y: plane strain
-        return np.asarray(
-            _log_mean(*np.broadcast_arrays(x + 0.0 * y, dx / 2)) * (-2 * dx * dy / period)
-        )
-    if _is_outer(x.shape, y.shape):
-        x, y = x.reshape(-1, 1), y.reshape(1, -1)
-    else:
-        x, y = (np.broadcast_to(a, shape).ravel() for a in (x, y))
-    mean = _mean_over_cell(x, y, np.full_like(x, dx / 2), dy / 2, period)
-    return np.asarray(mean.reshape(shape) * (dx * dy / period))
-
-
-def _is_outer(x: tuple[int, ...], y: tuple[int, ...]) -> bool:
-    """Whether the axes of x all come before those of y: then what depends on one is found only once."""
-    ndim = max(len(x), len(y))
-    last_x = max((k + ndim - len(x) for k, n in enumerate(x) if n != 1), default=-1)
-    first_y = min((k + ndim - len(y) for k, n in enumerate(y) if n != 1), default=ndim)
-    return last_x < first_y
-
-
-def _mean_over_cell(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> Array:
-    """S in units of ``dx dy / period``; x and y both flat, or a column and a row."""
-    result = np.empty(np.broadcast_shapes(x.shape, y.shape))
-    inner = (x - half_x).reshape(len(x)) / period
-    beyond = inner >= FOURIER_END
-    wide = ~beyond & (half_x.reshape(len(x)) > period / 2)
-    fourier = ~beyond & ~wide & (inner >= HANDOVER)
-    forms: dict[Callable[[Array, Array, Array, float, float], Array], NDArray[np.bool_]] = {
-        _logarithm: beyond,
-        _strips: wide,
-        _fourier: fourier,
-        _images: ~beyond & ~wide & ~fourier,
-    }
-    for form, rows in forms.items():
-        if rows.any():
-            result[rows] = form(x[rows], _share(y, rows), half_x[rows], half_y, period)
-    return result
-
-
-def _share(y: Array, rows: NDArray[np.bool_]) -> Array:
-    """The offsets y that belong to some rows of x: their own if flat, else the same row for all."""
-    return y[rows] if len(y) == len(rows) else y
-
-
-def _images(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> Array:
-    """The nearest images one by one, the rest as a series in ``x^2`` that converges like 4^-k."""
-    total: Array = np.zeros(np.broadcast_shapes(x.shape, y.shape))
-    for m in range(-IMAGES, IMAGES + 1):
-        # in the lengths as given: to round them would move the edges
-        total += boussinesq_cell(x, y + m * period, 2 * half_x, 2 * half_y)
-    total = total * period / (4 * half_x * half_y) - 2 * np.log(2 * period)
-    x, y, half_x, half_y = x / period, y / period, half_x / period, half_y / period
-    sides = [
-        (weight, IMAGES + 1 + sign * (y + node * half_y))
-        for node, weight in gauss(NEAR_POINTS)
-        for sign in (1, -1)
-    ]
-    total -= sum(weight * digamma(away) for weight, away in sides)
-    # from one term to the next by at least this factor
-    ratio = float(np.fmax.reduce(x + half_x, axis=None, initial=1e-3)) / (IMAGES + 0.5 - half_y)
-    for k in range(1, min(SERIES_TERMS, int(np.log(ROUNDING) / np.log(ratio**2)) + 1) + 1):
-        power = sum(w * (x + node * half_x) ** (2 * k) for node, w in gauss(CELL_POINTS))
-        total += binom(-0.5, k) * power * sum(w * zeta(2 * k + 1, away) for w, away in sides)
-    return total
-
-
-def _fourier(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> Array:
-    """The plane-strain logarithm and the harmonics of the period, which decay like exp(-2 pi j x)."""
-    total = _logarithm(x, y, half_x, half_y, period)
-    # further from the axis, so many fewer
-    inner = float(np.fmin.reduce((x - half_x) / period, axis=None, initial=FOURIER_END))
-    for j in range(1, int(np.ceil(FOURIER_TERMS * HANDOVER / inner)) + 1):
-        wave = 2 * np.pi * j / period
-        across = sum(w * k0(wave * (x + node * half_x)) for node, w in gauss(CELL_POINTS))
-        total = total + 4 * across * np.cos(wave * y) * np.sinc(2 * j * half_y / period)
-    return total
-
-
-def _logarithm(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> Array:
-    """``-2 ln |x|``, averaged over a cell that does not reach the axis."""
-    return -2 * _log_mean(x, half_x) * np.ones_like(y)
-
-
-def _log_mean(x: Array, half: Array) -> Array:
-    """Mean of ``ln |x|`` over a segment of half-length ``half`` whose centre is ``x >= 0`` away."""
-    mean = np.empty(x.shape)
-    aside = x >= half
-    # Neither end cancels the other, for a narrow segment (t -> 0) or one next to the axis (1).
-    t = half[aside] / x[aside]
-    ends = (1 + t) * np.log1p(t) - xlog1py(1 - t, -t)
-    mean[aside] = np.log(x[aside]) - 1 + ends / (2 * t)
-    t = x[~aside] / half[~aside]
-    mean[~aside] = np.log(half[~aside]) - 1 + ((1 + t) * np.log1p(t) + (1 - t) * np.log1p(-t)) / 2
-    return mean
-
-
-def _strips(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> Array:
-    """A cell wider than the period: strips of fixed distance from the axis, and the two flanks."""
-    marks = np.linspace(-STRIPS_END, STRIPS_END, STRIPS + 1) * period
-    total = np.zeros(np.broadcast_shapes(x.shape, y.shape))
-    for start, end in pairwise((-np.inf, *marks.tolist(), np.inf)):
-        left, right = np.maximum(x - half_x, start), np.minimum(x + half_x, end)
-        rows = (left < right).reshape(len(x))
-        if rows.any():
-            middle, half = np.abs(left + right)[rows] / 2, (right - left)[rows] / 2
-            total[rows] += _mean_over_cell(middle, _share(y, rows), half, half_y, period) * half
-    return total / half_x

@@ -9,8 +9,9 @@ import numpy as np
 from contactstudy.arrays import Array
 from contactstudy.doubly_periodic import boussinesq_cell_doubly_periodic
 from contactstudy.grid import Grid
-from contactstudy.influence import boussinesq_cell, boussinesq_cell_periodic
+from contactstudy.influence import boussinesq_cell
 from contactstudy.padding import Padding, Paddings
+from contactstudy.singly_periodic import boussinesq_cell_periodic
 
 
 class Coefficients(Protocol):
@@ -129,6 +130,8 @@ def _summed(at: Callable[[Array], Array], axis: _Axis, parity: int) -> Array:
         ahead, behind = period in window, -period - 1 in window
         distances = np.arange(count + 1.0) if behind else np.arange(float(axis.known))
         block = at((period * count + distances) * axis.step)
-        total = total + (block[: axis.known] if ahead else 0.0)
-        total = total + (parity * block[: -axis.known - 1 : -1] if behind else 0.0)
+        if ahead:
+            total = total + block[: axis.known]
+        if behind:
+            total = total + parity * block[: -axis.known - 1 : -1]
     return np.asarray(total)

@@ -9,7 +9,8 @@ import numpy as np
 import contactstudy as cs
 from contactstudy.arrays import Array
 from contactstudy.doubly_periodic import boussinesq_cell_doubly_periodic
-from contactstudy.influence import boussinesq_cell, boussinesq_cell_periodic
+from contactstudy.influence import boussinesq_cell
+from contactstudy.singly_periodic import boussinesq_cell_periodic
 
 # Of influence coefficients and of one transform pair, over the largest displacement.
 ROUNDING = 1e-13

@@ -7,6 +7,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from contactstudy.doubly_periodic import boussinesq_cell_doubly_periodic
 from contactstudy.influence import boussinesq_cell
+from tests.test_influence import DIGITS, EXACT
+from tests.test_singly_periodic import judged_lattice
 
 EXTENTS = [(1.2, 0.8), (0.8, 1.2), (1.0, 1.0), (3.0, 0.05), (0.02, 5.0)]
 
@@ -14,6 +16,35 @@ EXTENTS = [(1.2, 0.8), (0.8, 1.2), (1.0, 1.0), (3.0, 0.05), (0.02, 5.0)]
 def one_period(width: float, period: float, nx: int, ny: int) -> np.ndarray:
     x, y = np.arange(nx)[:, None] * width / nx, np.arange(ny) * period / ny
     return boussinesq_cell_doubly_periodic(x, y, width / nx, period / ny, width, period)
+
+
+def judged(x: float, y: float, dx: float, dy: float, width: float, period: float) -> mp.mpf:
+    """Rows one by one, and the logarithms of all others as an integral of Gamma functions."""
+    rows = int(np.ceil(7 * period / width)) + 1  # exp(-14 pi) is left
+    with mp.workdps(DIGITS):
+        x, width = mp.mpf(x), mp.mpf(width)
+
+        def others(u: mp.mpf) -> mp.mpf:
+            return mp.loggamma(rows + 1 + u / width) + mp.loggamma(rows + 1 - u / width)
+
+        total = mp.fsum(
+            judged_lattice(x + m * width, y, dx, dy, period) for m in range(-rows, rows + 1)
+        )
+        mean = mp.quad(others, [x - dx / 2, x + dx / 2]) / dx
+        shift = (2 * rows + 1) * mp.log(width) - mp.log(2 * mp.pi)
+        return total + 2 * mp.mpf(dx) * dy / period * (shift + mean)
+
+
+@pytest.mark.parametrize(("nx", "ny"), [(1, 3), (300, 200)])
+@pytest.mark.parametrize(("width", "period"), [(1.2, 0.8), (3.0, 0.05), (900.0, 700.0)])
+def test_lattice_is_exact(width: float, period: float, nx: int, ny: int) -> None:
+    dx, dy = width / nx, period / ny
+    x, y = np.array([0, 0.5, 0.21, 0.5]) * width, np.array([0, 0.1, 0.37, 0.5]) * period
+    found = boussinesq_cell_doubly_periodic(x, y, dx, dy, width, period)
+    expected = [judged(u, v, dx, dy, width, period) for u, v in zip(x, y, strict=True)]
+    error = np.array([abs(float(f - e)) for f, e in zip(found, expected, strict=True)])
+    share = dx * dy / min(width, period)
+    assert (error < EXACT * np.maximum(np.abs(np.array(expected, float)), share)).all()
 
 
 @pytest.mark.parametrize(("width", "period"), EXTENTS)
@@ -85,3 +116,30 @@ def test_offsets_count_modulo_the_periods_and_without_sign() -> None:
         assert_array_equal(mirrored, base)
     moved = boussinesq_cell_doubly_periodic(x + 1.2, y - 0.8, 0.1, 0.1, 1.2, 0.8)
     assert_allclose(moved, base, rtol=1e-13)
+
+
+@pytest.mark.parametrize(("width", "period"), EXTENTS)
+@pytest.mark.parametrize(
+    "shapes",
+    [
+        ((), ()),
+        ((3,), ()),
+        ((), (3,)),
+        ((3, 1), (4,)),
+        ((4,), (3, 1)),
+        ((2, 3, 1), (4,)),
+        ((3,), (3,)),
+    ],
+)
+def test_offsets_broadcast(
+    shapes: tuple[tuple[int, ...], tuple[int, ...]], width: float, period: float
+) -> None:
+    rng = np.random.default_rng(8)
+    x, y = rng.random(shapes[0]) * width, rng.random(shapes[1]) * period
+    cell = 0.1 * width, 0.2 * period, width, period
+    found = boussinesq_cell_doubly_periodic(x, y, *cell)
+    assert found.shape == np.broadcast_shapes(*shapes)
+    alone = [boussinesq_cell_doubly_periodic(u, v, *cell) for u, v in np.broadcast(x, y)]
+    assert_allclose(
+        found.ravel(), alone, rtol=0, atol=EXACT * cell[0] * cell[1] / min(width, period)
+    )

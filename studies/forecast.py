@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from studies.cost import CostModel, Estimate, Observation, total
+from studies.forecast_model import Estimate, ForecastModel, Observation, total
 from studies.journal import Contents, Journal
 from studies.timing import WARM_UP
 
@@ -41,12 +41,12 @@ def _within(estimate: Estimate, unit: str) -> str:
     return f"{estimate.value:.3g} {unit} (within a factor {estimate.factor:.2g})"
 
 
-def model(folder: Path, machine: str) -> CostModel:
+def model(folder: Path, machine: str) -> ForecastModel:
     """Fitted to all that the journals in ``folder`` say of this machine."""
     found: list[Observation] = []
     for path in sorted(folder.glob("*.journal.jsonl")):
         found += observations(Journal(path, None, machine).contents)
-    return CostModel(found)
+    return ForecastModel(found)
 
 
 def observations(contents: Contents) -> list[Observation]:
@@ -69,7 +69,7 @@ def observations(contents: Contents) -> list[Observation]:
 
 
 def forecast(
-    costs: CostModel, trees: Mapping[str, object], timed: Sequence[str], repeats: int
+    costs: ForecastModel, trees: Mapping[str, object], timed: Sequence[str], repeats: int
 ) -> Forecast:
     """Of the cases ``trees`` to compute and of those to time, by their keys."""
     names = list(trees)

@@ -43,7 +43,7 @@ class Estimate:
 
 
 @dataclass(frozen=True, eq=False)
-class CostModel:
+class ForecastModel:
     """Fitted to ``observations``, anew for each question."""
 
     observations: Sequence[Observation]

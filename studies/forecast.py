@@ -9,7 +9,6 @@ import numpy as np
 
 from studies.forecast_model import Estimate, ForecastModel, Observation, total
 from studies.journal import Contents, Journal
-from studies.timing import WARM_UP
 
 
 @dataclass(frozen=True)
@@ -83,8 +82,7 @@ def forecast(
     for quantity in ("setup", "solve"):
         for one in costs.predict(quantity, [trees[name] for name in timed if name in trees]):
             if one is not None:
-                runs = repeats + (one.value < WARM_UP)
-                parts.append(Estimate(runs * one.value, one.factor))
+                parts.append(Estimate(repeats * one.value, one.factor))
     return Forecast(len(names), total(known.values()), total(parts), size, known)
 
 

@@ -15,6 +15,7 @@ from studies import fields as stored_fields
 from studies.asked import Asked, reasons
 from studies.canonical import differences, key
 from studies.forecast import Forecast, forecast, model, score
+from studies.forecast_model import mode
 from studies.journal import Journal
 from studies.lock import holding
 from studies.outcome import Fate, Outcome, Work
@@ -231,12 +232,13 @@ class _Run:
         }
         counts = {name: count for name, count in counts.items() if count > 0}
         expected = {name: self.outcomes[name].seconds for name in counts}
+        kinds = {name: mode(self.asked.names[name].tree) for name in counts}
         bar = tqdm(
             total=sum(counts.values()), desc=f"{self.study.name}: timing", unit="run", disable=None
         )
 
         with bar:
-            time(self.asked.cases, counts, expected, partial(self._timed, bar))
+            time(self.asked.cases, counts, expected, kinds, partial(self._timed, bar))
             self.journal.sync()
 
     def _timed(self, bar: "tqdm[None]", name: str, sample: Sample) -> None:

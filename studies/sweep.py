@@ -135,7 +135,11 @@ class _Run:
 
     def _forecast(self, lacking: Sequence[str]) -> Forecast:
         trees = {name: self.asked.names[name].tree for name in lacking}
-        return forecast(model(self.folder, machine()), trees, lacking, self.settings.repeats)
+        return forecast(model(self.folder, machine()), trees, lacking, self._repeats)
+
+    @property
+    def _repeats(self) -> int:
+        return self.settings.repeats if self.study.times == "taken" else 0
 
     def _score(self, predicted: Forecast, lacking: Sequence[str]) -> None:
         good = [name for name in lacking if self.outcomes[name].fate is Fate.OK]
@@ -226,7 +230,7 @@ class _Run:
             self.journal.forget_times()
         there = self.journal.contents.samples
         counts = {
-            name: self.settings.repeats - len(there.get(name, ()))
+            name: self._repeats - len(there.get(name, ()))
             for name, outcome in self.outcomes.items()
             if outcome.fate is Fate.OK
         }

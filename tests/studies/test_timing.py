@@ -4,6 +4,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from contactstudy import InvalidInput
 from studies import timing
 from studies.outcome import Fate
 from studies.settings import Settings
@@ -100,3 +101,13 @@ def test_what_failed_is_not_timed(tmp_path: Path) -> None:
     dataset = run(trouble.study([1.0, 3.0]), tmp_path, workers=0, repeats=1, say=quiet)
     assert dataset["status"].values.tolist() == [Fate.OK, Fate.FAILED]
     assert dataset["contended"].values.tolist()[1] == 2
+
+
+def test_a_study_that_wants_no_times_is_not_timed(tmp_path: Path) -> None:
+    log = tmp_path / "log"
+    study = replace(trouble.study([1.0, 2.0], log=str(log)), times="none")
+    dataset = run(study, tmp_path, settings=Settings(workers=0), say=quiet)
+    assert len(log.read_text().splitlines()) == 2
+    assert dataset["contended"].values.tolist() == [2, 2]
+    with pytest.raises(InvalidInput, match=r"^times is 'some'"):
+        replace(study, times="some")

@@ -49,10 +49,15 @@ def cli() -> None:
 def report(out: Path, workers: int, repeats: int) -> None:
     """Run every study that needs nothing but this project, and write report.html."""
     from studies import report as reporting
+    from studies.engine import Crew
+    from studies.settings import Settings
     from studies.sweep import run as run_study
 
-    for name in BUILT_IN:
-        run_study(load(name), out, workers=workers, repeats=repeats, say=click.echo)
+    settings = Settings(workers=workers, repeats=repeats)
+    with Crew(workers) as crew:
+        for name in BUILT_IN:
+            engine = crew if workers else None
+            run_study(load(name), out, settings=settings, say=click.echo, engine=engine)
     click.echo(f"report: wrote {reporting.write(out)}")
 
 

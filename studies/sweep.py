@@ -43,13 +43,14 @@ def run(
     repeats: int = 2,
     say: Say = print,
     settings: Settings | None = None,
+    engine: "Engine | None" = None,
 ) -> xr.Dataset:
     """Compute what is lacking of ``study`` and leave ``<out>/<study>.nc``; returns what was written.
 
-    ``settings`` stand in place of ``workers`` and ``repeats``. Every finished case is in
-    ``<out>/<study>.journal.jsonl`` before it is reported, and is not computed again. Bad points raise
-    :class:`~contactstudy.InvalidInput` before anything runs or is written, as does a folder that cannot be
-    written to.
+    ``settings`` stand in place of ``workers`` and ``repeats``, and an ``engine`` in place of the workers.
+    Every finished case is in ``<out>/<study>.journal.jsonl`` before it is reported, and is not computed
+    again. Bad points raise :class:`~contactstudy.InvalidInput` before anything runs or is written, as does
+    a folder that cannot be written to.
     """
     chosen = settings or Settings(workers=workers, repeats=repeats)
     asked = Asked.of(study)
@@ -57,7 +58,7 @@ def run(
     with holding(folder / f".{study.name}.lock", say):
         journal = Journal(folder / f"{study.name}.journal.jsonl", asked.context, machine())
         with journal:
-            return _Run(study, asked, folder, journal, chosen, say).go()
+            return _Run(study, asked, folder, journal, chosen, say, engine).go()
 
 
 def foresee(study: Study, out: Path, *, settings: Settings, say: Say = print) -> Forecast:
@@ -78,7 +79,9 @@ class _Run:
         journal: Journal,
         settings: Settings,
         say: Say,
+        engine: "Engine | None" = None,
     ) -> None:
+        self.engine = engine
         self.study, self.asked, self.folder = study, asked, folder
         self.journal, self.settings = journal, settings
         self.say: Say = lambda text: say(f"{study.name}: {text}")
@@ -210,6 +213,8 @@ class _Run:
             bar.update(unseen)
 
     def _engine(self, lacking: Sequence[str]) -> "Engine":
+        if self.engine is not None:
+            return self.engine
         # what an engine needs is imported with it
         if self.settings.scheduler is not None:
             from studies.cluster import Cluster

@@ -14,12 +14,13 @@ import xarray as xr
 
 from contactstudy import InvalidInput
 from studies.cluster import Cluster
-from studies.outcome import Fate, Work
+from studies.engine import Crew
+from studies.outcome import Fate, Outcome, Work
 from studies.settings import Settings
 from studies.sweep import run
 from tests.studies import trouble
 from tests.studies.conftest import quiet
-from tests.studies.trouble import DIES, HANGS, NAN, RAISES
+from tests.studies.trouble import DIES, HANGS, NAN, RAISES, Trouble
 
 LIMIT = 1.5  # seconds; a case takes microseconds
 TROUBLES = {RAISES: Fate.FAILED, NAN: Fate.FAILED, HANGS: Fate.TIMEOUT, DIES: Fate.KILLED}
@@ -48,6 +49,45 @@ def examine(dataset: xr.Dataset) -> None:
 def test_processes_label_four_troubles_among_twenty(tmp_path: Path) -> None:
     settings = Settings(workers=2, time_limit=LIMIT, repeats=1)
     examine(run(trouble.study(), tmp_path, settings=settings, say=quiet))
+
+
+def test_a_crew_goes_from_study_to_study_and_outlives_their_troubles(tmp_path: Path) -> None:
+    """The measures of one study are not those of the next, which the same processes compute."""
+    found: dict[int, Outcome] = {}
+    work = [Work(trouble.measures, time_limit=LIMIT), Work(process, time_limit=LIMIT)]
+    with Crew(2) as crew:
+        crew.run([Trouble(1.0), Trouble(2.0)], work[1], found.__setitem__)
+        first = {int(one.variables["process"]) for one in found.values()}
+        settings = Settings(time_limit=LIMIT, repeats=1)
+        examine(run(trouble.study(), tmp_path, settings=settings, say=quiet, engine=crew))
+        found.clear()
+        crew.run([Trouble(float(n)) for n in range(1, 3)], work[0], found.__setitem__)
+        assert [float(found[n].variables["square"]) for n in range(2)] == [1.0, 4.0]
+        crew.run([Trouble(1.0)], work[1], found.__setitem__)
+        last = int(found[0].variables["process"])
+    assert os.getpid() not in first | {last}
+    with pytest.raises(ProcessLookupError):
+        os.kill(last, 0)
+
+
+def test_a_crew_keeps_its_processes() -> None:
+    found: list[int] = []
+    with Crew(1) as crew:
+        for measures in (process, another_process):
+            crew.run(
+                [Trouble(1.0)],
+                Work(measures),
+                lambda _, outcome: found.append(int(outcome.variables["process"])),
+            )
+    assert found[0] == found[1]
+
+
+def process(case: Trouble, result: float) -> dict[str, float]:
+    return {"process": os.getpid()}
+
+
+def another_process(case: Trouble, result: float) -> dict[str, float]:
+    return {"process": os.getpid()}
 
 
 SCRIPT = """

@@ -1,8 +1,7 @@
 """Runs a study: what is not stored yet, each distinct case once, then alone against the clock."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 from time import monotonic
@@ -13,15 +12,16 @@ from tqdm import tqdm
 
 from studies import fields as stored_fields
 from studies.asked import Asked, reasons
-from studies.canonical import differences, key
+from studies.canonical import differences
 from studies.forecast import Forecast, forecast, model, score
 from studies.forecast_model import mode
 from studies.journal import Journal
 from studies.lock import holding
-from studies.outcome import Fate, Outcome, Work
+from studies.outcome import Fate, Outcome, Work, remarks
 from studies.provenance import machine, provenance
+from studies.result_file import ResultFile
 from studies.settings import Settings
-from studies.store import assemble, open_folder, read, write
+from studies.store import open_folder
 from studies.study import Study
 from studies.timing import Sample, time
 
@@ -83,13 +83,10 @@ class _Run:
     ) -> None:
         self.engine = engine
         self.study, self.asked, self.folder = study, asked, folder
+        self.file = ResultFile(study, asked, folder, journal)
         self.journal, self.settings = journal, settings
         self.say: Say = lambda text: say(f"{study.name}: {text}")
-        self.path = folder / f"{study.name}.nc"
-        self.pictures = folder / f"{study.name}.fields"
         self.outcomes: dict[str, Outcome] = {}
-        self.attributes: dict[str, object] = {}
-        self.written = 0.0
 
     def go(self) -> xr.Dataset:
         cases = self.asked.cases
@@ -100,14 +97,13 @@ class _Run:
         predicted = self._forecast(lacking)
         if lacking and predicted.seconds is not None:
             self.say(str(predicted))
-        where = provenance()
-        self.journal.start(where)
-        self.attributes = self._attributes(where)
-        self._write()
+        self.file.where = provenance()
+        self.journal.start(self.file.where)
+        self.file.write(self.outcomes)
         try:
             self._solve(lacking)
             self._score(predicted, lacking)
-            self._write()
+            self.file.write(self.outcomes)
             self._time()
         except _FirstFailureError:
             for name in lacking:
@@ -115,13 +111,17 @@ class _Run:
             self.say("stopped at the first failure; what was not reached is marked as skipped")
         except KeyboardInterrupt:
             self.journal.sync()
-            self._write(self._pictures())
+            self.file.write(self.outcomes, fields=self.settings.fields)
             done = sum(name in self.outcomes for name in cases)
             self.say(f"{done} of {len(cases)} cases are stored; run the same command to go on")
             raise
-        self._write(self._pictures())
-        dataset = read(self.path)
-        self._report(dataset)
+        self.file.write(self.outcomes, fields=self.settings.fields)
+        dataset = self.file.read()
+        if "left_out" in dataset.attrs:
+            self.say(f"left out, {dataset.attrs['left_out']}")
+        for sentence in remarks([self.outcomes[name] for name in cases]):
+            self.say(sentence)
+        self.say(f"wrote {self.file.path}")
         return dataset
 
     def foresee(self) -> Forecast:
@@ -176,7 +176,7 @@ class _Run:
     def _is_done(self, name: str, fate: Fate) -> bool:
         wants_fields = self.settings.fields == "kept" and fate is Fate.OK
         return fate not in self.settings.retry and (
-            not wants_fields or stored_fields.are_kept(self.pictures, name)
+            not wants_fields or stored_fields.are_kept(self.file.pictures, name)
         )
 
     def _solve(self, lacking: Sequence[str]) -> None:
@@ -192,7 +192,7 @@ class _Run:
             nonlocal unseen
             name = lacking[number]
             if outcome.fields:
-                stored_fields.keep(self.pictures, name, outcome.fields)
+                stored_fields.keep(self.file.pictures, name, outcome.fields)
                 outcome = replace(outcome, fields={})
             named = self.asked.names[name]
             is_on_disk = self.journal.add(named, outcome)
@@ -204,8 +204,8 @@ class _Run:
             if outcome.fate is not Fate.OK and self.settings.after_failure == "stop":
                 self.say(f"a case failed: {outcome.error}")
                 raise _FirstFailureError
-            if monotonic() > self.written + 60:
-                self._write()
+            if monotonic() > self.file.written + 60:
+                self.file.write(self.outcomes)
 
         with bar:
             self._engine(lacking).run([self.asked.cases[name] for name in lacking], work, finished)
@@ -253,42 +253,3 @@ class _Run:
     def _timed(self, bar: "tqdm[None]", name: str, sample: Sample) -> None:
         self.journal.time(name, sample)
         bar.update()
-
-    def _attributes(self, where: Mapping[str, str]) -> dict[str, object]:
-        first = next(iter(self.asked.cases.values()))
-        return {"title": self.study.title, "first_case": repr(first)} | dict(where) | {
-            "history": "\n".join(self.journal.contents.history),
-            "date_created": self.journal.contents.history[0].split()[0],
-            "case_versions": ", ".join(f"{k} {v}" for k, v in self.asked.context.items()),
-            "parameter_hash": key(list(self.asked.keys)),
-            "timing": "wall time, least of the repeats, one case at a time, one thread",
-            "timing_threads": 1,
-        }  # fmt: skip
-
-    def _write(self, groups: Iterable[tuple[str, xr.Dataset]] = ()) -> None:
-        samples = self.journal.contents.samples
-        now = datetime.now(UTC).isoformat(timespec="seconds")
-        attributes = self.attributes | dict(self.journal.contents.score) | {"date_modified": now}
-        dataset = assemble(self.study.points, self.asked.keys, self.outcomes, samples, attributes)
-        write(dataset, self.path, groups)
-        self.written = monotonic()
-
-    def _pictures(self) -> Iterator[tuple[str, xr.Dataset]]:
-        """A group for every case with fields, read when it is written."""
-        if self.settings.fields == "kept":
-            for name in self.asked.cases:
-                if stored_fields.are_kept(self.pictures, name):
-                    yield f"fields/case_{name}", stored_fields.kept(self.pictures, name)
-
-    def _report(self, dataset: xr.Dataset) -> None:
-        if "left_out" in dataset.attrs:
-            self.say(f"left out, {dataset.attrs['left_out']}")
-        found = [self.outcomes[name] for name in self.asked.cases]
-        failed = [outcome.error for outcome in found if outcome.failure]
-        if failed:
-            self.say(f"{len(failed)} of {len(found)} cases failed, the first with {failed[0]}")
-        ends = [o.variables["outcome"] for o in found if "outcome" in o.variables]
-        unsettled = sum(int(end) != 0 for end in ends)
-        if unsettled:
-            self.say(f"{unsettled} of {len(ends)} solves did not simply converge; see 'outcome'")
-        self.say(f"wrote {self.path}")

@@ -104,3 +104,12 @@ def score(predicted: Forecast, taken: Mapping[str, float]) -> Mapping[str, float
         "prediction_error_factor_median": exp(float(np.median(errors))),
         "prediction_error_factor_largest": exp(max(errors)),
     }
+
+
+def in_words(found: Mapping[str, float]) -> str:
+    """What :func:`score` found."""
+    return (
+        f"predicted {found['predicted_seconds']:.2g} s of CPU time, taken "
+        f"{found['taken_seconds']:.2g} s; "
+        f"half of the cases within a factor {found['prediction_error_factor_median']:.2g}"
+    )

@@ -13,7 +13,7 @@ from tqdm import tqdm
 from studies import fields as stored_fields
 from studies.asked import Asked, reasons
 from studies.canonical import differences
-from studies.forecast import Forecast, forecast, model, score
+from studies.forecast import Forecast, forecast, in_words, model, score
 from studies.forecast_model import mode
 from studies.journal import Journal
 from studies.lock import holding
@@ -149,11 +149,7 @@ class _Run:
         found = score(predicted, {name: self.outcomes[name].cpu for name in good})
         if found:
             self.journal.score(found)
-            self.say(
-                f"predicted {found['predicted_seconds']:.2g} s of CPU time, taken "
-                f"{found['taken_seconds']:.2g} s; "
-                f"half of the cases within a factor {found['prediction_error_factor_median']:.2g}"
-            )
+            self.say(in_words(found))
 
     def _lacking(self) -> list[str]:
         """The cases to compute; says why what is stored does not serve, where there is something."""
@@ -242,11 +238,8 @@ class _Run:
         counts = {name: count for name, count in counts.items() if count > 0}
         expected = {name: self.outcomes[name].seconds for name in counts}
         kinds = {name: mode(self.asked.names[name].tree) for name in counts}
-        bar = tqdm(
-            total=sum(counts.values()), desc=f"{self.study.name}: timing", unit="run", disable=None
-        )
-
-        with bar:
+        total, words = sum(counts.values()), f"{self.study.name}: timing"
+        with tqdm(total=total, desc=words, unit="run", disable=None) as bar:
             time(self.asked.cases, counts, expected, kinds, partial(self._timed, bar))
             self.journal.sync()
 

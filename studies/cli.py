@@ -10,6 +10,7 @@ from contactstudy import InvalidInput, __version__
 from studies.recommend import recommendation
 from studies.scenes import plan, solve
 from studies.study import BUILT_IN, OPTIONAL, load
+from studies.study_help import StudyCommand
 
 # What runs is imported by the commands that run, and what draws by those that draw: help comes at once.
 
@@ -62,9 +63,10 @@ def report(out: Path, workers: int, repeats: int) -> None:
 
 
 @cli.command(
+    cls=StudyCommand,
     context_settings={"ignore_unknown_options": True, "allow_extra_args": True},
-    epilog="Every axis of a study is an option: contactstudy run period --period 0.6,2.4 --images 0:10 "
-    "(a range has both its ends; lengths are in half-widths).",
+    epilog="Every axis of a study is an option, which run STUDY --help lists: contactstudy run period "
+    "--period 0.6,2.4 --images 0:10 (a range has both its ends; lengths are in half-widths).",
 )
 @click.argument("study")
 @OUT

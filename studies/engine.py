@@ -90,8 +90,13 @@ class Crew:
         return self
 
     def __exit__(self, *raised: object) -> None:
+        self.end()
+
+    def end(self) -> None:
+        """End the processes, at once."""
         for guard in self._guards:
             guard.end()
+        self._guards.clear()
 
     def run(self, cases: Sequence[Computation], work: Work, finished: Finished) -> None:
         """Each process takes the next few cases when it is done with its last."""
@@ -109,7 +114,7 @@ class Crew:
                     finished(*found)
             except BaseException:
                 # what they are at is for nobody, and the conductor waits for it
-                self.__exit__()
+                self.end()
                 raise
             driving.result()
 

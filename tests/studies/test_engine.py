@@ -52,41 +52,39 @@ def test_processes_label_four_troubles_among_twenty(tmp_path: Path) -> None:
 
 
 def test_a_crew_goes_from_study_to_study_and_outlives_their_troubles(tmp_path: Path) -> None:
-    """The measures of one study are not those of the next, which the same processes compute."""
+    """Its processes stay, take the measures of each study, and end with it."""
     found: dict[int, Outcome] = {}
-    work = [Work(trouble.measures, time_limit=LIMIT), Work(process, time_limit=LIMIT)]
-    with Crew(2) as crew:
-        crew.run([Trouble(1.0), Trouble(2.0)], work[1], found.__setitem__)
-        first = {int(one.variables["process"]) for one in found.values()}
+    with Crew(1) as crew:
+        crew.run([Trouble(2.0)], Work(trouble.measures), found.__setitem__)
+        assert float(found[0].variables["square"]) == 4
+        processes = []
+        for _ in range(2):
+            crew.run([Trouble(1.0)], Work(process), found.__setitem__)
+            processes.append(int(found[0].variables["process"]))
+        assert processes[0] == processes[1] != os.getpid()
         settings = Settings(time_limit=LIMIT, repeats=1)
         examine(run(trouble.study(), tmp_path, settings=settings, say=quiet, engine=crew))
-        found.clear()
-        crew.run([Trouble(float(n)) for n in range(1, 3)], work[0], found.__setitem__)
-        assert [float(found[n].variables["square"]) for n in range(2)] == [1.0, 4.0]
-        crew.run([Trouble(1.0)], work[1], found.__setitem__)
-        last = int(found[0].variables["process"])
-    assert os.getpid() not in first | {last}
-    with pytest.raises(ProcessLookupError):
-        os.kill(last, 0)
+        crew.run([Trouble(1.0)], Work(process), found.__setitem__)
+        processes.append(int(found[0].variables["process"]))
+    for one in processes:
+        with pytest.raises(ProcessLookupError):
+            os.kill(one, 0)
 
 
-def test_a_crew_keeps_its_processes() -> None:
-    found: list[int] = []
-    with Crew(1) as crew:
-        for measures in (process, another_process):
-            crew.run(
-                [Trouble(1.0)],
-                Work(measures),
-                lambda _, outcome: found.append(int(outcome.variables["process"])),
-            )
-    assert found[0] == found[1]
+def test_a_crew_that_was_stopped_starts_anew() -> None:
+    found: dict[int, Outcome] = {}
+
+    def stop(number: int, outcome: Outcome) -> None:
+        raise KeyboardInterrupt
+
+    with Crew(2) as crew:
+        with pytest.raises(KeyboardInterrupt):
+            crew.run([Trouble(1.0), Trouble(HANGS)], Work(trouble.measures), stop)
+        crew.run([Trouble(2.0)], Work(trouble.measures), found.__setitem__)
+    assert float(found[0].variables["square"]) == 4
 
 
 def process(case: Trouble, result: float) -> dict[str, float]:
-    return {"process": os.getpid()}
-
-
-def another_process(case: Trouble, result: float) -> dict[str, float]:
     return {"process": os.getpid()}
 
 

@@ -52,6 +52,21 @@ def from_zero(field: str, value: object, remedy: str) -> float:
     return number
 
 
+def bearable_or_zero(field: str, value: object, remedy: str) -> float:
+    """``value`` as a float of either sign, zero or of a size that is bearable, or :class:`InvalidInput`."""
+    number = finite(field, value, remedy)
+    if number and not LEAST <= abs(number) <= MOST:
+        raise InvalidInput(
+            f"{field} is {value!r}: {remedy}, if not 0 of a size between {LEAST:g} and {MOST:g}."
+        )
+    return number
+
+
+def bearable_from_zero(field: str, value: object, remedy: str) -> float:
+    """``value`` as a float that is zero or bearable, or :class:`InvalidInput`."""
+    return bearable_or_zero(field, from_zero(field, value, remedy), remedy)
+
+
 def whole(field: str, value: object, at_least: int, remedy: str) -> int:
     """``value`` as an int not below ``at_least``, or :class:`InvalidInput`."""
     if isinstance(value, bool) or not isinstance(value, Integral) or int(value) < at_least:

@@ -6,7 +6,7 @@ from time import perf_counter
 
 import numpy as np
 
-from contactstudy.convolution import convolution
+from contactstudy.convolution import convolution, padded_cells
 from contactstudy.grid import Grid
 from contactstudy.padding import Padding, Paddings, across_and_along
 
@@ -52,9 +52,8 @@ def timed(grid: Grid, padding: Padding | Paddings) -> Timed:
 
 
 def padded(grid: Grid, padding: Padding | Paddings) -> int:
-    """Points of the transform, the width taken as padded."""
-    wraps = across_and_along(padding)[1].wraps
-    return prod(grid.cells) * 2 * (1 if wraps else 2)
+    """Points of the transform."""
+    return prod(padded_cells(grid, across_and_along(padding)))
 
 
 def memory(grid: Grid, padding: Padding | Paddings) -> int:

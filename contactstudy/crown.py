@@ -1,14 +1,14 @@
 """Profiles along the length that take the pressure off a roller's ends."""
 
 from dataclasses import dataclass
-from math import exp, inf, log, pi
+from math import expm1, inf, log, pi
 from typing import Self
 
 import numpy as np
 
 from contactstudy.analytic import HertzLine
 from contactstudy.arrays import Array
-from contactstudy.checks import InvalidInput, from_zero, keep, positive
+from contactstudy.checks import InvalidInput, bearable, bearable_from_zero, keep
 from contactstudy.detail import Detail
 from contactstudy.grid import Grid
 from contactstudy.units import Metres
@@ -32,13 +32,13 @@ class Crown:
     def __post_init__(self) -> None:
         if self.radius != inf:
             remedy = "give a radius above 0 m, or inf for no crown"
-            keep(self, radius=positive("Crown.radius", self.radius, remedy))
+            keep(self, radius=bearable("Crown.radius", self.radius, remedy))
 
     @classmethod
     def of_drop(cls, end_drop: float, length: float) -> Self:
         """The crown that drops by ``end_drop`` [m], from zero on, at the ends of ``length`` [m]."""
-        drop = from_zero("Crown end_drop", end_drop, HEIGHT)
-        length = positive("Crown length", length, "give the roller's length above 0 m")
+        drop = bearable_from_zero("Crown end_drop", end_drop, HEIGHT)
+        length = bearable("Crown length", length, "give the roller's length above 0 m")
         return cls(length**2 / (8 * drop) if drop else inf)
 
     @property
@@ -78,9 +78,9 @@ class LundbergProfile:
     def __post_init__(self) -> None:
         keep(
             self,
-            amplitude=from_zero("LundbergProfile.amplitude", self.amplitude, HEIGHT),
-            end_drop=from_zero("LundbergProfile.end_drop", self.end_drop, HEIGHT),
-            length=positive(
+            amplitude=bearable_from_zero("LundbergProfile.amplitude", self.amplitude, HEIGHT),
+            end_drop=bearable_from_zero("LundbergProfile.end_drop", self.end_drop, HEIGHT),
+            length=bearable(
                 "LundbergProfile.length", self.length, "give the roller's length above 0 m"
             ),
         )
@@ -98,7 +98,7 @@ class LundbergProfile:
         Raises :class:`~contactstudy.InvalidInput` for a roller shorter than its contact is wide.
         """
         hertz = HertzLine(load_per_length, radius, contact_modulus)
-        length = positive("LundbergProfile.length", length, "give the roller's length above 0 m")
+        length = bearable("LundbergProfile.length", length, "give the roller's length above 0 m")
         if length < 2 * hertz.half_width:
             raise InvalidInput(
                 f"LundbergProfile.length is {length!r}: give a roller longer than its contact is wide, "
@@ -124,6 +124,6 @@ class LundbergProfile:
         t = np.abs(2 * grid.y / self.length)
         inside = t < 1
         t = np.where(inside, t, 0.0)
-        # 1 - (1 - e) t^2 in a form that stays above zero next to the ends
-        left = (1 - t) * (1 + t) + exp(-self.end_drop / self.amplitude) * t**2
-        return np.where(inside, -self.amplitude * np.log(left), self.end_drop)[None, :]
+        # in a form that keeps the parabola which it is where A is far above d
+        drop = -self.amplitude * np.log1p(expm1(-self.end_drop / self.amplitude) * t**2)
+        return np.where(inside, drop, self.end_drop)[None, :]

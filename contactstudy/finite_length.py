@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contactstudy.arrays import Array
-from contactstudy.checks import keep, positive
+from contactstudy.checks import bearable, keep
 from contactstudy.detail import Detail
 from contactstudy.grid import Grid
 from contactstudy.units import Metres
@@ -28,7 +28,7 @@ class FiniteLength:
     def __post_init__(self) -> None:
         keep(
             self,
-            length=positive(
+            length=bearable(
                 "FiniteLength.length", self.length, "give the roller's length above 0 m"
             ),
         )

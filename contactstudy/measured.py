@@ -10,7 +10,7 @@ import numpy as np
 
 from contactstudy import measurement
 from contactstudy.arrays import Array
-from contactstudy.checks import InvalidInput, divides, keep, pair, positive
+from contactstudy.checks import InvalidInput, bearable, divides, keep, pair
 from contactstudy.detail import Detail
 from contactstudy.grid import Grid
 from contactstudy.missing import Missing, RefuseMissing
@@ -51,8 +51,8 @@ class MeasuredSurface:
             remedy = "give two lengths, (width, length) [m]"
             width, length = pair("MeasuredSurface.extent", self.extent, remedy)
             extent = (
-                positive("MeasuredSurface.extent[0]", width, "give a width above 0 m"),
-                positive("MeasuredSurface.extent[1]", length, "give a length above 0 m"),
+                bearable("MeasuredSurface.extent[0]", width, "give a width above 0 m"),
+                bearable("MeasuredSurface.extent[1]", length, "give a length above 0 m"),
             )
             if sizes is not None and not np.allclose(extent, sizes, rtol=1e-6, atol=0):
                 raise InvalidInput(

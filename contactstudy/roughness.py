@@ -8,12 +8,12 @@ from scipy import fft
 from contactstudy.arrays import Array
 from contactstudy.checks import (
     InvalidInput,
+    bearable,
+    bearable_from_zero,
     divides,
     finite,
-    from_zero,
     keep,
     pair,
-    positive,
     whole,
 )
 from contactstudy.detail import Detail
@@ -22,6 +22,8 @@ from contactstudy.units import Metres, Number
 
 # The highest of a surface, in its rms heights.
 HIGHEST = 4.0
+# Waves of one surface that some tens of gigabytes hold.
+MOST_WAVES = 1e9
 
 
 @dataclass(frozen=True)
@@ -31,7 +33,10 @@ class RmsSlope:
     slope: Number
 
     def __post_init__(self) -> None:
-        keep(self, slope=from_zero("RmsSlope.slope", self.slope, "give a slope of 0 or more"))
+        keep(
+            self,
+            slope=bearable_from_zero("RmsSlope.slope", self.slope, "give a slope of 0 or more"),
+        )
 
     def __bool__(self) -> bool:
         return self.slope > 0
@@ -63,14 +68,17 @@ class Roughness:
     def __post_init__(self) -> None:
         if not isinstance(self.rms, RmsSlope):
             keep(
-                self, rms=from_zero("Roughness.rms", self.rms, "give an rms height of 0 m or more")
+                self,
+                rms=bearable_from_zero(
+                    "Roughness.rms", self.rms, "give an rms height of 0 m or more"
+                ),
             )
         remedy = "give an exponent between 0 and 1"
         hurst = finite("Roughness.hurst", self.hurst, remedy)
         if not 0 < hurst < 1:
             raise InvalidInput(f"Roughness.hurst is {self.hurst!r}: {remedy}.")
-        cut_off = positive("Roughness.cut_off", self.cut_off, "give a wavelength above 0 m")
-        roll_off = positive("Roughness.roll_off", self.roll_off, "give a wavelength above 0 m")
+        cut_off = bearable("Roughness.cut_off", self.cut_off, "give a wavelength above 0 m")
+        roll_off = bearable("Roughness.roll_off", self.roll_off, "give a wavelength above 0 m")
         keep(self, hurst=hurst, cut_off=cut_off, roll_off=roll_off)
         if self.roll_off < self.cut_off:
             raise InvalidInput(
@@ -78,12 +86,12 @@ class Roughness:
             )
         keep(self, seed=whole("Roughness.seed", self.seed, 0, "give a whole number from 0 on"))
         remedy = "give a ratio of lengths above 0, 1 for no lay"
-        keep(self, peklenik=positive("Roughness.peklenik", self.peklenik, remedy))
+        keep(self, peklenik=bearable("Roughness.peklenik", self.peklenik, remedy))
         if self.extent is not None:
             remedy = "give two lengths, (width, length) [m], or None for the grid's"
             width, length = pair("Roughness.extent", self.extent, remedy)
-            width = positive("Roughness.extent[0]", width, "give a width above 0 m")
-            length = positive("Roughness.extent[1]", length, "give a length above 0 m")
+            width = bearable("Roughness.extent[0]", width, "give a width above 0 m")
+            length = bearable("Roughness.extent[1]", length, "give a length above 0 m")
             keep(self, extent=(width, length))
 
     @property
@@ -144,6 +152,11 @@ class Roughness:
         extent = self.extent or grid.extent
         divides("Roughness.extent[1]", extent[1], grid.period)
         most = [int(side / self.cut_off) for side in extent]
+        if (2 * most[0] + 1) * (most[1] + 1) > MOST_WAVES:
+            raise InvalidInput(
+                f"Roughness.cut_off is {self.cut_off!r}: give a wavelength nearer to the extent {extent!r} m, "
+                f"or there are more than {MOST_WAVES:g} waves."
+            )
         kx = np.arange(-most[0], most[0] + 1)[:, None] / extent[0]
         ky = np.arange(most[1] + 1)[None, :] / extent[1]
         # stretched along the lay, so that no wave is shorter than asked

@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 
 from contactstudy.arrays import Array
-from contactstudy.checks import bearable, divides, finite, keep, positive
+from contactstudy.checks import bearable, bearable_or_zero, divides, finite, keep
 from contactstudy.detail import Detail
 from contactstudy.grid import Grid
 from contactstudy.units import Metres, Radians
@@ -74,12 +74,12 @@ class Waviness:
     def __post_init__(self) -> None:
         keep(
             self,
-            amplitude=finite("Waviness.amplitude", self.amplitude, "give a height in m"),
+            amplitude=bearable_or_zero("Waviness.amplitude", self.amplitude, "give a height in m"),
             phase=finite("Waviness.phase", self.phase, "give an angle in rad"),
         )
         for name in ("across", "along"):
             if getattr(self, name) != inf:
-                length = positive(
+                length = bearable(
                     f"Waviness.{name}", getattr(self, name), "give a wavelength above 0 m"
                 )
                 keep(self, **{name: length})

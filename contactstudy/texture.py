@@ -7,7 +7,15 @@ from typing import Protocol, Self
 import numpy as np
 
 from contactstudy.arrays import Array
-from contactstudy.checks import InvalidInput, divides, from_zero, keep, pair, positive
+from contactstudy.checks import (
+    InvalidInput,
+    bearable,
+    bearable_from_zero,
+    divides,
+    keep,
+    pair,
+    positive,
+)
 from contactstudy.detail import Detail
 from contactstudy.grid import Grid
 from contactstudy.units import Metres
@@ -60,8 +68,8 @@ class Dimple:
         _is_profile("Dimple.profile", self.profile)
         keep(
             self,
-            depth=from_zero("Dimple.depth", self.depth, "give a depth of 0 m or more"),
-            diameter=positive("Dimple.diameter", self.diameter, "give a diameter above 0 m"),
+            depth=bearable_from_zero("Dimple.depth", self.depth, "give a depth of 0 m or more"),
+            diameter=bearable("Dimple.diameter", self.diameter, "give a diameter above 0 m"),
         )
 
     @property
@@ -86,8 +94,8 @@ class Groove:
         _is_profile("Groove.profile", self.profile)
         keep(
             self,
-            depth=from_zero("Groove.depth", self.depth, "give a depth of 0 m or more"),
-            width=positive("Groove.width", self.width, "give a width above 0 m"),
+            depth=bearable_from_zero("Groove.depth", self.depth, "give a depth of 0 m or more"),
+            width=bearable("Groove.width", self.width, "give a width above 0 m"),
         )
 
     @property
@@ -119,7 +127,7 @@ class Texture:
             raise InvalidInput(f"Texture.feature is {self.feature!r}: give a Dimple or a Groove.")
         both = pair("Texture.pitch", self.pitch, "give two lengths, (across, along) [m]")
         pitch = tuple(
-            inf if one == inf else positive(f"Texture.pitch[{axis}]", one, "give a pitch above 0 m")
+            inf if one == inf else bearable(f"Texture.pitch[{axis}]", one, "give a pitch above 0 m")
             for axis, one in enumerate(both)
         )
         finite_pitches = 2 if isinstance(self.feature, Dimple) else 1
@@ -146,7 +154,7 @@ class Texture:
         if density >= 1:
             raise InvalidInput(f"Texture area_density is {area_density!r}: {remedy}.")
         if isinstance(feature, Dimple):
-            positive(
+            bearable(
                 "Texture along", along, "give the pitch of the dimples along the length, above 0 m"
             )
         return cls(feature, (feature.density((1.0, along)) / density, along))

@@ -8,7 +8,7 @@ from multiprocessing.connection import Connection
 
 from threadpoolctl import threadpool_limits
 
-from studies.outcome import Failure, Fate, Outcome, compute, warm_up
+from studies.outcome import Failure, Fate, Outcome, Work, compute, warm_up
 
 IDLE = 120.0  # seconds without work after which it ends
 
@@ -24,7 +24,12 @@ def main() -> None:
     try:
         with threadpool_limits(1):
             while connection.poll(IDLE):
-                for case in pickle.loads(connection.recv_bytes()):
+                message = pickle.loads(connection.recv_bytes())
+                if isinstance(message, Work):
+                    work = message
+                    connection.send("ready")
+                    continue
+                for case in message:
                     connection.send_bytes(_packed(compute(case, work)))
     except (EOFError, BrokenPipeError, ConnectionResetError):
         pass

@@ -10,6 +10,7 @@ from contactstudy import InvalidInput, __version__
 from studies.recommend import recommendation
 from studies.scenes import plan, solve
 from studies.study import BUILT_IN, OPTIONAL, load
+from studies.study_help import StudyCommand
 
 # What runs is imported by the commands that run, and what draws by those that draw: help comes at once.
 
@@ -49,17 +50,23 @@ def cli() -> None:
 def report(out: Path, workers: int, repeats: int) -> None:
     """Run every study that needs nothing but this project, and write report.html."""
     from studies import report as reporting
+    from studies.engine import Crew
+    from studies.settings import Settings
     from studies.sweep import run as run_study
 
-    for name in BUILT_IN:
-        run_study(load(name), out, workers=workers, repeats=repeats, say=click.echo)
+    settings = Settings(workers=workers, repeats=repeats)
+    with Crew(workers) as crew:
+        for name in BUILT_IN:
+            engine = crew if workers else None
+            run_study(load(name), out, settings=settings, say=click.echo, engine=engine)
     click.echo(f"report: wrote {reporting.write(out)}")
 
 
 @cli.command(
+    cls=StudyCommand,
     context_settings={"ignore_unknown_options": True, "allow_extra_args": True},
-    epilog="Every axis of a study is an option: contactstudy run period --period 0.6,2.4 --images 0:10 "
-    "(a range has both its ends; lengths are in half-widths).",
+    epilog="Every axis of a study is an option, which run STUDY --help lists: contactstudy run period "
+    "--period 0.6,2.4 --images 0:10 (a range has both its ends; lengths are in half-widths).",
 )
 @click.argument("study")
 @OUT

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from queue import SimpleQueue
-from typing import Protocol
+from typing import Protocol, Self
 
 import cloudpickle
 from dask.base import compute as compute_all
@@ -72,18 +72,50 @@ class Processes:
 
     def run(self, cases: Sequence[Computation], work: Work, finished: Finished) -> None:
         """Each process takes the next few cases when it is done with its last."""
+        with Crew(self.workers) as crew:
+            crew.run(cases, work, finished)
+
+
+class Crew:
+    """As :class:`Processes`, in a ``with`` statement, whose processes stay from one study to the next.
+
+    To start them takes as long as many a study.
+    """
+
+    def __init__(self, workers: int) -> None:
+        self._workers = workers
+        self._guards: list[Guard] = []
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *raised: object) -> None:
+        self.end()
+
+    def end(self) -> None:
+        """End the processes, at once."""
+        for guard in self._guards:
+            guard.end()
+        self._guards.clear()
+
+    def run(self, cases: Sequence[Computation], work: Work, finished: Finished) -> None:
+        """Each process takes the next few cases when it is done with its last."""
         payload = cloudpickle.dumps(work)
-        guards = [Guard(payload) for _ in range(min(self.workers, len(cases)))]
+        wanted = min(self._workers, len(cases))
+        for guard in self._guards:
+            guard.turn_to(payload)
+        self._guards += [Guard(payload) for _ in range(wanted - len(self._guards))]
         lanes = _Lanes(cases)
         # dask in a thread of its own: this one alone reports, and writes to the disk
         with ThreadPoolExecutor(1) as conductor:
+            driving = conductor.submit(lanes.drive, self._guards[:wanted])
             try:
-                driving = conductor.submit(lanes.drive, guards)
                 while (found := lanes.found.get()) is not None:
                     finished(*found)
-            finally:
-                for guard in guards:
-                    guard.end()
+            except BaseException:
+                # what they are at is for nobody, and the conductor waits for it
+                self.end()
+                raise
             driving.result()
 
 

@@ -7,9 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from studies.cost import CostModel, Estimate, Observation, total
+from studies.forecast_model import Estimate, ForecastModel, Observation, total
 from studies.journal import Contents, Journal
-from studies.timing import WARM_UP
 
 
 @dataclass(frozen=True)
@@ -41,12 +40,12 @@ def _within(estimate: Estimate, unit: str) -> str:
     return f"{estimate.value:.3g} {unit} (within a factor {estimate.factor:.2g})"
 
 
-def model(folder: Path, machine: str) -> CostModel:
+def model(folder: Path, machine: str) -> ForecastModel:
     """Fitted to all that the journals in ``folder`` say of this machine."""
     found: list[Observation] = []
     for path in sorted(folder.glob("*.journal.jsonl")):
         found += observations(Journal(path, None, machine).contents)
-    return CostModel(found)
+    return ForecastModel(found)
 
 
 def observations(contents: Contents) -> list[Observation]:
@@ -69,7 +68,7 @@ def observations(contents: Contents) -> list[Observation]:
 
 
 def forecast(
-    costs: CostModel, trees: Mapping[str, object], timed: Sequence[str], repeats: int
+    costs: ForecastModel, trees: Mapping[str, object], timed: Sequence[str], repeats: int
 ) -> Forecast:
     """Of the cases ``trees`` to compute and of those to time, by their keys."""
     names = list(trees)
@@ -83,8 +82,7 @@ def forecast(
     for quantity in ("setup", "solve"):
         for one in costs.predict(quantity, [trees[name] for name in timed if name in trees]):
             if one is not None:
-                runs = repeats + (one.value < WARM_UP)
-                parts.append(Estimate(runs * one.value, one.factor))
+                parts.append(Estimate(repeats * one.value, one.factor))
     return Forecast(len(names), total(known.values()), total(parts), size, known)
 
 
@@ -106,3 +104,12 @@ def score(predicted: Forecast, taken: Mapping[str, float]) -> Mapping[str, float
         "prediction_error_factor_median": exp(float(np.median(errors))),
         "prediction_error_factor_largest": exp(max(errors)),
     }
+
+
+def in_words(found: Mapping[str, float]) -> str:
+    """What :func:`score` found."""
+    return (
+        f"predicted {found['predicted_seconds']:.2g} s of CPU time, taken "
+        f"{found['taken_seconds']:.2g} s; "
+        f"half of the cases within a factor {found['prediction_error_factor_median']:.2g}"
+    )

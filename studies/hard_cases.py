@@ -1,13 +1,12 @@
 """The hard cases, by name and group."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import inf
 
 import numpy as np
 
 import contactstudy as cs
 from contactstudy.arrays import Array
-from contactstudy.padding import across_and_along
 from studies.hard_case import (
     AT_EDGE,
     CELLS,
@@ -16,15 +15,14 @@ from studies.hard_case import (
     FLAT,
     FLATTENED,
     P_H,
-    PADDINGS,
     ROUGH,
     A,
     HardCase,
-    Twin,
     bumpy,
     grid,
     noise,
 )
+from studies.hard_twins import perturbation, units
 from studies.line_contact import SCENE, STEEL
 
 
@@ -86,77 +84,6 @@ def _load() -> dict[str, HardCase]:
             "1e30 N/m, the cylinder is no more than flat", heavy, grid(), AT_EDGE
         ),
     }
-
-
-def _units() -> dict[str, HardCase]:
-    cases = {}
-    for name, metre, newton in (
-        ("in nm", 1e9, 1.0),
-        ("in km", 1e-3, 1.0),
-        ("in TPa", 1.0, 1e-12),
-        ("in nm and TPa", 1e9, 1e6),
-        ("in Gm and yPa", 1e-9, 1e6),
-    ):
-        pascal = newton / metre**2
-        solid = replace(STEEL, youngs_modulus=STEEL.youngs_modulus * pascal)
-        load = cs.LineLoad(SCENE.load.per_length * newton / metre)
-        plain = bumpy(ROUGH)
-        heights = cs.MeasuredSurface(ROUGH * FLATTENED * metre)
-        other = cs.Scene(load, (solid, solid), (cs.Cylinder(0.01 * metre), heights))
-        cases[f"a scene {name}"] = HardCase(
-            "units",
-            f"every number is another {name}",
-            plain,
-            grid(),
-            AT_EDGE,
-            Twin(other, grid(metre=metre), _Divided(pascal), 1e-10),
-            tolerance=1e-12,
-        )
-    return cases
-
-
-@dataclass(frozen=True)
-class _Divided:
-    """A pressure in another unit."""
-
-    by: float
-
-    def __call__(self, pressure: Array) -> Array:
-        return pressure / self.by
-
-
-@dataclass(frozen=True)
-class _Rolled:
-    """A pressure moved along the length."""
-
-    by: int
-
-    def __call__(self, pressure: Array) -> Array:
-        return np.roll(pressure, self.by, axis=1)
-
-
-@dataclass(frozen=True)
-class _Mirrored:
-    """A pressure mirrored along axes."""
-
-    axes: tuple[int, ...]
-
-    def __call__(self, pressure: Array) -> Array:
-        return np.flip(pressure, self.axes)
-
-
-@dataclass(frozen=True)
-class _First:
-    """A pressure over the first period of several."""
-
-    cells: int
-
-    def __call__(self, pressure: Array) -> Array:
-        return pressure[:, : self.cells]
-
-
-def _as_it_is(pressure: Array) -> Array:
-    return pressure
 
 
 def _material() -> dict[str, HardCase]:
@@ -244,51 +171,6 @@ def _surface() -> dict[str, HardCase]:
     }
 
 
-def _perturbation() -> dict[str, HardCase]:
-    scene = bumpy(ROUGH)
-    double = np.tile(ROUGH, 2)
-    half = replace(SCENE, shapes=(cs.Cylinder(0.02), cs.Cylinder(0.02)))
-    on = grid()
-
-    def case(hard: str, twin: Twin, paddings: tuple[str, ...] = tuple(PADDINGS)) -> HardCase:
-        ends = ENDED
-        return HardCase(
-            "perturbation", hard, scene, on, ends, twin, tolerance=1e-12, paddings=paddings
-        )
-
-    whole = tuple(name for name, padding in PADDINGS.items() if across_and_along(padding)[1].wraps)
-    endless = tuple(
-        name for name, padding in PADDINGS.items() if across_and_along(padding)[1].window is None
-    )
-
-    nudged = ROUGH + 1e-10 * ROUGH.std() * noise(seed=5)
-    return {
-        "heights nudged by 1e-10": case(
-            "heights move by 1e-10 of their rms",
-            Twin(bumpy(nudged), on, _as_it_is, 1e-11, other_heights=True),
-        ),
-        "moved by whole cells": case(
-            "the surface moves by five cells along",
-            Twin(bumpy(np.roll(ROUGH, 5, 1)), on, _Rolled(-5), 1e-9),
-            whole,
-        ),
-        "mirrored along": case(
-            "the surface is mirrored along", Twin(bumpy(ROUGH[:, ::-1]), on, _Mirrored((1,)), 1e-9)
-        ),
-        "mirrored across": case(
-            "the surface is mirrored across", Twin(bumpy(ROUGH[::-1]), on, _Mirrored((0,)), 1e-9)
-        ),
-        "twice the period": case(
-            "two periods are one",
-            Twin(bumpy(double), grid((24, 24), period=2.4), _First(12), 1e-9),
-            endless,
-        ),
-        "curved on both sides": case(
-            "half of the cylinder on either body", Twin(bumpy(ROUGH, half), on, _as_it_is, 1e-9)
-        ),
-    }
-
-
 def _corner(problem: cs.Problem, solver: cs.Solver) -> Array:
     wrong = np.zeros_like(problem.undeformed_gap)
     wrong[0, 0] = 1.0
@@ -340,6 +222,6 @@ def _solver() -> dict[str, HardCase]:
 
 
 CASES: dict[str, HardCase] = (
-    _distance() | _load() | _units() | _material() | _surface() | _perturbation() | _solver()
+    _distance() | _load() | units() | _material() | _surface() | perturbation() | _solver()
 )
 GROUPS = tuple(dict.fromkeys(case.group for case in CASES.values()))

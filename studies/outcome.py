@@ -3,7 +3,7 @@
 import signal
 import threading
 import traceback
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from enum import IntEnum
@@ -70,6 +70,16 @@ class Outcome:
     def error(self) -> str:
         """The failure in a sentence, or nothing."""
         return self.failure.sentence if self.failure else ""
+
+
+def remarks(found: Sequence[Outcome]) -> Iterator[str]:
+    """What is to be said of all these: how many failed, and how many solves did not end as they should."""
+    failed = [outcome.error for outcome in found if outcome.failure]
+    if failed:
+        yield f"{len(failed)} of {len(found)} cases failed, the first with {failed[0]}"
+    ends = [one.variables["outcome"] for one in found if "outcome" in one.variables]
+    if unsettled := sum(int(end) != 0 for end in ends):
+        yield f"{unsettled} of {len(ends)} solves did not simply converge; see 'outcome'"
 
 
 @runtime_checkable

@@ -29,6 +29,10 @@ def _draw(study: Study, dataset: xr.Dataset, out: Path) -> Sequence[Plate]:
 
 def _save(plates: Sequence[Plate], folder: Path) -> None:
     for plate in plates:
+        # laid out once for both files: each would draw itself once more to find the same
+        if engine := plate.figure.get_layout_engine():
+            engine.execute(plate.figure)
+            plate.figure.set_layout_engine("none")
         for suffix in ("png", "pdf"):
             with replacing(folder / f"{plate.name}.{suffix}") as path:
                 plate.figure.savefig(path)

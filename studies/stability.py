@@ -16,7 +16,7 @@ from studies.study import Plate, Point
 from studies.style import finish, panels
 from studies.verdicts import VERDICTS, ends_of, findings, tables
 
-__all__ = ["figure", "findings", "measures", "points", "scene_at", "tables"]
+__all__ = ["figure", "findings", "measures", "points", "scene_at", "tables", "times"]
 
 points = (
     Axis("case", tuple(CASES), "what is hard"),
@@ -27,6 +27,9 @@ points = (
     ),
     Axis("solver", tuple(SOLVERS), "solver"),
 )
+
+# of small grids, and nothing is said about them
+times = "none"
 
 COLORS = {"preconditioned CG": "#0072B2", "Polonsky-Keer": "#D55E00"}
 SHOWN = 1e-17  # where an error of zero is drawn

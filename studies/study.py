@@ -1,4 +1,4 @@
-"""What a study is: four names in a Python file, and two more where it has something to say."""
+"""What a study is: four names in a Python file, and a few more where it has something to say."""
 
 import importlib
 import importlib.util
@@ -14,7 +14,7 @@ import xarray as xr
 
 from contactstudy import InvalidInput
 from contactstudy.checks import remedy
-from studies.axis import Axis, Value
+from studies.axis import Axis, Value, one_of
 from studies.case import Computation
 from studies.finding import Finding, Table
 
@@ -65,7 +65,8 @@ class Study:
     ``measures(case, result)``: named variables,
     scalar or with dimensions of their own; a variable named like its dimension is its coordinate.
     ``figure(dataset)``: the plates, drawn from the stored Dataset alone. ``findings(dataset)`` and
-    ``tables(dataset)``: what the report says beside them; nothing, unless the file defines them.
+    ``tables(dataset)``: what the report says beside them; nothing, unless the file defines them. ``times``
+    of its cases are "taken", or "none" where nothing is to be said about them.
     """
 
     name: str
@@ -76,6 +77,10 @@ class Study:
     figure: Callable[[xr.Dataset], Sequence[Plate]]
     findings: Callable[[xr.Dataset], Sequence[Finding]] = silent
     tables: Callable[[xr.Dataset], Sequence[Table]] = silent
+    times: str = "taken"
+
+    def __post_init__(self) -> None:
+        one_of("times", self.times, ("taken", "none"))
 
     def override(self, axes: Mapping[str, str | Iterable[Value]]) -> "Study":
         """This study over other values of some of its axes."""
@@ -151,4 +156,5 @@ def _study(name: str, module: ModuleType) -> Study:
         module.figure,
         getattr(module, "findings", silent),
         getattr(module, "tables", silent),
+        getattr(module, "times", "taken"),
     )

@@ -1,8 +1,7 @@
 """Runs a study: what is not stored yet, each distinct case once, then alone against the clock."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 from time import monotonic
@@ -13,14 +12,16 @@ from tqdm import tqdm
 
 from studies import fields as stored_fields
 from studies.asked import Asked, reasons
-from studies.canonical import differences, key
-from studies.forecast import Forecast, forecast, model, score
+from studies.canonical import differences
+from studies.forecast import Forecast, forecast, in_words, model, score
+from studies.forecast_model import mode
 from studies.journal import Journal
 from studies.lock import holding
-from studies.outcome import Fate, Outcome, Work
+from studies.outcome import Fate, Outcome, Work, remarks
 from studies.provenance import machine, provenance
+from studies.result_file import ResultFile
 from studies.settings import Settings
-from studies.store import assemble, open_folder, read, write
+from studies.store import open_folder
 from studies.study import Study
 from studies.timing import Sample, time
 
@@ -42,13 +43,14 @@ def run(
     repeats: int = 2,
     say: Say = print,
     settings: Settings | None = None,
+    engine: "Engine | None" = None,
 ) -> xr.Dataset:
     """Compute what is lacking of ``study`` and leave ``<out>/<study>.nc``; returns what was written.
 
-    ``settings`` stand in place of ``workers`` and ``repeats``. Every finished case is in
-    ``<out>/<study>.journal.jsonl`` before it is reported, and is not computed again. Bad points raise
-    :class:`~contactstudy.InvalidInput` before anything runs or is written, as does a folder that cannot be
-    written to.
+    ``settings`` stand in place of ``workers`` and ``repeats``, and an ``engine`` in place of the workers.
+    Every finished case is in ``<out>/<study>.journal.jsonl`` before it is reported, and is not computed
+    again. Bad points raise :class:`~contactstudy.InvalidInput` before anything runs or is written, as does
+    a folder that cannot be written to.
     """
     chosen = settings or Settings(workers=workers, repeats=repeats)
     asked = Asked.of(study)
@@ -56,7 +58,7 @@ def run(
     with holding(folder / f".{study.name}.lock", say):
         journal = Journal(folder / f"{study.name}.journal.jsonl", asked.context, machine())
         with journal:
-            return _Run(study, asked, folder, journal, chosen, say).go()
+            return _Run(study, asked, folder, journal, chosen, say, engine).go()
 
 
 def foresee(study: Study, out: Path, *, settings: Settings, say: Say = print) -> Forecast:
@@ -77,15 +79,14 @@ class _Run:
         journal: Journal,
         settings: Settings,
         say: Say,
+        engine: "Engine | None" = None,
     ) -> None:
+        self.engine = engine
         self.study, self.asked, self.folder = study, asked, folder
+        self.file = ResultFile(study, asked, folder, journal)
         self.journal, self.settings = journal, settings
         self.say: Say = lambda text: say(f"{study.name}: {text}")
-        self.path = folder / f"{study.name}.nc"
-        self.pictures = folder / f"{study.name}.fields"
         self.outcomes: dict[str, Outcome] = {}
-        self.attributes: dict[str, object] = {}
-        self.written = 0.0
 
     def go(self) -> xr.Dataset:
         cases = self.asked.cases
@@ -96,14 +97,13 @@ class _Run:
         predicted = self._forecast(lacking)
         if lacking and predicted.seconds is not None:
             self.say(str(predicted))
-        where = provenance()
-        self.journal.start(where)
-        self.attributes = self._attributes(where)
-        self._write()
+        self.file.where = provenance()
+        self.journal.start(self.file.where)
+        self.file.write(self.outcomes)
         try:
             self._solve(lacking)
             self._score(predicted, lacking)
-            self._write()
+            self.file.write(self.outcomes)
             self._time()
         except _FirstFailureError:
             for name in lacking:
@@ -111,13 +111,17 @@ class _Run:
             self.say("stopped at the first failure; what was not reached is marked as skipped")
         except KeyboardInterrupt:
             self.journal.sync()
-            self._write(self._pictures())
+            self.file.write(self.outcomes, fields=self.settings.fields)
             done = sum(name in self.outcomes for name in cases)
             self.say(f"{done} of {len(cases)} cases are stored; run the same command to go on")
             raise
-        self._write(self._pictures())
-        dataset = read(self.path)
-        self._report(dataset)
+        self.file.write(self.outcomes, fields=self.settings.fields)
+        dataset = self.file.read()
+        if "left_out" in dataset.attrs:
+            self.say(f"left out, {dataset.attrs['left_out']}")
+        for sentence in remarks([self.outcomes[name] for name in cases]):
+            self.say(sentence)
+        self.say(f"wrote {self.file.path}")
         return dataset
 
     def foresee(self) -> Forecast:
@@ -134,18 +138,18 @@ class _Run:
 
     def _forecast(self, lacking: Sequence[str]) -> Forecast:
         trees = {name: self.asked.names[name].tree for name in lacking}
-        return forecast(model(self.folder, machine()), trees, lacking, self.settings.repeats)
+        return forecast(model(self.folder, machine()), trees, lacking, self._repeats)
+
+    @property
+    def _repeats(self) -> int:
+        return self.settings.repeats if self.study.times == "taken" else 0
 
     def _score(self, predicted: Forecast, lacking: Sequence[str]) -> None:
         good = [name for name in lacking if self.outcomes[name].fate is Fate.OK]
         found = score(predicted, {name: self.outcomes[name].cpu for name in good})
         if found:
             self.journal.score(found)
-            self.say(
-                f"predicted {found['predicted_seconds']:.2g} s of CPU time, taken "
-                f"{found['taken_seconds']:.2g} s; "
-                f"half of the cases within a factor {found['prediction_error_factor_median']:.2g}"
-            )
+            self.say(in_words(found))
 
     def _lacking(self) -> list[str]:
         """The cases to compute; says why what is stored does not serve, where there is something."""
@@ -168,7 +172,7 @@ class _Run:
     def _is_done(self, name: str, fate: Fate) -> bool:
         wants_fields = self.settings.fields == "kept" and fate is Fate.OK
         return fate not in self.settings.retry and (
-            not wants_fields or stored_fields.are_kept(self.pictures, name)
+            not wants_fields or stored_fields.are_kept(self.file.pictures, name)
         )
 
     def _solve(self, lacking: Sequence[str]) -> None:
@@ -184,7 +188,7 @@ class _Run:
             nonlocal unseen
             name = lacking[number]
             if outcome.fields:
-                stored_fields.keep(self.pictures, name, outcome.fields)
+                stored_fields.keep(self.file.pictures, name, outcome.fields)
                 outcome = replace(outcome, fields={})
             named = self.asked.names[name]
             is_on_disk = self.journal.add(named, outcome)
@@ -196,8 +200,8 @@ class _Run:
             if outcome.fate is not Fate.OK and self.settings.after_failure == "stop":
                 self.say(f"a case failed: {outcome.error}")
                 raise _FirstFailureError
-            if monotonic() > self.written + 60:
-                self._write()
+            if monotonic() > self.file.written + 60:
+                self.file.write(self.outcomes)
 
         with bar:
             self._engine(lacking).run([self.asked.cases[name] for name in lacking], work, finished)
@@ -205,6 +209,8 @@ class _Run:
             bar.update(unseen)
 
     def _engine(self, lacking: Sequence[str]) -> "Engine":
+        if self.engine is not None:
+            return self.engine
         # what an engine needs is imported with it
         if self.settings.scheduler is not None:
             from studies.cluster import Cluster
@@ -225,59 +231,18 @@ class _Run:
             self.journal.forget_times()
         there = self.journal.contents.samples
         counts = {
-            name: self.settings.repeats - len(there.get(name, ()))
+            name: self._repeats - len(there.get(name, ()))
             for name, outcome in self.outcomes.items()
             if outcome.fate is Fate.OK
         }
         counts = {name: count for name, count in counts.items() if count > 0}
         expected = {name: self.outcomes[name].seconds for name in counts}
-        bar = tqdm(
-            total=sum(counts.values()), desc=f"{self.study.name}: timing", unit="run", disable=None
-        )
-
-        with bar:
-            time(self.asked.cases, counts, expected, partial(self._timed, bar))
+        kinds = {name: mode(self.asked.names[name].tree) for name in counts}
+        total, words = sum(counts.values()), f"{self.study.name}: timing"
+        with tqdm(total=total, desc=words, unit="run", disable=None) as bar:
+            time(self.asked.cases, counts, expected, kinds, partial(self._timed, bar))
             self.journal.sync()
 
     def _timed(self, bar: "tqdm[None]", name: str, sample: Sample) -> None:
         self.journal.time(name, sample)
         bar.update()
-
-    def _attributes(self, where: Mapping[str, str]) -> dict[str, object]:
-        first = next(iter(self.asked.cases.values()))
-        return {"title": self.study.title, "first_case": repr(first)} | dict(where) | {
-            "history": "\n".join(self.journal.contents.history),
-            "date_created": self.journal.contents.history[0].split()[0],
-            "case_versions": ", ".join(f"{k} {v}" for k, v in self.asked.context.items()),
-            "parameter_hash": key(list(self.asked.keys)),
-            "timing": "wall time, least of the repeats, one case at a time, one thread",
-            "timing_threads": 1,
-        }  # fmt: skip
-
-    def _write(self, groups: Iterable[tuple[str, xr.Dataset]] = ()) -> None:
-        samples = self.journal.contents.samples
-        now = datetime.now(UTC).isoformat(timespec="seconds")
-        attributes = self.attributes | dict(self.journal.contents.score) | {"date_modified": now}
-        dataset = assemble(self.study.points, self.asked.keys, self.outcomes, samples, attributes)
-        write(dataset, self.path, groups)
-        self.written = monotonic()
-
-    def _pictures(self) -> Iterator[tuple[str, xr.Dataset]]:
-        """A group for every case with fields, read when it is written."""
-        if self.settings.fields == "kept":
-            for name in self.asked.cases:
-                if stored_fields.are_kept(self.pictures, name):
-                    yield f"fields/case_{name}", stored_fields.kept(self.pictures, name)
-
-    def _report(self, dataset: xr.Dataset) -> None:
-        if "left_out" in dataset.attrs:
-            self.say(f"left out, {dataset.attrs['left_out']}")
-        found = [self.outcomes[name] for name in self.asked.cases]
-        failed = [outcome.error for outcome in found if outcome.failure]
-        if failed:
-            self.say(f"{len(failed)} of {len(found)} cases failed, the first with {failed[0]}")
-        ends = [o.variables["outcome"] for o in found if "outcome" in o.variables]
-        unsettled = sum(int(end) != 0 for end in ends)
-        if unsettled:
-            self.say(f"{unsettled} of {len(ends)} solves did not simply converge; see 'outcome'")
-        self.say(f"wrote {self.path}")

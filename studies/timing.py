@@ -11,7 +11,8 @@ from threadpoolctl import threadpool_limits
 from studies.case import Computation, flags
 
 THREADS = 1
-# A case shorter than this is run once untimed; in a longer one the first touch of memory is lost.
+# What a process does but once (imports, memory from the system) is done by an untimed run of the longest
+# case of each kind that is shorter than this; in a longer one it is lost.
 WARM_UP = 0.3
 # A neighbour on the core takes CPU time away; one on the memory bus, or a slower clock, makes repeats
 # differ, or a fixed piece of work take longer. Times are to hold within 10 %.
@@ -61,25 +62,36 @@ def time(
     cases: Mapping[str, Computation],
     lacking: Mapping[str, int],
     expected: Mapping[str, float],
+    kinds: Mapping[str, str],
     taken: Callable[[str, Sample], object],
 ) -> None:
     """``lacking[key]`` samples of each case, case after case in turns, each given to ``taken``.
 
-    ``expected`` seconds decide which cases are warmed up; what a case raises leaves it without times.
+    ``expected`` seconds and ``kinds`` decide which cases are run untimed before; what a case raises leaves
+    it without times.
     """
     with threadpool_limits(THREADS):
         failed = set()
-        for turn, key in turns(lacking):
+        untimed = [(-1, key) for key in warm_ups({key: expected[key] for key in lacking}, kinds)]
+        for turn, key in (*untimed, *turns(lacking)):
             if key in failed:
                 continue
             try:
-                if turn == 0 and expected.get(key, 0.0) < WARM_UP:
-                    clock(cases[key])
                 sample = clock(cases[key])
             except Exception:  # noqa: BLE001 (it was computed before, so this is chance, and no sample)
                 failed.add(key)
             else:
-                taken(key, sample)
+                if turn >= 0:
+                    taken(key, sample)
+
+
+def warm_ups(expected: Mapping[str, float], kinds: Mapping[str, str]) -> list[str]:
+    """Of each kind the longest case below ``WARM_UP``, by their keys."""
+    found: dict[str, str] = {}
+    for key, seconds in sorted(expected.items(), key=lambda one: one[1]):
+        if seconds < WARM_UP:
+            found[kinds[key]] = key
+    return list(found.values())
 
 
 def turns(lacking: Mapping[str, int]) -> Iterator[tuple[int, str]]:

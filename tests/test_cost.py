@@ -16,6 +16,24 @@ def test_seconds_grow_like_n_log_n_and_with_the_iterations() -> None:
     assert doubled == pytest.approx(2 * 16 / 15 * once)
 
 
+@pytest.mark.parametrize(
+    "padding",
+    [
+        cs.ExactPeriodicity(),
+        cs.Superposition(1),
+        (cs.ExactPeriodicity(), cs.ExactPeriodicity()),
+        (cs.ExactPeriodicity(), cs.ZeroPadding()),
+    ],
+    ids=repr,
+)
+@pytest.mark.parametrize("cells", [(64, 32), (67, 31), (128, 1)], ids=str)
+def test_points_are_those_of_the_operator(
+    cells: tuple[int, int], padding: cs.Padding | tuple[cs.Padding, cs.Padding]
+) -> None:
+    grid = cs.Grid(cells, (1.0, 1.0))
+    assert padded(grid, padding) == cs.convolution(1.0, grid, padding, 1.0).work
+
+
 def test_memory_counts_the_padded_grid() -> None:
     grid = cs.Grid((64, 32), (1.0, 1.0))
     fewer, more = (

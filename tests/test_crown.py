@@ -78,6 +78,14 @@ def test_a_drop_without_bound_is_lundbergs_own_profile(drop: float) -> None:
     np.testing.assert_allclose(profile.gap(grid)[0], expected, rtol=1e-12)
 
 
+@pytest.mark.parametrize("amplitude", [1e3, 1e60])
+def test_an_amplitude_without_bound_is_a_parabola(amplitude: float) -> None:
+    """``-A ln(1 - d t^2 / A)`` differs from it by parts of d / A."""
+    profile = cs.LundbergProfile(amplitude, end_drop=1e-6, length=0.01)
+    grid = cs.Grid(cells=(4, 64), extent=(1e-3, 0.01))
+    np.testing.assert_allclose(profile.gap(grid)[0], 1e-6 * (2 * grid.y / 0.01) ** 2, rtol=1e-8)
+
+
 @pytest.mark.parametrize("share", [0.5, 1.0])
 def test_profile_is_what_an_even_pressure_of_finite_length_lifts(
     share: float, line_contact: LineContact

@@ -69,6 +69,13 @@ def test_a_surface_without_room_for_a_wave_is_refused() -> None:
     assert not replace(ROUGH, rms=0.0).gap(small).any()
 
 
+def test_a_surface_of_more_waves_than_any_memory_holds_is_refused() -> None:
+    with pytest.raises(
+        cs.InvalidInput, match=r"^Roughness\.cut_off is 1e-40: give .* 1e\+09 waves"
+    ):
+        replace(ROUGH, cut_off=1e-40).gap(grid(16, 8))
+
+
 def test_rms_slope_is_what_was_asked() -> None:
     """By the derivatives of the trigonometric polynomial that the heights are samples of."""
     wide, fine = grid(128, 64).extent, (256, 128)

@@ -1,10 +1,13 @@
+import math
+import re
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import contactstudy as cs
-from studies.hard_case import CELLS, EXACT, FREE, A, grid, noise
+from studies.hard_case import CELLS, EXACT, FREE, P_H, A, grid, noise
 from studies.line_contact import SCENE
 from tests.hard_cases.judged import ends_well, every
 
@@ -47,6 +50,73 @@ def test_what_is_admitted_is_right_however_small_or_large(
     assert (solution.pressure > 0).all() == flat
     if not flat:
         assert set(np.flatnonzero(solution.pressure.any(axis=1))) == {11, 12}
+
+
+# sizes of a shape, in their own units
+SIZES: dict[str, Callable[[float], object]] = {
+    "Crown.radius": cs.Crown,
+    "Crown end_drop": lambda size: cs.Crown.of_drop(size, A),
+    "Crown length": lambda size: cs.Crown.of_drop(1e-6, size),
+    "LundbergProfile.amplitude": lambda size: cs.LundbergProfile(size, 1e-6, A),
+    "LundbergProfile.end_drop": lambda size: cs.LundbergProfile(1e-7, size, A),
+    "LundbergProfile.length": lambda size: cs.LundbergProfile(1e-7, 1e-6, size),
+    "FiniteLength.length": cs.FiniteLength,
+    "Waviness.amplitude": lambda size: cs.Waviness(-size, along=0.6 * A),
+    "Waviness.across": lambda size: cs.Waviness(1e-7, across=size),
+    "Waviness.along": lambda size: cs.Waviness(1e-7, along=size),
+    "Dimple.depth": lambda size: cs.Texture(cs.Dimple(size, 0.3 * A), (0.6 * A, 0.6 * A)),
+    "Dimple.diameter": lambda size: cs.Texture(cs.Dimple(1e-6, size), (1.2e60, 1.2e60)),
+    "Groove.depth": lambda size: cs.Texture(cs.Groove(size, 0.3 * A), (0.6 * A, math.inf)),
+    "Groove.width": lambda size: cs.Texture(cs.Groove(1e-6, size), (1.0, math.inf)),
+    "Texture.pitch[0]": lambda size: cs.Texture(cs.Groove(1e-6, 1e-60), (size, math.inf)),
+    "Texture along": lambda size: cs.Texture.of_density(cs.Dimple(1e-6, 0.1 * A), 0.1, size),
+    "Roughness.rms": lambda size: cs.Roughness(size, 0.8, A, 0.3 * A),
+    "RmsSlope.slope": lambda size: cs.Roughness(cs.RmsSlope(size), 0.8, A, 0.3 * A),
+    "Roughness.roll_off": lambda size: cs.Roughness(1e-7, 0.8, size, 0.3 * A),
+    "Roughness.cut_off": lambda size: cs.Roughness(1e-7, 0.8, A, size),
+    "Roughness.peklenik": lambda size: cs.Roughness(1e-7, 0.8, A, 0.3 * A, peklenik=size),
+    "Roughness.extent[0]": lambda size: cs.Roughness(1e-7, 0.8, A, 0.3 * A, extent=(size, A)),
+    "MeasuredSurface.extent[1]": lambda size: cs.MeasuredSurface(np.zeros((8, 8)), (A, size)),
+}
+HEIGHTS = [
+    "LundbergProfile.amplitude",
+    "LundbergProfile.end_drop",
+    "Waviness.amplitude",
+    "Dimple.depth",
+    "Groove.depth",
+    "Roughness.rms",
+    "RmsSlope.slope",
+]
+
+
+@pytest.mark.parametrize("size", ENDS)
+@pytest.mark.parametrize("field", SIZES)
+def test_a_size_that_no_product_can_bear_is_refused(field: str, size: float) -> None:
+    sentence = (
+        rf"^{re.escape(field)} is -?{re.escape(repr(size))}: give .* between 1e-60 and 1e\+60\.$"
+    )
+    with pytest.raises(cs.InvalidInput, match=sentence):
+        SIZES[field](size)
+
+
+@pytest.mark.parametrize("field", HEIGHTS)
+@pytest.mark.parametrize("solver", [cs.PreconditionedCG(), cs.PolonskyKeer()], ids=repr)
+def test_heights_that_are_admitted_end_well(field: str, solver: cs.Solver) -> None:
+    """None, one that is none beside what the contact flattens, and ones that leave little in contact."""
+
+    def solved(size: float) -> cs.Solution:
+        scene = replace(SCENE, shapes=(*SCENE.shapes, SIZES[field](size)))
+        return cs.solve(scene.problem(grid(), EXACT), solver=solver)
+
+    smooth = cs.solve(SCENE.problem(grid(), EXACT), solver=solver).pressure
+    np.testing.assert_array_equal(solved(0.0).pressure, smooth)
+    # A of Lundberg's profile names no height while its end drop stands
+    if field != "LundbergProfile.amplitude":
+        np.testing.assert_allclose(solved(1e-60).pressure, smooth, rtol=0, atol=1e-8 * P_H)
+    for size in (1e-60, 1e30, 1e60):
+        solution = solved(size)
+        assert solution.residual <= 1e-8
+        assert np.isfinite(solution.pressure).all()
 
 
 @pytest.mark.parametrize("aspect", [1e-10, 1e10])

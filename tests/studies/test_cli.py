@@ -9,8 +9,10 @@ import pytest
 import xarray as xr
 from click.testing import CliRunner, Result
 
+from contactstudy import InvalidInput
 from studies.cli import cli
 from studies.outcome import Fate
+from studies.study import load
 
 COMMAND = str(Path(sys.executable).with_name("contactstudy"))
 SMALL = [
@@ -184,3 +186,34 @@ def test_fail_fast_stops_with_an_exit_code(tmp_path: Path) -> None:
     assert done.exit_code == 1
     status = xr.load_dataset(tmp_path / "own.nc")["status"].values.tolist()
     assert status == [Fate.FAILED, Fate.SKIPPED]
+
+
+@pytest.mark.parametrize("arguments", [["period", "--help"], ["--out", "here", "period", "-h"]])
+def test_help_on_a_study_lists_its_axes_with_their_values(arguments: list[str]) -> None:
+    shown = " ".join(CliRunner().invoke(cli, ["run", *arguments]).output.split())
+    assert "--workers" in shown
+    axes = shown.split("Axes of period: ")[1]
+    for axis in load("period").points:
+        values = ", ".join(str(value) for value in axis.values)
+        assert f"--{axis.name} " in axes
+        assert f"{axis.long_name}. [default: {values}]" in axes
+
+
+def test_help_on_a_study_of_ones_own_has_its_units(tmp_path: Path) -> None:
+    file = tmp_path / "mine.py"
+    file.write_text(
+        "from studies.axis import Axis\n"
+        "points = (Axis('radius', (0.01, 0.02), 'radius of the cylinder', units='m'),)\n"
+        "scene_at = measures = figure = print\n"
+    )
+    shown = CliRunner().invoke(cli, ["run", str(file), "--help"]).output
+    assert "--radius NUMBERS  radius of the cylinder [m].  [default: 0.01, 0.02]" in shown
+
+
+def test_help_without_a_study_lists_no_axes_and_with_a_wrong_one_says_which_is_meant() -> None:
+    plain = CliRunner().invoke(cli, ["run", "--help"])
+    assert plain.exit_code == 0
+    assert "Axes of" not in plain.output
+    wrong = CliRunner().invoke(cli, ["run", "peroid", "--help"])
+    assert isinstance(wrong.exception, InvalidInput)
+    assert "did you mean 'period'" in str(wrong.exception)

@@ -14,12 +14,13 @@ import xarray as xr
 
 from contactstudy import InvalidInput
 from studies.cluster import Cluster
-from studies.outcome import Fate, Work
+from studies.engine import Crew
+from studies.outcome import Fate, Outcome, Work
 from studies.settings import Settings
 from studies.sweep import run
 from tests.studies import trouble
 from tests.studies.conftest import quiet
-from tests.studies.trouble import DIES, HANGS, NAN, RAISES
+from tests.studies.trouble import DIES, HANGS, NAN, RAISES, Trouble
 
 LIMIT = 1.5  # seconds; a case takes microseconds
 TROUBLES = {RAISES: Fate.FAILED, NAN: Fate.FAILED, HANGS: Fate.TIMEOUT, DIES: Fate.KILLED}
@@ -48,6 +49,43 @@ def examine(dataset: xr.Dataset) -> None:
 def test_processes_label_four_troubles_among_twenty(tmp_path: Path) -> None:
     settings = Settings(workers=2, time_limit=LIMIT, repeats=1)
     examine(run(trouble.study(), tmp_path, settings=settings, say=quiet))
+
+
+def test_a_crew_goes_from_study_to_study_and_outlives_their_troubles(tmp_path: Path) -> None:
+    """Its processes stay, take the measures of each study, and end with it."""
+    found: dict[int, Outcome] = {}
+    with Crew(1) as crew:
+        crew.run([Trouble(2.0)], Work(trouble.measures), found.__setitem__)
+        assert float(found[0].variables["square"]) == 4
+        processes = []
+        for _ in range(2):
+            crew.run([Trouble(1.0)], Work(process), found.__setitem__)
+            processes.append(int(found[0].variables["process"]))
+        assert processes[0] == processes[1] != os.getpid()
+        settings = Settings(time_limit=LIMIT, repeats=1)
+        examine(run(trouble.study(), tmp_path, settings=settings, say=quiet, engine=crew))
+        crew.run([Trouble(1.0)], Work(process), found.__setitem__)
+        processes.append(int(found[0].variables["process"]))
+    for one in processes:
+        with pytest.raises(ProcessLookupError):
+            os.kill(one, 0)
+
+
+def test_a_crew_that_was_stopped_starts_anew() -> None:
+    found: dict[int, Outcome] = {}
+
+    def stop(number: int, outcome: Outcome) -> None:
+        raise KeyboardInterrupt
+
+    with Crew(2) as crew:
+        with pytest.raises(KeyboardInterrupt):
+            crew.run([Trouble(1.0), Trouble(HANGS)], Work(trouble.measures), stop)
+        crew.run([Trouble(2.0)], Work(trouble.measures), found.__setitem__)
+    assert float(found[0].variables["square"]) == 4
+
+
+def process(case: Trouble, result: float) -> dict[str, float]:
+    return {"process": os.getpid()}
 
 
 SCRIPT = """

@@ -5,10 +5,12 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from studies import report
 from studies.finding import Finding, Table
-from studies.study import BUILT_IN, Study, load
+from studies.study import BUILT_IN, Plate, Study, load
+from studies.style import panels
 from studies.sweep import run
 from studies.words import percent
 from tests.studies.conftest import quiet
@@ -159,3 +161,23 @@ def test_shares_are_written_with_two_digits(share: float, text: str) -> None:
 )
 def test_indices_and_powers_are_set_as_such(text: str, markup: str) -> None:
     assert report.formulas(text) == markup
+
+
+def test_a_figure_is_laid_out_once_for_both_files(out: Path, tmp_path: Path) -> None:
+    laid_out = []
+
+    class Counted(ConstrainedLayoutEngine):
+        def execute(self, fig: object) -> object:
+            laid_out.append(fig)
+            return super().execute(fig)
+
+    figure, (ax,) = panels(1)
+    figure.set_layout_engine(Counted())
+    ax.set_ylabel("two lines\nwant room")
+    before = ax.get_position().x0
+    shutil.copy(out / "period.nc", tmp_path)
+    study = replace(load("period"), figure=lambda _: (Plate("one", figure, "words"),))
+    report.draw(study, tmp_path)
+    assert laid_out == [figure]
+    assert ax.get_position().x0 > before
+    assert {path.name for path in (tmp_path / "period").iterdir()} == {"one.png", "one.pdf"}

@@ -4,6 +4,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from contactstudy import InvalidInput
 from studies import timing
 from studies.outcome import Fate
 from studies.settings import Settings
@@ -75,29 +76,38 @@ def test_stored_times_are_not_taken_again_unless_asked(tmp_path: Path) -> None:
     assert taken == 0
     more, taken = times(replace(once, repeats=3))
     np.testing.assert_array_equal(first, more[:, :2])
-    assert taken == 2 * (1 + 1)  # two cases, a warm-up and what was missing
+    assert taken == 1 + 2 * 1  # a warm-up for two cases of a kind, and what was missing
     # by count, for two times may agree to the clock's last digit
     _, taken = times(replace(once, old_times="dropped"))
-    assert taken == 2 * (1 + 2)
+    assert taken == 1 + 2 * 2
 
 
-def test_a_case_is_warmed_up_if_it_is_short(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_longest_short_case_of_each_kind_is_run_untimed_before_all(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     clocked: list[object] = []
     monkeypatch.setattr(timing, "clock", lambda case: clocked.append(case) or sample(1.0))
-    cases = {"short": trouble.Trouble(1.0), "long": trouble.Trouble(2.0)}
+    expected = {"tiny": 0.01, "short": 0.1, "long": 9.0, "other": 0.02, "slow": 8.0}
+    kinds = {"tiny": "a", "short": "a", "long": "a", "other": "b", "slow": "c"}
+    cases = {name: trouble.Trouble(float(number)) for number, name in enumerate(expected)}
     taken: list[str] = []
-    timing.time(
-        cases,
-        {"short": 1, "long": 1},
-        {"short": 0.1, "long": 9.0},
-        lambda key, _: taken.append(key),
-    )
-    assert taken == ["short", "long"]
-    assert clocked.count(cases["short"]) == 2
-    assert clocked.count(cases["long"]) == 1
+    timing.time(cases, dict.fromkeys(cases, 1), expected, kinds, lambda key, _: taken.append(key))
+    assert taken == list(cases)
+    assert set(clocked[:2]) == {cases["short"], cases["other"]}
+    assert clocked[2:] == list(cases.values())
 
 
 def test_what_failed_is_not_timed(tmp_path: Path) -> None:
     dataset = run(trouble.study([1.0, 3.0]), tmp_path, workers=0, repeats=1, say=quiet)
     assert dataset["status"].values.tolist() == [Fate.OK, Fate.FAILED]
     assert dataset["contended"].values.tolist()[1] == 2
+
+
+def test_a_study_that_wants_no_times_is_not_timed(tmp_path: Path) -> None:
+    log = tmp_path / "log"
+    study = replace(trouble.study([1.0, 2.0], log=str(log)), times="none")
+    dataset = run(study, tmp_path, settings=Settings(workers=0), say=quiet)
+    assert len(log.read_text().splitlines()) == 2
+    assert dataset["contended"].values.tolist() == [2, 2]
+    with pytest.raises(InvalidInput, match=r"^times is 'some'"):
+        replace(study, times="some")

@@ -43,7 +43,7 @@ class Estimate:
 
 
 @dataclass(frozen=True, eq=False)
-class CostModel:
+class ForecastModel:
     """Fitted to ``observations``, anew for each question."""
 
     observations: Sequence[Observation]
@@ -67,8 +67,8 @@ class CostModel:
         for one in self.observations:
             value = _value(one.known, quantity)
             if value > 0:
-                mode, numbers = _described(one.tree)
-                by_mode[mode].append((numbers, log(value) - _work(quantity, numbers)))
+                named, numbers = _described(one.tree)
+                by_mode[named].append((numbers, log(value) - _work(quantity, numbers)))
         everything = [row for rows in by_mode.values() for row in rows if _has_cells(row[0])]
         asked: dict[tuple[str, ...], list[int]] = defaultdict(list)
         described = [_described(tree) for tree in trees]
@@ -121,6 +121,11 @@ def _work(quantity: str, numbers: Mapping[str, float]) -> float:
         return 0.0
     cells = sum(value for name, value in numbers.items() if CELLS in name)
     return log(exp(cells) * cells + CALLS) if cells > 0 else 0.0
+
+
+def mode(tree: Tree) -> str:
+    """All that is named in a case, whatever its numbers."""
+    return _described(tree)[0]
 
 
 def _described(tree: Tree) -> tuple[str, Mapping[str, float]]:

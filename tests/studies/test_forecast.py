@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from studies.canonical import canonical
-from studies.cost import CostModel, Estimate, Observation, total
 from studies.forecast import Forecast, forecast, score
+from studies.forecast_model import Estimate, ForecastModel, Observation, total
 from studies.line_contact import scene_at
 from studies.settings import Settings
 from studies.study import load
@@ -30,7 +30,7 @@ def test_stored_costs_that_were_held_out_are_predicted_within_a_factor_of_1_5(se
     errors = []
     for fold in range(5):
         held = [STORED[place] for place in order[fold::5]]
-        model = CostModel([one for one in STORED if one not in held])
+        model = ForecastModel([one for one in STORED if one not in held])
         trees = [one.tree for one in held]
         both = zip(model.predict("setup", trees), model.predict("solve", trees), strict=True)
         for one, (setup, solve) in zip(held, both, strict=True):
@@ -45,7 +45,7 @@ def test_stored_costs_that_were_held_out_are_predicted_within_a_factor_of_1_5(se
 
 def test_the_uncertainty_is_that_of_the_errors() -> None:
     held, rest = STORED[::4], [one for number, one in enumerate(STORED) if number % 4]
-    found = CostModel(rest).predict("solve", [one.tree for one in held])
+    found = ForecastModel(rest).predict("solve", [one.tree for one in held])
     scaled = [
         log(one.known["solve"] / guess.value) / log(guess.factor)
         for one, guess in zip(held, found, strict=True)
@@ -60,7 +60,7 @@ def test_a_power_is_found_and_uncertainty_grows_with_distance(power: float, scal
     def row(size: float) -> Observation:
         return Observation({"": "Thing", "size": str(size)}, {"case": scale * size**power})
 
-    model = CostModel([row(size) for size in (1.5, 2.5, 4.5, 8.5, 16.5, 32.5)])
+    model = ForecastModel([row(size) for size in (1.5, 2.5, 4.5, 8.5, 16.5, 32.5)])
     near, far = model.predict(
         "case", [{"": "Thing", "size": "11.5"}, {"": "Thing", "size": "1000.5"}]
     )
@@ -73,8 +73,8 @@ def test_a_power_is_found_and_uncertainty_grows_with_distance(power: float, scal
 def test_a_mode_that_is_new_is_guessed_from_the_others_with_less_trust() -> None:
     others = [one for one in STORED if one.tree["padding"][""] != "ExactPeriodicity"]
     new = next(one.tree for one in STORED if one.tree["padding"][""] == "ExactPeriodicity")
-    guess = CostModel(others).predict("setup", [new])[0]
-    known = CostModel(STORED).predict("setup", [new])[0]
+    guess = ForecastModel(others).predict("setup", [new])[0]
+    known = ForecastModel(STORED).predict("setup", [new])[0]
     assert guess is not None
     assert known is not None
     assert guess.factor > 2 > known.factor
@@ -82,8 +82,8 @@ def test_a_mode_that_is_new_is_guessed_from_the_others_with_less_trust() -> None
 
 def test_with_nothing_stored_nothing_is_claimed() -> None:
     tree = canonical(scene_at({"padding": "exact", "images": 1, "period": 1.0, "grid": 16}))
-    assert CostModel([]).predict("case", [tree]) == [None]
-    assert "not known" in str(forecast(CostModel([]), {"a": tree}, ["a"], 2))
+    assert ForecastModel([]).predict("case", [tree]) == [None]
+    assert "not known" in str(forecast(ForecastModel([]), {"a": tree}, ["a"], 2))
 
 
 def test_a_sum_is_as_uncertain_as_its_parts() -> None:

@@ -62,6 +62,20 @@ def test_iterations_do_not_grow_with_the_grid(heights: str, line_contact: LineCo
     assert many <= 1.3 * few + 4  # whole iterations of a few
 
 
+@pytest.mark.parametrize("cells", [160, 192, 256, 320])
+def test_of_cells_that_meet_a_limit_together_rounding_picks_none(
+    cells: int, line_contact: LineContact
+) -> None:
+    """A sphere's cells come in eights: parted, they take twice as many iterations."""
+    scene = replace(line_contact.scene, shapes=(cs.Sphere(0.02),))
+    grid = line_contact.grid(cells, 2.4, 2.4)
+    solution = cs.solve(scene.problem(grid, (cs.ZeroPadding(), cs.ZeroPadding())), tolerance=1e-10)
+    p = solution.pressure
+    np.testing.assert_allclose(p.T, p, rtol=0, atol=1e-8 * p.max())
+    np.testing.assert_allclose(p[::-1], p, rtol=0, atol=1e-8 * p.max())
+    assert solution.iterations <= 20
+
+
 @pytest.mark.parametrize("heights", list(ROUGH)[1:])
 def test_rough_contacts_take_a_fifth_of_the_convolutions(
     heights: str, line_contact: LineContact

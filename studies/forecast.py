@@ -60,9 +60,10 @@ def observations(contents: Contents) -> list[Observation]:
         if samples := contents.samples.get(name):
             known["setup"] = min(sample.setup_cpu for sample in samples)
             known["solve"] = min(sample.solve_cpu for sample in samples)
+        known["iterations"] = 1.0
         for count in ("iterations", "convolutions"):  # the latter says more
             if count in variables and variables[count].ndim == 0:
-                known["iterations"] = float(variables[count])
+                known["iterations"] = max(float(variables[count]), 1.0)
         found.append(Observation(record.named.tree, known))
     return found
 

@@ -111,7 +111,7 @@ def _has_cells(numbers: Mapping[str, float]) -> bool:
 
 def _value(known: Mapping[str, float], quantity: str) -> float:
     if quantity == "each":
-        return known.get("solve", 0.0) / max(known.get("iterations", 0.0), 1e-9)
+        return known.get("solve", 0.0) / known.get("iterations", 1.0)
     return known.get(quantity, 0.0)
 
 

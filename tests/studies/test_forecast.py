@@ -8,12 +8,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from studies.canonical import canonical
-from studies.forecast import Forecast, forecast, score
+from studies.forecast import Forecast, forecast, observations, score
 from studies.forecast_model import Estimate, ForecastModel, Observation, total
+from studies.journal import Journal
 from studies.line_contact import scene_at
+from studies.provenance import machine
 from studies.settings import Settings
 from studies.study import load
 from studies.sweep import foresee, run
+from tests.studies import trouble
 from tests.studies.conftest import quiet
 
 STORED = [
@@ -68,6 +71,18 @@ def test_a_power_is_found_and_uncertainty_grows_with_distance(power: float, scal
     assert far is not None
     assert near.value == pytest.approx(scale * 11.5**power, rel=0.1)
     assert far.factor > near.factor
+
+
+def test_a_case_that_counts_no_iterations_takes_one(tmp_path: Path) -> None:
+    """Else the time of each would be without end, and with it all that is like nothing stored."""
+    run(trouble.study([1.0]), tmp_path, settings=Settings(workers=0, repeats=1), say=quiet)
+    journal = Journal(tmp_path / "trouble.journal.jsonl", None, machine())
+    (found,) = observations(journal.contents)
+    assert found.known["iterations"] == 1
+    model = ForecastModel([found])
+    guess = model.predict("solve", [found.tree])[0]
+    assert guess is not None
+    assert guess.value == pytest.approx(found.known["solve"])
 
 
 def test_a_mode_that_is_new_is_guessed_from_the_others_with_less_trust() -> None:

@@ -108,7 +108,7 @@ class CompressivePressures:
 
     def residual(self, pressure: Array, gap: Gap) -> float:
         """Complementarity, penetration, load."""
-        borne = float(pressure.sum())
+        borne = pressure.sum()
         complementarity = inner(pressure, np.abs(gap.held)) / borne
         return largest(complementarity, gap.overlap.max(), abs(borne / self.total - 1))
 
@@ -122,16 +122,18 @@ def shifted(trial: Array, total: float, most: float) -> Array:
     """``trial`` shifted by the one height at which, cut off at 0 and ``most``, it sums to ``total``."""
     from scipy.optimize import brentq  # as heavy as all else together, and hardly ever needed
 
-    mean = total / trial.size
-    fine = trial.astype(np.float64, copy=False)
+    # counted from the highest, so that the numbers are of the load's size where it is borne
+    below = trial.astype(np.float64)
+    below -= below.max()
 
     def lacking(shift: float) -> float:
-        return total - float(np.clip(fine + shift, 0, most).sum())
+        return total - float(np.clip(below + shift, 0, most).sum())
 
-    low, high = mean - float(trial.max()), min(total, most) - float(trial.min())
+    mean = total / trial.size
+    low, high = mean, total if total <= most else most - float(below.min())
     # at these ends too little and too much is carried, but for rounding
     if lacking(high) >= 0 or lacking(low) <= 0:
         shift = high if lacking(high) >= 0 else low
     else:
-        shift = brentq(lacking, low, high, xtol=1e-16 * (high - low))
-    return np.clip(fine + shift, 0, most).astype(trial.dtype, copy=False)
+        shift = brentq(lacking, low, high, xtol=1e-16 * mean, maxiter=1000)
+    return np.clip(below + shift, 0, most).astype(trial.dtype, copy=False)

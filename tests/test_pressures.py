@@ -27,7 +27,9 @@ def most(pressures: AdmissiblePressures) -> float:
 
 
 @given(
-    seed=st.integers(0, 2**32), which=st.sampled_from(SETS), scale=st.sampled_from([1e-8, 1.0, 1e8])
+    seed=st.integers(0, 2**32),
+    which=st.sampled_from(SETS),
+    scale=st.sampled_from([1e-8, 1.0, 1e8, 1e40]),
 )
 def test_what_is_admitted_or_nearest_is_admissible(
     seed: int, which: AdmissiblePressures, scale: float
@@ -37,8 +39,9 @@ def test_what_is_admitted_or_nearest_is_admissible(
     for admitted in (which.admit(trial.copy()), which.nearest(trial)):
         assert admitted.min() >= 0
         assert admitted.max() <= most(which)
-        # the shift is a difference of numbers of the trial's size
-        assert admitted.sum() == pytest.approx(which.total, rel=1e-12, abs=1e-14 * scale)
+        # under a hardness, cells may have to be lifted by as much as they are below the others
+        lifted = scale if most(which) < which.total else 0.0
+        assert admitted.sum() == pytest.approx(which.total, rel=1e-12, abs=1e-14 * lifted)
 
 
 @given(seed=st.integers(0, 2**32), which=st.sampled_from(SETS))

@@ -119,21 +119,24 @@ def largest(*measures: float) -> float:
 
 
 def shifted(trial: Array, total: float, most: float) -> Array:
-    """``trial`` shifted by the one height at which, cut off at 0 and ``most``, it sums to ``total``."""
-    from scipy.optimize import brentq  # as heavy as all else together, and hardly ever needed
+    """``trial`` shifted by the one height at which, cut off at 0 and ``most``, it sums to ``total``.
 
+    What is carried is a broken line in the shift: it bends where a cell begins to bear, and where it has
+    all it can. Source: Held, Wolfe & Crowder (1974), here with a most.
+    """
     # counted from the highest, so that the numbers are of the load's size where it is borne
     below = trial.astype(np.float64)
     below -= below.max()
-
-    def lacking(shift: float) -> float:
-        return total - float(np.clip(below + shift, 0, most).sum())
-
-    mean = total / trial.size
-    low, high = mean, total if total <= most else most - float(below.min())
-    # at these ends too little and too much is carried, but for rounding
-    if lacking(high) >= 0 or lacking(low) <= 0:
-        shift = high if lacking(high) >= 0 else low
-    else:
-        shift = brentq(lacking, low, high, xtol=1e-16 * mean, maxiter=1000)
-    return np.clip(below + shift, 0, most).astype(trial.dtype, copy=False)
+    begin = np.sort(-below, axis=None)
+    bends, turns = begin, np.ones(begin.size)
+    if most < inf:
+        bends, turns = np.concatenate([begin, begin + most]), np.concatenate([turns, -turns])
+        order = np.argsort(bends, kind="stable")
+        bends, turns = bends[order], turns[order]
+    bearing = np.cumsum(turns)
+    borne = np.cumsum(bearing[:-1] * np.diff(bends))
+    last = int(np.searchsorted(borne, total))
+    shift = bends[last] + (total - (borne[last - 1] if last else 0.0)) / max(bearing[last], 1.0)
+    # once more, for the rounding of a sum in order
+    shift += (total - np.clip(below + shift, 0, most).sum()) / max(bearing[last], 1.0)
+    return np.asarray(np.clip(below + shift, 0, most), dtype=trial.dtype)

@@ -13,6 +13,7 @@ import xarray as xr
 from contactstudy import InvalidInput
 from studies.axis import Axis
 from studies.case import flags
+from studies.interrupt import held_back
 from studies.outcome import Failure, Fate, Outcome
 from studies.timing import Sample, timing_variables
 
@@ -124,7 +125,7 @@ def replacing(path: Path) -> Iterator[Path]:
 def write(dataset: xr.Dataset, path: Path, groups: Iterable[tuple[str, xr.Dataset]] = ()) -> None:
     """``dataset`` as netCDF, with ``groups`` below it; a file that was there stays until all is whole."""
     try:
-        with replacing(path) as partial:
+        with held_back(), replacing(path) as partial:
             dataset.to_netcdf(partial, engine="netcdf4", encoding=_encoding(dataset))
             for name, group in groups:
                 group.to_netcdf(
@@ -147,7 +148,8 @@ def _encoding(dataset: xr.Dataset) -> dict[Hashable, dict[str, None]]:
 def read(path: Path) -> xr.Dataset:
     """The Dataset in ``path``, in memory; raises :class:`~contactstudy.InvalidInput` without one."""
     try:
-        return xr.load_dataset(path, engine="netcdf4")
+        with held_back():
+            return xr.load_dataset(path, engine="netcdf4")
     except OSError as error:
         raise InvalidInput(
             f"Study file {str(path)!r} cannot be read ({error.strerror or error}): run the study first."

@@ -54,7 +54,10 @@ class AdmissiblePressures(Protocol):
         ...
 
     def nearest(self, trial: Array) -> Array:
-        """The admissible pressure nearest to ``trial``; a step against the gap, made so, is downhill."""
+        """The admissible pressure nearest to ``trial``, in place.
+
+        A step against the gap, made so, is downhill.
+        """
         ...
 
     def residual(self, pressure: Array, gap: Gap) -> float:
@@ -121,22 +124,27 @@ def largest(*measures: float) -> float:
 def shifted(trial: Array, total: float, most: float) -> Array:
     """``trial`` shifted by the one height at which, cut off at 0 and ``most``, it sums to ``total``.
 
-    What is carried is a broken line in the shift: it bends where a cell begins to bear, and where it has
-    all it can. Source: Held, Wolfe & Crowder (1974), here with a most.
+    In place. What is carried is a broken line in the shift: it bends where a cell begins to bear, and where
+    it has all it can. Source: Held, Wolfe & Crowder (1974), here with a most.
     """
     # counted from the highest, so that the numbers are of the load's size where it is borne
-    below = trial.astype(np.float64)
+    below = trial.astype(np.float64, copy=False)
     below -= below.max()
-    begin = np.sort(-below, axis=None)
-    bends, turns = begin, np.ones(begin.size)
+    bends = np.negative(below).ravel()
+    bends.sort()
+    bearing = np.arange(1.0, bends.size + 1)
     if most < inf:
-        bends, turns = np.concatenate([begin, begin + most]), np.concatenate([turns, -turns])
+        bends = np.concatenate([bends, bends + most])
         order = np.argsort(bends, kind="stable")
-        bends, turns = bends[order], turns[order]
-    bearing = np.cumsum(turns)
-    borne = np.cumsum(bearing[:-1] * np.diff(bends))
+        bends, bearing = bends[order], np.cumsum(np.where(order < below.size, 1.0, -1.0))
+    borne = np.diff(bends)
+    borne *= bearing[:-1]
+    np.cumsum(borne, out=borne)
     last = int(np.searchsorted(borne, total))
-    shift = bends[last] + (total - (borne[last - 1] if last else 0.0)) / max(bearing[last], 1.0)
+    rest, cells = total - (borne[last - 1] if last else 0.0), max(bearing[last], 1.0)
+    shift = bends[last] + rest / cells
+    del bends, bearing, borne
     # once more, for the rounding of a sum in order
-    shift += (total - np.clip(below + shift, 0, most).sum()) / max(bearing[last], 1.0)
-    return np.asarray(np.clip(below + shift, 0, most), dtype=trial.dtype)
+    shift += (total - np.clip(below + shift, 0, most).sum()) / cells
+    below += shift
+    return np.asarray(np.clip(below, 0, most, out=below), dtype=trial.dtype)

@@ -36,7 +36,7 @@ def test_what_is_admitted_or_nearest_is_admissible(
 ) -> None:
     trial = np.random.default_rng(seed).standard_normal((3, 4)) * scale
     trial[0, 0] = scale  # one cell at least bears
-    for admitted in (which.admit(trial.copy()), which.nearest(trial)):
+    for admitted in (which.admit(trial.copy()), which.nearest(trial.copy())):
         assert admitted.min() >= 0
         assert admitted.max() <= most(which)
         # under a hardness, cells may have to be lifted by as much as they are below the others
@@ -50,7 +50,7 @@ def test_no_admissible_pressure_is_nearer_than_the_nearest(
 ) -> None:
     rng = np.random.default_rng(seed)
     trial = rng.standard_normal((3, 4)) * 3
-    nearest = which.nearest(trial)
+    nearest = which.nearest(trial.copy())
     for _ in range(10):
         other = which.admit(rng.exponential(size=(3, 4)))
         # the step on from the nearest to any other leads away: a convex set's own property
@@ -62,7 +62,7 @@ def test_an_admissible_pressure_is_its_own_admitted_and_nearest() -> None:
     for which in SETS:
         pressure = which.admit(np.random.default_rng(1).exponential(size=(3, 4)))
         np.testing.assert_allclose(which.admit(pressure.copy()), pressure, rtol=1e-14)
-        np.testing.assert_allclose(which.nearest(pressure), pressure, rtol=1e-12)
+        np.testing.assert_allclose(which.nearest(pressure.copy()), pressure, rtol=1e-12)
 
 
 def test_a_hardness_everywhere_may_just_carry_the_load() -> None:

@@ -23,6 +23,11 @@ def inner(a: Array, b: Array) -> float:
     return float(np.matmul(a[:, None, :], b[:, :, None]).sum())
 
 
+def mean_over(cells: Array, field: Array) -> float:
+    """Mean of ``field`` over the ``cells`` that are 1, of others that are 0."""
+    return float(inner(field, cells) / cells.sum())
+
+
 def product(a: Array, b: Array) -> Array:
     """The matrix product, row by row for the same reason."""
     return np.asarray(np.matmul(a[:, None], b)[:, 0])

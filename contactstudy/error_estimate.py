@@ -6,6 +6,7 @@ import numpy as np
 
 from contactstudy.checks import InvalidInput
 from contactstudy.discretisation import discretisation
+from contactstudy.gap import violation
 from contactstudy.solution import Solution, Status
 from contactstudy.truncation import truncation
 
@@ -64,11 +65,11 @@ def _residual(solution: Solution) -> tuple[float, float]:
     problem = solution.problem
     scales, operator = problem.scales, problem.bare().displacement
     pressure, gap = solution.pressure / scales.pressure, solution.gap / scales.gap
-    free, apart = problem.pressures.free(solution.pressure) > 0, pressure == 0
+    free = problem.pressures.free(solution.pressure) > 0
     closing = operator.approximate_inverse()[0](np.where(free, -gap, 0.0))
     closing = np.where(free, closing - closing.mean(where=free) if free.any() else 0.0, 0.0)
-    # cells at a limit that should not be: out of contact and penetrating, or yielding and open
-    bound = np.where(free, 0.0, np.maximum(np.where(apart, -gap, gap), 0) / operator.own)
+    # of cells at a limit that should not be
+    bound = violation(pressure, np.where(free, 0.0, -gap)) / operator.own
     missing = MARGIN * (np.abs(closing) + bound)
     l1 = float(missing.sum() / pressure.sum())
     # another cell may yet become the highest; and the inverse, blind to where a length that does not wrap

@@ -2,7 +2,9 @@
 
 from dataclasses import dataclass
 
-from contactstudy.arrays import Array
+import numpy as np
+
+from contactstudy.arrays import Array, inner
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,3 +21,12 @@ class Gap:
     held: Array
     overlap: Array
     approach: float
+
+    def slope(self, step: Array) -> float:
+        """How fast the energy grows along a ``step`` of the pressure."""
+        return inner(self.held, step) - inner(self.overlap, step)
+
+
+def violation(pressure: Array, overlap: Array) -> Array:
+    """How far cells at a limit are on its wrong side: penetrating where p = 0, open where they yield."""
+    return np.maximum(np.where(pressure == 0, overlap, -overlap), 0)

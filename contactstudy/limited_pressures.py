@@ -6,8 +6,8 @@ from math import prod
 import numpy as np
 from numpy.typing import NDArray
 
-from contactstudy.arrays import Array, inner
-from contactstudy.gap import Gap
+from contactstudy.arrays import Array, inner, mean_over
+from contactstudy.gap import Gap, violation
 from contactstudy.pressures import largest, shifted
 
 
@@ -43,7 +43,7 @@ class LimitedPressures:
         """The mean gap of the free cells; where all have yielded, the least that leaves none open."""
         if not free.any():
             return float(gap[pressure > 0].max())
-        return float(inner(gap, free) / free.sum())
+        return mean_over(free, gap)
 
     def cuts(self, trial: Array) -> bool:
         """Tension, or more than the hardness."""
@@ -90,10 +90,7 @@ class LimitedPressures:
 
     def residual(self, pressure: Array, gap: Gap) -> float:
         """Complementarity of the free cells, penetration, gaps that yielding cells leave open, load."""
-        borne = inner(pressure, self.free(pressure))
+        borne = inner(pressure, gap.free)
         complementarity = inner(pressure, np.abs(gap.held)) / borne if borne > 0 else 0.0
-        yielding = pressure >= self.hardness
-        penetration = (gap.overlap * ~yielding).max()
-        opening = -(gap.overlap * yielding).min()
-        unbalanced = abs(pressure.sum() / self.total - 1)
-        return largest(complementarity, penetration, opening, unbalanced)
+        wrong = violation(pressure, gap.overlap).max()
+        return largest(complementarity, wrong, abs(pressure.sum() / self.total - 1))

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contactstudy.arrays import Array, inner
+from contactstudy.arrays import Array, inner, mean_over
 from contactstudy.iterate import Iterate, Stall
 from contactstudy.problem import BareProblem
 
@@ -51,7 +51,7 @@ class PolonskyKeer:
             if inner(gap.held, direction) <= 0:  # the contact has changed: conjugacy is lost
                 direction = gap.held
             response = problem.displacement(direction)
-            response -= inner(response, gap.free) / gap.free.sum()
+            response -= mean_over(gap.free, response)
             curvature = inner(response, direction)
             # a single cell in contact is level with itself: the others then close their own gaps
             step = inner(gap.held, direction) / curvature if curvature > 0 else 1 / own

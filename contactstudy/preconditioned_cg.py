@@ -118,7 +118,7 @@ class PreconditionedCG:
             trial += gap.overlap * (self.seed / own)
             trial = pressures.admit(trial)
             step = np.subtract(trial, pressure, out=last.step if last else None)
-            slope = inner(gap.held, step) - inner(gap.overlap, step)
+            slope = gap.slope(step)
             if slope >= 0:
                 # balancing the load has turned the step uphill: that to the nearest pressure never is
                 cut, length = True, length / 4
@@ -127,7 +127,7 @@ class PreconditionedCG:
                 trial += pressure
                 trial = pressures.nearest(trial)
                 np.subtract(trial, pressure, out=step)
-                slope = inner(gap.held, step) - inner(gap.overlap, step)
+                slope = gap.slope(step)
             ahead = operator(trial)
             response = np.subtract(ahead, moved, out=last.response if last else None)
             curvature = inner(step, response)

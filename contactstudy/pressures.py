@@ -6,7 +6,7 @@ from typing import Protocol, Self
 
 import numpy as np
 
-from contactstudy.arrays import Array, inner
+from contactstudy.arrays import Array, inner, mean_over
 from contactstudy.gap import Gap
 
 
@@ -89,7 +89,7 @@ class CompressivePressures:
 
     def approach(self, pressure: Array, gap: Array, free: Array) -> float:
         """The mean gap of the contact."""
-        return float(inner(gap, free) / free.sum())
+        return mean_over(free, gap)
 
     def cuts(self, trial: Array) -> bool:
         """Tension."""

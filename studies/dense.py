@@ -9,6 +9,7 @@ import numpy as np
 import contactstudy as cs
 from contactstudy.arrays import Array
 from contactstudy.doubly_periodic import boussinesq_cell_doubly_periodic
+from contactstudy.gap import violation
 from contactstudy.influence import boussinesq_cell
 from contactstudy.singly_periodic import boussinesq_cell_periodic
 
@@ -107,8 +108,7 @@ def stated_error(solution: cs.Solution, found: DenseAnswer) -> float:
     bare, unit = solution.problem.bare(), solution.problem.scales.pressure
     pressure = solution.pressure / unit
     gap = bare.gap(pressure, bare.displacement(pressure))
-    # overlap where nothing is borne is left open too, and so is a gap where all that can be borne is
-    left = gap.held + np.where(pressure > 0, np.minimum(gap.overlap, 0), np.maximum(gap.overlap, 0))
+    left = gap.held + violation(pressure, gap.overlap)
     unsure = float(np.linalg.norm(left)) + found.rounding * np.count_nonzero(pressure) ** 0.5
     unbalanced = abs(pressure.sum() / bare.pressures.total - 1)
     return float(unsure / found.softest + pressure.max() * (unbalanced + ROUNDING))

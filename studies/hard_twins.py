@@ -58,9 +58,8 @@ def perturbation() -> dict[str, HardCase]:
     on = grid()
 
     def case(hard: str, twin: Twin, paddings: tuple[str, ...] = tuple(PADDINGS)) -> HardCase:
-        ends = ENDED
         return HardCase(
-            "perturbation", hard, scene, on, ends, twin, tolerance=1e-12, paddings=paddings
+            "perturbation", hard, scene, on, ENDED, twin, tolerance=1e-12, paddings=paddings
         )
 
     whole = tuple(name for name, padding in PADDINGS.items() if across_and_along(padding)[1].wraps)

@@ -3,18 +3,11 @@
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from contactstudy import analytic, influence
-from contactstudy.checks import InvalidInput
-from contactstudy.convolution import Convolution, convolution
-from contactstudy.crown import Crown, LundbergProfile
-from contactstudy.detail import Detail
-from contactstudy.error_estimate import ErrorEstimate, ErrorParts, error_estimate
-from contactstudy.finite_length import FiniteLength
-from contactstudy.grid import Grid
-from contactstudy.load import LineLoad
-from contactstudy.measured import MeasuredSurface
-from contactstudy.missing import HarmonicFill, RefuseMissing
-from contactstudy.padding import (
+from contactstudy import analytic
+from contactstudy.accuracy.estimate import ErrorEstimate, ErrorParts, error_estimate
+from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.grid import Grid
+from contactstudy.domain.padding import (
     CircularSuperposition,
     DuplicatedPadding,
     ExactPeriodicity,
@@ -23,25 +16,40 @@ from contactstudy.padding import (
     Superposition,
     ZeroPadding,
 )
-from contactstudy.plan import Plan, plan
-from contactstudy.polonsky_keer import PolonskyKeer
-from contactstudy.precision import Precision
-from contactstudy.preconditioned_cg import PreconditionedCG
-from contactstudy.problem import Problem
-from contactstudy.roughness import RmsSlope, Roughness
-from contactstudy.scene import Scene
-from contactstudy.seam import AsMeasured, Mirrored, Tapered
-from contactstudy.shapes import Cylinder, Shape, Sphere, Waviness
-from contactstudy.solids import HalfSpace
-from contactstudy.solution import Solution, Status
-from contactstudy.solver import Solver, solve
-from contactstudy.texture import Cosine, Dimple, FlatBottomed, Groove, Parabolic, Texture
-from contactstudy.trend import Trend
+from contactstudy.domain.precision import Precision
+from contactstudy.elasticity.convolution import Convolution, convolution
+from contactstudy.elasticity.kernels import cell as influence
+from contactstudy.planning.plan import Plan, plan
+from contactstudy.problem.problem import Problem
+from contactstudy.scene.load import LineLoad
+from contactstudy.scene.scene import Scene
+from contactstudy.scene.shapes.basic import Cylinder, Shape, Sphere, Waviness
+from contactstudy.scene.shapes.crown import Crown, LundbergProfile
+from contactstudy.scene.shapes.detail import Detail
+from contactstudy.scene.shapes.finite_length import FiniteLength
+from contactstudy.scene.shapes.roughness import RmsSlope, Roughness
+from contactstudy.scene.shapes.texture import (
+    Cosine,
+    Dimple,
+    FlatBottomed,
+    Groove,
+    Parabolic,
+    Texture,
+)
+from contactstudy.scene.solids import HalfSpace
+from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
+from contactstudy.scene.surfaces.missing_points import HarmonicFill, RefuseMissing
+from contactstudy.scene.surfaces.seam import AsMeasured, Mirrored, Tapered
+from contactstudy.scene.surfaces.trend import Trend
+from contactstudy.solvers.polonsky_keer import PolonskyKeer
+from contactstudy.solvers.preconditioned_cg import PreconditionedCG
+from contactstudy.solvers.solution import Solution, Status
+from contactstudy.solvers.solve import Solver, solve
 
 if TYPE_CHECKING:
-    from contactstudy.dataset import to_dataset
-    from contactstudy.scene_file import SceneFile, read_scene
-    from contactstudy.stress import SubsurfaceStress
+    from contactstudy.io.dataset import to_dataset
+    from contactstudy.io.scene_file import SceneFile, read_scene
+    from contactstudy.scene.stress import SubsurfaceStress
 
 __version__ = "0.1.0"
 
@@ -107,10 +115,10 @@ __all__ = [
 
 # What needs libraries that a solve does not, imported by whoever asks for it.
 LATER = {
-    "SceneFile": "contactstudy.scene_file",
-    "SubsurfaceStress": "contactstudy.stress",
-    "read_scene": "contactstudy.scene_file",
-    "to_dataset": "contactstudy.dataset",
+    "SceneFile": "contactstudy.io.scene_file",
+    "SubsurfaceStress": "contactstudy.scene.stress",
+    "read_scene": "contactstudy.io.scene_file",
+    "to_dataset": "contactstudy.io.dataset",
 }
 
 

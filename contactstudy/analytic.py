@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contactstudy.arrays import Array
-from contactstudy.checks import keep, positive
+from contactstudy.domain.arrays import Array
+from contactstudy.domain.checks import keep, positive
 
 
 @dataclass(frozen=True)

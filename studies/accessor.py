@@ -8,10 +8,10 @@ import numpy as np
 import xarray as xr
 
 from contactstudy import InvalidInput
-from contactstudy.arrays import Array
-from studies.axis import one_of
-from studies.front import pareto_front
-from studies.outcome import Fate
+from contactstudy.domain.arrays import Array
+from studies.advice.pareto_front import pareto_front
+from studies.model.axis import one_of
+from studies.model.outcome import Fate
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from studies.cli import cli
-from studies.study import load
-from studies.sweep import run
+from studies.cli.commands import cli
+from studies.engine.run import run
+from studies.registry import load
 
 ROOT = Path(__file__).parent.parent
 PAGES = ("README.md", "docs/tutorial.md", "docs/own-study.md", "docs/sweeps.md")

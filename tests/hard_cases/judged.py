@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from studies.hard_case import PADDINGS, SOLVERS
-from studies.hard_cases import CASES
+from studies.reference.hard_case import PADDINGS, SOLVERS
+from studies.reference.hard_cases import CASES
 
 # Solutions that claim nothing, and say why.
 UNFINISHED = {

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.padding import across_and_along
-from studies.dense import answer
-from studies.hard_case import EXACT, FREE, P_H, PADDINGS, SOLVERS, bumpy, grid, noise
-from studies.line_contact import SCENE
+from contactstudy.domain.padding import across_and_along
+from studies.reference.dense_solver import answer
+from studies.reference.hard_case import EXACT, FREE, P_H, PADDINGS, SOLVERS, bumpy, grid, noise
+from studies.reference.line_contact import SCENE
 
 CELLS = (32, 32)
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from studies.cli import main
+from studies.cli.commands import main
 
 JUNK = (
     "",

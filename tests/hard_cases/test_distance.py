@@ -3,8 +3,8 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.analytic import truncation_error
-from studies.hard_case import P_H, A, grid
-from studies.line_contact import HERTZ, SCENE
+from studies.reference.hard_case import P_H, A, grid
+from studies.reference.line_contact import HERTZ, SCENE
 from tests.hard_cases.judged import ends_well, every
 
 

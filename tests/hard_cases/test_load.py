@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from studies.hard_case import FLAT, FLATTENED, PADDINGS, grid
-from studies.hard_cases import CASES
-from studies.line_contact import SCENE
+from studies.reference.hard_case import FLAT, FLATTENED, PADDINGS, grid
+from studies.reference.hard_cases import CASES
+from studies.reference.line_contact import SCENE
 from tests.hard_cases.judged import ends_well, every
 
 

@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import contactstudy as cs
-from contactstudy.padding import across_and_along
-from studies.dense import answer, stated_error
-from studies.hard_case import PADDINGS, SOLVERS, bumpy, grid, noise
-from studies.line_contact import SCENE
+from contactstudy.domain.padding import across_and_along
+from studies.reference.dense_solver import answer, stated_error
+from studies.reference.hard_case import PADDINGS, SOLVERS, bumpy, grid, noise
+from studies.reference.line_contact import SCENE
 
 EXAMPLES = settings(
     max_examples=int(os.environ.get("HARD_EXAMPLES", "100")), deadline=None, derandomize=True

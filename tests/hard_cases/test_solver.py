@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from studies.hard_case import EXACT, SOLVERS
-from studies.hard_cases import CASES
+from studies.reference.hard_case import EXACT, SOLVERS
+from studies.reference.hard_cases import CASES
 from tests.hard_cases.judged import ends_well, every
 
 

@@ -5,8 +5,8 @@ import pytest
 import xarray as xr
 
 import contactstudy as cs
-from studies.hard_case import EXACT, FLATTENED, ROUGH, bumpy, grid
-from studies.line_contact import SCENE
+from studies.reference.hard_case import EXACT, FLATTENED, ROUGH, bumpy, grid
+from studies.reference.line_contact import SCENE
 from tests.hard_cases.judged import ends_well, every
 
 HEIGHTS = ROUGH * FLATTENED

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from studies.hard_case import CELLS, EXACT, FREE, P_H, A, grid, noise
-from studies.line_contact import SCENE
+from studies.reference.hard_case import CELLS, EXACT, FREE, P_H, A, grid, noise
+from studies.reference.line_contact import SCENE
 from tests.hard_cases.judged import ends_well, every
 
 ENDS = [5e-324, 1e-310, 1e-200, 1e200, 1.7e308]

@@ -4,8 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from studies.study import Study, load
-from studies.sweep import run
+from studies.engine.run import run
+from studies.model.study import Study
+from studies.registry import load
 
 SMALL = {"images": "0:2", "period": "0.6,2.4", "grid": "16,24"}
 

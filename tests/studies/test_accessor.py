@@ -6,8 +6,8 @@ import xarray as xr
 
 import studies.accessor  # noqa: F401 (registers dataset.study)
 from contactstudy import InvalidInput
-from studies.outcome import Fate
-from studies.store import read
+from studies.model.outcome import Fate
+from studies.store.netcdf import read
 
 GRID = [16, 32, 64, 128]
 

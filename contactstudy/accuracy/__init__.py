@@ -1,0 +1,1 @@
+"""Error estimates, by cause. May import `scene`, `solvers` and below."""

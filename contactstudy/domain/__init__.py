@@ -1,0 +1,1 @@
+"""What everything else stands on: grids, paddings, precision, units, checks. Imports nothing of this package."""

@@ -1,0 +1,74 @@
+"""Where fields live: equal rectangular cells over the width and one period of the length."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contactstudy.domain.arrays import Array
+from contactstudy.domain.checks import InvalidInput, bearable, pair, whole
+from contactstudy.domain.units import Metres
+
+LONGEST = 1e9  # times as long as wide
+
+
+@dataclass(frozen=True)
+class Grid:
+    """``cells = (nx, ny)`` over ``extent = (width, period)`` [m], centred on the origin.
+
+    x runs across the contact, y along it. Fields are constant in a cell and have the shape (nx, ny);
+    ``ny = 1`` is plane strain. Raises :class:`~contactstudy.InvalidInput` for fewer than two cells
+    across, none along, an extent that is not a positive length, or cells a billion times as long as wide
+    or as wide as long: the coefficients of such are lost in rounding.
+    """
+
+    cells: tuple[int, int]
+    extent: tuple[Metres, Metres]
+
+    def __post_init__(self) -> None:
+        nx, ny = pair("Grid.cells", self.cells, "give two whole numbers, (across, along)")
+        width, period = pair("Grid.extent", self.extent, "give two lengths, (width, period) [m]")
+        cells = (
+            whole("Grid.cells[0]", nx, 2, "give at least 2 cells across the width"),
+            whole("Grid.cells[1]", ny, 1, "give at least 1 cell along the length"),
+        )
+        extent = (
+            bearable("Grid.extent[0]", width, "give a width above 0 m"),
+            bearable("Grid.extent[1]", period, "give a period above 0 m"),
+        )
+        object.__setattr__(self, "cells", cells)
+        object.__setattr__(self, "extent", extent)
+        elongation = self.cell[1] / self.cell[0]
+        if not 1 / LONGEST <= elongation <= LONGEST:
+            raise InvalidInput(
+                f"Grid.extent is {extent!r}: give lengths whose cells are no more than {LONGEST:g} times as "
+                f"long as wide, or as wide as long; these are {elongation:g} times as long."
+            )
+
+    @property
+    def cell(self) -> tuple[float, float]:
+        """Cell sizes (dx, dy) [m]."""
+        return self.extent[0] / self.cells[0], self.extent[1] / self.cells[1]
+
+    @property
+    def cell_area(self) -> float:
+        """dx dy [m^2]."""
+        return self.cell[0] * self.cell[1]
+
+    @property
+    def period(self) -> float:
+        """Extent along the length [m]."""
+        return self.extent[1]
+
+    @property
+    def x(self) -> Array:
+        """Cell centres across the width, shape (nx,) [m], antisymmetric to the last bit."""
+        return _centres(self.cells[0], self.cell[0])
+
+    @property
+    def y(self) -> Array:
+        """Cell centres along the length, shape (ny,) [m], antisymmetric to the last bit."""
+        return _centres(self.cells[1], self.cell[1])
+
+
+def _centres(count: int, step: float) -> Array:
+    return np.asarray((2 * np.arange(count) - (count - 1)) * (step / 2))

@@ -1,0 +1,143 @@
+"""How one direction of the surface is represented: which images of the pressure a point sees.
+
+A padding is a value that says two things of one axis: the ``window`` of periods a point sees, and
+whether the convolution closes on itself (``wraps``, n points) or is padded with zeros (2 n points).
+The width of a line contact is free, its length periodic; either may be either.
+"""
+
+from dataclasses import dataclass
+from math import inf
+from typing import ClassVar, Protocol
+
+from contactstudy.domain.checks import InvalidInput, keep, whole
+
+
+class Padding(Protocol):
+    """A representation of one direction."""
+
+    @property
+    def wraps(self) -> bool:
+        """Whether the convolution along this axis is circular."""
+        ...
+
+    @property
+    def window(self) -> range | None:
+        """The periods whose pressure a point sees, counted from its own (0); None for all of them.
+
+        An image in period m stands at the offset ``d + m L``, with d >= 0 the offset in the first.
+        """
+        ...
+
+    def reach(self, period: float) -> float:
+        """How far to each side a point in the middle sees pressure; unit of ``period``."""
+        ...
+
+
+@dataclass(frozen=True)
+class ZeroPadding:
+    """No neighbours: the classical DC-FFT, not periodic (Liu, Wang & Liu 2000)."""
+
+    wraps: ClassVar[bool] = False
+    window: ClassVar[range] = range(1)
+
+    def reach(self, period: float) -> float:
+        """Half a period: the domain itself."""
+        return period / 2
+
+
+@dataclass(frozen=True)
+class DuplicatedPadding:
+    """The padded half of the axis filled with a copy of the pressure (the paper's Figure 2b).
+
+    Every point then sees the pressure within one period to either side of itself. The doubled
+    transform of the paper is the same as a circular one over the folded coefficients
+    ``K(d) + K(d - L)``, which is what is done here.
+    """
+
+    wraps: ClassVar[bool] = True
+    window: ClassVar[range] = range(-1, 1)
+
+    def reach(self, period: float) -> float:
+        """One period, from any point."""
+        return period
+
+
+@dataclass(frozen=True)
+class _Counted:
+    """A number of images on each side; what they are counted from is the subclass's to say."""
+
+    images: int
+
+    def __post_init__(self) -> None:
+        field = f"{type(self).__name__}.images"
+        remedy = "give a whole number of periods from 0 on"
+        keep(self, images=whole(field, self.images, 0, remedy))
+
+    @property
+    def window(self) -> range:
+        """``images`` periods on each side."""
+        return range(-self.images, self.images + 1)
+
+    def reach(self, period: float) -> float:
+        """Half a period and ``images`` more."""
+        return (self.images + 0.5) * period
+
+
+@dataclass(frozen=True)
+class Superposition(_Counted):
+    """Coefficients summed over ``images`` periods on each side (the paper's eq. 5), zero-padded.
+
+    The window of images is centred on the domain and not on the observer, so that points near the
+    ends of the domain see more pressure on one side. ``images`` is a whole number from 0 on;
+    0 is :class:`ZeroPadding`.
+    """
+
+    wraps: ClassVar[bool] = False
+
+
+@dataclass(frozen=True)
+class CircularSuperposition(_Counted):
+    """The sum of :class:`Superposition`, but centred on the observer and circular.
+
+    Every point sees ``images + 1/2`` periods to either side of itself, so that a uniform contact comes
+    out uniform, at half the transform. ``images`` is a whole number from 0 on. This is how
+    semi-periodic contacts are computed in ContactMechanics (with 10 images) and slippy.
+    """
+
+    wraps: ClassVar[bool] = True
+
+
+@dataclass(frozen=True)
+class ExactPeriodicity:
+    """All images, in closed form.
+
+    The displacement under infinitely many loads is bounded only up to a rigid shift. Along one axis it
+    is counted from a lateral distance of the scene's length scale (for a cylinder, the Hertz
+    half-width), where the mean line load concentrated on the axis would move nothing; along both,
+    from its mean.
+    """
+
+    wraps: ClassVar[bool] = True
+    window: ClassVar[None] = None
+
+    def reach(self, period: float) -> float:
+        """Without end."""
+        return inf
+
+
+# The padding across the width and the one along the length.
+Paddings = tuple[Padding, Padding]
+
+
+def across_and_along(padding: Padding | Paddings) -> Paddings:
+    """Both axes' paddings; of one alone, it is the length's, and the width is free.
+
+    Raises :class:`~contactstudy.InvalidInput` for what is neither.
+    """
+    both = padding if isinstance(padding, tuple) else (ZeroPadding(), padding)
+    if len(both) != 2 or any(isinstance(one, type) or not hasattr(one, "window") for one in both):
+        raise InvalidInput(
+            f"padding is {padding!r}: give one for the length, such as ExactPeriodicity(), or a "
+            "tuple of two, (across, along)."
+        )
+    return both

@@ -1,0 +1,1 @@
+"""From influence coefficients to an operator on a grid. May import `domain`."""

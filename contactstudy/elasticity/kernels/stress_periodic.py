@@ -1,0 +1,207 @@
+"""Stress below a cell repeated along one axis or both, all images counted."""
+
+from functools import cache
+
+import numpy as np
+from numpy.polynomial.chebyshev import chebvander
+from numpy.typing import ArrayLike
+from scipy.linalg import eigh_tridiagonal
+
+from contactstudy.domain.arrays import Array
+from contactstudy.elasticity.kernels.cell import gauss
+from contactstudy.elasticity.kernels.stress_cell import (
+    COMPONENTS,
+    Component,
+    Strip,
+    sign,
+    stress_cell,
+    strip,
+)
+
+# Distance from the axis, in periods, beyond which nothing is left of the period: exp(-2 pi 6) ~ 1e-17.
+PLANE = 6.0
+# Positions that stand for the images at more than twice the distance from the axis: each gains a
+# factor of rho^2 = 8^2.
+TAIL_POINTS = 10
+# Points across and along that all of these are interpolated from: rho >= 6 and 13.
+INTERPOLATED = 22, 14
+# Points along either axis that all rows of a lattice but three are interpolated from: rho >= 9.
+LATTICE_INTERPOLATED = 18
+# Images that the tail's rule is made from.
+TAIL_IMAGES = 20_000
+
+
+def stress_cell_periodic(
+    component: Component,
+    x: ArrayLike,
+    y: ArrayLike,
+    z: float,
+    dx: float,
+    dy: float,
+    period: float,
+    poisson_ratio: float,
+) -> Array:
+    """The cell of :func:`~contactstudy.elasticity.kernels.stress_cell.stress_cell` repeated along y without end.
+
+    Every x with every y, shape (x, y); ``dy <= period``. Error below 1e-12 of the largest component, of
+    one cell or of the row, whichever is larger.
+
+    The nearest images are summed one by one. The others are 1/m^2 times a smooth function of 1/m, and
+    summed by Gauss's rule for such sums (Monien 2010, Math. Comp. 79), whose nodes are positions
+    between the images. Far from the axis, the row is a strip in plane strain.
+    """
+    x = np.asarray(x, dtype=np.float64).reshape(-1, 1)
+    y = np.asarray(y, dtype=np.float64).reshape(1, -1)
+    y = y - period * np.round(y / period)
+    outer, inner = (np.maximum(np.abs(x.ravel()) + side * dx / 2, 0) for side in (1, -1))
+    far = (np.hypot(inner, z) >= PLANE * period) | (dy == period)
+    result = np.empty(np.broadcast_shapes(x.shape, y.shape))
+    if far.any():
+        plane = plane_strain(component, strip(x[far], z, dx), poisson_ratio)
+        result[far] = plane * (dy / period)
+    reach = np.exp2(np.ceil(np.log2(np.maximum(np.hypot(outer, z) / period, 1)))).astype(int)
+    for periods in np.unique(reach[~far]).tolist():
+        rows = ~far & (reach == periods)
+        near = sorted(range(1 - 2 * periods, 2 * periods), key=abs, reverse=True)
+        # small terms add up before they meet the large ones
+        total = _far_images(component, x[rows], y, z, (dx, dy), period, periods, poisson_ratio)
+        for m in near:
+            total += stress_cell(component, x[rows], y + m * period, z, dx, dy, poisson_ratio)
+        result[rows] = total
+    return result
+
+
+def plane_strain(component: Component, seen: Strip, poisson_ratio: float) -> Array:
+    """Stress under unit pressure on a strip."""
+    return np.asarray(component.plane(seen, poisson_ratio) / np.pi + 0 * seen.angle)
+
+
+def _far_images(
+    component: Component,
+    x: Array,
+    y: Array,
+    z: float,
+    cell: tuple[float, float],
+    period: float,
+    periods: int,
+    poisson_ratio: float,
+) -> Array:
+    """Images from ``2 periods`` on, seen from within ``periods`` of the axis: smooth, so interpolated."""
+    ends = periods * period, period / 2
+    (u, from_x), (v, from_y) = (
+        _interpolation(np.abs(a.ravel()), end, count)
+        for a, end, count in zip((x, y), ends, INTERPOLATED, strict=True)
+    )
+    total = np.zeros((len(u), len(v)))
+    for position, weight in zip(*_tail(2 * periods), strict=True):
+        for side in (1, -1):
+            image = v + side * position * period
+            total += weight * stress_cell(component, u[:, None], image, z, *cell, poisson_ratio)
+    # not through BLAS, which would start threads for it
+    smooth = np.einsum("iu,uj->ij", from_x, np.einsum("uv,jv->uj", total, from_y))
+    across, along = component.parity
+    return np.asarray(smooth * sign(x, across) * sign(y, along))
+
+
+def _interpolation(at: Array, end: float, count: int) -> tuple[Array, Array]:
+    """Chebyshev's points between 0 and ``end``, and what takes values there to values ``at``."""
+    points = np.cos(np.pi * (np.arange(count) + 0.5) / count)
+    basis = chebvander(points, count - 1)
+    # the polynomials are orthogonal over their points
+    weights = basis.T * (np.where(np.arange(count) == 0, 1, 2)[:, None] / count)
+    return (1 + points) / 2 * end, np.einsum(
+        "ik,kj->ij", chebvander(2 * at / end - 1, count - 1), weights
+    )
+
+
+@cache
+def _tail(start: int) -> tuple[Array, Array]:
+    """Positions and weights with ``sum over m >= start of f(m)`` for f(m) = m^-2 polynomial(1/m)."""
+    end = start + TAIL_IMAGES
+    m = np.arange(start, end, dtype=np.float64)
+    # the sum from there on is an integral but for 1 / (12 end^3)
+    nodes, shares = np.array(gauss(TAIL_POINTS)).T
+    rest = 1 / (end - 0.5)
+    t = np.append(1 / m, (1 + nodes) / 2 * rest)
+    weights = np.append(m**-2, shares * rest)
+    # Lanczos: the three-term recurrence of the polynomials orthogonal over this sum
+    vectors = [np.sqrt(weights / weights.sum())]
+    diagonal, off = [], []
+    for _ in range(TAIL_POINTS):
+        following = t * vectors[-1]
+        diagonal.append(float((following * vectors[-1]).sum()))
+        for _again in range(2):
+            for vector in vectors:
+                following = following - (following * vector).sum() * vector
+        off.append(float(np.sqrt((following**2).sum())))
+        vectors.append(following / off[-1])
+    nodes, eigenvectors = eigh_tridiagonal(np.array(diagonal), np.array(off[:-1]))
+    return 1 / nodes, weights.sum() * (eigenvectors[0] / nodes) ** 2
+
+
+def stress_cell_doubly_periodic(
+    component: Component,
+    x: ArrayLike,
+    y: ArrayLike,
+    z: float,
+    dx: float,
+    dy: float,
+    width: float,
+    period: float,
+    poisson_ratio: float,
+) -> Array:
+    """The cell repeated with ``width`` along x and ``period`` along y; every x with every y.
+
+    Periodic displacement, along both axes: the mean strain along the surface is zero, and so the mean
+    of xx and yy is ``-nu / (1 - nu)`` of the mean pressure. Without this, it would hang on the order of
+    summation. Error below 1e-12 of the largest component.
+
+    Each row of :func:`stress_cell_periodic` less its strip dies out within a few periods; the strips
+    have a closed form together.
+    """
+    x = np.asarray(x, dtype=np.float64).reshape(-1, 1)
+    y = np.asarray(y, dtype=np.float64).reshape(1, -1)
+    if period > width:  # the rows that die out sooner
+        turned = COMPONENTS[component.turned]
+        arguments = y.T, x.T, z, dy, dx, period, width, poisson_ratio
+        return stress_cell_doubly_periodic(turned, *arguments).T
+    x = x - width * np.round(x / width)
+    rows = int(np.ceil(PLANE * period / width)) + 1
+    y = y - period * np.round(y / period)
+
+    def row(x: Array, y: Array, m: int) -> Array:
+        image = x + m * width
+        found = stress_cell_periodic(component, image, y, z, dx, dy, period, poisson_ratio)
+        plane = plane_strain(component, strip(image, z, dx), poisson_ratio)
+        return np.asarray(found - plane * (dy / period))
+
+    # smooth from the second row on, so interpolated
+    u, from_x = _interpolation(np.abs(x.ravel()), width / 2, LATTICE_INTERPOLATED)
+    v, from_y = _interpolation(np.abs(y.ravel()), period / 2, LATTICE_INTERPOLATED)
+    far = np.zeros((len(u), len(v)))
+    for m in range(rows, 1, -1):
+        far += row(u.reshape(-1, 1), v.reshape(1, -1), m) + row(
+            u.reshape(-1, 1), v.reshape(1, -1), -m
+        )
+    even_x, even_y = component.parity
+    smooth = np.einsum("iu,uj->ij", from_x, np.einsum("uv,jv->uj", far, from_y))
+    total = smooth * sign(x, even_x) * sign(y, even_y)
+    for m in (1, -1, 0):
+        total = total + row(x, y, m)
+    strips = plane_strain(component, _strips(x, z, dx, width), poisson_ratio)
+    confined = (1 - 2 * poisson_ratio) / (1 - poisson_ratio) * dx / width
+    held = {"xx": confined, "yy": poisson_ratio * confined}.get(component.name, 0.0)
+    return np.asarray(total + (strips + held) * (dy / period))
+
+
+def _strips(x: Array, z: float, dx: float, width: float) -> Strip:
+    """Strips repeated with ``width``: 1/x becomes (pi/W) cot(pi x/W) (Johnson 1985, sect. 13.2)."""
+    # beyond this the harmonics have long underflowed, and cosh would not hold them
+    depth = min(2 * np.pi * z / width, 100.0)
+    twice, cell = 2 * np.pi * x / width, np.pi * dx / width
+    edges = 2 * np.sin((twice + cell) / 2) * np.sin((twice - cell) / 2)
+    fading = 2 * np.sinh(depth / 2) ** 2 * np.cos(twice)
+    # cosh(depth) (cos(cell) - cos(twice)) + ..., by products where the difference would cancel
+    angle = np.arctan2(np.sin(cell) * np.sinh(depth), edges * np.cosh(depth) + fading)
+    pole = edges - fading + 1j * np.sin(twice) * np.sinh(depth)
+    return Strip(angle, -2 * np.pi * z / width * np.sin(cell) / pole)

@@ -1,0 +1,82 @@
+"""Real transforms of a padded field, of which only the rows that hold something are transformed.
+
+ducc0 is taken where it is installed (extra ``fast``), and scipy where not. One convolution in ms on one
+thread, work array reused where it can be, medians of one run on an AMD EPYC: 512 x 512 cells padded to
+1024 x 512: scipy 4.4, ducc0 3.2, FFTW (planned, measured) 3.8; padded to 1024 x 1024: 14.3, 7.9, 8.1;
+1024 x 1024 padded to 2048 x 1024: 27.6, 21.9, 24.9. All three agree to 6e-16.
+"""
+
+from importlib import import_module
+from importlib.util import find_spec
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft
+
+from contactstudy.domain.arrays import Array
+
+Waves = NDArray[np.complexfloating[Any, Any]]
+
+
+class Transforms(Protocol):
+    """A pair of transforms on one thread; ``work`` may be overwritten by either."""
+
+    def forward(self, field: Array, padded: tuple[int, int], work: Waves) -> Waves:
+        """Waves (px, py // 2 + 1) of ``field`` (nx, ny), padded with zeros."""
+        ...
+
+    def backward(self, waves: Waves, cells: tuple[int, int], padded: tuple[int, int]) -> Array:
+        """The first (nx, ny) cells of the field with these ``waves``, which are lost."""
+        ...
+
+
+class SciPy:
+    """scipy.fft."""
+
+    def forward(self, field: Array, padded: tuple[int, int], work: Waves) -> Waves:
+        """Along the length on the rows there are, then across."""
+        rows = fft.rfft(field, padded[1], axis=1)
+        return np.asarray(fft.fft(rows, padded[0], axis=0, overwrite_x=True))
+
+    def backward(self, waves: Waves, cells: tuple[int, int], padded: tuple[int, int]) -> Array:
+        """Across, then along the length on the rows asked for."""
+        rows = fft.ifft(waves, axis=0, overwrite_x=True)[: cells[0]]
+        return np.asarray(fft.irfft(rows, padded[1], axis=1, overwrite_x=True)[:, : cells[1]])
+
+
+class Ducc:
+    """ducc0.fft, into the work array."""
+
+    def __init__(self) -> None:
+        # no stubs, and not there for everybody
+        self._fft: Any = import_module("ducc0").fft
+
+    def forward(self, field: Array, padded: tuple[int, int], work: Waves) -> Waves:
+        """Along the length on the rows there are, then across."""
+        nx, ny = field.shape
+        if padded[1] == 1:  # one cell along is its own wave
+            work[:nx] = field
+        else:
+            if ny < padded[1]:
+                wide = np.zeros((nx, padded[1]), dtype=field.dtype)
+                wide[:, :ny] = field
+                field = wide
+            self._fft.r2c(field, axes=(1,), out=work[:nx], nthreads=1)
+        work[nx:] = 0
+        self._fft.c2c(work, axes=(0,), out=work, nthreads=1)
+        return work
+
+    def backward(self, waves: Waves, cells: tuple[int, int], padded: tuple[int, int]) -> Array:
+        """Across, then along the length on the rows asked for."""
+        self._fft.c2c(waves, axes=(0,), forward=False, inorm=2, out=waves, nthreads=1)
+        rows = waves[: cells[0]]
+        if padded[1] == 1:
+            return rows.real.copy()
+        field = self._fft.c2r(
+            rows, axes=(1,), lastsize=padded[1], forward=False, inorm=2, nthreads=1
+        )
+        return np.asarray(field[:, : cells[1]])
+
+
+TRANSFORMS: Transforms = Ducc() if find_spec("ducc0") else SciPy()

@@ -1,0 +1,213 @@
+"""A scene in a TOML file: numbers in SI units, or texts with a unit such as "10 mm"."""
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from math import inf
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.grid import Grid
+from contactstudy.domain.padding import (
+    CircularSuperposition,
+    DuplicatedPadding,
+    ExactPeriodicity,
+    Padding,
+    Paddings,
+    Superposition,
+    ZeroPadding,
+)
+from contactstudy.domain.precision import Precision
+from contactstudy.domain.units import Metres, Number, Pascals
+from contactstudy.io.structuring import structured
+from contactstudy.planning.plan import Plan, plan
+from contactstudy.scene.load import LineLoad
+from contactstudy.scene.outputs import Output
+from contactstudy.scene.scene import Scene
+from contactstudy.scene.shapes.basic import Cylinder, Shape, Sphere, Waviness
+from contactstudy.scene.shapes.crown import Crown, LundbergProfile
+from contactstudy.scene.shapes.finite_length import FiniteLength
+from contactstudy.scene.shapes.roughness import Roughness
+from contactstudy.scene.shapes.texture import Cosine, FlatBottomed, Parabolic, Profile, Texture
+from contactstudy.scene.solids import HalfSpace
+from contactstudy.scene.stress import SubsurfaceStress
+from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
+from contactstudy.scene.surfaces.missing_points import HarmonicFill, Missing, RefuseMissing
+from contactstudy.scene.surfaces.seam import AsMeasured, Mirrored, Seam, Tapered
+from contactstudy.scene.surfaces.trend import Trend
+from contactstudy.solvers.polonsky_keer import PolonskyKeer
+from contactstudy.solvers.preconditioned_cg import PreconditionedCG
+from contactstudy.solvers.solution import Solution
+from contactstudy.solvers.solve import Solver, solve
+
+
+class Turn(Enum):
+    """How a measured surface is laid on the grid."""
+
+    NONE = "as measured"
+    QUARTER = "what ran along the length runs across it"
+
+
+@dataclass(frozen=True)
+class MeasuredFile:
+    """A measured surface by the file it is in; a path that is not absolute starts at the scene's folder."""
+
+    file: str
+    missing: Missing = field(default_factory=RefuseMissing)
+    trend: Trend = Trend.PLANE
+    seam: Seam = field(default_factory=Tapered)
+    turn: Turn = Turn.NONE
+
+    def read(self, folder: Path) -> MeasuredSurface:
+        """The surface."""
+        path = folder / self.file
+        if not path.is_file():
+            raise InvalidInput(f"MeasuredSurface.file is {self.file!r}: give a file that is there.")
+        surface = MeasuredSurface.read(path, missing=self.missing, trend=self.trend, seam=self.seam)
+        return surface.turned() if self.turn is Turn.QUARTER else surface
+
+
+@dataclass(frozen=True)
+class Wish:
+    """What a plan is to meet, where the file names no grid."""
+
+    error: Number = 1e-3
+    period: Metres | None = None
+
+
+@dataclass(frozen=True)
+class Settings:
+    """The solver's."""
+
+    tolerance: Number = 1e-8
+    max_iterations: int = 2000
+    solver: Solver = field(default_factory=PreconditionedCG)
+    precision: Precision = Precision.DOUBLE
+
+
+@dataclass(frozen=True)
+class Document:
+    """The keys of a file."""
+
+    load: LineLoad
+    solids: tuple[HalfSpace, HalfSpace]
+    shapes: tuple[Shape, ...] = ()
+    hardness: Pascals = inf
+    outputs: tuple[Output, ...] = ()
+    grid: Grid | None = None
+    padding: Padding | None = None
+    padding_across: Padding | None = None
+    plan: Wish = field(default_factory=Wish)
+    solve: Settings = field(default_factory=Settings)
+
+
+# What stands in a file for what cannot be written there.
+STANDING_IN: Mapping[type, type] = {MeasuredSurface: MeasuredFile}
+# What may stand where a file says kind = "...", by the type that is wanted there.
+KINDS: Mapping[Any, Mapping[str, type]] = {
+    wanted: {kind.__name__: STANDING_IN.get(kind, kind) for kind in kinds}
+    for wanted, kinds in (
+        (
+            Shape,
+            (
+                Cylinder,
+                Crown,
+                LundbergProfile,
+                FiniteLength,
+                Waviness,
+                Texture,
+                Roughness,
+                MeasuredSurface,
+                Sphere,
+            ),
+        ),
+        (
+            Padding,
+            (
+                ZeroPadding,
+                DuplicatedPadding,
+                Superposition,
+                CircularSuperposition,
+                ExactPeriodicity,
+            ),
+        ),
+        (Output, (SubsurfaceStress,)),
+        (Profile, (Parabolic, Cosine, FlatBottomed)),
+        (Missing, (RefuseMissing, HarmonicFill)),
+        (Seam, (AsMeasured, Mirrored, Tapered)),
+        (Solver, (PreconditionedCG, PolonskyKeer)),
+    )
+}
+
+
+@dataclass(frozen=True)
+class SceneFile:
+    """A scene with what its file says of grid, padding and solver; what it leaves open is planned."""
+
+    scene: Scene
+    wish: Wish
+    settings: Settings
+    grid: Grid | None = None
+    padding: Padding | Paddings | None = None
+
+    def plan(self) -> Plan:
+        """The plan for this scene, on the file's grid if it has one."""
+        period = None if self.grid else self.wish.period
+        return plan(self.scene, error=self.wish.error, period=period, grid=self.grid)
+
+    def solve(self, planned: Plan | None = None) -> Solution:
+        """Solve on the grid and with the padding of the file, or those of the plan, made if not given."""
+        grid, padding = self.grid, self.padding
+        if grid is None or padding is None:
+            planned = planned or self.plan()
+            grid, padding = planned.grid, padding or planned.padding
+        settings = self.settings
+        return solve(
+            self.scene.problem(grid, padding),
+            tolerance=settings.tolerance,
+            max_iterations=settings.max_iterations,
+            solver=settings.solver,
+            precision=settings.precision,
+        )
+
+
+def read_scene(path: str | PathLike[str]) -> SceneFile:
+    """The scene in a TOML file.
+
+    Tables ``load``, ``solids`` (two), ``shapes`` and ``outputs`` (each with its ``kind``), ``grid``,
+    ``padding``, ``plan`` and ``solve``, and the key ``hardness``, take the fields of the values of these
+    names. Raises :class:`~contactstudy.InvalidInput`, which names the key, for anything else.
+    """
+    path = Path(path)
+    try:
+        raw = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        raise InvalidInput(
+            f"{path} cannot be read ({error}): give a TOML file in UTF-8."
+        ) from error
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise InvalidInput(f"{path} is no TOML: {error}.") from error
+    document = structured(raw, Document, KINDS, str(path))
+    try:
+        return _scene_file(document, path.parent)
+    except InvalidInput as error:
+        raise InvalidInput(f"{path}: {error}") from error
+
+
+def _scene_file(document: Document, folder: Path) -> SceneFile:
+    shapes = tuple(
+        shape.read(folder) if isinstance(shape, MeasuredFile) else shape
+        for shape in document.shapes
+    )
+    scene = Scene(document.load, document.solids, shapes, document.hardness, document.outputs)
+    padding: Padding | Paddings | None = document.padding
+    if document.padding_across is not None:
+        if document.padding is None:
+            raise InvalidInput(
+                "padding_across is given without padding: give the one along the length too."
+            )
+        padding = document.padding_across, document.padding
+    return SceneFile(scene, document.plan, document.solve, document.grid, padding)

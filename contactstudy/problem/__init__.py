@@ -1,0 +1,1 @@
+"""The waist: arrays, one operator, one constraint, one load. Knows no effect. May import `elasticity` and `domain`."""

@@ -1,0 +1,32 @@
+"""The gap between the bodies under a pressure, split by what it should be."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contactstudy.domain.arrays import Array, inner
+
+
+@dataclass(frozen=True, eq=False)
+class Gap:
+    """Fields (width, length) and their level, all in units of the gap scale.
+
+    ``free`` is 1 in cells whose pressure is at no limit and 0 in the others. ``held`` is the gap of those,
+    which should be zero, ``overlap`` the depth of penetration of the others (below zero where they are
+    apart); each is zero where the other belongs. Both count from the ``approach``, which is such that
+    ``held`` has no mean.
+    """
+
+    free: Array
+    held: Array
+    overlap: Array
+    approach: float
+
+    def slope(self, step: Array) -> float:
+        """How fast the energy grows along a ``step`` of the pressure."""
+        return inner(self.held, step) - inner(self.overlap, step)
+
+
+def violation(pressure: Array, overlap: Array) -> Array:
+    """How far cells at a limit are on its wrong side: penetrating where p = 0, open where they yield."""
+    return np.maximum(np.where(pressure == 0, overlap, -overlap), 0)

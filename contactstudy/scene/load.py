@@ -1,0 +1,17 @@
+"""What presses the bodies together."""
+
+from dataclasses import dataclass
+
+from contactstudy.domain.checks import bearable, keep
+from contactstudy.domain.units import NewtonsPerMetre
+
+
+@dataclass(frozen=True)
+class LineLoad:
+    """A normal load ``per_length`` [N/m] of contact length, above zero."""
+
+    per_length: NewtonsPerMetre
+
+    def __post_init__(self) -> None:
+        load = bearable("LineLoad.per_length", self.per_length, "give a load above 0 N/m")
+        keep(self, per_length=load)

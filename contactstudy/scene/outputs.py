@@ -1,0 +1,20 @@
+"""What a scene may ask to be found from its solution."""
+
+from typing import Protocol
+
+from contactstudy.domain.grid import Grid
+from contactstudy.domain.padding import Paddings
+from contactstudy.problem.derived import Derived
+from contactstudy.scene.solids import HalfSpace
+
+
+class Output(Protocol):
+    """A value in ``Scene.outputs``."""
+
+    def check(self, solids: tuple[HalfSpace, ...]) -> None:
+        """Raise :class:`~contactstudy.InvalidInput` if these bodies cannot give it."""
+        ...
+
+    def of(self, solids: tuple[HalfSpace, ...], grid: Grid, paddings: Paddings) -> Derived:
+        """The same for these bodies on a grid; nothing is computed yet."""
+        ...

@@ -1,0 +1,151 @@
+"""Where effects meet: a scene names them, and turns them into a problem on a grid."""
+
+from dataclasses import dataclass
+from math import inf, log2
+
+import numpy as np
+
+from contactstudy.analytic import HertzLine
+from contactstudy.domain.checks import InvalidInput, bearable, keep
+from contactstudy.domain.grid import Grid
+from contactstudy.domain.padding import Padding, Paddings, across_and_along
+from contactstudy.domain.units import Pascals
+from contactstudy.elasticity.convolution import convolution
+from contactstudy.problem.compressive import AdmissiblePressures, CompressivePressures
+from contactstudy.problem.hardness_limited import LimitedPressures
+from contactstudy.problem.problem import Problem, Scales
+from contactstudy.scene.load import LineLoad
+from contactstudy.scene.outputs import Output
+from contactstudy.scene.shapes.basic import Shape
+from contactstudy.scene.solids import HalfSpace, contact_modulus
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A line contact, by the effects it calls for: a load, two bodies, shapes that add up, a hardness.
+
+    ``hardness`` [Pa] is the largest pressure the softer body bears: there it yields, and the gap of the
+    solution is negative by as much as it gives way. It is infinite by default, which is no limit.
+
+    ``outputs`` are what else to find from the solution, such as subsurface stress.
+    Raises :class:`~contactstudy.InvalidInput` unless ``solids`` are two bodies, not both rigid, and
+    ``shapes`` and ``outputs`` are tuples.
+    """
+
+    load: LineLoad
+    solids: tuple[HalfSpace, HalfSpace]
+    shapes: tuple[Shape, ...] = ()
+    hardness: Pascals = inf
+    outputs: tuple[Output, ...] = ()
+
+    def __post_init__(self) -> None:
+        _typed("Scene.load", self.load, LineLoad, "give a LineLoad")
+        for name, remedy in (
+            ("solids", "give a tuple of two HalfSpace"),
+            ("shapes", "give a tuple of shapes, such as (Cylinder(radius=0.01),)"),
+            ("outputs", "give a tuple of outputs, such as (SubsurfaceStress(depths=(1e-4,)),)"),
+        ):
+            _typed(f"Scene.{name}", getattr(self, name), tuple | list, remedy)
+            object.__setattr__(self, name, tuple(getattr(self, name)))
+        if len(self.solids) != 2:
+            raise InvalidInput(
+                f"Scene.solids has {len(self.solids)} bodies: give two, one of which may be rigid."
+            )
+        for number, solid in enumerate(self.solids):
+            _typed(f"Scene.solids[{number}]", solid, HalfSpace, "give a HalfSpace")
+        contact_modulus(self.solids)
+        if self.hardness != inf:
+            remedy = "give a pressure above 0 Pa, or inf for no limit"
+            keep(self, hardness=bearable("Scene.hardness", self.hardness, remedy))
+        for number, shape in enumerate(self.shapes):
+            if isinstance(shape, type) or not (
+                hasattr(shape, "gap") and hasattr(shape, "curvature")
+            ):
+                raise InvalidInput(
+                    f"Scene.shapes[{number}] is {shape!r}: give a shape, such as Cylinder(radius=0.01)."
+                )
+        for number, output in enumerate(self.outputs):
+            if isinstance(output, type) or not (hasattr(output, "of") and hasattr(output, "check")):
+                raise InvalidInput(
+                    f"Scene.outputs[{number}] is {output!r}: give an output, such as "
+                    "SubsurfaceStress(depths=(1e-4,))."
+                )
+            if type(output) in map(type, self.outputs[:number]):
+                raise InvalidInput(
+                    f"Scene.outputs[{number}] is {output!r}, the second of its kind: give one."
+                )
+            output.check(self.solids)
+
+    @property
+    def contact_modulus(self) -> float:
+        """E* [Pa] of both bodies together."""
+        return contact_modulus(self.solids)
+
+    @property
+    def hertz(self) -> HertzLine | None:
+        """The smooth line contact of this load, these bodies and the shapes' mean curvature, if curved."""
+        curvature = sum(shape.curvature for shape in self.shapes)
+        if curvature <= 0:
+            return None
+        return HertzLine(self.load.per_length, 1 / curvature, self.contact_modulus)
+
+    def scales(self, grid: Grid) -> Scales:
+        """Hertz's half-width and peak pressure, or the width and the mean pressure where nothing is curved.
+
+        The pressure is the power of two next to it, which no pressure, and so no hardness, loses a bit to.
+        """
+        if (hertz := self.hertz) is not None:
+            length, pressure = hertz.half_width, hertz.peak_pressure
+        else:
+            length, pressure = grid.extent[0], self.load.per_length / grid.extent[0]
+        gap = pressure * length / self.contact_modulus
+        return Scales(length, 2.0 ** round(log2(pressure)), gap)
+
+    def problem(self, grid: Grid, padding: Padding | Paddings) -> Problem:
+        """This scene on ``grid``, with ``padding`` along its length, or a tuple (across, along).
+
+        Raises :class:`~contactstudy.InvalidInput` for what is neither.
+        """
+        _typed("grid", grid, Grid, "give a Grid")
+        paddings = across_and_along(padding)
+        gap = np.zeros(grid.cells)
+        for shape in self.shapes:
+            gap += shape.gap(grid)
+        scales = self.scales(grid)
+        return Problem(
+            grid=grid,
+            undeformed_gap=gap,
+            displacement=convolution(self.contact_modulus, grid, paddings, scales.length),
+            pressures=self._pressures(grid),
+            scales=scales,
+            paddings=paddings,
+            open_edges=(0, -1) if _is_free(paddings[0]) else (),
+            outputs=tuple(output.of(self.solids, grid, paddings) for output in self.outputs),
+            attributes=self._reference()
+            | {"scene": repr(self), "grid": repr(grid), "padding": repr(padding)},
+        )
+
+    def _reference(self) -> dict[str, str | float]:
+        """What the record says of the smooth contact that a scene's is compared with."""
+        if (hertz := self.hertz) is None:
+            return {}
+        return {
+            "hertz_half_width": hertz.half_width,
+            "hertz_peak_pressure": hertz.peak_pressure,
+        }
+
+    def _pressures(self, grid: Grid) -> AdmissiblePressures:
+        total = self.load.per_length * grid.period / grid.cell_area
+        if self.hardness == inf:
+            return CompressivePressures(total)
+        return LimitedPressures(total, self.hardness)
+
+
+def _is_free(padding: Padding) -> bool:
+    """Whether the surface goes on beyond the domain without pressure on it."""
+    return not padding.wraps and padding.window is not None and len(padding.window) == 1
+
+
+def _typed(field: str, value: object, kind: type | object, remedy: str) -> None:
+    if not isinstance(value, kind):  # type: ignore[arg-type]
+        raise InvalidInput(f"{field} is {value!r}: {remedy}.")

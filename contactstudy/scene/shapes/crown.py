@@ -1,0 +1,129 @@
+"""Profiles along the length that take the pressure off a roller's ends."""
+
+from dataclasses import dataclass
+from math import expm1, inf, log, pi
+from typing import Self
+
+import numpy as np
+
+from contactstudy.analytic import HertzLine
+from contactstudy.domain.arrays import Array
+from contactstudy.domain.checks import InvalidInput, bearable, bearable_from_zero, keep
+from contactstudy.domain.grid import Grid
+from contactstudy.domain.units import Metres
+from contactstudy.scene.shapes.detail import Detail
+
+HEIGHT = "give a height of 0 m or more"
+
+
+@dataclass(frozen=True)
+class Crown:
+    """A parabolic crown along the length, ``y^2 / (2 R)``.
+
+    ``radius`` R of the crown [m], above zero; ``math.inf``, the default, is none. Raises
+    :class:`~contactstudy.InvalidInput` for anything else. Along a periodic length it is a row of
+    crowned rollers, each one period long.
+
+    Source: Harris & Kotzalas (2006), Essential Concepts of Bearing Technology, sect. 6.6.
+    """
+
+    radius: Metres = inf
+
+    def __post_init__(self) -> None:
+        if self.radius != inf:
+            remedy = "give a radius above 0 m, or inf for no crown"
+            keep(self, radius=bearable("Crown.radius", self.radius, remedy))
+
+    @classmethod
+    def of_drop(cls, end_drop: float, length: float) -> Self:
+        """The crown that drops by ``end_drop`` [m], from zero on, at the ends of ``length`` [m]."""
+        drop = bearable_from_zero("Crown end_drop", end_drop, HEIGHT)
+        length = bearable("Crown length", length, "give the roller's length above 0 m")
+        return cls(length**2 / (8 * drop) if drop else inf)
+
+    @property
+    def curvature(self) -> float:
+        """None of the cross-section."""
+        return 0.0
+
+    @property
+    def detail(self) -> Detail:
+        """A roller of any length."""
+        return Detail(roller=inf if self.radius < inf else 0.0)
+
+    def gap(self, grid: Grid) -> Array:
+        """``y^2 / (2 R)``, shape (1, length), or (width, 1) where there is no crown [m]."""
+        if self.radius == inf:
+            return np.zeros((grid.cells[0], 1))
+        return (grid.y**2 / (2 * self.radius))[None, :]
+
+
+@dataclass(frozen=True)
+class LundbergProfile:
+    """Lundberg's logarithmic profile, ``-A ln(1 - (1 - exp(-d / A)) (2 y / L)^2)``.
+
+    ``amplitude`` A [m] and ``end_drop`` d [m], what the profile drops by at the ends, both from zero on;
+    ``length`` L of the roller [m], above zero. Raises :class:`~contactstudy.InvalidInput` for anything
+    else. Beyond its ends the profile stays at the end drop; :class:`~contactstudy.FiniteLength` ends a
+    roller shorter than the grid.
+
+    Source: Lundberg (1939), Forschung auf dem Gebiete des Ingenieurwesens 10, 201; the finite drop at the
+    ends is Johns & Gohar's (1981), Tribology International 14, 131.
+    """
+
+    amplitude: Metres
+    end_drop: Metres
+    length: Metres
+
+    def __post_init__(self) -> None:
+        keep(
+            self,
+            amplitude=bearable_from_zero("LundbergProfile.amplitude", self.amplitude, HEIGHT),
+            end_drop=bearable_from_zero("LundbergProfile.end_drop", self.end_drop, HEIGHT),
+            length=bearable(
+                "LundbergProfile.length", self.length, "give the roller's length above 0 m"
+            ),
+        )
+
+    @classmethod
+    def for_load(
+        cls, load_per_length: float, *, contact_modulus: float, radius: float, length: float
+    ) -> Self:
+        """The profile under which ``load_per_length`` [N/m] is spread evenly along the roller.
+
+        ``contact_modulus`` E* [Pa], ``radius`` R of the cylinder [m], ``length`` L of the roller [m].
+        Hertz's pressure, ending at ``|y| = L / 2``, lowers the axis by
+        ``A ln(1 / (1 - (2 y / L)^2))`` less than the middle, A = W / (pi E*), and the ends themselves by
+        ``A (ln(L / a) + 1/2)``. The factor 0.3033 of Johns & Gohar (1981) is ``exp(-1/2) / 2``.
+        Raises :class:`~contactstudy.InvalidInput` for a roller shorter than its contact is wide.
+        """
+        hertz = HertzLine(load_per_length, radius, contact_modulus)
+        length = bearable("LundbergProfile.length", length, "give the roller's length above 0 m")
+        if length < 2 * hertz.half_width:
+            raise InvalidInput(
+                f"LundbergProfile.length is {length!r}: give a roller longer than its contact is wide, "
+                f"{2 * hertz.half_width!r} m."
+            )
+        amplitude = load_per_length / (pi * contact_modulus)
+        return cls(amplitude, amplitude * (log(length / hertz.half_width) + 0.5), length)
+
+    @property
+    def curvature(self) -> float:
+        """None of the cross-section."""
+        return 0.0
+
+    @property
+    def detail(self) -> Detail:
+        """The roller it is made for."""
+        return Detail(roller=self.length)
+
+    def gap(self, grid: Grid) -> Array:
+        """The profile at the cell centres, shape (1, length), or (width, 1) where there is none [m]."""
+        if self.amplitude == 0 or self.end_drop == 0:
+            return np.zeros((grid.cells[0], 1))
+        t = np.abs(2 * grid.y / self.length)
+        inside = t < 1
+        t = np.where(inside, t, 0.0)
+        # in a form that keeps the parabola which it is where A is far above d
+        drop = -self.amplitude * np.log1p(expm1(-self.end_drop / self.amplitude) * t**2)
+        return np.where(inside, drop, self.end_drop)[None, :]

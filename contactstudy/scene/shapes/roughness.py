@@ -1,0 +1,188 @@
+"""Self-affine random roughness, the same surface on every grid."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import fft
+
+from contactstudy.domain.arrays import Array
+from contactstudy.domain.checks import (
+    InvalidInput,
+    bearable,
+    bearable_from_zero,
+    divides,
+    finite,
+    keep,
+    pair,
+    whole,
+)
+from contactstudy.domain.grid import Grid
+from contactstudy.domain.units import Metres, Number
+from contactstudy.scene.shapes.detail import Detail
+
+# The highest of a surface, in its rms heights.
+HIGHEST = 4.0
+# Waves of one surface that some tens of gigabytes hold.
+MOST_WAVES = 1e9
+
+
+@dataclass(frozen=True)
+class RmsSlope:
+    """A roughness by its rms slope, the root of the mean square of ``|grad h|``, from zero on."""
+
+    slope: Number
+
+    def __post_init__(self) -> None:
+        keep(
+            self,
+            slope=bearable_from_zero("RmsSlope.slope", self.slope, "give a slope of 0 or more"),
+        )
+
+    def __bool__(self) -> bool:
+        return self.slope > 0
+
+
+@dataclass(frozen=True)
+class Roughness:
+    """A Gaussian surface whose spectral density falls like ``k^(-2 (1 + H))`` between two wavelengths.
+
+    ``rms`` height [m], from zero on, or an :class:`RmsSlope`; ``hurst`` H in (0, 1); wavelengths [m]
+    ``roll_off``, above which the density is constant, and ``cut_off``, below which there is none;
+    ``seed`` names the surface. ``peklenik`` is the correlation length across the contact over that along
+    it: below 1 the lay runs along the length, above 1 across it, and the wavelengths named are those
+    across the lay. ``extent`` (width, length) [m] is the surface's own period, the grid's where it is None;
+    its length must divide the grid's period. The surface depends on its extent and its own fields
+    alone: a finer or, with an ``extent``, wider grid shows the same. Zero rms is no surface.
+
+    Source: Persson, Albohr, Tartaglino, Volokitin & Tosatti (2005), sect. 3; lay Peklenik (1967).
+    """
+
+    rms: Metres | RmsSlope
+    hurst: Number
+    roll_off: Metres
+    cut_off: Metres
+    seed: int = 0
+    peklenik: Number = 1.0
+    extent: tuple[Metres, Metres] | None = None
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.rms, RmsSlope):
+            keep(
+                self,
+                rms=bearable_from_zero(
+                    "Roughness.rms", self.rms, "give an rms height of 0 m or more"
+                ),
+            )
+        remedy = "give an exponent between 0 and 1"
+        hurst = finite("Roughness.hurst", self.hurst, remedy)
+        if not 0 < hurst < 1:
+            raise InvalidInput(f"Roughness.hurst is {self.hurst!r}: {remedy}.")
+        cut_off = bearable("Roughness.cut_off", self.cut_off, "give a wavelength above 0 m")
+        roll_off = bearable("Roughness.roll_off", self.roll_off, "give a wavelength above 0 m")
+        keep(self, hurst=hurst, cut_off=cut_off, roll_off=roll_off)
+        if self.roll_off < self.cut_off:
+            raise InvalidInput(
+                f"Roughness.roll_off is {self.roll_off!r}: give a wavelength no shorter than cut_off."
+            )
+        keep(self, seed=whole("Roughness.seed", self.seed, 0, "give a whole number from 0 on"))
+        remedy = "give a ratio of lengths above 0, 1 for no lay"
+        keep(self, peklenik=bearable("Roughness.peklenik", self.peklenik, remedy))
+        if self.extent is not None:
+            remedy = "give two lengths, (width, length) [m], or None for the grid's"
+            width, length = pair("Roughness.extent", self.extent, remedy)
+            width = bearable("Roughness.extent[0]", width, "give a width above 0 m")
+            length = bearable("Roughness.extent[1]", length, "give a length above 0 m")
+            keep(self, extent=(width, length))
+
+    @property
+    def curvature(self) -> float:
+        """None of its own."""
+        return 0.0
+
+    @property
+    def detail(self) -> Detail:
+        """Heights up to four times their rms, as in any Gaussian surface of some ten thousand waves."""
+        if not self.rms:
+            return Detail()
+        across, along = max(self.peklenik, 1), max(1 / self.peklenik, 1)
+        rms, slope = self._rms_height_and_slope()
+        return Detail(
+            finest=(self.cut_off * across, self.cut_off * along),
+            repeat=self.extent[1] if self.extent else 0.0,
+            longest=self.roll_off * along,
+            height=HIGHEST * rms,
+            slope=slope,
+        )
+
+    def _rms_height_and_slope(self) -> tuple[float, float]:
+        """Both, of which one is given, by the spectrum of a surface without lay and without end."""
+        # the moments of k^(-2 (1 + H)) between the wave numbers, flat below the first
+        low, high = 2 * np.pi / self.roll_off, 2 * np.pi / self.cut_off
+        span, hurst = high / low, self.hurst
+        height = 1 / 2 + (1 - span ** (-2 * hurst)) / (2 * hurst)
+        slope = low**2 * (1 / 4 + (span ** (2 - 2 * hurst) - 1) / (2 - 2 * hurst))
+        ratio = float(np.sqrt(slope / height))
+        if isinstance(self.rms, RmsSlope):
+            return self.rms.slope / ratio, self.rms.slope
+        return self.rms, self.rms * ratio
+
+    def gap(self, grid: Grid) -> Array:
+        """Heights [m] with zero mean over the surface's extent, shape (width, length).
+
+        (width, 1) where there is no surface.
+        """
+        if not self.rms:
+            return np.zeros((grid.cells[0], 1))
+        waves, (kx, ky) = self._waves(grid)
+        nx, ny = grid.cells
+        if self.extent is not None and self.extent[0] != grid.extent[0]:
+            # waves that do not fit the grid's width are summed as they are
+            across = np.exp(2j * np.pi * (grid.x[:, None] * kx.T)) @ waves
+            folded = _folded(
+                across * np.exp(2j * np.pi * (ky * grid.y[0])), np.arange(nx), ky, grid
+            )
+            return np.asarray(fft.ifft(folded, axis=1).real * ny)
+        # the phase of every wave at the first cell's centre
+        waves *= np.exp(2j * np.pi * (kx * grid.x[0] + ky * grid.y[0]))
+        rows = np.round(kx * grid.extent[0]).astype(int).ravel() % nx
+        return np.asarray(fft.ifft2(_folded(waves, rows, ky, grid)).real * (nx * ny))
+
+    def _waves(self, grid: Grid) -> tuple[np.ndarray, tuple[Array, Array]]:
+        """Complex amplitudes [m] of half the plane of waves, and their wave numbers [1/m]."""
+        extent = self.extent or grid.extent
+        divides("Roughness.extent[1]", extent[1], grid.period)
+        most = [int(side / self.cut_off) for side in extent]
+        if (2 * most[0] + 1) * (most[1] + 1) > MOST_WAVES:
+            raise InvalidInput(
+                f"Roughness.cut_off is {self.cut_off!r}: give a wavelength nearer to the extent {extent!r} m, "
+                f"or there are more than {MOST_WAVES:g} waves."
+            )
+        kx = np.arange(-most[0], most[0] + 1)[:, None] / extent[0]
+        ky = np.arange(most[1] + 1)[None, :] / extent[1]
+        # stretched along the lay, so that no wave is shorter than asked
+        k = np.hypot(kx * max(self.peklenik, 1), ky * max(1 / self.peklenik, 1))
+        density = np.maximum(k, 1 / self.roll_off) ** (-2 * (1 + self.hurst))
+        # of a wave and its opposite, which carry the same heights, one
+        density[(k > 1 / self.cut_off) | ((ky == 0) & (kx <= 0))] = 0
+        normal = np.random.default_rng(self.seed).standard_normal((2, *density.shape))
+        waves = np.sqrt(density) * (normal[0] + 1j * normal[1])
+        power = np.sum(np.abs(waves) ** 2) / 2
+        if power == 0:
+            whose = "surface's" if self.extent else "grid's"
+            raise InvalidInput(
+                f"Roughness.cut_off is {self.cut_off!r}: give a wavelength below the {whose} extent "
+                f"{extent!r} m, or there is no wave to carry the height."
+            )
+        if isinstance(self.rms, RmsSlope):
+            wave_number = 2 * np.pi * np.hypot(kx, ky)
+            power = np.sum(np.abs(wave_number * waves) ** 2) / 2
+            return waves * (self.rms.slope / np.sqrt(power)), (kx, ky)
+        return waves * (self.rms / np.sqrt(power)), (kx, ky)
+
+
+def _folded(waves: np.ndarray, rows: np.ndarray, ky: Array, grid: Grid) -> np.ndarray:
+    """Waves by the grid's own wave numbers: those shorter than two cells look like longer ones."""
+    columns = np.round(ky * grid.period).astype(int).ravel() % grid.cells[1]
+    folded = np.zeros(grid.cells, dtype=complex)
+    np.add.at(folded, np.ix_(rows, columns), waves)
+    return folded

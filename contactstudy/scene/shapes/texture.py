@@ -1,0 +1,206 @@
+"""Machined textures: dimples and grooves that repeat."""
+
+from dataclasses import dataclass, field
+from math import inf, pi
+from typing import Protocol, Self
+
+import numpy as np
+
+from contactstudy.domain.arrays import Array
+from contactstudy.domain.checks import (
+    InvalidInput,
+    bearable,
+    bearable_from_zero,
+    divides,
+    keep,
+    pair,
+    positive,
+)
+from contactstudy.domain.grid import Grid
+from contactstudy.domain.units import Metres
+from contactstudy.scene.shapes.detail import Detail
+
+
+class Profile(Protocol):
+    """How the depth of a dimple or a groove falls from its middle to its rim."""
+
+    def __call__(self, t: Array) -> Array:
+        """The share of the depth at the share ``t`` in [0, 1] of the way from the middle to the rim."""
+        ...
+
+
+@dataclass(frozen=True)
+class Parabolic:
+    """``1 - t^2``: a spherical cap, as the paraboloid that stands for a sphere in Hertz's theory."""
+
+    def __call__(self, t: Array) -> Array:
+        """The share of the depth."""
+        return (1 - t) * (1 + t)
+
+
+@dataclass(frozen=True)
+class Cosine:
+    """``(1 + cos(pi t)) / 2``: without a kink at the rim."""
+
+    def __call__(self, t: Array) -> Array:
+        """The share of the depth."""
+        return np.asarray((1 + np.cos(np.pi * t)) / 2)
+
+
+@dataclass(frozen=True)
+class FlatBottomed:
+    """The whole depth up to the rim: cylindrical dimples and rectangular grooves."""
+
+    def __call__(self, t: Array) -> Array:
+        """The share of the depth."""
+        return np.ones_like(t)
+
+
+@dataclass(frozen=True)
+class Dimple:
+    """A round dimple: ``depth`` [m], from zero on; ``diameter`` at the rim [m], above zero; ``profile``."""
+
+    depth: Metres
+    diameter: Metres
+    profile: Profile = field(default_factory=Parabolic)
+
+    def __post_init__(self) -> None:
+        _is_profile("Dimple.profile", self.profile)
+        keep(
+            self,
+            depth=bearable_from_zero("Dimple.depth", self.depth, "give a depth of 0 m or more"),
+            diameter=bearable("Dimple.diameter", self.diameter, "give a diameter above 0 m"),
+        )
+
+    @property
+    def size(self) -> float:
+        """The diameter [m]."""
+        return self.diameter
+
+    def density(self, pitch: tuple[float, float]) -> float:
+        """The share of the surface that is dimpled, ``pi d^2 / 4`` over the cell of the lattice."""
+        return pi / 4 * (self.diameter / pitch[0]) * (self.diameter / pitch[1])
+
+
+@dataclass(frozen=True)
+class Groove:
+    """A straight groove: ``depth`` [m], from zero on; ``width`` at the rim [m], above zero; ``profile``."""
+
+    depth: Metres
+    width: Metres
+    profile: Profile = field(default_factory=Cosine)
+
+    def __post_init__(self) -> None:
+        _is_profile("Groove.profile", self.profile)
+        keep(
+            self,
+            depth=bearable_from_zero("Groove.depth", self.depth, "give a depth of 0 m or more"),
+            width=bearable("Groove.width", self.width, "give a width above 0 m"),
+        )
+
+    @property
+    def size(self) -> float:
+        """The width [m]."""
+        return self.width
+
+    def density(self, pitch: tuple[float, float]) -> float:
+        """The share of the surface that is grooved."""
+        return self.width / min(pitch)
+
+
+@dataclass(frozen=True)
+class Texture:
+    """Dimples on a rectangular lattice, or parallel grooves; one has its middle at the origin.
+
+    ``feature`` is a :class:`Dimple` or a :class:`Groove`; ``pitch`` (across, along) [m] is how far apart
+    they are. Dimples have two finite pitches, grooves one: ``(p, inf)`` are grooves along the length,
+    ``(inf, p)`` across it. Depths are sampled at the cell centres, so that a feature a few cells wide
+    has its area only roughly. Raises :class:`~contactstudy.InvalidInput` for features that overlap, and
+    where the pitch along does not divide the grid's period.
+    """
+
+    feature: Dimple | Groove
+    pitch: tuple[Metres, Metres]
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.feature, Dimple | Groove):
+            raise InvalidInput(f"Texture.feature is {self.feature!r}: give a Dimple or a Groove.")
+        both = pair("Texture.pitch", self.pitch, "give two lengths, (across, along) [m]")
+        pitch = tuple(
+            inf if one == inf else bearable(f"Texture.pitch[{axis}]", one, "give a pitch above 0 m")
+            for axis, one in enumerate(both)
+        )
+        finite_pitches = 2 if isinstance(self.feature, Dimple) else 1
+        if sum(one < inf for one in pitch) != finite_pitches:
+            raise InvalidInput(
+                f"Texture.pitch is {pitch!r}: give two finite pitches for dimples, one for grooves, "
+                "the other being inf."
+            )
+        if self.feature.size > min(pitch):
+            raise InvalidInput(
+                f"Texture.pitch is {pitch!r}: give pitches from {self.feature.size!r} m on, the size "
+                "of the feature, so that none overlap."
+            )
+        keep(self, pitch=pitch)
+
+    @classmethod
+    def of_density(cls, feature: Dimple | Groove, area_density: float, along: float = inf) -> Self:
+        """The texture that covers ``area_density`` of the surface, by its pitch across the length.
+
+        ``along`` [m] is the pitch along the length, infinite for grooves.
+        """
+        remedy = "give a share of the surface above 0 and below 1"
+        density = positive("Texture area_density", area_density, remedy)
+        if density >= 1:
+            raise InvalidInput(f"Texture area_density is {area_density!r}: {remedy}.")
+        if isinstance(feature, Dimple):
+            bearable(
+                "Texture along", along, "give the pitch of the dimples along the length, above 0 m"
+            )
+        return cls(feature, (feature.density((1.0, along)) / density, along))
+
+    @property
+    def area_density(self) -> float:
+        """The share of the surface that is textured."""
+        return self.feature.density(self.pitch)
+
+    @property
+    def curvature(self) -> float:
+        """None on the mean."""
+        return 0.0
+
+    @property
+    def detail(self) -> Detail:
+        """Features are as fine as they are wide."""
+        if self.feature.depth == 0:
+            return Detail()
+        size, (across, along) = self.feature.size, self.pitch
+        finest = (size if across < inf else inf, size if along < inf else inf)
+        repeat = along if along < inf else 0.0
+        # a depth over half the size, on the textured share of the surface
+        slope = 2 * self.feature.depth / size * self.area_density**0.5
+        return Detail(finest, repeat, slope=slope)
+
+    def gap(self, grid: Grid) -> Array:
+        """Depths [m] at the cell centres, shape (width, length), or (width, 1) for grooves along it."""
+        across, along = self.pitch
+        divides("Texture.pitch[1]", along, grid.period)
+        if self.feature.depth == 0:
+            return np.zeros((grid.cells[0], 1))
+        y = grid.y if along < inf else np.zeros(1)
+        distance = np.hypot(_from_nearest(grid.x, across)[:, None], _from_nearest(y, along))
+        t = distance / (self.feature.size / 2)
+        depth = self.feature.depth * self.feature.profile(np.minimum(t, 1))
+        return np.where(t < 1, depth, 0.0)
+
+
+def _from_nearest(position: Array, pitch: float) -> Array:
+    """Offset from the nearest multiple of ``pitch``; zero where nothing repeats."""
+    if pitch == inf:
+        return np.zeros_like(position)
+    return np.asarray(position - pitch * np.round(position / pitch))
+
+
+def _is_profile(name: str, profile: object) -> None:
+    if isinstance(profile, type) or not callable(profile):
+        raise InvalidInput(f"{name} is {profile!r}: give a profile, such as Cosine().")

@@ -1,0 +1,45 @@
+"""The bodies, by what they add to the compliance of the contact."""
+
+import math
+from dataclasses import dataclass
+
+from contactstudy.domain.checks import InvalidInput, bearable, finite, keep
+from contactstudy.domain.units import Number, Pascals
+
+
+@dataclass(frozen=True)
+class HalfSpace:
+    """A homogeneous, isotropic elastic half-space.
+
+    ``youngs_modulus`` [Pa], above zero; ``math.inf`` is a rigid body. ``poisson_ratio`` from above -1
+    to 0.5 (incompressible). Raises :class:`~contactstudy.InvalidInput` for anything else.
+    """
+
+    youngs_modulus: Pascals
+    poisson_ratio: Number
+
+    def __post_init__(self) -> None:
+        remedy = "give a modulus above 0 Pa, or inf for a rigid body"
+        if self.youngs_modulus != math.inf:
+            modulus = bearable("HalfSpace.youngs_modulus", self.youngs_modulus, remedy)
+            keep(self, youngs_modulus=modulus)
+        remedy = "give a ratio above -1 and up to 0.5"
+        ratio = finite("HalfSpace.poisson_ratio", self.poisson_ratio, remedy)
+        if not -1 < ratio <= 0.5:
+            raise InvalidInput(f"HalfSpace.poisson_ratio is {self.poisson_ratio!r}: {remedy}.")
+        keep(self, poisson_ratio=ratio)
+
+    @property
+    def compliance(self) -> float:
+        """(1 - nu^2) / E [1/Pa]."""
+        return (1 - self.poisson_ratio**2) / self.youngs_modulus
+
+
+def contact_modulus(solids: tuple[HalfSpace, ...]) -> float:
+    """E* [Pa] of the bodies together: compliances add (Johnson 1985, eq. 4.3)."""
+    total = sum(solid.compliance for solid in solids)
+    if total == 0:
+        raise InvalidInput(
+            "Scene.solids are all rigid: give at least one body a finite Young's modulus."
+        )
+    return 1 / total

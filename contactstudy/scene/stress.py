@@ -1,0 +1,159 @@
+"""Subsurface stress under the pressure of a contact, at the depths asked for."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import isinf
+
+import numpy as np
+
+from contactstudy.domain.arrays import Array
+from contactstudy.domain.checks import InvalidInput, finite, keep, whole
+from contactstudy.domain.grid import Grid
+from contactstudy.domain.padding import Paddings
+from contactstudy.domain.units import Metres
+from contactstudy.elasticity.coefficients import kernel
+from contactstudy.elasticity.convolution import padded_cells, spread
+from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, Component, stress_cell
+from contactstudy.elasticity.kernels.stress_periodic import (
+    stress_cell_doubly_periodic,
+    stress_cell_periodic,
+)
+from contactstudy.elasticity.transforms import TRANSFORMS, Waves
+from contactstudy.problem.derived import Field
+from contactstudy.scene.solids import HalfSpace
+
+
+@dataclass(frozen=True)
+class SubsurfaceStress:
+    """All six stress components and von Mises' stress at ``depths`` [m] in one of the bodies.
+
+    ``depths``, one or more, count from the surface of body ``solid`` (0 or 1 of ``Scene.solids``), from 0
+    on. That body's Poisson's ratio is used: it sets xx, yy and xy. In a Dataset, ``stress``
+    (component, depth, width, length) [Pa], tension positive, with x across the contact, y along it and
+    z into the body, and ``von_mises`` (depth, width, length) [Pa]. Found when the Dataset is made.
+    Raises :class:`~contactstudy.InvalidInput` for other depths or bodies, a scene with it for a rigid one.
+    """
+
+    depths: tuple[Metres, ...]
+    solid: int = 0
+
+    def __post_init__(self) -> None:
+        remedy = "give a tuple of depths [m], such as (1e-4, 2e-4)"
+        if not isinstance(self.depths, tuple | list) or not self.depths:
+            raise InvalidInput(f"SubsurfaceStress.depths is {self.depths!r}: {remedy}.")
+        remedy = "give a depth from 0 m on"
+        depths = []
+        for number, depth in enumerate(self.depths):
+            field = f"SubsurfaceStress.depths[{number}]"
+            depths.append(finite(field, depth, remedy))
+            if depths[-1] < 0:
+                raise InvalidInput(f"{field} is {depth!r}: {remedy}.")
+        remedy = "give 0 or 1, the body's place in Scene.solids"
+        solid = whole("SubsurfaceStress.solid", self.solid, 0, remedy)
+        if solid > 1:
+            raise InvalidInput(f"SubsurfaceStress.solid is {self.solid!r}: {remedy}.")
+        keep(self, depths=tuple(depths), solid=solid)
+
+    def check(self, solids: tuple[HalfSpace, ...]) -> None:
+        """Raise :class:`~contactstudy.InvalidInput` for a rigid body."""
+        if isinf(solids[self.solid].youngs_modulus):
+            raise InvalidInput(
+                f"SubsurfaceStress.solid is {self.solid}, a rigid body: give {1 - self.solid}, the elastic one."
+            )
+
+    def of(self, solids: tuple[HalfSpace, ...], grid: Grid, paddings: Paddings) -> "StressBelow":
+        """The stress of these bodies on ``grid``."""
+        return StressBelow(grid, paddings, solids[self.solid].poisson_ratio, self.depths)
+
+
+@dataclass(frozen=True)
+class StressBelow:
+    """The linear map from pressure to stress on one grid, with the images that ``paddings`` see.
+
+    Padded and summed like the displacement; where a window of images ends on a pair of cells just as far
+    on one side as on the other, either side counts half.
+    """
+
+    grid: Grid
+    paddings: Paddings
+    poisson_ratio: float
+    depths: tuple[float, ...]
+
+    def __call__(self, pressure: Array) -> Array:
+        """Stress (component, depth, width, length) in the unit of ``pressure`` (width, length)."""
+        if pressure.shape != self.grid.cells:
+            raise InvalidInput(
+                f"pressure has the shape {pressure.shape}: give it {self.grid.cells}."
+            )
+        padded = padded_cells(self.grid, self.paddings)
+        pressed = TRANSFORMS.forward(pressure, padded, _room(padded))
+        room = _room(padded)
+        stress = np.empty((len(COMPONENTS), len(self.depths), *self.grid.cells))
+        for number, component in enumerate(COMPONENTS.values()):
+            for level, depth in enumerate(self.depths):
+                coefficients = StressCoefficients(component, depth, self.poisson_ratio)
+                known = kernel(self.grid, self.paddings, coefficients)
+                around = spread(known, padded, component.parity)
+                waves = TRANSFORMS.forward(around, padded, room)
+                waves *= pressed
+                stress[number, level] = TRANSFORMS.backward(waves, self.grid.cells, padded)
+        return stress
+
+    def fields(self, pressure: Array) -> Mapping[str, Field]:
+        """``stress``, ``von_mises`` and their coordinates ``component`` and ``depth``."""
+        stress = self(pressure)
+        dimensions = ("component", "depth", "width", "length")
+        names = np.array(list(COMPONENTS))
+        return {
+            "stress": Field(dimensions, stress, "Pa", "stress, tension positive"),
+            "von_mises": Field(dimensions[1:], von_mises(stress), "Pa", "von Mises stress"),
+            "component": Field(("component",), names, "1", "x across, y along, z into the body"),
+            "depth": Field(("depth",), np.array(self.depths), "m", "depth below the surface"),
+        }
+
+
+@dataclass(frozen=True)
+class StressCoefficients:
+    """One component of stress at one depth [m], as :class:`~contactstudy.elasticity.coefficients.Coefficients`."""
+
+    component: Component
+    depth: float
+    poisson_ratio: float
+
+    @property
+    def parity(self) -> tuple[int, int]:
+        """That of the component."""
+        return self.component.parity
+
+    def turned(self) -> "StressCoefficients":
+        """The component that takes its place when the axes are exchanged."""
+        turned = COMPONENTS[self.component.turned]
+        return StressCoefficients(turned, self.depth, self.poisson_ratio)
+
+    def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
+        """One cell."""
+        return stress_cell(self.component, x, y, self.depth, dx, dy, self.poisson_ratio)
+
+    def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
+        """Images along y without end."""
+        cell = self.depth, dx, dy
+        return stress_cell_periodic(self.component, x, y, *cell, period, self.poisson_ratio)
+
+    def lattice(
+        self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
+    ) -> Array:
+        """Images along both axes without end."""
+        periods = width, period
+        arguments = x, y, self.depth, dx, dy, *periods, self.poisson_ratio
+        return stress_cell_doubly_periodic(self.component, *arguments)
+
+
+def von_mises(stress: Array) -> Array:
+    """``sqrt(3/2 s:s)`` of the deviator s, from components in the order of ``COMPONENTS``; the rest free."""
+    xx, yy, zz, yz, xz, xy = stress
+    normal = ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2
+    return np.asarray(np.sqrt(normal + 3 * (yz**2 + xz**2 + xy**2)))
+
+
+def _room(padded: tuple[int, int]) -> Waves:
+    return np.empty((padded[0], padded[1] // 2 + 1), dtype=np.complex128)

@@ -1,0 +1,177 @@
+"""Measured surfaces."""
+
+from dataclasses import dataclass, field, replace
+from hashlib import blake2b
+from math import ceil, inf
+from os import PathLike
+from typing import Any, Self
+
+import numpy as np
+
+from contactstudy.domain.arrays import Array
+from contactstudy.domain.checks import InvalidInput, bearable, divides, keep, pair
+from contactstudy.domain.grid import Grid
+from contactstudy.domain.units import Metres
+from contactstudy.scene.shapes.detail import Detail
+from contactstudy.scene.surfaces import measurement
+from contactstudy.scene.surfaces.missing_points import Missing, RefuseMissing
+from contactstudy.scene.surfaces.resampling import cell_means
+from contactstudy.scene.surfaces.seam import AsMeasured, Seam, Tapered
+from contactstudy.scene.surfaces.trend import Trend
+
+
+@dataclass(frozen=True)
+class MeasuredSurface:
+    """A surface given by its ``heights`` (width, length) [m], positive out of the body: peaks touch first.
+
+    Heights are an array of real numbers, masked or nan where a point is missing, or an
+    xarray.DataArray whose coordinates give the sizes, or the path of a file (see :meth:`read`).
+    ``extent`` (width, length) [m] is the size of all points, each standing for an equal cell; without it,
+    heights stand cell for cell on the grid. ``missing`` says what becomes of missing points, ``trend``
+    what is subtracted from all points, ``seam`` how the length is made periodic, in this order; heights
+    are taken as they are, unless told.
+
+    The surface is centred on the grid, which shows its middle where it is smaller; a grid is no wider
+    than the surface, and a longer period a whole number of the surface's. Cells have the means of a
+    smooth surface with the heights given, the same on every grid. Two surfaces are equal where
+    ``digest``, of all heights, and all else agree. Raises :class:`~contactstudy.InvalidInput` for anything
+    that is not so.
+    """
+
+    heights: Any = field(repr=False, compare=False)
+    extent: tuple[Metres, Metres] | None = None
+    missing: Missing = field(default_factory=RefuseMissing)
+    trend: Trend = Trend.NONE
+    seam: Seam = field(default_factory=AsMeasured)
+    digest: str = field(init=False)
+
+    def __post_init__(self) -> None:
+        points, sizes = measurement.measurement(self.heights)
+        if self.extent is not None:
+            remedy = "give two lengths, (width, length) [m]"
+            width, length = pair("MeasuredSurface.extent", self.extent, remedy)
+            extent = (
+                bearable("MeasuredSurface.extent[0]", width, "give a width above 0 m"),
+                bearable("MeasuredSurface.extent[1]", length, "give a length above 0 m"),
+            )
+            if sizes is not None and not np.allclose(extent, sizes, rtol=1e-6, atol=0):
+                raise InvalidInput(
+                    f"MeasuredSurface.extent is {extent!r}: leave it out, since the coordinates of the "
+                    f"heights say {sizes!r} m."
+                )
+            sizes = extent
+        for name, duty, example in (
+            ("missing", "fill", "RefuseMissing()"),
+            ("trend", "subtracted", "Trend.PLANE"),
+            ("seam", "close", "Mirrored()"),
+        ):
+            value = getattr(self, name)
+            if isinstance(value, type) or not hasattr(value, duty):
+                raise InvalidInput(
+                    f"MeasuredSurface.{name} is {value!r}: give a value such as {example}."
+                )
+        self.missing.admit(int(np.isnan(points).sum()), points.size)
+        digest = blake2b(repr(points.shape).encode() + points.tobytes(), digest_size=16).hexdigest()
+        keep(self, heights=points, extent=sizes, digest=digest)
+
+    @classmethod
+    def read(
+        cls,
+        path: str | PathLike[str],
+        *,
+        missing: Missing | None = None,
+        trend: Trend = Trend.PLANE,
+        seam: Seam | None = None,
+    ) -> Self:
+        """The surface in a file: X3P, OPD, SUR and whatever else the library SurfaceTopography reads.
+
+        Less its tilt, and :class:`~contactstudy.Tapered` at the ends, unless told otherwise. Needs the
+        extra ``measured``. Raises :class:`~contactstudy.InvalidInput` for a file without sizes or units.
+        """
+        heights, extent = measurement.read(path)
+        return cls(heights, extent, missing or RefuseMissing(), trend, seam or Tapered())
+
+    def turned(self) -> Self:
+        """This surface turned by a quarter, so that what ran along the length runs across it."""
+        extent = None if self.extent is None else (self.extent[1], self.extent[0])
+        return replace(self, heights=np.rot90(self.heights), extent=extent)
+
+    @property
+    def curvature(self) -> float:
+        """None that is known of."""
+        return 0.0
+
+    @property
+    def detail(self) -> Detail:
+        """As fine as its points, as high as its highest."""
+        heights = self._complete()
+        extent = self.extent or heights.shape
+        steps = extent[0] / self.heights.shape[0], extent[1] / self.heights.shape[1]
+        across, along = (
+            np.diff(heights, axis=axis) / step if heights.shape[axis] > 1 else np.zeros(1)
+            for axis, step in enumerate(steps)
+        )
+        if self.extent is None:  # cell for cell: sizes are the grid's
+            return Detail(height=float(heights.max() - heights.mean()))
+        period = self.seam.lengths * extent[1]
+        return Detail(
+            finest=(2 * steps[0], 2 * steps[1] if along.any() else inf),
+            repeat=period if along.any() else 0.0,
+            height=float(heights.max() - heights.mean()),
+            slope=float(np.sqrt((across**2).mean() + (along**2).mean())),
+        )
+
+    def _complete(self) -> Array:
+        """Heights (width, length) [m], complete and less their trend."""
+        return self.trend.subtracted(self.missing.fill(self.heights))
+
+    def gap(self, grid: Grid) -> Array:
+        """Depths below the datum [m], shape (width, length), or (width, 1) where all is one profile."""
+        heights = self._complete()
+        if (heights == heights[:, :1]).all():
+            heights, period = heights[:, :1], None
+        else:
+            heights, period = self._period(heights, grid)
+        if self.extent is None:
+            return self._on_cells(heights, grid)
+        width = self.extent[0]
+        if grid.extent[0] > width * (1 + 1e-9):
+            raise InvalidInput(
+                f"MeasuredSurface.extent is {self.extent!r}: give a grid no wider than that, which is "
+                f"{grid.extent[0]!r} m wide, or a wider surface."
+            )
+        heights = cell_means(
+            heights, 0, extent=width, cells=grid.cells[0], width=grid.extent[0], ends="not-a-knot"
+        )
+        if period is not None:
+            heights = cell_means(
+                heights, 1, extent=period, cells=grid.cells[1], width=grid.period, ends="periodic"
+            )
+        return -heights
+
+    def _period(self, heights: Array, grid: Grid) -> tuple[Array, float | None]:
+        """One period of the surface, or of its middle where the grid's is shorter; and its length [m]."""
+        if self.extent is None:
+            return self.seam.close(heights), None
+        count, length = heights.shape[1], self.extent[1]
+        piece = grid.period / self.seam.lengths
+        if piece < length * (1 - 1e-9):
+            # points no farther apart, and the same whatever the grid's cells
+            points = ceil(count * piece / length - 1e-9)
+            heights = cell_means(
+                heights, 1, extent=length, cells=points, width=piece, ends="not-a-knot"
+            )
+            length = piece
+        period = self.seam.lengths * length
+        divides("MeasuredSurface period", period, grid.period)
+        return self.seam.close(heights), period
+
+    def _on_cells(self, heights: Array, grid: Grid) -> Array:
+        count = self.heights.shape[1]
+        points = (len(heights), 1 if count == 1 else count * self.seam.lengths)
+        if points not in (grid.cells, (grid.cells[0], 1)):
+            raise InvalidInput(
+                f"MeasuredSurface.heights has {points} points in a period: give a grid of as many "
+                f"cells, which has {grid.cells}, or MeasuredSurface.extent."
+            )
+        return -heights

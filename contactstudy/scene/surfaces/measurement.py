@@ -1,0 +1,128 @@
+"""Heights of points and the sizes they come with, from an array, a DataArray or a file."""
+
+import warnings
+from os import PathLike, fspath
+from typing import Any
+
+import numpy as np
+
+from contactstudy.domain.arrays import Array
+from contactstudy.domain.checks import InvalidInput
+
+# Points and their sizes (width, length) [m], if they have any.
+Measurement = tuple[Array, tuple[float, float] | None]
+
+DIMENSIONS = (("width", "length"), ("x", "y"))
+METRES = (None, "", "m", "metre", "metres", "meter", "meters")
+
+
+def measurement(heights: Any) -> Measurement:
+    """Points of an array, an xarray.DataArray or a file at a path, nan where one is missing.
+
+    Dimensions of a DataArray are put in the order (width, length) or (x, y) where they are called
+    that; sizes come from equidistant coordinates. Raises :class:`~contactstudy.InvalidInput` for what
+    is not a plane field of real numbers in metres.
+    """
+    if isinstance(heights, str | PathLike):
+        points, extent = read(heights)
+        return _plane(points), extent
+    if hasattr(heights, "dims") and hasattr(heights, "coords"):
+        return _labelled(heights)
+    return _plane(heights), None
+
+
+def read(path: str | PathLike[str]) -> Measurement:
+    """Points of a file in any format that SurfaceTopography reads: X3P, OPD, SUR and some thirty more.
+
+    Raises :class:`~contactstudy.InvalidInput` for a file that is in none of them, or has no sizes or no unit.
+    """
+    try:
+        with warnings.catch_warnings():
+            # that there is no MPI, for which nobody asked
+            warnings.simplefilter("ignore", ImportWarning)
+            from SurfaceTopography import Exceptions, open_topography
+    except ModuleNotFoundError as missing:
+        raise ModuleNotFoundError(
+            "measured files are read by SurfaceTopography: pip install 'contactstudy[measured]'"
+        ) from missing
+    name = fspath(path)
+    try:
+        with open_topography(name) as file:
+            channel = file.default_channel
+            if channel.dim != 2:
+                raise InvalidInput(f"path is {name!r}: give a file of a surface, not of a profile.")
+            if channel.unit is None or channel.physical_sizes is None:
+                raise InvalidInput(
+                    f"path is {name!r}, which has no sizes or no unit: read it yourself, and give the "
+                    "heights and extent in m."
+                )
+            surface = channel.topography().to_unit("m")
+            points = np.ma.filled(np.ma.asarray(surface.heights(), dtype=np.float64), np.nan)
+            width, length = (float(size) for size in surface.physical_sizes)
+    except Exceptions.ReadFileError as unreadable:
+        raise InvalidInput(
+            f"path is {name!r}: give a file in a format that SurfaceTopography reads ({unreadable})."
+        ) from unreadable
+    return points, (width, length)
+
+
+def _plane(heights: Any) -> Array:
+    """A read-only copy of its own."""
+    remedy = "give an array (width, length) of real numbers, heights in m"
+    try:
+        values = np.ma.asarray(heights) if np.ma.isMaskedArray(heights) else np.asarray(heights)
+    except ValueError:  # rows of different lengths
+        raise InvalidInput(f"MeasuredSurface.heights has no one shape: {remedy}.") from None
+    if values.dtype.kind not in "iuf" or values.ndim != 2 or values.size == 0:
+        raise InvalidInput(
+            f"MeasuredSurface.heights has the shape {values.shape} and the type {values.dtype}: {remedy}."
+        )
+    points = np.ma.filled(values.astype(np.float64), np.nan)
+    points = np.array(points, dtype=np.float64, order="C")
+    points[~np.isfinite(points)] = np.nan
+    points.setflags(write=False)
+    return points
+
+
+def _labelled(heights: Any) -> Measurement:
+    if heights.ndim != 2:
+        return _plane(heights), None
+    for names in DIMENSIONS:
+        if set(heights.dims) == set(names):
+            heights = heights.transpose(*names)
+    _in_metres("MeasuredSurface.heights", heights)
+    sized = [name in heights.coords for name in heights.dims]
+    if not any(sized):
+        return _plane(heights.data), None
+    if not all(sized):
+        raise InvalidInput(
+            f"MeasuredSurface.heights has coordinates for {sum(sized)} of its dimensions "
+            f"{heights.dims!r}: give both or none."
+        )
+    points, sizes = heights.data, []
+    for axis, name in enumerate(heights.dims):
+        size, step = _size(name, heights.coords[name])
+        sizes.append(size)
+        if step < 0:
+            points = np.flip(points, axis)
+    return _plane(points), (sizes[0], sizes[1])
+
+
+def _size(name: str, coordinate: Any) -> tuple[float, float]:
+    """Size [m] of as many cells as there are points, and the step between two points."""
+    _in_metres(f"MeasuredSurface.heights.{name}", coordinate)
+    positions = _plane(np.asarray(coordinate)[:, None])[:, 0]
+    step = (positions[-1] - positions[0]) / max(len(positions) - 1, 1)
+    off = np.abs(np.diff(positions) - step).max(initial=0.0)
+    if not step or not off <= 1e-6 * abs(step):
+        raise InvalidInput(
+            f"MeasuredSurface.heights.{name} has coordinates that are not equidistant: resample the "
+            "heights, or drop the coordinates and give MeasuredSurface.extent."
+        )
+    return float(abs(step) * len(positions)), float(step)
+
+
+def _in_metres(field: str, labelled: Any) -> None:
+    unit = labelled.attrs.get("units")
+    if unit not in METRES:
+        raise InvalidInput(f"{field} has the units {unit!r}: convert to m.")

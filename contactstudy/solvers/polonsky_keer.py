@@ -1,0 +1,67 @@
+"""The conjugate gradient scheme of Polonsky & Keer (1999)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contactstudy.domain.arrays import Array, inner, mean_over
+from contactstudy.problem.problem import BareProblem
+from contactstudy.solvers.iterate import Iterate, Stall
+
+
+@dataclass(frozen=True)
+class PolonskyKeer:
+    """Conjugate gradients on the cells in contact, restarted when the contact gains a cell.
+
+    Two convolutions per iteration. ``patience`` is the number of iterations without a halving of the
+    residual after which it stops. Source: Polonsky & Keer (1999), Wear 231, sect. 3.
+    """
+
+    patience: int = 400
+
+    def iterate(
+        self,
+        problem: BareProblem,
+        *,
+        tolerance: float,
+        max_iterations: int,
+        start: Array | None = None,
+    ) -> Iterate:
+        """Iterate until ``problem.pressures.residual(pressure, gap) <= tolerance``."""
+        pressures = problem.pressures
+        pressure = pressures.admit(problem.uniform() if start is None else start.copy())
+        direction = np.zeros_like(pressure)
+        previous, conjugate = 1.0, 0.0
+        stall = Stall(self.patience)
+        own = problem.displacement.own
+        iteration = 0
+        while True:
+            moved = problem.displacement(pressure)
+            gap = problem.gap(pressure, moved)
+            left = pressures.residual(pressure, gap)
+            done = problem.ends(left, moved, tolerance) or iteration == max_iterations
+            if done or stall.sees(left):
+                convolutions = 2.0 * iteration + 1
+                return Iterate(pressure, moved, gap.approach, left, iteration, convolutions)
+            iteration += 1
+            steepness = inner(gap.held, gap.held)
+            kept = conjugate * steepness / previous if previous > 0 else 0.0
+            direction = gap.held + kept * direction * gap.free
+            previous = steepness
+            if inner(gap.held, direction) <= 0:  # the contact has changed: conjugacy is lost
+                direction = gap.held
+            response = problem.displacement(direction)
+            response -= mean_over(gap.free, response)
+            curvature = inner(response, direction)
+            # a single cell in contact is level with itself: the others then close their own gaps
+            step = inner(gap.held, direction) / curvature if curvature > 0 else 1 / own
+            before, pressure = pressure, pressures.clip(pressure - step * direction)
+            whole = gap.held - gap.overlap
+            bound = 1 - pressures.free(pressure)
+            trial = np.maximum(pressure - step * whole * bound, 0)
+            conjugate = 1.0 if (trial == pressure).all() else 0.0
+            pressure = pressures.admit(trial)
+            if (
+                inner(whole, pressure - before) >= 0
+            ):  # balancing the load has turned the step uphill
+                conjugate, pressure = 0.0, pressures.nearest(before - step * whole)

@@ -1,0 +1,144 @@
+"""Problem -> Solution."""
+
+from math import inf
+from typing import Protocol
+
+import numpy as np
+
+from contactstudy.domain.arrays import Array
+from contactstudy.domain.checks import InvalidInput, positive, whole
+from contactstudy.domain.precision import Precision
+from contactstudy.problem.problem import BareProblem, Problem
+from contactstudy.solvers.iterate import Iterate
+from contactstudy.solvers.preconditioned_cg import PreconditionedCG
+from contactstudy.solvers.solution import Solution, Status
+
+
+class Solver(Protocol):
+    """An iteration for the dimensionless problem."""
+
+    def iterate(
+        self,
+        problem: BareProblem,
+        *,
+        tolerance: float,
+        max_iterations: int,
+        start: Array | None = None,
+    ) -> Iterate:
+        """Iterate until ``problem.pressures.residual(pressure, gap) <= tolerance``, the limit, or a stall."""
+        ...
+
+
+def solve(
+    problem: Problem,
+    *,
+    tolerance: float = 1e-8,
+    max_iterations: int = 2000,
+    solver: Solver = PreconditionedCG(),  # noqa: B008 (a frozen value)
+    precision: Precision = Precision.DOUBLE,
+    start: Array | None = None,
+) -> Solution:
+    """Solve ``problem`` and say how far the answer can be trusted.
+
+    One stopping rule, dimensionless: the largest of complementarity, ``sum(p |gap|) / sum(p)``,
+    penetration, ``max(-gap)`` where p = 0, both over the problem's gap scale ``p_H a / E*``, and load,
+    ``|sum(p) / total - 1|``, is at most ``tolerance``. Under a hardness, cells that yield count by the
+    gap they leave open, and complementarity is that of the others. ``start`` (width, length) [Pa] is the
+    pressure to go on from, such as that of a like scene or of a solution stopped early: cut off at its
+    limits and scaled to the load, and without it found on coarser grids. Numerical outcomes are a
+    :class:`~contactstudy.Status`; only a tolerance that is not above zero, a negative limit or a start
+    that is no pressure raises :class:`~contactstudy.InvalidInput`.
+    """
+    positive("solve.tolerance", tolerance, "give a dimensionless tolerance above 0, such as 1e-8")
+    whole("solve.max_iterations", max_iterations, 0, "give a whole number of iterations from 0 on")
+    if start is not None:
+        start = _finite_pressure(start, problem)
+    if problem.pressures.is_empty(problem.undeformed_gap.shape):
+        return _without_pressure(problem)
+    if start is not None:
+        start = _admitted(start, problem, precision)
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        bare = problem.bare(precision)
+        last = solver.iterate(bare, tolerance=tolerance, max_iterations=max_iterations, start=start)
+    scales = problem.scales
+    moved = np.multiply(last.displacement, scales.gap, dtype=np.float64)
+    approach = last.approach * scales.gap + problem.datum
+    return Solution(
+        problem=problem,
+        pressure=problem.pressures.of(last.pressure, scales.pressure),
+        displacement=moved,
+        gap=problem.undeformed_gap + moved - approach,
+        approach=approach,
+        status=_status(bare, last, tolerance, max_iterations, problem.open_edges),
+        iterations=last.iterations,
+        convolutions=last.convolutions,
+        residual=last.residual,
+        note=last.note,
+    )
+
+
+def _finite_pressure(start: Array, problem: Problem) -> Array:
+    """``start``, if it is a pressure [Pa] on the grid of ``problem``."""
+    shape = problem.undeformed_gap.shape
+    try:
+        pressure = np.asarray(start, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InvalidInput("solve.start is no array of numbers: give a pressure in Pa.") from None
+    if pressure.shape != shape:
+        raise InvalidInput(f"solve.start has the shape {pressure.shape}: give it {shape}.")
+    for wrong, what in ((~np.isfinite(pressure), "not finite"), (pressure < 0, "below 0 Pa")):
+        if wrong.any():
+            raise InvalidInput(
+                f"solve.start is {what} in {np.count_nonzero(wrong)} cells: give a pressure from 0 Pa on."
+            )
+    return pressure
+
+
+def _admitted(pressure: Array, problem: Problem, precision: Precision) -> Array:
+    """A pressure [Pa] made admissible, in the problem's own unit."""
+    with np.errstate(over="ignore", under="ignore"):
+        bare = np.asarray(pressure / problem.scales.pressure)
+        borne = bare.sum()
+    if not np.finfo(np.float64).tiny <= borne < inf:
+        raise InvalidInput(
+            f"solve.start is at most {pressure.max():g} Pa: give a pressure that carries some load, of "
+            f"the order of {problem.scales.pressure:g} Pa."
+        )
+    # to the load before single precision, which would have no number for the factor
+    admitted = problem.pressures.scaled(1 / problem.scales.pressure).admit(bare)
+    return admitted.astype(precision.real, copy=False)
+
+
+def _without_pressure(problem: Problem) -> Solution:
+    """What there is to say when no admissible pressure carries the load: the bodies as they were."""
+    nothing = np.zeros_like(problem.undeformed_gap)
+    return Solution(
+        problem=problem,
+        pressure=nothing,
+        displacement=nothing.copy(),
+        gap=problem.undeformed_gap.copy(),
+        approach=0.0,
+        status=Status.NO_ADMISSIBLE_PRESSURE,
+        iterations=0,
+        convolutions=0.0,
+        residual=inf,
+    )
+
+
+def _status(
+    bare: BareProblem,
+    last: Iterate,
+    tolerance: float,
+    max_iterations: int,
+    open_edges: tuple[int, ...],
+) -> Status:
+    if not np.isfinite(last.residual):
+        return Status.NOT_FINITE
+    if last.residual > tolerance:
+        if bare.ends(last.residual, last.displacement, tolerance):
+            return Status.PRECISION_LIMIT
+        limited = last.iterations >= max_iterations
+        return Status.ITERATION_LIMIT if limited else Status.STALLED
+    if last.pressure[list(open_edges)].any():
+        return Status.CONTACT_AT_EDGE
+    return Status.CONVERGED

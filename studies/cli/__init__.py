@@ -1,0 +1,1 @@
+"""The `contactstudy` command. May import everything else."""

@@ -1,0 +1,230 @@
+"""The ``contactstudy`` command."""
+
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+
+import click
+
+from contactstudy import InvalidInput, __version__
+from studies.cli.recommend import recommendation
+from studies.cli.scenes import plan, solve
+from studies.cli.study_help import StudyCommand
+from studies.registry import BUILT_IN, OPTIONAL, load
+
+# What runs is imported by the commands that run, and what draws by those that draw: help comes at once.
+
+OUT = click.option(
+    "--out",
+    type=click.Path(path_type=Path, file_okay=True),
+    default=Path("outputs"),
+    show_default=True,
+    help="Folder for netCDF files, figures and report.",
+)
+WORKERS = click.option(
+    "--workers",
+    type=click.IntRange(min=0),
+    default=2,
+    show_default=True,
+    help="Processes that share the cases; 0 for none but this one.",
+)
+REPEATS = click.option(
+    "--repeats",
+    type=click.IntRange(min=1),
+    default=2,
+    show_default=True,
+    help="Timed runs of each case, alone on one thread; the least counts.",
+)
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__)
+def cli() -> None:
+    """Rough line contacts, periodic along their length: how accurate, and at what cost."""
+
+
+@cli.command()
+@OUT
+@WORKERS
+@REPEATS
+def report(out: Path, workers: int, repeats: int) -> None:
+    """Run every study that needs nothing but this project, and write report.html."""
+    from studies.engine.executors import Crew
+    from studies.engine.options import Settings
+    from studies.engine.run import run as run_study
+    from studies.report import page as reporting
+
+    settings = Settings(workers=workers, repeats=repeats)
+    with Crew(workers) as crew:
+        for name in BUILT_IN:
+            engine = crew if workers else None
+            run_study(load(name), out, settings=settings, say=click.echo, engine=engine)
+    click.echo(f"report: wrote {reporting.write(out)}")
+
+
+@cli.command(
+    cls=StudyCommand,
+    context_settings={"ignore_unknown_options": True, "allow_extra_args": True},
+    epilog="Every axis of a study is an option, which run STUDY --help lists: contactstudy run period "
+    "--period 0.6,2.4 --images 0:10 (a range has both its ends; lengths are in half-widths).",
+)
+@click.argument("study")
+@OUT
+@WORKERS
+@REPEATS
+@click.option(
+    "--scheduler",
+    metavar="ADDRESS",
+    help="dask scheduler whose workers share the cases, such as tcp://127.0.0.1:8786, in place of --workers.",
+)
+@click.option(
+    "--time-limit",
+    type=click.FloatRange(min=0, min_open=True),
+    metavar="SECONDS",
+    help="Longest time of one case, after which it is given up.  [default: none]",
+)
+@click.option(
+    "--retry",
+    type=click.Choice(["failed", "timeout", "killed"]),
+    multiple=True,
+    help="Compute again what failed (in any way), timed out, or was killed.",
+)
+@click.option(
+    "--fail-fast",
+    "after_failure",
+    flag_value="stop",
+    default="go on",
+    help="Stop at the first case that fails.",
+)
+@click.option(
+    "--fields",
+    flag_value="kept",
+    default="none",
+    help="Keep the pressure and gap of every case, as groups of the netCDF file.",
+)
+@click.option(
+    "--retime",
+    "old_times",
+    flag_value="dropped",
+    default="kept",
+    help="Time all cases anew, though their times are stored.",
+)
+@click.option("--dry-run", is_flag=True, help="Say what there is to compute and what it will take.")
+@click.pass_context
+def run(
+    context: click.Context,
+    study: str,
+    out: Path,
+    workers: int,
+    repeats: int,
+    scheduler: str | None,
+    time_limit: float | None,
+    retry: tuple[str, ...],
+    after_failure: str,
+    fields: str,
+    old_times: str,
+    dry_run: bool,  # noqa: FBT001 (click gives it by name)
+) -> None:
+    """Run STUDY, a built-in name or a .py file, over its axes or those given here.
+
+    What is stored in the folder is not computed again.
+    """
+    from studies.engine.options import RETRIES, Settings
+    from studies.engine.run import foresee
+    from studies.engine.run import run as run_study
+    from studies.model.outcome import Fate
+
+    chosen = load(study).override(_axes(context.args))
+    settings = Settings(
+        workers=workers,
+        scheduler=scheduler,
+        time_limit=time_limit,
+        repeats=repeats,
+        old_times=old_times,
+        retry=frozenset(fate for name in retry for fate in RETRIES[name]),
+        after_failure=after_failure,
+        fields=fields,
+    )
+    if dry_run:
+        foresee(chosen, out, settings=settings, say=click.echo)
+        return
+    dataset = run_study(chosen, out, settings=settings, say=click.echo)
+    if not (dataset["status"] == Fate.OK).any():
+        click.echo(f"{chosen.name}: no case gave numbers, so there is nothing to draw.", err=True)
+        sys.exit(1)
+    if after_failure == "stop" and not (dataset["status"] == Fate.OK).all():
+        sys.exit(1)
+    from studies.report import page as reporting
+
+    reporting.draw(chosen, out)
+    click.echo(f"{chosen.name}: drew {out / chosen.name}")
+
+
+@cli.command()
+@click.argument("study", nargs=-1)
+@OUT
+def draw(study: tuple[str, ...], out: Path) -> None:
+    """Draw again from the netCDF files in the folder: the figures of STUDY, or all and the report.
+
+    STUDY is a built-in name or a .py file. Nothing is solved.
+    """
+    from studies.report import page as reporting
+
+    for name in study:
+        chosen = load(name)
+        reporting.draw(chosen, out)
+        click.echo(f"{name}: drew {out / chosen.name}")
+    if not study:
+        click.echo(f"report: wrote {reporting.write(out)}")
+
+
+cli.add_command(plan)
+cli.add_command(solve)
+cli.add_command(recommendation)
+
+
+@cli.command()
+def studies() -> None:
+    """List the built-in studies, their axes and default values."""
+    for name in BUILT_IN | OPTIONAL:
+        study = load(name)
+        click.echo(f"{name}: {study.title}")
+        for axis in study.points:
+            click.echo(f"    --{axis.name} {','.join(str(value) for value in axis.values)}")
+
+
+def _axes(arguments: list[str]) -> Mapping[str, str]:
+    """``--name value`` and ``--name=value`` pairs."""
+    axes: dict[str, str] = {}
+    rest = iter(arguments)
+    for word in rest:
+        if not word.startswith("--"):
+            raise InvalidInput(f"Argument {word!r} is not expected: write --parameter values.")
+        name, equals, value = word[2:].partition("=")
+        given = value if equals else next(rest, None)
+        if given is None:
+            raise InvalidInput(f"Parameter {name!r} has no values: write --{name} values.")
+        if name in axes:
+            raise InvalidInput(
+                f"Parameter {name!r} is given twice: write all its values in one list."
+            )
+        axes[name] = given
+    return axes
+
+
+def main() -> None:
+    """The command: bad input ends in one sentence and exit code 2, Ctrl-C in one and 130."""
+    try:
+        cli.main(standalone_mode=False)
+    except InvalidInput as error:
+        click.echo(f"contactstudy: {error}", err=True)
+        sys.exit(2)
+    except click.ClickException as error:
+        error.show()
+        sys.exit(error.exit_code)
+    except (KeyboardInterrupt, click.Abort):
+        click.echo(
+            "contactstudy: stopped; run the same command to go on from what is stored.",
+            err=True,
+        )
+        sys.exit(130)

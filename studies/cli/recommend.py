@@ -1,0 +1,174 @@
+"""The command ``contactstudy recommend``."""
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+import contactstudy as cs
+from contactstudy.accuracy.expected_error import Edges, Metric
+from contactstudy.domain.checks import positive
+from contactstudy.domain.units import BYTES, SECONDS
+from contactstudy.io.quantity import quantity
+from studies.model.axis import one_of
+
+if TYPE_CHECKING:
+    from studies.advice.cost_model import CostModel
+    from studies.advice.recommendation import Recommendation, Setting
+
+METRICS = {metric.name.lower(): metric for metric in Metric}
+
+
+@click.command("recommend")
+@click.argument("scene", type=click.Path(path_type=Path), required=False)
+@click.option(
+    "--error", type=float, default=1e-3, show_default=True, help="Relative error asked for."
+)
+@click.option("--metric", default="l1", show_default=True, help=f"Of what: {', '.join(METRICS)}.")
+@click.option("--memory", default="inf", help="Memory at most, such as 4GB.")
+@click.option("--seconds", default="inf", help="Time at most, such as 10 or 2min.")
+@click.option(
+    "--period",
+    type=float,
+    default=2.4,
+    show_default=True,
+    help="Period in half-widths, where no SCENE is given.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object, for scripts.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    default=Path("outputs"),
+    show_default=True,
+    help="Folder in which pareto.nc holds times of this machine; without it a small case is timed.",
+)
+def recommendation(
+    scene: Path | None,
+    error: float,
+    metric: str,
+    memory: str,
+    seconds: str,
+    period: float,
+    as_json: bool,  # noqa: FBT001 (click's own way)
+    out: Path,
+) -> None:
+    """Say the cheapest setting that meets an error, for the contact in the TOML file SCENE.
+
+    Without SCENE it is the smooth line contact of the sweeps.
+    """
+    from studies.advice.cost_model import cost_model
+    from studies.advice.recommendation import Limits, contact_of, recommend
+    from studies.reference.line_contact import HERTZ, SCENE
+    from studies.store.netcdf import read
+    from studies.store.provenance import cpu
+
+    limits = Limits(
+        error=error,
+        metric=METRICS[one_of("metric", metric, METRICS)],
+        memory=quantity("memory", _number(memory), BYTES),
+        seconds=quantity("seconds", _number(seconds), SECONDS),
+    )
+    if scene is None:
+        period = positive("period", period, "give a period above 0 half-widths")
+        contact = contact_of(SCENE, period * HERTZ.half_width, limits.metric)
+    else:
+        described = cs.read_scene(scene)
+        length = described.grid.period if described.grid else described.wish.period
+        contact = contact_of(described.scene, length, limits.metric)
+    stored = out / "pareto.nc"
+    costs = cost_model(read(stored) if stored.is_file() else None, cpu())
+    found = recommend(contact, limits, costs)
+    if as_json:
+        click.echo(json.dumps(_fields(found, costs)))
+        return
+    name = str(scene) if scene else f"smooth line contact, period {period:g} half-widths"
+    for line in _lines(found, name, costs):
+        click.echo(line)
+
+
+def _number(text: str) -> str | float:
+    """A bare number as such, so that it counts in the SI unit."""
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def _source(costs: "CostModel") -> str:
+    return "fitted to the times in pareto.nc" if costs.fits else "from a small case timed just now"
+
+
+def _fields(found: "Recommendation", costs: "CostModel") -> dict[str, Any]:
+    limits = found.limits
+    return {
+        "asked": {
+            "error": limits.error,
+            "metric": limits.metric.name.lower(),
+            **{
+                name: value
+                for name in ("memory", "seconds")
+                if (value := getattr(limits, name)) < float("inf")
+            },
+        },
+        "meets": found.meets,
+        "affordable": found.affordable,
+        "seconds_from": _source(costs),
+        "best": _setting(found.best),
+        "runner_up": _setting(found.runner_up) if found.runner_up else None,
+    }
+
+
+def _setting(setting: "Setting") -> dict[str, Any]:
+    return {
+        "mode": setting.mode,
+        "padding": repr(setting.padding),
+        "grid": asdict(setting.grid),
+        "tolerance": setting.tolerance,
+        "edges": setting.edges.value,
+        "error": setting.error.total,
+        "error_parts": asdict(setting.error),
+        "seconds": setting.seconds,
+        "bytes": setting.bytes,
+    }
+
+
+def _lines(found: "Recommendation", name: str, costs: "CostModel") -> list[str]:
+    limits = found.limits
+    asked = f"{limits.metric.value} to {limits.error:.2g}"
+    if limits.memory < float("inf"):
+        asked += f" in {limits.memory / 1e6:.3g} MB"
+    if limits.seconds < float("inf"):
+        asked += f" in {limits.seconds:.3g} s"
+    lines = [f"{name}: {asked}"]
+    if found.meets:
+        first, second = "use", "runner-up"
+    elif found.affordable:
+        first, second = "no setting meets it; the most accurate there is", "next"
+    else:
+        first, second = "nothing fits into that time and memory; the quickest there is", "next"
+    lines += [f"  {first}: {_words(found.best)}", f"    {_price(found.best)}"]
+    if found.runner_up is not None:
+        lines += [f"  {second}: {_words(found.runner_up)}", f"    {_price(found.runner_up)}"]
+    return [*lines, f"  seconds are {_source(costs)}"]
+
+
+def _words(setting: "Setting") -> str:
+    cells, extent = setting.grid.cells, setting.grid.extent
+    mode = {"line": "exact, one cell along the length", "free": "zero padding along both axes"}
+    named = mode.get(setting.mode, setting.mode)
+    if (images := getattr(setting.padding, "images", None)) is not None:
+        named += f", n = {images}"
+    text = f"{named}; {cells[0]} x {cells[1]} cells "
+    text += f"over {extent[0]:.4g} m x {extent[1]:.4g} m, tolerance {setting.tolerance:.0e}"
+    return text + ", pressure corrected at its edges" * (setting.edges is Edges.CORRECTED)
+
+
+def _price(setting: "Setting") -> str:
+    parts = setting.error
+    return (
+        f"error at most some {parts.total:.2g} (images {parts.truncation:.1g}, cells "
+        f"{parts.discretisation:.1g}, solver {parts.residual:.1g}), {setting.seconds:.2g} s on one thread, "
+        f"{setting.bytes / 1e6:.3g} MB"
+    )

@@ -1,0 +1,107 @@
+"""The commands for one scene in a file: ``contactstudy plan`` and ``contactstudy solve``."""
+
+import json
+import sys
+from dataclasses import asdict
+from pathlib import Path
+from time import perf_counter
+
+import click
+import numpy as np
+
+import contactstudy as cs
+
+SCENE = click.argument("scene", type=click.Path(path_type=Path))
+# A plan for longer or larger than this is said before it runs.
+LONG, LARGE = 60.0, 4e9
+
+
+@click.command()
+@SCENE
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object, for scripts.")
+def plan(scene: Path, as_json: bool) -> None:  # noqa: FBT001 (click's own way)
+    """Say which grid and padding the scene in the TOML file SCENE calls for, and what it will cost."""
+    planned = cs.read_scene(scene).plan()
+    if as_json:
+        fields = asdict(planned) | {"padding": repr(planned.padding)}
+        click.echo(json.dumps(fields))
+        return
+    cells, extent = planned.grid.cells, planned.grid.extent
+    click.echo(f"{scene}: {cells[0]} x {cells[1]} cells over {extent[0]:.4g} m x {extent[1]:.4g} m")
+    for reason in planned.reasons:
+        click.echo(f"  {reason}")
+    click.echo(f"  period: {planned.period_check}")
+    click.echo(
+        f"  expected: error {planned.error:.1g}, some {planned.seconds:.2g} s on one thread, "
+        f"{planned.bytes / 1e6:.3g} MB"
+    )
+    for warning in planned.warnings:
+        click.echo(f"  mind: {warning}")
+
+
+@click.command()
+@SCENE
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, file_okay=True),
+    default=Path("outputs"),
+    show_default=True,
+    help="Folder for the netCDF file and the picture.",
+)
+def solve(scene: Path, out: Path) -> None:
+    """Solve the scene in the TOML file SCENE; write its fields as netCDF and a picture of them.
+
+    The exit code is 0 where the solution converged, else 1: what there is is written all the same.
+    """
+    from studies.store.netcdf import open_folder, replacing, write
+
+    described = cs.read_scene(scene)
+    folder = open_folder(out)
+    planned = None if described.scene.hertz is None else described.plan()
+    if planned is not None:
+        for warning in planned.warnings:
+            click.echo(f"{scene}: mind: {warning}", err=True)
+        if planned.seconds > LONG or planned.bytes > LARGE:
+            click.echo(
+                f"{scene}: expected to take some {planned.seconds:.2g} s and "
+                f"{planned.bytes / 1e9:.2g} GB",
+                err=True,
+            )
+    start = perf_counter()
+    solution = described.solve(planned)
+    seconds = perf_counter() - start
+    estimate = cs.error_estimate(solution)
+    dataset = cs.to_dataset(solution, estimate)
+    path = folder / f"{scene.stem}.nc"
+    write(dataset, path)
+    from studies.report.picture import picture
+
+    if np.isfinite(solution.pressure).all():
+        figure = picture(dataset)
+        for suffix in ("png", "pdf"):
+            with replacing(folder / f"{scene.stem}.{suffix}") as partial:
+                figure.savefig(partial)
+    cells = solution.pressure.shape
+    click.echo(f"{scene}: {solution.status}")
+    if solution.note:
+        click.echo(f"  {solution.note}")
+    click.echo(
+        f"  {cells[0]} x {cells[1]} cells, {solution.iterations} iterations, "
+        f"residual {solution.residual:.1e}, {seconds:.2g} s"
+    )
+    click.echo(
+        f"  highest pressure {solution.pressure.max():.4g} Pa, in contact "
+        f"{np.mean(solution.pressure > 0) * solution.problem.grid.extent[0]:.4g} m of the width on the "
+        f"mean, approach {solution.approach:.4g} m"
+    )
+    for what, parts in (
+        ("highest pressure", estimate.peak_pressure),
+        ("pressure in L1", estimate.l1),
+    ):
+        click.echo(
+            f"  error of the {what} at most some {parts.total:.1g}: images {parts.truncation:.1g}, "
+            f"cells {parts.discretisation:.1g}, solver {parts.residual:.1g}"
+        )
+    click.echo(f"  wrote {path} and {path.with_suffix('.png')}")
+    if solution.status is not cs.Status.CONVERGED:
+        sys.exit(1)

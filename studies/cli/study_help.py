@@ -1,0 +1,35 @@
+"""Help on a command that knows the study it is asked about."""
+
+import click
+
+from studies.model.axis import Axis
+from studies.registry import load
+
+STUDY = "contactstudy.study"
+KINDS = {int: "COUNTS", float: "NUMBERS", str: "NAMES"}
+
+
+class StudyCommand(click.Command):
+    """A command with an argument ``study``, whose help lists the axes of the study given."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """As any command does; but help, which is answered before all arguments, knows the study."""
+        given, _, _ = self.make_parser(ctx).parse_args(list(args))
+        ctx.meta[STUDY] = given.get("study")
+        return super().parse_args(ctx, args)
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """The command's own options, then an option for every axis."""
+        super().format_options(ctx, formatter)
+        name = ctx.meta.get(STUDY)
+        if not isinstance(name, str):
+            return
+        study = load(name)
+        with formatter.section(f"Axes of {study.name}"):
+            formatter.write_dl([_row(axis) for axis in study.points])
+
+
+def _row(axis: Axis) -> tuple[str, str]:
+    units = "" if axis.units == "1" else f" [{axis.units}]"
+    values = ", ".join(str(value) for value in axis.values)
+    return f"--{axis.name} {KINDS[axis.kind]}", f"{axis.long_name}{units}.  [default: {values}]"

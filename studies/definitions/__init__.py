@@ -1,0 +1,1 @@
+"""What each study sweeps and measures. Imports no drawing code."""

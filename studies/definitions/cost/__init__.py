@@ -1,0 +1,1 @@
+"""Studies of time, memory and their trade against accuracy."""

@@ -1,0 +1,225 @@
+"""This program beside others: time, and error against the same discrete problem solved further.
+
+The other programs are optional: ``pip install 'contactstudy[peers]'``. A program that is not there, or
+has no such boundary, is a failed case that says so.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+import contactstudy as cs
+from contactstudy.domain.arrays import Array
+from contactstudy.domain.checks import whole
+from studies.model.axis import Axis, one_of
+from studies.model.case import number
+from studies.model.study import Plate, Point
+from studies.reference.line_contact import HERTZ, SCENE, total_time
+from studies.report.style import finish, panels
+
+A, P_H, MODULUS = HERTZ.half_width, HERTZ.peak_pressure, HERTZ.contact_modulus
+FREE, EXACT = cs.ZeroPadding(), cs.ExactPeriodicity()
+PADDINGS: dict[str, cs.Paddings] = {
+    "semi-periodic": (FREE, EXACT),
+    "free": (FREE, FREE),
+    "periodic": (EXACT, EXACT),
+}
+# a cylinder, a sphere of the same contact size, and a rough flat with half its area in contact
+SHAPES: dict[str, cs.Shape] = {
+    "semi-periodic": cs.Cylinder(0.01),
+    "free": cs.Sphere(0.02),
+    "periodic": cs.Roughness(rms=A * P_H / MODULUS, hurst=0.8, roll_off=A, cut_off=0.1 * A, seed=1),
+}
+WIDTH = 2.4  # half-widths, both ways
+TOLERANCE = 1e-10  # for an error of about 1e-7; the others are given 1e-8 of their own measures
+
+
+@dataclass(frozen=True)
+class Contest:
+    """One program on one problem."""
+
+    program: str
+    boundary: str
+    cells: int
+
+    @property
+    def grid(self) -> cs.Grid:
+        """The same for every program."""
+        return cs.Grid(cells=(self.cells, self.cells), extent=(WIDTH * A, WIDTH * A))
+
+    def problem(self) -> cs.Problem:
+        """The problem in this program's own terms."""
+        scene = cs.Scene(SCENE.load, SCENE.solids, (SHAPES[self.boundary],))
+        return scene.problem(self.grid, PADDINGS[self.boundary])
+
+    def prepare(self) -> Callable[[], Array]:
+        """The set-up of the program, up to its solve."""
+        return PROGRAMS[self.program](self)
+
+    def run(self, prepared: Callable[[], Array]) -> Array:
+        """The pressure [Pa]."""
+        return prepared()
+
+    def record(self, result: Array) -> Mapping[str, xr.Variable]:
+        """The load carried, over the load given: they should agree."""
+        given = SCENE.load.per_length * self.grid.period
+        carried = float(result.sum()) * self.grid.cell_area
+        return {"load_carried": number(carried / given, "load carried over load given")}
+
+
+def _contactstudy(contest: Contest) -> Callable[[], Array]:
+    problem = contest.problem()
+    return lambda: cs.solve(problem, tolerance=TOLERANCE).pressure
+
+
+def _contact_mechanics(contest: Contest) -> Callable[[], Array]:
+    import ContactMechanics as peer
+    from ContactMechanics.Optimization import constrained_conjugate_gradients
+    from SurfaceTopography import Topography
+
+    grid, heights = contest.grid, _heights(contest)
+    substrate = {
+        "semi-periodic": lambda: peer.SemiPeriodicFFTElasticHalfSpace(
+            grid.cells, MODULUS, grid.extent, periodicity=(False, True), n_images=10
+        ),
+        "free": lambda: peer.FreeFFTElasticHalfSpace(grid.cells, MODULUS, grid.extent),
+        "periodic": lambda: peer.PeriodicFFTElasticHalfSpace(grid.cells, MODULUS, grid.extent),
+    }[contest.boundary]()
+
+    def solve() -> Array:
+        found = constrained_conjugate_gradients(
+            substrate,
+            Topography(heights, grid.extent),
+            external_force=SCENE.load.per_length * grid.period,
+            pentol=1e-8 * P_H * A / MODULUS,
+            forcetol=1e-8 * P_H * grid.cell_area,
+        )
+        return np.asarray(found.jac)[: contest.cells, : contest.cells] / grid.cell_area
+
+    return solve
+
+
+def _tamaas(contest: Contest) -> Callable[[], Array]:
+    import tamaas as peer
+
+    if contest.boundary == "semi-periodic":
+        raise NotImplementedError("tamaas has no boundary that is periodic along one axis only")
+    grid, heights = contest.grid, _heights(contest)
+    model = peer.ModelFactory.createModel(
+        peer.model_type.basic_2d, list(grid.extent), list(grid.cells)
+    )
+    model.E, model.nu = MODULUS, 0.0
+    if contest.boundary == "free":
+        peer.ModelFactory.registerNonPeriodic(model, "dcfft")
+    primal = peer.PolonskyKeerRey.pressure
+    solver = peer.PolonskyKeerRey(model, heights, 1e-8, primal, primal)
+    if contest.boundary == "free":
+        solver.setIntegralOperator("dcfft")
+    solver.max_iter = 20_000
+    solver.dump_freq = 100_000
+
+    def solve() -> Array:
+        solver.solve(SCENE.load.per_length / grid.extent[0])
+        return np.array(model.traction)
+
+    return solve
+
+
+def _aspher(contest: Contest) -> Callable[[], Array]:
+    import aspher as peer
+
+    if contest.boundary == "semi-periodic":
+        raise NotImplementedError("aspher has no boundary that is periodic along one axis only")
+    grid, gap = contest.grid, -_heights(contest)
+    backend = "fft" if contest.boundary == "free" else "periodic"
+    # its nested solver, in its own order of tasks: coarser grids first, down to the coarsest it halves to
+    coarsest = contest.cells
+    while coarsest % 2 == 0 and coarsest > 64:
+        coarsest //= 2
+
+    def solve() -> Array:
+        found = peer.solve_nested(
+            contest.cells,
+            gap / A,
+            SCENE.load.per_length / grid.extent[0] / MODULUS,
+            domain_size=grid.extent[0] / A,
+            coarsest=coarsest,
+            tol=1e-9,
+            backend=backend,
+        )
+        return np.asarray(found.pressure).reshape(grid.cells) * MODULUS
+
+    return solve
+
+
+def _heights(contest: Contest) -> Array:
+    """Heights towards the other body, shape (width, length) [m]."""
+    gap = SHAPES[contest.boundary].gap(contest.grid)
+    return np.ascontiguousarray(-gap * np.ones(contest.grid.cells))
+
+
+PROGRAMS: dict[str, Callable[[Contest], Callable[[], Array]]] = {
+    "contactstudy": _contactstudy,
+    "ContactMechanics": _contact_mechanics,
+    "tamaas": _tamaas,
+    "aspher": _aspher,
+}
+COLORS = dict(zip(PROGRAMS, ("#0072B2", "#D55E00", "#009E73", "#CC79A7"), strict=True))
+
+points = (
+    Axis("program", tuple(PROGRAMS), "program"),
+    Axis("boundary", tuple(PADDINGS), "which axes are periodic"),
+    Axis("grid", (128, 256, 512), "cells across and along"),
+)
+
+
+def scene_at(point: Point) -> Contest:
+    """A program, a problem and a grid."""
+    cells = whole("grid", point["grid"], 2, "give at least 2 cells across the width")
+    program = one_of("program", point["program"], PROGRAMS)
+    return Contest(program, one_of("boundary", point["boundary"], PADDINGS), cells)
+
+
+def measures(case: Contest, result: Array) -> Mapping[str, xr.Variable]:
+    """Largest error against the discrete solution with cells of constant pressure and exact images."""
+    converged = cs.solve(case.problem(), tolerance=1e-12).pressure
+    error = float(np.abs(result - converged).max() / converged.max())
+    return {"difference": number(error, "largest pressure difference over peak pressure")}
+
+
+def figure(dataset: xr.Dataset) -> tuple[Plate, ...]:
+    """Time in all against the grid, a panel for each boundary."""
+    boundaries = [str(name) for name in dataset["boundary"].values]
+    plate, axes = panels(len(boundaries), share="y")
+    time = total_time(dataset)
+    facts = []
+    for ax, boundary in zip(axes, boundaries, strict=True):
+        for program in (str(name) for name in dataset["program"].values):
+            one = time.sel(program=program, boundary=boundary)
+            if not np.isfinite(one).any():
+                continue
+            ax.loglog(dataset["grid"], one, marker="o", color=COLORS[program], label=program)
+            finest = dataset.sel(program=program, boundary=boundary).isel(grid=-1)
+            facts.append(
+                f"{boundary}, {program} {float(one[-1]):.2g} s with a difference of "
+                f"{float(finest['difference']):.0e}"
+            )
+        ax.set(title=boundary, xlabel="cells across and along")
+        ax.set_xticks(dataset["grid"], [str(n) for n in dataset["grid"].values])
+        ax.minorticks_off()
+    axes[0].set_ylabel("wall time, set-up and solve [s]")
+    finish(plate)
+    return (
+        Plate(
+            "peers",
+            plate,
+            f"Time in all on one thread. At {int(dataset['grid'][-1])} cells: "
+            + "; ".join(facts)
+            + ". "
+            "The difference is the largest from the converged solution for cells of constant pressure; on "
+            "periodic surfaces the others hold the pressure to be a sum of waves, which is another "
+            "discretisation and not an error.",
+        ),
+    )

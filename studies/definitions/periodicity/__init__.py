@@ -1,0 +1,1 @@
+"""Studies of periodicity, padding and discretisation."""

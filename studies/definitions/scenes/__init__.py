@@ -1,0 +1,1 @@
+"""Studies of particular kinds of scenes."""

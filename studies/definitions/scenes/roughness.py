@@ -1,0 +1,174 @@
+"""Rough surfaces: how far the smooth contact's answer shifts, and what each padding adds to that."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+import xarray as xr
+
+import contactstudy as cs
+from contactstudy.analytic import truncation_error
+from contactstudy.domain.arrays import Array
+from contactstudy.domain.checks import divides, from_zero, positive, whole
+from studies.model.axis import Axis
+from studies.model.case import Case
+from studies.model.study import Point
+from studies.reference.line_contact import HERTZ, PADDINGS, SCENE, padding_at
+from studies.report.findings.roughness import figure, findings
+
+__all__ = ["figure", "findings", "measures", "points", "scene_at"]
+
+A, P_H = HERTZ.half_width, HERTZ.peak_pressure
+FLATTENING = A**2 / (
+    2 * HERTZ.radius
+)  # [m], the cylinder's height over the width of Hertz's contact
+# The surface repeats after 3.2 a across and 2.4 a along, on every grid and period. That holds four of
+# its longest waves along with the strongest lay below; the finest are five cells of the grid below.
+WIDTH, LENGTH = 3.2, 2.4
+ROLL_OFF, CUT_OFF = 0.3, 0.1
+
+points = (
+    Axis("rms", (0.0, 0.03, 0.1, 0.3), "rms height over a²/(2R)"),
+    Axis("hurst", (0.3, 0.8), "Hurst exponent"),
+    Axis("peklenik", (0.5, 1.0, 2.0), "correlation length across the contact over that along it"),
+    Axis("seed", (1, 2), "seed of the surface"),
+    Axis("images", (6,), "periods superposed on each side"),
+    Axis("period", (LENGTH,), "period length over Hertz half-width"),
+    Axis("grid", (160,), "cells across the width"),
+)
+
+ANSWERS = {
+    "contact_area": "contact area over Hertz's",
+    "half_width": "effective half-width over Hertz's",
+    "contact_extent": "farthest contact from the axis over Hertz half-width",
+    "peak_pressure": "highest pressure over Hertz peak pressure",
+    "load_spread": "standard deviation of the load along the length over its mean",
+    "smooth_difference": "relative L1 difference of the pressure from the smooth contact's",
+}
+ERRORS = {
+    "pressure_error_l1": "relative L1 error of the pressure",
+    "half_width_error": "relative error of the effective half-width",
+    "highest_pressure_error": "relative error of the highest pressure",
+    "pressure_error_max": "largest pressure error over Hertz peak pressure",
+    "curved_difference": "relative L1 difference from exact on a cylinder more curved by a²/(4D²)",
+}
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A surface with exact periodicity, and the number of images of the paddings held against it."""
+
+    exact: Case
+    images: int
+
+    def prepare(self) -> cs.Problem:
+        """That of the exact case."""
+        return self.exact.prepare()
+
+    def run(self, prepared: cs.Problem) -> cs.Solution:
+        """The exact solve alone: what the others cost is the other studies' to say."""
+        return self.exact.run(prepared)
+
+    def record(self, result: cs.Solution) -> Mapping[str, xr.Variable]:
+        """That of the exact case."""
+        return self.exact.record(result)
+
+
+def scene_at(point: Point) -> Comparison:
+    """The sweeps' cylinder with a rough surface on it; with zero rms, all other choices are one case."""
+    rms = from_zero("rms", point["rms"], "give an rms height of 0 or more")
+    cells = whole("grid", point["grid"], 2, "give at least 2 cells across the width")
+    period = positive("period", point["period"], "give a period above 0 half-widths")
+    divides("the rough surface's length", LENGTH * A, period * A)
+    shape = cs.Roughness(
+        rms=rms * FLATTENING,
+        hurst=float(point["hurst"]),
+        roll_off=ROLL_OFF * A,
+        cut_off=CUT_OFF * A,
+        seed=int(point["seed"]),
+        peklenik=float(point["peklenik"]),
+        extent=(WIDTH * A, LENGTH * A),
+    )
+    case = Case(
+        scene=replace(SCENE, shapes=SCENE.shapes + ((shape,) if rms else ())),
+        grid=cs.Grid((cells, max(1, round(cells * period / WIDTH))), (WIDTH * A, period * A)),
+        padding=cs.ExactPeriodicity(),
+    )
+    images = whole("images", point["images"], 0, "give a whole number of periods from 0 on")
+    return Comparison(case, images)
+
+
+def measures(case: Comparison, solution: cs.Solution) -> Mapping[str, xr.Variable]:
+    """The answer with every padding, and its error against the exact one on this surface and grid."""
+    exact = case.exact
+    flat = replace(exact, scene=SCENE, grid=replace(exact.grid, cells=(exact.grid.cells[0], 1)))
+    smooth = flat.run(flat.prepare()).pressure
+    rows, ends = [], []
+    for name in PADDINGS:
+        padding = padding_at(name, case.images)
+        one = replace(exact, padding=padding)
+        found = solution if name == "exact" else one.run(one.prepare())
+        curved = solution if name == "exact" else _more_curved(exact, solution.problem, padding)
+        rows.append(
+            _answers(found.pressure, smooth, exact.grid)
+            | _errors(found.pressure, solution.pressure, exact.grid)
+            | {"curved_difference": _l1(found.pressure, curved.pressure)}
+        )
+        ends.append(found.status is cs.Status.CONVERGED)
+    label = {"long_name": "representation of the periodic direction"}
+    flag = {
+        "units": "1",
+        "long_name": "1 where the solve of this padding converged within the width",
+    }
+    return {
+        "padding": xr.Variable(("padding",), list(PADDINGS), label),
+        "converged": xr.Variable(("padding",), np.array(ends, dtype=np.int8), flag),
+    } | {
+        name: xr.Variable(
+            ("padding",), [row[name] for row in rows], {"units": "1", "long_name": long_name}
+        )
+        for name, long_name in (ANSWERS | ERRORS).items()
+    }
+
+
+def _more_curved(exact: Case, problem: cs.Problem, padding: cs.Padding) -> cs.Solution:
+    """What a window should answer by the law: exact periodicity on a cylinder of more curvature.
+
+    Beyond the window's reach D the logarithm lacks ``(x - x')^2 / (2 D^2)``. Under the load of any pressure
+    that is one parabola and a tilt, so the law knows nothing of the surface.
+    """
+    more = 2 * truncation_error(HERTZ.half_width, padding.reach(exact.grid.period))
+    opened = sum(shape.gap(exact.grid) for shape in SCENE.shapes) * more
+    return exact.run(replace(problem, undeformed_gap=problem.undeformed_gap + opened))
+
+
+def _answers(pressure: Array, smooth: Array, grid: cs.Grid) -> dict[str, float]:
+    load = pressure.sum(axis=0)
+    touched = np.abs(grid.x)[(pressure > 0).any(axis=1)]
+    return {
+        "contact_area": float((pressure > 0).sum() * grid.cell_area / (2 * A * grid.period)),
+        "half_width": _half_width(pressure, grid) / A,
+        "contact_extent": float(touched.max() + grid.cell[0] / 2) / A,
+        "peak_pressure": float(pressure.max()) / P_H,
+        "load_spread": float(load.std() / load.mean()),
+        "smooth_difference": _l1(pressure, np.broadcast_to(smooth, pressure.shape)),
+    }
+
+
+def _errors(pressure: Array, exact: Array, grid: cs.Grid) -> dict[str, float]:
+    return {
+        "pressure_error_l1": _l1(pressure, exact),
+        "half_width_error": _half_width(pressure, grid) / _half_width(exact, grid) - 1,
+        "highest_pressure_error": float(pressure.max() / exact.max()) - 1,
+        "pressure_error_max": float(np.abs(pressure - exact).max()) / P_H,
+    }
+
+
+def _l1(pressure: Array, reference: Array) -> float:
+    return float(np.abs(pressure - reference).sum() / reference.sum())
+
+
+def _half_width(pressure: Array, grid: cs.Grid) -> float:
+    """That of Hertz's pressure with the same second moment, ``<x^2> = a^2 / 4`` [m]."""
+    across = pressure.sum(axis=1)
+    return float(2 * np.sqrt((across * grid.x**2).sum() / across.sum()))

@@ -1,0 +1,37 @@
+"""How a study is run."""
+
+from dataclasses import dataclass
+
+from contactstudy import InvalidInput
+from studies.model.outcome import Fate
+
+# What ``--retry`` may name.
+RETRIES = {
+    "failed": frozenset({Fate.FAILED, Fate.TIMEOUT, Fate.KILLED}),
+    "timeout": frozenset({Fate.TIMEOUT}),
+    "killed": frozenset({Fate.KILLED}),
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """How a study is run.
+
+    ``scheduler``: address of a dask scheduler, in place of ``workers`` processes (0: this one alone).
+    ``time_limit`` [s] of a case. ``repeats``: timed runs of each case; ``old_times``: "kept" or "dropped".
+    ``retry``: what is computed again though it is stored. ``after_failure``: "go on" or "stop".
+    ``fields``: "none" or "kept", pressure and gap of every case.
+    """
+
+    workers: int = 2
+    scheduler: str | None = None
+    time_limit: float | None = None
+    repeats: int = 2
+    old_times: str = "kept"
+    retry: frozenset[Fate] = frozenset()
+    after_failure: str = "go on"
+    fields: str = "none"
+
+    def __post_init__(self) -> None:
+        if self.time_limit is not None and not self.time_limit > 0:
+            raise InvalidInput(f"time_limit is {self.time_limit!r}: give seconds above 0.")

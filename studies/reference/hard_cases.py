@@ -1,0 +1,227 @@
+"""The hard cases, by name and group."""
+
+from dataclasses import replace
+from math import inf
+
+import numpy as np
+
+import contactstudy as cs
+from contactstudy.domain.arrays import Array
+from studies.reference.equivalent_cases import perturbation, units
+from studies.reference.hard_case import (
+    AT_EDGE,
+    CELLS,
+    ENDED,
+    EXACT_TO_ROUNDING,
+    FLAT,
+    FLATTENED,
+    P_H,
+    ROUGH,
+    A,
+    HardCase,
+    bumpy,
+    grid,
+    noise,
+)
+from studies.reference.line_contact import SCENE, STEEL
+
+
+def _distance() -> dict[str, HardCase]:
+    def case(hard: str, cells: tuple[int, int], width: float, period: float) -> HardCase:
+        ends = AT_EDGE if cells[0] < 4 else ENDED
+        return HardCase("distance", hard, SCENE, grid(cells, width, period), ends)
+
+    periods = {
+        f"period {period:g} a": case(f"a period of {period:g} half-widths", (24, 6), 2.4, period)
+        for period in (1e-3, 1e-2, 1e2, 1e3)
+    }
+    aspects = {
+        f"cells 1:{aspect:g}": case(
+            f"cells {aspect:g} times as long as wide", (24, 6), 2.4, 0.6 * aspect
+        )
+        for aspect in (1e-3, 1e3)
+    }
+    counts = {
+        f"{nx} x {ny} cells": case("few, odd or prime numbers of cells", (nx, ny), 2.4, 1.2)
+        for nx, ny in ((24, 1), (24, 2), (2, 1), (3, 1), (25, 9), (23, 13))
+    }
+    return periods | aspects | counts
+
+
+def _load() -> dict[str, HardCase]:
+    def case(hard: str, scene: cs.Scene, on: cs.Grid, ends: frozenset[cs.Status]) -> HardCase:
+        return HardCase("load", hard, scene, on, ends)
+
+    faint = replace(SCENE, load=cs.LineLoad(1e-30))
+    heavy = replace(SCENE, load=cs.LineLoad(1e30))
+    wavy = replace(FLAT, shapes=(cs.Waviness(1e-3 * FLATTENED, along=1.2 * A),))
+    return {
+        "one row of cells touches": case(
+            "a contact a twentieth of a cell wide", SCENE, grid((25, 4), 1000.0), ENDED
+        ),
+        "one cell touches": case(
+            "a spike alone bears the load",
+            bumpy(np.eye(1, 288, 150).reshape(CELLS) * 30),
+            grid(),
+            ENDED,
+        ),
+        "contact reaches the edge": case(
+            "a width of 1.5 half-widths", SCENE, grid(width=1.5), AT_EDGE
+        ),
+        "full contact": case("no cell is free of pressure", wavy, grid(), AT_EDGE),
+        "faint load": case("1e-30 N/m, a contact of 1e-17 cells", faint, grid(), ENDED),
+        "far from its datum": case(
+            "heights counted from 1e6 times what is flattened", bumpy(ROUGH + 1e6), grid(), ENDED
+        ),
+        "coarse cells": HardCase(
+            "load",
+            "rough cells 40 times as wide as the contact",
+            bumpy(noise()),
+            grid(CELLS, 1e3, 1e3),
+            ENDED,
+        ),
+        "shape flattened": case(
+            "1e30 N/m, the cylinder is no more than flat", heavy, grid(), AT_EDGE
+        ),
+    }
+
+
+def _material() -> dict[str, HardCase]:
+    def pair(first: cs.HalfSpace, second: cs.HalfSpace) -> cs.Scene:
+        return replace(SCENE, solids=(first, second))
+
+    rigid, cork = cs.HalfSpace(inf, 0.3), cs.HalfSpace(210e9, 0.0)
+    rubber, soft = cs.HalfSpace(210e9, 0.5), cs.HalfSpace(210e3, 0.3)
+    bodies = {
+        "rigid on elastic": (pair(rigid, STEEL), "one body is rigid"),
+        "Poisson's ratio 0": (pair(cork, cork), "nu = 0"),
+        "Poisson's ratio 0.5": (pair(rubber, rubber), "nu = 0.5, incompressible"),
+        "moduli 1:10^6": (pair(STEEL, soft), "moduli a factor of 10^6 apart"),
+    }
+    found = {}
+    for name, (scene, hard) in bodies.items():
+        hertz = scene.hertz
+        assert hertz is not None
+        extent = (2.4 * hertz.half_width, 1.2 * hertz.half_width)
+        found[name] = HardCase("material", hard, scene, cs.Grid(CELLS, extent))
+    for share in (1.01, 0.99, 0.7, 0.4, 0.33, 0.328):
+        scene = replace(bumpy(ROUGH), hardness=share * P_H)
+        found[f"hardness {share:g} p_H"] = HardCase(
+            "material",
+            f"a hardness of {share:g} p_H; 0.327 carries the load",
+            scene,
+            grid(width=4.8),
+            AT_EDGE,
+        )
+    # where trial steps are cut back to nothing: all but a few cells yield, or the cells are long and thin
+    thin = bumpy(8.087711031384107e-4 * noise((15, 2), 23030886))
+    found["hardness on long cells"] = HardCase(
+        "material",
+        "cells 30 times as wide as long, some at a hardness",
+        replace(thin, hardness=0.321 * P_H),
+        grid((15, 2), 110.95259085951773, 0.4464264239955842),
+        AT_EDGE,
+        tolerance=1e-9,
+    )
+    full = bumpy(0.08086197949648571 * noise((7, 7), 632285552), FLAT)
+    found["hardness beside the mean"] = HardCase(
+        "material",
+        "all but two cells yield",
+        replace(full, hardness=0.03661931369241763 * P_H),
+        grid((7, 7), 44.29302973822934, 2.0062328974336388),
+        AT_EDGE | {cs.Status.STALLED},
+        tolerance=1e-9,
+    )
+    found["hardness 0.3 p_H"] = HardCase(
+        "material",
+        "a hardness too low to carry the load",
+        replace(SCENE, hardness=0.3 * P_H),
+        grid(width=4.8),
+        frozenset({cs.Status.NO_ADMISSIBLE_PRESSURE}),
+    )
+    return found
+
+
+def _surface() -> dict[str, HardCase]:
+    def case(hard: str, heights: Array, width: float = 2.4) -> HardCase:
+        return HardCase("surface", hard, bumpy(heights), grid(heights.shape, width), AT_EDGE)
+
+    rng = np.random.default_rng(3)
+    needle = np.zeros((32, 32))
+    needle[16, 8] = 100.0
+    spikes = np.where(rng.random(CELLS) < 0.05, 20.0, 0.0)
+    step = np.zeros(CELLS)
+    step[:, 6:] = 0.5
+    checks = 0.3 * (np.indices(CELLS).sum(axis=0) % 2)
+    plateau = np.where(np.abs(grid().x)[:, None] < 0.5 * A, 0.0, -1e4) * np.ones(CELLS)
+    return {
+        "0.1 % contact": case("one cell in 1024", needle),
+        "spikes of one cell": case(
+            "one cell in twenty stands out by 20 times what is flattened", spikes
+        ),
+        "a step": case("a step half as high as what is flattened", step),
+        "noise of the grid's wavelength": case("every other cell is higher", checks),
+        "white noise": case("white noise as high as what is flattened", noise()),
+        "rms 100 times the approach": case(
+            "white noise, 100 times what is flattened", 100 * noise()
+        ),
+        "a flat punch": HardCase(
+            "surface", "a plateau with sharp edges", bumpy(plateau, FLAT), grid(), AT_EDGE
+        ),
+    }
+
+
+def _corner(problem: cs.Problem, solver: cs.Solver) -> Array:
+    wrong = np.zeros_like(problem.undeformed_gap)
+    wrong[0, 0] = 1.0
+    return wrong
+
+
+def _interrupted(problem: cs.Problem, solver: cs.Solver) -> Array:
+    return cs.solve(problem, max_iterations=5, solver=solver).pressure
+
+
+def _solver() -> dict[str, HardCase]:
+    rough = HardCase("solver", "", bumpy(3 * ROUGH), grid(), AT_EDGE)
+    limited = frozenset({cs.Status.ITERATION_LIMIT})
+    # heights of 0.1 flatten at four times their load
+    pressed = replace(bumpy(ROUGH), load=cs.LineLoad(16 * SCENE.load.per_length))
+    capped = replace(bumpy(ROUGH, FLAT), hardness=1.0001 * SCENE.load.per_length / (2.4 * A))
+    near = bumpy(0.2 * ROUGH, FLAT)
+    return {
+        "tolerance 1e-14": replace(
+            rough,
+            hard="a tolerance beside rounding",
+            tolerance=1e-14,
+            ends=EXACT_TO_ROUNDING | AT_EDGE,
+        ),
+        "tolerance 1e-2": replace(rough, hard="a loose tolerance", tolerance=1e-2),
+        "one iteration": replace(
+            rough, hard="a limit of one iteration", max_iterations=1, ends=limited
+        ),
+        "single precision": replace(
+            rough,
+            hard="a tolerance beyond single precision",
+            precision=cs.Precision.SINGLE,
+            ends=frozenset({cs.Status.PRECISION_LIMIT}),
+        ),
+        "start at a wrong corner": replace(
+            rough, hard="all load on a corner at first", start=_corner
+        ),
+        "restart": replace(
+            rough, hard="stopped after five iterations, then on", start=_interrupted
+        ),
+        "cap at near-full contact": replace(
+            rough, hard="a hardness one in 10^4 above the mean pressure", scene=capped
+        ),
+        "near-full rough contact": replace(rough, hard="the last deep valleys", scene=near),
+        "overloaded rough contact": replace(
+            rough, hard="16 times the load on the same width", scene=pressed
+        ),
+    }
+
+
+CASES: dict[str, HardCase] = (
+    _distance() | _load() | units() | _material() | _surface() | perturbation() | _solver()
+)
+GROUPS = tuple(dict.fromkeys(case.group for case in CASES.values()))

@@ -1,0 +1,126 @@
+"""The smooth line contact that every sweep solves: its scene at a point, and its errors against Hertz."""
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+import xarray as xr
+
+import contactstudy as cs
+from contactstudy.accuracy.contact_edge import corrected_pressure, half_widths
+from contactstudy.domain.checks import positive, whole
+from studies.model.axis import Axis, one_of
+from studies.model.case import Case, number
+from studies.model.estimate import estimated
+from studies.model.outcome import Fate
+from studies.model.study import Point
+
+STEEL = cs.HalfSpace(youngs_modulus=210e9, poisson_ratio=0.3)
+SCENE = cs.Scene(load=cs.LineLoad(1e5), solids=(STEEL, STEEL), shapes=(cs.Cylinder(radius=0.01),))
+HERTZ = cs.analytic.hertz_line(SCENE.load.per_length, 0.01, SCENE.contact_modulus)
+WIDTH = 2.4  # of the domain, in half-widths: the paper's choice
+# Where nothing varies along the length one cell stands for all of it, whatever the period.
+LINE = "line"
+
+PADDINGS: dict[str, Callable[[int], cs.Padding]] = {
+    "zero": lambda images: cs.ZeroPadding(),
+    "duplicated": lambda images: cs.DuplicatedPadding(),
+    "superposed": cs.Superposition,
+    "circular": cs.CircularSuperposition,
+    "exact": lambda images: cs.ExactPeriodicity(),
+}
+
+
+# Those that count images, and so have an n.
+COUNTED = frozenset(name for name, make in PADDINGS.items() if make(0) != make(1))
+
+
+def axes(
+    *,
+    padding: tuple[str, ...] = tuple(PADDINGS),
+    images: tuple[int, ...] = (6,),
+    period: tuple[float, ...] = (2.4,),
+    grid: tuple[int, ...] = (128,),
+) -> tuple[Axis, ...]:
+    """The four axes of a sweep, at the paper's setting unless told otherwise."""
+    return (
+        Axis("padding", padding, "representation of the periodic direction"),
+        Axis("images", images, "periods superposed on each side"),
+        Axis("period", period, "period length over Hertz half-width"),
+        Axis("grid", grid, "cells across the width and along one period"),
+    )
+
+
+def padding_at(padding: str, images: int) -> cs.Padding:
+    """The padding of that name; ``images`` matters to those that count them."""
+    make = PADDINGS[one_of("padding", padding, PADDINGS)]
+    return make(whole("images", images, 0, "give a whole number of periods from 0 on"))
+
+
+def scene_at(point: Point) -> Case:
+    """Steel cylinder on steel flat, square numbers of cells, the period in half-widths."""
+    cells = whole("grid", point["grid"], 2, "give at least 2 cells across the width")
+    period = positive("period", point["period"], "give a period above 0 half-widths")
+    a = HERTZ.half_width
+    return Case(
+        scene=SCENE,
+        grid=cs.Grid(cells=(cells, cells), extent=(WIDTH * a, period * a)),
+        padding=padding_at(str(point["padding"]), int(point["images"])),
+    )
+
+
+def measures(case: Case, solution: cs.Solution) -> Mapping[str, xr.Variable]:
+    """Errors of pressure and half-width against Hertz's line contact; all over p_H or a."""
+    hertz, grid = case.scene.hertz, case.grid
+    assert hertz is not None
+    pressure = solution.pressure / hertz.peak_pressure
+    true = hertz.pressure(grid.x)[:, None] / hertz.peak_pressure
+    error = pressure - true
+    axis = np.abs(grid.x) < 0.75 * grid.cell[0]
+    # integral of |error| over the width, as a share of that of the pressure, pi a p_H / 2
+    share = grid.cell[0] / (np.pi / 2 * hertz.half_width)
+    edge = half_widths(pressure, grid.x).mean() / hertz.half_width
+    return {
+        "peak_pressure_error": number(
+            float(pressure[axis].mean() - 1),
+            "relative error of the pressure beside the axis, its mean along the length",
+        ),
+        "highest_pressure_error": number(
+            float(pressure.max() - 1), "relative error of the highest pressure anywhere"
+        ),
+        "pressure_error_max": number(
+            float(np.abs(error).max()), "largest pressure error over Hertz peak pressure"
+        ),
+        "corrected_error_max": number(
+            float(np.abs(corrected_pressure(pressure) - true).max()),
+            "largest pressure error over Hertz peak pressure, with the edge's own error taken off",
+        ),
+        "pressure_error_l1": number(
+            float(np.abs(error).sum(axis=0).mean() * share), "relative L1 error of the pressure"
+        ),
+        "half_width_error": number(float(edge - 1), "relative error of the contact half-width"),
+        "length_variation": number(
+            float(np.ptp(pressure, axis=1).max()),
+            "pressure variation along the length over peak pressure",
+        ),
+        **estimated(solution),
+    }
+
+
+def holds(dataset: xr.Dataset, names: set[str], **values: set[float]) -> bool:
+    """Whether a sweep has these paddings and values of its axes, and all its cases came to an end.
+
+    Where it has not, a finding about them is left out: a sentence that fits any numbers says nothing.
+    """
+    there = all(wanted <= set(dataset[axis].values.tolist()) for axis, wanted in values.items())
+    held = {str(name) for name in dataset["padding"].values}
+    return there and names <= held and bool((dataset["status"] == Fate.OK).all())
+
+
+def total_time(dataset: xr.Dataset) -> xr.DataArray:
+    """Wall time to set up and solve [s]."""
+    return dataset["setup_time"] + dataset["solve_time"]
+
+
+def name_of(padding: str, images: int) -> str:
+    """A padding with its n, where it has one."""
+    return f"{padding}, n = {images}" if padding in COUNTED else padding

@@ -1,0 +1,1 @@
+"""What stored studies show, in sentences and tables."""

@@ -1,0 +1,115 @@
+"""How the stored error estimates compare with the true errors."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+
+from studies.model.finding import Finding, Table
+from studies.model.study import Plate
+from studies.report.formatting import paddings
+from studies.report.style import LAW, finish, look, panels
+
+# estimate, error, and the name of what both are of
+METRICS = {
+    "highest_pressure_estimate": ("highest_pressure_error", "highest pressure"),
+    "pressure_l1_estimate": ("pressure_error_l1", "pressure in L1"),
+}
+CAUSES = {"truncation": "images", "discretisation": "cells", "residual": "solver"}
+LARGE = 5  # times the true error: what an estimate is in the median not to exceed
+
+
+def compared(stored: Mapping[str, xr.Dataset]) -> Mapping[str, xr.Dataset]:
+    """The sweeps that hold both an estimate and a true error, by name."""
+    wanted = {"padding"} | set(METRICS) | {error for error, _ in METRICS.values()}
+    return {name: dataset for name, dataset in stored.items() if wanted <= set(dataset.variables)}
+
+
+def cases(stored: Mapping[str, xr.Dataset], estimate: str) -> xr.Dataset:
+    """Every distinct case as a flat list of ``error``, ``estimate``, its parts and ``padding``."""
+    error, _ = METRICS[estimate]
+    parts = [f"{estimate}_{cause}" for cause in CAUSES]
+    rows: dict[tuple[object, ...], None] = {}  # a set that keeps its order
+    for dataset in stored.values():
+        for name in paddings(dataset):
+            one = dataset.sel(padding=name)
+            columns = [one[variable].values.ravel() for variable in (error, estimate, *parts)]
+            rows.update({(name, *map(float, row)): None for row in zip(*columns, strict=True)})
+    names, numbers = [row[0] for row in rows], np.array([row[1:] for row in rows], dtype=float)
+    numbers = np.abs(numbers)  # an error has a sign
+    there = np.isfinite(numbers).all(axis=1) & (numbers[:, 0] > 0)
+    labels = ("error", "estimate", *CAUSES)
+    flat = {label: ("case", column[there]) for label, column in zip(labels, numbers.T, strict=True)}
+    return xr.Dataset(flat | {"padding": ("case", np.array(names)[there])})
+
+
+def figure(stored: Mapping[str, xr.Dataset]) -> Plate:
+    """Estimate against true error, a panel for each metric."""
+    plate, axes = panels(len(METRICS), width=4.4, height=3.8)
+    for ax, (estimate, (_, label)) in zip(axes, METRICS.items(), strict=True):
+        flat = cases(stored, estimate)
+        for name in dict.fromkeys(flat["padding"].values.tolist()):
+            own = flat.where(flat["padding"] == name, drop=True)
+            style = look(name) | {"linestyle": "none", "alpha": 0.6, "markersize": 4}
+            ax.loglog(own["error"], own["estimate"], label=name, **style)
+        span = np.array([flat["error"].min(), flat["error"].max()])
+        ax.loglog(span, span, label="estimate = error", **LAW | {"linestyle": "-"})
+        ax.loglog(span, LARGE * span, label=f"{LARGE} times the error", **LAW)
+        ax.set(title=label, xlabel="true relative error", ylabel="estimated relative error")
+    finish(plate)
+    return Plate(
+        "estimates",
+        plate,
+        "Estimated against true error of every distinct case of the sweeps, the true one from Hertz. A mark on "
+        "or above the line is an error that its estimate bounds. Marks far above it are cases where two "
+        "errors happen to cancel, which nothing can know beforehand.",
+    )
+
+
+def table(stored: Mapping[str, xr.Dataset]) -> Table:
+    """How often an estimate bounds its error, how large it is beside it, and what it is made of."""
+    rows = []
+    for estimate, (_, label) in METRICS.items():
+        flat = cases(stored, estimate)
+        for name in dict.fromkeys(flat["padding"].values.tolist()):
+            own = flat.where(flat["padding"] == name, drop=True)
+            ratio = own["estimate"] / own["error"]
+            shares = [float((own[cause] / own["estimate"]).median()) for cause in CAUSES]
+            rows.append(
+                (
+                    label,
+                    name,
+                    str(own.sizes["case"]),
+                    f"{100 * float((ratio >= 1).mean()):.0f} %",
+                    f"{float(ratio.median()):.2g}",
+                    f"{float(ratio.quantile(0.9)):.2g}",
+                    *(f"{100 * share:.0f} %" for share in shares),
+                )
+            )
+    return Table(
+        "Error estimates beside true errors: the share of cases where the estimate is the larger, how many "
+        "times larger it is in the median and at most in nine cases of ten, and what it is made of.",
+        (
+            "error of the", "padding", "cases", "bounded", "median ratio", "90 % below",
+            *(f"share of {cause}" for cause in CAUSES.values()),
+        ),
+        tuple(rows),
+    )  # fmt: skip
+
+
+def finding(stored: Mapping[str, xr.Dataset]) -> Finding:
+    """How far the estimates can be trusted."""
+    flats = [cases(stored, estimate) for estimate in METRICS]
+    ratios = [flat["estimate"] / flat["error"] for flat in flats]
+    bounded = [float((ratio >= 1).mean()) for ratio in ratios]
+    facts = " and ".join(
+        f"{label} by a factor of {float(ratio.median()):.2g}"
+        for (_, label), ratio in zip(METRICS.values(), ratios, strict=True)
+    )
+    return Finding(
+        f"A solution knows its own error: the estimate bounds the true one in {100 * min(bounded):.0f} % of "
+        f"{max(ratio.sizes['case'] for ratio in ratios)} cases.",
+        f"In the median it exceeds the error of the {facts}. It is found from the solution alone, split by "
+        "cause into images left out, cells, and the solver's residual.",
+        "How far to trust an answer?",
+    )

@@ -1,0 +1,111 @@
+"""The picture of one solved contact: pressure map, cross-sections beside Hertz, gap, stress."""
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from studies.report.style import LAW, finish, look, panels
+
+# Lengths are drawn in the unit in which the numbers on the axes are shortest.
+LENGTHS = ((1e-6, "µm"), (1e-3, "mm"), (1.0, "m"))
+PRESSURES = ((1e3, "kPa"), (1e6, "MPa"), (1e9, "GPa"))
+MARKS: dict[str, Any] = {"marker": "none"}
+
+
+def picture(solved: xr.Dataset) -> Figure:
+    """``solved``, as :func:`~contactstudy.to_dataset` labels it; nothing else is needed."""
+    lined = solved.sizes["length"] == 1
+    stressed = "von_mises" in solved
+    drawn = [_across, _gap] if lined else [_map, _along, _across, _gap]
+    drawn += [_stress] if stressed else []
+    figure, axes = panels(len(drawn), columns=2 if len(drawn) < 5 else 3, width=4.6, height=3.4)
+    for draw, ax in zip(drawn, axes, strict=True):
+        draw(ax, solved)
+    finish(figure)
+    return figure
+
+
+def _scaled(values: xr.DataArray, units: tuple[tuple[float, str], ...]) -> tuple[float, str]:
+    """The largest unit below the largest value."""
+    largest = float(np.abs(values).max())
+    fitting = [(size, name) for size, name in units if largest >= size] or [units[0]]
+    return fitting[-1]
+
+
+def _map(ax: Axes, solved: xr.Dataset) -> None:
+    pressure = solved["pressure"]
+    length, metres = _scaled(solved["length"], LENGTHS)
+    width, across = _scaled(solved["width"], LENGTHS)
+    size, pascals = _scaled(pressure, PRESSURES)
+    mesh = ax.pcolormesh(
+        solved["length"] / length,
+        solved["width"] / width,
+        pressure / size,
+        cmap="viridis",
+        shading="nearest",
+        rasterized=True,
+    )
+    ax.set(xlabel=f"along [{metres}]", ylabel=f"across [{across}]", title=f"pressure [{pascals}]")
+    ax.grid(visible=False)
+    ax.figure.colorbar(mesh, ax=ax)
+
+
+def _along(ax: Axes, solved: xr.Dataset) -> None:
+    length, metres = _scaled(solved["length"], LENGTHS)
+    size, pascals = _scaled(solved["pressure"], PRESSURES)
+    axis = np.abs(solved["width"]) <= np.abs(solved["width"]).min() * (1 + 1e-9)
+    middle = solved["pressure"].where(axis, drop=True).mean("width")
+    ax.plot(
+        solved["length"] / length, middle / size, label="in the middle", **look("exact") | MARKS
+    )
+    if "hertz_peak_pressure" in solved.attrs:
+        ax.axhline(solved.attrs["hertz_peak_pressure"] / size, **LAW)
+    ax.set(xlabel=f"along [{metres}]", ylabel=f"pressure [{pascals}]", title="along the contact")
+
+
+def _across(ax: Axes, solved: xr.Dataset) -> None:
+    width, metres = _scaled(solved["width"], LENGTHS)
+    size, pascals = _scaled(solved["pressure"], PRESSURES)
+    x, pressure = solved["width"] / width, solved["pressure"] / size
+    style = look("exact") | MARKS
+    if solved.sizes["length"] > 1:
+        band = pressure.min("length"), pressure.max("length")
+        ax.fill_between(
+            x, *band, color=style["color"], alpha=0.18, linewidth=0, label="least to most"
+        )
+    ax.plot(x, pressure.isel(length=solved.sizes["length"] // 2), label="in the middle", **style)
+    if "hertz_half_width" in solved.attrs:
+        t = solved["width"] / solved.attrs["hertz_half_width"]
+        hertz = solved.attrs["hertz_peak_pressure"] * np.sqrt(np.clip(1 - t**2, 0, None))
+        ax.plot(x, hertz / size, label="Hertz", **LAW)
+    ax.set(xlabel=f"across [{metres}]", ylabel=f"pressure [{pascals}]", title="across the contact")
+
+
+def _gap(ax: Axes, solved: xr.Dataset) -> None:
+    width, metres = _scaled(solved["width"], LENGTHS)
+    middle = solved.isel(length=solved.sizes["length"] // 2)
+    size, height = _scaled(middle["gap"], ((1e-9, "nm"), *LENGTHS))
+    ax.plot(solved["width"] / width, middle["gap"] / size, **look("superposed") | MARKS)
+    ax.set(xlabel=f"across [{metres}]", ylabel=f"gap [{height}]", title="gap in the middle")
+
+
+def _stress(ax: Axes, solved: xr.Dataset) -> None:
+    middle = solved["von_mises"].isel(length=solved.sizes["length"] // 2)
+    width, across = _scaled(solved["width"], LENGTHS)
+    depth, metres = _scaled(solved["depth"], LENGTHS)
+    size, pascals = _scaled(middle, PRESSURES)
+    if middle.sizes["depth"] == 1:
+        ax.plot(solved["width"] / width, middle.isel(depth=0) / size, **look("duplicated") | MARKS)
+        ax.set(xlabel=f"across [{across}]", ylabel=f"von Mises [{pascals}]")
+    else:
+        filled = ax.contourf(
+            solved["width"] / width, solved["depth"] / depth, middle / size, 24, cmap="magma"
+        )
+        ax.invert_yaxis()
+        ax.figure.colorbar(filled, ax=ax)
+        ax.set(xlabel=f"across [{across}]", ylabel=f"depth [{metres}]")
+    ax.set_title(f"von Mises stress in the middle [{pascals}]")
+    ax.grid(visible=False)

@@ -1,0 +1,1 @@
+"""What is kept: journal, case identity, netCDF, provenance, locks. May import `model`."""

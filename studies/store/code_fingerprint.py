@@ -1,0 +1,130 @@
+"""The code that makes a number of a case, as a fingerprint: where it changes, numbers may."""
+
+import ast
+import hashlib
+import importlib.util
+import inspect
+import sysconfig
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import fields, is_dataclass
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from types import FunctionType, ModuleType
+from typing import Any
+
+import contactstudy
+from contactstudy import InvalidInput
+from studies.store.identity import canonical, text
+
+# What the numbers of a solve depend on.
+LIBRARIES = ("numpy", "scipy", "ducc0")
+
+
+@cache
+def versions() -> Mapping[str, str]:
+    """Version of the core and of the libraries it computes with, and a hash of the core's own files."""
+    found = {"contactstudy": contactstudy.__version__, "source": _source()}
+    for name in LIBRARIES:
+        if importlib.util.find_spec(name):
+            try:
+                found[name] = version(name)
+            except PackageNotFoundError:
+                found[name] = "unknown"
+    return found
+
+
+def _source() -> str:
+    digest = hashlib.sha256()
+    for path in sorted(Path(contactstudy.__file__).parent.rglob("*.py")):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:12]
+
+
+def recipe(measures: Callable[..., object], kinds: frozenset[type]) -> str:
+    """A hash of ``measures``, of the methods of the computations ``kinds``, and of what these call.
+
+    Comments, docstrings and layout do not count; nor does the core, which has its version, nor a
+    library.
+    """
+    seen: dict[int, str] = {}
+    for root in (measures, *kinds):
+        _follow(root, seen)
+    return hashlib.sha256("\n".join(sorted(set(seen.values()))).encode()).hexdigest()[:12]
+
+
+def _follow(thing: object, seen: dict[int, str]) -> None:
+    if not callable(thing) and not isinstance(thing, ModuleType):
+        with suppress(InvalidInput):  # a table of functions, or the like
+            seen[id(thing)] = text(canonical(thing))
+        return
+    if isinstance(thing, type):
+        if id(thing) not in seen and not _is_library(thing):
+            seen[id(thing)] = thing.__name__
+            for method in _methods(thing):
+                _follow(method, seen)
+        return
+    function = inspect.unwrap(thing) if callable(thing) else thing
+    if not isinstance(function, FunctionType) or id(function) in seen or _is_library(function):
+        return
+    try:
+        source = ast.parse(inspect.cleandoc("\n" + inspect.getsource(function)))
+    except (OSError, SyntaxError, TypeError):  # typed at a prompt, or a lambda amid a line
+        seen[id(function)] = function.__code__.co_code.hex() + repr(function.__code__.co_names)
+    else:
+        seen[id(function)] = ast.dump(_plain(source))
+    for used in _used(function):
+        _follow(used, seen)
+
+
+def _methods(kind: type) -> Iterator[object]:
+    """But for what a dataclass makes of its fields: those are the case's own."""
+    own = {part.name for part in fields(kind)} if is_dataclass(kind) else set()
+    for owner in kind.__mro__:
+        for name, part in vars(owner).items():
+            if name in own:
+                continue
+            if not name.startswith("__") or name == "__post_init__":
+                method = getattr(part, "__func__", part)
+                yield method.fget if isinstance(method, property) else method
+
+
+def _plain(tree: ast.Module) -> ast.Module:
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef | ast.ClassDef) and ast.get_docstring(node):
+            node.body = node.body[1:] or [ast.Pass()]
+    return tree
+
+
+def _used(function: FunctionType) -> Iterator[object]:
+    """What the names in ``function`` stand for, those in a module it names as well."""
+    names = _names(function.__code__)
+    for name in names:
+        found = function.__globals__.get(name)
+        yield found
+        if isinstance(found, ModuleType) and not _is_library(found):
+            yield from (getattr(found, other) for other in names if hasattr(found, other))
+
+
+def _names(code: Any) -> list[str]:
+    inner = [name for part in code.co_consts if hasattr(part, "co_names") for name in _names(part)]
+    return [*code.co_names, *inner]
+
+
+@cache
+def _libraries() -> tuple[str, ...]:
+    paths = sysconfig.get_paths()
+    return paths["stdlib"], paths["purelib"], paths["platlib"]
+
+
+def _is_library(thing: FunctionType | ModuleType | type) -> bool:
+    module = thing if isinstance(thing, ModuleType) else inspect.getmodule(thing)
+    if module is None:
+        return False
+    if module.__name__.split(".")[0] == "contactstudy":
+        return True
+    if module.__name__.split(".")[0] == "studies":
+        return False
+    file = getattr(module, "__file__", None)
+    return file is None or str(file).startswith(_libraries())

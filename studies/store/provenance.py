@@ -1,0 +1,71 @@
+"""Where numbers came from: versions, revision, machine, command, time."""
+
+import os
+import platform
+import shlex
+import subprocess
+import sys
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+
+from contactstudy.elasticity.transforms import TRANSFORMS
+
+# what computes, and what stores
+PACKAGES = ("contactstudy", "numpy", "scipy", "xarray", "dask", "netCDF4")
+
+
+def provenance() -> Mapping[str, str]:
+    """Attributes for a Dataset, all of them text."""
+    now = datetime.now(UTC).isoformat(timespec="seconds")
+    command = shlex.join([Path(sys.argv[0]).name, *sys.argv[1:]])
+    return {
+        "Conventions": "CF-1.11",
+        "source": ", ".join(f"{name} {version(name)}" for name in PACKAGES),
+        "transforms": type(TRANSFORMS).__name__,
+        "history": f"{now} {command}",
+        "python": platform.python_version(),
+        "git_revision": _revision(),
+        "cpu": cpu(),
+        "cpu_count": str(os.cpu_count()),
+        "threads": "1",
+        "platform": platform.platform(),
+    }
+
+
+def machine() -> str:
+    """The processor and the system: times are compared on one machine only."""
+    return f"{platform.node()}, {cpu()} x {os.cpu_count()}, {platform.system()}"
+
+
+@cache
+def _revision() -> str:
+    """The commit this code stands at, with a mark where files differ from it."""
+    here = Path(__file__).parent
+    try:
+        say = [
+            "git",
+            "-C",
+            str(here),
+            "describe",
+            "--always",
+            "--dirty",
+            "--abbrev=40",
+            "--exclude=*",
+        ]
+        done = subprocess.run(say, capture_output=True, text=True, timeout=10, check=True)
+    except (OSError, subprocess.SubprocessError):
+        return "unknown (not a git checkout)"
+    return done.stdout.strip()
+
+
+def cpu() -> str:
+    """The processor's name."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        lines = []
+    names = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
+    return next(names, platform.processor() or platform.machine())

@@ -1,0 +1,60 @@
+"""What a study asks for, and why what is stored is not it."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from contactstudy import InvalidInput
+from studies.model.case import Computation
+from studies.model.outcome import TAKEN
+from studies.model.study import Study
+from studies.store.code_fingerprint import recipe, versions
+from studies.store.identity import Memory, Tree, canonical, key
+from studies.store.journal import Contents, Named
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """What a study asks for: the key of the case at every point, and each case by its key."""
+
+    keys: Sequence[str]
+    cases: Mapping[str, Computation]
+    names: Mapping[str, Named]
+    context: Mapping[str, str]
+
+    @classmethod
+    def of(cls, study: Study) -> "Asked":
+        """The cases of ``study``, of which those that differ in rounding only are one."""
+        if taken := TAKEN & {axis.name for axis in study.points}:
+            raise InvalidInput(
+                f"Study {study.name!r} has the axes {sorted(taken)}: these names are taken, choose others."
+            )
+        found: dict[Computation, tuple[str, Tree]] = {}
+        memory: Memory = {}
+        keys, cases, names = [], {}, {}
+        for point, case in study.visits():
+            known = found.get(case)
+            if known is None:
+                tree = canonical(case, memory)
+                known = found[case] = key(tree), tree
+            name, tree = known
+            keys.append(name)
+            if name not in cases:
+                at = {axis: str(canonical(value)) for axis, value in point.items()}
+                cases[name], names[name] = case, Named(name, tree, at)
+        kinds = frozenset(type(case) for case in cases.values())
+        context = dict(versions()) | {"measures": recipe(study.measures, kinds)}
+        return cls(keys, cases, names, context)
+
+
+def reasons(contents: Contents, named: Named, context: Mapping[str, str]) -> list[str]:
+    """Why what is stored for ``named``, or at its point, is not what is asked for."""
+    found = contents.changed(named)
+    before = contents.others.get(named.key)
+    if before is None or named.key in contents.records:
+        return found
+    names = sorted(before.context.keys() | context.keys())
+    return found + [
+        f"{name} was {before.context.get(name, 'absent')} and is {context.get(name, 'absent')}"
+        for name in names
+        if before.context.get(name) != context.get(name)
+    ]

@@ -1,0 +1,62 @@
+"""The cost of the cells, against the corrected pressure and by symmetry."""
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.accuracy.discretisation import discretisation
+from contactstudy.accuracy.edge_law import edge_error
+from tests.conftest import LineContact
+
+EXACT = cs.ExactPeriodicity()
+
+
+def test_edge_error_is_that_of_a_solved_contact_or_of_one_a_little_aside(
+    line_contact: LineContact,
+) -> None:
+    """The law holds to the order of cell over half-width, 1 / 100; its leap makes it larger, not smaller."""
+    hertz = line_contact.hertz
+    found = []
+    for width in np.linspace(2.4, 2.45, 40):
+        grid = line_contact.grid((256, 1), 1.0, width)
+        pressure = cs.solve(line_contact.scene.problem(grid, EXACT), tolerance=1e-11).pressure
+        touching = np.flatnonzero(pressure[:, 0])
+        beside = pressure[touching[-1] - np.arange(16), 0]
+        true = hertz.pressure(grid.x[touching[-1] - np.arange(16)])
+        estimate = edge_error(beside[:1], beside[1:2])[0]
+        found.append(estimate / np.abs(beside - true).sum())
+    assert min(found) > 0.98
+    assert np.median(found) < 1.5
+
+
+def test_single_cells_count_as_edges() -> None:
+    alone = edge_error(np.array([1.0]), np.array([0.0]))
+    assert 0.01 < alone[0] < 1
+
+
+def test_uniform_pressure_without_an_edge_has_no_error() -> None:
+    assert discretisation(np.ones((6, 5)), (True, True)) == (0.0, 0.0)
+    assert discretisation(np.ones((6, 5)), (False, True)) == (0.0, 0.0)
+
+
+def test_a_cosine_s_maximum_is_found_between_the_cells() -> None:
+    """Where no edge is, the estimate is the second difference's: 1/24 at the centre, 1/12 half a cell aside."""
+    cells = 64
+    for aside, share in ((0.0, 1 / 24), (0.5, 1 / 8 - 1 / 24)):
+        wave = 2 + np.cos(2 * np.pi * (np.arange(cells) + aside) / cells)[:, None]
+        bend = (2 * np.pi / cells) ** 2 / 3
+        peak, _ = discretisation(wave, (True, True))
+        # and what edges might add, of which there are none
+        assert peak - bend / 12 == pytest.approx(share * bend, rel=20 / cells**2)
+
+
+@pytest.mark.parametrize("wraps", [(False, True), (True, True), (False, False)])
+def test_turning_or_scaling_the_pressure_changes_nothing(wraps: tuple[bool, bool]) -> None:
+    x, y = np.linspace(-1, 1, 24)[:, None], np.linspace(-1, 1, 17)
+    pressure = np.sqrt(np.clip(0.7 - x**2 - y**2 - 0.2 * x * y, 0, None))
+    expected = pytest.approx(discretisation(pressure, wraps), rel=1e-12)
+    assert discretisation(pressure.T, wraps[::-1]) == expected
+    assert discretisation(pressure[::-1, ::-1], wraps) == expected
+    assert discretisation(1e9 * pressure, wraps) == expected
+    if wraps[1]:
+        assert discretisation(np.roll(pressure, 7, axis=1), wraps) == expected

@@ -1,0 +1,166 @@
+"""The estimate against errors that are known: closed forms, finer grids, converged solutions."""
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import astuple, replace
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.domain.arrays import Array
+from tests.conftest import STEEL, LineContact
+
+FREE, EXACT = cs.ZeroPadding(), cs.ExactPeriodicity()
+MODULUS = cs.Scene(cs.LineLoad(1.0), (STEEL, STEEL)).contact_modulus
+
+
+def ratios(solution: cs.Solution, true: Array, highest: float) -> tuple[float, float]:
+    """Estimate over error: of the highest pressure, and in L1."""
+    estimate = cs.error_estimate(solution)
+    true = np.broadcast_to(true, solution.pressure.shape)
+    l1 = np.abs(solution.pressure - true).sum() / true.sum()
+    peak = abs(solution.pressure.max() / highest - 1)
+    return estimate.peak_pressure.total / peak, estimate.l1.total / l1
+
+
+def hertz_lines(line_contact: LineContact) -> Iterator[tuple[float, float]]:
+    """The contact edge anywhere in its cell, the axis in a cell or between two."""
+    hertz = line_contact.hertz
+    for cells in (16, 25, 32, 48, 65, 128, 192, 255):
+        for width in np.linspace(2.2, 3.1, 7):
+            grid = line_contact.grid((cells, 1), 1.0, width)
+            solution = cs.solve(line_contact.scene.problem(grid, EXACT))
+            yield ratios(solution, hertz.pressure(grid.x)[:, None], hertz.peak_pressure)
+
+
+def hertz_points(line_contact: LineContact) -> Iterator[tuple[float, float]]:
+    point = cs.analytic.hertz_point(30.0, 0.01, MODULUS)
+    for cells in (24, 33, 48, 64):
+        for width in np.linspace(2.2, 3.4, 5):
+            length = width * point.contact_radius
+            grid = cs.Grid(cells=(cells, cells), extent=(length, length))
+            scene = cs.Scene(cs.LineLoad(30.0 / length), (STEEL, STEEL), (cs.Sphere(0.01),))
+            solution = cs.solve(scene.problem(grid, (FREE, FREE)))
+            true = point.pressure(np.hypot(grid.x[:, None], grid.y))
+            yield ratios(solution, true, point.peak_pressure)
+
+
+def wavy_surfaces(line_contact: LineContact) -> Iterator[tuple[float, float]]:
+    """From a strip of contact in each wave to nearly no gap left."""
+    height, length = 1e-6, 1e-3
+    for cells in (16, 25, 32, 64, 129):
+        for share in np.linspace(0.05, 0.95, 7):
+            closing = math.pi * MODULUS * height / length
+            wave = cs.analytic.westergaard(share * closing, height, length, MODULUS)
+            load = cs.LineLoad(wave.mean_pressure * length)
+            shapes = (cs.Waviness(-height, across=length),)
+            grid = cs.Grid(cells=(cells, 1), extent=(length, length))
+            problem = cs.Scene(load, (STEEL, STEEL), shapes).problem(grid, (EXACT, EXACT))
+            true = wave.pressure(grid.x)[:, None]
+            yield ratios(cs.solve(problem), true, wave.peak_pressure)
+
+
+def paddings(line_contact: LineContact) -> Iterator[tuple[float, float]]:
+    """Windows of all kinds on the smooth line contact, as the studies sweep them."""
+    hertz = line_contact.hertz
+    kinds: list[cs.Padding] = [FREE, cs.DuplicatedPadding(), EXACT]
+    kinds += [kind(n) for kind in (cs.Superposition, cs.CircularSuperposition) for n in (1, 6, 20)]
+    for padding in kinds:
+        for period in (0.15, 0.6, 2.4, 9.6):
+            for cells in (24, 32, 64):
+                # a uniform contact wants few cells along
+                grid = line_contact.grid((cells, 3 if padding.wraps else cells), period)
+                solution = cs.solve(line_contact.scene.problem(grid, padding))
+                yield ratios(solution, hertz.pressure(grid.x)[:, None], hertz.peak_pressure)
+
+
+def rough_surfaces(line_contact: LineContact) -> Iterator[tuple[float, float]]:
+    """Against exact periodicity on a grid four times finer, at the same points."""
+    a = line_contact.hertz.half_width
+    gap = line_contact.hertz.peak_pressure * a / MODULUS
+    for seed, (rms, cut_off) in enumerate(((0.1, 0.4), (0.3, 0.4), (0.6, 0.3), (0.6, 0.2))):
+        rough = cs.Roughness(rms * gap, hurst=0.8, roll_off=1.2 * a, cut_off=cut_off * a, seed=seed)
+        scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, rough))
+        for cells in (64, 96):
+            fine = scene.problem(line_contact.grid(4 * cells, 2.4, 4.0), EXACT)
+            finer = cs.solve(fine, tolerance=1e-6).pressure
+            # the four cells about the centre of a coarse one
+            true = finer.reshape(cells, 4, cells, 4)[:, 1:3, :, 1:3].mean(axis=(1, 3))
+            for padding in (EXACT, cs.DuplicatedPadding()):
+                problem = scene.problem(line_contact.grid(cells, 2.4, 4.0), padding)
+                yield ratios(cs.solve(problem), true, float(finer.max()))
+
+
+@pytest.mark.parametrize(
+    "cases", [hertz_lines, hertz_points, wavy_surfaces, paddings, rough_surfaces]
+)
+def test_estimate_bounds_the_error_and_is_not_five_times_too_large(
+    cases: Callable[[LineContact], Iterator[tuple[float, float]]], line_contact: LineContact
+) -> None:
+    found = np.array(list(cases(line_contact)))
+    assert ((found >= 1).mean(axis=0) >= 0.95).all()
+    assert (np.median(found, axis=0) <= 5).all()
+
+
+@pytest.mark.parametrize("solver", [cs.PreconditionedCG(), cs.PolonskyKeer()], ids=str)
+@pytest.mark.parametrize("padding", [EXACT, cs.Superposition(2)], ids=str)
+def test_residual_part_bounds_what_further_iterations_change(
+    solver: cs.Solver, padding: cs.Padding, line_contact: LineContact
+) -> None:
+    problem = line_contact.scene.problem(line_contact.grid(48, 2.4, 2.5), padding)
+    done = cs.solve(problem, tolerance=1e-12)
+    for tolerance in (1e-2, 1e-3, 1e-4, 1e-6, 1e-8):
+        early = cs.solve(problem, tolerance=tolerance, solver=solver)
+        estimate = cs.error_estimate(early)
+        l1 = np.abs(early.pressure - done.pressure).sum() / done.pressure.sum()
+        peak = abs(early.pressure.max() / done.pressure.max() - 1)
+        assert 1 <= estimate.l1.residual / l1 <= 5
+        assert estimate.peak_pressure.residual >= peak
+    assert cs.error_estimate(done).l1.residual < 1e-10
+
+
+def test_each_cause_shows_in_its_own_part_alone(line_contact: LineContact) -> None:
+    def parts(cells: int, padding: cs.Padding, tolerance: float) -> cs.ErrorParts:
+        problem = line_contact.scene.problem(line_contact.grid((cells, 2), 2.4), padding)
+        return cs.error_estimate(cs.solve(problem, tolerance=tolerance)).l1
+
+    plain = parts(64, EXACT, 1e-8)
+    assert plain.truncation == 0
+    cut = parts(64, cs.CircularSuperposition(3), 1e-8)
+    assert cut.truncation > 1e-3
+    assert cut.residual < 1e-6
+    # by the rate 23 times less, of which the leap of the edge may take a factor of 8
+    assert parts(512, EXACT, 1e-8).discretisation < plain.discretisation / 3
+    assert parts(64, EXACT, 1e-3).residual > 100 * plain.residual
+
+
+def test_units_do_not_change_the_estimate(line_contact: LineContact) -> None:
+    solid = replace(STEEL, youngs_modulus=STEEL.youngs_modulus * 1e-6)
+    scene = cs.Scene(cs.LineLoad(1e5 * 1e-3), (solid, solid), (cs.Cylinder(0.01 * 1e3),))
+    grid = line_contact.grid(24, 1.2)
+    larger = cs.Grid(cells=grid.cells, extent=(grid.extent[0] * 1e3, grid.extent[1] * 1e3))
+    solutions = (
+        cs.solve(one.problem(on, cs.Superposition(1)), tolerance=1e-12)
+        for one, on in ((line_contact.scene, grid), (scene, larger))
+    )
+    plain, scaled = (cs.error_estimate(solution) for solution in solutions)
+    for metric in ("peak_pressure", "l1"):
+        one, other = astuple(getattr(plain, metric)), astuple(getattr(scaled, metric))
+        # what is left of the residual is rounding
+        np.testing.assert_allclose(one[:2], other[:2], rtol=1e-8)
+
+
+def test_a_lost_iteration_is_estimated_as_lost(line_contact: LineContact) -> None:
+    problem = line_contact.scene.problem(line_contact.grid(16, 1.2), EXACT)
+    lost = cs.solve(replace(problem, undeformed_gap=problem.undeformed_gap * np.nan))
+    assert lost.status is cs.Status.NOT_FINITE
+    estimate = cs.error_estimate(lost)
+    assert estimate.l1.total == estimate.peak_pressure.total == math.inf
+
+
+def test_a_problem_without_paddings_is_refused(line_contact: LineContact) -> None:
+    problem = line_contact.scene.problem(line_contact.grid(16, 1.2), EXACT)
+    solution = cs.solve(replace(problem, paddings=None))
+    with pytest.raises(cs.InvalidInput, match=r"^Problem\.paddings is None: "):
+        cs.error_estimate(solution)

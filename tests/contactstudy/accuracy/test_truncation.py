@@ -1,0 +1,87 @@
+"""The cost of a window, against solved contacts and by symmetry."""
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.accuracy.truncation import truncation
+from tests.conftest import STEEL, LineContact
+
+FREE, EXACT = cs.ZeroPadding(), cs.ExactPeriodicity()
+
+
+def solved(
+    line_contact: LineContact, cells: tuple[int, int], period: float, padding: cs.Padding
+) -> cs.Solution:
+    return cs.solve(line_contact.scene.problem(line_contact.grid(cells, period), padding))
+
+
+@pytest.mark.parametrize(
+    "padding",
+    [cs.DuplicatedPadding(), cs.CircularSuperposition(1), cs.CircularSuperposition(5)],
+    ids=str,
+)
+@pytest.mark.parametrize("along", [1, 2, 5])
+def test_uniform_window_s_error_is_found_to_second_order(
+    padding: cs.Padding, along: int, line_contact: LineContact
+) -> None:
+    """Against the same cells under all images, so that only the window differs."""
+    for period in (2.4, 4.8):
+        cut = solved(line_contact, (128, along), period, padding)
+        whole = solved(line_contact, (128, along), period, EXACT)
+        peak, l1 = truncation(cut.pressure, cut.problem.grid, (FREE, padding))
+        # the next order, a share (a / D)^2 = 8 peak; and the edge's leap from its cell, at its two rates
+        order = 8 * peak**2 + (2.4 / 128) ** 2
+        assert cut.pressure.max() / whole.pressure.max() - 1 == pytest.approx(peak, abs=order)
+        moved = np.abs(cut.pressure - whole.pressure).sum() / whole.pressure.sum()
+        assert moved == pytest.approx(l1, abs=8 * peak * l1 + (2.4 / 128) ** 1.5)
+
+
+@pytest.mark.parametrize("images", [2, 6])
+@pytest.mark.parametrize("period", [0.6, 2.4, 9.6])
+def test_ends_of_a_centred_window_stand_out_like_a_kink(
+    period: float, images: int, line_contact: LineContact
+) -> None:
+    """Higher with the logarithm of the cells, by the amplitude that the kink of the window says."""
+    rises = []
+    for along in (32, 96):
+        cut = solved(line_contact, (32, along), period, cs.Superposition(images))
+        highest = cut.pressure.max(axis=0)
+        rises.append(highest[0] / highest[along // 2] - 1)
+    growth = 2 / np.pi / period * np.log(3) / (2 * images + 1) ** 2
+    # the next order of the window's logarithm is a share 1 / (2 n + 1)^2, and a wave along the length
+    # presses on a contact of finite width: a tenth
+    assert rises[1] - rises[0] == pytest.approx(growth, rel=0.1 + (2 * images + 1) ** -2)
+
+
+def test_where_all_is_seen_nothing_is_lost(line_contact: LineContact) -> None:
+    whole = solved(line_contact, (24, 6), 1.2, EXACT)
+    for paddings in ((FREE, EXACT), (EXACT, EXACT), (EXACT, FREE)):
+        pressure = np.pad(whole.pressure[:, :4], ((0, 0), (1, 1)))
+        assert truncation(pressure, whole.problem.grid, paddings) == (0.0, 0.0)
+
+
+def test_a_free_length_is_a_cut_only_where_contact_reaches_its_ends() -> None:
+    solids, length = (STEEL, STEEL), 1e-3
+    scene = cs.Scene(cs.LineLoad(1e3), solids, (cs.Sphere(0.01),))
+    grid = cs.Grid(cells=(32, 32), extent=(length, length))
+    point = cs.solve(scene.problem(grid, (FREE, FREE)))
+    assert not point.pressure[:, [0, -1]].any()
+    assert truncation(point.pressure, grid, (FREE, FREE)) == (0.0, 0.0)
+    assert min(truncation(np.ones((32, 32)), grid, (FREE, FREE))) > 0
+
+
+@pytest.mark.parametrize("padding", [cs.DuplicatedPadding(), cs.Superposition(2)], ids=str)
+def test_axes_may_be_swapped(padding: cs.Padding, line_contact: LineContact) -> None:
+    cut = solved(line_contact, (24, 8), 1.2, padding)
+    grid = cut.problem.grid
+    turned = cs.Grid(cells=grid.cells[::-1], extent=grid.extent[::-1])
+    expected = truncation(cut.pressure, grid, (FREE, padding))
+    assert truncation(cut.pressure.T, turned, (padding, FREE)) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("across", [EXACT, cs.DuplicatedPadding()], ids=str)
+def test_windows_beside_images_are_refused(across: cs.Padding) -> None:
+    grid = cs.Grid(cells=(8, 8), extent=(1.0, 1.0))
+    with pytest.raises(cs.InvalidInput, match=r"^padding is .*: give ExactPeriodicity"):
+        truncation(np.ones((8, 8)), grid, (across, cs.Superposition(1)))

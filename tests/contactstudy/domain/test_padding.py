@@ -1,0 +1,152 @@
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import contactstudy as cs
+from contactstudy.elasticity.kernels.cell import boussinesq_cell
+
+
+@dataclass(frozen=True)
+class Images:
+    """The periods seen, counted from the domain's own or from the one nearest to the observer."""
+
+    window: range
+    of_observer: bool = False
+
+    def offset(self, offset: np.ndarray, period: float) -> np.ndarray:
+        return offset - period * np.round(offset / period) if self.of_observer else offset
+
+
+NONE = Images(range(1))
+GRID = cs.Grid(cells=(6, 5), extent=(1.2, 0.8))
+EPS = np.finfo(float).eps
+
+
+def dense(grid: cs.Grid, along: Images, across: Images = NONE) -> np.ndarray:
+    """All pairs of cells, all images: with a range along, the paper's eq. (5) word for word."""
+    cells = np.stack(np.meshgrid(grid.x, grid.y, indexing="ij"), axis=-1).reshape(-1, 2)
+    x, y = np.moveaxis(cells[:, None] - cells, -1, 0)
+    width, period = grid.extent
+    x, y = across.offset(x, width), along.offset(y, period)
+    return sum(
+        boussinesq_cell(x + k * width, y + m * period, *grid.cell)
+        for k in across.window
+        for m in along.window
+    )
+
+
+def applied(grid: cs.Grid, padding: cs.Padding | cs.Paddings) -> np.ndarray:
+    """The operator as a matrix, one unit pressure at a time; E* = 1/pi, so that it is I itself."""
+    operator = cs.convolution(1 / np.pi, grid, padding, datum=1.0)
+    units = np.eye(grid.cells[0] * grid.cells[1]).reshape(-1, *grid.cells)
+    return np.stack([operator(unit).ravel() for unit in units], axis=1)
+
+
+@pytest.mark.parametrize("images", [0, 1, 4])
+def test_superposition_is_equation_five(images: int) -> None:
+    expected = dense(GRID, Images(range(-images, images + 1)))
+    assert_allclose(applied(GRID, cs.Superposition(images)), expected, rtol=16 * EPS * (images + 1))
+
+
+@pytest.mark.parametrize("images", [0, 1, 4])
+def test_circular_superposition_is_counted_from_the_observer(images: int) -> None:
+    expected = dense(GRID, Images(range(-images, images + 1), of_observer=True))
+    found = applied(GRID, cs.CircularSuperposition(images))
+    assert_allclose(found, expected, rtol=16 * EPS * (images + 1))
+
+
+def test_images_across_and_along_multiply() -> None:
+    expected = dense(GRID, Images(range(-2, 3)), Images(range(-1, 2), of_observer=True))
+    found = applied(GRID, (cs.CircularSuperposition(1), cs.Superposition(2)))
+    assert_allclose(found, expected, rtol=64 * EPS)
+
+
+@pytest.mark.parametrize("images", [4, 10])
+def test_only_a_circular_sum_leaves_a_uniform_pressure_uniform(images: int) -> None:
+    pressure = np.ones(GRID.cells)
+    moved = cs.convolution(1.0, GRID, cs.CircularSuperposition(images), datum=1.0)(pressure)
+    assert np.ptp(moved, axis=1).max() < 16 * EPS * moved.max()
+    moved = cs.convolution(1.0, GRID, cs.Superposition(images), datum=1.0)(pressure)
+    # a window off centre by y lacks ln(1 - y^2 / D^2) of the line load's potential
+    off_centre = 0.4 / (images + 0.5)
+    lacking = -GRID.extent[0] / np.pi * np.log(1 - off_centre**2)
+    assert np.ptp(moved, axis=1).max() == pytest.approx(lacking, rel=0.1)
+
+
+def test_superposition_of_no_images_is_zero_padding() -> None:
+    for nx, ny in ((6, 5), (7, 1), (2, 2)):
+        grid = cs.Grid(cells=(nx, ny), extent=(1.0, 1.0))
+        zero = applied(grid, cs.ZeroPadding())
+        assert (applied(grid, cs.Superposition(0)) == zero).all()
+
+
+@pytest.mark.parametrize("cells", [(6, 5), (5, 6), (4, 1), (3, 2)])
+def test_folded_duplication_is_the_literal_copy(cells: tuple[int, int]) -> None:
+    """Figure 2 of the paper: zeros behind the width, a copy of the pressure behind the length."""
+    grid = cs.Grid(cells=cells, extent=(1.2, 0.8))
+    (nx, ny), (dx, dy) = cells, grid.cell
+    pressure = np.random.default_rng(5).random(cells)
+    copied = np.zeros((2 * nx, 2 * ny))
+    copied[:nx, :ny] = copied[:nx, ny:] = pressure
+    around = np.fft.fftfreq(2 * nx, 1 / (2 * nx)) * dx, np.fft.fftfreq(2 * ny, 1 / (2 * ny)) * dy
+    coefficients = boussinesq_cell(around[0][:, None], around[1][None], dx, dy)
+    moved = np.fft.ifft2(np.fft.fft2(copied) * np.fft.fft2(coefficients)).real[:nx, :ny]
+    operator = cs.convolution(1 / np.pi, grid, cs.DuplicatedPadding(), datum=1.0)
+    assert_allclose(operator(pressure), moved, rtol=32 * EPS)
+
+
+@pytest.mark.parametrize("kind", [cs.Superposition, cs.CircularSuperposition])
+def test_exact_periodicity_is_what_superposition_tends_to(
+    kind: type[cs.Superposition] | type[cs.CircularSuperposition],
+) -> None:
+    """Truncation leaves terms of (x^2, y^2) / D^2 after the rigid shift ln(2 n + 1) L."""
+    exact = applied(GRID, cs.ExactPeriodicity())
+    logarithm = 2 * GRID.cell_area / GRID.period
+    for images in (10, 100, 1000):
+        reach = (2 * images + 1) * GRID.period
+        shifted = applied(GRID, kind(images)) - logarithm * np.log(reach)
+        bound = logarithm * GRID.extent[0] ** 2 / (reach / 2) ** 2
+        assert np.abs(shifted - exact).max() < bound
+
+
+def test_ten_thousand_images_lose_no_digits() -> None:
+    """Truncation is then of order 1e-8; the sums of the coefficients must be as good as that."""
+    exact = applied(GRID, cs.ExactPeriodicity())
+    logarithm = 2 * GRID.cell_area / GRID.period
+    images = 10_000
+    reach = (2 * images + 1) * GRID.period
+    shifted = applied(GRID, cs.CircularSuperposition(images)) - logarithm * np.log(reach)
+    difference = shifted - exact
+    # the leading term left out is the same for all y: (x^2 + dx^2 / 12 ...) / (4 D^2) of the logarithm
+    assert np.abs(difference).max() < logarithm * GRID.extent[0] ** 2 / reach**2 + 1e-13
+
+
+def test_exact_periodicity_counts_displacement_from_its_datum() -> None:
+    """Moving the datum by a factor e moves everything by twice the line load over pi E*."""
+    one = cs.convolution(1 / np.pi, GRID, cs.ExactPeriodicity(), datum=1.0)
+    far = cs.convolution(1 / np.pi, GRID, cs.ExactPeriodicity(), datum=np.e)
+    pressure = np.ones(GRID.cells)
+    assert_allclose(far(pressure) - one(pressure), 2 * GRID.extent[0], rtol=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("padding", "reach"),
+    [
+        (cs.ZeroPadding(), 0.5),
+        (cs.DuplicatedPadding(), 1.0),
+        (cs.Superposition(6), 6.5),
+        (cs.CircularSuperposition(6), 6.5),
+        (cs.ExactPeriodicity(), np.inf),
+    ],
+)
+def test_reach_is_counted_in_periods(padding: cs.Padding, reach: float) -> None:
+    assert padding.reach(3.0) == 3 * reach
+
+
+@pytest.mark.parametrize("images", [-1, 1.5, True, None, "6"])
+def test_images_are_a_whole_number_from_zero_on(images: object) -> None:
+    for kind in (cs.Superposition, cs.CircularSuperposition):
+        with pytest.raises(cs.InvalidInput, match=r"Superposition\.images is .*from 0 on\.$"):
+            kind(images=images)  # type: ignore[arg-type]

@@ -1,0 +1,145 @@
+"""A cell repeated along both axes, against sums and closed forms of another kind."""
+
+import mpmath as mp
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from contactstudy.elasticity.kernels.cell import boussinesq_cell
+from contactstudy.elasticity.kernels.lattice import boussinesq_cell_doubly_periodic
+from tests.contactstudy.elasticity.kernels.test_cell import DIGITS, EXACT
+from tests.contactstudy.elasticity.kernels.test_row import judged_lattice
+
+EXTENTS = [(1.2, 0.8), (0.8, 1.2), (1.0, 1.0), (3.0, 0.05), (0.02, 5.0)]
+
+
+def one_period(width: float, period: float, nx: int, ny: int) -> np.ndarray:
+    x, y = np.arange(nx)[:, None] * width / nx, np.arange(ny) * period / ny
+    return boussinesq_cell_doubly_periodic(x, y, width / nx, period / ny, width, period)
+
+
+def judged(x: float, y: float, dx: float, dy: float, width: float, period: float) -> mp.mpf:
+    """Rows one by one, and the logarithms of all others as an integral of Gamma functions."""
+    rows = int(np.ceil(7 * period / width)) + 1  # exp(-14 pi) is left
+    with mp.workdps(DIGITS):
+        x, width = mp.mpf(x), mp.mpf(width)
+
+        def others(u: mp.mpf) -> mp.mpf:
+            return mp.loggamma(rows + 1 + u / width) + mp.loggamma(rows + 1 - u / width)
+
+        total = mp.fsum(
+            judged_lattice(x + m * width, y, dx, dy, period) for m in range(-rows, rows + 1)
+        )
+        mean = mp.quad(others, [x - dx / 2, x + dx / 2]) / dx
+        shift = (2 * rows + 1) * mp.log(width) - mp.log(2 * mp.pi)
+        return total + 2 * mp.mpf(dx) * dy / period * (shift + mean)
+
+
+@pytest.mark.parametrize(("nx", "ny"), [(1, 3), (300, 200)])
+@pytest.mark.parametrize(("width", "period"), [(1.2, 0.8), (3.0, 0.05), (900.0, 700.0)])
+def test_lattice_is_exact(width: float, period: float, nx: int, ny: int) -> None:
+    dx, dy = width / nx, period / ny
+    x, y = np.array([0, 0.5, 0.21, 0.5]) * width, np.array([0, 0.1, 0.37, 0.5]) * period
+    found = boussinesq_cell_doubly_periodic(x, y, dx, dy, width, period)
+    expected = [judged(u, v, dx, dy, width, period) for u, v in zip(x, y, strict=True)]
+    error = np.array([abs(float(f - e)) for f, e in zip(found, expected, strict=True)])
+    share = dx * dy / min(width, period)
+    assert (error < EXACT * np.maximum(np.abs(np.array(expected, float)), share)).all()
+
+
+@pytest.mark.parametrize(("width", "period"), EXTENTS)
+def test_the_mean_is_zero(width: float, period: float) -> None:
+    found = one_period(width, period, 6, 5)
+    assert abs(found.mean()) < 1e-14 * np.abs(found).max()
+
+
+@pytest.mark.parametrize(("width", "period"), EXTENTS)
+def test_axes_may_be_swapped(width: float, period: float) -> None:
+    found = one_period(width, period, 6, 5)
+    swapped = one_period(period, width, 5, 6).T
+    assert_allclose(found, swapped, rtol=0, atol=1e-14 * np.abs(found).max())
+
+
+def test_sums_over_a_disc_of_images_tend_to_it() -> None:
+    """With the images inside a radius R, less their mean, the rest is of order 1 / R."""
+    width, period, nx, ny = 1.2, 0.8, 6, 5
+    exact = one_period(width, period, nx, ny)
+    x = np.minimum(np.arange(nx), nx - np.arange(nx))[:, None] * width / nx
+    y = np.minimum(np.arange(ny), ny - np.arange(ny)) * period / ny
+    errors = []
+    for radius in (12.0, 24.0, 48.0):
+        total = np.zeros((nx, ny))
+        reach = int(radius / period)
+        for k in range(-reach, reach + 1):
+            for m in range(-reach, reach + 1):
+                if np.hypot(k * width, m * period) <= radius:
+                    total += boussinesq_cell(x + k * width, y + m * period, width / nx, period / ny)
+        errors.append(np.abs(total - total.mean() - exact).max())
+    assert errors[-1] < 2e-3 * exact.max()
+    assert_allclose(np.array(errors[:-1]) / errors[1:], 2, rtol=0.1)
+
+
+@pytest.mark.parametrize("x", [0.0, 0.1, 0.35, 0.5, 0.9, 1.0])
+def test_a_cell_as_long_as_the_period_is_a_row_of_line_loads(x: float) -> None:
+    """``-2 ln |2 sin(pi x / W)|`` (Johnson 1985, sect. 13.2), integrated over the cell."""
+    width, dx, period = 1.0, 0.125, 0.7
+    with mp.workdps(30):
+        edges = [mp.mpf(x) - dx / 2, mp.mpf(x), mp.mpf(x) + dx / 2]
+        poles = [mp.mpf(n) for n in (0, 1) if edges[0] < n < edges[2]]
+        integral = mp.quad(
+            lambda t: -2 * mp.log(abs(2 * mp.sin(mp.pi * t / width))), sorted({*edges, *poles})
+        )
+    for y in (0.0, 0.2, 0.35):
+        found = boussinesq_cell_doubly_periodic(x, y, dx, period, width, period)
+        assert float(found) == pytest.approx(float(integral), abs=1e-13 * dx)
+
+
+def test_cells_add_up() -> None:
+    width, period, dx, dy = 1.2, 0.8, 0.3, 0.2
+    x, y = np.array([0.0, 0.4, 0.6])[:, None], np.array([0.0, 0.15, 0.4])
+    whole = boussinesq_cell_doubly_periodic(x, y, dx, dy, width, period)
+    parts = sum(
+        boussinesq_cell_doubly_periodic(
+            x + sx * dx / 4, y + sy * dy / 4, dx / 2, dy / 2, width, period
+        )
+        for sx in (1, -1)
+        for sy in (1, -1)
+    )
+    assert_allclose(parts, whole, rtol=0, atol=1e-13 * dx * dy / period)
+
+
+def test_offsets_count_modulo_the_periods_and_without_sign() -> None:
+    x, y = 0.31, 0.17
+    base = boussinesq_cell_doubly_periodic(x, y, 0.1, 0.1, 1.2, 0.8)
+    for sx, sy in ((1, -1), (-1, 1), (-1, -1)):
+        mirrored = boussinesq_cell_doubly_periodic(sx * x, sy * y, 0.1, 0.1, 1.2, 0.8)
+        assert_array_equal(mirrored, base)
+    moved = boussinesq_cell_doubly_periodic(x + 1.2, y - 0.8, 0.1, 0.1, 1.2, 0.8)
+    assert_allclose(moved, base, rtol=1e-13)
+
+
+@pytest.mark.parametrize(("width", "period"), EXTENTS)
+@pytest.mark.parametrize(
+    "shapes",
+    [
+        ((), ()),
+        ((3,), ()),
+        ((), (3,)),
+        ((3, 1), (4,)),
+        ((4,), (3, 1)),
+        ((2, 3, 1), (4,)),
+        ((3,), (3,)),
+    ],
+)
+def test_offsets_broadcast(
+    shapes: tuple[tuple[int, ...], tuple[int, ...]], width: float, period: float
+) -> None:
+    rng = np.random.default_rng(8)
+    x, y = rng.random(shapes[0]) * width, rng.random(shapes[1]) * period
+    cell = 0.1 * width, 0.2 * period, width, period
+    found = boussinesq_cell_doubly_periodic(x, y, *cell)
+    assert found.shape == np.broadcast_shapes(*shapes)
+    alone = [boussinesq_cell_doubly_periodic(u, v, *cell) for u, v in np.broadcast(x, y)]
+    assert_allclose(
+        found.ravel(), alone, rtol=0, atol=EXACT * cell[0] * cell[1] / min(width, period)
+    )

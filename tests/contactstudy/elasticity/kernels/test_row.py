@@ -1,0 +1,353 @@
+"""The coefficients of a repeated cell, against 50 digits and against what they must obey."""
+
+import mpmath as mp
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose, assert_array_equal
+from numpy.typing import ArrayLike
+
+from contactstudy.elasticity.kernels.cell import boussinesq_cell
+from contactstudy.elasticity.kernels.row import FOURIER_END, HANDOVER, boussinesq_cell_periodic
+from tests.contactstudy.elasticity.kernels.test_cell import (
+    DIGITS,
+    EPS,
+    EXACT,
+    column,
+    corners,
+    lengths,
+    love,
+    offsets,
+)
+
+TAIL_IMAGES, TAIL_TERMS = 9, 12  # the judge's own: what it leaves out is below 1e-18
+with mp.workdps(DIGITS):
+    MIDPOINT_WEIGHTS = [
+        (n, mp.bernpoly(n, mp.mpf(1) / 2) / (n * (n - 1))) for n in range(2, 2 * TAIL_TERMS + 1, 2)
+    ]
+
+fractions = st.floats(1e-3, 1)
+
+
+# --- the judge -------------------------------------------------------------------------------------
+
+
+def love_summed(x: mp.mpf, y: mp.mpf) -> mp.mpf:
+    """Integral of ``love`` over y > 0."""
+    sideways = x * y * mp.asinh(y / abs(x)) if x else mp.mpf(0)
+    return sideways + y * y / 2 * mp.asinh(x / y) - x * mp.hypot(x, y) / 2
+
+
+def love_derivatives(x: mp.mpf, y: mp.mpf) -> mp.mpf:
+    """Odd derivatives of ``love`` along y > 0, times the Euler-Maclaurin weights of the midpoint rule."""
+    # Taylor coefficients about y: of 1/r (Legendre), of -x / (y r), and so of asinh(x / y), the slope
+    square = x * x + y * y
+    before, reciprocal, slope = mp.mpf(0), 1 / mp.sqrt(square), mp.mpf(0)
+    taylor = [mp.asinh(x / y)]
+    for n in range(2 * TAIL_TERMS - 2):
+        slope = (-x * reciprocal - slope) / y
+        taylor.append(slope / (n + 1))
+        following = -((2 * n + 1) * y * reciprocal + n * before) / ((n + 1) * square)
+        before, reciprocal = reciprocal, following
+    return mp.fsum(weight * taylor[n - 2] for n, weight in MIDPOINT_WEIGHTS)
+
+
+def judged_lattice(*arguments: float) -> mp.mpf:
+    """Images summed one by one and the rest as an integral and its Euler-Maclaurin corrections.
+
+    Takes none of the ways of the code: no zeta function, no Bessel function, no quadrature.
+    """
+    with mp.workdps(DIGITS):
+        x, y, dx, dy, period = (mp.mpf(a) for a in arguments)
+        y -= mp.nint(y / period) * period
+        x, y, dx, dy = (a / period for a in (x, y, dx, dy))
+        images = range(-TAIL_IMAGES, TAIL_IMAGES + 1)
+        total = mp.fsum(corners(love, x, y + m, dx, dy) for m in images)
+        right, left = (e * mp.log(abs(e)) if e else 0 for e in (x + dx / 2, x - dx / 2))
+        total += 2 * dy * (dx - (right - left))
+        for side in (1, -1):
+            beyond = side * y + TAIL_IMAGES + 0.5
+            total -= corners(love_summed, x, beyond, dx, dy)
+            total -= corners(love_derivatives, x, beyond, dx, dy)
+        return period * (total - 2 * dx * dy * mp.log(period))
+
+
+def lattice_error(
+    x: ArrayLike, y: ArrayLike, dx: ArrayLike, dy: ArrayLike, period: ArrayLike
+) -> float:
+    """Largest error of ``boussinesq_cell_periodic`` in units of max(|S|, dx dy / period)."""
+    points = list(np.broadcast(x, y, dx, dy, period))
+    found = boussinesq_cell_periodic(x, y, dx, dy, period).ravel()
+    judged = [judged_lattice(*p) for p in points]
+    error = np.array([float(f - j) for f, j in zip(found, judged, strict=True)])
+    share = np.array([dx * dy / period for _, _, dx, dy, period in points])
+    return float((np.abs(error) / np.maximum(np.abs(np.array(judged, float)), share)).max())
+
+
+# --- the repeated cell -----------------------------------------------------------------------------
+
+# (dx, dy) in periods
+CELLS = [
+    (1e-6, 1e-6),
+    (1e-6, 1.0),
+    (0.01, 0.02),
+    (0.3, 0.7),
+    (1.0, 1.0),
+    (1.001, 1e-3),
+    (30.0, 1e-2),
+    (1e6, 1.0),
+]
+PERIODS = [0.013, 1.0, 1700.0]
+
+
+def test_lattice_has_its_reference_values() -> None:
+    found = boussinesq_cell_periodic(*(column("lattice", k) for k in ("x", "y", "dx", "dy", "L")))
+    expected = column("lattice", "S")
+    share = column("lattice", "dx") * column("lattice", "dy") / column("lattice", "L")
+    assert (np.abs(found - expected) <= EXACT * np.maximum(np.abs(expected), share)).all()
+
+
+@pytest.mark.parametrize(
+    ("across", "width", "length"),
+    [
+        ((-7, 0), (-6, 0), (-6, 0)),
+        ((-1, 1), (-6, 0), (-6, 0)),
+        ((0, 4), (-6, 0), (-6, 0)),
+        ((-3, 4), (0, 3), (-6, 0)),
+        ((-3, 6), (3, 6), (-6, 0)),
+        ((-7, 4), (-6, 3), (0, 0)),
+    ],
+    ids=["near", "handover", "far", "wide", "very wide", "one per period"],
+)
+def test_lattice_is_exact(
+    across: tuple[int, int], width: tuple[int, int], length: tuple[int, int]
+) -> None:
+    rng = np.random.default_rng(4)
+    x, dx, dy = (10 ** rng.uniform(*ends, 20) for ends in (across, width, length))
+    y, period = rng.uniform(-0.5, 0.5, 20), 10 ** rng.uniform(-3, 3, 20)
+    assert lattice_error(x * period, y * period, dx * period, dy * period, period) < EXACT
+
+
+@pytest.mark.parametrize(("dx", "dy"), CELLS)
+def test_lattice_is_exact_on_edges_and_corners(dx: float, dy: float) -> None:
+    x = np.array([0, 0.5, 0.5 + 1e-9, 2.5])[:, None] * dx
+    y = np.array([0, 0.5 * dy, 0.3])
+    assert lattice_error(x, y, dx, dy, 1.0) < EXACT
+
+
+@pytest.mark.parametrize(
+    ("width", "length"), [((-6, 0), (-6, 0)), ((-6, 0), (0, 0)), ((0, 3), (-6, 0))]
+)
+def test_lattice_is_exact_beside_edges_and_corners(
+    width: tuple[int, int], length: tuple[int, int]
+) -> None:
+    """Off the grid and of no special period: to round a place there costs a thin cell up to 1e-9."""
+    rng = np.random.default_rng(7)
+    period, dx, dy = (10 ** rng.uniform(*ends, 15) for ends in ((-3, 3), width, length))
+    dx, dy = dx * period, dy * period
+    beside, inside = (
+        10 ** rng.uniform(-16, 0, (2, 15)) * rng.choice([-1, 1], (2, 15)) * np.minimum(dx, dy),
+        rng.uniform(-0.5, 0.5, 15),
+    )
+    assert lattice_error(dx / 2 + beside[0], inside * dy, dx, dy, period) < EXACT
+    assert lattice_error(inside * dx, dy / 2 + beside[1], dx, dy, period) < EXACT
+    assert lattice_error(dx / 2 + beside[0], dy / 2 + beside[1], dx, dy, period) < EXACT
+
+
+@pytest.mark.parametrize("dx", [1.1, 1.7, 3.7, 1100.0])
+def test_no_seam_of_a_wide_cell_is_seen(dx: float) -> None:
+    parts = np.array([0, 1 / 4, 1 / 6, 1 / 10, 1 / 14])
+    assert lattice_error(parts[:, None] * dx, [0.0, 0.5e-6], dx, 1e-6, 1.0) < EXACT
+
+
+@pytest.mark.parametrize(("dx", "dy"), CELLS)
+def test_forms_of_the_lattice_meet(dx: float, dy: float) -> None:
+    """Each form is exact up to where it hands over to the next: an end of the cell at these places."""
+    ends = np.array([HANDOVER, FOURIER_END, -FOURIER_END])
+    x = np.abs(ends[:, None] * (1 + np.array([-1e-12, 1e-12])) + dx / 2)
+    assert lattice_error(x.reshape(-1, 1), np.array([0.0, 0.5 * dy]), dx, dy, 1.0) < EXACT
+
+
+def test_forms_of_the_lattice_meet_at_a_cell_as_wide_as_the_period() -> None:
+    dx = np.array([np.nextafter(1, 0), 1.0, np.nextafter(1, 2)])
+    x, y = np.array([0, 0.3, 0.5, 1.0, 3.0])[:, None, None], np.array([0, 0.4])[:, None]
+    assert lattice_error(x, y, dx, 0.1, 1.0) < EXACT
+
+
+@pytest.mark.parametrize("dy", [1e-6, 1e-3, 0.3])
+def test_lattice_is_exact_many_periods_away(dy: float) -> None:
+    periods = np.array([-1e5, -7, 1, 2, 1000])[:, None]
+    y = (periods + np.array([-1.5 * dy, -1e-7, 0, dy / 2, 0.5])) * 1.1
+    assert lattice_error(1e-6, y.ravel(), 1e-5, dy, 1.1) < EXACT
+
+
+@pytest.mark.parametrize(("dx", "dy"), CELLS)
+def test_lattice_is_even_and_repeats_to_the_last_bit(dx: float, dy: float) -> None:
+    # binary fractions, so that whole periods can be added without rounding
+    x, y = np.array([0, 0.125, 0.75, 8])[:, None], np.array([0, 2**-20, 0.25, 0.4375, 0.5])
+    expected = boussinesq_cell_periodic(x, y, dx, dy, 1.0)
+    for same in ((-x, y), (x, 1 - y), (-x, y - 4096)):
+        assert_array_equal(boussinesq_cell_periodic(*same, dx, dy, 1.0), expected)
+
+
+@pytest.mark.parametrize("period", PERIODS)
+@pytest.mark.parametrize("dx", [1e-6, 0.01, 1.0, 40.0])
+def test_one_cell_per_period_is_plane_strain(dx: float, period: float) -> None:
+    """It varies along x alone: the logarithm, averaged over the width of the cell."""
+    x = np.array([0, 0.3, 0.499, 0.501, 0.7, 3, 1e4])[:, None] * max(dx, 1.0)
+    y = np.array([0, 0.1, 0.5, 0.77])
+    right, left = x + dx / 2, x - dx / 2
+    # taken relative to x where that is far, or the difference would cancel
+    datum = np.maximum(x, dx)
+    ends = right * np.log(right / datum) - left * np.log(np.abs(left / datum))
+    expected = -2 * (ends - dx + dx * np.log(datum * period)) * period
+    found = boussinesq_cell_periodic(x * period, y * period, dx * period, period, period)
+    # ends - dx cancels down to dx (dx / x)^2 / 12 of x
+    rounding = 8 * EPS * (datum + dx * (1 + np.abs(np.log(datum * period)))) * period
+    assert (np.abs(found - expected) <= rounding + EXACT * dx * period).all()
+    assert (found == found[:, :1]).all()
+
+
+@pytest.mark.parametrize("cells", [2, 3, 64])
+@pytest.mark.parametrize("dx", [1e-4, 0.2, 5.0])
+def test_cells_of_a_period_add_up_to_plane_strain(dx: float, cells: int) -> None:
+    x, y = np.array([0, 0.1, 0.5, 0.7, 2, 5.9, 80])[:, None], (np.arange(cells) + 0.3) / cells
+    parts = boussinesq_cell_periodic(x, y, dx, 1 / cells, 1.0).sum(axis=1)
+    whole = boussinesq_cell_periodic(x[:, 0], 0.0, dx, 1.0, 1.0)
+    assert_allclose(parts, whole, rtol=EXACT, atol=EXACT * dx)
+
+
+@pytest.mark.parametrize("parts", [2, 25])
+@pytest.mark.parametrize("dx", [1e-3, 1.0, 4.0, 1e4])
+def test_strips_of_a_wide_cell_add_up_to_it(dx: float, parts: int) -> None:
+    x, y = np.array([0, 0.3, 0.5, 0.6, 3])[:, None, None] * dx, np.array([0, 0.1, 0.5])[:, None]
+    centres = (np.arange(parts) - (parts - 1) / 2) * dx / parts
+    strips = boussinesq_cell_periodic(x + centres, y, dx / parts, 0.2, 1.0).sum(axis=2)
+    whole = boussinesq_cell_periodic(x[..., 0], y[:, 0], dx, 0.2, 1.0)
+    assert_allclose(strips, whole, rtol=EXACT, atol=EXACT * dx * 0.2)
+
+
+@pytest.mark.parametrize("times", [2, 5])
+@pytest.mark.parametrize(("dx", "dy"), CELLS[2:])
+def test_lattice_is_made_of_sparser_lattices(dx: float, dy: float, times: int) -> None:
+    """What is Fourier series for the one is a sum of images for the others."""
+    x, y = np.array([0, 0.4, 0.9, 2, 8])[:, None, None], np.array([0, 0.2, 0.5])[:, None]
+    shifts = np.arange(times)
+    sparse = boussinesq_cell_periodic(x, y + shifts, dx, dy, float(times)).sum(axis=2)
+    dense = boussinesq_cell_periodic(x[..., 0], y[:, 0], dx, dy, 1.0)
+    assert_allclose(sparse, dense, rtol=EXACT, atol=EXACT * dx * dy)
+
+
+@settings(deadline=None, max_examples=20)
+@given(offsets, offsets, lengths, fractions, lengths, st.floats(1e-6, 1e6))
+def test_lattice_scales_but_for_its_logarithm(
+    x: float, y: float, dx: float, share: float, period: float, scale: float
+) -> None:
+    lengths = np.array([x, y, dx, share * period, period])
+    found = boussinesq_cell_periodic(*(lengths * scale)) / scale
+    unit = lengths[2] * lengths[3] / period
+    expected = boussinesq_cell_periodic(*lengths) - 2 * unit * np.log(scale)
+    # scaling rounds y, by as much of a cell as there are cells up to it
+    moved = EPS * max(abs(y), period) / min(dx, lengths[3])
+    largest = max(unit * (1 + 2 * abs(np.log(scale))), abs(expected), abs(found))
+    assert abs(found - expected) <= (EXACT + 8 * moved) * largest
+
+
+@pytest.mark.parametrize(("dx", "dy"), CELLS)
+def test_distant_lattice_is_a_line(dx: float, dy: float) -> None:
+    x, y = np.array([10.0, 1e2, 1e4, 1e6])[:, None] * (1 + dx), np.array([0, 0.3, 0.5])
+    found = boussinesq_cell_periodic(x, y, dx, dy, 1.0)
+    # the mean of -2 ln over the width is larger by its second moment, dx^2 / 12 x^2; the harmonics
+    # are below exp(-20 pi)
+    departure = found / (dx * dy) + 2 * np.log(x)
+    moment = dx**2 / (12 * x**2)
+    assert (np.abs(departure - moment) <= moment * (dx / x) ** 2 + 16 * EPS * np.log(x)).all()
+
+
+# (x, y, dx, dy) in periods. Near y = 0.29 at x = 0 the leading error of the truncation changes sign.
+TRUNCATED = [
+    (0, 0, 0.01, 0.01),
+    (0, 0.1, 0.05, 0.02),
+    (0, 0.5, 0.01, 0.01),
+    (0.4, 0.2, 0.1, 0.1),
+    (0.7, 0.0, 0.3, 0.25),
+    (2.0, 0.5, 0.1, 0.01),
+    (9.0, 0.3, 0.1, 0.1),
+    (0.6, 0.0, 0.1, 1.0),
+]
+
+
+@pytest.mark.parametrize("case", TRUNCATED)
+def test_images_one_by_one_approach_the_lattice_without_turning_back(
+    case: tuple[float, float, float, float],
+) -> None:
+    images = np.arange(1, 10_001)
+    period = 1.3
+    x, y, dx, dy = (a * period for a in case)
+    pairs = sum(boussinesq_cell(x, y + side * images * period, dx, dy) for side in (1, -1))
+    total = boussinesq_cell(x, y, dx, dy) + np.cumsum(pairs)
+    unit = 2 * dx * dy / period
+    truncated = total - unit * np.log((2 * images + 1) * period)
+    error = np.abs(truncated - boussinesq_cell_periodic(x, y, dx, dy, period))
+    rounding = 4 * EPS * (total + unit * np.log((2 * images + 1) * period))
+    assert (np.diff(error) < rounding[1:]).all()
+    assert (np.diff(error[:1000]) < 0).all()
+    # of second order: what is left is moments of the images, over the square of their number
+    last = error[[-5000, -1]] * images[[-5000, -1]] ** 2
+    assert_allclose(last[1], last[0], rtol=0.01)
+
+
+OFFSETS_X = [0.0, 0.3, -0.8, 2.0, 7.5]  # in the range of each form
+OFFSETS_Y = [-2.2, 0.0, 0.4, 1.7]
+CHOICES = (OFFSETS_X, OFFSETS_Y, [0.1, 0.9, 4.0], [0.1, 0.8], [1.0, 1.2])
+
+
+@pytest.mark.parametrize(
+    "shapes",
+    [
+        ((), (), (), (), ()),
+        ((4,), (), (), (), ()),
+        ((), (4,), (), (), ()),
+        ((4,), (4,), (), (), ()),
+        ((1,), (1,), (), (), ()),
+        ((3, 1), (2,), (), (), ()),
+        ((3, 1), (1, 2), (), (), ()),
+        ((2,), (3, 1), (), (), ()),
+        ((3, 2), (3, 2), (), (), ()),
+        ((2, 3), (3,), (), (), ()),
+        ((3, 1), (3, 2), (), (), ()),
+        ((2, 1, 1), (2, 2), (), (), ()),
+        ((2, 2, 1), (2,), (), (), ()),
+        ((2, 1, 2), (2, 1), (), (), ()),
+        ((5,), (5,), (1, 1), (), (1,)),
+        ((), (), (3,), (), ()),
+        ((5,), (), (), (5,), ()),
+        ((4,), (4,), (4,), (4,), (4,)),
+        ((3, 1), (1, 2), (3, 1), (2,), ()),
+        ((2, 1, 1, 1), (1, 1), (2, 1, 1), (2, 1), (2,)),
+    ],
+)
+def test_lattice_arguments_broadcast(shapes: tuple[tuple[int, ...], ...]) -> None:
+    rng = np.random.default_rng(6)
+    arguments = [np.asarray(rng.choice(c, s)) for c, s in zip(CHOICES, shapes, strict=True)]
+    found = boussinesq_cell_periodic(*arguments)
+    assert found.shape == np.broadcast_shapes(*shapes)
+    # the same operations in another order of the sums
+    rounding = 16 * EPS * np.maximum(np.abs(found), arguments[2] * arguments[3] / arguments[4])
+    for at, one in zip(np.ndindex(found.shape), np.broadcast(*arguments), strict=True):
+        assert abs(found[at] - boussinesq_cell_periodic(*one)) <= rounding[at]
+
+
+@pytest.mark.parametrize("shape", [(0,), (0, 3), (3, 0)])
+def test_no_offsets_have_no_coefficients(shape: tuple[int, ...]) -> None:
+    nowhere = np.empty(shape)
+    assert boussinesq_cell_periodic(nowhere, 0.0, 1.0, 1.0, 2.0).shape == shape
+    assert boussinesq_cell_periodic(0.0, nowhere, 1.0, 1.0, 2.0).shape == shape
+
+
+def test_no_number_in_is_no_number_out() -> None:
+    x, y = np.array([np.nan, 0.0, np.nan]), np.array([0.0, np.nan, np.nan])
+    for dy in (1.0, 2.0):
+        assert np.isnan(boussinesq_cell_periodic(x, y, 1.0, dy, 2.0)).all()
+    assert np.isnan(boussinesq_cell_periodic(np.nan, np.nan, 1.0, 1.0, 2.0))

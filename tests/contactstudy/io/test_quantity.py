@@ -1,0 +1,71 @@
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import contactstudy as cs
+from contactstudy.domain.units import Unit
+from contactstudy.io.quantity import quantity
+
+METRES = Unit("m", "a length", "10 mm")
+PASCALS = Unit("Pa", "a pressure", "1.2 GPa")
+LOAD = Unit("N/m", "a load per length", "100 N/mm")
+NUMBER = Unit("", "a number", "0.3")
+
+
+@pytest.mark.parametrize(
+    ("written", "unit", "expected"),
+    [
+        (0.01, METRES, 0.01),
+        (3, METRES, 3.0),
+        ("10 mm", METRES, 1e-2),
+        ("30 um", METRES, 3e-5),
+        ("30 µm", METRES, 3e-5),
+        ("2.5e-3 km", METRES, 2.5),
+        ("1 inch", METRES, 0.0254),
+        ("1.2 GPa", PASCALS, 1.2e9),
+        ("100 N/mm", LOAD, 1e5),
+        ("5 N*mm**-1", LOAD, 5e3),
+        ("5 N mm^-1", LOAD, 5e3),
+        ("0.3", NUMBER, 0.3),
+        ("30 %", NUMBER, None),
+        ("90 degree", Unit("rad", "an angle", "90 degree"), math.pi / 2),
+        ("inf", PASCALS, math.inf),
+        (math.inf, PASCALS, math.inf),
+    ],
+)
+def test_a_text_with_a_unit_is_the_number_in_si(
+    written: object, unit: Unit, expected: float | None
+) -> None:
+    if expected is None:
+        with pytest.raises(cs.InvalidInput):
+            quantity("field", written, unit)
+    else:
+        # to the last bit: decimals are converted in decimals
+        assert quantity("field", written, unit) == expected
+
+
+@pytest.mark.parametrize(
+    "written",
+    ["10 N", "mm", "", "ten mm", "1..2 mm", "10 mm mm", True, None, [1], "1e999 mm/s", "nan m"],
+)
+def test_what_is_no_length_is_refused_with_an_example(written: object) -> None:
+    with pytest.raises(cs.InvalidInput, match=r"give a length, such as '10 mm', or a number in m"):
+        quantity("Cylinder.radius", written, METRES)
+
+
+@given(st.text(max_size=20))
+def test_any_text_is_a_number_or_refused(text: str) -> None:
+    try:
+        assert isinstance(quantity("field", text, METRES), float)
+    except cs.InvalidInput as error:
+        assert str(error).startswith("field is ")  # noqa: PT017 (either is right)
+
+
+@given(st.from_regex(r"\A[0-9.e+-]{1,6} [a-z/*^0-9 ()]{0,8}\Z"))
+def test_any_unit_is_one_or_refused(text: str) -> None:
+    try:
+        assert isinstance(quantity("field", text, METRES), float)
+    except cs.InvalidInput as error:
+        assert str(error).startswith("field is ")  # noqa: PT017 (either is right)

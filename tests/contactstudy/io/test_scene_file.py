@@ -1,0 +1,189 @@
+import random
+from dataclasses import replace
+from math import inf
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+
+EXAMPLES = Path(__file__).parents[3] / "examples"
+GOOD = """
+hardness = "2.5 GPa"
+
+[load]
+per_length = "100 N/mm"
+
+[[solids]]
+youngs_modulus = "210 GPa"
+poisson_ratio = 0.3
+
+[[solids]]
+youngs_modulus = inf
+poisson_ratio = 0.25
+
+[[shapes]]
+kind = "Cylinder"
+radius = "10 mm"
+
+[[shapes]]
+kind = "Roughness"
+rms = {slope = 0.01}
+hurst = 0.8
+roll_off = "0.1 mm"
+cut_off = "30 um"
+extent = ["0.4 mm", "0.4 mm"]
+
+[[shapes]]
+kind = "Texture"
+pitch = ["50 um", "50 um"]
+feature = {kind = "Dimple", depth = "0.1 um", diameter = "20 um", profile = "Cosine"}
+
+[grid]
+cells = [64, 32]
+extent = ["0.4 mm", "0.4 mm"]
+
+[padding]
+kind = "Superposition"
+images = 3
+
+[solve]
+tolerance = 1e-6
+solver = "PolonskyKeer"
+precision = "single"
+"""
+
+
+def read(text: str, folder: Path) -> cs.SceneFile:
+    path = folder / "scene.toml"
+    path.write_text(text, encoding="utf-8")
+    return cs.read_scene(path)
+
+
+def test_a_file_says_what_the_values_say(tmp_path: Path) -> None:
+    found = read(GOOD, tmp_path)
+    dimple = cs.Dimple(1e-7, 2e-5, cs.Cosine())
+    expected = cs.Scene(
+        load=cs.LineLoad(1e5),
+        solids=(cs.HalfSpace(210e9, 0.3), cs.HalfSpace(inf, 0.25)),
+        shapes=(
+            cs.Cylinder(0.01),
+            cs.Roughness(cs.RmsSlope(0.01), 0.8, 1e-4, 3e-5, extent=(4e-4, 4e-4)),
+            cs.Texture(dimple, (5e-5, 5e-5)),
+        ),
+        hardness=2.5e9,
+    )
+    assert found.scene == expected
+    assert found.grid == cs.Grid((64, 32), (4e-4, 4e-4))
+    assert found.padding == cs.Superposition(3)
+    settings = found.settings
+    assert (settings.tolerance, settings.solver) == (1e-6, cs.PolonskyKeer())
+    assert settings.precision is cs.Precision.SINGLE
+
+
+def test_a_file_is_solved_with_what_it_says(tmp_path: Path) -> None:
+    found = read(GOOD, tmp_path)
+    assert found.grid is not None
+    assert found.padding is not None
+    ours = found.solve()
+    by_hand = cs.solve(
+        found.scene.problem(found.grid, found.padding),
+        tolerance=1e-6,
+        solver=cs.PolonskyKeer(),
+        precision=cs.Precision.SINGLE,
+    )
+    np.testing.assert_array_equal(ours.pressure, by_hand.pressure)
+
+
+def test_what_a_file_leaves_open_is_planned(tmp_path: Path) -> None:
+    text = (EXAMPLES / "smooth.toml").read_text(encoding="utf-8")
+    found = read(text, tmp_path)
+    planned = found.plan()
+    assert planned.dimension == 1
+    assert planned.error <= 1e-4
+    assert found.solve().problem.grid == planned.grid
+    coarser = replace(found.wish, error=1e-2)
+    assert replace(found, wish=coarser).plan().grid.cells[0] < planned.grid.cells[0]
+
+
+def test_either_axis_has_its_padding(tmp_path: Path) -> None:
+    text = GOOD.replace('[padding]\nkind = "Superposition"\nimages = 3\n', "")
+    both = 'padding = "ExactPeriodicity"\npadding_across = "ZeroPadding"\n' + text
+    assert read(both, tmp_path).padding == (cs.ZeroPadding(), cs.ExactPeriodicity())
+    with pytest.raises(cs.InvalidInput, match="padding_across is given without padding"):
+        read('padding_across = "ZeroPadding"\n' + text, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("good", "bad", "said"),
+    [
+        ('"10 mm"', '"10 N"', "shapes[0].radius: it is '10 N': give a length, such as '10 mm'"),
+        ('"10 mm"', "-1", "shapes[0]: Cylinder.radius is -1.0: give a radius above 0 m."),
+        ("radius", "radus", "shapes[0]: 'radus' is not known, did you mean 'radius'."),
+        ('"Cylinder"', '"Cylindr"', "shapes[0]: its kind is 'Cylindr': did you mean 'Cylinder'."),
+        ('kind = "Cylinder"', "", "shapes[0]: it has no kind: choose from Cylinder, "),
+        ('"100 N/mm"', "true", "load.per_length: it is True: give a load per length"),
+        ('[load]\nper_length = "100 N/mm"', "", "load: it is missing."),
+        ("hurst = 0.8", 'hurst = "much"', "shapes[1].hurst: it is 'much': give a number"),
+        ("hurst = 0.8", "hurst = 1.5", "shapes[1]: Roughness.hurst is 1.5: give an exponent"),
+        ('["50 um", "50 um"]', '["50 um"]', "shapes[2].pitch: it has 1 entries: give 2."),
+        ('["50 um", "50 um"]', "50", "shapes[2].pitch: it is 50: give a list."),
+        ('"Cosine"', "3", "shapes[2].feature.profile: it is 3: give a table with a kind."),
+        ('"single"', '"half"', "solve.precision: it is 'half': choose from single, double."),
+        ("images = 3", "images = 3.5", "padding.images: it is 3.5: give a whole number."),
+        ("[load]", "[load", "is no TOML: Expected ']' at the end"),
+    ],
+)
+def test_what_cannot_be_used_is_named_by_its_key(
+    good: str, bad: str, said: str, tmp_path: Path
+) -> None:
+    assert good in GOOD
+    with pytest.raises(cs.InvalidInput) as raised:
+        read(GOOD.replace(good, bad), tmp_path)
+    assert said in str(raised.value)
+    assert "scene.toml" in str(raised.value)
+
+
+def test_every_key_that_cannot_be_used_is_named(tmp_path: Path) -> None:
+    text = GOOD.replace('"10 mm"', '"10 N"').replace("hurst = 0.8", "hurts = 0.8")
+    with pytest.raises(cs.InvalidInput) as raised:
+        read(text, tmp_path)
+    lines = str(raised.value).splitlines()
+    assert len(lines) == 3  # a radius, a key that is missing, a key that is not known
+
+
+@pytest.mark.parametrize("content", [b"\xff\xfe", None, b"a = " + b"[" * 5000])
+def test_a_file_that_is_none_is_refused(content: bytes | None, tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    if content is not None:
+        path.write_bytes(content)
+    with pytest.raises(cs.InvalidInput, match=r"scene\.toml"):
+        cs.read_scene(path)
+
+
+def test_a_hundred_damaged_files_are_each_refused_or_read(tmp_path: Path) -> None:
+    rng = random.Random(1)
+    tokens = ["nan", "-1", '"x"', "[]", "{}", "true", "1e400", '"1 kg"', "[[shapes]]", "=", "0"]
+    refused = 0
+    for _ in range(150):
+        lines = GOOD.splitlines()
+        for _ in range(rng.randint(1, 3)):
+            at = rng.randrange(len(lines))
+            key, equals, _ = lines[at].partition(" = ")
+            lines[at] = rng.choice(
+                ["", lines[at][: len(lines[at]) // 2], f"{key}{equals}{rng.choice(tokens)}"]
+            )
+        try:
+            read("\n".join(lines), tmp_path)
+        except cs.InvalidInput as error:
+            refused += 1
+            assert str(error).endswith(".")  # noqa: PT017 (either is right)
+            assert "scene.toml" in str(error)  # noqa: PT017
+    assert refused > 100
+
+
+def test_a_measured_surface_is_read_from_beside_the_scene(tmp_path: Path) -> None:
+    surface = '[[shapes]]\nkind = "MeasuredSurface"\nfile = "not-there.x3p"\n'
+    with pytest.raises(cs.InvalidInput, match=r"not-there\.x3p.*give a file that is there"):
+        read(GOOD + surface, tmp_path)

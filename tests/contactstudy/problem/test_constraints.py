@@ -1,0 +1,150 @@
+from dataclasses import replace
+from math import inf
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import contactstudy as cs
+from contactstudy.problem.compressive import AdmissiblePressures, CompressivePressures
+from contactstudy.problem.hardness_limited import LimitedPressures
+from contactstudy.solvers.polonsky_keer import PolonskyKeer
+from contactstudy.solvers.preconditioned_cg import PreconditionedCG
+from tests.conftest import LineContact
+from tests.contactstudy.solvers.test_preconditioned_cg import ROUGH, problem
+
+SETS: list[AdmissiblePressures] = [
+    CompressivePressures(10.0),
+    LimitedPressures(10.0, 4.0),
+    LimitedPressures(10.0, 1.0),
+    LimitedPressures(10.0, 10 / 12),
+]
+
+
+def most(pressures: AdmissiblePressures) -> float:
+    return pressures.hardness if isinstance(pressures, LimitedPressures) else inf
+
+
+@given(
+    seed=st.integers(0, 2**32),
+    which=st.sampled_from(SETS),
+    scale=st.sampled_from([1e-8, 1.0, 1e8, 1e40]),
+)
+def test_what_is_admitted_or_nearest_is_admissible(
+    seed: int, which: AdmissiblePressures, scale: float
+) -> None:
+    trial = np.random.default_rng(seed).standard_normal((3, 4)) * scale
+    trial[0, 0] = scale  # one cell at least bears
+    for admitted in (which.admit(trial.copy()), which.nearest(trial.copy())):
+        assert admitted.min() >= 0
+        assert admitted.max() <= most(which)
+        # under a hardness, cells may have to be lifted by as much as they are below the others
+        lifted = scale if most(which) < which.total else 0.0
+        assert admitted.sum() == pytest.approx(which.total, rel=1e-12, abs=1e-14 * lifted)
+
+
+@given(seed=st.integers(0, 2**32), which=st.sampled_from(SETS))
+def test_no_admissible_pressure_is_nearer_than_the_nearest(
+    seed: int, which: AdmissiblePressures
+) -> None:
+    rng = np.random.default_rng(seed)
+    trial = rng.standard_normal((3, 4)) * 3
+    nearest = which.nearest(trial.copy())
+    for _ in range(10):
+        other = which.admit(rng.exponential(size=(3, 4)))
+        # the step on from the nearest to any other leads away: a convex set's own property
+        assert ((trial - nearest) * (other - nearest)).sum() <= 1e-11
+        assert ((nearest - trial) ** 2).sum() <= ((other - trial) ** 2).sum() + 1e-11
+
+
+def test_an_admissible_pressure_is_its_own_admitted_and_nearest() -> None:
+    for which in SETS:
+        pressure = which.admit(np.random.default_rng(1).exponential(size=(3, 4)))
+        np.testing.assert_allclose(which.admit(pressure.copy()), pressure, rtol=1e-14)
+        np.testing.assert_allclose(which.nearest(pressure.copy()), pressure, rtol=1e-12)
+
+
+def test_a_hardness_everywhere_may_just_carry_the_load() -> None:
+    assert LimitedPressures(10.0, 0.8).is_empty((3, 4))
+    assert not LimitedPressures(10.0, 0.9).is_empty((3, 4))
+    assert not CompressivePressures(10.0).is_empty((3, 4))
+
+
+SHARES = [10.0, 1.5, 0.9, 0.6, 0.4, 0.34, 0.328]  # the mean over the width is 0.327 p_H
+
+
+@pytest.mark.parametrize("share", SHARES)
+@pytest.mark.parametrize("heights", ROUGH)
+def test_both_solvers_give_one_answer_under_a_hardness(
+    heights: str, share: float, line_contact: LineContact
+) -> None:
+    hardness = share * line_contact.hertz.peak_pressure
+    free = problem(line_contact, 64, heights)
+    posed = replace(free, pressures=LimitedPressures(free.pressures.total, hardness))
+    solutions = [
+        cs.solve(posed, tolerance=1e-10, solver=solver)
+        for solver in (PreconditionedCG(), PolonskyKeer())
+    ]
+    for solution in solutions:
+        assert solution.residual <= 1e-10
+        assert solution.note == ""
+        assert (solution.pressure <= hardness).all()
+        yielding = solution.pressure == hardness
+        estimate = cs.error_estimate(solution)
+        assert max(estimate.l1.residual, estimate.peak_pressure.residual) < 64 * 1e-10 * 10
+        assert (solution.gap[yielding] <= 1e-10 * posed.scales.gap).all()
+        assert solution.pressure.sum() == pytest.approx(posed.pressures.total, rel=1e-10)
+    ours, reference = (solution.pressure / posed.scales.pressure for solution in solutions)
+    assert np.abs(ours - reference).max() < 64 * 1e-10 * 10
+
+
+def test_a_hardness_costs_no_more_iterations(line_contact: LineContact) -> None:
+    for heights in ROUGH:
+        free = problem(line_contact, 128, heights)
+        for share in SHARES:
+            hardness = share * line_contact.hertz.peak_pressure
+            posed = replace(free, pressures=LimitedPressures(free.pressures.total, hardness))
+            assert cs.solve(posed).iterations <= 40
+
+
+def test_a_hardness_above_every_pressure_changes_nothing(line_contact: LineContact) -> None:
+    grid = line_contact.grid((64, 8), 1.2)
+    hard = replace(line_contact.scene, hardness=2 * line_contact.hertz.peak_pressure)
+    plain, limited = (
+        cs.solve(scene.problem(grid, cs.ExactPeriodicity())) for scene in (line_contact.scene, hard)
+    )
+    np.testing.assert_allclose(limited.pressure, plain.pressure, rtol=1e-12)
+    assert limited.iterations == plain.iterations
+
+
+def test_a_hardness_below_the_mean_pressure_is_said(line_contact: LineContact) -> None:
+    soft = replace(line_contact.scene, hardness=0.3 * line_contact.hertz.peak_pressure)
+    grid = line_contact.grid((32, 4), 1.2, width=4.8)
+    solution = cs.solve(soft.problem(grid, cs.ExactPeriodicity()))
+    assert solution.status is cs.Status.NO_ADMISSIBLE_PRESSURE
+    assert "larger hardness" in str(solution.status)
+    assert np.isfinite(solution.gap).all()
+
+
+@pytest.mark.parametrize("hardness", [0.0, -1.0, float("nan"), "hard"])
+def test_a_hardness_that_is_none_is_refused(hardness: object, line_contact: LineContact) -> None:
+    with pytest.raises(cs.InvalidInput, match=r"^Scene\.hardness is "):
+        replace(line_contact.scene, hardness=hardness)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("precision", cs.Precision)
+def test_cells_that_yield_are_at_the_hardness_to_the_last_bit(
+    precision: cs.Precision, line_contact: LineContact
+) -> None:
+    """Whatever the hardness: a pressure's unit is a power of two."""
+    grid = line_contact.grid((16, 2), 1.2)
+    for share in np.random.default_rng(1).uniform(0.7, 0.95, 20):
+        hardness = share * line_contact.hertz.peak_pressure
+        problem = replace(line_contact.scene, hardness=hardness).problem(
+            grid, cs.ExactPeriodicity()
+        )
+        solution = cs.solve(problem, tolerance=1e-4, precision=precision)
+        assert solution.pressure.max() <= hardness
+        if precision is cs.Precision.DOUBLE:
+            assert solution.pressure.max() == hardness

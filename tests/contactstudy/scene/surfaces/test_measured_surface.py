@@ -1,0 +1,226 @@
+import os
+import pickle
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import contactstudy as cs
+from tests.conftest import LineContact
+
+GRID = cs.Grid(cells=(24, 16), extent=(2e-4, 1e-4))
+HEIGHTS = np.random.default_rng(0).standard_normal(GRID.cells) * 1e-7
+GROUND = Path(
+    os.environ.get(
+        "CONTACTSTUDY_GROUND_SURFACE",
+        Path(__file__).parents[5] / "shared" / "data" / "ground-surface.x3p",
+    )
+)
+
+
+def smooth(nx: int, ny: int) -> np.ndarray:
+    """Means over cells of ``sin u cos v``, periodic along the length."""
+    u, v = (np.linspace(-np.pi, np.pi, n + 1) for n in (nx, ny))
+    across = -np.diff(np.cos(u + 0.3)) * nx / (2 * np.pi)
+    along = np.diff(np.sin(v + 0.7)) * ny / (2 * np.pi)
+    return across[:, None] * along
+
+
+def solved(contact: LineContact, *more: cs.Shape) -> cs.Solution:
+    scene = replace(contact.scene, shapes=contact.scene.shapes + more)
+    return cs.solve(scene.problem(contact.grid(GRID.cells, 1.0), cs.ExactPeriodicity()))
+
+
+@pytest.mark.parametrize("extent", [None, (1e-2, 1e-4)], ids=["cell for cell", "with sizes"])
+def test_no_heights_are_the_scene_without_a_surface(
+    extent: tuple[float, float] | None, line_contact: LineContact
+) -> None:
+    if extent is not None:
+        extent = (extent[0], line_contact.hertz.half_width)
+    for options in ({}, {"trend": cs.Trend.QUADRATIC, "seam": cs.Tapered()}):
+        flat = cs.MeasuredSurface(np.zeros(GRID.cells), extent, **options)  # type: ignore[arg-type]
+        assert flat.gap(line_contact.grid(GRID.cells, 1.0)).shape == (24, 1)
+        np.testing.assert_array_equal(
+            solved(line_contact, flat).pressure, solved(line_contact).pressure
+        )
+
+
+def test_heights_without_sizes_stand_cell_for_cell_and_close_the_gap() -> None:
+    np.testing.assert_array_equal(cs.MeasuredSurface(HEIGHTS).gap(GRID), -HEIGHTS)
+
+
+def test_a_peak_bears_the_load_and_a_pit_none(line_contact: LineContact) -> None:
+    heights = np.zeros(GRID.cells)
+    heights[12, 4], heights[12, 12] = 1e-6, -1e-6
+    pressure = solved(line_contact, cs.MeasuredSurface(heights)).pressure
+    assert pressure[12, 4] == pressure.max()
+    assert pressure[12, 12] == 0
+
+
+def test_surface_bears_as_the_shape_it_was_sampled_from(line_contact: LineContact) -> None:
+    rough = cs.Roughness(rms=2e-7, hurst=0.8, roll_off=5e-5, cut_off=2e-5, seed=1)
+    sampled = cs.MeasuredSurface(-rough.gap(line_contact.grid(GRID.cells, 1.0)))
+    np.testing.assert_array_equal(
+        solved(line_contact, sampled).pressure, solved(line_contact, rough).pressure
+    )
+
+
+def test_points_of_the_grids_own_size_are_its_cells() -> None:
+    sized = cs.MeasuredSurface(HEIGHTS, extent=GRID.extent)
+    np.testing.assert_array_equal(sized.gap(GRID), -HEIGHTS)
+
+
+def test_a_finer_grid_shows_the_same_surface() -> None:
+    surface = cs.MeasuredSurface(HEIGHTS, GRID.extent, trend=cs.Trend.PLANE, seam=cs.Tapered())
+    fine = surface.gap(replace(GRID, cells=(72, 80)))
+    blocks = fine.reshape(24, 3, 16, 5).mean(axis=(1, 3))
+    np.testing.assert_allclose(blocks, surface.gap(GRID), rtol=0, atol=1e-13 * 1e-7 * 80)
+
+
+def test_finer_points_show_a_smooth_surface_at_third_order() -> None:
+    grid, errors = replace(GRID, cells=(30, 22)), []
+    for n in (12, 24, 48):
+        surface = cs.MeasuredSurface(smooth(n, n), GRID.extent)
+        errors.append(np.abs(surface.gap(grid) + smooth(30, 22)).max())
+    assert np.log2(errors[0] / errors[2]) / 2 > 2.7, errors
+
+
+def test_a_wider_grid_shows_the_same_surface() -> None:
+    surface = cs.MeasuredSurface(HEIGHTS, GRID.extent, trend=cs.Trend.QUADRATIC)
+    narrow = cs.Grid(cells=(12, 16), extent=(1e-4, 1e-4))
+    np.testing.assert_allclose(
+        surface.gap(narrow), surface.gap(GRID)[6:18], rtol=0, atol=1e-13 * 1e-7 * 24
+    )
+
+
+def test_a_mirrored_surface_fills_twice_the_period() -> None:
+    surface = cs.MeasuredSurface(HEIGHTS, GRID.extent, seam=cs.Mirrored())
+    twice = cs.Grid(cells=(24, 32), extent=(2e-4, 2e-4))
+    np.testing.assert_array_equal(
+        surface.gap(twice), np.concatenate([-HEIGHTS, -HEIGHTS[:, ::-1]], axis=1)
+    )
+    with pytest.raises(cs.InvalidInput, match=r"^MeasuredSurface period is 0\.0002: give a length"):
+        surface.gap(replace(GRID, extent=(2e-4, 3e-4)))
+
+
+@pytest.mark.parametrize("seam", [cs.AsMeasured(), cs.Mirrored(), cs.Tapered()], ids=repr)
+def test_a_shorter_period_shows_the_middle_of_the_surface(seam: cs.Mirrored) -> None:
+    surface = cs.MeasuredSurface(HEIGHTS, GRID.extent, seam=seam)
+    short = cs.Grid(cells=(24, 10 * seam.lengths), extent=(2e-4, 10 / 16 * 1e-4 * seam.lengths))
+    expected = -seam.close(HEIGHTS[:, 3:13])
+    np.testing.assert_allclose(surface.gap(short), expected, rtol=0, atol=1e-13 * 1e-7 * 16)
+    fine = surface.gap(replace(short, cells=(24, 3 * short.cells[1])))
+    blocks = fine.reshape(24, -1, 3).mean(axis=2)
+    np.testing.assert_allclose(blocks, expected, rtol=0, atol=1e-13 * 1e-7 * 48)
+
+
+def test_a_measured_profile_is_the_same_all_along() -> None:
+    profile = cs.MeasuredSurface(HEIGHTS[:, :1], extent=(2e-4, 1e-6))
+    np.testing.assert_array_equal(profile.gap(GRID), -HEIGHTS[:, :1])
+    np.testing.assert_array_equal(cs.MeasuredSurface(HEIGHTS[:, :1]).gap(GRID), -HEIGHTS[:, :1])
+
+
+def test_turned_grooves_run_across() -> None:
+    groove = np.zeros((24, 16))
+    groove[5] = -1e-6
+    surface = cs.MeasuredSurface(groove, GRID.extent)
+    turned = surface.turned()
+    assert surface.gap(GRID).shape == (24, 1)
+    assert turned.extent == (1e-4, 2e-4)
+    across = turned.gap(cs.Grid(cells=(16, 24), extent=(1e-4, 2e-4)))
+    np.testing.assert_array_equal(across, np.rot90(-groove))
+    rough = cs.MeasuredSurface(HEIGHTS, GRID.extent).turned()
+    np.testing.assert_array_equal(
+        rough.gap(cs.Grid(cells=(16, 24), extent=(1e-4, 2e-4))), np.rot90(-HEIGHTS)
+    )
+    back = turned.turned().turned().turned()
+    assert back == surface
+    np.testing.assert_array_equal(back.heights, surface.heights)
+
+
+def test_surfaces_are_equal_by_their_heights_and_all_that_is_done_to_them() -> None:
+    surface = cs.MeasuredSurface(HEIGHTS, GRID.extent)
+    same = cs.MeasuredSurface(np.asfortranarray(HEIGHTS), list(GRID.extent))  # type: ignore[arg-type]
+    assert surface == same
+    assert hash(surface) == hash(same)
+    assert repr(surface) == repr(same)
+    assert len(repr(surface)) < 300
+    for other in (
+        cs.MeasuredSurface(HEIGHTS + 1e-20, GRID.extent),
+        cs.MeasuredSurface(HEIGHTS.reshape(16, 24), GRID.extent),
+        cs.MeasuredSurface(HEIGHTS),
+        replace(surface, seam=cs.Mirrored()),
+    ):
+        assert other != surface
+        assert repr(other) != repr(surface)
+    assert pickle.loads(pickle.dumps(surface)) == surface
+
+
+def test_labelled_heights_bring_their_sizes() -> None:
+    coordinates = {"width": GRID.x, "length": GRID.y}
+    labelled = xr.DataArray(HEIGHTS, dims=("width", "length"), coords=coordinates)
+    for heights in (labelled, labelled.T.chunk(5)):
+        surface = cs.MeasuredSurface(heights)
+        assert surface.extent == pytest.approx(GRID.extent, rel=1e-12)
+        np.testing.assert_allclose(surface.gap(GRID), -HEIGHTS, rtol=0, atol=1e-13 * 1e-7 * 24)
+    with pytest.raises(cs.InvalidInput, match=r"^MeasuredSurface\.extent is .*: leave it out"):
+        cs.MeasuredSurface(labelled, extent=(1.0, 1.0))
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: cs.MeasuredSurface(HEIGHTS, extent=1.0), r"MeasuredSurface\.extent"),
+        (lambda: cs.MeasuredSurface(HEIGHTS, extent=(0.0, 1.0)), r"MeasuredSurface\.extent\[0\]"),
+        (lambda: cs.MeasuredSurface(HEIGHTS, trend="plane"), r"MeasuredSurface\.trend"),
+        (lambda: cs.MeasuredSurface(HEIGHTS, seam=cs.Tapered), r"MeasuredSurface\.seam"),
+        (lambda: cs.MeasuredSurface(HEIGHTS, missing=0.0), r"MeasuredSurface\.missing"),
+        (lambda: cs.MeasuredSurface(HEIGHTS, (1e-4, 1e-4)).gap(GRID), r"MeasuredSurface\.extent"),
+        (lambda: cs.MeasuredSurface(HEIGHTS, (1.0, 3e-5)).gap(GRID), "MeasuredSurface period"),
+    ],
+)
+def test_a_surface_that_cannot_be_is_refused(make: Any, message: str) -> None:
+    with pytest.raises(cs.InvalidInput, match=rf"^{message} is .*: give "):
+        make()
+
+
+def test_points_that_are_not_the_grids_cells_need_sizes() -> None:
+    with pytest.raises(
+        cs.InvalidInput, match=r"^MeasuredSurface\.heights has \(24, 8\) points in a period: give"
+    ):
+        cs.MeasuredSurface(HEIGHTS[:, :8]).gap(GRID)
+    with pytest.raises(cs.InvalidInput, match=r"\(24, 8\) points in a period"):
+        cs.MeasuredSurface(np.zeros((24, 8))).gap(GRID)
+
+
+@pytest.mark.skipif(
+    not GROUND.exists(), reason="no measured surface at CONTACTSTUDY_GROUND_SURFACE"
+)
+def test_a_ground_surface_bears_by_its_lay(line_contact: LineContact) -> None:
+    """Grooves along the length carry load all along it; grooves across it bear on their ridges alone.
+
+    At half the cells the mean pressures over blocks differ by less than the lays do.
+    """
+    surface = cs.MeasuredSurface.read(GROUND, trend=cs.Trend.QUADRATIC)
+    assert surface.heights.shape == (650, 650)
+    assert surface.extent == pytest.approx((83.0e-6, 204.5e-6), rel=1e-3)
+    assert surface.heights.std() == pytest.approx(77e-9, rel=0.01)
+
+    scene = replace(line_contact.scene, load=cs.LineLoad(4e4))
+    smooth = replace(scene, shapes=(cs.Cylinder(1e-3),))
+    spread = {}
+    for lay, rough in (("along", surface), ("across", surface.turned())):
+        scene = replace(smooth, shapes=(*smooth.shapes, rough))
+        loads = []
+        for cells in (64, 128):
+            grid = cs.Grid(cells=(cells, cells), extent=(surface.extent[0], rough.extent[1]))
+            solution = cs.solve(scene.problem(grid, cs.ExactPeriodicity()))
+            assert solution.status is cs.Status.CONVERGED
+            load = solution.pressure.sum(axis=0) / solution.pressure.sum(axis=0).mean()
+            loads.append(load.reshape(64, -1).mean(axis=1))
+        spread[lay] = [load.std() for load in loads]
+        assert np.abs(loads[1] - loads[0]).mean() < 0.2 * loads[1].std()
+    assert max(spread["along"]) < 0.5 * min(spread["across"])

@@ -1,0 +1,192 @@
+import subprocess
+import sys
+import warnings
+from pathlib import Path
+from typing import Any
+
+import dask.array
+import numpy as np
+import pytest
+import xarray as xr
+
+import contactstudy as cs
+from contactstudy.scene.surfaces.measurement import measurement, read
+
+HEIGHTS = np.random.default_rng(0).standard_normal((6, 4)) * 1e-7
+
+
+def labelled(**coordinates: Any) -> xr.DataArray:
+    return xr.DataArray(HEIGHTS, dims=("width", "length"), coords=coordinates)
+
+
+def test_an_array_of_any_make_gives_the_same_points() -> None:
+    wide = np.zeros((12, 8))
+    wide[::2, ::2] = HEIGHTS
+    frozen = HEIGHTS.copy()
+    frozen.setflags(write=False)
+    for same in (
+        np.asfortranarray(HEIGHTS),
+        wide[::2, ::2],
+        np.flip(np.flip(HEIGHTS).copy()),
+        frozen,
+        HEIGHTS.tolist(),
+        HEIGHTS.astype(">f8"),
+        np.ma.masked_array(HEIGHTS),
+        dask.array.from_array(HEIGHTS, chunks=2),
+        labelled(),
+        labelled().chunk(2),
+    ):
+        points, extent = measurement(same)
+        np.testing.assert_array_equal(points, HEIGHTS)
+        assert points.dtype == np.float64
+        assert points.flags.c_contiguous
+        assert extent is None
+
+
+@pytest.mark.parametrize("kind", [np.int16, np.uint8, np.float32, np.float16])
+def test_numbers_of_any_kind_are_taken_at_their_value(kind: type) -> None:
+    heights = np.arange(12).reshape(4, 3).astype(kind)
+    np.testing.assert_array_equal(measurement(heights)[0], np.arange(12.0).reshape(4, 3))
+
+
+def test_points_are_a_copy_that_nobody_can_write_to() -> None:
+    heights = HEIGHTS.copy()
+    points, _ = measurement(heights)
+    heights[0, 0] = 1.0
+    assert points[0, 0] == HEIGHTS[0, 0]
+    with pytest.raises(ValueError, match="read-only"):
+        points[0, 0] = 1.0
+
+
+def test_masked_points_and_infinite_ones_are_missing() -> None:
+    heights = np.ma.masked_less(np.arange(12).reshape(4, 3), 2)
+    assert np.isnan(measurement(heights)[0]).sum() == 2
+    assert np.isnan(measurement(np.array([[np.inf, 1.0, -np.inf]]))[0]).sum() == 2
+
+
+@pytest.mark.parametrize(
+    "heights",
+    [1.0, [1.0, 2.0], np.zeros((2, 2, 2)), np.zeros((0, 3)), [["a"]], [[1, 2], [3]], None,
+     np.ones((2, 2), dtype=bool), np.ones((2, 2), dtype=complex), xr.DataArray([1.0])],
+)  # fmt: skip
+def test_what_is_no_plane_field_of_numbers_is_refused(heights: object) -> None:
+    with pytest.raises(cs.InvalidInput, match=r"^MeasuredSurface\.heights has .*: give an array"):
+        measurement(heights)
+
+
+@pytest.mark.parametrize("names", [("width", "length"), ("x", "y"), ("row", "column")])
+def test_coordinates_give_the_sizes(names: tuple[str, str]) -> None:
+    """Of as many cells as there are points, wherever the coordinates start."""
+    x, y = 1e-6 * np.arange(6) + 3, 2e-6 * np.arange(4) - 1
+    array = xr.DataArray(HEIGHTS, dims=names, coords={names[0]: x, names[1]: y})
+    points, extent = measurement(array)
+    assert extent == pytest.approx((6e-6, 8e-6))
+    np.testing.assert_array_equal(points, HEIGHTS)
+    if names[0] != "row":
+        points, extent = measurement(array.T.chunk(3))
+        assert extent == pytest.approx((6e-6, 8e-6))
+        np.testing.assert_array_equal(points, HEIGHTS)
+
+
+def test_coordinates_that_fall_are_turned_to_rise() -> None:
+    x, y = np.arange(6), np.arange(4)
+    falling = labelled(width=x, length=y).isel(length=slice(None, None, -1))
+    np.testing.assert_array_equal(measurement(falling)[0], HEIGHTS)
+
+
+@pytest.mark.parametrize(
+    ("heights", "message"),
+    [
+        (labelled(width=np.arange(6)), "coordinates for 1 of its dimensions"),
+        (
+            labelled(width=np.arange(6) ** 2, length=np.arange(4)),
+            "width has coordinates that are not",
+        ),
+        (labelled(width=np.zeros(6), length=np.arange(4)), "width has coordinates that are not"),
+        (labelled().assign_attrs(units="nm"), "heights has the units 'nm': convert to m"),
+    ],
+)
+def test_labels_that_do_not_say_sizes_in_metres_are_refused(
+    heights: xr.DataArray, message: str
+) -> None:
+    with pytest.raises(cs.InvalidInput, match=message):
+        measurement(heights)
+
+
+def test_coordinates_in_other_units_are_refused() -> None:
+    array = labelled(width=np.arange(6), length=np.arange(4))
+    array["length"].attrs["units"] = "um"
+    with pytest.raises(cs.InvalidInput, match=r"heights\.length has the units 'um': convert to m"):
+        measurement(array)
+
+
+@pytest.fixture
+def written(tmp_path: Path) -> Path:
+    """An X3P file of HEIGHTS over 6 um x 8 um, written in um."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ImportWarning)
+        surfaces = pytest.importorskip("SurfaceTopography")
+    path = tmp_path / "surface.x3p"
+    surfaces.Topography(HEIGHTS * 1e6, (6.0, 8.0), unit="µm").to_x3p(str(path))
+    return path
+
+
+def test_a_file_is_read_in_metres(written: Path) -> None:
+    points, extent = read(written)
+    np.testing.assert_allclose(points, HEIGHTS, rtol=1e-14)
+    assert extent == pytest.approx((6e-6, 8e-6), rel=1e-14)
+
+
+def test_a_surface_from_a_file_is_that_of_its_heights(written: Path) -> None:
+    surface = cs.MeasuredSurface.read(str(written))
+    points, extent = read(written)
+    given = cs.MeasuredSurface(points, extent, trend=cs.Trend.PLANE, seam=cs.Tapered())
+    assert surface == given
+    assert cs.MeasuredSurface(written) == cs.MeasuredSurface(points, extent)
+
+
+def test_missing_points_of_a_file_are_missing(tmp_path: Path, written: Path) -> None:
+    surfaces = pytest.importorskip("SurfaceTopography")
+    heights = np.ma.masked_greater(HEIGHTS, HEIGHTS.mean())
+    path = tmp_path / "holes.x3p"
+    surfaces.Topography(heights, (6e-6, 8e-6), unit="m").to_x3p(str(path))
+    np.testing.assert_array_equal(np.isnan(read(path)[0]), heights.mask)
+
+
+def test_a_file_that_is_none_is_refused(tmp_path: Path, written: Path) -> None:
+    nothing = tmp_path / "nothing.x3p"
+    nothing.write_bytes(b"nothing")
+    with pytest.raises(
+        cs.InvalidInput, match=r"^path is '.*nothing\.x3p': give a file in a format"
+    ):
+        read(nothing)
+    with pytest.raises(FileNotFoundError):
+        read(tmp_path / "absent.x3p")
+
+
+def test_a_file_without_sizes_is_refused(tmp_path: Path, written: Path) -> None:
+    heights = tmp_path / "matrix.txt"
+    np.savetxt(heights, HEIGHTS)
+    with pytest.raises(
+        cs.InvalidInput, match=r"matrix\.txt', which has no sizes or no unit: read it"
+    ):
+        read(heights)
+
+
+def test_without_the_library_its_extra_is_named(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
+    with pytest.raises(ModuleNotFoundError, match=r"pip install 'contactstudy\[measured\]'"):
+        read(tmp_path / "surface.x3p")
+
+
+def test_a_scene_without_a_file_does_not_import_the_library() -> None:
+    code = (
+        "import sys, contactstudy as cs; g = cs.Grid(cells=(4, 4), extent=(1.0, 1.0)); "
+        "cs.MeasuredSurface([[0.0] * 4] * 4).gap(g); "
+        "print(sorted({'SurfaceTopography', 'xarray', 'scipy.interpolate', 'scipy.sparse'} "
+        "& set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

@@ -1,0 +1,296 @@
+"""Subsurface stress of a solved contact: textbook values, images, and only when asked."""
+
+import subprocess
+import sys
+from dataclasses import replace
+from importlib import import_module
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import contactstudy as cs
+from contactstudy.domain.padding import across_and_along
+from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, stress_cell
+from contactstudy.elasticity.kernels.stress_periodic import (
+    stress_cell_doubly_periodic,
+    stress_cell_periodic,
+)
+from contactstudy.scene.stress import StressBelow, von_mises
+from tests.conftest import STEEL, LineContact
+from tests.contactstudy.elasticity.test_convolution import PADDINGS
+
+NU = 0.3
+NAMES = list(COMPONENTS)
+RIGID = cs.HalfSpace(youngs_modulus=float("inf"), poisson_ratio=0.3)
+
+
+def below(cells: tuple[int, int], padding: cs.Padding | cs.Paddings, *depths: float) -> StressBelow:
+    grid = cs.Grid(cells=cells, extent=(1.0, 0.7))
+    return StressBelow(grid, across_and_along(padding), NU, depths)
+
+
+# --- images: the sum over all pairs of cells -------------------------------------------------------
+
+
+def seen(one: cs.Padding, count: int) -> list[tuple[int, int, int, float]]:
+    """For each pair (observer, source), an offset in cells that counts, and how much."""
+    pairs = [(i, j) for i in range(count) for j in range(count)]
+    if isinstance(one, cs.ZeroPadding | cs.Superposition):
+        return [(i, j, i - j + m * count, 1.0) for i, j in pairs for m in one.window]
+    if isinstance(one, cs.ExactPeriodicity):
+        return [(i, j, i - j, 1.0) for i, j in pairs]
+    reach = (1 if isinstance(one, cs.DuplicatedPadding) else one.images + 0.5) * count
+    offsets = [(i, j, i - j + m * count) for i, j in pairs for m in range(-len(one.window) - 1, 99)]
+    return [(i, j, d, 1.0 if abs(d) < reach else 0.5) for i, j, d in offsets if abs(d) <= reach]
+
+
+@pytest.mark.parametrize("padding", PADDINGS, ids=str)
+@pytest.mark.parametrize("cells", [(8, 6), (7, 5), (3, 4)], ids=str)
+def test_stress_is_the_sum_over_all_pairs(
+    cells: tuple[int, int], padding: cs.Padding | cs.Paddings
+) -> None:
+    """Images at the end of a window, as far on one side as on the other, count half on each."""
+    operator = below(cells, padding, 0.15)
+    pressure = np.random.default_rng(1).random(cells)
+    found = operator(pressure)[:, 0]
+    (dx, dy), (width, period) = operator.grid.cell, operator.grid.extent
+    exact_x, exact_y = (one.window is None for one in operator.paddings)
+    across, along = (seen(one, count) for one, count in zip(operator.paddings, cells, strict=True))
+    steps_x, steps_y = (sorted({d for _, _, d, _ in side}) for side in (across, along))
+    x, y = np.array(steps_x) * dx, np.array(steps_y) * dy
+    for number, component in enumerate(COMPONENTS.values()):
+        if exact_x and exact_y:
+            table = stress_cell_doubly_periodic(component, x, y, 0.15, dx, dy, width, period, NU)
+        elif exact_x:
+            turned = COMPONENTS[component.turned]
+            table = stress_cell_periodic(turned, y, x, 0.15, dy, dx, width, NU).T
+        elif exact_y:
+            table = stress_cell_periodic(component, x, y, 0.15, dx, dy, period, NU)
+        else:
+            table = stress_cell(component, x[:, None], y, 0.15, dx, dy, NU)
+        left = np.zeros((*[cells[0]] * 2, len(steps_x)))
+        right = np.zeros((*[cells[1]] * 2, len(steps_y)))
+        for weights, side, steps in ((left, across, steps_x), (right, along, steps_y)):
+            for i, j, d, share in side:
+                weights[i, j, steps.index(d)] += share
+        expected = np.einsum("ikd,jle,de,kl->ij", left, right, table, pressure, optimize=True)
+        assert_allclose(found[number], expected, rtol=0, atol=2e-14)
+
+
+@pytest.mark.parametrize(
+    ("name", "rate"), [("xx", 1), ("yy", 1), ("zz", 4), ("yz", 4), ("xz", 4), ("xy", 3)]
+)
+def test_counted_images_tend_to_all_of_them(name: str, rate: int) -> None:
+    """One power less than the fields fall along y: 1/y^2 and 1/y^5, or 1/y^4 for a pair of xy."""
+    pressure = np.random.default_rng(2).random((6, 5))
+    number = NAMES.index(name)
+    exact = below((6, 5), cs.ExactPeriodicity(), 0.2)(pressure)[number]
+    counts = (16, 32, 64)
+    errors = [
+        np.abs(below((6, 5), cs.CircularSuperposition(n), 0.2)(pressure)[number] - exact).max()
+        for n in counts
+    ]
+    steps = np.log((np.array(counts)[1:] + 0.5) / (np.array(counts)[:-1] + 0.5))
+    assert_allclose(np.log(np.array(errors[:-1]) / errors[1:]) / steps, rate, atol=0.15)
+
+
+def test_one_cell_along_the_length_is_plane_strain() -> None:
+    pressure = np.random.default_rng(3).random((9, 1))
+    xx, yy, zz, yz, _, xy = below((9, 1), cs.ExactPeriodicity(), 0.1, 0.3)(pressure)
+    assert_allclose(yy, NU * (xx + zz), rtol=0, atol=1e-15)
+    assert_allclose(yz, 0, atol=1e-16)
+    assert_allclose(xy, 0, atol=1e-16)
+
+
+def test_what_is_uniform_along_the_length_is_plane_strain() -> None:
+    line = np.random.default_rng(3).random((9, 1))
+    one, many = (below((9, n), cs.ExactPeriodicity(), 0.1)(line.repeat(n, axis=1)) for n in (1, 6))
+    assert_allclose(many, one.repeat(6, axis=3), rtol=0, atol=1e-14)
+
+
+# --- Hertz -----------------------------------------------------------------------------------------
+
+
+def stressed(line_contact: LineContact, cells: int, depths: tuple[float, ...]) -> cs.Solution:
+    """In plane strain, depths in half-widths; an odd number of cells, one of them on the axis."""
+    scaled = tuple(depth * line_contact.hertz.half_width for depth in depths)
+    scene = replace(line_contact.scene, outputs=(cs.SubsurfaceStress(depths=scaled),))
+    grid = line_contact.grid((cells, 1), 1.0)
+    return cs.solve(scene.problem(grid, cs.ExactPeriodicity()), tolerance=1e-11)
+
+
+def test_line_contact_has_its_textbook_stress(line_contact: LineContact) -> None:
+    """McEwen (1949), everywhere below; the error falls with the square of the cell."""
+    hertz = line_contact.hertz
+    errors = []
+    cells = (33, 65, 129, 257, 513)
+    for count in cells:
+        dataset = cs.to_dataset(stressed(line_contact, count, (0.3, 0.786, 2.0)))
+        found = dataset["stress"].sel(component=["xx", "zz", "xz"]).values[..., 0]
+        expected = hertz.stress(dataset["width"].values, dataset["depth"].values[:, None])
+        errors.append(np.abs(found - expected).max() / hertz.peak_pressure)
+    rate = -np.polyfit(np.log(cells), np.log(errors), 1)[0]
+    assert rate == pytest.approx(2, abs=0.25)
+    assert errors[-1] < (2.4 / cells[-1]) ** 2
+
+
+def test_greatest_shear_is_0_300_of_the_peak_pressure_at_0_786_half_widths(
+    line_contact: LineContact,
+) -> None:
+    """On the axis (Johnson 1985, eqs. 4.46, 4.47); a step of 0.001 half-widths tells 0.786 from others."""
+    depths = tuple(np.linspace(0.776, 0.796, 21).round(3).tolist())
+    dataset = cs.to_dataset(stressed(line_contact, 513, depths))
+    axis = dataset["stress"].isel(width=256, length=0)
+    shear = (axis.sel(component="xx") - axis.sel(component="zz")).values / 2
+    shear /= line_contact.hertz.peak_pressure
+    assert depths[int(shear.argmax())] == 0.786
+    # the root of the textbook's formula, and the grid's error of the test above
+    assert shear.max() == pytest.approx(0.300283, abs=1.5e-6)
+    t = 0.786
+    root = np.hypot(1, t)
+    expected = {"xx": 2 * t - (1 + 2 * t**2) / root, "zz": -1 / root, "xz": 0.0}
+    for name, value in expected.items():
+        found = axis.sel(component=name).values[depths.index(t)] / line_contact.hertz.peak_pressure
+        assert found == pytest.approx(value, abs=1e-6)
+
+
+def test_point_contact_has_hubers_stress_on_the_axis() -> None:
+    """Under Hertz's own pressure, sampled: the error falls like the cell to 3/2, the edge's share."""
+    hertz = cs.analytic.hertz_point(1.0, 1.0, 1.0)
+    a, depths = hertz.contact_radius, (0.3, 0.481, 1.0, 2.0)
+    expected = hertz.axis_stress(np.array(depths) * a, NU)
+    errors = []
+    for count in (25, 49, 97):
+        grid = cs.Grid(cells=(count, count), extent=(2.2 * a, 2.2 * a))
+        free = cs.ZeroPadding()
+        operator = StressBelow(grid, (free, free), NU, tuple(d * a for d in depths))
+        pressure = hertz.pressure(np.hypot(grid.x[:, None], grid.y))
+        stress = operator(pressure)[:, :, count // 2, count // 2]
+        assert_allclose(stress[0], stress[1], rtol=0, atol=1e-13 * hertz.peak_pressure)
+        assert_allclose(stress[3:], 0, atol=1e-13 * hertz.peak_pressure)
+        errors.append(np.abs(stress[[0, 2]] - expected).max() / hertz.peak_pressure)
+    assert errors[-1] < 1e-3
+    assert errors[0] / errors[-1] > 4**1.5 / 1.5
+
+
+# --- only when asked -------------------------------------------------------------------------------
+
+
+def test_von_mises_is_its_definition() -> None:
+    stress = np.random.default_rng(4).standard_normal((6, 3, 4))
+    tensor = np.empty((3, 3, 3, 4))
+    for number, name in enumerate(NAMES):
+        i, j = ("xyz".index(axis) for axis in name)
+        tensor[i, j] = tensor[j, i] = stress[number]
+    deviator = tensor - np.einsum("kk...,ij->ij...", tensor, np.eye(3)) / 3
+    expected = np.sqrt(1.5 * np.einsum("ij...,ij...->...", deviator, deviator))
+    assert_allclose(von_mises(stress), expected, rtol=1e-14)
+
+
+def test_dataset_labels_the_stress(line_contact: LineContact, tmp_path) -> None:  # noqa: ANN001
+    scene = replace(line_contact.scene, outputs=(cs.SubsurfaceStress(depths=(1e-5, 2e-4)),))
+    solution = cs.solve(scene.problem(line_contact.grid((16, 6), 1.2), cs.ExactPeriodicity()))
+    dataset = cs.to_dataset(solution)
+    assert dataset["stress"].dims == ("component", "depth", "width", "length")
+    assert dataset["von_mises"].dims == ("depth", "width", "length")
+    assert dataset["depth"].values.tolist() == [1e-5, 2e-4]
+    assert dataset["component"].values.tolist() == ["xx", "yy", "zz", "yz", "xz", "xy"]
+    for name in ("stress", "von_mises"):
+        assert dataset[name].attrs["units"] == "Pa"
+    for variable in dataset.variables.values():
+        assert variable.attrs["long_name"]
+        assert variable.attrs["units"]
+    dataset.to_netcdf(tmp_path / "stressed.nc")
+
+
+def test_stress_takes_the_ratio_of_the_body_it_is_in(line_contact: LineContact) -> None:
+    rubber = cs.HalfSpace(youngs_modulus=1e9, poisson_ratio=0.5)
+    grid = line_contact.grid((15, 1), 1.0)
+    for solid, ratio in ((0, 0.3), (1, 0.5)):
+        asked = cs.SubsurfaceStress(depths=(1e-4,), solid=solid)
+        scene = replace(line_contact.scene, solids=(STEEL, rubber), outputs=(asked,))
+        dataset = cs.to_dataset(cs.solve(scene.problem(grid, cs.ExactPeriodicity())))
+        xx, yy, zz = dataset["stress"].values[:3]
+        assert_allclose(yy, ratio * (xx + zz), rtol=1e-12)
+
+
+def test_stress_not_asked_for_costs_nothing(
+    line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Asked for or not, a solve is the same to the last bit and the last transform."""
+    modules = [import_module(f"contactstudy.{name}") for name in ("convolution", "stress")]
+    inner, counted = modules[0].TRANSFORMS, {"forward": 0}
+
+    class Counting:
+        def forward(self, *arguments):  # noqa: ANN002, ANN202
+            counted["forward"] += 1
+            return inner.forward(*arguments)
+
+        def backward(self, *arguments):  # noqa: ANN002, ANN202
+            return inner.backward(*arguments)
+
+    for module in modules:
+        monkeypatch.setattr(module, "TRANSFORMS", Counting())
+    grid = line_contact.grid((16, 6), 1.2)
+    plain = line_contact.scene
+    asked = replace(plain, outputs=(cs.SubsurfaceStress(depths=(1e-4, 2e-4)),))
+    transforms, pressures = [], []
+    for scene in (plain, asked):
+        counted["forward"] = 0
+        solution = cs.solve(scene.problem(grid, cs.ExactPeriodicity()))
+        pressures.append(solution.pressure)
+        transforms.append(counted["forward"])
+        counted["forward"] = 0
+        cs.to_dataset(solution)
+        transforms.append(counted["forward"])
+    assert transforms[0] == transforms[2] > 0
+    # one of the pressure, and one of each component's coefficients at each depth
+    assert (transforms[1], transforms[3]) == (0, 1 + 6 * 2)
+    np.testing.assert_array_equal(*pressures)
+
+
+def test_stress_not_asked_for_is_not_imported() -> None:
+    code = (
+        "import sys, contactstudy as cs; s = cs.HalfSpace(youngs_modulus=1e9, poisson_ratio=0.3); "
+        "scene = cs.Scene(load=cs.LineLoad(1e3), solids=(s, s), shapes=(cs.Cylinder(radius=0.1),)); "
+        "a = scene.hertz.half_width; grid = cs.Grid(cells=(8, 2), extent=(3 * a, a)); "
+        "cs.to_dataset(cs.solve(scene.problem(grid, cs.ExactPeriodicity()))); "
+        "print([name for name in sys.modules if 'contactstudy.scene.stress' in name]); "
+        "cs.SubsurfaceStress; print('contactstudy.scene.stress' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split("\n")[:2] == ["[]", "True"]
+
+
+# --- misuse ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("depths", [(), 1e-4, None, (-1e-5,), (1e-4, float("nan")), ("1 mm",)])
+def test_depths_that_are_none_are_refused(depths: object) -> None:
+    with pytest.raises(cs.InvalidInput, match=r"^SubsurfaceStress\.depths.* is .*: give a "):
+        cs.SubsurfaceStress(depths=depths)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("solid", [2, -1, True, 0.5])
+def test_a_body_that_is_not_there_is_refused(solid: object) -> None:
+    with pytest.raises(cs.InvalidInput, match=r"^SubsurfaceStress\.solid is .*: give 0 or 1"):
+        cs.SubsurfaceStress(depths=(1e-4,), solid=solid)  # type: ignore[arg-type]
+
+
+def test_stress_in_a_rigid_body_is_refused(line_contact: LineContact) -> None:
+    asked = cs.SubsurfaceStress(depths=(1e-4,), solid=1)
+    with pytest.raises(cs.InvalidInput, match=r"solid is 1, a rigid body: give 0"):
+        replace(line_contact.scene, solids=(STEEL, RIGID), outputs=(asked,))
+
+
+@pytest.mark.parametrize("output", [0.01, cs.SubsurfaceStress, None])
+def test_what_is_no_output_is_refused(output: object) -> None:
+    with pytest.raises(cs.InvalidInput, match=r"^Scene\.outputs\[0\] is .*: give an output"):
+        cs.Scene(load=cs.LineLoad(1.0), solids=(STEEL, STEEL), outputs=(output,))  # type: ignore[arg-type]
+
+
+def test_two_outputs_of_one_kind_are_refused() -> None:
+    asked = tuple(cs.SubsurfaceStress(depths=(d,)) for d in (1e-4, 2e-4))
+    with pytest.raises(cs.InvalidInput, match=r"^Scene\.outputs\[1\] is .*: give one"):
+        cs.Scene(load=cs.LineLoad(1.0), solids=(STEEL, STEEL), outputs=asked)

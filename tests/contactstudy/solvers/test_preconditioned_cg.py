@@ -1,0 +1,136 @@
+from collections import Counter
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.solvers.polonsky_keer import PolonskyKeer
+from contactstudy.solvers.preconditioned_cg import PreconditionedCG
+from tests.conftest import LineContact
+
+PADDINGS: list[cs.Padding | cs.Paddings] = [
+    cs.ZeroPadding(),
+    cs.DuplicatedPadding(),
+    cs.Superposition(2),
+    cs.CircularSuperposition(2),
+    cs.ExactPeriodicity(),
+    (cs.ExactPeriodicity(), cs.ExactPeriodicity()),
+]
+# rms heights over the gap scale that leave 80 %, 30 % and 9 % of Hertz's area in contact, and none
+ROUGH = {"smooth": 0.0, "80 %": 0.15, "30 %": 0.6, "9 %": 2.2}
+
+
+def problem(
+    contact: LineContact,
+    cells: int | tuple[int, int],
+    heights: str,
+    padding: cs.Padding | cs.Paddings | None = None,
+    width: float = 4.8,
+) -> cs.Problem:
+    padding = padding or cs.ExactPeriodicity()
+    a = contact.hertz.half_width
+    grid = contact.grid(cells, 2.4, width)
+    smooth = contact.scene.problem(grid, padding)
+    rms = ROUGH[heights] * smooth.scales.gap
+    shape = cs.Roughness(rms=rms, hurst=0.8, roll_off=1.2 * a, cut_off=0.15 * a, seed=1)
+    scene = replace(contact.scene, shapes=(*contact.scene.shapes, shape))
+    return scene.problem(grid, padding)
+
+
+@pytest.mark.parametrize("padding", PADDINGS, ids=str)
+@pytest.mark.parametrize("heights", ROUGH)
+def test_both_solvers_give_one_answer(
+    heights: str, padding: cs.Padding | cs.Paddings, line_contact: LineContact
+) -> None:
+    posed = problem(line_contact, 64, heights, padding)
+    ours = cs.solve(posed, tolerance=1e-11)
+    reference = cs.solve(posed, tolerance=1e-11, solver=PolonskyKeer())
+    assert ours.residual <= 1e-11
+    assert reference.residual <= 1e-11
+    # a gap of 1e-11 is a pressure of that times the operator's condition, up to 64 waves across
+    difference = np.abs(ours.pressure - reference.pressure).max() / posed.scales.pressure
+    assert difference < 64 * 1e-11 * 10
+    assert ours.note == ""
+
+
+@pytest.mark.parametrize("heights", ROUGH)
+def test_iterations_do_not_grow_with_the_grid(heights: str, line_contact: LineContact) -> None:
+    few = cs.solve(problem(line_contact, 128, heights)).iterations
+    many = cs.solve(problem(line_contact, 512, heights)).iterations
+    assert max(few, many) <= 40
+    assert many <= 1.3 * few + 4  # whole iterations of a few
+
+
+@pytest.mark.parametrize("cells", [160, 192, 256, 320])
+def test_of_cells_that_meet_a_limit_together_rounding_picks_none(
+    cells: int, line_contact: LineContact
+) -> None:
+    """A sphere's cells come in eights: parted, they take twice as many iterations."""
+    scene = replace(line_contact.scene, shapes=(cs.Sphere(0.02),))
+    grid = line_contact.grid(cells, 2.4, 2.4)
+    solution = cs.solve(scene.problem(grid, (cs.ZeroPadding(), cs.ZeroPadding())), tolerance=1e-10)
+    p = solution.pressure
+    np.testing.assert_allclose(p.T, p, rtol=0, atol=1e-8 * p.max())
+    np.testing.assert_allclose(p[::-1], p, rtol=0, atol=1e-8 * p.max())
+    assert solution.iterations <= 20
+
+
+@pytest.mark.parametrize("heights", list(ROUGH)[1:])
+def test_rough_contacts_take_a_fifth_of_the_convolutions(
+    heights: str, line_contact: LineContact
+) -> None:
+    posed = problem(line_contact, 512, heights)
+    ours, reference = cs.solve(posed), cs.solve(posed, solver=PolonskyKeer())
+    assert max(ours.residual, reference.residual) <= 1e-8
+    # of full size is one an iteration and one to start; preconditioning and coarse grids come on top
+    assert ours.iterations + 1 <= reference.convolutions / 5
+    assert ours.convolutions <= reference.convolutions / 3.5
+
+
+def test_an_iteration_is_one_convolution_and_one_preconditioning(
+    line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    counted: Counter[tuple[int, int]] = Counter()
+    apply = cs.Convolution.__call__
+
+    def counting(operator: cs.Convolution, pressure: np.ndarray) -> np.ndarray:
+        counted[operator.cells] += 1
+        return apply(operator, pressure)
+
+    monkeypatch.setattr(cs.Convolution, "__call__", counting)
+    solution = cs.solve(problem(line_contact, 128, "30 %"))
+    assert counted[128, 128] == solution.iterations + 1
+    assert set(counted) == {(128, 128), (64, 64), (32, 32)}
+    # half as much for every preconditioning, and the coarser grids in proportion
+    own = 1 + 1.5 * solution.iterations
+    coarse = sum(1.5 * n * (cells[0] / 128) ** 2 for cells, n in counted.items() if cells[0] < 128)
+    assert own < solution.convolutions < own + coarse
+
+
+def test_a_stall_hands_over_to_the_reference_and_says_so(line_contact: LineContact) -> None:
+    posed = problem(line_contact, 64, "30 %")
+    impatient = PreconditionedCG(patience=2, seed=1e-9)
+    solution = cs.solve(posed, solver=impatient, tolerance=1e-9)
+    assert solution.residual <= 1e-9
+    assert "Polonsky & Keer's scheme went on" in solution.note
+    reference = cs.solve(posed, solver=PolonskyKeer(), tolerance=1e-9)
+    difference = np.abs(solution.pressure - reference.pressure).max() / posed.scales.pressure
+    assert difference < 64 * 1e-9 * 10
+
+
+@pytest.mark.parametrize("solver", [PreconditionedCG(), PolonskyKeer(patience=60)], ids=str)
+def test_a_tolerance_below_rounding_ends_in_a_status(
+    solver: cs.Solver, line_contact: LineContact
+) -> None:
+    solution = cs.solve(problem(line_contact, 64, "80 %"), tolerance=1e-17, solver=solver)
+    assert solution.status is cs.Status.PRECISION_LIMIT
+    assert solution.residual < 1e-12
+
+
+@pytest.mark.parametrize("cells", [(50, 7), (64, 1), (66, 34), (128, 3), (97, 101), (2, 1)])
+def test_any_number_of_cells_will_do(cells: tuple[int, int], line_contact: LineContact) -> None:
+    for padding in (cs.ExactPeriodicity(), cs.ZeroPadding()):
+        posed = problem(line_contact, cells, "smooth", padding)
+        solution = cs.solve(posed)
+        assert solution.residual <= 1e-8

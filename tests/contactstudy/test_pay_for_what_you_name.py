@@ -1,0 +1,157 @@
+"""What a scene does not name is not transformed and not imported."""
+
+import subprocess
+import sys
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import replace
+from math import inf
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy import fft
+
+import contactstudy as cs
+from contactstudy.elasticity.transforms import TRANSFORMS
+from tests.conftest import STEEL, LineContact
+
+NOTHING: dict[str, cs.Shape] = {
+    "waviness": cs.Waviness(0.0, across=3e-5, along=3e-5),
+    "texture": cs.Texture(cs.Dimple(0.0, 1e-5), pitch=(3e-5, 3e-5)),
+    "roughness": cs.Roughness(0.0, hurst=0.8, roll_off=1e-4, cut_off=1e-5),
+    "roughness by slope": cs.Roughness(cs.RmsSlope(0.0), hurst=0.8, roll_off=1e-4, cut_off=1e-5),
+    "crown": cs.Crown(inf),
+    "crown by its drop": cs.Crown.of_drop(0.0, length=1e-4),
+    "Lundberg profile": cs.LundbergProfile(0.0, 0.0, length=1e-4),
+}
+
+
+@pytest.fixture
+def counted(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
+    """Calls of every transform there is, from here on."""
+    calls: Counter[str] = Counter()
+
+    def counting(name: str, transform: Callable[..., Any]) -> Callable[..., Any]:
+        def call(*arguments: Any, **named: Any) -> Any:
+            calls[name] += 1
+            return transform(*arguments, **named)
+
+        return call
+
+    for name in ("fft", "ifft", "fft2", "ifft2", "rfft", "irfft", "dct", "dctn"):
+        monkeypatch.setattr(fft, name, counting(name, getattr(fft, name)))
+
+    for name in ("forward", "backward"):
+        monkeypatch.setattr(TRANSFORMS, name, counting(name, getattr(TRANSFORMS, name)))
+    return calls
+
+
+def solved(
+    scene: cs.Scene, contact: LineContact, calls: Counter[str]
+) -> tuple[cs.Solution, Counter[str]]:
+    """A solution on a grid with a period of 9e-5 m, and the transforms it took."""
+    calls.clear()
+    grid = cs.Grid((128, 64), (2.4 * contact.hertz.half_width, 9e-5))
+    return cs.solve(scene.problem(grid, cs.ExactPeriodicity())), Counter(calls)
+
+
+@pytest.mark.parametrize("name", NOTHING)
+def test_an_effect_of_no_size_is_the_scene_without_it(
+    name: str, line_contact: LineContact, counted: Counter[str]
+) -> None:
+    plain = line_contact.scene
+    without, transforms = solved(plain, line_contact, counted)
+    with_it, more = solved(
+        replace(plain, shapes=(*plain.shapes, NOTHING[name])), line_contact, counted
+    )
+    assert transforms["forward"] > 0
+    assert more == transforms
+    np.testing.assert_array_equal(with_it.pressure, without.pressure)
+    np.testing.assert_array_equal(with_it.gap, without.gap)
+    assert with_it.approach == without.approach
+
+
+@pytest.mark.parametrize("hardness", [inf, 1e15], ids=["infinite", "never reached"])
+def test_a_hardness_that_nothing_reaches_is_none(
+    hardness: float, line_contact: LineContact, counted: Counter[str]
+) -> None:
+    without, transforms = solved(line_contact.scene, line_contact, counted)
+    limited = replace(line_contact.scene, hardness=hardness)
+    with_it, more = solved(limited, line_contact, counted)
+    assert more == transforms
+    if hardness == inf:
+        np.testing.assert_array_equal(with_it.pressure, without.pressure)
+        assert with_it.approach == without.approach
+    else:  # the load is balanced in another order: so many roundings of every sum
+        largest = without.pressure.max()
+        np.testing.assert_allclose(with_it.pressure, without.pressure, atol=1e-12 * largest)
+
+
+def test_a_hardness_that_binds_sets_up_the_same_transforms(
+    line_contact: LineContact, counted: Counter[str]
+) -> None:
+    """It costs iterations, each with its convolution and its preconditioning, and nothing besides."""
+    limited = replace(line_contact.scene, hardness=0.8 * line_contact.hertz.peak_pressure)
+    grid = cs.Grid((128, 64), (2.4 * line_contact.hertz.half_width, 9e-5))
+    set_up = []
+    for scene in (line_contact.scene, limited):
+        counted.clear()
+        problem = scene.problem(grid, cs.ExactPeriodicity())
+        set_up.append(Counter(counted))
+        solution = cs.solve(problem)
+        assert solution.status is cs.Status.CONVERGED
+        # one to begin with and two an iteration, here and on coarser grids
+        assert counted["forward"] == counted["backward"] > 1 + 2 * solution.iterations
+    assert set_up[0] == set_up[1] == {"rfft": 2}
+
+
+def test_stress_that_is_not_asked_for_is_not_found(
+    line_contact: LineContact, counted: Counter[str]
+) -> None:
+    plain = line_contact.scene
+    asked = replace(plain, outputs=(cs.SubsurfaceStress(depths=(5e-5,)),))
+    without, transforms = solved(plain, line_contact, counted)
+    with_it, more = solved(asked, line_contact, counted)
+    assert more == transforms
+    assert without.problem.outputs == ()
+    np.testing.assert_array_equal(with_it.pressure, without.pressure)
+
+
+def test_one_cell_along_gives_the_pressure_of_many_where_nothing_varies(
+    line_contact: LineContact,
+) -> None:
+    width = 2.4 * line_contact.hertz.half_width
+    line, plane = (
+        cs.solve(
+            line_contact.scene.problem(cs.Grid((512, cells), (width, 9e-5)), cs.ExactPeriodicity()),
+            tolerance=1e-12,
+        ).pressure
+        for cells in (1, 128)
+    )
+    np.testing.assert_allclose(plane, np.broadcast_to(line, plane.shape), atol=1e-9 * line.max())
+
+
+HEAVY = (
+    "SurfaceTopography",
+    "cattrs",
+    "contactstudy.io.dataset",
+    "contactstudy.scene.stress",
+    "matplotlib",
+    "pandas",
+    "scipy.interpolate",
+    "scipy.ndimage",
+    "xarray",
+)
+
+
+def test_a_plain_scene_imports_nothing_that_it_does_not_name() -> None:
+    code = (
+        f"import sys, contactstudy as cs\nsteel = {STEEL!r}\n".replace("HalfSpace", "cs.HalfSpace")
+        + "scene = cs.Scene(cs.LineLoad(1e5), (steel, steel), (cs.Cylinder(0.01),))\n"
+        "grid = cs.Grid((64, 32), (2.5e-4, 1e-4))\n"
+        "assert cs.solve(scene.problem(grid, cs.ExactPeriodicity())).status is cs.Status.CONVERGED\n"
+        f"print(sorted(set({HEAVY!r}) & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

@@ -1,0 +1,219 @@
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+import xarray as xr
+from click.testing import CliRunner, Result
+
+from contactstudy import InvalidInput
+from studies.cli.commands import cli
+from studies.model.outcome import Fate
+from studies.registry import load
+
+COMMAND = str(Path(sys.executable).with_name("contactstudy"))
+SMALL = [
+    "--padding",
+    "exact",
+    "--period",
+    "2.4",
+    "--grid",
+    "16,24",
+    "--images",
+    "6",
+    "--workers",
+    "0",
+    "--repeats",
+    "1",
+]
+
+
+def call(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [COMMAND, *arguments], capture_output=True, text=True, cwd=cwd, timeout=300
+    )
+
+
+def test_run_leaves_a_dataset_and_its_figures(tmp_path: Path) -> None:
+    done = call("run", "period", "--out", "here", *SMALL, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "here" / "period.nc").is_file()
+    assert (tmp_path / "here" / "period" / "period.pdf").is_file()
+    assert "2 distinct cases" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (
+            ["run", "paddin"],
+            "Study 'paddin' is not known: did you mean 'padding', or give a .py file.",
+        ),
+        (
+            ["run", "padding", "--perid", "1"],
+            "Parameter 'perid' is not one of study 'padding': did you mean 'period'.",
+        ),
+        (["run", "padding", "--period", "0"], "period is 0.0: give a period above 0 half-widths."),
+        (["run", "padding", "--period", "nan"], "period is 'nan': give numbers such as 0.6,2.4."),
+        (["run", "padding", "--grid", "1"], "grid is 1: give at least 2 cells across the width."),
+        (["run", "padding", "--grid"], "Parameter 'grid' has no values: write --grid values."),
+        (
+            ["run", "padding", "extra"],
+            "Argument 'extra' is not expected: write --parameter values.",
+        ),
+        (
+            ["run", "padding", "--out", "/dev/null/x"],
+            "Output folder '/dev/null/x' cannot be written to (Not a directory): give another with --out.",
+        ),
+        (
+            ["draw", "--out", "empty"],
+            "Study file 'empty/paper.nc' cannot be read (No such file or directory): run the study first.",
+        ),
+    ],
+    ids=lambda part: " ".join(part) if isinstance(part, list) else "",
+)
+def test_bad_input_is_one_sentence_and_leaves_nothing(
+    arguments: list[str], sentence: str, tmp_path: Path
+) -> None:
+    done = call(*arguments, cwd=tmp_path)
+    assert done.returncode == 2
+    assert done.stderr == f"contactstudy: {sentence}\n"
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "arguments", [["nothing"], ["report", "--workers", "-1"], ["run"], ["report", "--sideways"]]
+)
+def test_a_wrong_word_is_an_error_without_traceback(arguments: list[str], tmp_path: Path) -> None:
+    done = call(*arguments, cwd=tmp_path)
+    assert done.returncode == 2
+    assert "Error: " in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+OWN = '''"""One axis, plain numbers."""
+
+from studies.reference import line_contact
+from studies.model.axis import Axis
+
+points = (Axis("grid", (16, 24), "cells"),)
+
+
+def scene_at(point):
+    return line_contact.scene_at({"padding": "exact", "images": 0, "period": 1.0} | dict(point))
+
+
+def measures(case, solution):
+    return {"peak": solution.pressure.MAX()}
+
+
+def figure(dataset):
+    return ()
+'''
+
+
+def test_a_study_of_ones_own_runs_under_any_name_and_fails_in_a_sentence(tmp_path: Path) -> None:
+    path = tmp_path / "json.py"
+    path.write_text(OWN.replace("MAX", "max"))
+    done = call("run", "json.py", "--workers", "1", "--repeats", "1", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "outputs" / "json.nc").is_file()
+    assert call("draw", "json.py", cwd=tmp_path).returncode == 0
+    path.write_text(OWN)
+    done = call("run", "json.py", "--workers", "0", "--repeats", "1", cwd=tmp_path)
+    assert done.returncode == 1
+    assert "2 of 2 cases failed, the first with AttributeError in measures" in done.stdout
+    assert done.stderr == "json: no case gave numbers, so there is nothing to draw.\n"
+
+
+def test_studies_are_listed_with_their_axes(tmp_path: Path) -> None:
+    done = call("studies", cwd=tmp_path)
+    assert "paper: " in done.stdout
+    assert "--period 0.15,0.3" in done.stdout
+
+
+@pytest.mark.parametrize("delay", [0.1, 1.0, 4.0])
+def test_an_interrupt_ends_in_one_sentence_and_leaves_nothing_half_written(
+    delay: float, tmp_path: Path
+) -> None:
+    arguments = ["run", "grid", "--grid", "256,360,512", "--out", "here"]
+    running = subprocess.Popen(
+        [COMMAND, *arguments], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        start_new_session=True,
+    )  # fmt: skip
+    assert running.stdout is not None
+    assert "distinct cases" in running.stdout.readline()
+    time.sleep(delay)
+    os.killpg(running.pid, signal.SIGINT)  # a terminal sends Ctrl-C to the whole group
+    _, err = running.communicate(timeout=60)
+    assert running.returncode == 130, err
+    assert err.splitlines()[-1].startswith("contactstudy: stopped")
+    assert "Traceback" not in err
+    assert not list((tmp_path / "here").glob("*.partial*"))
+    for path in (tmp_path / "here").glob("*.nc"):
+        assert set(xr.load_dataset(path)["status"].values.flat) <= {Fate.NOT_RUN, Fate.OK}
+
+
+FEW = ["--padding", "exact", "--period", "2.4", "--images", "6", "--workers", "0"]
+
+
+def invoke(*words: str) -> Result:
+    return CliRunner().invoke(cli, ["run", *words], catch_exceptions=False)
+
+
+def test_options_of_a_run_do_what_they_say(tmp_path: Path) -> None:
+    here = ["period", *FEW, "--out", str(tmp_path)]
+    dry = invoke(*here, "--grid", "16,24", "--dry-run")
+    assert "2 distinct cases, 0 stored, 2 to compute" in dry.stdout
+    assert list(tmp_path.iterdir()) == []
+    invoke(*here, "--grid", "16", "--repeats", "1", "--fields", "--time-limit", "60")
+    assert len(list((tmp_path / "period.fields").iterdir())) == 1
+    dry = invoke(*here, "--grid", "16,24", "--dry-run")
+    assert "1 stored, 1 to compute" in dry.stdout
+    assert "s (within a factor" in dry.stdout
+    grown = invoke(*here, "--grid", "16,24", "--repeats", "3", "--retime", "--retry", "failed")
+    assert "1 cases are stored, 1 to compute" in grown.stdout
+    assert xr.load_dataset(tmp_path / "period.nc").sizes["repeat"] == 3
+
+
+def test_fail_fast_stops_with_an_exit_code(tmp_path: Path) -> None:
+    path = tmp_path / "own.py"
+    path.write_text(OWN)
+    done = invoke(str(path), "--workers", "0", "--out", str(tmp_path), "--fail-fast")
+    assert done.exit_code == 1
+    status = xr.load_dataset(tmp_path / "own.nc")["status"].values.tolist()
+    assert status == [Fate.FAILED, Fate.SKIPPED]
+
+
+@pytest.mark.parametrize("arguments", [["period", "--help"], ["--out", "here", "period", "-h"]])
+def test_help_on_a_study_lists_its_axes_with_their_values(arguments: list[str]) -> None:
+    shown = " ".join(CliRunner().invoke(cli, ["run", *arguments]).output.split())
+    assert "--workers" in shown
+    axes = shown.split("Axes of period: ")[1]
+    for axis in load("period").points:
+        values = ", ".join(str(value) for value in axis.values)
+        assert f"--{axis.name} " in axes
+        assert f"{axis.long_name}. [default: {values}]" in axes
+
+
+def test_help_on_a_study_of_ones_own_has_its_units(tmp_path: Path) -> None:
+    file = tmp_path / "mine.py"
+    file.write_text(
+        "from studies.model.axis import Axis\n"
+        "points = (Axis('radius', (0.01, 0.02), 'radius of the cylinder', units='m'),)\n"
+        "scene_at = measures = figure = print\n"
+    )
+    shown = CliRunner().invoke(cli, ["run", str(file), "--help"]).output
+    assert "--radius NUMBERS  radius of the cylinder [m].  [default: 0.01, 0.02]" in shown
+
+
+def test_help_without_a_study_lists_no_axes_and_with_a_wrong_one_says_which_is_meant() -> None:
+    plain = CliRunner().invoke(cli, ["run", "--help"])
+    assert plain.exit_code == 0
+    assert "Axes of" not in plain.output
+    wrong = CliRunner().invoke(cli, ["run", "peroid", "--help"])
+    assert isinstance(wrong.exception, InvalidInput)
+    assert "did you mean 'period'" in str(wrong.exception)

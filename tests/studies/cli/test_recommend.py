@@ -1,0 +1,97 @@
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+import contactstudy as cs
+from contactstudy.domain.padding import Paddings, across_and_along
+from contactstudy.planning.cost import Timed, padded
+from studies.cli.commands import cli
+
+EXAMPLES = Path(__file__).parents[3] / "examples"
+
+
+@pytest.fixture(autouse=True)
+def clockless(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Seconds in proportion to the images summed and the points transformed, whatever the clock says."""
+
+    def timed(grid: cs.Grid, padding: cs.Padding | Paddings) -> Timed:
+        sample = cs.Grid((128, min(grid.cells[1], 128)), (1.0, 1.0))
+        window = across_and_along(padding)[1].window
+        cells, work = np.prod(sample.cells), padded(sample, padding)
+        images = 1 if window is None else len(window)
+        return Timed(int(cells), work, 1e-7 * float(cells) * images, 1e-8 * work)
+
+    monkeypatch.setattr("studies.advice.cost_model.timed", timed)
+
+
+def run(*words: str) -> Result:
+    return CliRunner().invoke(cli, ["recommend", "--out", "nowhere", *words])
+
+
+def fields(*words: str) -> dict[str, dict[str, object]]:
+    result = run("--json", *words)
+    assert result.exit_code == 0, result.output
+    return json.loads(result.output)  # type: ignore[no-any-return]
+
+
+def test_a_smooth_contact_wants_one_cell_along_its_length() -> None:
+    said = fields("--error", "1e-4")
+    assert said["meets"]
+    best = said["best"]
+    assert best["mode"] == "line"
+    assert best["grid"]["cells"][1] == 1  # type: ignore[index]
+    assert best["error"] <= 1e-4  # type: ignore[operator]
+    assert best["bytes"] < said["runner_up"]["bytes"]  # type: ignore[operator]
+    text = run("--error", "1e-4").output
+    for words in ("use: exact, one cell along the length", "runner-up:", "s on one thread", "MB"):
+        assert words in text
+
+
+def test_units_of_memory_and_time_are_read() -> None:
+    asked = fields("--memory", "4GB", "--seconds", "2 min")["asked"]
+    assert asked["memory"] == 4e9
+    assert asked["seconds"] == 120
+    assert fields("--seconds", "10")["asked"]["seconds"] == 10
+
+
+def test_what_cannot_be_had_is_said_with_the_best_there_is() -> None:
+    few = run("--error", "1e-12", "--metric", "peak_pressure", "--memory", "1 MB").output
+    assert "no setting meets it; the most accurate there is" in few
+    assert "nothing fits" in run("--seconds", "1 ns").output
+
+
+def test_a_scene_in_a_file_is_recommended_a_grid() -> None:
+    rough = fields(str(EXAMPLES / "rough.toml"), "--error", "0.05")
+    planned = cs.read_scene(EXAMPLES / "rough.toml").plan()
+    assert rough["best"]["mode"] == "exact"
+    assert rough["best"]["grid"]["extent"] == list(planned.grid.extent)  # type: ignore[index]
+    roller = fields(str(EXAMPLES / "roller.toml"), "--error", "0.1")
+    assert roller["best"]["mode"] == "free"
+    assert roller["runner_up"] is None
+    assert fields(str(EXAMPLES / "smooth.toml"))["best"]["mode"] == "line"
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["--error", "0"], "error is 0.0: give a relative error above 0"),
+        (["--metric", "l2"], "metric is 'l2': choose from peak_pressure, l1, half_width"),
+        (["--memory", "4 m"], "memory is '4 m': give a memory, such as '4 GB'"),
+        (["--memory", "nan"], "memory is nan: give a memory above 0"),
+        (["--seconds", "-1"], "seconds is -1.0: give a time above 0"),
+        (["--period", "0"], "period is 0.0: give a period above 0 half-widths"),
+        (
+            [str(EXAMPLES / "rough.toml"), "--metric", "half_width"],
+            "metric is 'half_width': give l1",
+        ),
+        (["none.toml"], "none.toml cannot be read"),
+    ],
+)
+def test_bad_arguments_are_one_sentence(words: list[str], sentence: str) -> None:
+    result = run(*words)
+    assert isinstance(result.exception, cs.InvalidInput)
+    assert sentence in str(result.exception)
+    assert "\n" not in str(result.exception)

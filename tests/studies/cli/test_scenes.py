@@ -1,0 +1,97 @@
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner, Result
+
+import contactstudy as cs
+from studies.cli.commands import cli
+
+EXAMPLES = Path(__file__).parents[3] / "examples"
+
+
+def run(*words: str) -> Result:
+    return CliRunner().invoke(cli, words)
+
+
+def solved(name: str, out: Path) -> xr.Dataset:
+    result = run("solve", str(EXAMPLES / f"{name}.toml"), "--out", str(out))
+    assert result.exit_code == 0, result.output
+    assert "CONVERGED" in result.output
+    for suffix in ("png", "pdf"):
+        assert (out / f"{name}.{suffix}").stat().st_size > 10_000
+    return xr.load_dataset(out / f"{name}.nc")
+
+
+def test_the_smooth_example_is_hertz(tmp_path: Path) -> None:
+    dataset = solved("smooth", tmp_path)
+    assert dataset.sizes == {"width": 344, "length": 1, "cause": 3}
+    peak = float(dataset["pressure"].max())
+    # sqrt(W E* / (pi R)) of 100 N/mm, 10 mm, steel on steel
+    assert peak == pytest.approx(np.sqrt(1e5 * 210e9 / 1.82 / np.pi / 0.01), rel=2e-5)
+    estimate = float(dataset["peak_pressure_error_estimate"].sum())
+    assert abs(peak / dataset.attrs["hertz_peak_pressure"] - 1) <= estimate < 1e-4
+    assert float(dataset["pressure_l1_error_estimate"].sum()) < 1e-3
+
+
+def test_the_rough_example_yields_at_its_hardness(tmp_path: Path) -> None:
+    dataset = solved("rough", tmp_path)
+    pressure = dataset["pressure"]
+    assert float(pressure.max()) == 4e9
+    # less than a tenth of the cells bear the load, a third of these at the hardness
+    assert float((pressure > 0).mean()) == pytest.approx(0.11, abs=0.01)
+    assert float((pressure == 4e9).sum() / (pressure > 0).sum()) == pytest.approx(0.3, abs=0.1)
+    area = dataset.attrs["hertz_half_width"]
+    assert area == pytest.approx(7.428e-5, rel=1e-3)
+    carried = float(pressure.mean()) * np.ptp(dataset["width"].values) * 304 / 303
+    assert carried == pytest.approx(1e5, rel=1e-9)
+
+
+def test_the_roller_example_has_no_edge_peak_and_shows_its_stress(tmp_path: Path) -> None:
+    dataset = solved("roller", tmp_path)
+    peak = dataset.attrs["hertz_peak_pressure"]
+    assert 1.0 < float(dataset["pressure"].max()) / peak < 1.2
+    below = dataset["von_mises"].isel(length=dataset.sizes["length"] // 2).max("width") / peak
+    # plane strain, nu = 0.3: 0.558 p_H at 0.70 a on the axis (Johnson 1985, sect. 4.2(c)); the roller
+    # bears 1 % more in its middle, and the stress along it is not that of plane strain
+    assert float(below.max()) == pytest.approx(0.558, rel=0.03)
+    assert float(below.idxmax()) / dataset.attrs["hertz_half_width"] == pytest.approx(0.7, abs=0.1)
+
+
+def test_a_plan_says_what_it_will_be_and_what_it_will_cost(tmp_path: Path) -> None:
+    path = EXAMPLES / "rough.toml"
+    text = run("plan", str(path))
+    assert text.exit_code == 0
+    for words in ("304 x 188 cells", "padding exact", "period:", "s on one thread", "MB"):
+        assert words in text.output
+    as_json = run("plan", str(path), "--json")
+    fields = json.loads(as_json.output)
+    planned = cs.read_scene(path).plan()
+    assert fields["grid"]["cells"] == list(planned.grid.cells)
+    assert fields["error"] == planned.error
+    assert not list(tmp_path.iterdir())
+
+
+def test_what_is_wrong_with_a_grid_is_said_and_the_solution_flagged(tmp_path: Path) -> None:
+    text = (EXAMPLES / "smooth.toml").read_text(encoding="utf-8")
+    narrow = tmp_path / "narrow.toml"
+    narrow.write_text(text + '\n[grid]\ncells = [32, 1]\nextent = ["150 um", "100 um"]\n')
+    result = run("solve", str(narrow), "--out", str(tmp_path))
+    assert result.exit_code == 1
+    assert "the contact may outgrow it" in result.output
+    assert "CONTACT_AT_EDGE" in result.output
+    assert (tmp_path / "narrow.nc").is_file()
+
+
+@pytest.mark.parametrize("command", ["plan", "solve"])
+def test_a_scene_that_cannot_be_read_leaves_nothing_behind(command: str, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    words = [command, str(tmp_path / "none.toml")] + (
+        ["--out", str(out)] if command == "solve" else []
+    )
+    result = run(*words)
+    assert isinstance(result.exception, cs.InvalidInput)
+    assert "none.toml cannot be read" in str(result.exception)
+    assert not out.exists()

@@ -1,0 +1,46 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from studies.definitions.scenes.effects import SCENES, scene_at
+from studies.engine.run import run
+from studies.registry import load
+from studies.report import page as report
+from tests.studies.conftest import quiet
+
+
+def test_one_cell_along_gives_the_pressure_of_many() -> None:
+    one, many = (
+        scene_at({"effect": f"smooth, {dimension}", "grid": 128}) for dimension in ("1-D", "2-D")
+    )
+    assert (one.case.grid.cells, many.case.grid.cells) == ((128, 1), (128, 32))
+    line, plane = (cs.solve(whole.prepare(), tolerance=1e-12).pressure for whole in (one, many))
+    np.testing.assert_allclose(plane, np.broadcast_to(line, plane.shape), atol=1e-9 * line.max())
+
+
+def test_every_scene_has_one_effect_more_than_the_one_before() -> None:
+    def effects(scene: cs.Scene) -> int:
+        return len(scene.shapes) + np.isfinite(scene.hardness) + len(scene.outputs)
+
+    assert [effects(scene) for scene in SCENES.values()] == [1, 1, 2, 3, 4, 5, 6]
+
+
+def test_every_effect_counts_and_is_shown(tmp_path: Path) -> None:
+    study = load("effects").override({"grid": "256"})
+    dataset = run(study, tmp_path, workers=0, repeats=1, say=quiet).isel(grid=0)
+    assert (dataset["outcome"] == 0).all()
+    found = {name: dataset.sel(effect=name) for name in SCENES}
+    # no shape asks for memory of its own; one cell along asks for a 64th, but for what any solve holds
+    shapes = [float(found[name]["memory"]) for name in ("waviness", "texture", "roughness")]
+    assert max(shapes) == pytest.approx(min(shapes), rel=0.05)
+    assert float(found["smooth, 1-D"]["memory"]) < float(found["smooth, 2-D"]["memory"]) / 16
+    assert float(found["stress"]["memory"]) > float(found["hardness"]["memory"])
+    # stress is found from the solution, which knows nothing of it
+    assert found["stress"]["iterations"] == found["hardness"]["iterations"]
+    assert found["stress"]["contact_share"] == found["hardness"]["contact_share"]
+    # a hardness widens the contact that roughness has left
+    assert found["hardness"]["contact_share"] > found["roughness"]["contact_share"]
+    report.draw(study, tmp_path)
+    assert (tmp_path / "effects" / "effects.png").is_file()

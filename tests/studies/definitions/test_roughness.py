@@ -1,0 +1,152 @@
+"""A window of images on a rough surface: the same law as on a smooth one."""
+
+from math import pi
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+import contactstudy as cs
+from contactstudy import InvalidInput
+from contactstudy.analytic import truncation_error
+from studies.definitions.scenes.roughness import LENGTH, ROLL_OFF, WIDTH, measures, scene_at
+from studies.engine.run import run
+from studies.registry import load
+from studies.report import page as report
+from tests.studies.conftest import quiet
+
+POINT = {
+    "rms": 0.1,
+    "hurst": 0.8,
+    "peklenik": 1.0,
+    "seed": 1,
+    "images": 6,
+    "period": 2.4,
+    "grid": 80,
+}
+
+
+def compared(**changed: float) -> xr.Dataset:
+    """What one surface gives, by padding; on a grid half as fine as the study's."""
+    comparison = scene_at(POINT | changed)
+    return xr.Dataset(measures(comparison, comparison.run(comparison.prepare())))
+
+
+@pytest.fixture(scope="module")
+def by_images() -> dict[tuple[float, int], xr.Dataset]:
+    """By rms and the number of images."""
+    return {
+        (rms, images): compared(rms=rms, images=images) for rms in (0.0, 0.3) for images in (2, 6)
+    }
+
+
+def test_a_smooth_contact_errs_by_the_law(by_images: dict[tuple[float, int], xr.Dataset]) -> None:
+    """d/da of Hertz's pressure at a fixed load: 4/pi of the relative change of a, in L1."""
+    six = by_images[0.0, 6].sel(padding="circular")
+    law = truncation_error(1, cs.CircularSuperposition(6).reach(2.4))
+    cell = WIDTH / POINT["grid"]  # in half-widths; the law itself holds to a²/D² = 0.4 %
+    assert float(six["half_width_error"]) == pytest.approx(-float(law), rel=cell)
+    assert float(six["pressure_error_l1"]) == pytest.approx(4 / pi * float(law), rel=cell)
+
+
+@pytest.mark.parametrize("rms", [0.0, 0.3])
+def test_the_error_falls_with_the_square_of_the_reach_on_any_surface(
+    rms: float, by_images: dict[tuple[float, int], xr.Dataset]
+) -> None:
+    two, six = (by_images[rms, images].sel(padding="circular") for images in (2, 6))
+    ratio = (6.5 / 2.5) ** 2
+    for error in ("pressure_error_l1", "half_width_error"):
+        # the law's next term is (a/D)² of it, 3 % at n = 2
+        assert float(two[error] / six[error]) == pytest.approx(ratio, rel=0.06)
+
+
+def test_a_window_is_a_more_curved_cylinder_on_any_surface(
+    by_images: dict[tuple[float, int], xr.Dataset],
+) -> None:
+    smooth, rough = (by_images[rms, 6].sel(padding="circular") for rms in (0.0, 0.3))
+    left = [float(one["curved_difference"] / one["pressure_error_l1"]) for one in (smooth, rough)]
+    assert left[0] < 2 * (1 / 15.6) ** 2  # the law's next term
+    # an uneven load moves with the window: beyond it lacks a share of the spread, times (L / 2 pi a)²
+    assert left[1] < float(rough["load_spread"]) * (2.4 / (2 * pi)) ** 2 * 2
+
+
+def test_zero_padding_ends_the_length_and_exact_errs_nowhere() -> None:
+    found = compared()
+    exact, zero = found.sel(padding="exact"), found.sel(padding="zero")
+    for error in (
+        "pressure_error_l1",
+        "half_width_error",
+        "pressure_error_max",
+        "curved_difference",
+    ):
+        assert float(exact[error]) == 0
+    assert float(zero["highest_pressure_error"]) > 0.1  # the pressure of a free end
+    assert (found["converged"] == 1).all()
+
+
+def test_a_padding_errs_as_much_on_a_finer_grid() -> None:
+    """The error is the window's, not the grid's."""
+    coarse, fine = (
+        compared(grid=cells).sel(padding=["duplicated", "circular"]) for cells in (80, 160)
+    )
+    ratio = coarse["pressure_error_l1"] / fine["pressure_error_l1"]
+    assert (abs(ratio - 1) < 0.05).all()
+
+
+def test_the_surface_is_the_same_in_a_longer_period() -> None:
+    """Exact periodicity gives each half of a doubled period the answer of the whole."""
+    one, two = (compared(period=period).sel(padding="exact") for period in (2.4, 4.8))
+    for answer in ("contact_area", "half_width", "peak_pressure", "load_spread"):
+        # to the solver's tolerance, magnified where cells barely touch
+        assert float(one[answer]) == pytest.approx(float(two[answer]), rel=1e-3)
+
+
+def test_roughness_takes_area_and_spreads_the_load() -> None:
+    smooth, rough, across = (
+        compared(rms=rms, peklenik=lay).sel(padding="exact")
+        for rms, lay in ((0.0, 1.0), (0.1, 0.5), (0.1, 2.0))
+    )
+    assert float(smooth["load_spread"]) < 1e-6
+    assert float(smooth["smooth_difference"]) < 1e-5
+    assert float(rough["contact_area"]) < float(smooth["contact_area"])
+    assert float(rough["half_width"]) > float(smooth["half_width"])
+    # ridges across the length take the load from what lies between them, ridges along it less so
+    assert float(across["load_spread"]) > 1.5 * float(rough["load_spread"])
+
+
+def test_the_default_grid_and_period_show_every_surface() -> None:
+    for case in {comparison.exact for comparison in load("roughness").cases()}:  # type: ignore[attr-defined]
+        plan = cs.plan(case.scene, grid=case.grid)
+        assert plan.error < 0.12
+        assert ": give" not in plan.period_check
+        assert not [said for said in plan.warnings if "Grid.cells" in said]
+    assert pytest.approx(4 * 2 * ROLL_OFF) == LENGTH  # four waves along, twice as long by the lay
+
+
+def test_without_roughness_all_choices_are_one_case() -> None:
+    study = load("roughness").override({"rms": "0,0.1", "seed": "1,2"})
+    smooth = len(study.cases()) // 2
+    assert len(set(study.cases())) == 1 + smooth
+
+
+@pytest.mark.parametrize(
+    ("axis", "values", "message"),
+    [
+        ("rms", "-0.1", "rms is -0.1: give an rms height of 0 or more"),
+        ("period", "1", "the rough surface's length is .*: give a length that divides the period"),
+        ("peklenik", "0", "Roughness.peklenik is 0.0"),
+        ("images", "-1", "images is -1"),
+    ],
+)
+def test_a_point_that_cannot_be_is_refused(axis: str, values: str, message: str) -> None:
+    with pytest.raises(InvalidInput, match=f"^{message}"):
+        load("roughness").override({axis: values}).cases()
+
+
+@pytest.mark.parametrize("rms", ["0", "0.1"])
+def test_figures_can_be_drawn_of_one_surface(rms: str, tmp_path: Path) -> None:
+    one = {"rms": rms, "hurst": "0.8", "peklenik": "1", "seed": "1", "images": "0", "grid": "40"}
+    study = load("roughness").override(one)
+    run(study, tmp_path, workers=0, repeats=1, say=quiet)
+    report.draw(study, tmp_path)
+    assert len(list((tmp_path / "roughness").glob("*.png"))) == 3

@@ -1,0 +1,194 @@
+"""Cases that raise, give nan, hang and die, wherever they are computed."""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from contactstudy import InvalidInput
+from studies.engine.cluster import Cluster
+from studies.engine.executors import Crew
+from studies.engine.options import Settings
+from studies.engine.run import run
+from studies.model.outcome import Fate, Outcome, Work
+from tests.studies.conftest import quiet
+from tests.studies.engine import trouble
+from tests.studies.engine.trouble import DIES, HANGS, NAN, RAISES, Trouble
+
+LIMIT = 1.5  # seconds; a case takes microseconds
+TROUBLES = {RAISES: Fate.FAILED, NAN: Fate.FAILED, HANGS: Fate.TIMEOUT, DIES: Fate.KILLED}
+
+
+def examine(dataset: xr.Dataset) -> None:
+    """Sixteen are right, four are labelled."""
+    status = {
+        int(n): Fate(int(s)) for n, s in zip(dataset["number"], dataset["status"], strict=True)
+    }
+    assert status == {n: TROUBLES.get(n, Fate.OK) for n in range(20)}
+    good = dataset.sel(number=[n for n in range(20) if n not in TROUBLES])
+    np.testing.assert_array_equal(good["square"], good["number"] ** 2)
+    assert not good["error"].values.any()
+    said = {n: dataset.sel(number=n) for n in TROUBLES}
+    assert str(said[RAISES]["error"].item()) == "ArithmeticError in run: this one"
+    assert (said[RAISES]["error_type"].item(), said[RAISES]["error_stage"].item()) == (
+        "ArithmeticError", "solve",
+    )  # fmt: skip
+    assert "square is nan" in str(said[NAN]["error"].item())
+    assert said[NAN]["error_stage"].item() == "measure"
+    assert f"not done after {LIMIT:g} s" in str(said[HANGS]["error"].item())
+    assert "SIGKILL" in str(said[DIES]["error"].item())
+
+
+def test_processes_label_four_troubles_among_twenty(tmp_path: Path) -> None:
+    settings = Settings(workers=2, time_limit=LIMIT, repeats=1)
+    examine(run(trouble.study(), tmp_path, settings=settings, say=quiet))
+
+
+def test_a_crew_goes_from_study_to_study_and_outlives_their_troubles(tmp_path: Path) -> None:
+    """Its processes stay, take the measures of each study, and end with it."""
+    found: dict[int, Outcome] = {}
+    with Crew(1) as crew:
+        crew.run([Trouble(2.0)], Work(trouble.measures), found.__setitem__)
+        assert float(found[0].variables["square"]) == 4
+        processes = []
+        for _ in range(2):
+            crew.run([Trouble(1.0)], Work(process), found.__setitem__)
+            processes.append(int(found[0].variables["process"]))
+        assert processes[0] == processes[1] != os.getpid()
+        settings = Settings(time_limit=LIMIT, repeats=1)
+        examine(run(trouble.study(), tmp_path, settings=settings, say=quiet, engine=crew))
+        crew.run([Trouble(1.0)], Work(process), found.__setitem__)
+        processes.append(int(found[0].variables["process"]))
+    for one in processes:
+        with pytest.raises(ProcessLookupError):
+            os.kill(one, 0)
+
+
+def test_a_crew_that_was_stopped_starts_anew() -> None:
+    found: dict[int, Outcome] = {}
+
+    def stop(number: int, outcome: Outcome) -> None:
+        raise KeyboardInterrupt
+
+    with Crew(2) as crew:
+        with pytest.raises(KeyboardInterrupt):
+            crew.run([Trouble(1.0), Trouble(HANGS)], Work(trouble.measures), stop)
+        crew.run([Trouble(2.0)], Work(trouble.measures), found.__setitem__)
+    assert float(found[0].variables["square"]) == 4
+
+
+def process(case: Trouble, result: float) -> dict[str, float]:
+    return {"process": os.getpid()}
+
+
+SCRIPT = """
+import sys
+from pathlib import Path
+from studies.engine.options import Settings
+from studies.engine.run import run
+from tests.studies.engine import trouble
+run(trouble.study(), Path(sys.argv[1]), settings=Settings(workers=0, time_limit=1.5, repeats=1))
+"""
+
+
+def test_a_case_that_takes_its_process_down_is_given_its_own_the_next_time(tmp_path: Path) -> None:
+    command = [sys.executable, "-c", SCRIPT, str(tmp_path)]
+    root = Path(__file__).parents[3]
+    first = subprocess.run(command, cwd=root, capture_output=True, text=True)
+    assert first.returncode == -signal.SIGKILL
+    second = subprocess.run(command, cwd=root, capture_output=True, text=True)
+    assert second.returncode == 0, second.stderr
+    assert "needs a process of its own" in second.stdout
+    dataset = xr.load_dataset(tmp_path / "trouble.nc")
+    examine(dataset)
+    assert "needs a process of its own" in str(dataset["error"].sel(number=DIES).item())
+
+
+def address_of(scheduler: subprocess.Popen[str]) -> str:
+    assert scheduler.stderr is not None
+    for line in scheduler.stderr:
+        if found := re.search(r"Scheduler at:\s+(tcp://\S+)", line):
+            return found[1]
+    raise AssertionError("no address")
+
+
+Running = tuple[str, list[subprocess.Popen[bytes]]]
+
+
+@pytest.fixture
+def cluster(tmp_path: Path) -> Iterator[Running]:
+    """A scheduler and two workers, processes all three."""
+    pytest.importorskip("distributed")
+    dask = [str(Path(sys.executable).with_name("dask"))]
+    root = Path(__file__).parents[3]
+    environment = os.environ | {"PYTHONPATH": str(root)}
+    scheduler = subprocess.Popen(
+        [*dask, "scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--no-jupyter"],
+        stderr=subprocess.PIPE, text=True, cwd=root, env=environment,
+    )  # fmt: skip
+    workers = []
+    try:
+        address = address_of(scheduler)
+        workers = [
+            subprocess.Popen(
+                [*dask, "worker", address, "--no-nanny", "--nthreads", "1", "--no-dashboard",
+                 "--local-directory", str(tmp_path / f"worker-{number}")],
+                stderr=subprocess.DEVNULL, cwd=root, env=environment,
+            )
+            for number in range(2)
+        ]  # fmt: skip
+        yield address, workers
+    finally:
+        for process in [*workers, scheduler]:
+            process.kill()
+            process.wait()
+        if scheduler.stderr is not None:
+            scheduler.stderr.close()
+
+
+def test_a_cluster_labels_four_troubles_and_outlives_a_worker(
+    cluster: Running, tmp_path: Path
+) -> None:
+    address, workers = cluster
+    settings = Settings(scheduler=address, time_limit=LIMIT, repeats=1)
+    examine(run(trouble.study(), tmp_path, settings=settings, say=quiet))
+
+    log = tmp_path / "log"
+    slow = trouble.study([n + 0.5 for n in range(24)], log=str(log), seconds=0.1)
+    watcher = subprocess.Popen(
+        [sys.executable, "-c", WATCH, str(log), str(workers[0].pid)],
+    )
+    dataset = run(slow, tmp_path / "second", settings=settings, say=quiet)
+    assert watcher.wait() == 0
+    assert workers[0].wait() == -signal.SIGKILL
+    assert (dataset["status"] == Fate.OK).all()
+    np.testing.assert_array_equal(dataset["square"], dataset["number"] ** 2)
+
+
+WATCH = """
+import os, signal, sys, time
+while not (os.path.exists(sys.argv[1]) and len(open(sys.argv[1]).readlines()) >= 6):
+    time.sleep(0.02)
+os.kill(int(sys.argv[2]), signal.SIGKILL)
+"""
+
+
+def test_a_scheduler_that_is_not_there_is_said() -> None:
+    pytest.importorskip("distributed")
+    nowhere = Cluster("tcp://127.0.0.1:1", patience=0.2)
+    with pytest.raises(InvalidInput, match=r"^Scheduler 'tcp://127.0.0.1:1' cannot be reached"):
+        nowhere.run([], Work(trouble.measures), lambda number, outcome: None)
+
+
+def test_the_first_failure_stops_a_run_that_is_to_stop(tmp_path: Path) -> None:
+    settings = Settings(workers=0, after_failure="stop", repeats=1)
+    dataset = run(trouble.study(), tmp_path, settings=settings, say=quiet)
+    status = dataset["status"].values.tolist()
+    assert status == [Fate.OK] * RAISES + [Fate.FAILED] + [Fate.SKIPPED] * (19 - RAISES)

@@ -1,0 +1,134 @@
+import json
+from math import exp, log
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from studies.engine.forecast import Forecast, forecast, observations, score
+from studies.engine.forecast_model import Estimate, ForecastModel, Observation, total
+from studies.engine.options import Settings
+from studies.engine.run import foresee, run
+from studies.reference.line_contact import scene_at
+from studies.registry import load
+from studies.store.identity import canonical
+from studies.store.journal import Journal
+from studies.store.provenance import machine
+from tests.studies.conftest import quiet
+from tests.studies.engine import trouble
+
+STORED = [
+    Observation(tree, known)
+    for tree, known in json.loads(
+        (Path(__file__).parents[2] / "reference" / "case_costs.json").read_text()
+    )["cases"]
+]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_stored_costs_that_were_held_out_are_predicted_within_a_factor_of_1_5(seed: int) -> None:
+    order = np.random.default_rng(seed).permutation(len(STORED))
+    errors = []
+    for fold in range(5):
+        held = [STORED[place] for place in order[fold::5]]
+        model = ForecastModel([one for one in STORED if one not in held])
+        trees = [one.tree for one in held]
+        both = zip(model.predict("setup", trees), model.predict("solve", trees), strict=True)
+        for one, (setup, solve) in zip(held, both, strict=True):
+            assert setup is not None
+            assert solve is not None
+            errors.append(
+                log((one.known["setup"] + one.known["solve"]) / (setup.value + solve.value))
+            )
+    assert np.quantile(np.abs(errors), 0.98) < log(1.5)
+    assert abs(np.mean(errors)) < log(1.1)
+
+
+def test_the_uncertainty_is_that_of_the_errors() -> None:
+    held, rest = STORED[::4], [one for number, one in enumerate(STORED) if number % 4]
+    found = ForecastModel(rest).predict("solve", [one.tree for one in held])
+    scaled = [
+        log(one.known["solve"] / guess.value) / log(guess.factor)
+        for one, guess in zip(held, found, strict=True)
+        if guess is not None
+    ]
+    assert 0.3 < np.sqrt(np.mean(np.square(scaled))) < 2
+
+
+@settings(deadline=None)
+@given(power=st.floats(0.5, 2.5), scale=st.floats(1e-6, 1e-2))
+def test_a_power_is_found_and_uncertainty_grows_with_distance(power: float, scale: float) -> None:
+    def row(size: float) -> Observation:
+        return Observation({"": "Thing", "size": str(size)}, {"case": scale * size**power})
+
+    model = ForecastModel([row(size) for size in (1.5, 2.5, 4.5, 8.5, 16.5, 32.5)])
+    near, far = model.predict(
+        "case", [{"": "Thing", "size": "11.5"}, {"": "Thing", "size": "1000.5"}]
+    )
+    assert near is not None
+    assert far is not None
+    assert near.value == pytest.approx(scale * 11.5**power, rel=0.1)
+    assert far.factor > near.factor
+
+
+def test_a_case_that_counts_no_iterations_takes_one(tmp_path: Path) -> None:
+    """Else the time of each would be without end, and with it all that is like nothing stored."""
+    run(trouble.study([1.0]), tmp_path, settings=Settings(workers=0, repeats=1), say=quiet)
+    journal = Journal(tmp_path / "trouble.journal.jsonl", None, machine())
+    (found,) = observations(journal.contents)
+    assert found.known["iterations"] == 1
+    model = ForecastModel([found])
+    guess = model.predict("solve", [found.tree])[0]
+    assert guess is not None
+    assert guess.value == pytest.approx(found.known["solve"])
+
+
+def test_a_mode_that_is_new_is_guessed_from_the_others_with_less_trust() -> None:
+    others = [one for one in STORED if one.tree["padding"][""] != "ExactPeriodicity"]
+    new = next(one.tree for one in STORED if one.tree["padding"][""] == "ExactPeriodicity")
+    guess = ForecastModel(others).predict("setup", [new])[0]
+    known = ForecastModel(STORED).predict("setup", [new])[0]
+    assert guess is not None
+    assert known is not None
+    assert guess.factor > 2 > known.factor
+
+
+def test_with_nothing_stored_nothing_is_claimed() -> None:
+    tree = canonical(scene_at({"padding": "exact", "images": 1, "period": 1.0, "grid": 16}))
+    assert ForecastModel([]).predict("case", [tree]) == [None]
+    assert "not known" in str(forecast(ForecastModel([]), {"a": tree}, ["a"], 2))
+
+
+def test_a_sum_is_as_uncertain_as_its_parts() -> None:
+    found = total([Estimate(1.0, 1.2), Estimate(3.0, 1.2)])
+    assert (found.value, found.factor) == pytest.approx((4.0, 1.2))
+
+
+def test_a_forecast_is_scored_by_what_was_taken() -> None:
+    each = {"a": Estimate(1.0, 1.1), "b": Estimate(2.0, 1.1)}
+    found = score(Forecast(2, total(each.values()), None, None, each), {"a": 2.0, "b": 2.0})
+    assert found["predicted_seconds"] == 3.0
+    assert found["taken_seconds"] == 4.0
+    assert found["prediction_error_factor_largest"] == pytest.approx(2.0)
+    assert found["prediction_error_factor_median"] == pytest.approx(exp(log(2) / 2))
+
+
+def test_a_dry_run_foresees_and_leaves_nothing_and_a_run_keeps_its_score(tmp_path: Path) -> None:
+    study = load("grid").override({"padding": "exact,zero", "grid": "16,24,32"})
+    said: list[str] = []
+    assert foresee(study, tmp_path / "no", settings=Settings(), say=said.append).seconds is None
+    assert not (tmp_path / "no").exists()
+    assert "6 distinct cases, 0 stored, 6 to compute" in said[0]
+    run(study, tmp_path, workers=0, repeats=1, say=quiet)
+    before = sorted(path.name for path in tmp_path.iterdir())
+    grown = study.override({"grid": "16,24,32,48"})
+    forecast = foresee(grown, tmp_path, settings=Settings(workers=0), say=quiet)
+    assert forecast.cases == 2
+    assert forecast.seconds is not None
+    assert forecast.size is not None
+    assert sorted(path.name for path in tmp_path.iterdir()) == before
+    dataset = run(grown, tmp_path, workers=0, repeats=1, say=quiet)
+    assert dataset.attrs["predicted_seconds"] == pytest.approx(forecast.seconds.value)
+    assert dataset.attrs["taken_seconds"] > 0

@@ -1,0 +1,152 @@
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import contactstudy as cs
+from studies.engine.run import run
+from studies.model.case import Case
+from studies.model.study import Study
+from studies.reference.line_contact import HERTZ, SCENE, measures
+from studies.store.netcdf import read
+from tests.studies.conftest import quiet
+
+NUMBERS = [
+    "peak_pressure_error", "pressure_error_max", "pressure_error_l1", "half_width_error",
+    "length_variation", "setup_time", "solve_time", "iterations", "convolutions", "residual",
+]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def dataset(small_run: Path) -> xr.Dataset:
+    return read(small_run / "padding.nc")
+
+
+def test_every_selection_is_filled(dataset: xr.Dataset) -> None:
+    axes = ("padding", "images", "period", "grid")
+    assert tuple(dataset.sizes) == (*axes, "repeat")
+    for name in NUMBERS:
+        assert dataset[name].dims == axes
+        assert np.isfinite(dataset[name]).all(), name
+    assert (dataset["status"] == 1).all()
+
+
+def test_estimates_bound_the_errors_of_a_sweep(dataset: xr.Dataset) -> None:
+    for metric, error in (
+        ("highest_pressure", "highest_pressure_error"),
+        ("pressure_l1", "pressure_error_l1"),
+    ):
+        ratio = dataset[f"{metric}_estimate"] / abs(dataset[error])
+        assert float((ratio >= 1).mean()) >= 0.95
+        assert float(ratio.median()) <= 5
+        causes = ("truncation", "discretisation", "residual")
+        parts = sum(dataset[f"{metric}_estimate_{cause}"] for cause in causes)
+        xr.testing.assert_allclose(parts, dataset[f"{metric}_estimate"])
+
+
+def test_a_mode_without_n_is_computed_once_and_broadcast(dataset: xr.Dataset) -> None:
+    for name in NUMBERS:  # times too: were the case run twice, they would differ
+        exact = dataset[name].sel(padding="exact")
+        assert (exact == exact.isel(images=0)).all()
+    superposed = dataset["peak_pressure_error"].sel(padding="superposed", period=0.6, grid=24)
+    assert len(set(superposed.values.tolist())) == 3
+
+
+def test_every_variable_says_what_it_is_and_in_which_unit(dataset: xr.Dataset) -> None:
+    for name, variable in dataset.variables.items():
+        assert variable.attrs["long_name"], name
+        assert (
+            name in ("padding", "status", "outcome", "contended", "case_key")
+            or variable.attrs["units"]
+        ), name
+    for name in ("status", "outcome", "contended"):
+        flags = dataset[name].attrs
+        assert dataset[name].dtype == np.int8
+        assert len(flags["flag_values"]) == len(flags["flag_meanings"].split())
+
+
+def test_the_file_says_where_its_numbers_come_from(dataset: xr.Dataset) -> None:
+    for name in (
+        "title",
+        "first_case",
+        "source",
+        "history",
+        "git_revision",
+        "cpu",
+        "threads",
+        "timing",
+    ):
+        assert dataset.attrs[name], name
+    assert f"contactstudy {cs.__version__}" in dataset.attrs["source"]
+    assert "LineLoad(per_length=100000.0)" in dataset.attrs["first_case"]
+
+
+def test_stored_errors_are_those_of_a_solve_by_hand(
+    dataset: xr.Dataset, small_study: Study
+) -> None:
+    a = HERTZ.half_width
+    scene = cs.Scene(
+        load=cs.LineLoad(1e5),
+        solids=(cs.HalfSpace(youngs_modulus=210e9, poisson_ratio=0.3),) * 2,
+        shapes=(cs.Cylinder(radius=0.01),),
+    )
+    grid = cs.Grid(cells=(24, 24), extent=(2.4 * a, 0.6 * a))
+    solution = cs.solve(scene.problem(grid, cs.Superposition(images=2)))
+    stored = dataset.sel(padding="superposed", images=2, period=0.6, grid=24)
+    peak = solution.pressure[11:13].mean() / HERTZ.peak_pressure - 1
+    assert stored["peak_pressure_error"].item() == pytest.approx(peak, rel=1e-12)
+    assert stored["iterations"].item() == solution.iterations
+    assert stored["convolutions"].item() == solution.convolutions
+
+
+def test_processes_give_the_numbers_of_one_process(
+    dataset: xr.Dataset, small_study: Study, tmp_path: Path
+) -> None:
+    few = small_study.override({"padding": "zero,exact", "images": [1], "grid": [16]})
+    shared = run(few, tmp_path, workers=2, repeats=1, say=quiet)
+    same = dataset.sel(padding=["zero", "exact"], images=[1], grid=[16])
+    for name in ("peak_pressure_error", "residual", "iterations"):
+        np.testing.assert_array_equal(shared[name], same[name])
+
+
+def failing(case: Case, solution: cs.Solution) -> dict[str, xr.Variable]:
+    if case.padding == cs.Superposition(images=1):
+        raise ArithmeticError("one image too many")
+    return dict(measures(case, solution))
+
+
+def test_a_case_that_fails_is_data_and_the_others_go_on(small_study: Study, tmp_path: Path) -> None:
+    study = replace(small_study.override({"period": [1.0], "grid": [16]}), measures=failing)
+    lines: list[str] = []
+    run(study, tmp_path, workers=0, repeats=1, say=lines.append)
+    dataset = read(tmp_path / "padding.nc")
+    failed = dataset["status"] == 2
+    assert int(failed.sum()) == 1
+    assert bool(failed.sel(padding="superposed", images=1).item())
+    reason = str(dataset["error"].sel(padding="superposed", images=1).item())
+    assert reason == "ArithmeticError in failing: one image too many"
+    assert np.isnan(dataset["peak_pressure_error"].values[failed.values]).all()
+    assert np.isfinite(dataset["peak_pressure_error"].values[~failed.values]).all()
+    assert any("1 of 9 cases failed" in line for line in lines)
+
+
+def test_nothing_is_written_when_a_point_is_bad(small_study: Study, tmp_path: Path) -> None:
+    with pytest.raises(cs.InvalidInput):
+        run(small_study.override({"period": "1,0"}), tmp_path / "new", say=quiet)
+    assert not (tmp_path / "new").exists()
+
+
+def test_measures_do_not_depend_on_the_unit_of_length() -> None:
+    """A cell of a nanometre is a cell."""
+    found = []
+    for radius in (1e-2, 1e-7):
+        scene = replace(SCENE, shapes=(cs.Cylinder(radius),), load=cs.LineLoad(1e7 * radius))
+        hertz = scene.hertz
+        assert hertz is not None
+        grid = cs.Grid(cells=(32, 2), extent=(2.4 * hertz.half_width, hertz.half_width))
+        case = Case(scene, grid, cs.ExactPeriodicity(), tolerance=1e-11)
+        measured = measures(case, case.run(case.prepare()))
+        found.append([float(variable) for variable in measured.values()])
+    np.testing.assert_allclose(found[0], found[1], rtol=0, atol=1e-9)

@@ -1,0 +1,114 @@
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from contactstudy import InvalidInput
+from studies.engine import timing
+from studies.engine.options import Settings
+from studies.engine.run import run
+from studies.engine.timing import turns
+from studies.model.outcome import Fate
+from studies.model.timing_samples import Sample, is_contended, timing_variables
+from tests.studies.conftest import quiet
+from tests.studies.engine import trouble
+
+
+def sample(wall: float, cpu: float | None = None) -> Sample:
+    return Sample(0.25 * wall, 0.75 * wall, 0.0, wall if cpu is None else cpu, 1)
+
+
+def test_repeats_are_interleaved_between_cases() -> None:
+    assert list(turns({"a": 2, "b": 1, "c": 2})) == [
+        (0, "a"), (0, "b"), (0, "c"), (1, "a"), (1, "c"),
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("samples", "is_flagged"),
+    [
+        ([sample(1.0), sample(1.05)], False),
+        ([sample(1.0), sample(3.0), sample(1.02)], False),
+        ([sample(1.0), sample(1.2)], True),
+        ([sample(1.0)], True),
+        ([sample(1.0, cpu=0.8), sample(1.0)], True),
+        ([sample(1.0), sample(1.05, cpu=0.5)], False),
+    ],
+)
+def test_a_time_that_no_repeat_confirms_or_that_lacked_the_processor_is_flagged(
+    samples: list[Sample], is_flagged: object
+) -> None:
+    assert is_contended(samples) is is_flagged
+
+
+def test_a_time_taken_while_the_processor_was_slow_is_flagged() -> None:
+    slow = [replace(sample(1.0), pace=1.2e-3)] * 2
+    assert is_contended(slow, pace=1e-3)
+    assert not is_contended(slow, pace=1.15e-3)
+
+
+def test_every_sample_is_kept_with_least_median_and_processor_time() -> None:
+    data = timing_variables(
+        ("n",), (3,), [[sample(1.0), sample(3.0), sample(2.0)], [sample(4.0)], []]
+    )
+    assert data["solve_time"].values[:2] == pytest.approx([0.75, 3.0])
+    assert data["solve_time_median"].values[0] == pytest.approx(1.5)
+    assert data["solve_time_cpu"].values[0] == pytest.approx(1.0)
+    assert data["solve_time_all"].dims == ("n", "repeat")
+    assert data["solve_time_all"].values[0] == pytest.approx([0.75, 2.25, 1.5])
+    assert np.isnan(data["solve_time"].values[2])
+    assert data["contended"].values.tolist() == [1, 1, 2]
+
+
+def test_stored_times_are_not_taken_again_unless_asked(tmp_path: Path) -> None:
+    log = tmp_path / "log"
+    study = trouble.study([1.0, 2.0], log=str(log))
+
+    def times(settings: Settings) -> tuple[np.ndarray, int]:
+        before = len(log.read_text().splitlines()) if log.exists() else 0
+        data = run(study, tmp_path, settings=settings, say=quiet)["solve_time_all"].values
+        return data, len(log.read_text().splitlines()) - before
+
+    once = Settings(workers=0, repeats=2)
+    first, _ = times(once)
+    again, taken = times(once)
+    np.testing.assert_array_equal(first, again)
+    assert taken == 0
+    more, taken = times(replace(once, repeats=3))
+    np.testing.assert_array_equal(first, more[:, :2])
+    assert taken == 1 + 2 * 1  # a warm-up for two cases of a kind, and what was missing
+    # by count, for two times may agree to the clock's last digit
+    _, taken = times(replace(once, old_times="dropped"))
+    assert taken == 1 + 2 * 2
+
+
+def test_the_longest_short_case_of_each_kind_is_run_untimed_before_all(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    clocked: list[object] = []
+    monkeypatch.setattr(timing, "clock", lambda case: clocked.append(case) or sample(1.0))
+    expected = {"tiny": 0.01, "short": 0.1, "long": 9.0, "other": 0.02, "slow": 8.0}
+    kinds = {"tiny": "a", "short": "a", "long": "a", "other": "b", "slow": "c"}
+    cases = {name: trouble.Trouble(float(number)) for number, name in enumerate(expected)}
+    taken: list[str] = []
+    timing.time(cases, dict.fromkeys(cases, 1), expected, kinds, lambda key, _: taken.append(key))
+    assert taken == list(cases)
+    assert set(clocked[:2]) == {cases["short"], cases["other"]}
+    assert clocked[2:] == list(cases.values())
+
+
+def test_what_failed_is_not_timed(tmp_path: Path) -> None:
+    dataset = run(trouble.study([1.0, 3.0]), tmp_path, workers=0, repeats=1, say=quiet)
+    assert dataset["status"].values.tolist() == [Fate.OK, Fate.FAILED]
+    assert dataset["contended"].values.tolist()[1] == 2
+
+
+def test_a_study_that_wants_no_times_is_not_timed(tmp_path: Path) -> None:
+    log = tmp_path / "log"
+    study = replace(trouble.study([1.0, 2.0], log=str(log)), times="none")
+    dataset = run(study, tmp_path, settings=Settings(workers=0), say=quiet)
+    assert len(log.read_text().splitlines()) == 2
+    assert dataset["contended"].values.tolist() == [2, 2]
+    with pytest.raises(InvalidInput, match=r"^times is 'some'"):
+        replace(study, times="some")

@@ -1,0 +1,67 @@
+"""Twenty cases, sixteen of them good; without a contact, so that only the running of them takes time."""
+
+import os
+import signal
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from studies.model.axis import Axis
+from studies.model.study import Plate, Point, Study
+
+RAISES, NAN, HANGS, DIES = 3, 7, 11, 15
+
+
+@dataclass(frozen=True)
+class Trouble:
+    """A number to square, which may go wrong; ``log`` gets a line for each time it is computed."""
+
+    number: float
+    offset: float = 0.0
+    log: str = field(default="", compare=False)
+    seconds: float = field(default=0.0, compare=False)
+
+    def prepare(self) -> float:
+        return self.number
+
+    def run(self, prepared: float) -> float:
+        if self.log:
+            with Path(self.log).open("a") as file:
+                file.write(f"{self.number}\n")
+        if self.seconds:
+            time.sleep(self.seconds)
+        if prepared == RAISES:
+            raise ArithmeticError("this one")
+        if prepared == HANGS:
+            time.sleep(1000)
+        if prepared == DIES:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return prepared**2 + self.offset
+
+    def record(self, result: float) -> Mapping[str, xr.Variable]:
+        return {}
+
+
+def measures(case: Trouble, result: float) -> Mapping[str, xr.Variable | float]:
+    label = {"units": "1", "long_name": "its powers"}
+    return {
+        "square": np.nan if case.number == NAN else result,
+        "third": result / 3,
+        "powers": xr.Variable(("power",), result ** np.arange(3) / 7, label),
+    }
+
+
+def figure(dataset: xr.Dataset) -> tuple[Plate, ...]:
+    return ()
+
+
+def study(numbers: object = range(20), log: str = "", seconds: float = 0.0) -> Study:
+    def scene_at(point: Point) -> Trouble:
+        return Trouble(float(point["number"]), log=log, seconds=seconds)
+
+    axis = Axis("number", tuple(float(n) for n in numbers), "what is squared")  # type: ignore[attr-defined]
+    return Study("trouble", "Twenty cases.", (axis,), scene_at, measures, figure)

@@ -1,0 +1,45 @@
+import pytest
+
+from contactstudy import InvalidInput
+from studies.model.axis import Axis, Value
+
+WHOLE = Axis("images", (6,), "n")
+REAL = Axis("period", (2.4,), "L")
+NAME = Axis("padding", ("zero",), "mode")
+
+
+@pytest.mark.parametrize(
+    ("axis", "text", "values"),
+    [
+        (WHOLE, "0:10", tuple(range(11))),
+        (WHOLE, "0:10:5,100", (0, 5, 10, 100)),
+        (WHOLE, "6, 1,6", (1, 6)),
+        (REAL, "0.15,0.6,2.4", (0.15, 0.6, 2.4)),
+        (REAL, "2", (2.0,)),
+        (NAME, "zero,exact", ("zero", "exact")),
+    ],
+)
+def test_values_are_read_as_a_person_writes_them(
+    axis: Axis, text: str, values: tuple[Value, ...]
+) -> None:
+    assert axis.override(text).values == values
+    assert [type(v) for v in axis.override(text).values] == [axis.kind] * len(values)
+
+
+def test_values_may_come_from_python() -> None:
+    assert WHOLE.override(range(3)).values == (0, 1, 2)
+    assert REAL.override([1, 2.5]).values == (1.0, 2.5)
+
+
+@pytest.mark.parametrize(
+    ("axis", "text"),
+    [
+        (WHOLE, ""), (WHOLE, "six"), (WHOLE, "1.5"), (WHOLE, "3:1"), (WHOLE, "0:4:0"), (WHOLE, "1,,2"),
+        (WHOLE, "0:--3"),
+        (WHOLE, "nan"), (WHOLE, "inf"), (REAL, "0:10"), (REAL, "nan"), (REAL, "inf"), (REAL, "1e999"),
+        (REAL, ","),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_read_is_refused_with_its_axis(axis: Axis, text: str) -> None:
+    with pytest.raises(InvalidInput, match=rf"^{axis.name} is .*: give .*\.$"):
+        axis.override(text)

@@ -1,0 +1,94 @@
+import textwrap
+from pathlib import Path
+
+import pytest
+
+from studies.registry import load
+from studies.store.code_fingerprint import recipe
+
+FILE = '''
+"""A study."""
+
+from dataclasses import dataclass
+
+from studies.model.axis import Axis
+
+points = (Axis("n", (1, 2), "n"),)
+SCALE = 2.0
+
+
+@dataclass(frozen=True)
+class Thing:
+    n: int
+
+    def prepare(self):
+        return self.n
+
+    def run(self, prepared):
+        return prepared + 1
+
+    def record(self, result):
+        return {}
+
+
+def scene_at(point):
+    return Thing(point["n"])
+
+
+def helper(x):
+    return SCALE * x
+
+
+def measures(case, result):
+    """Twice."""
+    return {"twice": helper(result)}
+
+
+def figure(dataset):
+    return ()
+'''
+
+
+def fingerprint(path: Path, text: str) -> str:
+    path.write_text(textwrap.dedent(text))
+    study = load(str(path))
+    return recipe(study.measures, frozenset(type(case) for case in study.cases()))
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("helper(result)}", "helper(result) + 1}"),
+        ("SCALE * x", "SCALE + x"),
+        ("SCALE = 2.0", "SCALE = 3.0"),
+        ("prepared + 1", "prepared + 2"),
+        ("return self.n", "return -self.n"),
+    ],
+)
+def test_a_change_of_what_makes_the_numbers_is_noticed(old: str, new: str, tmp_path: Path) -> None:
+    before = fingerprint(tmp_path / "one.py", FILE)
+    assert old in FILE
+    assert fingerprint(tmp_path / "two.py", FILE.replace(old, new)) != before
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ('"""Twice."""', '"""Two times."""'),
+        ("return ()", "return (1,)"),
+        ("(1, 2)", "(1, 2, 3)"),
+        ("    return SCALE * x", "    # as agreed\n    return SCALE * x"),
+        ("    n: int", "    n: int\n    more: int = 0"),
+    ],
+)
+def test_a_change_of_words_figures_and_axes_is_none(old: str, new: str, tmp_path: Path) -> None:
+    before = fingerprint(tmp_path / "one.py", FILE)
+    assert fingerprint(tmp_path / "two.py", FILE.replace(old, new)) == before
+
+
+def test_studies_measure_differently() -> None:
+    found = {
+        recipe(load(name).measures, frozenset({type(load(name).cases()[0])}))
+        for name in ("paper", "padding", "kernels", "speed")
+    }
+    assert len(found) == 4

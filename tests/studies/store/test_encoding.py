@@ -1,0 +1,75 @@
+import json
+import struct
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from studies.store.encoding import Kinds
+
+
+def there_and_back(variables: dict[str, xr.Variable]) -> dict[str, xr.Variable]:
+    writer, reader = Kinds(), Kinds()
+    kinds, values = writer.encode(variables)
+    kinds, values = json.loads(json.dumps([kinds, values]))
+    for kind in kinds:
+        reader.add(kind)
+    return dict(reader.decode(values))
+
+
+@settings(deadline=None)  # the first variable of a process takes long
+@given(st.floats())
+def test_a_number_comes_back_to_the_last_bit(value: float) -> None:
+    back = there_and_back({"a": xr.Variable((), value)})["a"].values.item()
+    assert struct.pack("d", back) == struct.pack("d", value) or value != value
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        np.array([0.1, -0.0, np.nan, np.inf]),
+        np.float32(0.1),
+        np.array([[1, 2], [3, 4]], dtype=np.int8),
+        np.array(2**62 + 1),
+        np.uint64(2**64 - 1),
+        np.bool_(1),
+        np.array(["a", "größer"]),
+        np.array(["2020-01-01"], dtype="datetime64[ns]"),
+        np.array(1 + 2j),
+        np.zeros((0, 3)),
+        np.asfortranarray(np.arange(6.0).reshape(2, 3)),
+    ],
+    ids=str,
+)
+def test_any_array_comes_back_to_the_last_bit(values: Any) -> None:
+    values = np.asarray(values)
+    dims = tuple("xyz"[: values.ndim])
+    back = there_and_back({"a": xr.Variable(dims, values, {"units": "1"})})["a"]
+    assert back.dims == dims
+    assert back.attrs == {"units": "1"}
+    assert back.values.dtype == values.dtype
+    assert back.values.tobytes() == values.tobytes()
+
+
+def test_attributes_come_back_but_for_what_netcdf_cannot_hold() -> None:
+    flags = np.array([0, 1], dtype=np.int8)
+    attrs = {"flag_values": flags, "n": 3, "nothing": None, "truth": True, "more": {"a": 1}}
+    back = there_and_back({"a": xr.Variable((), 1.0, attrs)})["a"].attrs
+    assert back["flag_values"].dtype == np.int8
+    np.testing.assert_array_equal(back["flag_values"], flags)
+    assert (back["n"], back["nothing"], back["truth"], back["more"]) == (
+        3,
+        "None",
+        "True",
+        "{'a': 1}",
+    )
+
+
+def test_what_is_the_same_of_many_is_written_once() -> None:
+    kinds = Kinds()
+    first, _ = kinds.encode({"a": xr.Variable((), 1.0, {"units": "m"})})
+    second, values = kinds.encode({"a": xr.Variable((), 2.0, {"units": "m"})})
+    assert (len(first), second, values) == (1, [], {"a": [0, 2.0]})

@@ -1,0 +1,71 @@
+"""Fields of every case, for those who ask; and that others' programs can read what is stored."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from studies.engine.options import Settings
+from studies.engine.run import run
+from studies.registry import load
+from tests.studies.conftest import quiet
+
+KEPT = Settings(workers=0, repeats=1, fields="kept")
+
+
+@pytest.fixture(scope="module")
+def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("fields")
+    study = load("grid").override({"padding": "exact,zero", "grid": "16,24"})
+    run(study, folder, settings=KEPT, say=quiet)
+    return folder
+
+
+def test_fields_are_groups_by_the_key_of_the_case(out: Path) -> None:
+    tree = xr.open_datatree(out / "grid.nc")
+    with tree:
+        one = tree.to_dataset().sel(padding="exact", images=6, period=2.4, grid=24)
+        pressure = tree[f"fields/case_{one['case_key'].item()}"]["pressure"]
+        assert pressure.dims == ("width", "length")
+        assert pressure.shape == (24, 24)
+        assert pressure.attrs["units"] == "Pa"
+        load_per_length = float(pressure.sum() * (pressure["width"][1] - pressure["width"][0]) / 24)
+        assert load_per_length == pytest.approx(1e5, rel=1e-8)
+
+
+def test_the_root_opens_as_a_plain_dataset(out: Path) -> None:
+    with xr.open_dataset(out / "grid.nc") as dataset:
+        assert "pressure" not in dataset
+        assert (dataset["status"] == 1).all()
+
+
+def test_what_lacks_its_fields_is_computed_for_them_and_nothing_else(tmp_path: Path) -> None:
+    study = load("grid").override({"padding": "exact", "grid": "16"})
+    run(study, tmp_path, workers=0, repeats=1, say=quiet)
+    assert not (tmp_path / "grid.fields").exists()
+    said: list[str] = []
+    grown = study.override({"grid": "16,24"})
+    first = run(grown, tmp_path, settings=KEPT, say=said.append)
+    assert len(list((tmp_path / "grid.fields").iterdir())) == 2
+    said.clear()
+    again = run(grown, tmp_path, settings=KEPT, say=said.append)
+    assert any("2 cases are stored, 0 to compute" in line for line in said)
+    np.testing.assert_array_equal(first["residual"], again["residual"])
+
+
+def test_a_cf_checker_finds_nothing(out: Path) -> None:
+    pytest.importorskip("compliance_checker")
+    command = [str(Path(sys.executable).with_name("compliance-checker")), "--test=cf:1.11"]
+    report = out / "report.json"
+    subprocess.run(
+        [*command, "--format", "json", "--output", str(report), str(out / "grid.nc")],
+        capture_output=True,
+    )
+    found = json.loads(report.read_text())["cf:1.11"]
+    for priority in ("high_priorities", "medium_priorities"):
+        problems = [message for check in found[priority] for message in check["msgs"]]
+        assert problems == [], priority

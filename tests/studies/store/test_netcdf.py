@@ -1,0 +1,97 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from contactstudy import InvalidInput
+from studies.model.axis import Axis
+from studies.model.case import Case
+from studies.model.outcome import Failure, Fate, Outcome
+from studies.reference import line_contact
+from studies.store.netcdf import assemble, open_folder, read, replacing, write
+
+
+def test_a_file_stays_until_the_new_one_is_whole(tmp_path: Path) -> None:
+    path = tmp_path / "kept.txt"
+    path.write_text("old")
+
+    def fail() -> None:
+        with replacing(path) as partial:
+            partial.write_text("half of the n")
+            raise RuntimeError
+
+    with pytest.raises(RuntimeError):
+        fail()
+    assert path.read_text() == "old"
+    with replacing(path) as partial:
+        partial.write_text("new")
+    assert path.read_text() == "new"
+    assert [entry.name for entry in tmp_path.iterdir()] == ["kept.txt"]
+
+
+def test_a_dataset_comes_back_as_it_went(tmp_path: Path) -> None:
+    dataset = xr.Dataset({"a": ("n", [1.0, 2.0], {"units": "m"})}, {"n": [1, 2]}, {"title": "t"})
+    write(dataset, tmp_path / "a.nc")
+    xr.testing.assert_identical(read(tmp_path / "a.nc"), dataset)
+
+
+def test_a_folder_that_cannot_be_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InvalidInput, match=r"^Output folder .* cannot be written to .*--out\.$"):
+        open_folder(tmp_path / "file" / "below")
+
+
+@pytest.mark.parametrize("content", [None, b"no netCDF"])
+def test_a_file_that_cannot_be_read_is_refused(tmp_path: Path, content: bytes | None) -> None:
+    if content is not None:
+        (tmp_path / "a.nc").write_bytes(content)
+    with pytest.raises(InvalidInput, match=r"^Study file .* cannot be read"):
+        read(tmp_path / "a.nc")
+
+
+AXES = [Axis("n", (1, 2), "which")]
+
+
+def outcomes(*variables: dict[str, xr.Variable] | None) -> tuple[list[Case], dict[Case, Outcome]]:
+    cases = [
+        line_contact.scene_at({"padding": "exact", "images": 0, "period": p, "grid": 8})
+        for p in (1, 2)
+    ]
+    return cases, {
+        case: Outcome(Fate.FAILED, failure=Failure("E", "no", "solve"))
+        if one is None
+        else Outcome(Fate.OK, one)
+        for case, one in zip(cases, variables, strict=True)
+    }
+
+
+def test_what_a_failed_case_lacks_is_missing_and_not_made_up() -> None:
+    one = {
+        "truth": xr.Variable((), np.array(1, dtype=bool)),
+        "count": xr.Variable((), np.uint8(3)),
+        "field": xr.Variable(("m",), [1, 2]),
+    }
+    dataset = assemble(AXES, *outcomes(one, None), {}, {})
+    assert dataset["truth"].values[0] == 1
+    assert np.isnan(dataset["truth"].values[1])
+    assert np.isnan(dataset["count"].values[1])
+    assert np.isnan(dataset["field"].values[1]).all()
+    assert dataset["status"].values.tolist() == [1, 2]
+
+
+def test_what_does_not_fit_one_array_is_left_out_and_said() -> None:
+    first = {
+        "y": xr.Variable(("y",), [0.0, 1.0]),
+        "f": xr.Variable(("m",), [1.0]),
+        "a": xr.Variable((), 1.0),
+    }
+    second = {
+        "y": xr.Variable(("y",), [0.0, 2.0]),
+        "f": xr.Variable(("m",), [1.0, 2.0]),
+        "a": xr.Variable((), 2.0),
+    }
+    dataset = assemble(AXES, *outcomes(first, second), {}, {})
+    assert dataset["a"].values.tolist() == [1.0, 2.0]
+    assert "y" not in dataset.coords
+    assert dataset.attrs["left_out"] == "not the same at every point: y, f"

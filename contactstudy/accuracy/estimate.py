@@ -63,9 +63,9 @@ def error_estimate(solution: Solution) -> ErrorEstimate:
 def _residual(solution: Solution) -> tuple[float, float]:
     """The same two errors by the gap left over: the pressure that would close it, to first order."""
     problem = solution.problem
-    scales, operator = problem.scales, problem.bare().displacement
+    scales, operator = problem.scales, problem.bare().operator
     pressure, gap = solution.pressure / scales.pressure, solution.gap / scales.gap
-    free = problem.pressures.free(solution.pressure) > 0
+    free = problem.constraint.free(solution.pressure) > 0
     closing = operator.approximate_inverse()[0](np.where(free, -gap, 0.0))
     closing = np.where(free, closing - closing.mean(where=free) if free.any() else 0.0, 0.0)
     # of cells at a limit that should not be

@@ -1,6 +1,6 @@
 """From pressure to displacement by one pruned, real transform pair."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from threading import local
@@ -13,7 +13,7 @@ from contactstudy.domain.checks import InvalidInput, positive
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Padding, Paddings, across_and_along
 from contactstudy.domain.precision import Precision
-from contactstudy.elasticity.coefficients import Displacement, kernel
+from contactstudy.elasticity.coefficients import Coefficients, Displacement, kernel
 from contactstudy.elasticity.transforms import TRANSFORMS, Waves
 
 # Axes of fewer cells than this are not coarsened: a coarser grid would no longer see the contact.
@@ -142,12 +142,27 @@ def convolution(
     displacement is counted from in a padding that leaves it open. An axis that wraps is circular, one
     that does not is padded to twice its cells, which makes it linear (Liu, Wang & Liu 2000).
     """
-    paddings = across_and_along(padding)
     datum = positive("datum", datum, "give a distance above 0 m")
+    return superposed({Displacement(datum): 1 / (np.pi * contact_modulus)}, grid, padding)
+
+
+def superposed(
+    response: Mapping[Coefficients, float], grid: Grid, padding: Padding | Paddings
+) -> Convolution:
+    """The operator on ``grid`` whose influence coefficients are the sum of those in ``response``, weighted.
+
+    ``response`` gives the weight [1/Pa] of each kind of coefficients [m], which are even along both axes.
+    """
+    paddings = across_and_along(padding)
     padded = padded_cells(grid, paddings)
-    coefficients = kernel(grid, paddings, Displacement(datum)) / (np.pi * contact_modulus)
+    half: Array = sum(
+        (
+            weight * kernel(grid, paddings, coefficients)
+            for coefficients, weight in response.items()
+        ),
+        start=np.zeros(()),
+    )
     # even about zero along both axes, so the transform is real, and even too
-    half = coefficients
     for axis in (1, 0):
         around = np.take(half, _around(half.shape[axis], padded[axis]), axis)
         half = fft.rfft(around, axis=axis).real

@@ -30,3 +30,8 @@ class Gap:
 def violation(pressure: Array, overlap: Array) -> Array:
     """How far cells at a limit are on its wrong side: penetrating where p = 0, open where they yield."""
     return np.maximum(np.where(pressure == 0, overlap, -overlap), 0)
+
+
+def largest(*measures: float) -> float:
+    """The largest, or nan where any is nan: Python's own ``max`` forgets a nan that comes later."""
+    return float(np.max(measures))

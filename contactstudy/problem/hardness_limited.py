@@ -1,39 +1,37 @@
-"""The pressures of a contact whose softer body yields."""
+"""Pressures of a contact whose softer body yields."""
 
 from dataclasses import dataclass
-from math import prod
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contactstudy.domain.arrays import Array, inner, mean_over
-from contactstudy.problem.compressive import largest, shifted
-from contactstudy.problem.gap import Gap, violation
+from contactstudy.problem.constraint import shifted
+from contactstudy.problem.gap import Gap, largest, violation
 
 
 @dataclass(frozen=True)
-class LimitedPressures:
-    """``0 <= p <= hardness`` and ``sum(p) = total``: perfectly plastic above the hardness.
+class HardnessLimited:
+    """``0 <= p <= hardness``: perfectly plastic above the hardness.
 
     Where p is at the hardness the bodies may overlap, by what the softer one gives way.
     Source: Almqvist, Sahlin, Larsson & Glavatskih (2007), sect. 2.
     """
 
-    total: float
     hardness: float
 
-    def scaled(self, pressure: float, cells: int = 1) -> "LimitedPressures":
-        """In another unit, on larger cells."""
-        return LimitedPressures(self.total * pressure / cells, self.hardness * pressure)
+    def scaled(self, pressure: float) -> "HardnessLimited":
+        """The same in another unit."""
+        return HardnessLimited(self.hardness * pressure)
 
     def of(self, pressure: Array, unit: float) -> Array:
         """In this unit; what yielded there has the hardness to the last bit here."""
         yielding = pressure >= self.scaled(1 / unit).hardness
         return np.where(yielding, self.hardness, np.multiply(pressure, unit, dtype=np.float64))
 
-    def is_empty(self, shape: tuple[int, ...]) -> bool:
-        """Whether not even the hardness everywhere carries the load."""
-        return self.hardness * prod(shape) < self.total
+    def capacity(self, cells: int) -> float:
+        """The hardness in every cell."""
+        return self.hardness * cells
 
     def free(self, pressure: Array, out: Array | None = None) -> Array:
         """Cells that bear pressure below the hardness."""
@@ -53,23 +51,23 @@ class LimitedPressures:
         """No tension, and nothing above the hardness."""
         return np.clip(trial, 0, self.hardness, out=trial)
 
-    def admit(self, trial: Array) -> Array:
-        """Scaled before it is cut off at the hardness, by the one factor that makes it carry the load."""
+    def carrying(self, trial: Array, total: float) -> Array:
+        """Scaled before it is cut off at the hardness, by the one factor that gives the sum ``total``."""
         np.maximum(trial, 0, out=trial)
         bearing = trial > 0
-        if np.count_nonzero(bearing) * self.hardness <= self.total:
-            self._spread(trial, bearing)
+        if np.count_nonzero(bearing) * self.hardness <= total:
+            self._spread(trial, bearing, total)
             return trial
         borne = trial[bearing]
         rounding = 8 * np.finfo(trial.dtype).eps
-        if borne.max() == self.hardness and abs(borne.sum() / self.total - 1) <= rounding:
+        if borne.max() == self.hardness and abs(borne.sum() / total - 1) <= rounding:
             return trial  # a factor one bit below 1 would take yielding cells off their limit
         # what is carried grows with the factor along a concave broken line: Newton's steps from the left
         # never pass the root, and end on its own segment
-        factor = self.total / borne.sum()
+        factor = total / borne.sum()
         while True:
             yielding = borne * factor >= self.hardness
-            rest = self.total - self.hardness * np.count_nonzero(yielding)
+            rest = total - self.hardness * np.count_nonzero(yielding)
             better = rest / borne[~yielding].sum()
             if not better > factor:
                 break
@@ -77,20 +75,19 @@ class LimitedPressures:
         trial *= factor
         return np.minimum(trial, self.hardness, out=trial)
 
-    def _spread(self, trial: Array, bearing: NDArray[np.bool_]) -> None:
+    def _spread(self, trial: Array, bearing: NDArray[np.bool_], total: float) -> None:
         """The bearing cells at the hardness, what they leave of the load evenly on the others."""
         others = trial.size - np.count_nonzero(bearing)
-        rest = self.total - self.hardness * (trial.size - others)
+        rest = total - self.hardness * (trial.size - others)
         np.copyto(trial, min(rest / others, self.hardness) if others else self.hardness)
         trial[bearing] = self.hardness
 
-    def nearest(self, trial: Array) -> Array:
+    def nearest(self, trial: Array, total: float) -> Array:
         """Shifted, then cut off."""
-        return shifted(trial, self.total, self.hardness)
+        return shifted(trial, total, self.hardness)
 
-    def residual(self, pressure: Array, gap: Gap) -> float:
-        """Complementarity of the free cells, penetration, gaps that yielding cells leave open, load."""
-        borne = inner(pressure, gap.free)
-        complementarity = inner(pressure, np.abs(gap.held)) / borne if borne > 0 else 0.0
-        wrong = violation(pressure, gap.overlap).max()
-        return largest(complementarity, wrong, abs(pressure.sum() / self.total - 1))
+    def residual(self, pressure: Array, gap: Gap, borne: float) -> float:
+        """Complementarity of the free cells, penetration, and gaps that yielding cells leave open."""
+        borne_free = inner(pressure, gap.free)
+        complementarity = inner(pressure, np.abs(gap.held)) / borne_free if borne_free > 0 else 0.0
+        return largest(complementarity, violation(pressure, gap.overlap).max())

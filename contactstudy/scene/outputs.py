@@ -1,20 +1,21 @@
 """What a scene may ask to be found from its solution."""
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Paddings
 from contactstudy.problem.derived import Derived
-from contactstudy.scene.solids import HalfSpace
+from contactstudy.scene.solids import Body
 
 
+@runtime_checkable
 class Output(Protocol):
     """A value in ``Scene.outputs``."""
 
-    def check(self, solids: tuple[HalfSpace, ...]) -> None:
+    def check(self, solids: tuple[Body, ...]) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if these bodies cannot give it."""
         ...
 
-    def of(self, solids: tuple[HalfSpace, ...], grid: Grid, paddings: Paddings) -> Derived:
+    def of(self, solids: tuple[Body, ...], grid: Grid, paddings: Paddings) -> Derived:
         """The same for these bodies on a grid; nothing is computed yet."""
         ...

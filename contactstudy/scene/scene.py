@@ -10,14 +10,16 @@ from contactstudy.domain.checks import InvalidInput, bearable, keep
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Padding, Paddings, across_and_along
 from contactstudy.domain.units import Pascals
-from contactstudy.elasticity.convolution import convolution
-from contactstudy.problem.compressive import AdmissiblePressures, CompressivePressures
-from contactstudy.problem.hardness_limited import LimitedPressures
+from contactstudy.elasticity.convolution import superposed
+from contactstudy.problem.compressive import Compressive
+from contactstudy.problem.constraint import Constraint
+from contactstudy.problem.hardness_limited import HardnessLimited
 from contactstudy.problem.problem import Problem, Scales
+from contactstudy.problem.resultant import PrescribedLoad
 from contactstudy.scene.load import LineLoad
 from contactstudy.scene.outputs import Output
 from contactstudy.scene.shapes.basic import Shape
-from contactstudy.scene.solids import HalfSpace, contact_modulus
+from contactstudy.scene.solids import Body, contact_modulus, response
 
 
 @dataclass(frozen=True)
@@ -33,7 +35,7 @@ class Scene:
     """
 
     load: LineLoad
-    solids: tuple[HalfSpace, HalfSpace]
+    solids: tuple[Body, Body]
     shapes: tuple[Shape, ...] = ()
     hardness: Pascals = inf
     outputs: tuple[Output, ...] = ()
@@ -41,7 +43,7 @@ class Scene:
     def __post_init__(self) -> None:
         _typed("Scene.load", self.load, LineLoad, "give a LineLoad")
         for name, remedy in (
-            ("solids", "give a tuple of two HalfSpace"),
+            ("solids", "give a tuple of two bodies, such as HalfSpace"),
             ("shapes", "give a tuple of shapes, such as (Cylinder(radius=0.01),)"),
             ("outputs", "give a tuple of outputs, such as (SubsurfaceStress(depths=(1e-4,)),)"),
         ):
@@ -52,24 +54,17 @@ class Scene:
                 f"Scene.solids has {len(self.solids)} bodies: give two, one of which may be rigid."
             )
         for number, solid in enumerate(self.solids):
-            _typed(f"Scene.solids[{number}]", solid, HalfSpace, "give a HalfSpace")
+            _instance(f"Scene.solids[{number}]", solid, Body, "give a body, such as a HalfSpace")
         contact_modulus(self.solids)
         if self.hardness != inf:
             remedy = "give a pressure above 0 Pa, or inf for no limit"
             keep(self, hardness=bearable("Scene.hardness", self.hardness, remedy))
         for number, shape in enumerate(self.shapes):
-            if isinstance(shape, type) or not (
-                hasattr(shape, "gap") and hasattr(shape, "curvature")
-            ):
-                raise InvalidInput(
-                    f"Scene.shapes[{number}] is {shape!r}: give a shape, such as Cylinder(radius=0.01)."
-                )
+            remedy = "give a shape, such as Cylinder(radius=0.01)"
+            _instance(f"Scene.shapes[{number}]", shape, Shape, remedy)
         for number, output in enumerate(self.outputs):
-            if isinstance(output, type) or not (hasattr(output, "of") and hasattr(output, "check")):
-                raise InvalidInput(
-                    f"Scene.outputs[{number}] is {output!r}: give an output, such as "
-                    "SubsurfaceStress(depths=(1e-4,))."
-                )
+            remedy = "give an output, such as SubsurfaceStress(depths=(1e-4,))"
+            _instance(f"Scene.outputs[{number}]", output, Output, remedy)
             if type(output) in map(type, self.outputs[:number]):
                 raise InvalidInput(
                     f"Scene.outputs[{number}] is {output!r}, the second of its kind: give one."
@@ -115,8 +110,9 @@ class Scene:
         return Problem(
             grid=grid,
             undeformed_gap=gap,
-            displacement=convolution(self.contact_modulus, grid, paddings, scales.length),
-            pressures=self._pressures(grid),
+            operator=superposed(response(self.solids, scales.length), grid, paddings),
+            constraint=self._constraint(),
+            resultant=PrescribedLoad(self.load.per_length * grid.period / grid.cell_area),
             scales=scales,
             paddings=paddings,
             open_edges=(0, -1) if _is_free(paddings[0]) else (),
@@ -134,11 +130,8 @@ class Scene:
             "hertz_peak_pressure": hertz.peak_pressure,
         }
 
-    def _pressures(self, grid: Grid) -> AdmissiblePressures:
-        total = self.load.per_length * grid.period / grid.cell_area
-        if self.hardness == inf:
-            return CompressivePressures(total)
-        return LimitedPressures(total, self.hardness)
+    def _constraint(self) -> Constraint:
+        return Compressive() if self.hardness == inf else HardnessLimited(self.hardness)
 
 
 def _is_free(padding: Padding) -> bool:
@@ -148,4 +141,10 @@ def _is_free(padding: Padding) -> bool:
 
 def _typed(field: str, value: object, kind: type | object, remedy: str) -> None:
     if not isinstance(value, kind):  # type: ignore[arg-type]
+        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
+
+
+def _instance(field: str, value: object, kind: type, remedy: str) -> None:
+    """A value that has the members of a protocol; the class itself has them too, and is none."""
+    if isinstance(value, type) or not isinstance(value, kind):
         raise InvalidInput(f"{field} is {value!r}: {remedy}.")

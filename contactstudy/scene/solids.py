@@ -1,10 +1,32 @@
-"""The bodies, by what they add to the compliance of the contact."""
+"""The bodies, by how their surfaces respond to pressure."""
 
 import math
+from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
 
 from contactstudy.domain.checks import InvalidInput, bearable, finite, keep
 from contactstudy.domain.units import Number, Pascals
+from contactstudy.elasticity.coefficients import Coefficients, Displacement
+
+
+@runtime_checkable
+class Body(Protocol):
+    """One of the two bodies in contact."""
+
+    @property
+    def compliance(self) -> float:
+        """What the body adds to 1/E* [1/Pa]; zero if it is rigid. It sets the scales of a problem."""
+        ...
+
+    def response(self, datum: float) -> Mapping[Coefficients, float]:
+        """The displacement of its surface [m] under unit pressure: coefficients [m] times weights [1/Pa].
+
+        Bodies with equal coefficients share their evaluation. ``datum`` [m] is the lateral distance from which
+        displacement is counted, where an infinite row of images leaves that open.
+        """
+        ...
 
 
 @dataclass(frozen=True)
@@ -34,8 +56,12 @@ class HalfSpace:
         """(1 - nu^2) / E [1/Pa]."""
         return (1 - self.poisson_ratio**2) / self.youngs_modulus
 
+    def response(self, datum: float) -> Mapping[Coefficients, float]:
+        """Boussinesq's: ``u = (1 - nu^2) / (pi E) sum I p`` (Johnson 1985, eq. 3.22)."""
+        return {Displacement(datum): self.compliance / math.pi} if self.compliance else {}
 
-def contact_modulus(solids: tuple[HalfSpace, ...]) -> float:
+
+def contact_modulus(solids: tuple[Body, ...]) -> float:
     """E* [Pa] of the bodies together: compliances add (Johnson 1985, eq. 4.3)."""
     total = sum(solid.compliance for solid in solids)
     if total == 0:
@@ -43,3 +69,11 @@ def contact_modulus(solids: tuple[HalfSpace, ...]) -> float:
             "Scene.solids are all rigid: give at least one body a finite Young's modulus."
         )
     return 1 / total
+
+
+def response(solids: tuple[Body, ...], datum: float) -> Mapping[Coefficients, float]:
+    """The displacements of all bodies together, by their coefficients."""
+    total: Counter[Coefficients] = Counter()
+    for solid in solids:
+        total.update(solid.response(datum))
+    return total

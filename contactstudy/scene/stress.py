@@ -20,7 +20,7 @@ from contactstudy.elasticity.kernels.stress_periodic import (
 )
 from contactstudy.elasticity.transforms import TRANSFORMS, Waves
 from contactstudy.problem.derived import Field
-from contactstudy.scene.solids import HalfSpace
+from contactstudy.scene.solids import Body, HalfSpace
 
 
 @dataclass(frozen=True)
@@ -54,16 +54,24 @@ class SubsurfaceStress:
             raise InvalidInput(f"SubsurfaceStress.solid is {self.solid!r}: {remedy}.")
         keep(self, depths=tuple(depths), solid=solid)
 
-    def check(self, solids: tuple[HalfSpace, ...]) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` for a rigid body."""
-        if isinf(solids[self.solid].youngs_modulus):
+    def check(self, solids: tuple[Body, ...]) -> None:
+        """Raise :class:`~contactstudy.InvalidInput` for a rigid body, or one that is no half-space."""
+        body = solids[self.solid]
+        if not isinstance(body, HalfSpace):
+            raise InvalidInput(
+                f"SubsurfaceStress.solid is {self.solid}, a {type(body).__name__}: "
+                "stress is known below a HalfSpace only, leave this output out."
+            )
+        if isinf(body.youngs_modulus):
             raise InvalidInput(
                 f"SubsurfaceStress.solid is {self.solid}, a rigid body: give {1 - self.solid}, the elastic one."
             )
 
-    def of(self, solids: tuple[HalfSpace, ...], grid: Grid, paddings: Paddings) -> "StressBelow":
+    def of(self, solids: tuple[Body, ...], grid: Grid, paddings: Paddings) -> "StressBelow":
         """The stress of these bodies on ``grid``."""
-        return StressBelow(grid, paddings, solids[self.solid].poisson_ratio, self.depths)
+        body = solids[self.solid]
+        assert isinstance(body, HalfSpace)
+        return StressBelow(grid, paddings, body.poisson_ratio, self.depths)
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contactstudy.domain.arrays import Array, inner, mean_over
-from contactstudy.problem.problem import BareProblem
+from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.solvers.iterate import Iterate, Stall
 
 
@@ -27,18 +27,18 @@ class PolonskyKeer:
         max_iterations: int,
         start: Array | None = None,
     ) -> Iterate:
-        """Iterate until ``problem.pressures.residual(pressure, gap) <= tolerance``."""
-        pressures = problem.pressures
-        pressure = pressures.admit(problem.uniform() if start is None else start.copy())
+        """Iterate until ``problem.residual(pressure, gap) <= tolerance``."""
+        constraint = problem.constraint
+        pressure = problem.admit(problem.uniform() if start is None else start.copy())
         direction = np.zeros_like(pressure)
         previous, conjugate = 1.0, 0.0
         stall = Stall(self.patience)
-        own = problem.displacement.own
+        own = problem.operator.own
         iteration = 0
         while True:
-            moved = problem.displacement(pressure)
+            moved = problem.operator(pressure)
             gap = problem.gap(pressure, moved)
-            left = pressures.residual(pressure, gap)
+            left = problem.residual(pressure, gap)
             done = problem.ends(left, moved, tolerance) or iteration == max_iterations
             if done or stall.sees(left):
                 convolutions = 2.0 * iteration + 1
@@ -50,18 +50,18 @@ class PolonskyKeer:
             previous = steepness
             if inner(gap.held, direction) <= 0:  # the contact has changed: conjugacy is lost
                 direction = gap.held
-            response = problem.displacement(direction)
+            response = problem.operator(direction)
             response -= mean_over(gap.free, response)
             curvature = inner(response, direction)
             # a single cell in contact is level with itself: the others then close their own gaps
             step = inner(gap.held, direction) / curvature if curvature > 0 else 1 / own
-            before, pressure = pressure, pressures.clip(pressure - step * direction)
+            before, pressure = pressure, constraint.clip(pressure - step * direction)
             whole = gap.held - gap.overlap
-            bound = 1 - pressures.free(pressure)
+            bound = 1 - constraint.free(pressure)
             trial = np.maximum(pressure - step * whole * bound, 0)
             conjugate = 1.0 if (trial == pressure).all() else 0.0
-            pressure = pressures.admit(trial)
+            pressure = problem.admit(trial)
             if (
                 inner(whole, pressure - before) >= 0
             ):  # balancing the load has turned the step uphill
-                conjugate, pressure = 0.0, pressures.nearest(before - step * whole)
+                conjugate, pressure = 0.0, problem.nearest(before - step * whole)

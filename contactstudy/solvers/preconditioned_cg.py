@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from contactstudy.domain.arrays import Array, inner
+from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.problem.gap import Gap
-from contactstudy.problem.problem import BareProblem
 from contactstudy.solvers.iterate import Iterate, Stall
 from contactstudy.solvers.polonsky_keer import PolonskyKeer
 
@@ -44,7 +44,7 @@ class PreconditionedCG:
         max_iterations: int,
         start: Array | None = None,
     ) -> Iterate:
-        """Iterate until ``problem.pressures.residual(pressure, gap) <= tolerance``."""
+        """Iterate until ``problem.residual(pressure, gap) <= tolerance``."""
         last = self._descend(problem, start, tolerance, max_iterations)
         ended = problem.ends(last.residual, last.displacement, tolerance)
         if ended or last.iterations == max_iterations:
@@ -80,7 +80,7 @@ class PreconditionedCG:
         last = self._descend(coarse, None, max(tolerance, self.coarse_tolerance), self.patience)
         blocks = [n // m for n, m in zip(shape, last.pressure.shape, strict=True)]
         fine = last.pressure.repeat(blocks[0], axis=0).repeat(blocks[1], axis=1)
-        return fine, last.convolutions * coarse.displacement.work / problem.displacement.work
+        return fine, last.convolutions * coarse.operator.work / problem.operator.work
 
     def _descend(
         self,
@@ -89,10 +89,10 @@ class PreconditionedCG:
         tolerance: float,
         max_iterations: int,
     ) -> Iterate:
-        operator, pressures = problem.displacement, problem.pressures
+        operator, constraint = problem.operator, problem.constraint
         precondition, its_work = operator.approximate_inverse()
         pressure, work = self._begin(problem, start, tolerance)
-        pressure = pressures.admit(pressure)
+        pressure = problem.admit(pressure)
         moved = operator(pressure)
         work += 1
         gap: Gap | None = None
@@ -103,7 +103,7 @@ class PreconditionedCG:
         iteration = 0
         while True:
             gap = problem.gap(pressure, moved, gap)
-            left = pressures.residual(pressure, gap)
+            left = problem.residual(pressure, gap)
             done = problem.ends(left, moved, tolerance) or iteration == max_iterations
             if done or stall.sees(left):
                 return Iterate(pressure, moved, gap.approach, left, iteration, work)
@@ -112,11 +112,11 @@ class PreconditionedCG:
             work += 1 + its_work / operator.work
             trial *= length
             trial += pressure
-            cut = pressures.cuts(trial)
+            cut = constraint.cuts(trial)
             # as if the limits were not there: a yielding cell thus stands above the hardness, and stays
             # there when the rest is scaled down a little
             trial += gap.overlap * (self.seed / own)
-            trial = pressures.admit(trial)
+            trial = problem.admit(trial)
             step = np.subtract(trial, pressure, out=last.step if last else None)
             slope = gap.slope(step)
             if slope >= 0:
@@ -125,7 +125,7 @@ class PreconditionedCG:
                 np.subtract(gap.overlap, gap.held, out=trial)
                 trial /= own
                 trial += pressure
-                trial = pressures.nearest(trial)
+                trial = problem.nearest(trial)
                 np.subtract(trial, pressure, out=step)
                 slope = gap.slope(step)
             ahead = operator(trial)
@@ -137,7 +137,7 @@ class PreconditionedCG:
                 taken = 1.0 if best > WHOLE else best
             else:
                 # nor beyond it to just where a cell meets a limit: rounding would say which of many did
-                meets = best > 1 and pressures.cuts(_ahead(pressure, step, best, gap.held))
+                meets = best > 1 and constraint.cuts(_ahead(pressure, step, best, gap.held))
                 taken = 1.0 if meets else best
             last = _Step(step, response, curvature)
             if taken == 1:
@@ -146,7 +146,7 @@ class PreconditionedCG:
                 last.scale(taken)
                 pressure += last.step
                 moved += last.response
-                pressures.clip(pressure)
+                constraint.clip(pressure)
             del trial, ahead  # or they would stand through the next convolution
             length *= min(max(best, 0.3), 3.0)
 

@@ -8,7 +8,8 @@ import numpy as np
 from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import InvalidInput, positive, whole
 from contactstudy.domain.precision import Precision
-from contactstudy.problem.problem import BareProblem, Problem
+from contactstudy.problem.bare_problem import BareProblem
+from contactstudy.problem.problem import Problem
 from contactstudy.solvers.iterate import Iterate
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from contactstudy.solvers.solution import Solution, Status
@@ -25,7 +26,7 @@ class Solver(Protocol):
         max_iterations: int,
         start: Array | None = None,
     ) -> Iterate:
-        """Iterate until ``problem.pressures.residual(pressure, gap) <= tolerance``, the limit, or a stall."""
+        """Iterate until ``problem.residual(pressure, gap) <= tolerance``, the limit, or a stall."""
         ...
 
 
@@ -53,7 +54,7 @@ def solve(
     whole("solve.max_iterations", max_iterations, 0, "give a whole number of iterations from 0 on")
     if start is not None:
         start = _finite_pressure(start, problem)
-    if problem.pressures.is_empty(problem.undeformed_gap.shape):
+    if not problem.resultant.is_met_by(problem.constraint, problem.undeformed_gap.size):
         return _without_pressure(problem)
     if start is not None:
         start = _admitted(start, problem, precision)
@@ -65,7 +66,7 @@ def solve(
     approach = last.approach * scales.gap + problem.datum
     return Solution(
         problem=problem,
-        pressure=problem.pressures.of(last.pressure, scales.pressure),
+        pressure=problem.constraint.of(last.pressure, scales.pressure),
         displacement=moved,
         gap=problem.undeformed_gap + moved - approach,
         approach=approach,
@@ -105,7 +106,8 @@ def _admitted(pressure: Array, problem: Problem, precision: Precision) -> Array:
             f"the order of {problem.scales.pressure:g} Pa."
         )
     # to the load before single precision, which would have no number for the factor
-    admitted = problem.pressures.scaled(1 / problem.scales.pressure).admit(bare)
+    unit = 1 / problem.scales.pressure
+    admitted = problem.resultant.scaled(unit).admit(bare, problem.constraint.scaled(unit))
     return admitted.astype(precision.real, copy=False)
 
 

@@ -45,7 +45,7 @@ def answer(
     factor = scales.pressure / (np.pi * scene.contact_modulus * scales.gap)
     matrix = factor * influence_matrix(grid, paddings, scales.length)
     gap = (solution.problem.undeformed_gap.ravel() - solution.problem.datum) / scales.gap
-    total = solution.problem.pressures.total / scales.pressure
+    total = scene.load.per_length * grid.period / grid.cell_area / scales.pressure
     most = scene.hardness / scales.pressure
     before = solution.pressure.ravel() / scales.pressure
     own = matrix[0, 0] - matrix.mean()  # a rigid shift may make the first negative
@@ -107,10 +107,10 @@ def stated_error(solution: cs.Solution, found: DenseAnswer) -> float:
     """
     bare, unit = solution.problem.bare(), solution.problem.scales.pressure
     pressure = solution.pressure / unit
-    gap = bare.gap(pressure, bare.displacement(pressure))
+    gap = bare.gap(pressure, bare.operator(pressure))
     left = gap.held + violation(pressure, gap.overlap)
     unsure = float(np.linalg.norm(left)) + found.rounding * np.count_nonzero(pressure) ** 0.5
-    unbalanced = abs(pressure.sum() / bare.pressures.total - 1)
+    unbalanced = bare.resultant.error(float(pressure.sum()))
     return float(unsure / found.softest + pressure.max() * (unbalanced + ROUNDING))
 
 

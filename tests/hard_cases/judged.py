@@ -43,7 +43,7 @@ def ends_well(name: str, padding: str, solver: str) -> cs.Solution:
     assert (solution.pressure <= case.scene.hardness).all()
     if solution.status in UNFINISHED:
         return solution
-    carried = solution.pressure.sum() / problem.pressures.total
+    carried = solution.pressure.sum() / problem.resultant.total
     assert carried == pytest.approx(1, rel=max(solution.residual, 1e-12))
     error, stated = case.judge(solution, PADDINGS[padding], SOLVERS[solver])
     assert error <= stated

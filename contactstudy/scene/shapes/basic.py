@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from math import inf
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from contactstudy.domain.units import Metres, Radians
 from contactstudy.scene.shapes.detail import Detail
 
 
+@runtime_checkable
 class Shape(Protocol):
     """Anything that opens a gap."""
 

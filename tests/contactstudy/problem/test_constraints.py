@@ -1,5 +1,4 @@
 from dataclasses import replace
-from math import inf
 
 import numpy as np
 import pytest
@@ -7,68 +6,70 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import contactstudy as cs
-from contactstudy.problem.compressive import AdmissiblePressures, CompressivePressures
-from contactstudy.problem.hardness_limited import LimitedPressures
+from contactstudy.problem.compressive import Compressive
+from contactstudy.problem.constraint import Constraint
+from contactstudy.problem.hardness_limited import HardnessLimited
+from contactstudy.problem.resultant import PrescribedLoad
 from contactstudy.solvers.polonsky_keer import PolonskyKeer
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from tests.conftest import LineContact
 from tests.contactstudy.solvers.test_preconditioned_cg import ROUGH, problem
 
-SETS: list[AdmissiblePressures] = [
-    CompressivePressures(10.0),
-    LimitedPressures(10.0, 4.0),
-    LimitedPressures(10.0, 1.0),
-    LimitedPressures(10.0, 10 / 12),
+CONSTRAINTS: list[Constraint] = [
+    Compressive(),
+    HardnessLimited(4.0),
+    HardnessLimited(1.0),
+    HardnessLimited(10 / 12),
 ]
+TOTAL = 10.0
 
 
-def most(pressures: AdmissiblePressures) -> float:
-    return pressures.hardness if isinstance(pressures, LimitedPressures) else inf
+def limit(constraint: Constraint) -> float:
+    return constraint.capacity(1)
 
 
 @given(
     seed=st.integers(0, 2**32),
-    which=st.sampled_from(SETS),
+    which=st.sampled_from(CONSTRAINTS),
     scale=st.sampled_from([1e-8, 1.0, 1e8, 1e40]),
 )
 def test_what_is_admitted_or_nearest_is_admissible(
-    seed: int, which: AdmissiblePressures, scale: float
+    seed: int, which: Constraint, scale: float
 ) -> None:
     trial = np.random.default_rng(seed).standard_normal((3, 4)) * scale
     trial[0, 0] = scale  # one cell at least bears
-    for admitted in (which.admit(trial.copy()), which.nearest(trial.copy())):
+    for admitted in (which.carrying(trial.copy(), TOTAL), which.nearest(trial.copy(), TOTAL)):
         assert admitted.min() >= 0
-        assert admitted.max() <= most(which)
+        assert admitted.max() <= limit(which)
         # under a hardness, cells may have to be lifted by as much as they are below the others
-        lifted = scale if most(which) < which.total else 0.0
-        assert admitted.sum() == pytest.approx(which.total, rel=1e-12, abs=1e-14 * lifted)
+        lifted = scale if limit(which) < TOTAL else 0.0
+        assert admitted.sum() == pytest.approx(TOTAL, rel=1e-12, abs=1e-14 * lifted)
 
 
-@given(seed=st.integers(0, 2**32), which=st.sampled_from(SETS))
-def test_no_admissible_pressure_is_nearer_than_the_nearest(
-    seed: int, which: AdmissiblePressures
-) -> None:
+@given(seed=st.integers(0, 2**32), which=st.sampled_from(CONSTRAINTS))
+def test_no_admissible_pressure_is_nearer_than_the_nearest(seed: int, which: Constraint) -> None:
     rng = np.random.default_rng(seed)
     trial = rng.standard_normal((3, 4)) * 3
-    nearest = which.nearest(trial.copy())
+    nearest = which.nearest(trial.copy(), TOTAL)
     for _ in range(10):
-        other = which.admit(rng.exponential(size=(3, 4)))
+        other = which.carrying(rng.exponential(size=(3, 4)), TOTAL)
         # the step on from the nearest to any other leads away: a convex set's own property
         assert ((trial - nearest) * (other - nearest)).sum() <= 1e-11
         assert ((nearest - trial) ** 2).sum() <= ((other - trial) ** 2).sum() + 1e-11
 
 
 def test_an_admissible_pressure_is_its_own_admitted_and_nearest() -> None:
-    for which in SETS:
-        pressure = which.admit(np.random.default_rng(1).exponential(size=(3, 4)))
-        np.testing.assert_allclose(which.admit(pressure.copy()), pressure, rtol=1e-14)
-        np.testing.assert_allclose(which.nearest(pressure.copy()), pressure, rtol=1e-12)
+    for which in CONSTRAINTS:
+        pressure = which.carrying(np.random.default_rng(1).exponential(size=(3, 4)), TOTAL)
+        np.testing.assert_allclose(which.carrying(pressure.copy(), TOTAL), pressure, rtol=1e-14)
+        np.testing.assert_allclose(which.nearest(pressure.copy(), TOTAL), pressure, rtol=1e-12)
 
 
 def test_a_hardness_everywhere_may_just_carry_the_load() -> None:
-    assert LimitedPressures(10.0, 0.8).is_empty((3, 4))
-    assert not LimitedPressures(10.0, 0.9).is_empty((3, 4))
-    assert not CompressivePressures(10.0).is_empty((3, 4))
+    load = PrescribedLoad(TOTAL)
+    assert not load.is_met_by(HardnessLimited(0.8), 12)
+    assert load.is_met_by(HardnessLimited(0.9), 12)
+    assert load.is_met_by(Compressive(), 12)
 
 
 SHARES = [10.0, 1.5, 0.9, 0.6, 0.4, 0.34, 0.328]  # the mean over the width is 0.327 p_H
@@ -81,7 +82,9 @@ def test_both_solvers_give_one_answer_under_a_hardness(
 ) -> None:
     hardness = share * line_contact.hertz.peak_pressure
     free = problem(line_contact, 64, heights)
-    posed = replace(free, pressures=LimitedPressures(free.pressures.total, hardness))
+    posed = replace(free, constraint=HardnessLimited(hardness))
+    loaded = posed.resultant
+    assert isinstance(loaded, PrescribedLoad)
     solutions = [
         cs.solve(posed, tolerance=1e-10, solver=solver)
         for solver in (PreconditionedCG(), PolonskyKeer())
@@ -94,7 +97,7 @@ def test_both_solvers_give_one_answer_under_a_hardness(
         estimate = cs.error_estimate(solution)
         assert max(estimate.l1.residual, estimate.peak_pressure.residual) < 64 * 1e-10 * 10
         assert (solution.gap[yielding] <= 1e-10 * posed.scales.gap).all()
-        assert solution.pressure.sum() == pytest.approx(posed.pressures.total, rel=1e-10)
+        assert solution.pressure.sum() == pytest.approx(loaded.total, rel=1e-10)
     ours, reference = (solution.pressure / posed.scales.pressure for solution in solutions)
     assert np.abs(ours - reference).max() < 64 * 1e-10 * 10
 
@@ -104,7 +107,7 @@ def test_a_hardness_costs_no_more_iterations(line_contact: LineContact) -> None:
         free = problem(line_contact, 128, heights)
         for share in SHARES:
             hardness = share * line_contact.hertz.peak_pressure
-            posed = replace(free, pressures=LimitedPressures(free.pressures.total, hardness))
+            posed = replace(free, constraint=HardnessLimited(hardness))
             assert cs.solve(posed).iterations <= 40
 
 

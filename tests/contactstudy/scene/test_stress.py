@@ -219,7 +219,9 @@ def test_stress_not_asked_for_costs_nothing(
     line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Asked for or not, a solve is the same to the last bit and the last transform."""
-    modules = [import_module(f"contactstudy.{name}") for name in ("convolution", "stress")]
+    modules = [
+        import_module(f"contactstudy.{name}") for name in ("elasticity.convolution", "scene.stress")
+    ]
     inner, counted = modules[0].TRANSFORMS, {"forward": 0}
 
     class Counting:

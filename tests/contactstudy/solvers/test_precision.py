@@ -12,7 +12,7 @@ def measured(solution: cs.Solution) -> float:
     """The residual of a solution's pressure in double precision."""
     bare = solution.problem.bare()
     pressure = solution.pressure / solution.problem.scales.pressure
-    return bare.pressures.residual(pressure, bare.gap(pressure, bare.displacement(pressure)))
+    return bare.residual(pressure, bare.gap(pressure, bare.operator(pressure)))
 
 
 @pytest.mark.parametrize("padding", PADDINGS, ids=str)
@@ -51,7 +51,7 @@ def test_no_array_of_a_single_precision_problem_is_double(line_contact: LineCont
     seen = bare
     while seen is not None:
         assert seen.undeformed_gap.dtype == np.float32
-        operator = seen.displacement
+        operator = seen.operator
         assert isinstance(operator, cs.Convolution)
         assert operator.spectrum.dtype == np.float32
         assert operator(seen.uniform()).dtype == np.float32

@@ -34,7 +34,7 @@ def test_solution_meets_the_contact_conditions(
     assert weighted <= 1e-9 * scale * (1 + 1e-6)
     carried = solution.pressure.sum() * problem.grid.cell_area
     assert carried == pytest.approx(1e5 * problem.grid.period, rel=1e-12)
-    rebuilt = problem.undeformed_gap + problem.displacement(solution.pressure) - solution.approach
+    rebuilt = problem.undeformed_gap + problem.operator(solution.pressure) - solution.approach
     np.testing.assert_allclose(solution.gap, rebuilt, rtol=0, atol=1e-13 * scale)
 
 
@@ -44,9 +44,9 @@ def test_solution_is_that_of_a_dense_active_set(line_contact: LineContact) -> No
     problem = line_contact.scene.problem(grid, cs.Superposition(1))
     cells = grid.cells[0] * grid.cells[1]
     units = np.eye(cells).reshape(cells, *grid.cells) * problem.scales.pressure
-    matrix = np.stack([problem.displacement(u).ravel() for u in units], 1) / problem.scales.gap
+    matrix = np.stack([problem.operator(u).ravel() for u in units], 1) / problem.scales.gap
     gap = problem.undeformed_gap.ravel() / problem.scales.gap
-    total = problem.pressures.total / problem.scales.pressure
+    total = problem.resultant.total / problem.scales.pressure
     active = np.ones(cells, dtype=bool)
     while True:
         n = active.sum()
@@ -206,7 +206,7 @@ def test_a_pressure_of_another_shape_is_refused(line_contact: LineContact) -> No
     with pytest.raises(
         cs.InvalidInput, match=r"^pressure has the shape \(4, 8\): give it \(8, 4\)\.$"
     ):
-        problem.displacement(np.ones((4, 8)))
+        problem.operator(np.ones((4, 8)))
 
 
 def test_random_small_rough_contacts_end_well() -> None:

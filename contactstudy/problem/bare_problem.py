@@ -1,0 +1,78 @@
+"""The dimensionless contact problem that a solver sees."""
+
+from dataclasses import dataclass
+from math import inf
+
+import numpy as np
+
+from contactstudy.domain.arrays import Array
+from contactstudy.problem.constraint import Constraint
+from contactstudy.problem.gap import Gap, largest
+from contactstudy.problem.operator import Operator
+from contactstudy.problem.resultant import Resultant
+
+# A gap is uncertain by so many roundings of the largest displacement: residuals stop falling at half of it.
+ROUNDINGS = 2.0
+
+
+@dataclass(frozen=True, eq=False)
+class BareProblem:
+    """Find p within ``constraint`` that meets ``resultant``, with ``p gap = 0`` and ``gap >= 0``.
+
+    Without dimensions, in the precision of ``undeformed_gap`` (x, y): what a solver sees. Cells at an upper
+    limit of the constraint have ``gap <= 0``.
+    """
+
+    undeformed_gap: Array
+    operator: Operator
+    constraint: Constraint
+    resultant: Resultant
+
+    def uniform(self) -> Array:
+        """The load spread evenly."""
+        gap = self.undeformed_gap
+        return np.full_like(gap, self.resultant.uniform(gap.size))
+
+    def admit(self, trial: Array) -> Array:
+        """``trial`` cut off at the limits and made to carry the load, in place."""
+        return self.resultant.admit(trial, self.constraint)
+
+    def nearest(self, trial: Array) -> Array:
+        """The admissible pressure nearest to ``trial``, in place."""
+        return self.resultant.nearest(trial, self.constraint)
+
+    def residual(self, pressure: Array, gap: Gap) -> float:
+        """The measure of :func:`~contactstudy.solve`: the largest of complementarity, penetration and load."""
+        borne = float(pressure.sum())
+        return largest(self.constraint.residual(pressure, gap, borne), self.resultant.error(borne))
+
+    def gap(self, pressure: Array, displacement: Array, into: Gap | None = None) -> Gap:
+        """The gap under ``pressure`` and the ``displacement`` it makes, ``into`` the fields of another."""
+        constraint = self.constraint
+        free = constraint.free(pressure, into.free if into else None)
+        whole = np.add(self.undeformed_gap, displacement, out=into.overlap if into else None)
+        approach = constraint.approach(pressure, whole, free)
+        whole -= approach
+        held = np.multiply(whole, free, out=into.held if into else None)
+        return Gap(free, held, np.subtract(held, whole, out=whole), approach)
+
+    def rounding(self, displacement: Array) -> float:
+        """What rounding leaves uncertain of a gap under ``displacement``: no residual means less."""
+        largest = max(float(displacement.max()), -float(displacement.min()))
+        return float(ROUNDINGS * np.finfo(displacement.dtype).eps * largest)
+
+    def ends(self, residual: float, displacement: Array, tolerance: float) -> bool:
+        """Whether no iteration can improve on ``residual``, or none needs to."""
+        return not max(tolerance, self.rounding(displacement)) < residual < inf
+
+    def coarsened(self) -> "BareProblem | None":
+        """The same problem on blocks of cells, heights averaged; None where the grid does not halve."""
+        across, along = self.operator.blocks
+        if across * along == 1:
+            return None
+        nx, ny = self.undeformed_gap.shape
+        gap = self.undeformed_gap.reshape(nx // across, across, ny // along, along).mean(
+            axis=(1, 3)
+        )
+        resultant = self.resultant.scaled(1.0, across * along)
+        return BareProblem(gap, self.operator.coarsened(), self.constraint, resultant)

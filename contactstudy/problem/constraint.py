@@ -1,0 +1,88 @@
+"""What limits the pressure of each cell, whatever load they carry together."""
+
+from math import inf
+from typing import Protocol, Self
+
+import numpy as np
+
+from contactstudy.domain.arrays import Array
+from contactstudy.problem.gap import Gap
+
+
+class Constraint(Protocol):
+    """A convex set of pressures (x, y), cell by cell: cells at a limit are bound, the others free."""
+
+    def scaled(self, pressure: float) -> Self:
+        """The same set in another unit of pressure (times ``pressure``)."""
+        ...
+
+    def of(self, pressure: Array, unit: float) -> Array:
+        """The field of this set that ``pressure`` is in another ``unit``."""
+        ...
+
+    def capacity(self, cells: int) -> float:
+        """The largest sum of the pressures of so many cells."""
+        ...
+
+    def free(self, pressure: Array, out: Array | None = None) -> Array:
+        """1 for cells at no limit, where the gap is zero, and 0 for the others.
+
+        These are numbers, because a masked choice costs ten times a product on a rough contact.
+        """
+        ...
+
+    def approach(self, pressure: Array, gap: Array, free: Array) -> float:
+        """The approach at which ``gap`` is zero in the mean of the ``free`` cells of ``pressure``."""
+        ...
+
+    def cuts(self, trial: Array) -> bool:
+        """Whether ``trial`` is beyond a limit anywhere."""
+        ...
+
+    def clip(self, trial: Array) -> Array:
+        """``trial`` cut off at the limits, in place."""
+        ...
+
+    def carrying(self, trial: Array, total: float) -> Array:
+        """``trial`` cut off at the limits and scaled to the sum ``total``, in place."""
+        ...
+
+    def nearest(self, trial: Array, total: float) -> Array:
+        """The pressure of this set with the sum ``total`` that is nearest to ``trial``, in place."""
+        ...
+
+    def residual(self, pressure: Array, gap: Gap, borne: float) -> float:
+        """The larger of complementarity and penetration, in units of the gap scale.
+
+        ``borne`` is the sum of ``pressure``. See :func:`~contactstudy.solve`.
+        """
+        ...
+
+
+def shifted(trial: Array, total: float, most: float) -> Array:
+    """``trial`` shifted by the one height at which, cut off at 0 and ``most``, it sums to ``total``.
+
+    In place. The sum is piecewise linear in the shift, with a bend where a cell begins to bear and where it
+    reaches ``most``. Source: Held, Wolfe & Crowder (1974), here with an upper limit.
+    """
+    # counted from the highest cell, so that the numbers have the size of the load where it is borne
+    below = trial.astype(np.float64, copy=False)
+    below -= below.max()
+    bends = np.negative(below).ravel()
+    bends.sort()
+    bearing = np.arange(1.0, bends.size + 1)
+    if most < inf:
+        bends = np.concatenate([bends, bends + most])
+        order = np.argsort(bends, kind="stable")
+        bends, bearing = bends[order], np.cumsum(np.where(order < below.size, 1.0, -1.0))
+    borne = np.diff(bends)
+    borne *= bearing[:-1]
+    np.cumsum(borne, out=borne)
+    last = int(np.searchsorted(borne, total))
+    rest, cells = total - (borne[last - 1] if last else 0.0), max(bearing[last], 1.0)
+    shift = bends[last] + rest / cells
+    del bends, bearing, borne
+    # a second correction, for the rounding of a cumulative sum
+    shift += (total - np.clip(below + shift, 0, most).sum()) / cells
+    below += shift
+    return np.asarray(np.clip(below, 0, most, out=below), dtype=trial.dtype)

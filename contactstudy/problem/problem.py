@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Protocol
 
 from contactstudy.domain.arrays import Array
 from contactstudy.domain.grid import Grid
@@ -23,6 +24,23 @@ class Scales:
     gap: float
 
 
+class Source(Protocol):
+    """What a problem was made of, so that it can be made again on another grid of the same extent."""
+
+    @property
+    def finest(self) -> tuple[float, float]:
+        """The shortest lengths (across, along) over which the heights change [m]; infinite if unknown."""
+        ...
+
+    def gap(self, grid: Grid) -> Array:
+        """Undeformed gap [m], sampled anew on ``grid``; broadcasts to its cells."""
+        ...
+
+    def problem(self, grid: Grid) -> "Problem":
+        """The same contact on ``grid``, with the same paddings."""
+        ...
+
+
 @dataclass(frozen=True, eq=False)
 class Problem:
     """Find p with ``gap = undeformed_gap + operator(p) - approach >= 0`` and ``p gap = 0``.
@@ -30,7 +48,8 @@ class Problem:
     ``undeformed_gap`` (x, y) [m]; ``operator`` maps pressure [Pa] to displacement [m], both (x, y).
     ``constraint`` limits the pressure of each cell; ``resultant`` is what all carry together. ``scales`` are
     what the solver divides by. The rest is not for the solver: ``open_edges`` are the rows, counted
-    across, that contact should not reach, because the surface goes on beyond them; ``paddings`` (across, along)
+    across, that contact should not reach, because the surface goes on beyond them, and ``open_ends`` those
+    counted along; ``source`` makes the problem again on another grid; ``paddings`` (across, along)
     are those of the operator, where it has any; ``outputs`` are found from the solution when
     it is labelled; ``attributes`` describe where the problem came from.
     """
@@ -42,6 +61,8 @@ class Problem:
     resultant: Resultant
     scales: Scales
     open_edges: tuple[int, ...] = ()
+    open_ends: tuple[int, ...] = ()
+    source: Source | None = None
     paddings: Paddings | None = None
     outputs: tuple[Derived, ...] = ()
     attributes: Mapping[str, str | float] = field(default_factory=dict)

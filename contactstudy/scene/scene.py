@@ -1,11 +1,12 @@
 """Where effects meet: a scene names them, and turns them into a problem on a grid."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, log2
 
 import numpy as np
 
 from contactstudy.analytic import HertzLine
+from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import InvalidInput, bearable, keep
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Padding, Paddings, across_and_along
@@ -20,6 +21,7 @@ from contactstudy.scene.load import LineLoad
 from contactstudy.scene.outputs import Output
 from contactstudy.scene.shapes.basic import Shape
 from contactstudy.scene.solids import Body, contact_modulus, response
+from contactstudy.scene.source import ShapesSource, ends_along, sized
 
 
 @dataclass(frozen=True)
@@ -116,10 +118,22 @@ class Scene:
             scales=scales,
             paddings=paddings,
             open_edges=(0, -1) if _is_free(paddings[0]) else (),
+            open_ends=self._open_ends(gap, grid, paddings[1]),
+            source=self._source(grid, padding),
             outputs=tuple(output.of(self.solids, grid, paddings) for output in self.outputs),
             attributes=self._reference()
             | {"scene": repr(self), "grid": repr(grid), "padding": repr(padding)},
         )
+
+    def _open_ends(self, gap: Array, grid: Grid, along: Padding) -> tuple[int, ...]:
+        """The ends of a free length, where the surface varies and no roller ends."""
+        varies = bool((gap != gap[:, :1]).any())
+        return (0, -1) if varies and _is_free(along) and not ends_along(self.shapes, grid) else ()
+
+    def _source(self, grid: Grid, padding: Padding | Paddings) -> ShapesSource:
+        """Of the same scene on other grids than ``grid``."""
+        scene = replace(self, shapes=sized(self.shapes, grid))
+        return ShapesSource(scene.shapes, lambda other: scene.problem(other, padding))
 
     def _reference(self) -> dict[str, str | float]:
         """What the record says of the smooth contact that a scene's is compared with."""

@@ -12,8 +12,8 @@ class Status(Enum):
 
     CONVERGED = "the residual is below the tolerance"
     CONTACT_AT_EDGE = (
-        "converged, but the contact reaches the edge of the width and is cut off there: "
-        "give Grid.extent a larger width"
+        "converged, but the contact reaches the edge of the width, or the end of a free length, and is "
+        "cut off there: give Grid.extent a larger width or length"
     )
     ITERATION_LIMIT = (
         "max_iterations was reached before the tolerance: "

@@ -70,7 +70,7 @@ def solve(
         displacement=moved,
         gap=problem.undeformed_gap + moved - approach,
         approach=approach,
-        status=_status(bare, last, tolerance, max_iterations, problem.open_edges),
+        status=_status(bare, last, tolerance, max_iterations, problem),
         iterations=last.iterations,
         convolutions=last.convolutions,
         residual=last.residual,
@@ -132,7 +132,7 @@ def _status(
     last: Iterate,
     tolerance: float,
     max_iterations: int,
-    open_edges: tuple[int, ...],
+    problem: Problem,
 ) -> Status:
     if not np.isfinite(last.residual):
         return Status.NOT_FINITE
@@ -141,6 +141,7 @@ def _status(
             return Status.PRECISION_LIMIT
         limited = last.iterations >= max_iterations
         return Status.ITERATION_LIMIT if limited else Status.STALLED
-    if last.pressure[list(open_edges)].any():
+    across, along = list(problem.open_edges), list(problem.open_ends)
+    if last.pressure[across].any() or last.pressure[:, along].any():
         return Status.CONTACT_AT_EDGE
     return Status.CONVERGED

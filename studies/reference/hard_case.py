@@ -81,6 +81,11 @@ class HardCase:
             start=self.start(problem, solver) if self.start else None,
         )
 
+    def may_end(self, padding: str) -> frozenset[cs.Status]:
+        """The statuses it may end in with that padding: a free length cuts off whatever varies along it."""
+        cut_off = padding == "zero" and cs.Status.CONVERGED in self.ends
+        return self.ends | {cs.Status.CONTACT_AT_EDGE} if cut_off else self.ends
+
     def judge(
         self, solution: cs.Solution, padding: cs.Padding | cs.Paddings, solver: cs.Solver
     ) -> tuple[float, float]:

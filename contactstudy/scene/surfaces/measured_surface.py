@@ -96,6 +96,12 @@ class MeasuredSurface:
         extent = None if self.extent is None else (self.extent[1], self.extent[0])
         return replace(self, heights=np.rot90(self.heights), extent=extent)
 
+    def sized(self, grid: Grid) -> Self:
+        """This surface with the extent that it has on ``grid``, so that it can be put on others."""
+        if self.extent is not None:
+            return self
+        return replace(self, extent=(grid.extent[0], grid.period / self.seam.lengths))
+
     @property
     def curvature(self) -> float:
         """None that is known of."""

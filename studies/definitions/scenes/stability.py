@@ -79,9 +79,13 @@ def measures(case: Trial, solution: cs.Solution) -> Mapping[str, xr.Variable]:
     claims = solution.residual <= hard.tolerance or solution.status is cs.Status.PRECISION_LIMIT
     if case.asked and claims:
         error, stated = hard.judge(solution, PADDINGS[case.padding], SOLVERS[case.solver])
-        verdict = "right" if error <= stated and solution.status in hard.ends else "wrong"
+        verdict = (
+            "right"
+            if error <= stated and solution.status in hard.may_end(case.padding)
+            else "wrong"
+        )
     elif case.asked:
-        verdict = "said" if solution.status in hard.ends else "wrong"
+        verdict = "said" if solution.status in hard.may_end(case.padding) else "wrong"
     index = np.asarray(VERDICTS.index(verdict))
     return {
         "pressure_error": number(error, "largest pressure error over highest pressure"),

@@ -183,6 +183,24 @@ def test_a_tolerance_that_is_none_is_refused(tolerance: object, line_contact: Li
         cs.solve(problem, max_iterations=-1)
 
 
+def test_contact_cut_off_by_a_free_length_is_flagged_but_not_a_rollers_own_end(
+    line_contact: LineContact,
+) -> None:
+    free = (cs.ZeroPadding(), cs.ZeroPadding())
+    solids, load = line_contact.scene.solids, cs.LineLoad(3e4)
+    width = 6 * cs.analytic.hertz_line(3e4, 0.01, line_contact.scene.contact_modulus).half_width
+    grid = cs.Grid((24, 12), (width, width / 8))
+    sphere = cs.Scene(load, solids, (cs.Sphere(0.01),))
+    assert cs.solve(sphere.problem(grid, free)).status is cs.Status.CONTACT_AT_EDGE
+    crowned = (cs.Cylinder(0.01), cs.Crown(10.0))
+    for shapes, status in (
+        (crowned, cs.Status.CONTACT_AT_EDGE),
+        ((*crowned, cs.FiniteLength(width / 8)), cs.Status.CONVERGED),
+    ):
+        scene = cs.Scene(load, solids, shapes)
+        assert cs.solve(scene.problem(grid, free)).status is status
+
+
 def test_an_axis_that_sees_one_period_is_free_whatever_its_name(line_contact: LineContact) -> None:
     grid = line_contact.grid(16, 1.2, width=1.5)
     for across in (cs.ZeroPadding(), cs.Superposition(0)):

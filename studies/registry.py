@@ -1,51 +1,106 @@
-"""The studies there are: by name, or in a Python file."""
+"""The studies there are: by name, or in a Python file.
+
+Definitions and drawings are imported when they are asked for: what lists, runs or distributes studies
+imports no plotting library.
+"""
 
 import importlib
 import importlib.util
 import sys
 from pathlib import Path
 from types import ModuleType
+from typing import NamedTuple
 
 from contactstudy import InvalidInput
 from contactstudy.domain.checks import remedy
-from studies.model.study import Study, silent
+from studies.model.drawing import Drawing, nothing
+from studies.model.study import Study
 
-# Those the report is made of, in its order, and those that need more than this project installs.
+
+class Modules(NamedTuple):
+    """Where a built-in study is defined, and where it is drawn."""
+
+    definition: str
+    drawing: str
+
+
+# The studies of the report, in its order, and those that need more than this project installs.
 BUILT_IN = {
-    "paper": "studies.definitions.periodicity.paper",
-    "padding": "studies.definitions.periodicity.padding",
-    "images": "studies.definitions.periodicity.images",
-    "period": "studies.definitions.periodicity.period",
-    "grid": "studies.definitions.periodicity.grid",
-    "kernels": "studies.definitions.periodicity.kernels",
-    "speed": "studies.definitions.cost.speed",
-    "roughness": "studies.definitions.scenes.roughness",
-    "effects": "studies.definitions.scenes.effects",
-    "pareto": "studies.definitions.cost.pareto",
-    "stability": "studies.definitions.scenes.stability",
+    "paper": Modules(
+        "studies.definitions.periodicity.paper", "studies.report.drawings.periodicity.paper"
+    ),
+    "padding": Modules(
+        "studies.definitions.periodicity.padding", "studies.report.drawings.periodicity.padding"
+    ),
+    "images": Modules(
+        "studies.definitions.periodicity.images", "studies.report.drawings.periodicity.images"
+    ),
+    "period": Modules(
+        "studies.definitions.periodicity.period", "studies.report.drawings.periodicity.period"
+    ),
+    "grid": Modules(
+        "studies.definitions.periodicity.grid", "studies.report.drawings.periodicity.grid"
+    ),
+    "kernels": Modules(
+        "studies.definitions.periodicity.kernels", "studies.report.drawings.periodicity.kernels"
+    ),
+    "speed": Modules("studies.definitions.cost.speed", "studies.report.drawings.cost.speed"),
+    "roughness": Modules(
+        "studies.definitions.effects.roughness", "studies.report.drawings.effects.roughness"
+    ),
+    "effects": Modules("studies.definitions.cost.effects", "studies.report.drawings.cost.effects"),
+    "pareto": Modules("studies.definitions.cost.pareto", "studies.report.drawings.cost.pareto"),
+    "stability": Modules("studies.definitions.stability", "studies.report.drawings.stability"),
 }
-OPTIONAL = {"peers": "studies.definitions.cost.peers"}
+OPTIONAL = {
+    "peers": Modules("studies.definitions.cost.peers", "studies.report.drawings.cost.peers"),
+}
 
 
 def load(name: str) -> Study:
     """The built-in study of that name, or the one in a Python file.
 
-    Raises :class:`~contactstudy.InvalidInput` where there is none, or one of its four names is missing.
+    Raises :class:`~contactstudy.InvalidInput` if there is none, or if a file lacks one of its four names.
     """
     if name.endswith(".py"):
         if Path(name).stem in BUILT_IN | OPTIONAL:
             raise InvalidInput(f"Study file {name!r} has the name of a built-in study: rename it.")
-        return _study(Path(name).stem, _from_file(Path(name)))
-    known_studies = BUILT_IN | OPTIONAL
-    if name not in known_studies:
-        known = remedy(name, sorted(known_studies))
-        raise InvalidInput(f"Study {name!r} is not known: {known}, or give a .py file.")
-    return _study(name, importlib.import_module(known_studies[name]))
+        module = _from_file(Path(name))
+        for part in ("points", "scene_at", "measures", "figure"):
+            if not hasattr(module, part):
+                raise InvalidInput(
+                    f"Study {Path(name).stem!r} has no {part!r}: define it at the file's top level."
+                )
+        return _study(Path(name).stem, module)
+    return _study(name, importlib.import_module(_modules(name).definition))
+
+
+def load_drawing(name: str) -> Drawing:
+    """How the study of that name, or the one in a Python file, is drawn."""
+    if name.endswith(".py"):
+        module = sys.modules.get(_module_name(Path(name))) or _from_file(Path(name))
+    else:
+        module = importlib.import_module(_modules(name).drawing)
+    return Drawing(
+        module.figure, getattr(module, "findings", nothing), getattr(module, "tables", nothing)
+    )
+
+
+def _modules(name: str) -> Modules:
+    known = BUILT_IN | OPTIONAL
+    if name not in known:
+        hint = remedy(name, sorted(known))
+        raise InvalidInput(f"Study {name!r} is not known: {hint}, or give a .py file.")
+    return known[name]
+
+
+def _module_name(path: Path) -> str:
+    # prefixed, so that a file called time.py does not replace Python's module
+    return f"study_in_file_{path.stem}"
 
 
 def _from_file(path: Path) -> ModuleType:
-    # a name of its own, lest a file called time.py be taken for Python's
-    name = f"study_in_file_{path.stem}"
+    name = _module_name(path)
     spec = importlib.util.spec_from_file_location(name, path)
     if not path.is_file() or spec is None or spec.loader is None:
         raise InvalidInput(
@@ -53,7 +108,7 @@ def _from_file(path: Path) -> ModuleType:
         )
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    # workers know nothing of this file: send its functions by value, not by name
+    # worker processes cannot import this file: its functions are pickled by value
     from cloudpickle import register_pickle_by_value
 
     sys.modules[name] = module
@@ -62,11 +117,6 @@ def _from_file(path: Path) -> ModuleType:
 
 
 def _study(name: str, module: ModuleType) -> Study:
-    for part in ("points", "scene_at", "measures", "figure"):
-        if not hasattr(module, part):
-            raise InvalidInput(
-                f"Study {name!r} has no {part!r}: define it at the file's top level."
-            )
     title = (module.__doc__ or name).strip().split("\n")[0]
     return Study(
         name,
@@ -74,8 +124,5 @@ def _study(name: str, module: ModuleType) -> Study:
         tuple(module.points),
         module.scene_at,
         module.measures,
-        module.figure,
-        getattr(module, "findings", silent),
-        getattr(module, "tables", silent),
         getattr(module, "times", "taken"),
     )

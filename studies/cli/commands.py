@@ -10,7 +10,7 @@ from contactstudy import InvalidInput, __version__
 from studies.cli.recommend import recommendation
 from studies.cli.scenes import plan, solve
 from studies.cli.study_help import StudyCommand
-from studies.registry import BUILT_IN, OPTIONAL, load
+from studies.registry import BUILT_IN, OPTIONAL, load, load_drawing
 
 # What runs is imported by the commands that run, and what draws by those that draw: help comes at once.
 
@@ -156,7 +156,7 @@ def run(
         sys.exit(1)
     from studies.report import page as reporting
 
-    reporting.draw(chosen, out)
+    reporting.draw(chosen, load_drawing(study), out)
     click.echo(f"{chosen.name}: drew {out / chosen.name}")
 
 
@@ -172,7 +172,7 @@ def draw(study: tuple[str, ...], out: Path) -> None:
 
     for name in study:
         chosen = load(name)
-        reporting.draw(chosen, out)
+        reporting.draw(chosen, load_drawing(name), out)
         click.echo(f"{name}: drew {out / chosen.name}")
     if not study:
         click.echo(f"report: wrote {reporting.write(out)}")

@@ -1,9 +1,9 @@
-"""What a study is: four names in a Python file, and a few more where it has something to say."""
+"""What a study computes: its axes, the computation at each point, and what is measured there."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import xarray as xr
 
@@ -11,41 +11,20 @@ from contactstudy import InvalidInput
 from contactstudy.domain.checks import remedy
 from studies.model.axis import Axis, Value, one_of
 from studies.model.case import Computation
-from studies.model.finding import Finding, Table
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 Point = Mapping[str, Value]
-# of what a study computes, and of its result: as specific as the study
+# Arguments: the computation and its result, of whatever types the study uses.
 Measures = Callable[[Any, Any], Mapping[str, xr.Variable]]
 
 
 @dataclass(frozen=True, eq=False)
-class Plate:
-    """A figure with its file name and the words that go under it."""
-
-    name: str
-    figure: "Figure"
-    caption: str
-
-
-def silent(dataset: xr.Dataset) -> tuple[()]:
-    """What a study says that only draws."""
-    return ()
-
-
-@dataclass(frozen=True, eq=False)
 class Study:
-    """``points`` to visit, ``scene_at`` a point, what one ``measures`` there, and the ``figure`` drawn.
+    """``points`` to visit, the computation ``scene_at`` a point, and what it ``measures`` there.
 
-    ``points``: the axes. ``scene_at(point)``: the computation at a point, mostly a
+    ``points``: the axes. ``scene_at(point)``: the computation at a point, usually a
     :class:`~studies.model.case.Case`; bad values raise :class:`~contactstudy.InvalidInput`.
-    ``measures(case, result)``: named variables,
-    scalar or with dimensions of their own; a variable named like its dimension is its coordinate.
-    ``figure(dataset)``: the plates, drawn from the stored Dataset alone. ``findings(dataset)`` and
-    ``tables(dataset)``: what the report says beside them; nothing, unless the file defines them. ``times``
-    of its cases are "taken", or "none" where nothing is to be said about them.
+    ``measures(case, result)``: named variables, scalar or with dimensions of their own; a variable
+    named like its dimension is its coordinate. ``times``: "taken" if the cases are timed, else "none".
     """
 
     name: str
@@ -53,9 +32,6 @@ class Study:
     points: tuple[Axis, ...]
     scene_at: Callable[[Point], Computation]
     measures: Measures
-    figure: Callable[[xr.Dataset], Sequence[Plate]]
-    findings: Callable[[xr.Dataset], Sequence[Finding]] = silent
-    tables: Callable[[xr.Dataset], Sequence[Table]] = silent
     times: str = "taken"
 
     def __post_init__(self) -> None:

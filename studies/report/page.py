@@ -10,45 +10,44 @@ import xarray as xr
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup, escape
 
+from studies.model.drawing import CaptionedFigure, Drawing
 from studies.model.finding import Finding, Table
-from studies.model.study import Plate, Study
-from studies.registry import BUILT_IN, load
-from studies.report.findings import estimates as trust
+from studies.model.study import Study
+from studies.registry import BUILT_IN, load, load_drawing
+from studies.report import estimate_validation
 from studies.store.netcdf import read, replacing
 
 
-def draw(study: Study, out: Path) -> Sequence[Plate]:
-    """The plates of ``study`` as PNG and PDF in ``<out>/<study>/``, from its netCDF alone."""
-    return _draw(study, read(out / f"{study.name}.nc"), out)
+def draw(study: Study, drawing: Drawing, out: Path) -> Sequence[CaptionedFigure]:
+    """The figures of ``study`` as PNG and PDF in ``<out>/<study>/``, from its netCDF file alone."""
+    figures = drawing.figure(read(out / f"{study.name}.nc"))
+    _save(figures, out / study.name)
+    return figures
 
 
-def _draw(study: Study, dataset: xr.Dataset, out: Path) -> Sequence[Plate]:
-    plates = study.figure(dataset)
-    _save(plates, out / study.name)
-    return plates
-
-
-def _save(plates: Sequence[Plate], folder: Path) -> None:
-    for plate in plates:
-        # laid out once for both files: each would draw itself once more to find the same
-        if engine := plate.figure.get_layout_engine():
-            engine.execute(plate.figure)
-            plate.figure.set_layout_engine("none")
+def _save(figures: Sequence[CaptionedFigure], folder: Path) -> None:
+    for one in figures:
+        # lay the figure out once for both files: each file would do it again
+        if engine := one.figure.get_layout_engine():
+            engine.execute(one.figure)
+            one.figure.set_layout_engine("none")
         for suffix in ("png", "pdf"):
-            with replacing(folder / f"{plate.name}.{suffix}") as path:
-                plate.figure.savefig(path)
+            with replacing(folder / f"{one.name}.{suffix}") as path:
+                one.figure.savefig(path)
 
 
 def write(out: Path) -> Path:
     """Figures and ``<out>/report.html`` from the netCDF files of the built-in studies; returns its path.
 
-    A chapter for each study in the order of ``BUILT_IN``: its title, what it swept, its findings, plates
+    A chapter for each study in the order of ``BUILT_IN``: its title, what it swept, its findings, figures
     and tables. All findings are in the summary as well, those that answer a question before the others.
     """
     stored = {name: read(out / f"{name}.nc") for name in BUILT_IN}
-    chapters = [_chapter(load(name), dataset, out) for name, dataset in stored.items()]
-    sweeps = trust.compared(stored)
-    chapters += [_trusted(sweeps, out)] if sweeps else []
+    chapters = [
+        _chapter(load(name), load_drawing(name), dataset, out) for name, dataset in stored.items()
+    ]
+    sweeps = estimate_validation.compared(stored)
+    chapters += [_estimates_chapter(sweeps, out)] if sweeps else []
     environment = Environment(
         loader=PackageLoader("studies.report", "."),
         autoescape=select_autoescape(),
@@ -87,46 +86,49 @@ class Chapter:
     title: str
     swept: Sequence[tuple[str, Sequence[object]]]
     findings: Sequence[Finding]
-    plates: Sequence[Mapping[str, str]]
+    figures: Sequence[Mapping[str, str]]
     tables: Sequence[Table]
     data: Sequence[str]
 
 
-def _chapter(study: Study, dataset: xr.Dataset, out: Path) -> Chapter:
+def _chapter(study: Study, drawing: Drawing, dataset: xr.Dataset, out: Path) -> Chapter:
+    figures = drawing.figure(dataset)
+    _save(figures, out / study.name)
     return Chapter(
         name=study.name,
         title=study.title.rstrip("."),
         swept=[(axis.long_name, dataset[axis.name].values.tolist()) for axis in study.points],
-        findings=study.findings(dataset),
-        plates=[_plate(plate, study.name, out) for plate in _draw(study, dataset, out)],
-        tables=study.tables(dataset),
+        findings=drawing.findings(dataset),
+        figures=[_embedded(one, study.name, out) for one in figures],
+        tables=drawing.tables(dataset),
         data=[study.name],
     )
 
 
-def _trusted(sweeps: Mapping[str, xr.Dataset], out: Path) -> Chapter:
-    """The chapter that the sweeps share: what their error estimates are worth."""
-    plate = trust.figure(sweeps)
-    _save([plate], out / "trust")
+def _estimates_chapter(sweeps: Mapping[str, xr.Dataset], out: Path) -> Chapter:
+    """The chapter that the sweeps share: error estimates beside true errors."""
+    name = "estimate_validation"
+    figure = estimate_validation.figure(sweeps)
+    _save([figure], out / name)
     return Chapter(
-        name="trust",
+        name=name,
         title="Error estimates beside true errors",
         swept=[],
-        findings=[trust.finding(sweeps)],
-        plates=[_plate(plate, "trust", out)],
-        tables=[trust.table(sweeps)],
+        findings=[estimate_validation.finding(sweeps)],
+        figures=[_embedded(figure, name, out)],
+        tables=[estimate_validation.table(sweeps)],
         data=list(sweeps),
     )
 
 
-def _plate(plate: Plate, folder: str, out: Path) -> Mapping[str, str]:
-    picture = base64.b64encode((out / folder / f"{plate.name}.png").read_bytes())
+def _embedded(one: CaptionedFigure, folder: str, out: Path) -> Mapping[str, str]:
+    png = base64.b64encode((out / folder / f"{one.name}.png").read_bytes())
     return {
-        "file": f"{folder}/{plate.name}",
-        "caption": plate.caption,
-        "picture": picture.decode(),
-        "width": f"{100 * plate.figure.get_figwidth():.0f}",
-        "height": f"{100 * plate.figure.get_figheight():.0f}",
+        "file": f"{folder}/{one.name}",
+        "caption": one.caption,
+        "png": png.decode(),
+        "width": f"{100 * one.figure.get_figwidth():.0f}",
+        "height": f"{100 * one.figure.get_figheight():.0f}",
     }
 
 

@@ -15,9 +15,8 @@ from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import whole
 from studies.model.axis import Axis, one_of
 from studies.model.case import number
-from studies.model.study import Plate, Point
-from studies.reference.line_contact import HERTZ, SCENE, total_time
-from studies.report.style import finish, panels
+from studies.model.study import Point
+from studies.reference.line_contact import HERTZ, SCENE
 
 A, P_H, MODULUS = HERTZ.half_width, HERTZ.peak_pressure, HERTZ.contact_modulus
 FREE, EXACT = cs.ZeroPadding(), cs.ExactPeriodicity()
@@ -166,7 +165,6 @@ PROGRAMS: dict[str, Callable[[Contest], Callable[[], Array]]] = {
     "tamaas": _tamaas,
     "aspher": _aspher,
 }
-COLORS = dict(zip(PROGRAMS, ("#0072B2", "#D55E00", "#009E73", "#CC79A7"), strict=True))
 
 points = (
     Axis("program", tuple(PROGRAMS), "program"),
@@ -187,39 +185,3 @@ def measures(case: Contest, result: Array) -> Mapping[str, xr.Variable]:
     converged = cs.solve(case.problem(), tolerance=1e-12).pressure
     error = float(np.abs(result - converged).max() / converged.max())
     return {"difference": number(error, "largest pressure difference over peak pressure")}
-
-
-def figure(dataset: xr.Dataset) -> tuple[Plate, ...]:
-    """Time in all against the grid, a panel for each boundary."""
-    boundaries = [str(name) for name in dataset["boundary"].values]
-    plate, axes = panels(len(boundaries), share="y")
-    time = total_time(dataset)
-    facts = []
-    for ax, boundary in zip(axes, boundaries, strict=True):
-        for program in (str(name) for name in dataset["program"].values):
-            one = time.sel(program=program, boundary=boundary)
-            if not np.isfinite(one).any():
-                continue
-            ax.loglog(dataset["grid"], one, marker="o", color=COLORS[program], label=program)
-            finest = dataset.sel(program=program, boundary=boundary).isel(grid=-1)
-            facts.append(
-                f"{boundary}, {program} {float(one[-1]):.2g} s with a difference of "
-                f"{float(finest['difference']):.0e}"
-            )
-        ax.set(title=boundary, xlabel="cells across and along")
-        ax.set_xticks(dataset["grid"], [str(n) for n in dataset["grid"].values])
-        ax.minorticks_off()
-    axes[0].set_ylabel("wall time, set-up and solve [s]")
-    finish(plate)
-    return (
-        Plate(
-            "peers",
-            plate,
-            f"Time in all on one thread. At {int(dataset['grid'][-1])} cells: "
-            + "; ".join(facts)
-            + ". "
-            "The difference is the largest from the converged solution for cells of constant pressure; on "
-            "periodic surfaces the others hold the pressure to be a sum of waves, which is another "
-            "discretisation and not an error.",
-        ),
-    )

@@ -11,11 +11,8 @@ import contactstudy as cs
 from contactstudy.domain.checks import whole
 from studies.model.axis import Axis, one_of
 from studies.model.case import Case, number
-from studies.model.finding import Finding
-from studies.model.outcome import Fate
-from studies.model.study import Plate, Point
+from studies.model.study import Point
 from studies.reference.line_contact import HERTZ, SCENE
-from studies.report.style import LAW, finish, panels
 
 SOLVERS: dict[str, cs.Solver] = {
     "preconditioned_cg": cs.PreconditionedCG(),
@@ -29,9 +26,6 @@ SURFACES: dict[str, tuple[cs.Shape, ...]] = {
     "rough": (cs.Roughness(rms=0.6 * GAP, hurst=0.8, roll_off=1.2 * A, cut_off=0.15 * A, seed=1),),
 }
 WIDTH, PERIOD = 4.8, 2.4  # half-widths
-TITLES = {"preconditioned_cg": "preconditioned CG", "polonsky_keer": "Polonsky & Keer"}
-COLORS = {"preconditioned_cg": "#0072B2", "polonsky_keer": "#D55E00"}
-LINES = {"smooth": "-", "wavy": "--", "rough": ":"}
 
 points = (
     Axis("solver", tuple(SOLVERS), "solver"),
@@ -68,83 +62,3 @@ def measures(case: Case, result: cs.Solution) -> Mapping[str, xr.Variable]:
         "contact_share": number(float((result.pressure > 0).mean()), "share of cells in contact"),
         "memory": number(peak / one, "peak memory of a solve over that of one field"),
     }
-
-
-def figure(dataset: xr.Dataset) -> tuple[Plate, ...]:
-    """Time, iterations and convolutions against the grid, with the growth of each fitted."""
-    cells = dataset["grid"].values
-    plate, axes = panels(3)
-    labels = {
-        "solve_time": "wall time to solve [s]",
-        "iterations": "iterations",
-        "convolutions": "transform pairs of the full grid",
-    }
-    for ax, (variable, label) in zip(axes, labels.items(), strict=True):
-        for solver in (str(name) for name in dataset["solver"].values):
-            for surface in (str(name) for name in dataset["surface"].values):
-                line = dataset[variable].sel(solver=solver, surface=surface)
-                style = {"color": COLORS[solver], "linestyle": LINES[surface], "marker": "o"}
-                ax.loglog(cells, line, label=f"{TITLES[solver]}, {surface}", **style)
-        if variable == "solve_time":
-            least = float(dataset[variable].isel(grid=0).min())
-            ax.loglog(cells, least * (cells / cells[0]) ** 2, label="N²", **LAW)
-        ax.set(xlabel="cells N across and along", ylabel=label)
-        ax.set_xticks(cells, [str(n) for n in cells])
-        ax.minorticks_off()
-    finish(plate)
-    return (Plate("speed", plate, _words(dataset)),)
-
-
-def _words(dataset: xr.Dataset) -> str:
-    facts = []
-    finest = dataset.isel(grid=-1)
-    for solver in (str(name) for name in dataset["solver"].values):
-        one = finest.sel(solver=solver)
-        growth = ""
-        if dataset.sizes["grid"] > 1:
-            times = dataset["solve_time"].sel(solver=solver)
-            rates = [
-                np.polyfit(np.log(dataset["grid"].values), np.log(times.sel(surface=s).values), 1)[
-                    0
-                ]
-                for s in dataset["surface"].values
-            ]
-            growth = f", growing like N^{min(rates):.1f} to N^{max(rates):.1f}"
-        facts.append(
-            f"{TITLES[solver]}: {int(one['iterations'].min())} to "
-            f"{int(one['iterations'].max())} iterations, {float(one['solve_time'].min()):.2g} to "
-            f"{float(one['solve_time'].max()):.2g} s{growth}, at most "
-            f"{float(one['memory'].max()):.0f} fields of memory"
-        )
-    return (
-        "Cost of a solve with exact periodicity to a residual of 1e-8, on one thread; set-up is not "
-        f"counted. At {int(finest['grid'])} x {int(finest['grid'])} cells, "
-        + "; ".join(facts)
-        + "."
-    )
-
-
-def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
-    """Which solver."""
-    solvers = set(dataset["solver"].values.tolist())
-    if not solvers >= set(SOLVERS) or not (dataset["status"] == Fate.OK).all():
-        return ()
-    finest = dataset.isel(grid=-1)
-    new, old = (finest.sel(solver=name) for name in ("preconditioned_cg", "polonsky_keer"))
-    facts = "; ".join(
-        f"{surface}: "
-        + " beside ".join(
-            f"{int(one['iterations'])} iterations in {float(one['solve_time']):.2g} s"
-            for one in (solver.sel(surface=surface) for solver in (new, old))
-        )
-        for surface in finest["surface"].values.tolist()
-    )
-    ratio = old["solve_time"] / new["solve_time"]
-    return (
-        Finding(
-            f"Preconditioned conjugate gradients: {float(ratio.min()):.1f} to {float(ratio.max()):.1f} times "
-            "faster than Polonsky & Keer's scheme.",
-            f"At {int(finest['grid'])} x {int(finest['grid'])} cells, beside Polonsky & Keer's: {facts}.",
-            "Which solver?",
-        ),
-    )

@@ -1,23 +1,16 @@
 """The paper's figures: displacement under a periodic point pressure, pressure of a line contact."""
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
 import contactstudy as cs
 from studies.model.case import Case
-from studies.model.finding import Table
-from studies.model.study import Plate, Point
+from studies.model.study import Point
 from studies.reference import line_contact
-from studies.reference.line_contact import COUNTED
-from studies.report.formatting import label_of, paddings, percent
-from studies.report.style import LAW, finish, look, panels
 
 WIDTH, CELLS = 3.0, 120  # Fig. 4: a square of three contact radii, which is also the period
-
-TITLES = {"across": "across the contact", "along": "along the length"}
 
 points = tuple(
     axis for axis in line_contact.axes(images=(1, 6)) if axis.name in ("padding", "images")
@@ -70,128 +63,3 @@ def point_displacement(padding: cs.Padding | cs.Paddings) -> Mapping[str, xr.Var
         "displacement_across": xr.Variable(("offset",), moved[:, CELLS // 2], label),
         "displacement_along": xr.Variable(("offset",), moved[CELLS // 2], label),
     }
-
-
-def figure(dataset: xr.Dataset) -> tuple[Plate, ...]:
-    """Figs. 4 and 5."""
-    return _displacement(dataset), _pressure(dataset)
-
-
-def _displacement(dataset: xr.Dataset) -> Plate:
-    shown = [name for name in ("zero", "duplicated") if name in paddings(dataset)]
-    hertz = cs.analytic.hertz_point(load=1.0, radius=1.0, contact_modulus=1.0)
-    plate, axes = panels(2, width=4.2)
-    for ax, direction in zip(axes, ("across", "along"), strict=True):
-        offset = dataset["offset"]
-        for name in shown:
-            moved = dataset[f"displacement_{direction}"].sel(padding=name).isel(images=-1)
-            ax.plot(offset, moved, label=f"{name} padding", markevery=8, **look(name))
-        analytic = hertz.displacement(offset * hertz.contact_radius) / hertz.approach
-        ax.plot(offset, analytic, label="Hertz, one contact alone", **LAW)
-        ax.set(xlabel="distance from centre / contact radius", title=TITLES[direction])
-    axes[0].set_ylabel("displacement / Hertz's at the centre")
-    finish(plate)
-    said = {
-        "zero": "it lies on Hertz's solution of one contact alone, since it knows no neighbours.",
-        "duplicated": "it adds the neighbours, and along the length bends the curve as well as lifting it.",
-    }
-    words = []
-    for name in shown:
-        one = dataset.sel(padding=name).isel(images=-1)
-        across, along = one["displacement_across"], one["displacement_along"]
-        words.append(
-            f"With {name} padding it is {float(across[CELLS // 2]):.4f} at the centre, "
-            f"{float(across[0]):.4f} at the edge across and {float(along[0]):.4f} at the edge along: "
-            + said[name]
-        )
-    return Plate(
-        "displacement",
-        plate,
-        "The paper's Fig. 4. Displacement under a semi-elliptic pressure of radius a that repeats every "
-        f"3a along the length ({CELLS} x {CELLS} cells). " + " ".join(words),
-    )
-
-
-def _pressure(dataset: xr.Dataset) -> Plate:
-    plate, (whole, error) = panels(2, width=4.6)
-    x = dataset["width"]
-    hertz = np.sqrt(np.clip(1 - x**2, 0, None))
-    for name in paddings(dataset):
-        chosen = dataset.sel(padding=name).isel(images=-1)
-        label = label_of(chosen)
-        whole.plot(x, chosen["pressure"], label=label, markevery=8, **look(name))
-        error.plot(x, 100 * (chosen["pressure"] - hertz), label=label, markevery=8, **look(name))
-        if name == "zero":  # its ends would fill the picture
-            continue
-        band: dict[str, Any] = {"color": look(name)["color"], "alpha": 0.18, "linewidth": 0}
-        error.fill_between(
-            x,
-            100 * (chosen["pressure_least"] - hertz),
-            100 * (chosen["pressure_most"] - hertz),
-            **band,
-        )
-    whole.plot(x, hertz, label="Hertz", **LAW)
-    whole.set(xlabel="position across / half-width a", ylabel="pressure / p_H", ylim=(0, 1.2))
-    error.set(
-        xlabel="position across / half-width a",
-        ylabel="error against Hertz [% of p_H]",
-        ylim=(-100, 100),
-    )
-    error.set_yscale("symlog", linthresh=0.1)
-    finish(plate)
-    facts = "; ".join(
-        f"{label_of(one)}: {percent(one['pressure_error_max'])}"
-        for one in (dataset.sel(padding=name).isel(images=-1) for name in paddings(dataset))
-    )
-    return Plate(
-        "pressure",
-        plate,
-        "The paper's Fig. 5. Pressure across the line contact in the middle of the length, and its error; "
-        "there the bands span the values along the length (zero padding's, with its ends, would fill the "
-        "picture), on a scale that is linear within 0.1 % and logarithmic beyond. "
-        f"The largest error of any cell, over p_H: {facts}.",
-    )
-
-
-def tables(dataset: xr.Dataset) -> tuple[Table, ...]:
-    """Every mode at the paper's setting."""
-    return (accuracy_table(dataset),)
-
-
-def accuracy_table(dataset: xr.Dataset) -> Table:
-    """Errors and cost of every mode at the paper's setting."""
-    rows = []
-    order = ("exact", "duplicated", "circular", "superposed", "zero")
-    for name in (name for name in order if name in paddings(dataset)):
-        counted = dataset["images"].values if name in COUNTED else dataset["images"].values[-1:]
-        for images in counted:
-            one = dataset.sel(padding=name, images=images)
-            errors = (
-                "peak_pressure_error",
-                "highest_pressure_error",
-                "pressure_error_max",
-                "length_variation",
-                "half_width_error",
-            )
-            rows.append(
-                (
-                    "zero (not periodic)" if name == "zero" else label_of(one),
-                    *(percent(one[error]) for error in errors),
-                    str(int(one["iterations"])),
-                    f"{float(one['setup_time']):.3f}",
-                    f"{float(one['solve_time']):.3f}",
-                )
-            )
-    return Table(
-        "A smooth line contact on the paper's grid, 128 x 128 cells over 2.4 a x 2.4 a, against Hertz. "
-        "Pressures over p_H: the peak as the mean along the length beside the axis, the highest anywhere, "
-        "the largest error of any cell. That error sits at the contact edge and jumps with where the edge "
-        "falls in its cell, so on one grid a truncated window may come out ahead by chance. "
-        "Times on one thread.",
-        (
-            "padding", "peak error",
-            "highest pressure", "largest error", "variation along length", "half-width error",
-            "iterations", "set-up [s]", "solve [s]",
-        ),
-        tuple(rows),
-    )  # fmt: skip

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from studies.definitions.scenes.effects import SCENES, scene_at
+from studies.definitions.cost.effects import SCENES, scene_at
 from studies.engine.run import run
-from studies.registry import load
+from studies.registry import load, load_drawing
 from studies.report import page as report
 from tests.studies.conftest import quiet
 
@@ -42,5 +42,5 @@ def test_every_effect_counts_and_is_shown(tmp_path: Path) -> None:
     assert found["stress"]["contact_share"] == found["hardness"]["contact_share"]
     # a hardness widens the contact that roughness has left
     assert found["hardness"]["contact_share"] > found["roughness"]["contact_share"]
-    report.draw(study, tmp_path)
+    report.draw(study, load_drawing("effects"), tmp_path)
     assert (tmp_path / "effects" / "effects.png").is_file()

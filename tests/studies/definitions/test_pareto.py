@@ -8,7 +8,7 @@ from studies.advice.settings_table import settings
 from studies.engine.run import run
 from studies.reference.line_contact import LINE
 from studies.registry import load
-from studies.report.findings.pareto import decades, kept, never_worth, savings
+from studies.report.drawings.cost.pareto_findings import decades, kept, never_worth, savings
 from studies.store.netcdf import read
 from tests.studies.conftest import quiet
 

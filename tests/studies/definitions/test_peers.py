@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from studies.engine.run import run
-from studies.registry import load
+from studies.registry import load, load_drawing
 from tests.studies.conftest import quiet
 
 
@@ -17,7 +17,7 @@ def test_a_program_that_is_not_there_is_a_failed_case_that_says_so(tmp_path: Pat
     assert np.isfinite(ours["solve_time"]).all()
     absent = dataset.sel(program="tamaas", boundary="semi-periodic")
     assert int(absent["status"]) == 2
-    assert study.figure(
+    assert load_drawing("peers").figure(
         dataset.expand_dims(grid=[32]).transpose("program", "boundary", "grid", ...)
     )
 

@@ -9,9 +9,9 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy import InvalidInput
 from contactstudy.analytic import truncation_error
-from studies.definitions.scenes.roughness import LENGTH, ROLL_OFF, WIDTH, measures, scene_at
+from studies.definitions.effects.roughness import LENGTH, ROLL_OFF, WIDTH, measures, scene_at
 from studies.engine.run import run
-from studies.registry import load
+from studies.registry import load, load_drawing
 from studies.report import page as report
 from tests.studies.conftest import quiet
 
@@ -148,5 +148,5 @@ def test_figures_can_be_drawn_of_one_surface(rms: str, tmp_path: Path) -> None:
     one = {"rms": rms, "hurst": "0.8", "peklenik": "1", "seed": "1", "images": "0", "grid": "40"}
     study = load("roughness").override(one)
     run(study, tmp_path, workers=0, repeats=1, say=quiet)
-    report.draw(study, tmp_path)
+    report.draw(study, load_drawing("roughness"), tmp_path)
     assert len(list((tmp_path / "roughness").glob("*.png"))) == 3

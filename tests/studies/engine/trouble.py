@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from studies.model.axis import Axis
-from studies.model.study import Plate, Point, Study
+from studies.model.study import Point, Study
 
 RAISES, NAN, HANGS, DIES = 3, 7, 11, 15
 
@@ -55,13 +55,9 @@ def measures(case: Trouble, result: float) -> Mapping[str, xr.Variable | float]:
     }
 
 
-def figure(dataset: xr.Dataset) -> tuple[Plate, ...]:
-    return ()
-
-
 def study(numbers: object = range(20), log: str = "", seconds: float = 0.0) -> Study:
     def scene_at(point: Point) -> Trouble:
         return Trouble(float(point["number"]), log=log, seconds=seconds)
 
     axis = Axis("number", tuple(float(n) for n in numbers), "what is squared")  # type: ignore[attr-defined]
-    return Study("trouble", "Twenty cases.", (axis,), scene_at, measures, figure)
+    return Study("trouble", "Twenty cases.", (axis,), scene_at, measures)

@@ -8,9 +8,10 @@ import pytest
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from studies.engine.run import run
+from studies.model.drawing import CaptionedFigure, Drawing
 from studies.model.finding import Finding, Table
-from studies.model.study import Plate, Study
-from studies.registry import BUILT_IN, load
+from studies.model.study import Study
+from studies.registry import BUILT_IN, load, load_drawing
 from studies.report import page as report
 from studies.report.formatting import percent
 from studies.report.style import panels
@@ -92,7 +93,7 @@ def test_report_has_a_summary_then_every_study_in_order(out: Path) -> None:
     assert [
         re.search('aria-labelledby="(.*?)"', section)[1]  # type: ignore[index]
         for section in sections
-    ] == [*BUILT_IN, "trust"]
+    ] == [*BUILT_IN, "estimate_validation"]
     asked = re.findall(r'class="question">(.*?)<', summary)
     assert asked[:4] == ["Which padding?", "What does it cost?", "What n?", "What period?"]
     first = asked.index("The paper&#39;s first claim")
@@ -106,20 +107,21 @@ def test_a_study_slots_in_with_what_it_says(
     out: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     shutil.copytree(out, tmp_path, dirs_exist_ok=True)
-    new = replace(
-        load("speed"),
-        title="Something new.",
+    new = replace(load("speed"), title="Something new.")
+    drawing = replace(
+        load_drawing("speed"),
         findings=lambda dataset: (Finding("C", "c"), Finding("A < B", "by 2.4 a", "Which is it?")),
         tables=lambda dataset: (Table("cases", ("case", "error"), (("hard", "1 %"),)),),
     )
     monkeypatch.setattr(report, "BUILT_IN", ("speed",))
     monkeypatch.setattr(report, "load", lambda name: new)
+    monkeypatch.setattr(report, "load_drawing", lambda name: drawing)
     text = report.write(tmp_path).read_text()
     assert '<h2 id="speed">Something new</h2>' in text
     assert text.count("A &lt; B") == 2  # in the summary, and in its section
     assert re.findall(r'<dt class="question">(.*?)</dt>', text) == ["Which is it?", "Speed"]
     assert '<td class="number" data-value="1 %">1\xa0%</td>' in text
-    assert 'id="trust"' not in text  # nothing stored has an estimate
+    assert 'id="estimate_validation"' not in text  # nothing stored has an estimate
 
 
 @pytest.mark.parametrize("name", ["padding", "images", "period", "grid", "pareto"])
@@ -131,7 +133,7 @@ def test_figures_can_be_drawn_of_one_mode_at_one_point(
         {"padding": padding, "images": "1", "period": "1.2", "grid": "16"}
     )
     run(study, tmp_path, workers=0, repeats=1, say=quiet)
-    report.draw(study, tmp_path)
+    report.draw(study, load_drawing(name), tmp_path)
     assert list((tmp_path / name).glob("*.png"))
 
 
@@ -177,8 +179,8 @@ def test_a_figure_is_laid_out_once_for_both_files(out: Path, tmp_path: Path) -> 
     ax.set_ylabel("two lines\nwant room")
     before = ax.get_position().x0
     shutil.copy(out / "period.nc", tmp_path)
-    study = replace(load("period"), figure=lambda _: (Plate("one", figure, "words"),))
-    report.draw(study, tmp_path)
+    drawing = Drawing(lambda _: (CaptionedFigure("one", figure, "words"),))
+    report.draw(load("period"), drawing, tmp_path)
     assert laid_out == [figure]
     assert ax.get_position().x0 > before
     assert {path.name for path in (tmp_path / "period").iterdir()} == {"one.png", "one.pdf"}

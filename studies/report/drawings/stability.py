@@ -1,15 +1,65 @@
-"""What the study of hard cases says, from its stored data alone."""
+"""Drawing of the study `stability`: figures, findings and tables from its stored data."""
 
 import numpy as np
 import xarray as xr
 
+from studies.definitions.stability import VERDICTS
+from studies.model.drawing import CaptionedFigure
 from studies.model.finding import Finding, Table
-from studies.reference.hard_cases import CASES
+from studies.reference.hard_cases import CASES, GROUPS
 from studies.report.formatting import percent
+from studies.report.style import finish, panels
 
-# What became of a case: its error is within what is stated, or a status says why there is no answer, or
-# neither; or the question makes no sense with that padding.
-VERDICTS = ("right", "said", "wrong", "not_asked")
+COLORS = {"preconditioned CG": "#0072B2", "Polonsky-Keer": "#D55E00"}
+SHOWN = 1e-17  # where an error of zero is drawn
+
+
+def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
+    """A row for each case: every error, and the largest stated."""
+    names = [str(name) for name in dataset["case"].values]
+    plate, (ax,) = panels(1, width=8.5, height=1.2 + 0.19 * len(names))
+    right = dataset["verdict"] == VERDICTS.index("right")
+    rows = np.arange(len(names))
+    for solver in (str(name) for name in dataset["solver"].values):
+        one = dataset.sel(solver=solver)
+        errors = one["pressure_error"].where(right.sel(solver=solver)).values
+        shown = np.maximum(errors, SHOWN)
+        offset = 0.15 if solver == "Polonsky-Keer" else -0.15
+        ax.plot(
+            shown.ravel(), np.repeat(rows + offset, shown.shape[1]), ".", ms=4,
+            color=COLORS[solver], label=f"error, {solver}",
+        )  # fmt: skip
+    stated = dataset["stated_error"].where(right).max(("padding", "solver")).values
+    ax.plot(stated, rows, "|", ms=9, color="black", label="largest error stated")
+    for row, name in enumerate(names):
+        if not right.sel(case=name).any():
+            ax.text(1e-16, row, ends_of(dataset, name), va="center", fontsize="x-small")
+    ax.set_xscale("log")
+    ax.set_yticks(rows, names, fontsize="x-small")
+    ax.set(ylim=(len(names) - 0.5, -0.5), xlabel="largest pressure error / highest pressure")
+    finish(plate)
+    return (CaptionedFigure("stability", plate, _words(dataset)),)
+
+
+def _words(dataset: xr.Dataset) -> str:
+    counts = {
+        name: int((dataset["verdict"] == number).sum()) for number, name in enumerate(VERDICTS)
+    }
+    groups = [
+        group
+        for group in GROUPS
+        if any(CASES[str(n)].group == group for n in dataset["case"].values if str(n) in CASES)
+    ]
+    return (
+        f"{dataset.sizes['case']} hard cases ({', '.join(groups)}), each with {dataset.sizes['padding']} "
+        f"paddings and {dataset.sizes['solver']} solvers. {counts['right']} solves came out within the error "
+        f"stated for them, {counts['said']} ended in a status that says why there is no answer, "
+        f"{counts['wrong']} in neither. The right answer is that of a dense matrix, built pair by pair without "
+        "transforms, whose sets of cells are found by pivoting, or the same contact in another form (other "
+        "units, moved, mirrored, over two periods). The error stated is what the solution leaves of the "
+        "contact conditions, times the softness of the softest wave on its contact. Errors of nothing stand "
+        "at the left end."
+    )
 
 
 def ends_of(dataset: xr.Dataset, case: str) -> str:

@@ -3,10 +3,10 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
-from studies.definitions.periodicity import grid, images, padding, paper, period
 from studies.engine.run import run
 from studies.model.finding import Table
 from studies.registry import load
+from studies.report.drawings.periodicity import grid, images, padding, paper, period
 from studies.store.netcdf import read
 from tests.studies.conftest import quiet
 

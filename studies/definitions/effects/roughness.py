@@ -14,9 +14,6 @@ from studies.model.axis import Axis
 from studies.model.case import Case
 from studies.model.study import Point
 from studies.reference.line_contact import HERTZ, PADDINGS, SCENE, padding_at
-from studies.report.findings.roughness import figure, findings
-
-__all__ = ["figure", "findings", "measures", "points", "scene_at"]
 
 A, P_H = HERTZ.half_width, HERTZ.peak_pressure
 FLATTENING = A**2 / (

@@ -5,8 +5,8 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
+from studies.model.drawing import CaptionedFigure
 from studies.model.finding import Finding, Table
-from studies.model.study import Plate
 from studies.report.formatting import paddings
 from studies.report.style import LAW, finish, look, panels
 
@@ -43,7 +43,7 @@ def cases(stored: Mapping[str, xr.Dataset], estimate: str) -> xr.Dataset:
     return xr.Dataset(flat | {"padding": ("case", np.array(names)[there])})
 
 
-def figure(stored: Mapping[str, xr.Dataset]) -> Plate:
+def figure(stored: Mapping[str, xr.Dataset]) -> CaptionedFigure:
     """Estimate against true error, a panel for each metric."""
     plate, axes = panels(len(METRICS), width=4.4, height=3.8)
     for ax, (estimate, (_, label)) in zip(axes, METRICS.items(), strict=True):
@@ -57,7 +57,7 @@ def figure(stored: Mapping[str, xr.Dataset]) -> Plate:
         ax.loglog(span, LARGE * span, label=f"{LARGE} times the error", **LAW)
         ax.set(title=label, xlabel="true relative error", ylabel="estimated relative error")
     finish(plate)
-    return Plate(
+    return CaptionedFigure(
         "estimates",
         plate,
         "Estimated against true error of every distinct case of the sweeps, the true one from Hertz. A mark on "

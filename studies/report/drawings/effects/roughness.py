@@ -7,14 +7,14 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from contactstudy.analytic import truncation_error
+from studies.model.drawing import CaptionedFigure
 from studies.model.finding import Finding
-from studies.model.study import Plate
 from studies.reference.line_contact import holds, padding_at
 from studies.report.formatting import label_of, paddings, percent
 from studies.report.style import LAW, finish, look, panels
 
 
-def figure(dataset: xr.Dataset) -> tuple[Plate, ...]:
+def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     """What roughness does, what each padding does to that, and how far the law of the window reaches."""
     finest = dataset.isel(images=-1, period=-1, grid=-1)
     return _shift(finest.sel(padding="exact")), _paddings(finest), _law(finest)
@@ -24,7 +24,7 @@ COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00")
 LINES = ("-", "--", "-.", ":")
 
 
-def _shift(dataset: xr.Dataset) -> Plate:
+def _shift(dataset: xr.Dataset) -> CaptionedFigure:
     labels = {
         "contact_area": "contact area / Hertz's",
         "half_width": "effective half-width / a",
@@ -48,7 +48,7 @@ def _shift(dataset: xr.Dataset) -> Plate:
         f"{float(one['peak_pressure'].mean()):.1f} p_H"
         for lay, one in rough.groupby("peklenik")
     )
-    return Plate(
+    return CaptionedFigure(
         "shift",
         plate,
         "What roughness does to a line contact, exactly periodic; lines are the mean of the surfaces, "
@@ -59,7 +59,7 @@ def _shift(dataset: xr.Dataset) -> Plate:
     )
 
 
-def _paddings(dataset: xr.Dataset) -> Plate:
+def _paddings(dataset: xr.Dataset) -> CaptionedFigure:
     labels = {
         "pressure_error_l1": "relative L1 error",
         "half_width_error": "|half-width error|",
@@ -77,7 +77,7 @@ def _paddings(dataset: xr.Dataset) -> Plate:
             _over_rms(ax, shift.where(shift.rms > 0), "shift by the roughness itself", **style)
         ax.set(ylabel=label, yscale="log")
     finish(plate)
-    return Plate(
+    return CaptionedFigure(
         "paddings",
         plate,
         "Error of each padding against exact periodicity on the same surface and grid; lines are the "
@@ -88,7 +88,7 @@ def _paddings(dataset: xr.Dataset) -> Plate:
     )
 
 
-def _law(dataset: xr.Dataset) -> Plate:
+def _law(dataset: xr.Dataset) -> CaptionedFigure:
     plate, (ratio, after) = panels(2, width=3.6, height=2.9)
     for name in ("duplicated", "superposed", "circular"):
         one = dataset.sel(padding=name)
@@ -100,7 +100,7 @@ def _law(dataset: xr.Dataset) -> Plate:
     ratio.set_ylim(bottom=0)
     after.set(ylabel="share of L1 error left", yscale="log")
     finish(plate)
-    return Plate(
+    return CaptionedFigure(
         "law",
         plate,
         "A window that reaches D to each side makes the cylinder more curved by a²/(4D²), which lessens the "

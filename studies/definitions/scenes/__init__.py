@@ -1,1 +1,0 @@
-"""Studies of particular kinds of scenes."""

@@ -1,0 +1,89 @@
+"""Hard cases: how each ended, with every padding and both solvers, and how far from the right answer."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import inf
+
+import numpy as np
+import xarray as xr
+
+import contactstudy as cs
+from studies.model.axis import Axis, one_of
+from studies.model.case import Case, flags, number
+from studies.model.study import Point
+from studies.reference.hard_case import PADDINGS, SOLVERS
+from studies.reference.hard_cases import CASES
+
+points = (
+    Axis("case", tuple(CASES), "what is hard"),
+    Axis(
+        "padding",
+        ("zero", "superposed", "exact", "exact on both"),
+        "representation of both directions",
+    ),
+    Axis("solver", tuple(SOLVERS), "solver"),
+)
+
+# of small grids, and nothing is said about them
+times = "none"
+
+
+# What became of a case: its error is within what is stated, or a status says why there is no answer, or
+# neither; or the question makes no sense with that padding.
+VERDICTS = ("right", "said", "wrong", "not_asked")
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A hard case with one padding and one solver."""
+
+    case: str
+    padding: str
+    solver: str
+
+    @property
+    def asked(self) -> bool:
+        """Whether the case makes sense with this padding."""
+        return self.padding in CASES[self.case].paddings
+
+    def prepare(self) -> cs.Problem:
+        """The problem."""
+        hard = CASES[self.case]
+        return hard.scene.problem(hard.grid, PADDINGS[self.padding])
+
+    def run(self, prepared: cs.Problem) -> cs.Solution:
+        """The solve, with the case's own settings."""
+        return CASES[self.case].solve(prepared, SOLVERS[self.solver])
+
+    def record(self, result: cs.Solution) -> Mapping[str, xr.Variable]:
+        """The solver's own numbers."""
+        hard = CASES[self.case]
+        return Case(hard.scene, hard.grid, PADDINGS[self.padding]).record(result)
+
+
+def scene_at(point: Point) -> Trial:
+    """A case by its name."""
+    return Trial(
+        one_of("case", point["case"], CASES),
+        one_of("padding", point["padding"], PADDINGS),
+        one_of("solver", point["solver"], SOLVERS),
+    )
+
+
+def measures(case: Trial, solution: cs.Solution) -> Mapping[str, xr.Variable]:
+    """Largest error of the pressure and the error stated for it, over the highest pressure."""
+    hard = CASES[case.case]
+    error, stated, verdict = 0.0, inf, "not_asked"
+    expected = solution.status in hard.may_end(case.padding)
+    claims = solution.residual <= hard.tolerance or solution.status is cs.Status.PRECISION_LIMIT
+    if case.asked and claims:
+        error, stated = hard.judge(solution, PADDINGS[case.padding], SOLVERS[case.solver])
+        verdict = "right" if error <= stated and expected else "wrong"
+    elif case.asked:
+        verdict = "said" if expected else "wrong"
+    index = np.asarray(VERDICTS.index(verdict))
+    return {
+        "pressure_error": number(error, "largest pressure error over highest pressure"),
+        "stated_error": number(stated, "stated error, infinite where none is stated"),
+        "verdict": flags((), index, VERDICTS, "what became of the case"),
+    }

@@ -1,0 +1,35 @@
+"""How a study is drawn: figures with captions, findings and tables, all from its stored Dataset."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import xarray as xr
+
+from studies.model.finding import Finding, Table
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True, eq=False)
+class CaptionedFigure:
+    """A figure with its file name and the caption that goes under it."""
+
+    name: str
+    figure: "Figure"
+    caption: str
+
+
+def nothing(dataset: xr.Dataset) -> tuple[()]:
+    """The findings, or the tables, of a drawing that has none."""
+    return ()
+
+
+@dataclass(frozen=True, eq=False)
+class Drawing:
+    """What the report shows of a study; each function reads the stored Dataset and never solves."""
+
+    figure: Callable[[xr.Dataset], Sequence[CaptionedFigure]]
+    findings: Callable[[xr.Dataset], Sequence[Finding]] = nothing
+    tables: Callable[[xr.Dataset], Sequence[Table]] = nothing

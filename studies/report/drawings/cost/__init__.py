@@ -1,0 +1,1 @@
+"""Drawings of the studies of time, memory and accuracy."""

@@ -1,0 +1,111 @@
+"""Drawing of the study `pareto`: figures, findings and tables from its stored data."""
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+
+from studies.advice.pareto_front import pareto_front
+from studies.advice.settings_table import METRICS, Settings, settings
+from studies.model.drawing import CaptionedFigure
+from studies.reference.line_contact import LINE
+from studies.report.drawings.cost.pareto_findings import findings, tables
+from studies.report.formatting import paddings, percent, some
+from studies.report.style import finish, look, panels
+
+__all__ = ["figure", "findings", "tables"]
+
+
+def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
+    """Error against runtime with the front at every period, and what each decade costs."""
+    return _fronts(dataset), _decades(dataset)
+
+
+def _fronts(dataset: xr.Dataset) -> CaptionedFigure:
+    periods = some(dataset["period"].values)
+    rows = {"pressure_error_l1": "L1 error as solved", "corrected_error_l1": "L1 error, corrected"}
+    plate, axes = panels(len(rows) * len(periods), columns=len(periods), height=3.0, share="both")
+    for index, ax in enumerate(axes):
+        row, column = divmod(index, len(periods))
+        variable, label = list(rows.items())[row]
+        _front(ax, settings(dataset.sel(period=periods[column]), variable))
+        if row == 0:
+            ax.set_title(f"period L = {periods[column]:g} a")
+        if row == len(rows) - 1:
+            ax.set_xlabel("wall time, set-up and solve [s]")
+        if column == 0:
+            ax.set_ylabel(label)
+    finish(plate)
+    return CaptionedFigure(
+        "front",
+        plate,
+        "Accuracy against wall time on one thread: every mode, n, grid, tolerance and solver; filled with the "
+        "preconditioned solver, open with Polonsky & Keer's. Black joins the settings that nothing beats "
+        "on both counts, dashed those that nothing beats with cells along the length, for a contact that "
+        "varies there; grey bars reach to the slowest repeat. “line” is exact periodicity with one cell for a "
+        "length along which nothing varies. Points high above the rest stopped at a tolerance of 1e-4, before "
+        "they knew which cells touch. Below, the edge law has taken the edge's own error off, at the cost of a "
+        "few operations a cell; a window's own error stays.",
+    )
+
+
+def _front(ax: Axes, every: Settings) -> None:
+    for name in dict.fromkeys(every.modes.tolist()):
+        for solver in dict.fromkeys(every.axes["solver"].tolist()):
+            own = (every.modes == name) & (every.axes["solver"] == solver)
+            hollow = solver == "polonsky_keer"
+            face = {"markerfacecolor": "none"} if hollow else {"label": name}
+            ax.loglog(
+                every.cost[own], every.error[own], linestyle="none", alpha=0.6, markersize=4,
+                **look(name) | face,
+            )  # fmt: skip
+    for chosen, style, label in (
+        (every, "-", "front"),
+        (every.where(every.modes != LINE), "--", "front, cells along the length"),
+    ):
+        best = chosen.where(pareto_front(chosen.cost, chosen.error))
+        line: dict[str, Any] = {"color": "black", "linewidth": 0.9, "linestyle": style}
+        ax.step(best.cost, best.error, where="post", label=label, **line)
+        bars = np.clip([best.cost - best.spread[0], best.spread[1] - best.cost], 0, None)
+        ax.errorbar(
+            best.cost, best.error, xerr=bars, fmt="none", ecolor="grey", elinewidth=1.5, alpha=0.6,
+            zorder=1,
+        )  # fmt: skip
+
+
+def _decades(dataset: xr.Dataset) -> CaptionedFigure:
+    period = some(dataset["period"].values)[len(some(dataset["period"].values)) // 2]
+    here = dataset.sel(period=period)
+    plate, axes = panels(len(METRICS), share="y")
+    words = []
+    for ax, (metric, errors) in zip(axes, METRICS.items(), strict=True):
+        every = settings(here, *errors)
+        targets = 10.0 ** np.arange(-1, np.floor(np.log10(every.error.min())) - 1, -0.02)
+        for name in paddings(dataset):
+            own = every.where(every.modes == name)
+            best = [(target, own.cheapest(target)) for target in targets]
+            met = [(target, index) for target, index in best if index is not None]
+            if met:
+                asked, chosen = map(list, zip(*met, strict=True))
+                style = look(name) | {"markevery": 25}
+                ax.loglog(asked, own.cost[chosen], label=name, **style)
+                ax.fill_between(
+                    asked, *own.spread[:, chosen], color=style["color"], alpha=0.2, lw=0
+                )
+        ax.invert_xaxis()
+        ax.set(title=f"of the {metric}", xlabel="error asked for")
+        least = every.where(np.array([int(np.argmin(every.error))]))
+        words.append(f"{metric} {percent(least.error[0])} ({least.name(0)})")
+    axes[0].set_ylabel("least wall time that meets it [s]")
+    finish(plate)
+    return CaptionedFigure(
+        "decades",
+        plate,
+        f"What each decade of accuracy costs, by mode, at L = {period:g} a: the cheapest stored setting that "
+        "meets the error asked for, corrected or not, with the spread of its "
+        "repeats; an error with a sign may by chance undo another's. A line ends where no stored setting "
+        f"of the mode is more accurate: a truncated window at its own error, the others at the finest grid. "
+        "Least errors: "
+        f"{'; '.join(words)}.",
+    )

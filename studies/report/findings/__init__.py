@@ -1,1 +1,0 @@
-"""What stored studies show, in sentences and tables."""

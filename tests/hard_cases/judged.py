@@ -35,8 +35,6 @@ def ends_well(name: str, padding: str, solver: str) -> cs.Solution:
     problem = case.scene.problem(case.grid, PADDINGS[padding])
     solution = case.solve(problem, SOLVERS[solver])
     assert solution.status in case.may_end(padding)
-    if solver == "preconditioned CG":
-        assert solution.status is not cs.Status.STALLED
     for field in (solution.pressure, solution.displacement, solution.gap):
         assert np.isfinite(field).all()
     assert (solution.pressure >= 0).all()

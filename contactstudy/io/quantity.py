@@ -41,7 +41,14 @@ def quantity(field: str, value: object, unit: Unit) -> float:
             Decimal(found[1]), registry.parse_units(found[2].replace("·", "*"))
         )
         return float(read.to(unit.symbol).magnitude)
-    except (pint.PintError, ArithmeticError, LookupError, ValueError, TypeError, AttributeError) as error:
+    except (
+        pint.PintError,
+        ArithmeticError,
+        LookupError,
+        ValueError,
+        TypeError,
+        AttributeError,
+    ) as error:
         raise InvalidInput(f"{field} is {value!r}: {remedy}.") from error
 
 

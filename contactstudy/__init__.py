@@ -1,11 +1,11 @@
 """Rough line contacts, periodic along their length: how accurate the answer is, and what that cost."""
 
-from importlib import import_module
-from typing import TYPE_CHECKING
+from importlib import import_module as _import_module
+from typing import TYPE_CHECKING as _TYPE_CHECKING
 
 from contactstudy import analytic
 from contactstudy.accuracy.estimate import ErrorEstimate, ErrorParts, error_estimate
-from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.checks import InvalidInput, NotDefined
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import (
     CircularSuperposition,
@@ -17,11 +17,20 @@ from contactstudy.domain.padding import (
     ZeroPadding,
 )
 from contactstudy.domain.precision import Precision
-from contactstudy.elasticity.convolution import Convolution, convolution
-from contactstudy.elasticity.kernels import cell as influence
+from contactstudy.domain.version import VERSION as __version__
+from contactstudy.elasticity.coefficients import Coefficients
+from contactstudy.elasticity.convolution import Convolution, convolution, superposed
 from contactstudy.planning.plan import Plan, plan
-from contactstudy.problem.problem import Problem
+from contactstudy.problem.bare_problem import BareProblem
+from contactstudy.problem.compressive import Compressive
+from contactstudy.problem.constraint import Constraint
+from contactstudy.problem.gap import Gap
+from contactstudy.problem.hardness_limited import HardnessLimited
+from contactstudy.problem.operator import Operator
+from contactstudy.problem.problem import Problem, Scales
+from contactstudy.problem.resultant import PrescribedLoad, Resultant
 from contactstudy.scene.load import LineLoad
+from contactstudy.scene.outputs import Output
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.basic import Cylinder, Shape, Sphere, Waviness
 from contactstudy.scene.shapes.crown import Crown, LundbergProfile
@@ -36,26 +45,32 @@ from contactstudy.scene.shapes.texture import (
     Parabolic,
     Texture,
 )
-from contactstudy.scene.solids import HalfSpace
+from contactstudy.scene.solids import Body, HalfSpace
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
 from contactstudy.scene.surfaces.missing_points import HarmonicFill, RefuseMissing
 from contactstudy.scene.surfaces.seam import AsMeasured, Mirrored, Tapered
 from contactstudy.scene.surfaces.trend import Trend
+from contactstudy.solvers.iterate import Iterate
 from contactstudy.solvers.polonsky_keer import PolonskyKeer
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import Solver, solve
 
-if TYPE_CHECKING:
+if _TYPE_CHECKING:
+    from contactstudy import kernels
     from contactstudy.io.dataset import to_dataset
     from contactstudy.io.scene_file import SceneFile, read_scene
+    from contactstudy.io.scene_writer import write_scene
     from contactstudy.scene.stress import SubsurfaceStress
-
-__version__ = "0.1.0"
 
 __all__ = [
     "AsMeasured",
+    "BareProblem",
+    "Body",
     "CircularSuperposition",
+    "Coefficients",
+    "Compressive",
+    "Constraint",
     "Convolution",
     "Cosine",
     "Crown",
@@ -68,15 +83,21 @@ __all__ = [
     "ExactPeriodicity",
     "FiniteLength",
     "FlatBottomed",
+    "Gap",
     "Grid",
     "Groove",
     "HalfSpace",
+    "HardnessLimited",
     "HarmonicFill",
     "InvalidInput",
+    "Iterate",
     "LineLoad",
     "LundbergProfile",
     "MeasuredSurface",
     "Mirrored",
+    "NotDefined",
+    "Operator",
+    "Output",
     "Padding",
     "Paddings",
     "Parabolic",
@@ -84,10 +105,13 @@ __all__ = [
     "PolonskyKeer",
     "Precision",
     "PreconditionedCG",
+    "PrescribedLoad",
     "Problem",
     "RefuseMissing",
+    "Resultant",
     "RmsSlope",
     "Roughness",
+    "Scales",
     "Scene",
     "SceneFile",
     "Shape",
@@ -102,27 +126,36 @@ __all__ = [
     "Trend",
     "Waviness",
     "ZeroPadding",
+    "__version__",
     "analytic",
     "convolution",
     "error_estimate",
-    "influence",
+    "kernels",
     "plan",
     "read_scene",
     "solve",
+    "superposed",
     "to_dataset",
+    "write_scene",
 ]
 
-
-# What needs libraries that a solve does not, imported by whoever asks for it.
-LATER = {
+# Names whose modules a solve does not need: imported when they are first asked for.
+_LATER = {
     "SceneFile": "contactstudy.io.scene_file",
     "SubsurfaceStress": "contactstudy.scene.stress",
+    "kernels": "contactstudy.kernels",
     "read_scene": "contactstudy.io.scene_file",
     "to_dataset": "contactstudy.io.dataset",
+    "write_scene": "contactstudy.io.scene_writer",
 }
 
 
 def __getattr__(name: str) -> object:
-    if name in LATER:
-        return getattr(import_module(LATER[name]), name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    if name not in _LATER:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    module = _import_module(_LATER[name])
+    return module if _LATER[name] == f"{__name__}.{name}" else getattr(module, name)
+
+
+def __dir__() -> list[str]:
+    return [*__all__, "__doc__", "__version__"]

@@ -6,7 +6,7 @@ import numpy as np
 
 from contactstudy.accuracy.discretisation import discretisation
 from contactstudy.accuracy.truncation import truncation
-from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.checks import NotDefined
 from contactstudy.problem.gap import violation
 from contactstudy.solvers.solution import Solution, Status
 
@@ -41,12 +41,12 @@ def error_estimate(solution: Solution) -> ErrorEstimate:
 
     Meant as bounds that are a few times too large at most: not for a contact that reaches the edge of
     the width, nor for heights the grid does not resolve. Infinite where there is no solution.
-    Raises :class:`~contactstudy.InvalidInput` where the problem does not say its paddings, or no law is
+    Raises :class:`~contactstudy.NotDefined` where the problem does not say its paddings, or no law is
     known for them (see :func:`~contactstudy.accuracy.truncation.truncation`).
     """
     problem = solution.problem
     if problem.paddings is None:
-        raise InvalidInput(
+        raise NotDefined(
             "Problem.paddings is None: give the paddings of the two axes, (across, along)."
         )
     if solution.status in (Status.NOT_FINITE, Status.NO_ADMISSIBLE_PRESSURE):

@@ -6,7 +6,7 @@ from math import inf
 import numpy as np
 
 from contactstudy.domain.arrays import Array
-from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.checks import NotDefined
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Padding, Paddings
 
@@ -26,7 +26,7 @@ def truncation(pressure: Array, grid: Grid, paddings: Paddings) -> tuple[float, 
     ``-ln(1 - (2 y / L)^2 / (2 n + 1)^2)``: under that kink the pressure rises, j cells from the end by
     the share ``(2 / pi) (a / L) ln(cells / (2 j + 1)) / (2 n + 1)^2``. Without any images the solution's own
     line load at the ends tells. Zero where all images are summed, or a free length holds the whole contact.
-    Raises :class:`~contactstudy.InvalidInput` for a window on one axis beside images on the other.
+    Raises :class:`~contactstudy.NotDefined` for a window on one axis beside images on the other.
     """
     across, along = paddings
     if across.window is not None and len(across.window) > 1:
@@ -37,7 +37,7 @@ def truncation(pressure: Array, grid: Grid, paddings: Paddings) -> tuple[float, 
     if along.window is None or not (len(along.window) > 1 or along.wraps or _reaches(pressure)):
         return 0.0, 0.0
     if across.window is None or len(across.window) > 1 or across.wraps:
-        raise InvalidInput(
+        raise NotDefined(
             f"padding is {paddings!r}: give ExactPeriodicity() for the axis that counts images, or "
             "ZeroPadding() for the other; only then is the error of a window known."
         )

@@ -10,6 +10,13 @@ class InvalidInput(ValueError):
     """A value that cannot be used; the message names the field, the value and the remedy."""
 
 
+class NotDefined(InvalidInput):
+    """A question that has no answer for this contact, such as a Hertz half-width of a flat body.
+
+    The values are admissible; the message says what the contact lacks.
+    """
+
+
 def finite(field: str, value: object, remedy: str) -> float:
     """``value`` as a finite float, or :class:`InvalidInput`."""
     if isinstance(value, bool) or not isinstance(value, Real):
@@ -76,9 +83,10 @@ def whole(field: str, value: object, at_least: int, remedy: str) -> int:
 
 def pair(field: str, value: object, remedy: str) -> tuple[object, object]:
     """``value`` as a tuple of two, or :class:`InvalidInput`."""
-    if not isinstance(value, tuple | list) or len(value) != 2:
+    both = sequence(field, value, remedy)
+    if len(both) != 2:
         raise InvalidInput(f"{field} is {value!r}: {remedy}.")
-    return value[0], value[1]
+    return both[0], both[1]
 
 
 def divides(field: str, length: float, period: float) -> int:
@@ -90,6 +98,15 @@ def divides(field: str, length: float, period: float) -> int:
             "the period."
         )
     return round(times)
+
+
+def sequence(field: str, value: object, remedy: str) -> tuple[object, ...]:
+    """The entries of a tuple, a list or a flat numpy array, or :class:`InvalidInput`."""
+    if isinstance(value, tuple | list):
+        return tuple(value)
+    if getattr(value, "ndim", None) == 1 and hasattr(value, "tolist"):
+        return tuple(value.tolist())
+    raise InvalidInput(f"{field} is {value!r}: {remedy}.")
 
 
 def keep(instance: object, **values: object) -> None:

@@ -5,6 +5,8 @@ from enum import Enum
 import numpy as np
 from numpy.typing import DTypeLike
 
+from contactstudy.domain.checks import InvalidInput
+
 
 class Precision(Enum):
     """Half the memory, or all the digits: the residual cannot fall far below the rounding of either.
@@ -15,6 +17,16 @@ class Precision(Enum):
 
     SINGLE = "single"
     DOUBLE = "double"
+
+    @classmethod
+    def named(cls, value: "Precision | str") -> "Precision":
+        """``value``, or the precision of that name; :class:`~contactstudy.InvalidInput` for any other."""
+        if isinstance(value, Precision):
+            return value
+        names = {one.value: one for one in cls}
+        if value not in names:
+            raise InvalidInput(f"precision is {value!r}: give 'single' or 'double'.")
+        return names[value]
 
     @property
     def real(self) -> DTypeLike:

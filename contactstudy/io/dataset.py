@@ -1,62 +1,106 @@
 """Solution -> labelled xarray.Dataset."""
 
+from collections.abc import Mapping
 from dataclasses import asdict
 
+import numpy as np
 import xarray as xr
 
 from contactstudy.accuracy.estimate import ErrorEstimate
-from contactstudy.solvers.solution import Solution
+from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.version import VERSION
+from contactstudy.io.scene_writer import scene_text
+from contactstudy.scene.scene import PosedScene
+from contactstudy.solvers.solution import Solution, Status
+
+X = {"units": "m", "axis": "X", "long_name": "position across the contact"}
+Y = {"units": "m", "axis": "Y", "long_name": "position along the contact"}
 
 
-def to_dataset(solution: Solution, estimate: ErrorEstimate | None = None) -> xr.Dataset:
-    """``solution`` with dimensions (width, length), units, long names, and where it came from.
+def to_dataset(solution: Solution, error: ErrorEstimate | None = None) -> xr.Dataset:
+    """``solution`` with dimensions (x, y), units, long names, and where it came from.
 
-    Coordinates are cell centres [m]; scalars are variables without dimensions; ``status`` and its
-    sentence are attributes. With an ``estimate`` of its errors, those too, along a dimension ``cause``
-    over which they add up. What
-    ``Scene.outputs`` asks for is found here.
+    Coordinates are cell centres [m]. What may differ between two solutions is a variable without dimensions:
+    load, Hertz's values, contact area, approach, ``status`` (a CF flag). The attribute ``scene`` is
+    the scene as TOML with its grid and padding, which :func:`~contactstudy.read_scene` reads back.
+    With ``error``, an estimate of the errors, those too, along a dimension ``cause`` over which they
+    add up. What ``Scene.outputs`` asks for is computed here.
     """
-    grid, fields = solution.problem.grid, ("width", "length")
-    metres, one = {"units": "m"}, {"units": "1"}
+    grid = solution.problem.grid
+    fields = {
+        "pressure": (solution.pressure, "Pa", "contact pressure"),
+        "displacement": (solution.displacement, "m", "surface displacement"),
+        "gap": (solution.gap, "m", "gap after deformation"),
+    }
     dataset = xr.Dataset(
         {
-            "pressure": (
-                fields,
-                solution.pressure,
-                {"units": "Pa", "long_name": "contact pressure"},
-            ),
-            "displacement": (
-                fields,
-                solution.displacement,
-                metres | {"long_name": "surface displacement"},
-            ),
-            "gap": (fields, solution.gap, metres | {"long_name": "gap after deformation"}),
-            "approach": ((), solution.approach, metres | {"long_name": "approach of the bodies"}),
-            "residual": ((), solution.residual, one | {"long_name": "residual of the solver"}),
-            "iterations": ((), solution.iterations, one | {"long_name": "solver iterations"}),
-            "convolutions": (
-                (),
-                solution.convolutions,
-                one | {"long_name": "transform pairs of the full grid"},
-            ),
+            name: (("x", "y"), values, {"units": units, "long_name": long_name})
+            for name, (values, units, long_name) in fields.items()
         },
-        coords={
-            "width": ("width", grid.x, metres | {"long_name": "position across the contact"}),
-            "length": ("length", grid.y, metres | {"long_name": "position along the contact"}),
-        },
-        attrs=dict(solution.problem.attributes)
-        | {
+        coords={"x": ("x", grid.x, X), "y": ("y", grid.y, Y)},
+        attrs={
             "Conventions": "CF-1.11",
             "title": "line contact",
-            "status": solution.status.name,
-            "status_sentence": str(solution.status),
+            "source": f"contactstudy {VERSION}",
         },
     )
+    numbers = {
+        "approach": (solution.approach, "m", "approach of the bodies"),
+        "contact_area": (
+            float(np.count_nonzero(solution.pressure) * grid.cell_area),
+            "m2",
+            "area of the cells in contact",
+        ),
+        "residual": (solution.residual, "1", "residual of the solver"),
+        "iterations": (solution.iterations, "1", "solver iterations"),
+        "convolutions": (solution.convolutions, "1", "transform pairs of the full grid"),
+        **_of_scene(solution.problem.description),
+    }
+    for name, (value, units, long_name) in numbers.items():
+        dataset[name] = (), value, {"units": units, "long_name": long_name}
+    dataset["status"] = _status(solution.status)
+    if isinstance(solution.problem.description, PosedScene):
+        dataset.attrs["scene"] = _text(solution.problem.description)
     for output in solution.problem.outputs:
-        for name, one_field in output.fields(solution.pressure).items():
-            labels = {"units": one_field.units, "long_name": one_field.long_name}
-            dataset[name] = one_field.dimensions, one_field.values, labels
-    return dataset if estimate is None else dataset.assign(_estimated(estimate))
+        for name, one in output.fields(solution.pressure).items():
+            labels = {"units": one.units, "long_name": one.long_name, **one.attributes}
+            dataset[name] = one.dimensions, one.values, labels
+    return dataset if error is None else dataset.assign(_estimated(error))
+
+
+def _of_scene(source: object) -> Mapping[str, tuple[float, str, str]]:
+    """Load and Hertz's values, where the problem was made from a scene."""
+    if not isinstance(source, PosedScene):
+        return {}
+    found = {"load_per_length": (source.scene.load.per_length, "N m-1", "load per length")}
+    if (hertz := source.scene.hertz) is not None:
+        found["hertz_half_width"] = hertz.half_width, "m", "half-width of Hertz's line contact"
+        found["hertz_peak_pressure"] = (
+            hertz.peak_pressure,
+            "Pa",
+            "highest pressure of Hertz's line contact",
+        )
+    return found
+
+
+def _status(status: Status) -> xr.Variable:
+    """A CF flag, with the sentence as its comment."""
+    names = [one.name for one in Status]
+    attributes = {
+        "units": "1",
+        "long_name": "how the solver ended",
+        "flag_values": np.arange(len(names), dtype=np.int8),
+        "flag_meanings": " ".join(names),
+        "comment": str(status),
+    }
+    return xr.Variable((), np.int8(names.index(status.name)), attributes)
+
+
+def _text(source: PosedScene) -> str:
+    try:
+        return scene_text(source.scene, grid=source.grid, padding=source.padding)
+    except InvalidInput as error:  # a shape or a body that is not of this package
+        return f"# {error}\n# {source!r}\n"
 
 
 def _estimated(estimate: ErrorEstimate) -> dict[str, xr.DataArray]:

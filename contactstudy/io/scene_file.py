@@ -189,7 +189,7 @@ def read_scene(path: str | PathLike[str]) -> SceneFile:
             f"{path} cannot be read ({error}): give a TOML file in UTF-8."
         ) from error
     except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InvalidInput(f"{path} is no TOML: {error}.") from error
+        raise InvalidInput(f"{path} is not valid TOML: {error}.") from error
     document = structured(raw, Document, KINDS, str(path))
     try:
         return _scene_file(document, path.parent)

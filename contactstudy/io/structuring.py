@@ -91,6 +91,8 @@ def _converter(kinds_of: Kinds) -> cattrs.Converter:
         def read(value: object, _: Any) -> Any:
             if not isinstance(value, Mapping):
                 raise InvalidInput(f"it is {value!r}: give a table.")
+            if value.get("kind") == wanted.__name__:  # said, though there is only one
+                value = {key: one for key, one in value.items() if key != "kind"}
             return base(value, wanted)
 
         return read

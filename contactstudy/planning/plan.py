@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from contactstudy.domain.checks import InvalidInput, positive
+from contactstudy.domain.checks import InvalidInput, NotDefined, positive
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Padding, Paddings
 from contactstudy.planning.cost import ROUGH_ITERATIONS, SMOOTH_ITERATIONS, memory, timed
@@ -65,7 +65,7 @@ def plan(
 def needs_of(scene: Scene) -> Needs:
     """What ``scene`` asks of a grid; :class:`~contactstudy.InvalidInput` as for :func:`plan`."""
     if scene.hertz is None:
-        raise InvalidInput(
+        raise NotDefined(
             "Scene.shapes have no curvature, so that the contact has no width of its own: "
             "give a Cylinder, or choose the grid yourself."
         )

@@ -1,7 +1,7 @@
 """What follows from a pressure on one grid, with its labels."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from numpy.typing import NDArray
@@ -11,17 +11,21 @@ from contactstudy.domain.arrays import Array
 
 @dataclass(frozen=True, eq=False)
 class Field:
-    """Values with their dimensions, unit and name in words; a coordinate, if named like its dimension."""
+    """Values with their dimensions, unit, long name and other CF attributes.
+
+    A field named like its only dimension is a coordinate.
+    """
 
     dimensions: tuple[str, ...]
     values: NDArray[Any]
     units: str
     long_name: str
+    attributes: Mapping[str, str] = field(default_factory=dict)
 
 
 class Derived(Protocol):
     """What follows from the pressure on one grid, found when it is called for."""
 
     def fields(self, pressure: Array) -> Mapping[str, Field]:
-        """Fields by name, under ``pressure`` (width, length) [Pa]."""
+        """Fields by name, under ``pressure`` (x, y) [Pa]."""
         ...

@@ -1,7 +1,6 @@
 """The contact problem in SI units: a gap, an operator, a constraint, a resultant."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Protocol
 
 from contactstudy.domain.arrays import Array
@@ -51,7 +50,7 @@ class Problem:
     across, that contact should not reach, because the surface goes on beyond them, and ``open_ends`` those
     counted along; ``source`` makes the problem again on another grid; ``paddings`` (across, along)
     are those of the operator, where it has any; ``outputs`` are found from the solution when
-    it is labelled; ``attributes`` describe where the problem came from.
+    it is labelled; ``description`` is what the problem was made from, such as a scene on a grid.
     """
 
     grid: Grid
@@ -65,7 +64,7 @@ class Problem:
     source: Source | None = None
     paddings: Paddings | None = None
     outputs: tuple[Derived, ...] = ()
-    attributes: Mapping[str, str | float] = field(default_factory=dict)
+    description: object = None
 
     @property
     def datum(self) -> float:

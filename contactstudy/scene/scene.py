@@ -1,6 +1,7 @@
 """Where effects meet: a scene names them, and turns them into a problem on a grid."""
 
 from dataclasses import dataclass, replace
+from importlib import import_module
 from math import inf, log2
 
 import numpy as np
@@ -121,8 +122,7 @@ class Scene:
             open_ends=self._open_ends(gap, grid, paddings[1]),
             source=self._source(grid, padding),
             outputs=tuple(output.of(self.solids, grid, paddings) for output in self.outputs),
-            attributes=self._reference()
-            | {"scene": repr(self), "grid": repr(grid), "padding": repr(padding)},
+            description=PosedScene(self, grid, padding),
         )
 
     def _open_ends(self, gap: Array, grid: Grid, along: Padding) -> tuple[int, ...]:
@@ -135,17 +135,23 @@ class Scene:
         scene = replace(self, shapes=sized(self.shapes, grid))
         return ShapesSource(scene.shapes, lambda other: scene.problem(other, padding))
 
-    def _reference(self) -> dict[str, str | float]:
-        """What the record says of the smooth contact that a scene's is compared with."""
-        if (hertz := self.hertz) is None:
-            return {}
-        return {
-            "hertz_half_width": hertz.half_width,
-            "hertz_peak_pressure": hertz.peak_pressure,
-        }
+    def planned(self, *, error: float = 1e-3, period: float | None = None) -> Problem:
+        """The problem on the grid and with the padding of :func:`~contactstudy.plan`."""
+        # by name: a plan stands on scenes, not scenes on plans
+        plan = import_module("contactstudy.planning.plan").plan(self, error=error, period=period)
+        return self.problem(plan.grid, plan.padding)
 
     def _constraint(self) -> Constraint:
         return Compressive() if self.hardness == inf else HardnessLimited(self.hardness)
+
+
+@dataclass(frozen=True)
+class PosedScene:
+    """A scene on a grid with a padding: where a problem came from."""
+
+    scene: Scene
+    grid: Grid
+    padding: Padding | Paddings
 
 
 def _is_free(padding: Padding) -> bool:

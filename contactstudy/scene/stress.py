@@ -22,6 +22,8 @@ from contactstudy.elasticity.transforms import TRANSFORMS, Waves
 from contactstudy.problem.derived import Field
 from contactstudy.scene.solids import Body, HalfSpace
 
+Z = {"axis": "Z", "positive": "down"}
+
 
 @dataclass(frozen=True)
 class SubsurfaceStress:
@@ -29,8 +31,8 @@ class SubsurfaceStress:
 
     ``depths``, one or more, count from the surface of body ``solid`` (0 or 1 of ``Scene.solids``), from 0
     on. That body's Poisson's ratio is used: it sets xx, yy and xy. In a Dataset, ``stress``
-    (component, depth, width, length) [Pa], tension positive, with x across the contact, y along it and
-    z into the body, and ``von_mises`` (depth, width, length) [Pa]. Found when the Dataset is made.
+    (component, z, x, y) [Pa], tension positive, with x across the contact, y along it and
+    z into the body, and ``von_mises`` (z, x, y) [Pa]. Found when the Dataset is made.
     Raises :class:`~contactstudy.InvalidInput` for other depths or bodies, a scene with it for a rigid one.
     """
 
@@ -88,7 +90,7 @@ class StressBelow:
     depths: tuple[float, ...]
 
     def __call__(self, pressure: Array) -> Array:
-        """Stress (component, depth, width, length) in the unit of ``pressure`` (width, length)."""
+        """Stress (component, z, x, y) in the unit of ``pressure`` (x, y)."""
         if pressure.shape != self.grid.cells:
             raise InvalidInput(
                 f"pressure has the shape {pressure.shape}: give it {self.grid.cells}."
@@ -108,15 +110,15 @@ class StressBelow:
         return stress
 
     def fields(self, pressure: Array) -> Mapping[str, Field]:
-        """``stress``, ``von_mises`` and their coordinates ``component`` and ``depth``."""
+        """``stress``, ``von_mises`` and their coordinates ``component`` and ``z``."""
         stress = self(pressure)
-        dimensions = ("component", "depth", "width", "length")
+        dimensions = ("component", "z", "x", "y")
         names = np.array(list(COMPONENTS))
         return {
             "stress": Field(dimensions, stress, "Pa", "stress, tension positive"),
             "von_mises": Field(dimensions[1:], von_mises(stress), "Pa", "von Mises stress"),
             "component": Field(("component",), names, "1", "x across, y along, z into the body"),
-            "depth": Field(("depth",), np.array(self.depths), "m", "depth below the surface"),
+            "z": Field(("z",), np.array(self.depths), "m", "depth below the surface", Z),
         }
 
 

@@ -2,9 +2,15 @@
 
 from dataclasses import dataclass
 from enum import Enum
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 from contactstudy.domain.arrays import Array
 from contactstudy.problem.problem import Problem
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
 
 
 class Status(Enum):
@@ -43,7 +49,7 @@ class Status(Enum):
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """Fields of shape (width, length): ``pressure`` [Pa], ``displacement`` [m], ``gap`` [m].
+    """Fields of shape (x, y): ``pressure`` [Pa], ``displacement`` [m], ``gap`` [m].
 
     ``gap = undeformed gap + displacement - approach`` holds to rounding, so in the contact ``gap``
     shows what the solver left over. ``approach`` [m] is counted from the same datum as the
@@ -62,3 +68,28 @@ class Solution:
     convolutions: float
     residual: float
     note: str = ""
+
+    def __repr__(self) -> str:
+        nx, ny = self.pressure.shape
+        return (
+            f"<Solution {self.status.name}: {nx} x {ny} cells, highest pressure "
+            f"{self.pressure.max():.4g} Pa, {self.iterations} iterations, residual {self.residual:.1e}>"
+        )
+
+    def _repr_html_(self) -> str:
+        return str(_presentation("html").html(self))
+
+    def to_dataset(self, *, error: Any = None) -> "xr.Dataset":
+        """The fields, labelled: see :func:`~contactstudy.to_dataset`; ``error`` is an ErrorEstimate or None."""
+        dataset: xr.Dataset = _presentation("dataset").to_dataset(self, error)
+        return dataset
+
+    def plot(self) -> "Figure":
+        """A picture of pressure, gap and stress, as a matplotlib figure."""
+        figure: Figure = _presentation("picture").picture(self.to_dataset())
+        return figure
+
+
+def _presentation(module: str) -> Any:
+    """A module of ``contactstudy.io``, found when it is needed: a solve needs no labels and no pictures."""
+    return import_module(f"contactstudy.io.{module}")

@@ -1,7 +1,7 @@
 """Problem -> Solution."""
 
 from math import inf
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -13,6 +13,15 @@ from contactstudy.problem.problem import Problem
 from contactstudy.solvers.iterate import Iterate
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from contactstudy.solvers.solution import Solution, Status
+
+
+@runtime_checkable
+class Posable(Protocol):
+    """What can choose a grid and a padding for itself, such as a :class:`~contactstudy.Scene`."""
+
+    def planned(self) -> Problem:
+        """The problem on the grid of its plan."""
+        ...
 
 
 class Solver(Protocol):
@@ -31,15 +40,15 @@ class Solver(Protocol):
 
 
 def solve(
-    problem: Problem,
+    problem: Problem | Posable,
     *,
     tolerance: float = 1e-8,
     max_iterations: int = 2000,
     solver: Solver = PreconditionedCG(),  # noqa: B008 (a frozen value)
-    precision: Precision = Precision.DOUBLE,
+    precision: Precision | str = Precision.DOUBLE,
     start: Array | None = None,
 ) -> Solution:
-    """Solve ``problem`` and say how far the answer can be trusted.
+    """Solve ``problem`` and say how far the answer can be trusted; a scene is planned first.
 
     One stopping rule, dimensionless: the largest of complementarity, ``sum(p |gap|) / sum(p)``,
     penetration, ``max(-gap)`` where p = 0, both over the problem's gap scale ``p_H a / E*``, and load,
@@ -52,6 +61,11 @@ def solve(
     """
     positive("solve.tolerance", tolerance, "give a dimensionless tolerance above 0, such as 1e-8")
     whole("solve.max_iterations", max_iterations, 0, "give a whole number of iterations from 0 on")
+    precision = Precision.named(precision)
+    if isinstance(problem, Posable):
+        problem = problem.planned()
+    if not isinstance(problem, Problem):
+        raise InvalidInput(f"solve.problem is {problem!r}: give scene.problem(grid, padding).")
     if start is not None:
         start = _finite_pressure(start, problem)
     if not problem.resultant.is_met_by(problem.constraint, problem.undeformed_gap.size):

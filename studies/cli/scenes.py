@@ -74,7 +74,7 @@ def solve(scene: Path, out: Path) -> None:
     dataset = cs.to_dataset(solution, estimate)
     path = folder / f"{scene.stem}.nc"
     write(dataset, path)
-    from studies.report.contact_picture import picture
+    from contactstudy.io.picture import picture
 
     if np.isfinite(solution.pressure).all():
         figure = picture(dataset)

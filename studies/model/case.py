@@ -71,7 +71,7 @@ class Case:
     def fields(self, result: cs.Solution) -> Mapping[str, xr.Variable]:
         """Pressure and gap over the grid, for those who ask for fields."""
         dataset = cs.to_dataset(result)
-        return {name: dataset[name].variable for name in ("width", "length", "pressure", "gap")}
+        return {name: dataset[name].variable for name in ("x", "y", "pressure", "gap")}
 
 
 @dataclass(frozen=True)

@@ -1,33 +1,17 @@
 """How figures look: one colour and marker per padding, the same in every figure."""
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import matplotlib as mpl
 import matplotlib.style
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.ticker import NullFormatter
 
+from contactstudy.io.figure import LAW, SETTINGS, finish, panels
 from studies.reference.line_contact import COUNTED
 
-mpl.use("Agg")
+__all__ = ["LAW", "LOOKS", "finish", "look", "marked", "panels"]
 
-SETTINGS: dict[str, Any] = {
-    "figure.dpi": 100,
-    "savefig.dpi": 200,
-    "font.size": 9.5,
-    "axes.grid": True,
-    "grid.alpha": 0.25,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.titlesize": "medium",
-    "legend.frameon": False,
-    "legend.fontsize": "small",
-    "lines.linewidth": 1.4,
-    "lines.markersize": 5,
-    "pdf.fonttype": 42,
-}
+mpl.use("Agg")
 mpl.style.use(SETTINGS)
 
 
@@ -47,56 +31,12 @@ LOOKS = {
     "exact": Look("#0072B2", "o"),
     "line": Look("#56B4E9", "*"),
 }
-Share = Literal["none", "y", "both"]
-
-LAW: dict[str, Any] = {"color": "black", "linestyle": ":", "linewidth": 1.0, "marker": "none"}
 
 
 def look(padding: str) -> dict[str, Any]:
     """Keywords for matplotlib; a padding without a look of its own is ochre."""
     chosen = LOOKS.get(padding, Look("#E69F00", "D"))
     return {"color": chosen.color, "marker": chosen.marker}
-
-
-def panels(
-    count: int, *, columns: int = 3, width: float = 3.4, height: float = 3.2, share: Share = "none"
-) -> tuple[Figure, list[Axes]]:
-    """A figure with ``count`` panels; ``share="y"`` gives all of them one scale of it."""
-    columns = min(columns, count)
-    rows = -(-count // columns)
-    # not pyplot's: nothing is kept open, nothing needs closing
-    figure = Figure(figsize=(width * columns, height * rows), layout="constrained")
-    axes = (
-        figure.subplots(
-            rows, columns, squeeze=False, sharex=share == "both", sharey=share != "none"
-        )
-        .ravel()
-        .tolist()
-    )
-    for spare in axes[count:]:
-        spare.set_visible(False)
-    return figure, axes[:count]
-
-
-def finish(figure: Figure) -> None:
-    """One legend for all panels, where it can cover nothing; numbers at decades only."""
-    entries: dict[str, Any] = {}
-    for ax in figure.axes:
-        for axis in (ax.xaxis, ax.yaxis):
-            if axis.get_scale() == "log":
-                axis.set_minor_formatter(NullFormatter())
-                low, high = axis.get_view_interval()
-                if (
-                    high < 1.001 * low
-                ):  # one value, and its law within rounding of it: no picture of that
-                    axis.set_view_interval(low / 2, 2 * high, ignore=True)
-        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
-            entries.setdefault(label, handle)
-    if not entries:
-        return
-    rows = -(-len(entries) // max(2, int(figure.get_figwidth() / 1.7)))
-    columns = -(-len(entries) // rows)
-    figure.legend(entries.values(), entries.keys(), loc="outside lower center", ncols=columns)
 
 
 def marked(padding: str) -> dict[str, Any]:

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field, replace
 from hashlib import blake2b
 from math import ceil, inf
 from os import PathLike
+from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
@@ -25,7 +26,8 @@ class MeasuredSurface:
     """A surface given by its ``heights`` (width, length) [m], positive out of the body: peaks touch first.
 
     Heights are an array of real numbers, masked or nan where a point is missing, or an
-    xarray.DataArray whose coordinates give the sizes, or the path of a file (see :meth:`read`).
+    xarray.DataArray whose coordinates give the sizes, a ``Topography`` of the library
+    SurfaceTopography, or the path of a file (see :meth:`read`).
     ``extent`` (width, length) [m] is the size of all points, each standing for an equal cell; without it,
     heights stand cell for cell on the grid. ``missing`` says what becomes of missing points, ``trend``
     what is subtracted from all points, ``seam`` how the length is made periodic, in this order; heights
@@ -34,7 +36,8 @@ class MeasuredSurface:
     The surface is centred on the grid, which shows its middle where it is smaller; a grid is no wider
     than the surface, and a longer period a whole number of the surface's. Cells have the means of a
     smooth surface with the heights given, the same on every grid. Two surfaces are equal where
-    ``digest``, of all heights, and all else agree. Raises :class:`~contactstudy.InvalidInput` for anything
+    ``digest``, of all heights, and all else agree; ``file`` says where they were read from, if they were.
+    Raises :class:`~contactstudy.InvalidInput` for anything
     that is not so.
     """
 
@@ -43,6 +46,8 @@ class MeasuredSurface:
     missing: Missing = field(default_factory=RefuseMissing)
     trend: Trend = Trend.NONE
     seam: Seam = field(default_factory=AsMeasured)
+    file: str | None = field(default=None, compare=False, repr=False)
+    is_turned: bool = field(default=False, compare=False, repr=False)
     digest: str = field(init=False)
 
     def __post_init__(self) -> None:
@@ -89,12 +94,21 @@ class MeasuredSurface:
         extra ``measured``. Raises :class:`~contactstudy.InvalidInput` for a file without sizes or units.
         """
         heights, extent = measurement.read(path)
-        return cls(heights, extent, missing or RefuseMissing(), trend, seam or Tapered())
+        named = str(Path(path).absolute())
+        return cls(heights, extent, missing or RefuseMissing(), trend, seam or Tapered(), named)
+
+    def write(self, path: str | PathLike[str]) -> None:
+        """Write the heights to a netCDF file that :meth:`read` reads."""
+        measurement.write(self.heights, self.extent, path)
 
     def turned(self) -> Self:
         """This surface turned by a quarter, so that what ran along the length runs across it."""
         extent = None if self.extent is None else (self.extent[1], self.extent[0])
-        return replace(self, heights=np.rot90(self.heights), extent=extent)
+        turned = not self.is_turned  # twice is a half turn, which no file says
+        file = self.file if turned else None
+        return replace(
+            self, heights=np.rot90(self.heights), extent=extent, file=file, is_turned=turned
+        )
 
     def sized(self, grid: Grid) -> Self:
         """This surface with the extent that it has on ``grid``, so that it can be put on others."""

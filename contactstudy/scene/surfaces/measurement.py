@@ -2,6 +2,7 @@
 
 import warnings
 from os import PathLike, fspath
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,23 +10,25 @@ import numpy as np
 from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import InvalidInput
 
-# Points and their sizes (width, length) [m], if they have any.
+# Points and their sizes (x, y) [m], if they have any.
 Measurement = tuple[Array, tuple[float, float] | None]
 
-DIMENSIONS = (("width", "length"), ("x", "y"))
+DIMENSIONS = (("x", "y"), ("width", "length"))
 METRES = (None, "", "m", "metre", "metres", "meter", "meters")
 
 
 def measurement(heights: Any) -> Measurement:
     """Points of an array, an xarray.DataArray or a file at a path, nan where one is missing.
 
-    Dimensions of a DataArray are put in the order (width, length) or (x, y) where they are called
+    Dimensions of a DataArray are put in the order (x, y) or (width, length) where they are called
     that; sizes come from equidistant coordinates. Raises :class:`~contactstudy.InvalidInput` for what
     is not a plane field of real numbers in metres.
     """
     if isinstance(heights, str | PathLike):
         points, extent = read(heights)
         return _plane(points), extent
+    if hasattr(heights, "physical_sizes") and hasattr(heights, "heights"):
+        return _topography("MeasuredSurface.heights", heights)
     if hasattr(heights, "dims") and hasattr(heights, "coords"):
         return _labelled(heights)
     return _plane(heights), None
@@ -36,6 +39,8 @@ def read(path: str | PathLike[str]) -> Measurement:
 
     Raises :class:`~contactstudy.InvalidInput` for a file that is in none of them, or has no sizes or no unit.
     """
+    if Path(path).suffix == ".nc" and (ours := _written(path)) is not None:
+        return ours
     try:
         with warnings.catch_warnings():
             # that there is no MPI, for which nobody asked
@@ -56,14 +61,48 @@ def read(path: str | PathLike[str]) -> Measurement:
                     f"path is {name!r}, which has no sizes or no unit: read it yourself, and give the "
                     "heights and extent in m."
                 )
-            surface = channel.topography().to_unit("m")
-            points = np.ma.filled(np.ma.asarray(surface.heights(), dtype=np.float64), np.nan)
-            width, length = (float(size) for size in surface.physical_sizes)
+            return _topography(f"path {name!r}", channel.topography())
     except Exceptions.ReadFileError as unreadable:
         raise InvalidInput(
             f"path is {name!r}: give a file in a format that SurfaceTopography reads ({unreadable})."
         ) from unreadable
-    return points, (width, length)
+
+
+def _topography(field: str, surface: Any) -> Measurement:
+    """Points and sizes of a ``Topography`` of the library SurfaceTopography."""
+    if surface.dim != 2 or surface.unit is None or surface.physical_sizes is None:
+        raise InvalidInput(
+            f"{field} is a topography of {surface.dim} dimension(s) with the unit {surface.unit!r} and the "
+            f"sizes {surface.physical_sizes!r}: give a surface with sizes and a unit."
+        )
+    surface = surface.to_unit("m")
+    points = np.ma.filled(np.ma.asarray(surface.heights(), dtype=np.float64), np.nan)
+    width, length = (float(size) for size in surface.physical_sizes)
+    return _plane(points), (width, length)
+
+
+def write(points: Array, extent: tuple[float, float] | None, path: str | PathLike[str]) -> None:
+    """Points [m] as the variable ``heights`` (x, y) of a netCDF file, with coordinates if they have sizes."""
+    import xarray as xr
+
+    coords = {}
+    if extent is not None:
+        for name, size, count in zip(("x", "y"), extent, points.shape, strict=True):
+            centres = (2 * np.arange(count) + 1) * (size / count / 2)
+            coords[name] = (name, centres, {"units": "m", "axis": name.upper()})
+    attributes = {"units": "m", "long_name": "measured height"}
+    xr.DataArray(points, coords, ("x", "y"), "heights", attributes).to_netcdf(path)
+
+
+def _written(path: str | PathLike[str]) -> Measurement | None:
+    """What :func:`write` wrote; None where the file is of another kind."""
+    import xarray as xr
+
+    try:
+        with xr.open_dataset(path) as dataset:
+            return _labelled(dataset["heights"].load())
+    except (OSError, KeyError, ValueError):
+        return None
 
 
 def _plane(heights: Any) -> Array:

@@ -1,7 +1,11 @@
 import subprocess
 import sys
+from dataclasses import replace
+from pathlib import Path
 
+import cf_xarray  # noqa: F401 (the accessor)
 import numpy as np
+import pytest
 import xarray as xr
 
 import contactstudy as cs
@@ -12,14 +16,19 @@ def test_dataset_labels_every_variable(line_contact: LineContact, tmp_path) -> N
     grid = line_contact.grid((16, 6), 1.2)
     solution = cs.solve(line_contact.scene.problem(grid, cs.ExactPeriodicity()))
     dataset = cs.to_dataset(solution)
-    assert dataset["pressure"].dims == ("width", "length")
-    assert dataset.sizes == {"width": 16, "length": 6}
+    assert dataset["pressure"].dims == ("x", "y")
+    assert dataset.sizes == {"x": 16, "y": 6}
     for variable in dataset.variables.values():
         assert variable.attrs["units"]
         assert variable.attrs["long_name"]
     np.testing.assert_array_equal(dataset["gap"], solution.gap)
-    assert dataset.attrs["status"] == "CONVERGED"
-    assert "ExactPeriodicity" in dataset.attrs["padding"]
+    meanings = dataset["status"].attrs["flag_meanings"].split()
+    assert meanings[int(dataset["status"])] == "CONVERGED"
+    assert dataset["status"].attrs["comment"] == str(solution.status)
+    hertz = line_contact.hertz
+    assert float(dataset["hertz_peak_pressure"]) == hertz.peak_pressure
+    assert float(dataset["hertz_half_width"]) == hertz.half_width
+    assert float(dataset["load_per_length"]) == 1e5
     dataset.to_netcdf(tmp_path / "solution.nc")
     xr.testing.assert_identical(xr.load_dataset(tmp_path / "solution.nc"), dataset)
 
@@ -50,3 +59,45 @@ def test_a_solve_imports_neither_xarray_nor_matplotlib() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_an_area_is_that_of_the_cells_that_bear_pressure(line_contact: LineContact) -> None:
+    grid = line_contact.grid((64, 2), 1.2)
+    dataset = cs.solve(line_contact.scene.problem(grid, cs.ExactPeriodicity())).to_dataset()
+    exact = 2 * line_contact.hertz.half_width * grid.period
+    cell = grid.cell[0] * grid.period  # each of the two edges lies in one cell
+    assert float(dataset["contact_area"]) == pytest.approx(exact, abs=2 * cell)
+
+
+def test_axes_are_found_by_their_cf_attributes(line_contact: LineContact) -> None:
+    scene = replace(line_contact.scene, outputs=(cs.SubsurfaceStress(depths=(1e-5, 2e-5)),))
+    solution = cs.solve(scene.problem(line_contact.grid((16, 6), 1.2), cs.ExactPeriodicity()))
+    dataset = solution.to_dataset()
+    assert dataset.cf.axes == {"X": ["x"], "Y": ["y"], "Z": ["z"]}
+    assert dataset["z"].attrs["positive"] == "down"
+
+
+def test_the_scene_of_a_dataset_reads_back(line_contact: LineContact, tmp_path: Path) -> None:
+    grid = line_contact.grid((16, 6), 1.2)
+    paddings = (cs.ZeroPadding(), cs.Superposition(3))
+    solution = cs.solve(line_contact.scene.problem(grid, paddings))
+    path = tmp_path / "scene.toml"
+    path.write_text(solution.to_dataset().attrs["scene"])
+    read = cs.read_scene(path)
+    assert (read.scene, read.grid, read.padding) == (line_contact.scene, grid, paddings)
+    np.testing.assert_array_equal(read.solve().pressure, solution.pressure)
+
+
+def test_a_solution_is_shown_in_one_line_and_as_a_table_with_a_picture(
+    line_contact: LineContact,
+) -> None:
+    problem = line_contact.scene.problem(line_contact.grid((32, 16), 1.2), cs.ExactPeriodicity())
+    solution = cs.solve(problem)
+    assert "\n" not in repr(solution)
+    assert len(repr(solution)) < 200
+    for part in ("CONVERGED", "32 x 16", f"{solution.pressure.max():.4g} Pa"):
+        assert part in repr(solution)
+    shown = solution._repr_html_()
+    assert "<table>" in shown
+    assert "data:image/png;base64," in shown
+    assert len(solution.plot().axes) >= 4

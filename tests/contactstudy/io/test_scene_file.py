@@ -132,7 +132,7 @@ def test_either_axis_has_its_padding(tmp_path: Path) -> None:
         ('"Cosine"', "3", "shapes[2].feature.profile: it is 3: give a table with a kind."),
         ('"single"', '"half"', "solve.precision: it is 'half': choose from single, double."),
         ("images = 3", "images = 3.5", "padding.images: it is 3.5: give a whole number."),
-        ("[load]", "[load", "is no TOML: Expected ']' at the end"),
+        ("[load]", "[load", "is not valid TOML: Expected ']' at the end"),
     ],
 )
 def test_what_cannot_be_used_is_named_by_its_key(

@@ -128,7 +128,7 @@ def test_line_contact_has_its_textbook_stress(line_contact: LineContact) -> None
     for count in cells:
         dataset = cs.to_dataset(stressed(line_contact, count, (0.3, 0.786, 2.0)))
         found = dataset["stress"].sel(component=["xx", "zz", "xz"]).values[..., 0]
-        expected = hertz.stress(dataset["width"].values, dataset["depth"].values[:, None])
+        expected = hertz.stress(dataset["x"].values, dataset["z"].values[:, None])
         errors.append(np.abs(found - expected).max() / hertz.peak_pressure)
     rate = -np.polyfit(np.log(cells), np.log(errors), 1)[0]
     assert rate == pytest.approx(2, abs=0.25)
@@ -141,7 +141,7 @@ def test_greatest_shear_is_0_300_of_the_peak_pressure_at_0_786_half_widths(
     """On the axis (Johnson 1985, eqs. 4.46, 4.47); a step of 0.001 half-widths tells 0.786 from others."""
     depths = tuple(np.linspace(0.776, 0.796, 21).round(3).tolist())
     dataset = cs.to_dataset(stressed(line_contact, 513, depths))
-    axis = dataset["stress"].isel(width=256, length=0)
+    axis = dataset["stress"].isel(x=256, y=0)
     shear = (axis.sel(component="xx") - axis.sel(component="zz")).values / 2
     shear /= line_contact.hertz.peak_pressure
     assert depths[int(shear.argmax())] == 0.786
@@ -192,9 +192,9 @@ def test_dataset_labels_the_stress(line_contact: LineContact, tmp_path) -> None:
     scene = replace(line_contact.scene, outputs=(cs.SubsurfaceStress(depths=(1e-5, 2e-4)),))
     solution = cs.solve(scene.problem(line_contact.grid((16, 6), 1.2), cs.ExactPeriodicity()))
     dataset = cs.to_dataset(solution)
-    assert dataset["stress"].dims == ("component", "depth", "width", "length")
-    assert dataset["von_mises"].dims == ("depth", "width", "length")
-    assert dataset["depth"].values.tolist() == [1e-5, 2e-4]
+    assert dataset["stress"].dims == ("component", "z", "x", "y")
+    assert dataset["von_mises"].dims == ("z", "x", "y")
+    assert dataset["z"].values.tolist() == [1e-5, 2e-4]
     assert dataset["component"].values.tolist() == ["xx", "yy", "zz", "yz", "xz", "xy"]
     for name in ("stress", "von_mises"):
         assert dataset[name].attrs["units"] == "Pa"

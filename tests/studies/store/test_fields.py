@@ -30,10 +30,10 @@ def test_fields_are_groups_by_the_key_of_the_case(out: Path) -> None:
     with tree:
         one = tree.to_dataset().sel(padding="exact", images=6, period=2.4, grid=24)
         pressure = tree[f"fields/case_{one['case_key'].item()}"]["pressure"]
-        assert pressure.dims == ("width", "length")
+        assert pressure.dims == ("x", "y")
         assert pressure.shape == (24, 24)
         assert pressure.attrs["units"] == "Pa"
-        load_per_length = float(pressure.sum() * (pressure["width"][1] - pressure["width"][0]) / 24)
+        load_per_length = float(pressure.sum() * (pressure["x"][1] - pressure["x"][0]) / 24)
         assert load_per_length == pytest.approx(1e5, rel=1e-8)
 
 

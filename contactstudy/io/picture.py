@@ -2,29 +2,33 @@
 
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from studies.report.style import LAW, finish, look, panels
+from contactstudy.io.figure import LAW, SETTINGS, finish, panels
 
 # Lengths are drawn in the unit in which the numbers on the axes are shortest.
 LENGTHS = ((1e-6, "µm"), (1e-3, "mm"), (1.0, "m"))
 PRESSURES = ((1e3, "kPa"), (1e6, "MPa"), (1e9, "GPa"))
-MARKS: dict[str, Any] = {"marker": "none"}
+PRESSURE: dict[str, Any] = {"color": "#0072B2"}
+GAP: dict[str, Any] = {"color": "#009E73"}
+STRESS: dict[str, Any] = {"color": "#D55E00"}
 
 
 def picture(solved: xr.Dataset) -> Figure:
     """``solved``, as :func:`~contactstudy.to_dataset` labels it; nothing else is needed."""
-    lined = solved.sizes["length"] == 1
+    lined = solved.sizes["y"] == 1
     stressed = "von_mises" in solved
     drawn = [_across, _gap] if lined else [_map, _along, _across, _gap]
     drawn += [_stress] if stressed else []
-    figure, axes = panels(len(drawn), columns=2 if len(drawn) < 5 else 3, width=4.6, height=3.4)
-    for draw, ax in zip(drawn, axes, strict=True):
-        draw(ax, solved)
-    finish(figure)
+    with mpl.rc_context(SETTINGS):
+        figure, axes = panels(len(drawn), columns=2 if len(drawn) < 5 else 3, width=4.6, height=3.4)
+        for draw, ax in zip(drawn, axes, strict=True):
+            draw(ax, solved)
+        finish(figure)
     return figure
 
 
@@ -37,12 +41,12 @@ def _scaled(values: xr.DataArray, units: tuple[tuple[float, str], ...]) -> tuple
 
 def _map(ax: Axes, solved: xr.Dataset) -> None:
     pressure = solved["pressure"]
-    length, metres = _scaled(solved["length"], LENGTHS)
-    width, across = _scaled(solved["width"], LENGTHS)
+    length, metres = _scaled(solved["y"], LENGTHS)
+    width, across = _scaled(solved["x"], LENGTHS)
     size, pascals = _scaled(pressure, PRESSURES)
     mesh = ax.pcolormesh(
-        solved["length"] / length,
-        solved["width"] / width,
+        solved["y"] / length,
+        solved["x"] / width,
         pressure / size,
         cmap="viridis",
         shading="nearest",
@@ -54,55 +58,53 @@ def _map(ax: Axes, solved: xr.Dataset) -> None:
 
 
 def _along(ax: Axes, solved: xr.Dataset) -> None:
-    length, metres = _scaled(solved["length"], LENGTHS)
+    length, metres = _scaled(solved["y"], LENGTHS)
     size, pascals = _scaled(solved["pressure"], PRESSURES)
-    axis = np.abs(solved["width"]) <= np.abs(solved["width"]).min() * (1 + 1e-9)
-    middle = solved["pressure"].where(axis, drop=True).mean("width")
-    ax.plot(
-        solved["length"] / length, middle / size, label="in the middle", **look("exact") | MARKS
-    )
-    if "hertz_peak_pressure" in solved.attrs:
-        ax.axhline(solved.attrs["hertz_peak_pressure"] / size, **LAW)
+    axis = np.abs(solved["x"]) <= np.abs(solved["x"]).min() * (1 + 1e-9)
+    middle = solved["pressure"].where(axis, drop=True).mean("x")
+    ax.plot(solved["y"] / length, middle / size, label="in the middle", **PRESSURE)
+    if "hertz_peak_pressure" in solved:
+        ax.axhline(float(solved["hertz_peak_pressure"]) / size, **LAW)
     ax.set(xlabel=f"along [{metres}]", ylabel=f"pressure [{pascals}]", title="along the contact")
 
 
 def _across(ax: Axes, solved: xr.Dataset) -> None:
-    width, metres = _scaled(solved["width"], LENGTHS)
+    width, metres = _scaled(solved["x"], LENGTHS)
     size, pascals = _scaled(solved["pressure"], PRESSURES)
-    x, pressure = solved["width"] / width, solved["pressure"] / size
-    style = look("exact") | MARKS
-    if solved.sizes["length"] > 1:
-        band = pressure.min("length"), pressure.max("length")
+    x, pressure = solved["x"] / width, solved["pressure"] / size
+    style = PRESSURE
+    if solved.sizes["y"] > 1:
+        band = pressure.min("y"), pressure.max("y")
         ax.fill_between(
-            x, *band, color=style["color"], alpha=0.18, linewidth=0, label="least to most"
+            x, *band, color=style["color"], alpha=0.18, linewidth=0, label="lowest to highest"
         )
-    ax.plot(x, pressure.isel(length=solved.sizes["length"] // 2), label="in the middle", **style)
-    if "hertz_half_width" in solved.attrs:
-        t = solved["width"] / solved.attrs["hertz_half_width"]
-        hertz = solved.attrs["hertz_peak_pressure"] * np.sqrt(np.clip(1 - t**2, 0, None))
+    ax.plot(x, pressure.isel(y=solved.sizes["y"] // 2), label="in the middle", **style)
+    if "hertz_half_width" in solved:
+        t = solved["x"] / float(solved["hertz_half_width"])
+        hertz = float(solved["hertz_peak_pressure"]) * np.sqrt(np.clip(1 - t**2, 0, None))
         ax.plot(x, hertz / size, label="Hertz", **LAW)
     ax.set(xlabel=f"across [{metres}]", ylabel=f"pressure [{pascals}]", title="across the contact")
 
 
 def _gap(ax: Axes, solved: xr.Dataset) -> None:
-    width, metres = _scaled(solved["width"], LENGTHS)
-    middle = solved.isel(length=solved.sizes["length"] // 2)
+    width, metres = _scaled(solved["x"], LENGTHS)
+    middle = solved.isel(y=solved.sizes["y"] // 2)
     size, height = _scaled(middle["gap"], ((1e-9, "nm"), *LENGTHS))
-    ax.plot(solved["width"] / width, middle["gap"] / size, **look("superposed") | MARKS)
+    ax.plot(solved["x"] / width, middle["gap"] / size, **GAP)
     ax.set(xlabel=f"across [{metres}]", ylabel=f"gap [{height}]", title="gap in the middle")
 
 
 def _stress(ax: Axes, solved: xr.Dataset) -> None:
-    middle = solved["von_mises"].isel(length=solved.sizes["length"] // 2)
-    width, across = _scaled(solved["width"], LENGTHS)
-    depth, metres = _scaled(solved["depth"], LENGTHS)
+    middle = solved["von_mises"].isel(y=solved.sizes["y"] // 2)
+    width, across = _scaled(solved["x"], LENGTHS)
+    depth, metres = _scaled(solved["z"], LENGTHS)
     size, pascals = _scaled(middle, PRESSURES)
-    if middle.sizes["depth"] == 1:
-        ax.plot(solved["width"] / width, middle.isel(depth=0) / size, **look("duplicated") | MARKS)
+    if middle.sizes["z"] == 1:
+        ax.plot(solved["x"] / width, middle.isel(z=0) / size, **STRESS)
         ax.set(xlabel=f"across [{across}]", ylabel=f"von Mises [{pascals}]")
     else:
         filled = ax.contourf(
-            solved["width"] / width, solved["depth"] / depth, middle / size, 24, cmap="magma"
+            solved["x"] / width, solved["z"] / depth, middle / size, 24, cmap="magma"
         )
         ax.invert_yaxis()
         ax.figure.colorbar(filled, ax=ax)

@@ -1,0 +1,126 @@
+"""A scene as TOML that :func:`~contactstudy.read_scene` reads back."""
+
+from collections.abc import Mapping
+from dataclasses import MISSING, Field, fields, is_dataclass
+from enum import Enum
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.grid import Grid
+from contactstudy.domain.padding import Padding, Paddings
+from contactstudy.scene.scene import Scene
+from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
+
+if TYPE_CHECKING:
+    from contactstudy.io.scene_file import SceneFile
+
+
+def write_scene(described: "Scene | SceneFile", path: str | PathLike[str]) -> None:
+    """Write a scene, or all that a scene file says, to the TOML file ``path``.
+
+    The heights of a measured surface that was not read from a file are written beside it, as netCDF.
+    Raises :class:`~contactstudy.InvalidInput` for a shape or body that no file can hold.
+    """
+    path = Path(path)
+    if not path.parent.is_dir():
+        raise InvalidInput(
+            f"{path} cannot be written (no such folder): give a path in a folder that is there."
+        )
+    if isinstance(described, Scene):
+        text = scene_text(described, beside=path)
+    else:
+        others = {"grid": described.grid, **_paddings(described.padding)}
+        settings = {"plan": described.wish, "solve": described.settings}
+        text = _text(described.scene, others | settings, path)
+    try:
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise InvalidInput(
+            f"{path} cannot be written ({error.strerror}): give another path."
+        ) from None
+
+
+def scene_text(
+    scene: Scene,
+    *,
+    grid: Grid | None = None,
+    padding: Padding | Paddings | None = None,
+    beside: Path | None = None,
+) -> str:
+    """The TOML of ``scene``, with ``grid`` and ``padding`` if they are given.
+
+    Heights that are in no file are written ``beside`` a path; without one, their digest stands for them.
+    Raises :class:`~contactstudy.InvalidInput` as :func:`write_scene` does.
+    """
+    return _text(scene, {"grid": grid, **_paddings(padding)}, beside)
+
+
+def _paddings(padding: Padding | Paddings | None) -> dict[str, object]:
+    across, along = padding if isinstance(padding, tuple) else (None, padding)
+    return {"padding": along, "padding_across": across}
+
+
+def _text(scene: Scene, others: Mapping[str, object], beside: Path | None) -> str:
+    import tomli_w  # for those who write
+
+    table = _fields(scene, "Scene")
+    if scene.shapes:
+        table["shapes"] = [
+            _measured(shape, number, beside)
+            if isinstance(shape, MeasuredSurface)
+            else _plain(shape, f"Scene.shapes[{number}]")
+            for number, shape in enumerate(scene.shapes)
+        ]
+    table |= {name: _plain(value, name) for name, value in others.items() if value is not None}
+    return tomli_w.dumps(table)
+
+
+def _fields(value: Any, name: str) -> dict[str, Any]:
+    """The fields of a dataclass that are not at their default; measured surfaces are for the caller."""
+    return {
+        one.name: _plain(getattr(value, one.name), f"{name}.{one.name}")
+        for one in fields(value)
+        if one.init
+        and not _is_default(one, getattr(value, one.name))
+        and (name, one.name) != ("Scene", "shapes")
+    }
+
+
+def _is_default(field: Field[Any], value: object) -> bool:
+    if field.default is not MISSING:
+        return bool(value == field.default)
+    return field.default_factory is not MISSING and bool(value == field.default_factory())
+
+
+def _plain(value: object, name: str) -> Any:
+    """``value`` as TOML has it: tables with their kind, lists, texts, numbers."""
+    if isinstance(value, Enum):
+        return value.name.lower()
+    if is_dataclass(value) and type(value).__module__.startswith("contactstudy."):
+        return {"kind": type(value).__name__} | _fields(value, name)
+    if isinstance(value, tuple | list):
+        return [_plain(one, f"{name}[{number}]") for number, one in enumerate(value)]
+    if isinstance(value, bool | int | float | str):
+        return value
+    raise InvalidInput(
+        f"{name} is a {type(value).__name__}, which no scene file can hold: write it in Python."
+    )
+
+
+def _measured(surface: MeasuredSurface, number: int, beside: Path | None) -> dict[str, Any]:
+    """A measured surface by its file."""
+    table: dict[str, Any] = {"kind": "MeasuredSurface"}
+    if surface.file is not None:
+        table["file"] = surface.file
+        if surface.is_turned:
+            table["turn"] = "quarter"
+    elif beside is None:
+        table["file"] = f"heights with the digest {surface.digest}, not stored"
+    else:
+        table["file"] = f"{beside.stem}-surface-{number}.nc"
+        surface.write(beside.parent / table["file"])
+    for name in ("missing", "trend", "seam"):
+        table[name] = _plain(getattr(surface, name), f"Scene.shapes[{number}].{name}")
+    return table

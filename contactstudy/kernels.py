@@ -1,0 +1,11 @@
+"""Influence coefficients of a uniformly loaded rectangular cell on an elastic half-space, in closed form.
+
+``pi E*`` times the displacement [m] under unit pressure: of one cell, of a row of images along y, of
+a lattice of images along both axes.
+"""
+
+from contactstudy.elasticity.kernels.cell import boussinesq_cell
+from contactstudy.elasticity.kernels.lattice import boussinesq_cell_doubly_periodic
+from contactstudy.elasticity.kernels.row import boussinesq_cell_periodic
+
+__all__ = ["boussinesq_cell", "boussinesq_cell_doubly_periodic", "boussinesq_cell_periodic"]

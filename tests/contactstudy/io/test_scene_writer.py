@@ -1,0 +1,111 @@
+from dataclasses import fields, replace
+from math import inf
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.io.scene_file import KINDS
+from tests.conftest import STEEL
+
+SURFACE = np.random.default_rng(1).normal(scale=1e-7, size=(12, 8))
+SHAPES: tuple[cs.Shape, ...] = (
+    cs.Cylinder(0.01),
+    cs.Crown(0.5),
+    cs.LundbergProfile(1e-7, 1e-6, 1e-3),
+    cs.FiniteLength(8e-4),
+    cs.Waviness(1e-7, along=1e-4, phase=0.25),
+    cs.Texture(cs.Dimple(1e-7, 2e-5, cs.Cosine()), (5e-5, 6e-5)),
+    cs.Texture(cs.Groove(1e-7, 2e-5, cs.FlatBottomed()), (5e-5, inf)),
+    cs.Roughness(1e-7, 0.8, 1e-4, 3e-5, seed=3, peklenik=2.0, extent=(4e-4, 4e-4)),
+    cs.Roughness(cs.RmsSlope(0.02), 0.7, 1e-4, 3e-5),
+    cs.MeasuredSurface(SURFACE, (1e-4, 2e-4), cs.HarmonicFill(), cs.Trend.PLANE, cs.Mirrored()),
+    cs.MeasuredSurface(SURFACE),
+    cs.Sphere(0.02),
+)
+PADDINGS: tuple[cs.Padding | cs.Paddings, ...] = (
+    cs.ExactPeriodicity(),
+    cs.ZeroPadding(),
+    cs.DuplicatedPadding(),
+    cs.Superposition(3),
+    (cs.ExactPeriodicity(), cs.CircularSuperposition(2)),
+)
+
+
+def scene(*shapes: cs.Shape) -> cs.Scene:
+    rigid = cs.HalfSpace(inf, 0.0)
+    return cs.Scene(cs.LineLoad(1e5), (STEEL, rigid), shapes, hardness=2.5e9)
+
+
+def read_back(described: cs.Scene | cs.SceneFile, folder: Path) -> cs.SceneFile:
+    cs.write_scene(described, folder / "scene.toml")
+    return cs.read_scene(folder / "scene.toml")
+
+
+@pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: type(shape).__name__)
+def test_every_shape_reads_back_as_it_was_written(shape: cs.Shape, tmp_path: Path) -> None:
+    written = scene(cs.Cylinder(0.02), shape)
+    assert read_back(written, tmp_path).scene == written
+
+
+def test_no_kind_of_shape_is_left_out_above() -> None:
+    known = {kind.__name__ for kind in KINDS[cs.Shape].values()}
+    tried = {type(shape).__name__ for shape in SHAPES}
+    assert known - {"MeasuredFile"} <= tried
+
+
+@pytest.mark.parametrize("padding", PADDINGS, ids=str)
+def test_every_padding_reads_back(padding: cs.Padding | cs.Paddings, tmp_path: Path) -> None:
+    written = read_back(scene(cs.Cylinder(0.01)), tmp_path)
+    grid = cs.Grid((16, 8), (3e-4, 2e-4))
+    described = replace(written, grid=grid, padding=padding)
+    found = read_back(described, tmp_path)
+    assert (found.grid, found.padding) == (grid, padding)
+
+
+def test_outputs_solver_and_plan_read_back(tmp_path: Path) -> None:
+    written = replace(scene(cs.Cylinder(0.01)), outputs=(cs.SubsurfaceStress((1e-5, 2e-5), 0),))
+    described = read_back(written, tmp_path)
+    settings = replace(
+        described.settings,
+        tolerance=1e-6,
+        solver=cs.PolonskyKeer(patience=7),
+        precision=cs.Precision.SINGLE,
+    )
+    described = replace(described, settings=settings, wish=replace(described.wish, error=2e-3))
+    found = read_back(described, tmp_path)
+    for one in fields(cs.SceneFile):
+        assert getattr(found, one.name) == getattr(described, one.name), one.name
+
+
+def test_a_surface_read_from_a_file_is_named_by_it(tmp_path: Path) -> None:
+    surface = cs.MeasuredSurface(SURFACE, (1e-4, 2e-4))
+    surface.write(tmp_path / "ground.nc")
+    read = cs.MeasuredSurface.read(
+        tmp_path / "ground.nc", trend=cs.Trend.NONE, seam=cs.AsMeasured()
+    )
+    assert read.digest == surface.digest
+    for laid in (read, read.turned()):
+        written = scene(cs.Cylinder(0.01), laid)
+        assert read_back(written, tmp_path).scene == written
+        assert "ground.nc" in (tmp_path / "scene.toml").read_text()
+
+
+def test_a_shape_of_ones_own_is_refused_by_name(tmp_path: Path) -> None:
+    class Step:
+        curvature = 0.0
+
+        def gap(self, grid: cs.Grid) -> np.ndarray:
+            return np.zeros(grid.cells)
+
+    with pytest.raises(
+        cs.InvalidInput, match=r"^Scene\.shapes\[1\] is a Step, which no scene file"
+    ):
+        cs.write_scene(scene(cs.Cylinder(0.01), Step()), tmp_path / "scene.toml")
+    assert not (tmp_path / "scene.toml").exists()
+
+
+def test_a_folder_that_is_not_there_is_said(tmp_path: Path) -> None:
+    with pytest.raises(cs.InvalidInput, match="cannot be written"):
+        cs.write_scene(scene(cs.Cylinder(0.01)), tmp_path / "nowhere" / "scene.toml")

@@ -32,9 +32,10 @@ def test_every_effect_counts_and_is_shown(tmp_path: Path) -> None:
     dataset = run(study, tmp_path, workers=0, repeats=1, say=quiet).isel(grid=0)
     assert (dataset["outcome"] == 0).all()
     found = {name: dataset.sel(effect=name) for name in SCENES}
-    # no shape asks for memory of its own; one cell along asks for a 64th, but for what any solve holds
+    # no shape keeps a field of its own; one cell along asks for a 64th, but for what any solve holds
     shapes = [float(found[name]["memory"]) for name in ("waviness", "texture", "roughness")]
-    assert max(shapes) == pytest.approx(min(shapes), rel=0.05)
+    field = 256 * 64 * 8 / 1e6  # MB
+    assert max(shapes) - min(shapes) < field
     assert float(found["smooth, 1-D"]["memory"]) < float(found["smooth, 2-D"]["memory"]) / 16
     assert float(found["stress"]["memory"]) > float(found["hardness"]["memory"])
     # stress is found from the solution, which knows nothing of it

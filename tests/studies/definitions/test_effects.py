@@ -1,7 +1,6 @@
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 import contactstudy as cs
 from studies.definitions.cost.effects import SCENES, scene_at

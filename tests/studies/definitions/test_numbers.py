@@ -1,0 +1,154 @@
+"""Each number that a sweep stores, against a value found by hand."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import contactstudy as cs
+from studies.engine import timing
+from studies.model.case import Operator
+from studies.model.timing_samples import timing_variables
+from studies.reference.line_contact import HERTZ
+from studies.registry import load
+
+LINE = cs.Grid(cells=(64, 4), extent=(2.4 * HERTZ.half_width, HERTZ.half_width))
+
+
+@dataclass(frozen=True)
+class Hoard:
+    """A computation that holds so many bytes at once, and lets go of them."""
+
+    held: int
+    grid: cs.Grid = LINE
+
+    def prepare(self) -> None:
+        """Nothing."""
+
+    def run(self, prepared: None) -> np.ndarray:
+        """All of it, then a little."""
+        return np.ones(self.held, dtype=np.int8)[:1].copy()
+
+
+@dataclass(frozen=True)
+class Pressed:
+    """A result of which only the pressure counts."""
+
+    pressure: np.ndarray
+
+
+# one cell of four
+TOUCHING = Pressed(np.where(np.arange(64 * 4).reshape(64, 4) % 4 == 0, 1e9, 0.0))
+
+
+def test_memory_of_an_effect_is_in_megabytes() -> None:
+    found = load("effects").measures(Hoard(40_000_000), TOUCHING)  # type: ignore[arg-type]
+    assert float(found["memory"]) == pytest.approx(40, rel=1e-2)
+    assert found["memory"].attrs["units"] == "MB"
+    assert float(found["contact_share"]) == 0.25
+
+
+def test_memory_of_a_solve_is_counted_in_fields_of_eight_bytes_a_cell() -> None:
+    found = load("speed").measures(Hoard(40_000_000), TOUCHING)  # type: ignore[arg-type]
+    assert float(found["memory"]) == pytest.approx(40_000_000 / (64 * 4 * 8), rel=1e-2)
+    assert float(found["contact_share"]) == 0.25
+
+
+def test_times_are_seconds_of_set_up_and_solve(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By clocks that are wound by hand: a set-up of 2 s, 1.5 s of it computed, a solve of 5 s, 4 s of it."""
+    wall = {"at": 100.0}
+    monkeypatch.setattr(timing, "perf_counter", lambda: wall["at"])
+    monkeypatch.setattr(timing, "process_time", lambda: 0.75 * wall["at"])
+
+    class Clockwork:
+        def prepare(self) -> None:
+            wall["at"] += 2.0
+
+        def run(self, prepared: None) -> None:
+            wall["at"] += 5.0
+
+    sample = timing.clock(Clockwork())  # type: ignore[arg-type]
+    assert (sample.setup, sample.solve) == (2.0, 5.0)
+    assert (sample.setup_cpu, sample.solve_cpu) == (1.5, 3.75)
+    found = timing_variables((), (), [[sample]])
+    assert (float(found["setup_time"]), float(found["solve_time"])) == (2.0, 5.0)
+    assert {found[name].attrs["units"] for name in ("setup_time", "solve_time")} == {"s"}
+
+
+@pytest.mark.parametrize(
+    ("padding", "padded"),
+    [
+        (cs.ZeroPadding(), (2 * 64) * (2 * 4)),
+        (cs.Superposition(3), (2 * 64) * (2 * 4)),
+        (cs.DuplicatedPadding(), (2 * 64) * 4),
+        (cs.CircularSuperposition(3), (2 * 64) * 4),
+        (cs.ExactPeriodicity(), (2 * 64) * 4),
+    ],
+    ids=str,
+)
+def test_only_an_axis_that_does_not_wrap_is_doubled(padding: cs.Padding, padded: int) -> None:
+    case = Operator(1e11, LINE, padding, datum=1.0)
+    assert int(case.record(case.prepare())["padded_cells"]) == padded
+
+
+def test_the_error_of_a_window_s_coefficients_is_that_of_its_logarithm() -> None:
+    """Images beyond D take ``(x^2 / 2 - y^2) / (2 D^2)`` from the logarithm; half its range counts."""
+    kernels = load("kernels")
+    point = {"padding": "circular", "images": 6, "period": 2.4, "grid": 32}
+    case = kernels.scene_at({axis.name: point[axis.name] for axis in kernels.points})
+    found = float(kernels.measures(case, case.run(case.prepare()))["kernel_error"])
+    reach = 6.5 * 2.4
+    x, y = 2.4 * 31 / 32, 1.2  # the farthest pair across; half a period along
+    law = (x**2 / 2 + y**2) / (2 * reach**2) / 2
+    # the next order is a share (x / D)^2 of it, in a part of the range
+    assert found == pytest.approx(law, rel=2 * (x / reach) ** 2)
+
+
+def smooth(**changed: float) -> xr.Dataset:
+    """What the study of rough surfaces says of none, by padding."""
+    study = load("roughness")
+    point = {"rms": 0.0, "hurst": 0.8, "peklenik": 1.0, "seed": 1, "images": 6, "period": 2.4}
+    case = study.scene_at(point | {"grid": 80} | changed)
+    return xr.Dataset(study.measures(case, case.run(case.prepare())))
+
+
+def test_answers_of_a_smooth_contact_are_hertz_s() -> None:
+    exact = smooth().sel(padding="exact")
+    cell = 3.2 / 80  # in half-widths
+    assert float(exact["contact_area"]) == pytest.approx(1, abs=2 * cell)
+    assert float(exact["contact_extent"]) == pytest.approx(1, abs=cell)
+    # the second moment of cells of constant pressure, a twelfth of a cell squared off, and its edge
+    assert float(exact["half_width"]) == pytest.approx(1, abs=cell**1.5)
+    assert float(exact["peak_pressure"]) == pytest.approx(1, abs=cell**2)
+    assert float(exact["load_spread"]) == pytest.approx(0, abs=1e-7)
+    assert float(exact["smooth_difference"]) == pytest.approx(0, abs=1e-6)
+
+
+def test_a_free_length_is_compared_with_an_endless_one() -> None:
+    """Zero padding leaves a short cylinder: what it differs by is found again from both pressures."""
+    study = load("roughness")
+    point = {
+        "rms": 0.0,
+        "hurst": 0.8,
+        "peklenik": 1.0,
+        "seed": 1,
+        "images": 0,
+        "period": 2.4,
+        "grid": 40,
+    }
+    case = study.scene_at(point)
+    solution = case.run(case.prepare())
+    zero = xr.Dataset(study.measures(case, solution)).sel(padding="zero")
+    scene, grid = case.exact.scene, case.exact.grid
+    alone = cs.solve(scene.problem(grid, cs.ZeroPadding())).pressure
+    endless = cs.solve(scene.problem(grid, cs.ExactPeriodicity())).pressure
+    load_along = alone.mean(axis=0)
+    spread = np.sqrt(((load_along - load_along.mean()) ** 2).mean()) / load_along.mean()
+    assert float(zero["load_spread"]) == pytest.approx(spread, rel=1e-6)
+    l1 = np.abs(alone - endless).mean() / endless.mean()
+    assert float(zero["pressure_error_l1"]) == pytest.approx(l1, rel=1e-6)
+    highest = (alone.max() - endless.max()) / endless.max()
+    assert float(zero["highest_pressure_error"]) == pytest.approx(highest, rel=1e-6)
+    largest = max(abs(alone - endless).ravel()) / HERTZ.peak_pressure
+    assert float(zero["pressure_error_max"]) == pytest.approx(largest, rel=1e-6)

@@ -1,0 +1,83 @@
+"""What a sweep measures, on pressures whose errors are known without a solve."""
+
+from dataclasses import replace
+from math import pi
+
+import numpy as np
+import pytest
+
+from studies.reference.line_contact import HERTZ, SCENE, WIDTH, measures, scene_at
+
+CELLS = 96
+POINT = {"padding": "exact", "images": 0, "period": 2.4, "grid": CELLS}
+CASE = scene_at(POINT)
+X = CASE.grid.x[:, None]
+# of the domain over Hertz's half-width, and its square root's rate at an edge
+CELL = WIDTH / CELLS
+TRUE = np.broadcast_to(HERTZ.pressure(X), CASE.grid.cells)
+
+
+def measured(pressure: np.ndarray) -> dict[str, float]:
+    """The measures of a solution that has this pressure [Pa]."""
+    solution = CASE.run(CASE.prepare())
+    found = measures(CASE, replace(solution, pressure=np.array(pressure)))
+    return {name: float(variable) for name, variable in found.items()}
+
+
+def test_the_scene_is_hertz_s_with_the_numbers_of_the_paper() -> None:
+    modulus = 210e9 / (2 * (1 - 0.3**2))
+    assert SCENE.contact_modulus == pytest.approx(modulus, rel=1e-12)
+    half_width = (4 * 1e5 * 0.01 / (pi * modulus)) ** 0.5
+    assert HERTZ.half_width == pytest.approx(half_width, rel=1e-12)
+    assert HERTZ.peak_pressure == pytest.approx(2 * 1e5 / (pi * half_width), rel=1e-12)
+    assert CASE.grid.extent == pytest.approx((2.4 * half_width, 2.4 * half_width), rel=1e-12)
+    assert CASE.grid.cells == (CELLS, CELLS)
+
+
+def test_the_true_pressure_has_no_error_but_that_of_its_samples() -> None:
+    found = measured(TRUE)
+    assert found["pressure_error_l1"] == 0
+    assert found["pressure_error_max"] == 0
+    assert found["length_variation"] == 0
+    # beside the axis, half a cell from the peak
+    beside = (1 - (CELL / 2) ** 2) ** 0.5 - 1
+    assert found["peak_pressure_error"] == pytest.approx(beside, rel=1e-9)
+    assert found["highest_pressure_error"] == pytest.approx(beside, rel=1e-9)
+
+
+def test_a_uniform_excess_is_its_share_of_the_load_in_l1() -> None:
+    """A tenth of p_H over 2.4 a, of a load of pi a p_H / 2."""
+    found = measured(TRUE + 0.1 * HERTZ.peak_pressure)
+    assert found["pressure_error_l1"] == pytest.approx(0.1 * 2.4 / (pi / 2), rel=1e-12)
+    assert found["pressure_error_max"] == pytest.approx(0.1, rel=1e-12)
+    assert found["highest_pressure_error"] == pytest.approx(0.1, abs=CELL**2)
+    assert found["peak_pressure_error"] == pytest.approx(0.1, abs=CELL**2)
+
+
+def test_errors_of_either_sign_add_up_in_l1_and_show_as_variation() -> None:
+    """Half the length a tenth above, half a tenth below: nothing in the mean, a fifth along the length."""
+    sign = np.where(np.arange(CELLS) % 2, 1.0, -1.0)
+    found = measured(TRUE * (1 + 0.1 * sign))
+    # the sum over cells is the load to the rate of the edge
+    assert found["pressure_error_l1"] == pytest.approx(0.1, rel=CELL**1.5)
+    assert found["peak_pressure_error"] == pytest.approx(0.0, abs=CELL**2)
+    assert found["highest_pressure_error"] == pytest.approx(0.1, abs=CELL**2)
+    assert found["pressure_error_max"] == pytest.approx(0.1, abs=CELL**2)
+    assert found["length_variation"] == pytest.approx(0.2, abs=CELL**2)
+
+
+@pytest.mark.parametrize("wider", [-0.07, 0.09])
+def test_a_wider_contact_has_a_positive_error_of_its_half_width(wider: float) -> None:
+    wide = replace(HERTZ, load_per_length=HERTZ.load_per_length * (1 + wider) ** 2)
+    assert wide.half_width == pytest.approx((1 + wider) * HERTZ.half_width, rel=1e-12)
+    pressure = np.broadcast_to(wide.pressure(X), CASE.grid.cells)
+    # sampled, not solved for: the outer faces of the cells that touch
+    assert measured(pressure)["half_width_error"] == pytest.approx(wider, abs=CELL)
+
+
+def test_an_edge_that_follows_the_law_has_no_corrected_error() -> None:
+    """What a solve leaves at an edge goes as the cell's root, what the correction leaves as its power 3/2."""
+    found = {name: float(value) for name, value in measures(CASE, CASE.run(CASE.prepare())).items()}
+    assert found["pressure_error_max"] > CELL**0.5 / 100
+    assert found["corrected_error_max"] < CELL**1.5
+    assert abs(found["half_width_error"]) < CELL**2

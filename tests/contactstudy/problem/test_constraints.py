@@ -154,3 +154,14 @@ def test_cells_that_yield_are_at_the_hardness_to_the_last_bit(
         assert solution.pressure.max() <= hardness
         if precision is cs.Precision.DOUBLE:
             assert solution.pressure.max() == hardness
+
+
+def test_where_all_have_yielded_the_approach_leaves_none_open() -> None:
+    """The widest gap of those that bear closes, and that of a cell without pressure is not asked."""
+    which = HardnessLimited(2.0)
+    pressure = np.array([[2.0, 2.0, 0.0]])
+    gap = np.array([[0.3, 0.5, 0.9]])
+    assert which.approach(pressure, gap, which.free(pressure)) == 0.5
+    # where one is free, it is that one's gap
+    pressure[0, 0] = 1.0
+    assert which.approach(pressure, gap, which.free(pressure)) == 0.3

@@ -32,11 +32,12 @@ from contactstudy.problem.resultant import PrescribedLoad, Resultant
 from contactstudy.scene.load import LineLoad
 from contactstudy.scene.outputs import Output
 from contactstudy.scene.scene import Scene
-from contactstudy.scene.shapes.basic import Cylinder, Shape, Sphere, Waviness
 from contactstudy.scene.shapes.crown import Crown, LundbergProfile
 from contactstudy.scene.shapes.detail import Detail
 from contactstudy.scene.shapes.finite_length import FiniteLength
 from contactstudy.scene.shapes.roughness import RmsSlope, Roughness
+from contactstudy.scene.shapes.round import Cylinder, Sphere
+from contactstudy.scene.shapes.shape import Shape
 from contactstudy.scene.shapes.texture import (
     Cosine,
     Dimple,
@@ -45,6 +46,7 @@ from contactstudy.scene.shapes.texture import (
     Parabolic,
     Texture,
 )
+from contactstudy.scene.shapes.waviness import Waviness
 from contactstudy.scene.solids import Body, HalfSpace
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
 from contactstudy.scene.surfaces.missing_points import HarmonicFill, RefuseMissing

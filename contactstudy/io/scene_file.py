@@ -27,11 +27,13 @@ from contactstudy.planning.plan import Plan, plan
 from contactstudy.scene.load import LineLoad
 from contactstudy.scene.outputs import Output
 from contactstudy.scene.scene import Scene
-from contactstudy.scene.shapes.basic import Cylinder, Shape, Sphere, Waviness
 from contactstudy.scene.shapes.crown import Crown, LundbergProfile
 from contactstudy.scene.shapes.finite_length import FiniteLength
 from contactstudy.scene.shapes.roughness import Roughness
+from contactstudy.scene.shapes.round import Cylinder, Sphere
+from contactstudy.scene.shapes.shape import Shape
 from contactstudy.scene.shapes.texture import Cosine, FlatBottomed, Parabolic, Profile, Texture
+from contactstudy.scene.shapes.waviness import Waviness
 from contactstudy.scene.solids import HalfSpace
 from contactstudy.scene.stress import SubsurfaceStress
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface

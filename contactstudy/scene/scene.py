@@ -20,7 +20,7 @@ from contactstudy.problem.problem import Problem, Scales
 from contactstudy.problem.resultant import PrescribedLoad
 from contactstudy.scene.load import LineLoad
 from contactstudy.scene.outputs import Output
-from contactstudy.scene.shapes.basic import Shape
+from contactstudy.scene.shapes.shape import Shape
 from contactstudy.scene.solids import Body, contact_modulus, response
 from contactstudy.scene.source import ShapesSource, ends_along, sized
 

@@ -7,7 +7,7 @@ from math import inf
 from contactstudy.domain.arrays import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.problem.problem import Problem
-from contactstudy.scene.shapes.basic import Shape
+from contactstudy.scene.shapes.shape import Shape
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,23 @@
+"""What opens a gap: the shapes of a scene add up."""
+
+from typing import Protocol, runtime_checkable
+
+from contactstudy.domain.arrays import Array
+from contactstudy.domain.grid import Grid
+
+
+@runtime_checkable
+class Shape(Protocol):
+    """Anything that opens a gap."""
+
+    @property
+    def curvature(self) -> float:
+        """Curvature of the mean cross-section at the axis [1/m]; zero where a shape has none."""
+        ...
+
+    def gap(self, grid: Grid) -> Array:
+        """Undeformed gap [m] at the cell centres; broadcasts to (width, length).
+
+        The shape (width, 1) says that nothing varies along the length.
+        """
+        ...

@@ -1,4 +1,4 @@
-"""Closed forms under their authors' names."""
+"""Closed-form solutions, under their authors' names."""
 
 from dataclasses import dataclass
 
@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contactstudy.domain.arrays import Array
-from contactstudy.domain.checks import keep, positive
+from contactstudy.domain.checks import positive, set_fields
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class HertzLine:
         return self.peak_pressure * np.sqrt(np.clip((1 - t) * (1 + t), 0, None))
 
     def displacement(self, x: ArrayLike, datum: float) -> Array:
-        """Displacement [m] at ``x``, counted from where W on the axis alone moves nothing, ``datum`` [m]."""
+        """Displacement [m] at ``x``, relative to the point where W on the axis alone gives none, ``datum`` [m]."""
         t = np.abs(np.asarray(x, dtype=np.float64)) / self.half_width
         out = np.maximum(t, 1)
         beyond = out * np.sqrt((out - 1) * (out + 1)) - np.arccosh(out)
@@ -165,7 +165,7 @@ class Westergaard:
 def _keep_positive(instance: object, function: str, **fields: str) -> None:
     for name, what in fields.items():
         value = positive(f"{function}.{name}", getattr(instance, name), f"give a {what} above 0")
-        keep(instance, **{name: value})
+        set_fields(instance, **{name: value})
 
 
 def hertz_line(load_per_length: float, radius: float, contact_modulus: float) -> HertzLine:
@@ -186,7 +186,7 @@ def westergaard(
 
 
 def truncation_error(half_width: ArrayLike, reach: ArrayLike) -> Array:
-    """Relative error ``a^2 / (8 D^2)`` of the peak pressure of a line contact seen only out to D.
+    """Relative error ``a^2 / (8 D^2)`` of the peak pressure of a line contact whose images reach only to D.
 
     ``half_width`` a and ``reach`` D to each side, one unit. Images beyond D would have lowered the
     cylinder's curvature by the factor ``1 + a^2 / (4 D^2)``: leading term of the logarithmic

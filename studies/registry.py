@@ -12,7 +12,7 @@ from types import ModuleType
 from typing import NamedTuple
 
 from contactstudy import InvalidInput
-from contactstudy.domain.checks import remedy
+from contactstudy.domain.checks import suggestion
 from studies.model.drawing import Drawing, nothing
 from studies.model.study import Study
 
@@ -89,7 +89,7 @@ def load_drawing(name: str) -> Drawing:
 def _modules(name: str) -> Modules:
     known = BUILT_IN | OPTIONAL
     if name not in known:
-        hint = remedy(name, sorted(known))
+        hint = suggestion(name, sorted(known))
         raise InvalidInput(f"Study {name!r} is not known: {hint}, or give a .py file.")
     return known[name]
 

@@ -35,7 +35,7 @@ class _Edges:
 def half_widths(pressure: Array, x: Array) -> Array:
     """Half the width of the contact in each row along the length, shape (length,) [unit of x].
 
-    ``pressure`` (width, length) as solved for, ``x`` (width,) equidistant. Where the edge is smooth,
+    ``pressure`` (x, y) as solved for, ``x`` (width,) equidistant. Where the edge is smooth,
     straight over three rows and a dozen cells from any other, the cells beside it follow the law of
     :mod:`~contactstudy.accuracy.edge_law`, and the error falls like the cell cubed: on a smooth line contact
     2e-7 of the half-width at 128 cells across 2.4 of them. Elsewhere the outer faces of the
@@ -45,7 +45,7 @@ def half_widths(pressure: Array, x: Array) -> Array:
 
 
 def corrected_pressure(pressure: Array) -> Array:
-    """``pressure`` (width, length), with that of a continuous contact at the cell centres beside its edges.
+    """``pressure`` (x, y), with that of a continuous contact at the cell centres beside its edges.
 
     The cell that holds an edge is in error like the root of its size, whatever the solver does. Where
     the edge is resolved (see :func:`half_widths`) the law tells that error, and what is left falls like

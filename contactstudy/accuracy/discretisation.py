@@ -13,7 +13,7 @@ EDGES = 1 / 12
 def discretisation(pressure: Array, wraps: tuple[bool, bool]) -> tuple[float, float]:
     """Relative error of the highest pressure, and of all of it in L1, by the grid.
 
-    ``pressure`` (width, length); ``wraps``: which axes close on themselves. The maximum lies beside a
+    ``pressure`` (x, y); ``wraps``: which axes close on themselves. The maximum lies beside a
     cell's centre, above it by the parabola through three cells, and the cell's pressure is a 24th of
     the second difference too high (its mean is right); the edges move both. In L1 each end of a row of touching
     cells adds what :func:`~contactstudy.accuracy.edge_law.edge_error` says of its last two, and each cell

@@ -20,7 +20,7 @@ END, END_POWER = 0.5, 0.7
 def truncation(pressure: Array, grid: Grid, paddings: Paddings) -> tuple[float, float]:
     """Relative error of the highest pressure, and of all of it in L1, by the images a padding leaves out.
 
-    ``pressure`` (width, length). A window that reaches D to each side takes ``x^2 / (2 D^2)`` from
+    ``pressure`` (x, y). A window that reaches D to each side takes ``x^2 / (2 D^2)`` from
     the logarithm of each image row, and so makes the contact, of half-width ``a = 2 rms(x)``, too highly curved
     by the factor ``1 + a^2 / (4 D^2)``. Centred on the domain it also misses more at its ends, by
     ``-ln(1 - (2 y / L)^2 / (2 n + 1)^2)``: under that kink the pressure rises, j cells from the end by

@@ -1,4 +1,4 @@
-"""The one kind of array the solver works on, in either precision, and its products."""
+"""The array type of the solver, in either precision, and its products."""
 
 from typing import Any
 
@@ -8,14 +8,14 @@ from numpy.typing import NDArray
 Array = NDArray[np.floating[Any]]
 
 
-# Up to so many cells BLAS has no use for threads, and rounding in single precision none for rows.
+# Up to this many cells BLAS starts no threads, and single precision needs no sums by rows.
 SMALL = 1024
 
 
 def inner(a: Array, b: Array) -> float:
-    """Sum of ``a b`` over fields (width, length).
+    """Sum of ``a b`` over fields (x, y).
 
-    Row by row, for BLAS would start threads for a large field as a whole: beside a busy neighbour they
+    Row by row: BLAS would start threads for a whole large field, and on a busy machine they
     cost a hundred times what they save.
     """
     if a.size <= SMALL:
@@ -24,7 +24,7 @@ def inner(a: Array, b: Array) -> float:
 
 
 def mean_over(cells: Array, field: Array) -> float:
-    """Mean of ``field`` over the ``cells`` that are 1, of others that are 0."""
+    """Mean of ``field`` over the cells where ``cells`` is 1; it is 0 elsewhere."""
     return float(inner(field, cells) / cells.sum())
 
 

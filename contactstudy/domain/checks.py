@@ -1,4 +1,4 @@
-"""What makes a number admissible, said in one sentence when it is not."""
+"""Checks of values that a user gives; each failure is one sentence."""
 
 import math
 from collections.abc import Iterable
@@ -38,20 +38,20 @@ def positive(field: str, value: object, remedy: str) -> float:
     return number
 
 
-# In SI units, so far apart that nothing measured is beyond them, and near enough for their products
-# and quotients to be numbers.
+# Limits in SI units: wide enough for any measured value, narrow enough that products
+# and quotients stay finite.
 LEAST, MOST = 1e-60, 1e60
 
 
-def bearable(field: str, value: object, remedy: str) -> float:
-    """``value`` as a float above zero that a computation can bear, or :class:`InvalidInput`."""
+def in_range(field: str, value: object, remedy: str) -> float:
+    """``value`` as a float above zero within the limits of a computation, or :class:`InvalidInput`."""
     number = positive(field, value, remedy)
     if not LEAST <= number <= MOST:
         raise InvalidInput(f"{field} is {value!r}: {remedy}, between {LEAST:g} and {MOST:g}.")
     return number
 
 
-def from_zero(field: str, value: object, remedy: str) -> float:
+def non_negative(field: str, value: object, remedy: str) -> float:
     """``value`` as a finite float not below zero, or :class:`InvalidInput`."""
     number = finite(field, value, remedy)
     if number < 0:
@@ -59,8 +59,8 @@ def from_zero(field: str, value: object, remedy: str) -> float:
     return number
 
 
-def bearable_or_zero(field: str, value: object, remedy: str) -> float:
-    """``value`` as a float of either sign, zero or of a size that is bearable, or :class:`InvalidInput`."""
+def in_range_or_zero(field: str, value: object, remedy: str) -> float:
+    """``value`` as a float that is zero or of a size within the limits, or :class:`InvalidInput`."""
     number = finite(field, value, remedy)
     if number and not LEAST <= abs(number) <= MOST:
         raise InvalidInput(
@@ -69,9 +69,9 @@ def bearable_or_zero(field: str, value: object, remedy: str) -> float:
     return number
 
 
-def bearable_from_zero(field: str, value: object, remedy: str) -> float:
-    """``value`` as a float that is zero or bearable, or :class:`InvalidInput`."""
-    return bearable_or_zero(field, from_zero(field, value, remedy), remedy)
+def in_range_from_zero(field: str, value: object, remedy: str) -> float:
+    """``value`` as a float of zero, or positive and within the limits, or :class:`InvalidInput`."""
+    return in_range_or_zero(field, non_negative(field, value, remedy), remedy)
 
 
 def whole(field: str, value: object, at_least: int, remedy: str) -> int:
@@ -90,7 +90,7 @@ def pair(field: str, value: object, remedy: str) -> tuple[object, object]:
 
 
 def divides(field: str, length: float, period: float) -> int:
-    """How often ``length`` goes into ``period``: a whole number, or :class:`InvalidInput`."""
+    """The ratio ``period / length``, which must be a whole number, or :class:`InvalidInput`."""
     times = period / length
     if abs(times - round(times)) > 1e-9 * max(times, 1):
         raise InvalidInput(
@@ -109,14 +109,14 @@ def sequence(field: str, value: object, remedy: str) -> tuple[object, ...]:
     raise InvalidInput(f"{field} is {value!r}: {remedy}.")
 
 
-def keep(instance: object, **values: object) -> None:
+def set_fields(instance: object, **values: object) -> None:
     """Checked values in place of those given to a frozen dataclass, in its ``__post_init__``."""
     for name, value in values.items():
         object.__setattr__(instance, name, value)
 
 
-def remedy(name: str, known: Iterable[str]) -> str:
-    """What to give instead of an unknown ``name``: the known one most like it, or any of them."""
+def suggestion(name: str, known: Iterable[str]) -> str:
+    """A suggestion for an unknown ``name``: the most similar known one, or the list of all."""
     choices = list(known)
     close = get_close_matches(name, choices, n=1)
     return f"did you mean {close[0]!r}" if close else "choose from " + ", ".join(choices)

@@ -1,11 +1,11 @@
-"""Where fields live: equal rectangular cells over the width and one period of the length."""
+"""A grid of equal rectangular cells over the width and one period of the length."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from contactstudy.domain.arrays import Array
-from contactstudy.domain.checks import InvalidInput, bearable, pair, whole
+from contactstudy.domain.checks import InvalidInput, in_range, pair, whole
 from contactstudy.domain.units import Metres
 
 LONGEST = 1e9  # times as long as wide
@@ -18,7 +18,7 @@ class Grid:
     x runs across the contact, y along it. Fields are constant in a cell and have the shape (nx, ny);
     ``ny = 1`` is plane strain. Raises :class:`~contactstudy.InvalidInput` for fewer than two cells
     across, none along, an extent that is not a positive length, or cells a billion times as long as wide
-    or as wide as long: the coefficients of such are lost in rounding.
+    or as wide as long: influence coefficients of such cells would be lost in rounding.
     """
 
     cells: tuple[int, int]
@@ -32,8 +32,8 @@ class Grid:
             whole("Grid.cells[1]", ny, 1, "give at least 1 cell along the length"),
         )
         extent = (
-            bearable("Grid.extent[0]", width, "give a width above 0 m"),
-            bearable("Grid.extent[1]", period, "give a period above 0 m"),
+            in_range("Grid.extent[0]", width, "give a width above 0 m"),
+            in_range("Grid.extent[1]", period, "give a period above 0 m"),
         )
         object.__setattr__(self, "cells", cells)
         object.__setattr__(self, "extent", extent)

@@ -1,15 +1,15 @@
-"""How one direction of the surface is represented: which images of the pressure a point sees.
+"""Which images of the pressure act on a point, for one axis.
 
-A padding is a value that says two things of one axis: the ``window`` of periods a point sees, and
-whether the convolution closes on itself (``wraps``, n points) or is padded with zeros (2 n points).
-The width of a line contact is free, its length periodic; either may be either.
+A padding states two things about one axis: the ``window`` of periods whose pressure acts on a point, and
+whether the convolution is circular (``wraps``, n points) or padded with zeros (2 n points).
+A line contact is usually free along x and periodic along y; either axis may take any padding.
 """
 
 from dataclasses import dataclass
 from math import inf
 from typing import ClassVar, Protocol
 
-from contactstudy.domain.checks import InvalidInput, keep, whole
+from contactstudy.domain.checks import InvalidInput, set_fields, whole
 
 
 class Padding(Protocol):
@@ -22,14 +22,14 @@ class Padding(Protocol):
 
     @property
     def window(self) -> range | None:
-        """The periods whose pressure a point sees, counted from its own (0); None for all of them.
+        """The periods whose pressure acts on a point, relative to its own (0); None for all of them.
 
-        An image in period m stands at the offset ``d + m L``, with d >= 0 the offset in the first.
+        The image in period m is at the offset ``d + m L``, with d >= 0 the offset in period 0.
         """
         ...
 
     def reach(self, period: float) -> float:
-        """How far to each side a point in the middle sees pressure; unit of ``period``."""
+        """The distance to each side within which pressure acts on a point in the middle; unit of ``period``."""
         ...
 
 
@@ -49,9 +49,9 @@ class ZeroPadding:
 class DuplicatedPadding:
     """The padded half of the axis filled with a copy of the pressure (the paper's Figure 2b).
 
-    Every point then sees the pressure within one period to either side of itself. The doubled
-    transform of the paper is the same as a circular one over the folded coefficients
-    ``K(d) + K(d - L)``, which is what is done here.
+    The pressure within one period to either side then acts on every point. The doubled
+    transform of the paper equals a circular one with the folded coefficients
+    ``K(d) + K(d - L)``, which is used here.
     """
 
     wraps: ClassVar[bool] = True
@@ -64,14 +64,14 @@ class DuplicatedPadding:
 
 @dataclass(frozen=True)
 class _Counted:
-    """A number of images on each side; what they are counted from is the subclass's to say."""
+    """A number of images on each side; the subclass defines what they are counted from."""
 
     images: int
 
     def __post_init__(self) -> None:
         field = f"{type(self).__name__}.images"
         remedy = "give a whole number of periods from 0 on"
-        keep(self, images=whole(field, self.images, 0, remedy))
+        set_fields(self, images=whole(field, self.images, 0, remedy))
 
     @property
     def window(self) -> range:
@@ -99,8 +99,8 @@ class Superposition(_Counted):
 class CircularSuperposition(_Counted):
     """The sum of :class:`Superposition`, but centred on the observer and circular.
 
-    Every point sees ``images + 1/2`` periods to either side of itself, so that a uniform contact comes
-    out uniform, at half the transform. ``images`` is a whole number from 0 on. This is how
+    The pressure within ``images + 1/2`` periods to either side acts on every point, so a uniform contact
+    stays uniform, with a transform of half the size. ``images`` is a whole number from 0 on. This is how
     semi-periodic contacts are computed in ContactMechanics (with 10 images) and slippy.
     """
 
@@ -112,16 +112,16 @@ class ExactPeriodicity:
     """All images, in closed form.
 
     The displacement under infinitely many loads is bounded only up to a rigid shift. Along one axis it
-    is counted from a lateral distance of the scene's length scale (for a cylinder, the Hertz
-    half-width), where the mean line load concentrated on the axis would move nothing; along both,
-    from its mean.
+    is relative to a point at the scene's length scale (for a cylinder, the Hertz
+    half-width) from the axis, under the mean line load concentrated on the axis; along both axes it is
+    relative to its mean.
     """
 
     wraps: ClassVar[bool] = True
     window: ClassVar[None] = None
 
     def reach(self, period: float) -> float:
-        """Without end."""
+        """Infinite."""
         return inf
 
 
@@ -130,7 +130,7 @@ Paddings = tuple[Padding, Padding]
 
 
 def across_and_along(padding: Padding | Paddings) -> Paddings:
-    """Both axes' paddings; of one alone, it is the length's, and the width is free.
+    """The paddings of both axes; one given alone is that of y, and x is free.
 
     Raises :class:`~contactstudy.InvalidInput` for what is neither.
     """

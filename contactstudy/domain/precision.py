@@ -9,10 +9,10 @@ from contactstudy.domain.checks import InvalidInput
 
 
 class Precision(Enum):
-    """Half the memory, or all the digits: the residual cannot fall far below the rounding of either.
+    """Single or double precision; the residual cannot fall far below the rounding of either.
 
-    SINGLE has some seven digits, DOUBLE sixteen. Influence coefficients are found in double precision
-    for both, and rounded once.
+    SINGLE has about 7 digits and takes half the memory; DOUBLE has about 16. Influence coefficients are computed in
+    double precision for both, and rounded once.
     """
 
     SINGLE = "single"

@@ -1,4 +1,4 @@
-"""The SI units of quantities, beside their types: what a text with a unit in it is converted to."""
+"""SI units of quantities, kept with their types; texts with units are converted to them."""
 
 from dataclasses import dataclass
 from typing import Annotated
@@ -6,7 +6,7 @@ from typing import Annotated
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit by its symbol, and the quantity in words with an example, for who gives another."""
+    """A unit: its symbol, the name of the quantity and an example, for error messages."""
 
     symbol: str
     quantity: str

@@ -1,4 +1,4 @@
-"""Influence coefficients on a grid: every offset within one period, all images a padding sees."""
+"""Influence coefficients on a grid: every offset within one period, all images that a padding includes."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from contactstudy.elasticity.kernels.row import boussinesq_cell_periodic
 
 
 class Coefficients(Protocol):
-    """What one loaded cell does at offsets x and y: alone, in a row of images, in a lattice of them."""
+    """The response to one loaded cell at offsets x and y: alone, in a row of images, in a lattice of images."""
 
     @property
     def parity(self) -> tuple[int, int]:
@@ -31,13 +31,13 @@ class Coefficients(Protocol):
         ...
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
-        """Images along y without end; x a column, y a row."""
+        """An infinite row of images along y; x is a column, y a row."""
         ...
 
     def lattice(
         self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
     ) -> Array:
-        """Images along both axes without end; x a column, y a row."""
+        """An infinite lattice of images along both axes; x is a column, y a row."""
         ...
 
 
@@ -45,15 +45,15 @@ class Coefficients(Protocol):
 class Displacement:
     """pi E* times the displacement [m] under unit pressure.
 
-    ``datum`` [m]: the lateral distance from which displacement is counted, where images without end
-    along one axis leave that open; along both it is counted from its mean.
+    ``datum`` [m]: the lateral distance from which displacement is counted, where an infinite row of images
+    leaves that open; with a lattice of images it is counted from its mean.
     """
 
     datum: float
     parity: ClassVar[tuple[int, int]] = (1, 1)
 
     def turned(self) -> "Displacement":
-        """Itself: no axis is before the other."""
+        """Itself: the coefficients do not change when the axes are exchanged."""
         return self
 
     def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
@@ -61,14 +61,14 @@ class Displacement:
         return boussinesq_cell(x, y, dx, dy)
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
-        """Images along y without end."""
+        """An infinite row of images along y."""
         shift = 2 * dx * dy / period * np.log(self.datum)
         return np.asarray(shift + boussinesq_cell_periodic(x, y, dx, dy, period))
 
     def lattice(
         self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
     ) -> Array:
-        """Images along both axes without end."""
+        """An infinite lattice of images."""
         return boussinesq_cell_doubly_periodic(x, y, dx, dy, width, period)
 
 
@@ -81,7 +81,7 @@ class _Axis:
 
     @property
     def known(self) -> int:
-        """Offsets that hold all there is to know: the rest of a circle is its mirror image."""
+        """The number of offsets to evaluate: the others on a circle follow by symmetry."""
         return self.cells // 2 + 1 if self.padding.wraps else self.cells
 
     @property
@@ -90,9 +90,9 @@ class _Axis:
 
 
 def kernel(grid: Grid, paddings: Paddings, coefficients: Coefficients) -> Array:
-    """``coefficients`` at offsets of 0, 1, 2 ... cells, summed over the images the paddings see.
+    """``coefficients`` at offsets of 0, 1, 2 ... cells, summed over the images that the paddings include.
 
-    Along an axis of n cells that wraps there are ``n // 2 + 1`` offsets, along another n.
+    An axis of n cells that wraps has ``n // 2 + 1`` offsets, any other axis n.
     """
     axes = zip(grid.cells, grid.cell, grid.extent, paddings, strict=True)
     across, along = (_Axis(*axis) for axis in axes)
@@ -119,9 +119,9 @@ def _kernel(across: _Axis, along: _Axis, coefficients: Coefficients) -> Array:
 def _summed(at: Callable[[Array], Array], axis: _Axis, parity: int) -> Array:
     """The sum of ``at(d + m L)`` over the periods m of the axis's window, for its known offsets d.
 
-    ``at`` is even or odd, and takes distances along its first axis. So the offsets of one period serve
-    two images: the one ahead and, read backwards, the next one behind. Far images first: small terms
-    add up before they meet the large ones.
+    ``at`` is even or odd, and takes distances along its first axis. The offsets of one period therefore serve
+    two images: the one ahead and, reversed, the next one behind. Far images are added first, so that
+    small terms are summed before large ones.
     """
     window, count = axis.padding.window, axis.cells
     assert window is not None

@@ -24,9 +24,9 @@ COARSEST = 32
 class Convolution:
     """The linear operator ``displacement = K * pressure`` on one grid.
 
-    Call it with a pressure of shape (width, length) [Pa] to get the displacement [m] of the same
-    shape. It is symmetric, and positive definite but for a rigid shift. Only the rows that hold
-    pressure are transformed along the length, and only the rows asked for are transformed back.
+    Call it with a pressure of shape (x, y) [Pa] to get the displacement [m] of the same
+    shape. It is symmetric, and positive definite except for a rigid shift. Only the rows that hold
+    pressure are transformed along y, and only the rows that are wanted are transformed back.
     """
 
     spectrum: Array
@@ -34,7 +34,7 @@ class Convolution:
     padded: tuple[int, int]
 
     def __call__(self, pressure: Array) -> Array:
-        """Displacement [m] under ``pressure`` [Pa], both (width, length)."""
+        """Displacement [m] under ``pressure`` [Pa], both (x, y)."""
         if pressure.shape != self.cells:
             raise InvalidInput(f"pressure has the shape {pressure.shape}: give it {self.cells}.")
         waves = TRANSFORMS.forward(pressure, self.padded, self._room(self.padded))
@@ -46,7 +46,7 @@ class Convolution:
         return local()
 
     def _room(self, shape: tuple[int, int]) -> Waves:
-        """A work array of this thread's own, kept: a large one anew would cost as much as a transform."""
+        """The work array of this thread; allocating a large array costs as much as a transform."""
         kept = self._kept.__dict__
         if "waves" not in kept:
             waves = self.padded[0] * (self.padded[1] // 2 + 1)
@@ -66,10 +66,10 @@ class Convolution:
 
     @property
     def own(self) -> float:
-        """Displacement of a cell under its own unit pressure, above the mean over the padded grid.
+        """Displacement of a cell under its own unit pressure, relative to the mean over the padded grid.
 
-        It is the mean of the whole spectrum but for its first entry, the rigid shift: without images'
-        end that may have any sign, and in a cell far wider than the datum it makes the whole negative.
+        It is the mean of the spectrum without its first entry, the rigid shift. With infinitely many images that
+        entry may have any sign, and in a cell far wider than the datum it would make the sum negative.
         """
         py = self.padded[1]
         stored_once = self.spectrum[:, 0].sum()
@@ -95,8 +95,8 @@ class Convolution:
     def coarsened(self) -> "Convolution":
         """The mean displacement of blocks of cells under a pressure constant in each.
 
-        In the spectrum, a block averages with ``cos(pi k / n)``, twice, and its size folds every other
-        half of the frequencies onto the first (Galerkin).
+        A Galerkin coarsening: in the spectrum, the two averages multiply by ``cos(pi k / n)^2``, and the larger
+        cells fold the upper half of the frequencies onto the lower.
         """
         spectrum, (px, py), (across, along) = self.spectrum, self.padded, self.blocks
         if across == 2:
@@ -114,13 +114,13 @@ class Convolution:
         """Division by the spectrum on the unpadded grid, as if it were periodic, and its work.
 
         Source: Vollebregt (2014), eq. 20, there on the padded grid; without padding it costs half and
-        was found to precondition as well or better. A mean over the grid comes out as zero.
+        was found to precondition as well or better. The mean over the grid is mapped to zero.
         """
         (nx, ny), (px, py) = self.cells, self.padded
         across = np.round(np.arange(nx) * (px / nx)).astype(int) % px
         along = np.minimum(np.round(np.arange(ny // 2 + 1) * (py / ny)).astype(int), py // 2)
         sampled = self.spectrum[np.ix_(across, along)]
-        # a window of images may make a wave's coefficient zero or less, where the half-space's is above
+        # a window of images may make a coefficient zero or negative; that of the half-space is positive
         sampled = np.maximum(sampled, 1e-3 * np.abs(sampled[1:]).min(initial=np.abs(sampled).max()))
         inverse = 1 / sampled
         inverse[0, 0] = 0.0
@@ -162,7 +162,7 @@ def superposed(
         ),
         start=np.zeros(()),
     )
-    # even about zero along both axes, so the transform is real, and even too
+    # the coefficients are even along both axes, so their transform is real and even
     for axis in (1, 0):
         around = np.take(half, _around(half.shape[axis], padded[axis]), axis)
         half = fft.rfft(around, axis=axis).real
@@ -182,7 +182,7 @@ def spread(coefficients: Array, padded: tuple[int, int], parity: tuple[int, int]
     """Coefficients of known offsets at every point of the padded grid, mirrored by their parity."""
     around = coefficients[np.ix_(*map(_around, coefficients.shape, padded))]
     for axis, even in enumerate(parity):
-        if even < 0:  # nothing at zero and half-way round, where both sides meet
+        if even < 0:  # odd: zero at the origin and half-way round, where both sides meet
             n = padded[axis]
             index = np.arange(n)
             sign = np.sign(n - 2 * index) * (index > 0)
@@ -191,6 +191,6 @@ def spread(coefficients: Array, padded: tuple[int, int], parity: tuple[int, int]
 
 
 def _around(known: int, padded: int) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
-    """Offset of each point of a padded axis from zero; the last known stands where no pair looks."""
+    """Offset of each point of a padded axis from zero; entries that no pair of cells uses repeat the last one."""
     index = np.arange(padded)
     return np.minimum(np.minimum(index, padded - index), known - 1)

@@ -1,6 +1,6 @@
-"""Real transforms of a padded field, of which only the rows that hold something are transformed.
+"""Real transforms of a zero-padded field; rows that are all zeros are not transformed.
 
-ducc0 is taken where it is installed (extra ``fast``), and scipy where not. One convolution in ms on one
+ducc0 is used where it is installed (extra ``fast``), and scipy otherwise. One convolution in ms on one
 thread, work array reused where it can be, medians of one run on an AMD EPYC: 512 x 512 cells padded to
 1024 x 512: scipy 4.4, ducc0 3.2, FFTW (planned, measured) 3.8; padded to 1024 x 1024: 14.3, 7.9, 8.1;
 1024 x 1024 padded to 2048 x 1024: 27.6, 21.9, 24.9. All three agree to 6e-16.
@@ -35,12 +35,12 @@ class SciPy:
     """scipy.fft."""
 
     def forward(self, field: Array, padded: tuple[int, int], work: Waves) -> Waves:
-        """Along the length on the rows there are, then across."""
+        """Along y on the rows that hold pressure, then along x."""
         rows = fft.rfft(field, padded[1], axis=1)
         return np.asarray(fft.fft(rows, padded[0], axis=0, overwrite_x=True))
 
     def backward(self, waves: Waves, cells: tuple[int, int], padded: tuple[int, int]) -> Array:
-        """Across, then along the length on the rows asked for."""
+        """Along x, then along y on the rows that are wanted."""
         rows = fft.ifft(waves, axis=0, overwrite_x=True)[: cells[0]]
         return np.asarray(fft.irfft(rows, padded[1], axis=1, overwrite_x=True)[:, : cells[1]])
 
@@ -53,7 +53,7 @@ class Ducc:
         self._fft: Any = import_module("ducc0").fft
 
     def forward(self, field: Array, padded: tuple[int, int], work: Waves) -> Waves:
-        """Along the length on the rows there are, then across."""
+        """Along y on the rows that hold pressure, then along x."""
         nx, ny = field.shape
         if padded[1] == 1:  # one cell along is its own wave
             work[:nx] = field
@@ -68,7 +68,7 @@ class Ducc:
         return work
 
     def backward(self, waves: Waves, cells: tuple[int, int], padded: tuple[int, int]) -> Array:
-        """Across, then along the length on the rows asked for."""
+        """Along x, then along y on the rows that are wanted."""
         self._fft.c2c(waves, axes=(0,), forward=False, inorm=2, out=waves, nthreads=1)
         rows = waves[: cells[0]]
         if padded[1] == 1:

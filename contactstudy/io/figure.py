@@ -32,7 +32,7 @@ def panels(
     """A figure with ``count`` panels; ``share="y"`` gives all of them one scale of it."""
     columns = min(columns, count)
     rows = -(-count // columns)
-    # not pyplot's: nothing is kept open, nothing needs closing
+    # not pyplot's: no figure stays open
     figure = Figure(figsize=(width * columns, height * rows), layout="constrained")
     axes = (
         figure.subplots(
@@ -47,7 +47,7 @@ def panels(
 
 
 def finish(figure: Figure) -> None:
-    """One legend for all panels, where it can cover nothing; numbers at decades only."""
+    """One legend for all panels, outside them; tick labels at decades only."""
     entries: dict[str, Any] = {}
     for ax in figure.axes:
         for axis in (ax.xaxis, ax.yaxis):

@@ -1,4 +1,4 @@
-"""The picture of one solved contact: pressure map, cross-sections beside Hertz, gap, stress."""
+"""The picture of one solved contact: pressure map, cross-sections with Hertz's pressure, gap, stress."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""A number in SI units from what a person writes: 0.01 or "10 mm"."""
+"""A number in SI units from a number or a text with a unit: 0.01 or "10 mm"."""
 
 import re
 from decimal import Decimal
@@ -11,7 +11,7 @@ from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.units import Unit
 
 NUMBER = re.compile(r"\s*([-+]?(?:inf|(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?))\s*(.*?)\s*")
-# Units as they are written: names, powers, products, quotients. No expressions beyond them.
+# Units: names, powers, products, quotients, and no other expressions.
 SYMBOL = r"[^\W\d_]+\d?"
 SYMBOLS = re.compile(rf"{SYMBOL}(?:\s*(?:\*\*|\^)\s*-?\d|\s*[*/·]\s*{SYMBOL}|\s+{SYMBOL})*")
 
@@ -33,7 +33,7 @@ def quantity(field: str, value: object, unit: Unit) -> float:
     found = NUMBER.fullmatch(value) if isinstance(value, str) else None
     if found is None or (found[2] and not SYMBOLS.fullmatch(found[2])):
         raise InvalidInput(f"{field} is {value!r}: {remedy}.")
-    if not found[2] and found[1].endswith("inf"):  # without end in any unit
+    if not found[2] and found[1].endswith("inf"):  # infinite in any unit
         return float(found[1])
     registry = _registry()
     try:
@@ -54,5 +54,5 @@ def quantity(field: str, value: object, unit: Unit) -> float:
 
 @cache
 def _registry() -> Any:
-    # in decimals, so that 30 um is 3e-5 m and not its neighbour
+    # in decimals, so that 30 um is exactly the float 3e-5 m
     return pint.UnitRegistry(non_int_type=Decimal)

@@ -74,7 +74,7 @@ class MeasuredFile:
 
 @dataclass(frozen=True)
 class Wish:
-    """What a plan is to meet, where the file names no grid."""
+    """What a plan must meet, where the file names no grid."""
 
     error: Number = 1e-3
     period: Metres | None = None
@@ -106,7 +106,7 @@ class Document:
     solve: Settings = field(default_factory=Settings)
 
 
-# What stands in a file for what cannot be written there.
+# Types that stand for others in a file.
 STANDING_IN: Mapping[type, type] = {MeasuredSurface: MeasuredFile}
 # What may stand where a file says kind = "...", by the type that is wanted there.
 KINDS: Mapping[Any, Mapping[str, type]] = {

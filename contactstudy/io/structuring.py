@@ -10,7 +10,7 @@ import cattrs
 from cattrs.errors import ForbiddenExtraKeysError
 from cattrs.gen import make_dict_structure_fn
 
-from contactstudy.domain.checks import InvalidInput, remedy
+from contactstudy.domain.checks import InvalidInput, suggestion
 from contactstudy.domain.units import Unit
 from contactstudy.io.quantity import quantity
 
@@ -53,7 +53,7 @@ def _converter(kinds_of: Kinds) -> cattrs.Converter:
     def name(value: object, wanted: Any) -> Enum:
         names: dict[str, Enum] = {one.name.lower(): one for one in wanted}
         if not isinstance(value, str) or value.lower() not in names:
-            raise InvalidInput(f"it is {value!r}: {remedy(str(value), names)}.")
+            raise InvalidInput(f"it is {value!r}: {suggestion(str(value), names)}.")
         return names[value.lower()]
 
     def several(value: object, wanted: Any) -> tuple[Any, ...]:
@@ -81,7 +81,7 @@ def _converter(kinds_of: Kinds) -> cattrs.Converter:
         chosen = value.get("kind", next(iter(kinds)) if len(kinds) == 1 else None)
         if not isinstance(chosen, str) or chosen not in kinds:
             what = f"its kind is {chosen!r}" if "kind" in value else "it has no kind"
-            raise InvalidInput(f"{what}: {remedy(str(chosen), kinds)}.")
+            raise InvalidInput(f"{what}: {suggestion(str(chosen), kinds)}.")
         rest = {key: one for key, one in value.items() if key != "kind"}
         return converter.structure(rest, kinds[chosen])
 
@@ -128,7 +128,7 @@ def _said(error: BaseException, wanted: type | None) -> str:
     if isinstance(error, ForbiddenExtraKeysError):
         known = [one.name for one in fields(error.cl)]
         unknown = sorted(error.extra_fields)
-        return "; ".join(f"{key!r} is not known, {remedy(key, known)}" for key in unknown) + "."
+        return "; ".join(f"{key!r} is not known, {suggestion(key, known)}" for key in unknown) + "."
     if isinstance(error, KeyError):
         return "it is missing."
     return str(error)

@@ -61,7 +61,7 @@ class Needs:
 
     @property
     def height(self) -> float:
-        """How far all shapes together may stand out [m]."""
+        """The largest height of all shapes together [m]."""
         return sum(d.height for d in self.details)
 
     @property
@@ -114,9 +114,7 @@ class Needs:
         along = min(step if self.roller else inf, self.finest[1] * share)
         down = (error / self.error((across, along))) ** (1 / RATE)
         cells = _halvable(width / (across * down))
-        return Grid(
-            (cells, _halvable(length / (along * down)) if self.varies else 1), (width, length)
-        )
+        return Grid((cells, _halvable(length / (along * down)) if self.varies else 1), (x, y))
 
     def _period(self, period: float | None, width: float) -> float:
         if period is not None:

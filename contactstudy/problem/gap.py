@@ -1,4 +1,4 @@
-"""The gap between the bodies under a pressure, split by what it should be."""
+"""The gap between the bodies under a pressure, split into free cells and cells at a limit."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from contactstudy.domain.arrays import Array, inner
 
 @dataclass(frozen=True, eq=False)
 class Gap:
-    """Fields (width, length) and their level, all in units of the gap scale.
+    """Fields (x, y) and their level, all in units of the gap scale.
 
     ``free`` is 1 in cells whose pressure is at no limit and 0 in the others. ``held`` is the gap of those,
     which should be zero, ``overlap`` the depth of penetration of the others (below zero where they are
@@ -28,7 +28,7 @@ class Gap:
 
 
 def violation(pressure: Array, overlap: Array) -> Array:
-    """How far cells at a limit are on its wrong side: penetrating where p = 0, open where they yield."""
+    """How far cells at a limit violate it: penetration where p = 0, an open gap where they yield."""
     return np.maximum(np.where(pressure == 0, overlap, -overlap), 0)
 
 

@@ -16,7 +16,7 @@ from contactstudy.problem.resultant import Resultant
 
 @dataclass(frozen=True)
 class Scales:
-    """What the solver divides by, so that no unit can change an answer: [m], [Pa], [m]."""
+    """What the solver divides by, so that units do not change the answer: [m], [Pa], [m]."""
 
     length: float
     pressure: float
@@ -68,9 +68,9 @@ class Problem:
 
     @property
     def datum(self) -> float:
-        """The undeformed gap at the highest point [m], from which a bare problem counts heights.
+        """The undeformed gap at the highest point [m]; a bare problem counts heights from it.
 
-        Where these are large, so is their rounding: it should not be there where the bodies touch.
+        Large heights have large rounding errors, which should be far from where the bodies touch.
         """
         return float(self.undeformed_gap.min())
 

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from contactstudy.domain.checks import bearable, keep
+from contactstudy.domain.checks import in_range, set_fields
 from contactstudy.domain.units import NewtonsPerMetre
 
 
@@ -13,5 +13,5 @@ class LineLoad:
     per_length: NewtonsPerMetre
 
     def __post_init__(self) -> None:
-        load = bearable("LineLoad.per_length", self.per_length, "give a load above 0 N/m")
-        keep(self, per_length=load)
+        load = in_range("LineLoad.per_length", self.per_length, "give a load above 0 N/m")
+        set_fields(self, per_length=load)

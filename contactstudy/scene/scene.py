@@ -1,4 +1,4 @@
-"""Where effects meet: a scene names them, and turns them into a problem on a grid."""
+"""A scene names the effects of a contact and makes a problem of them on a grid."""
 
 from dataclasses import dataclass, replace
 from importlib import import_module
@@ -8,7 +8,7 @@ import numpy as np
 
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.arrays import Array
-from contactstudy.domain.checks import InvalidInput, bearable, keep
+from contactstudy.domain.checks import InvalidInput, in_range, set_fields
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Padding, Paddings, across_and_along
 from contactstudy.domain.units import Pascals
@@ -27,12 +27,12 @@ from contactstudy.scene.source import ShapesSource, ends_along, sized
 
 @dataclass(frozen=True)
 class Scene:
-    """A line contact, by the effects it calls for: a load, two bodies, shapes that add up, a hardness.
+    """A line contact: a load, two bodies, shapes that add up, a hardness, outputs.
 
-    ``hardness`` [Pa] is the largest pressure the softer body bears: there it yields, and the gap of the
-    solution is negative by as much as it gives way. It is infinite by default, which is no limit.
+    ``hardness`` [Pa] is the largest pressure that the softer body carries. Where it is reached the body yields, and
+    the gap of the solution is negative by the depth of yielding. The default is infinite: no limit.
 
-    ``outputs`` are what else to find from the solution, such as subsurface stress.
+    ``outputs`` are further results of the solution, such as subsurface stress.
     Raises :class:`~contactstudy.InvalidInput` unless ``solids`` are two bodies, not both rigid, and
     ``shapes`` and ``outputs`` are tuples.
     """
@@ -61,7 +61,7 @@ class Scene:
         contact_modulus(self.solids)
         if self.hardness != inf:
             remedy = "give a pressure above 0 Pa, or inf for no limit"
-            keep(self, hardness=bearable("Scene.hardness", self.hardness, remedy))
+            set_fields(self, hardness=in_range("Scene.hardness", self.hardness, remedy))
         for number, shape in enumerate(self.shapes):
             remedy = "give a shape, such as Cylinder(radius=0.01)"
             _instance(f"Scene.shapes[{number}]", shape, Shape, remedy)
@@ -88,9 +88,9 @@ class Scene:
         return HertzLine(self.load.per_length, 1 / curvature, self.contact_modulus)
 
     def scales(self, grid: Grid) -> Scales:
-        """Hertz's half-width and peak pressure, or the width and the mean pressure where nothing is curved.
+        """Hertz's half-width and peak pressure, or the width and the mean pressure without a curved shape.
 
-        The pressure is the power of two next to it, which no pressure, and so no hardness, loses a bit to.
+        The pressure is rounded to a power of two, so that scaling a pressure or a hardness is exact.
         """
         if (hertz := self.hertz) is not None:
             length, pressure = hertz.half_width, hertz.peak_pressure
@@ -155,7 +155,7 @@ class PosedScene:
 
 
 def _is_free(padding: Padding) -> bool:
-    """Whether the surface goes on beyond the domain without pressure on it."""
+    """Whether the surface continues beyond the domain without pressure on it."""
     return not padding.wraps and padding.window is not None and len(padding.window) == 1
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
-from contactstudy.domain.checks import InvalidInput, bearable, finite, keep
+from contactstudy.domain.checks import InvalidInput, finite, in_range, set_fields
 from contactstudy.domain.units import Number, Pascals
 from contactstudy.elasticity.coefficients import Coefficients, Displacement
 
@@ -43,13 +43,13 @@ class HalfSpace:
     def __post_init__(self) -> None:
         remedy = "give a modulus above 0 Pa, or inf for a rigid body"
         if self.youngs_modulus != math.inf:
-            modulus = bearable("HalfSpace.youngs_modulus", self.youngs_modulus, remedy)
-            keep(self, youngs_modulus=modulus)
+            modulus = in_range("HalfSpace.youngs_modulus", self.youngs_modulus, remedy)
+            set_fields(self, youngs_modulus=modulus)
         remedy = "give a ratio above -1 and up to 0.5"
         ratio = finite("HalfSpace.poisson_ratio", self.poisson_ratio, remedy)
         if not -1 < ratio <= 0.5:
             raise InvalidInput(f"HalfSpace.poisson_ratio is {self.poisson_ratio!r}: {remedy}.")
-        keep(self, poisson_ratio=ratio)
+        set_fields(self, poisson_ratio=ratio)
 
     @property
     def compliance(self) -> float:

@@ -7,7 +7,7 @@ from math import isinf
 import numpy as np
 
 from contactstudy.domain.arrays import Array
-from contactstudy.domain.checks import InvalidInput, finite, keep, whole
+from contactstudy.domain.checks import InvalidInput, finite, set_fields, whole
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Paddings
 from contactstudy.domain.units import Metres
@@ -54,7 +54,7 @@ class SubsurfaceStress:
         solid = whole("SubsurfaceStress.solid", self.solid, 0, remedy)
         if solid > 1:
             raise InvalidInput(f"SubsurfaceStress.solid is {self.solid!r}: {remedy}.")
-        keep(self, depths=tuple(depths), solid=solid)
+        set_fields(self, depths=tuple(depths), solid=solid)
 
     def check(self, solids: tuple[Body, ...]) -> None:
         """Raise :class:`~contactstudy.InvalidInput` for a rigid body, or one that is no half-space."""
@@ -145,14 +145,14 @@ class StressCoefficients:
         return stress_cell(self.component, x, y, self.depth, dx, dy, self.poisson_ratio)
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
-        """Images along y without end."""
+        """An infinite row of images along y."""
         cell = self.depth, dx, dy
         return stress_cell_periodic(self.component, x, y, *cell, period, self.poisson_ratio)
 
     def lattice(
         self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
     ) -> Array:
-        """Images along both axes without end."""
+        """An infinite lattice of images."""
         periods = width, period
         arguments = x, y, self.depth, dx, dy, *periods, self.poisson_ratio
         return stress_cell_doubly_periodic(self.component, *arguments)

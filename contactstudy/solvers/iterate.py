@@ -1,4 +1,4 @@
-"""Where an iteration stopped."""
+"""The state in which an iteration stopped."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from contactstudy.domain.arrays import Array
 class Iterate:
     """All dimensionless; ``convolutions`` in transform pairs of the full grid, also for smaller ones.
 
-    ``note`` is a sentence about how it went, where that was not as usual.
+    ``note`` is a sentence about an unusual course of the iteration, or empty.
     """
 
     pressure: Array
@@ -22,13 +22,13 @@ class Iterate:
 
 
 class Stall:
-    """Tells when a residual has stopped falling: no new half in as many iterations as are given."""
+    """Detects a stalled residual: no halving within the given number of iterations."""
 
     def __init__(self, patience: int) -> None:
         self.patience, self.best, self.since = patience, float("inf"), 0
 
     def sees(self, residual: float) -> bool:
-        """Takes the next residual; True when it has stalled."""
+        """Whether the iteration has stalled, with the next residual."""
         if residual < self.best / 2:
             self.best, self.since = residual, 0
         else:

@@ -1,4 +1,4 @@
-"""What a solver gives back: fields, and a status that says how far they can be trusted."""
+"""The result of a solve: fields, and a status that says how far they can be trusted."""
 
 from dataclasses import dataclass
 from enum import Enum
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class Status(Enum):
-    """The outcome of a solve; ``str(status)`` is a sentence with the cause and the remedy."""
+    """The outcome of a solve; ``str(status)`` is a sentence with cause and remedy."""
 
     CONVERGED = "the residual is below the tolerance"
     CONTACT_AT_EDGE = (

@@ -53,7 +53,7 @@ def solve(
     One stopping rule, dimensionless: the largest of complementarity, ``sum(p |gap|) / sum(p)``,
     penetration, ``max(-gap)`` where p = 0, both over the problem's gap scale ``p_H a / E*``, and load,
     ``|sum(p) / total - 1|``, is at most ``tolerance``. Under a hardness, cells that yield count by the
-    gap they leave open, and complementarity is that of the others. ``start`` (width, length) [Pa] is the
+    gap they leave open, and complementarity is that of the others. ``start`` (x, y) [Pa] is the
     pressure to go on from, such as that of a like scene or of a solution stopped early: cut off at its
     limits and scaled to the load, and without it found on coarser grids. Numerical outcomes are a
     :class:`~contactstudy.Status`; only a tolerance that is not above zero, a negative limit or a start

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contactstudy import InvalidInput
-from contactstudy.domain.checks import remedy
+from contactstudy.domain.checks import suggestion
 
 Value = str | int | float
 
@@ -22,7 +22,7 @@ def one_of(field: str, value: object, known: Iterable[str]) -> str:
     """``value``, if it is one of the names ``known``; else :class:`~contactstudy.InvalidInput`."""
     choices = list(known)
     if value not in choices:
-        raise InvalidInput(f"{field} is {value!r}: {remedy(str(value), choices)}.")
+        raise InvalidInput(f"{field} is {value!r}: {suggestion(str(value), choices)}.")
     return str(value)
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import xarray as xr
 
 from contactstudy import InvalidInput
-from contactstudy.domain.checks import remedy
+from contactstudy.domain.checks import suggestion
 from studies.model.axis import Axis, Value, one_of
 from studies.model.case import Computation
 
@@ -43,7 +43,7 @@ class Study:
         for name in axes:
             if name not in known:
                 raise InvalidInput(
-                    f"Parameter {name!r} is not one of study {self.name!r}: {remedy(name, sorted(known))}."
+                    f"Parameter {name!r} is not one of study {self.name!r}: {suggestion(name, sorted(known))}."
                 )
         changed = tuple(
             axis.override(axes[axis.name]) if axis.name in axes else axis for axis in self.points

@@ -1,4 +1,4 @@
-"""Stress below a cell repeated along one axis or both, all images counted."""
+"""Stress below a cell repeated along one axis or both, summed over all images."""
 
 from functools import cache
 
@@ -41,7 +41,7 @@ def stress_cell_periodic(
     period: float,
     poisson_ratio: float,
 ) -> Array:
-    """The cell of :func:`~contactstudy.elasticity.kernels.stress_cell.stress_cell` repeated along y without end.
+    """The cell of :func:`~contactstudy.elasticity.kernels.stress_cell.stress_cell` repeated infinitely along y.
 
     Every x with every y, shape (x, y); ``dy <= period``. Error below 1e-12 of the largest component, of
     one cell or of the row, whichever is larger.

@@ -8,7 +8,7 @@ import numpy as np
 
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.arrays import Array
-from contactstudy.domain.checks import InvalidInput, bearable, bearable_from_zero, keep
+from contactstudy.domain.checks import InvalidInput, in_range, in_range_from_zero, set_fields
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Metres
 from contactstudy.scene.shapes.detail import Detail
@@ -32,13 +32,13 @@ class Crown:
     def __post_init__(self) -> None:
         if self.radius != inf:
             remedy = "give a radius above 0 m, or inf for no crown"
-            keep(self, radius=bearable("Crown.radius", self.radius, remedy))
+            set_fields(self, radius=in_range("Crown.radius", self.radius, remedy))
 
     @classmethod
     def of_drop(cls, end_drop: float, length: float) -> Self:
         """The crown that drops by ``end_drop`` [m], from zero on, at the ends of ``length`` [m]."""
-        drop = bearable_from_zero("Crown end_drop", end_drop, HEIGHT)
-        length = bearable("Crown length", length, "give the roller's length above 0 m")
+        drop = in_range_from_zero("Crown end_drop", end_drop, HEIGHT)
+        length = in_range("Crown length", length, "give the roller's length above 0 m")
         return cls(length**2 / (8 * drop) if drop else inf)
 
     @property
@@ -52,7 +52,7 @@ class Crown:
         return Detail(roller=inf if self.radius < inf else 0.0)
 
     def gap(self, grid: Grid) -> Array:
-        """``y^2 / (2 R)``, shape (1, length), or (width, 1) where there is no crown [m]."""
+        """``y^2 / (2 R)``, shape (1, length), or (nx, 1) where there is no crown [m]."""
         if self.radius == inf:
             return np.zeros((grid.cells[0], 1))
         return (grid.y**2 / (2 * self.radius))[None, :]
@@ -76,11 +76,11 @@ class LundbergProfile:
     length: Metres
 
     def __post_init__(self) -> None:
-        keep(
+        set_fields(
             self,
-            amplitude=bearable_from_zero("LundbergProfile.amplitude", self.amplitude, HEIGHT),
-            end_drop=bearable_from_zero("LundbergProfile.end_drop", self.end_drop, HEIGHT),
-            length=bearable(
+            amplitude=in_range_from_zero("LundbergProfile.amplitude", self.amplitude, HEIGHT),
+            end_drop=in_range_from_zero("LundbergProfile.end_drop", self.end_drop, HEIGHT),
+            length=in_range(
                 "LundbergProfile.length", self.length, "give the roller's length above 0 m"
             ),
         )
@@ -98,7 +98,7 @@ class LundbergProfile:
         Raises :class:`~contactstudy.InvalidInput` for a roller shorter than its contact is wide.
         """
         hertz = HertzLine(load_per_length, radius, contact_modulus)
-        length = bearable("LundbergProfile.length", length, "give the roller's length above 0 m")
+        length = in_range("LundbergProfile.length", length, "give the roller's length above 0 m")
         if length < 2 * hertz.half_width:
             raise InvalidInput(
                 f"LundbergProfile.length is {length!r}: give a roller longer than its contact is wide, "
@@ -118,7 +118,7 @@ class LundbergProfile:
         return Detail(roller=self.length)
 
     def gap(self, grid: Grid) -> Array:
-        """The profile at the cell centres, shape (1, length), or (width, 1) where there is none [m]."""
+        """The profile at the cell centres, shape (1, length), or (nx, 1) where there is none [m]."""
         if self.amplitude == 0 or self.end_drop == 0:
             return np.zeros((grid.cells[0], 1))
         t = np.abs(2 * grid.y / self.length)

@@ -1,4 +1,4 @@
-"""What a grid must hold of a shape: how fine, how long, how high it is."""
+"""The length scales of a shape that a grid must resolve."""
 
 from dataclasses import dataclass
 from math import inf

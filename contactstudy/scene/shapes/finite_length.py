@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contactstudy.domain.arrays import Array
-from contactstudy.domain.checks import bearable, keep
+from contactstudy.domain.checks import in_range, set_fields
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Metres
 from contactstudy.scene.shapes.detail import Detail
@@ -26,9 +26,9 @@ class FiniteLength:
     length: Metres
 
     def __post_init__(self) -> None:
-        keep(
+        set_fields(
             self,
-            length=bearable(
+            length=in_range(
                 "FiniteLength.length", self.length, "give the roller's length above 0 m"
             ),
         )
@@ -44,7 +44,7 @@ class FiniteLength:
         return Detail(roller=self.length)
 
     def gap(self, grid: Grid) -> Array:
-        """Zero on the roller, ``length`` beyond it, shape (1, length), or (width, 1) without an end [m]."""
+        """Zero on the roller, ``length`` beyond it, shape (1, length), or (nx, 1) without an end [m]."""
         beyond = np.abs(grid.y) > self.length / 2
         if not beyond.any():
             return np.zeros((grid.cells[0], 1))

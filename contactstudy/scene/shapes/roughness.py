@@ -8,12 +8,12 @@ from scipy import fft
 from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import (
     InvalidInput,
-    bearable,
-    bearable_from_zero,
     divides,
     finite,
-    keep,
+    in_range,
+    in_range_from_zero,
     pair,
+    set_fields,
     whole,
 )
 from contactstudy.domain.grid import Grid
@@ -33,9 +33,9 @@ class RmsSlope:
     slope: Number
 
     def __post_init__(self) -> None:
-        keep(
+        set_fields(
             self,
-            slope=bearable_from_zero("RmsSlope.slope", self.slope, "give a slope of 0 or more"),
+            slope=in_range_from_zero("RmsSlope.slope", self.slope, "give a slope of 0 or more"),
         )
 
     def __bool__(self) -> bool:
@@ -67,9 +67,9 @@ class Roughness:
 
     def __post_init__(self) -> None:
         if not isinstance(self.rms, RmsSlope):
-            keep(
+            set_fields(
                 self,
-                rms=bearable_from_zero(
+                rms=in_range_from_zero(
                     "Roughness.rms", self.rms, "give an rms height of 0 m or more"
                 ),
             )
@@ -77,22 +77,24 @@ class Roughness:
         hurst = finite("Roughness.hurst", self.hurst, remedy)
         if not 0 < hurst < 1:
             raise InvalidInput(f"Roughness.hurst is {self.hurst!r}: {remedy}.")
-        cut_off = bearable("Roughness.cut_off", self.cut_off, "give a wavelength above 0 m")
-        roll_off = bearable("Roughness.roll_off", self.roll_off, "give a wavelength above 0 m")
-        keep(self, hurst=hurst, cut_off=cut_off, roll_off=roll_off)
+        cut_off = in_range("Roughness.cut_off", self.cut_off, "give a wavelength above 0 m")
+        roll_off = in_range("Roughness.roll_off", self.roll_off, "give a wavelength above 0 m")
+        set_fields(self, hurst=hurst, cut_off=cut_off, roll_off=roll_off)
         if self.roll_off < self.cut_off:
             raise InvalidInput(
                 f"Roughness.roll_off is {self.roll_off!r}: give a wavelength no shorter than cut_off."
             )
-        keep(self, seed=whole("Roughness.seed", self.seed, 0, "give a whole number from 0 on"))
+        set_fields(
+            self, seed=whole("Roughness.seed", self.seed, 0, "give a whole number from 0 on")
+        )
         remedy = "give a ratio of lengths above 0, 1 for no lay"
-        keep(self, peklenik=bearable("Roughness.peklenik", self.peklenik, remedy))
+        set_fields(self, peklenik=in_range("Roughness.peklenik", self.peklenik, remedy))
         if self.extent is not None:
             remedy = "give two lengths, (width, length) [m], or None for the grid's"
             width, length = pair("Roughness.extent", self.extent, remedy)
-            width = bearable("Roughness.extent[0]", width, "give a width above 0 m")
-            length = bearable("Roughness.extent[1]", length, "give a length above 0 m")
-            keep(self, extent=(width, length))
+            width = in_range("Roughness.extent[0]", width, "give a width above 0 m")
+            length = in_range("Roughness.extent[1]", length, "give a length above 0 m")
+            set_fields(self, extent=(width, length))
 
     @property
     def curvature(self) -> float:
@@ -129,7 +131,7 @@ class Roughness:
     def gap(self, grid: Grid) -> Array:
         """Heights [m] with zero mean over the surface's extent, shape (width, length).
 
-        (width, 1) where there is no surface.
+        (nx, 1) where there is no surface.
         """
         if not self.rms:
             return np.zeros((grid.cells[0], 1))

@@ -6,7 +6,7 @@ from math import inf
 import numpy as np
 
 from contactstudy.domain.arrays import Array
-from contactstudy.domain.checks import bearable, keep
+from contactstudy.domain.checks import in_range, set_fields
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Metres
 from contactstudy.scene.shapes.detail import Detail
@@ -23,7 +23,7 @@ class Cylinder:
     radius: Metres
 
     def __post_init__(self) -> None:
-        keep(self, radius=bearable("Cylinder.radius", self.radius, "give a radius above 0 m"))
+        set_fields(self, radius=in_range("Cylinder.radius", self.radius, "give a radius above 0 m"))
 
     @property
     def curvature(self) -> float:
@@ -36,7 +36,7 @@ class Cylinder:
         return Detail()
 
     def gap(self, grid: Grid) -> Array:
-        """``x^2 / (2 R)``, shape (width, 1) [m]."""
+        """``x^2 / (2 R)``, shape (nx, 1) [m]."""
         return (grid.x**2 / (2 * self.radius))[:, None]
 
 
@@ -51,18 +51,18 @@ class Sphere:
     radius: Metres
 
     def __post_init__(self) -> None:
-        keep(self, radius=bearable("Sphere.radius", self.radius, "give a radius above 0 m"))
+        set_fields(self, radius=in_range("Sphere.radius", self.radius, "give a radius above 0 m"))
 
     @property
     def curvature(self) -> float:
-        """None of a line contact."""
+        """Zero: it adds no curvature to the line contact."""
         return 0.0
 
     @property
     def detail(self) -> Detail:
-        """A roller of its own."""
+        """A roller whose length is not known."""
         return Detail(roller=inf)
 
     def gap(self, grid: Grid) -> Array:
-        """``(x^2 + y^2) / (2 R)``, shape (width, length) [m]."""
+        """``(x^2 + y^2) / (2 R)``, shape (x, y) [m]."""
         return np.asarray((grid.x[:, None] ** 2 + grid.y**2) / (2 * self.radius))

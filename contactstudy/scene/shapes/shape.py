@@ -1,4 +1,4 @@
-"""What opens a gap: the shapes of a scene add up."""
+"""Shapes of the undeformed gap; the shapes of a scene add up."""
 
 from typing import Protocol, runtime_checkable
 
@@ -8,7 +8,7 @@ from contactstudy.domain.grid import Grid
 
 @runtime_checkable
 class Shape(Protocol):
-    """Anything that opens a gap."""
+    """A contribution to the undeformed gap."""
 
     @property
     def curvature(self) -> float:
@@ -16,8 +16,8 @@ class Shape(Protocol):
         ...
 
     def gap(self, grid: Grid) -> Array:
-        """Undeformed gap [m] at the cell centres; broadcasts to (width, length).
+        """Undeformed gap [m] at the cell centres; broadcasts to (x, y).
 
-        The shape (width, 1) says that nothing varies along the length.
+        The shape (nx, 1) says that nothing varies along the length.
         """
         ...

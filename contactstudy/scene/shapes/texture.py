@@ -9,12 +9,12 @@ import numpy as np
 from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import (
     InvalidInput,
-    bearable,
-    bearable_from_zero,
     divides,
-    keep,
+    in_range,
+    in_range_from_zero,
     pair,
     positive,
+    set_fields,
 )
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Metres
@@ -66,10 +66,10 @@ class Dimple:
 
     def __post_init__(self) -> None:
         _is_profile("Dimple.profile", self.profile)
-        keep(
+        set_fields(
             self,
-            depth=bearable_from_zero("Dimple.depth", self.depth, "give a depth of 0 m or more"),
-            diameter=bearable("Dimple.diameter", self.diameter, "give a diameter above 0 m"),
+            depth=in_range_from_zero("Dimple.depth", self.depth, "give a depth of 0 m or more"),
+            diameter=in_range("Dimple.diameter", self.diameter, "give a diameter above 0 m"),
         )
 
     @property
@@ -92,10 +92,10 @@ class Groove:
 
     def __post_init__(self) -> None:
         _is_profile("Groove.profile", self.profile)
-        keep(
+        set_fields(
             self,
-            depth=bearable_from_zero("Groove.depth", self.depth, "give a depth of 0 m or more"),
-            width=bearable("Groove.width", self.width, "give a width above 0 m"),
+            depth=in_range_from_zero("Groove.depth", self.depth, "give a depth of 0 m or more"),
+            width=in_range("Groove.width", self.width, "give a width above 0 m"),
         )
 
     @property
@@ -127,7 +127,7 @@ class Texture:
             raise InvalidInput(f"Texture.feature is {self.feature!r}: give a Dimple or a Groove.")
         both = pair("Texture.pitch", self.pitch, "give two lengths, (across, along) [m]")
         pitch = tuple(
-            inf if one == inf else bearable(f"Texture.pitch[{axis}]", one, "give a pitch above 0 m")
+            inf if one == inf else in_range(f"Texture.pitch[{axis}]", one, "give a pitch above 0 m")
             for axis, one in enumerate(both)
         )
         finite_pitches = 2 if isinstance(self.feature, Dimple) else 1
@@ -141,7 +141,7 @@ class Texture:
                 f"Texture.pitch is {pitch!r}: give pitches from {self.feature.size!r} m on, the size "
                 "of the feature, so that none overlap."
             )
-        keep(self, pitch=pitch)
+        set_fields(self, pitch=pitch)
 
     @classmethod
     def of_density(cls, feature: Dimple | Groove, area_density: float, along: float = inf) -> Self:
@@ -154,7 +154,7 @@ class Texture:
         if density >= 1:
             raise InvalidInput(f"Texture area_density is {area_density!r}: {remedy}.")
         if isinstance(feature, Dimple):
-            bearable(
+            in_range(
                 "Texture along", along, "give the pitch of the dimples along the length, above 0 m"
             )
         return cls(feature, (feature.density((1.0, along)) / density, along))
@@ -166,7 +166,7 @@ class Texture:
 
     @property
     def curvature(self) -> float:
-        """None on the mean."""
+        """Zero in the mean."""
         return 0.0
 
     @property
@@ -182,7 +182,7 @@ class Texture:
         return Detail(finest, repeat, slope=slope)
 
     def gap(self, grid: Grid) -> Array:
-        """Depths [m] at the cell centres, shape (width, length), or (width, 1) for grooves along it."""
+        """Depths [m] at the cell centres, shape (x, y), or (nx, 1) for grooves along it."""
         across, along = self.pitch
         divides("Texture.pitch[1]", along, grid.period)
         if self.feature.depth == 0:

@@ -6,7 +6,7 @@ from math import inf
 import numpy as np
 
 from contactstudy.domain.arrays import Array
-from contactstudy.domain.checks import bearable, bearable_or_zero, divides, finite, keep
+from contactstudy.domain.checks import divides, finite, in_range, in_range_or_zero, set_fields
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Metres, Radians
 from contactstudy.scene.shapes.detail import Detail
@@ -27,21 +27,21 @@ class Waviness:
     phase: Radians = 0.0
 
     def __post_init__(self) -> None:
-        keep(
+        set_fields(
             self,
-            amplitude=bearable_or_zero("Waviness.amplitude", self.amplitude, "give a height in m"),
+            amplitude=in_range_or_zero("Waviness.amplitude", self.amplitude, "give a height in m"),
             phase=finite("Waviness.phase", self.phase, "give an angle in rad"),
         )
         for name in ("across", "along"):
             if getattr(self, name) != inf:
-                length = bearable(
+                length = in_range(
                     f"Waviness.{name}", getattr(self, name), "give a wavelength above 0 m"
                 )
-                keep(self, **{name: length})
+                set_fields(self, **{name: length})
 
     @property
     def curvature(self) -> float:
-        """None on the mean."""
+        """Zero in the mean."""
         return 0.0
 
     @property
@@ -56,7 +56,7 @@ class Waviness:
         )
 
     def gap(self, grid: Grid) -> Array:
-        """The wave at the cell centres [m], shape (width, length), or (width, 1) without waves along."""
+        """The wave at the cell centres [m], shape (x, y), or (nx, 1) without waves along."""
         divides("Waviness.along", self.along, grid.period)
         y = grid.y if self.amplitude and self.along < inf else np.zeros(1)
         angle = 2 * np.pi * (grid.x[:, None] / self.across + y / self.along) + self.phase

@@ -10,7 +10,7 @@ from typing import Any, Self
 import numpy as np
 
 from contactstudy.domain.arrays import Array
-from contactstudy.domain.checks import InvalidInput, bearable, divides, keep, pair
+from contactstudy.domain.checks import InvalidInput, divides, in_range, pair, set_fields
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Metres
 from contactstudy.scene.shapes.detail import Detail
@@ -23,7 +23,7 @@ from contactstudy.scene.surfaces.trend import Trend
 
 @dataclass(frozen=True)
 class MeasuredSurface:
-    """A surface given by its ``heights`` (width, length) [m], positive out of the body: peaks touch first.
+    """A surface given by its ``heights`` (x, y) [m], positive out of the body: peaks touch first.
 
     Heights are an array of real numbers, masked or nan where a point is missing, or an
     xarray.DataArray whose coordinates give the sizes, a ``Topography`` of the library
@@ -56,8 +56,8 @@ class MeasuredSurface:
             remedy = "give two lengths, (width, length) [m]"
             width, length = pair("MeasuredSurface.extent", self.extent, remedy)
             extent = (
-                bearable("MeasuredSurface.extent[0]", width, "give a width above 0 m"),
-                bearable("MeasuredSurface.extent[1]", length, "give a length above 0 m"),
+                in_range("MeasuredSurface.extent[0]", width, "give a width above 0 m"),
+                in_range("MeasuredSurface.extent[1]", length, "give a length above 0 m"),
             )
             if sizes is not None and not np.allclose(extent, sizes, rtol=1e-6, atol=0):
                 raise InvalidInput(
@@ -77,7 +77,7 @@ class MeasuredSurface:
                 )
         self.missing.admit(int(np.isnan(points).sum()), points.size)
         digest = blake2b(repr(points.shape).encode() + points.tobytes(), digest_size=16).hexdigest()
-        keep(self, heights=points, extent=sizes, digest=digest)
+        set_fields(self, heights=points, extent=sizes, digest=digest)
 
     @classmethod
     def read(
@@ -118,12 +118,12 @@ class MeasuredSurface:
 
     @property
     def curvature(self) -> float:
-        """None that is known of."""
+        """Zero: it is not known."""
         return 0.0
 
     @property
     def detail(self) -> Detail:
-        """As fine as its points, as high as its highest."""
+        """From the spacing of its points and its highest point."""
         heights = self._complete()
         extent = self.extent or heights.shape
         steps = extent[0] / self.heights.shape[0], extent[1] / self.heights.shape[1]
@@ -146,7 +146,7 @@ class MeasuredSurface:
         return self.trend.subtracted(self.missing.fill(self.heights))
 
     def gap(self, grid: Grid) -> Array:
-        """Depths below the datum [m], shape (width, length), or (width, 1) where all is one profile."""
+        """Depths below the datum [m], shape (width, length), or (nx, 1) where all is one profile."""
         heights = self._complete()
         if (heights == heights[:, :1]).all():
             heights, period = heights[:, :1], None

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactstudy.domain.arrays import Array
-from contactstudy.domain.checks import InvalidInput, keep, positive
+from contactstudy.domain.checks import InvalidInput, positive, set_fields
 
 
 class Missing(Protocol):
@@ -24,7 +24,7 @@ class Missing(Protocol):
 
 @dataclass(frozen=True)
 class RefuseMissing:
-    """A surface with missing points is not taken."""
+    """A surface with missing points is refused."""
 
     def admit(self, missing: int, points: int) -> None:
         """None may be missing."""
@@ -54,7 +54,7 @@ class HarmonicFill:
         share = positive("HarmonicFill.up_to", self.up_to, remedy)
         if share >= 1:
             raise InvalidInput(f"HarmonicFill.up_to is {self.up_to!r}: {remedy}.")
-        keep(self, up_to=share)
+        set_fields(self, up_to=share)
 
     def admit(self, missing: int, points: int) -> None:
         """No more than the share."""
@@ -77,7 +77,7 @@ class HarmonicFill:
 
 def _membrane(heights: Array, holes: NDArray[np.bool_]) -> Array:
     """Heights at the holes, in the order of a mask."""
-    from scipy import sparse  # by whoever has holes
+    from scipy import sparse  # imported only where it is needed
     from scipy.sparse.linalg import spsolve
 
     number = np.full(heights.shape, -1)

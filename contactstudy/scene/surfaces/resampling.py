@@ -1,4 +1,4 @@
-"""Heights from the points of a measurement to the cells of a grid, with the means they have there."""
+"""Resampling of measured heights to the means of grid cells."""
 
 from typing import Literal
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from contactstudy.domain.arrays import Array
 
-# How the surface ends, in the words of scipy.interpolate.CubicSpline.
+# The boundary condition of scipy.interpolate.CubicSpline.
 Ends = Literal["periodic", "not-a-knot"]
 
 
@@ -21,7 +21,7 @@ def cell_means(
     borders of the cells. So a cell made of whole pieces has their mean, smaller cells make up the mean of
     a larger one, and in the limit they show a surface without kinks.
     """
-    from scipy.interpolate import CubicSpline  # by whoever resamples
+    from scipy.interpolate import CubicSpline  # imported only where it is needed
 
     count = heights.shape[axis]
     if (cells, width) == (count, extent):

@@ -6,11 +6,11 @@ from typing import Protocol
 import numpy as np
 
 from contactstudy.domain.arrays import Array
-from contactstudy.domain.checks import InvalidInput, keep, positive
+from contactstudy.domain.checks import InvalidInput, positive, set_fields
 
 
 class Seam(Protocol):
-    """What is done where the end of a surface meets its beginning."""
+    """How the end of a surface is joined to its beginning."""
 
     @property
     def lengths(self) -> int:
@@ -18,13 +18,13 @@ class Seam(Protocol):
         ...
 
     def close(self, heights: Array) -> Array:
-        """One period (width, points along) [m] of the surface ``heights`` (width, length)."""
+        """One period (width, points along) [m] of the surface ``heights`` (x, y)."""
         ...
 
 
 @dataclass(frozen=True)
 class AsMeasured:
-    """Nothing: the end meets the beginning with whatever step there is between them."""
+    """No change: the step between the end and the beginning stays."""
 
     @property
     def lengths(self) -> int:
@@ -38,7 +38,7 @@ class AsMeasured:
 
 @dataclass(frozen=True)
 class Mirrored:
-    """The surface is followed by its mirror image: no step, twice the period, every height kept."""
+    """The surface is followed by its mirror image: no step, twice the period, all heights unchanged."""
 
     @property
     def lengths(self) -> int:
@@ -67,7 +67,7 @@ class Tapered:
         share = positive("Tapered.share", self.share, remedy)
         if share > 1:
             raise InvalidInput(f"Tapered.share is {self.share!r}: {remedy}.")
-        keep(self, share=share)
+        set_fields(self, share=share)
 
     @property
     def lengths(self) -> int:

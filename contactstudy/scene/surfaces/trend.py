@@ -1,4 +1,4 @@
-"""What is taken off a measured surface before it is roughness: its mean, its tilt, its form."""
+"""The trend that is subtracted from a measured surface: its mean, its tilt, its form."""
 
 from enum import Enum
 
@@ -16,7 +16,7 @@ class Trend(Enum):
     QUADRATIC = 2
 
     def subtracted(self, heights: Array) -> Array:
-        """``heights`` (width, length) less the polynomial, fitted to all points alike."""
+        """``heights`` (x, y) less the polynomial, fitted to all points alike."""
         if self is Trend.NONE:
             return heights
         x, y = (_from_middle(count) for count in heights.shape)

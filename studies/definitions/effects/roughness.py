@@ -9,7 +9,7 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.analytic import truncation_error
 from contactstudy.domain.arrays import Array
-from contactstudy.domain.checks import divides, from_zero, positive, whole
+from contactstudy.domain.checks import divides, non_negative, positive, whole
 from studies.model.axis import Axis
 from studies.model.case import Case
 from studies.model.study import Point
@@ -73,7 +73,7 @@ class Comparison:
 
 def scene_at(point: Point) -> Comparison:
     """The sweeps' cylinder with a rough surface on it; with zero rms, all other choices are one case."""
-    rms = from_zero("rms", point["rms"], "give an rms height of 0 or more")
+    rms = non_negative("rms", point["rms"], "give an rms height of 0 or more")
     cells = whole("grid", point["grid"], 2, "give at least 2 cells across the width")
     period = positive("period", point["period"], "give a period above 0 half-widths")
     divides("the rough surface's length", LENGTH * A, period * A)

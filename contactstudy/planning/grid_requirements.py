@@ -114,7 +114,9 @@ class Needs:
         along = min(step if self.roller else inf, self.finest[1] * share)
         down = (error / self.error((across, along))) ** (1 / RATE)
         cells = _halvable(width / (across * down))
-        return Grid((cells, _halvable(length / (along * down)) if self.varies else 1), (width, length))
+        return Grid(
+            (cells, _halvable(length / (along * down)) if self.varies else 1), (width, length)
+        )
 
     def _period(self, period: float | None, width: float) -> float:
         if period is not None:

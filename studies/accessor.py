@@ -11,7 +11,7 @@ from contactstudy import InvalidInput
 from contactstudy.domain.arrays import Array
 from studies.advice.pareto_front import pareto_front
 from studies.model.axis import one_of
-from studies.model.outcome import Fate
+from studies.model.outcome import CaseStatus
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -39,7 +39,7 @@ class StudyAccessor:
     @property
     def axes(self) -> tuple[str, ...]:
         """The axes of the study."""
-        return tuple(str(name) for name in self._dataset["status"].dims)
+        return tuple(str(name) for name in self._dataset["case_status"].dims)
 
     @property
     def cost(self) -> xr.DataArray:
@@ -99,7 +99,7 @@ class StudyAccessor:
         price = self.cost if cost is None else cost
         price = self._variable(price) if isinstance(price, str) else price
         both = xr.Dataset({error: abs(self._variable(error)), "cost": price})
-        both = both.where(self._dataset["status"] == Fate.OK)
+        both = both.where(self._dataset["case_status"] == CaseStatus.OK)
         table = both.to_dataframe(dim_order=list(self.axes)).reset_index()
         # points of one case stand once
         return table.dropna(subset=[error, "cost"]).drop_duplicates([error, "cost"])

@@ -23,7 +23,7 @@ SETTINGS: Any = {
 }
 Share = Literal["none", "y", "both"]
 
-LAW: dict[str, Any] = {"color": "black", "linestyle": ":", "linewidth": 1.0, "marker": "none"}
+LAW_STYLE: dict[str, Any] = {"color": "black", "linestyle": ":", "linewidth": 1.0, "marker": "none"}
 
 
 def panels(
@@ -46,7 +46,7 @@ def panels(
     return figure, axes[:count]
 
 
-def finish(figure: Figure) -> None:
+def add_legend(figure: Figure) -> None:
     """One legend for all panels, outside them; tick labels at decades only."""
     entries: dict[str, Any] = {}
     for ax in figure.axes:

@@ -8,7 +8,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from contactstudy.io.figure import LAW, SETTINGS, finish, panels
+from contactstudy.io.figure import LAW_STYLE, SETTINGS, add_legend, panels
 
 # Lengths are drawn in the unit in which the numbers on the axes are shortest.
 LENGTHS = ((1e-6, "µm"), (1e-3, "mm"), (1.0, "m"))
@@ -28,7 +28,7 @@ def picture(solved: xr.Dataset) -> Figure:
         figure, axes = panels(len(drawn), columns=2 if len(drawn) < 5 else 3, width=4.6, height=3.4)
         for draw, ax in zip(drawn, axes, strict=True):
             draw(ax, solved)
-        finish(figure)
+        add_legend(figure)
     return figure
 
 
@@ -64,7 +64,7 @@ def _along(ax: Axes, solved: xr.Dataset) -> None:
     middle = solved["pressure"].where(axis, drop=True).mean("x")
     ax.plot(solved["y"] / length, middle / size, label="in the middle", **PRESSURE)
     if "hertz_peak_pressure" in solved:
-        ax.axhline(float(solved["hertz_peak_pressure"]) / size, **LAW)
+        ax.axhline(float(solved["hertz_peak_pressure"]) / size, **LAW_STYLE)
     ax.set(xlabel=f"along [{metres}]", ylabel=f"pressure [{pascals}]", title="along the contact")
 
 
@@ -82,7 +82,7 @@ def _across(ax: Axes, solved: xr.Dataset) -> None:
     if "hertz_half_width" in solved:
         t = solved["x"] / float(solved["hertz_half_width"])
         hertz = float(solved["hertz_peak_pressure"]) * np.sqrt(np.clip(1 - t**2, 0, None))
-        ax.plot(x, hertz / size, label="Hertz", **LAW)
+        ax.plot(x, hertz / size, label="Hertz", **LAW_STYLE)
     ax.set(xlabel=f"across [{metres}]", ylabel=f"pressure [{pascals}]", title="across the contact")
 
 

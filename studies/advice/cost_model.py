@@ -11,7 +11,7 @@ import contactstudy as cs
 from contactstudy.domain.arrays import Array
 from contactstudy.domain.padding import Paddings
 from contactstudy.planning.cost import SMOOTH_ITERATIONS, Timed, padded, timed
-from studies.model.outcome import Fate
+from studies.model.outcome import CaseStatus
 from studies.reference.line_contact import LINE, PADDINGS, padding_at
 
 # Images between which the time to set up is taken as a straight line, where nothing is stored.
@@ -81,10 +81,14 @@ def cost_model(dataset: xr.Dataset | None, cpu: str) -> CostModel:
     """Fitted to a stored ``pareto`` if its times are those of this ``cpu``, else without fits."""
     if dataset is None or dataset.attrs.get("cpu") != cpu:
         return CostModel({})
-    kept = dataset[["setup_time", "solve_time", "status"]].sel(solver="preconditioned_cg")
+    reference_runs = dataset[["setup_time", "solve_time", "case_status"]].sel(
+        solver="preconditioned_cg"
+    )
     fits = {}
     for mode in (str(name) for name in dataset["padding"].values):
-        rows = [_row(mode, kept.sel(padding=mode).isel(at)) for at in _places(kept)]
+        rows = [
+            _row(mode, reference_runs.sel(padding=mode).isel(at)) for at in _places(reference_runs)
+        ]
         known = [row for row in rows if row is not None]
         if len(known) > 3:
             setups, solves, times = (np.array(part) for part in zip(*known, strict=True))
@@ -100,7 +104,7 @@ def _places(dataset: xr.Dataset) -> list[dict[str, int]]:
 
 def _row(mode: str, one: xr.Dataset) -> tuple[Array, Array, Array] | None:
     times = np.array([float(one["setup_time"]), float(one["solve_time"])])
-    if int(one["status"]) != Fate.OK or not (times > 0).all():
+    if int(one["case_status"]) != CaseStatus.OK or not (times > 0).all():
         return None
     cells = int(one["grid"])
     grid = cs.Grid((cells, 1 if mode == LINE else cells), (1.0, float(one["period"])))

@@ -14,7 +14,7 @@ from contactstudy.planning.cost import ROUGH_ITERATIONS, SMOOTH_ITERATIONS, memo
 from contactstudy.planning.grid_requirements import ROOM, Needs
 from contactstudy.planning.plan import needs_of
 from studies.advice.cost_model import CostModel, mode_of
-from studies.reference.line_contact import COUNTED, LINE, PADDINGS, padding_at
+from studies.reference.line_contact import COUNTS_IMAGES, LINE, PADDINGS, padding_at
 
 # What is tried: cells across that halve again and again, images, and tolerances.
 ACROSS = tuple(part * 2**k for k in range(16) for part in (32, 40, 48, 56))
@@ -99,7 +99,7 @@ class SmoothContact:
         treatments = tuple(Edges) if limits.metric is Metric.L1 else (Edges.AS_SOLVED,)
         for mode in self.modes:
             padding = "exact" if mode == LINE else mode
-            for images in self.images if mode in COUNTED else self.images[:1]:
+            for images in self.images if mode in COUNTS_IMAGES else self.images[:1]:
                 for cells in self.across:
                     grid = cs.Grid((cells, 1 if mode == LINE else cells), extent)
                     for edges in treatments:
@@ -136,7 +136,7 @@ class RoughContact:
                 yield grid, self.needs.padding(), Edges.AS_SOLVED
                 continue
             for mode in PADDINGS:
-                for images in IMAGES if mode in COUNTED else IMAGES[:1]:
+                for images in IMAGES if mode in COUNTS_IMAGES else IMAGES[:1]:
                     yield grid, padding_at(mode, images), Edges.AS_SOLVED
 
     def error(

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from contactstudy.domain.arrays import Array
-from studies.reference.line_contact import name_of, total_time
+from studies.reference.line_contact import padding_label, total_time
 
 # What of a contact may be asked to be accurate, and the stored errors of it; the second is nearly free.
 METRICS: dict[str, tuple[str, ...]] = {
@@ -44,7 +44,9 @@ class Settings:
     def name(self, index: int) -> str:
         """What setting ``index`` is, in words."""
         axes = {name: values[index] for name, values in self.axes.items()}
-        return f"{name_of(str(axes['padding']), int(axes['images']))}, {int(axes['grid'])} cells"
+        return (
+            f"{padding_label(str(axes['padding']), int(axes['images']))}, {int(axes['grid'])} cells"
+        )
 
     def cheapest(self, target: float) -> int | None:
         """The one of least cost whose error is no larger than ``target``."""

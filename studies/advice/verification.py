@@ -10,7 +10,7 @@ from contactstudy.domain.arrays import Array
 from studies.advice.cost_model import cost_model
 from studies.advice.recommendation import Limits, Setting, SmoothContact, candidates, choose
 from studies.advice.settings_table import METRICS, Settings, settings
-from studies.reference.line_contact import COUNTED, HERTZ, LINE
+from studies.reference.line_contact import COUNTS_IMAGES, HERTZ, LINE
 
 TARGETS = 10.0 ** np.arange(-1, -6.1, -0.5)
 WHAT = {
@@ -87,6 +87,6 @@ def _places(every: Settings, setting: Setting) -> np.ndarray:
     there &= (axes["solver"] == "preconditioned_cg") & (
         axes["solver_tolerance"] == setting.tolerance
     )
-    if setting.mode in COUNTED:
+    if setting.mode in COUNTS_IMAGES:
         there &= axes["images"] == getattr(setting.padding, "images", 0)
     return np.flatnonzero(there)

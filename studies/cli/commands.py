@@ -49,16 +49,16 @@ def cli() -> None:
 @REPEATS
 def report(out: Path, workers: int, repeats: int) -> None:
     """Run every study that needs nothing but this project, and write report.html."""
-    from studies.engine.executors import Crew
-    from studies.engine.options import Settings
+    from studies.engine.executors import ProcessPool
+    from studies.engine.options import RunOptions
     from studies.engine.run import run as run_study
     from studies.report import page as reporting
 
-    settings = Settings(workers=workers, repeats=repeats)
-    with Crew(workers) as crew:
+    options = RunOptions(workers=workers, repeats=repeats)
+    with ProcessPool(workers) as pool:
         for name in BUILT_IN:
-            engine = crew if workers else None
-            run_study(load(name), out, settings=settings, say=click.echo, engine=engine)
+            executor = pool if workers else None
+            run_study(load(name), out, options=options, log=click.echo, executor=executor)
     click.echo(f"report: wrote {reporting.write(out)}")
 
 
@@ -129,30 +129,30 @@ def run(
 
     What is stored in the folder is not computed again.
     """
-    from studies.engine.options import RETRIES, Settings
-    from studies.engine.run import foresee
+    from studies.engine.options import RETRIES, RunOptions
+    from studies.engine.run import estimate_cost
     from studies.engine.run import run as run_study
-    from studies.model.outcome import Fate
+    from studies.model.outcome import CaseStatus
 
     chosen = load(study).override(_axes(context.args))
-    settings = Settings(
+    options = RunOptions(
         workers=workers,
         scheduler=scheduler,
         time_limit=time_limit,
         repeats=repeats,
         old_times=old_times,
-        retry=frozenset(fate for name in retry for fate in RETRIES[name]),
+        retry=frozenset(case_status for name in retry for case_status in RETRIES[name]),
         after_failure=after_failure,
         fields=fields,
     )
     if dry_run:
-        foresee(chosen, out, settings=settings, say=click.echo)
+        estimate_cost(chosen, out, options=options, log=click.echo)
         return
-    dataset = run_study(chosen, out, settings=settings, say=click.echo)
-    if not (dataset["status"] == Fate.OK).any():
+    dataset = run_study(chosen, out, options=options, log=click.echo)
+    if not (dataset["case_status"] == CaseStatus.OK).any():
         click.echo(f"{chosen.name}: no case gave numbers, so there is nothing to draw.", err=True)
         sys.exit(1)
-    if after_failure == "stop" and not (dataset["status"] == Fate.OK).all():
+    if after_failure == "stop" and not (dataset["case_status"] == CaseStatus.OK).all():
         sys.exit(1)
     from studies.report import page as reporting
 

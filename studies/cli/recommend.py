@@ -84,7 +84,7 @@ def recommendation(
         click.echo(json.dumps(_fields(found, costs)))
         return
     name = str(scene) if scene else f"smooth line contact, period {period:g} half-widths"
-    for line in _lines(found, name, costs):
+    for line in _report_lines(found, name, costs):
         click.echo(line)
 
 
@@ -134,27 +134,30 @@ def _setting(setting: "Setting") -> dict[str, Any]:
     }
 
 
-def _lines(found: "Recommendation", name: str, costs: "CostModel") -> list[str]:
+def _report_lines(found: "Recommendation", name: str, costs: "CostModel") -> list[str]:
     limits = found.limits
-    asked = f"{limits.metric.value} to {limits.error:.2g}"
+    request = f"{limits.metric.value} to {limits.error:.2g}"
     if limits.memory < float("inf"):
-        asked += f" in {limits.memory / 1e6:.3g} MB"
+        request += f" in {limits.memory / 1e6:.3g} MB"
     if limits.seconds < float("inf"):
-        asked += f" in {limits.seconds:.3g} s"
-    lines = [f"{name}: {asked}"]
+        request += f" in {limits.seconds:.3g} s"
+    lines = [f"{name}: {request}"]
     if found.meets:
         first, second = "use", "runner-up"
     elif found.affordable:
         first, second = "no setting meets it; the most accurate there is", "next"
     else:
         first, second = "nothing fits into that time and memory; the quickest there is", "next"
-    lines += [f"  {first}: {_words(found.best)}", f"    {_price(found.best)}"]
+    lines += [f"  {first}: {_setting_text(found.best)}", f"    {_cost_text(found.best)}"]
     if found.runner_up is not None:
-        lines += [f"  {second}: {_words(found.runner_up)}", f"    {_price(found.runner_up)}"]
+        lines += [
+            f"  {second}: {_setting_text(found.runner_up)}",
+            f"    {_cost_text(found.runner_up)}",
+        ]
     return [*lines, f"  seconds are {_source(costs)}"]
 
 
-def _words(setting: "Setting") -> str:
+def _setting_text(setting: "Setting") -> str:
     cells, extent = setting.grid.cells, setting.grid.extent
     mode = {"line": "exact, one cell along the length", "free": "zero padding along both axes"}
     named = mode.get(setting.mode, setting.mode)
@@ -165,7 +168,7 @@ def _words(setting: "Setting") -> str:
     return text + ", pressure corrected at its edges" * (setting.edges is Edges.CORRECTED)
 
 
-def _price(setting: "Setting") -> str:
+def _cost_text(setting: "Setting") -> str:
     parts = setting.error
     return (
         f"error at most some {parts.total:.2g} (images {parts.truncation:.1g}, cells "

@@ -30,11 +30,11 @@ times = "none"
 
 # What became of a case: its error is within what is stated, or a status says why there is no answer, or
 # neither; or the question makes no sense with that padding.
-VERDICTS = ("right", "said", "wrong", "not_asked")
+VERDICTS = ("within_stated_error", "explained_by_status", "wrong", "not_applicable")
 
 
 @dataclass(frozen=True)
-class Trial:
+class HardCaseRun:
     """A hard case with one padding and one solver."""
 
     case: str
@@ -42,7 +42,7 @@ class Trial:
     solver: str
 
     @property
-    def asked(self) -> bool:
+    def applies(self) -> bool:
         """Whether the case makes sense with this padding."""
         return self.padding in CASES[self.case].paddings
 
@@ -61,26 +61,26 @@ class Trial:
         return Case(hard.scene, hard.grid, PADDINGS[self.padding]).record(result)
 
 
-def scene_at(point: Point) -> Trial:
+def scene_at(point: Point) -> HardCaseRun:
     """A case by its name."""
-    return Trial(
+    return HardCaseRun(
         one_of("case", point["case"], CASES),
         one_of("padding", point["padding"], PADDINGS),
         one_of("solver", point["solver"], SOLVERS),
     )
 
 
-def measures(case: Trial, solution: cs.Solution) -> Mapping[str, xr.Variable]:
+def measures(case: HardCaseRun, solution: cs.Solution) -> Mapping[str, xr.Variable]:
     """Largest error of the pressure and the error stated for it, over the highest pressure."""
     hard = CASES[case.case]
-    error, stated, verdict = 0.0, inf, "not_asked"
+    error, stated, verdict = 0.0, inf, "not_applicable"
     expected = solution.status in hard.may_end(case.padding)
     claims = solution.residual <= hard.tolerance or solution.status is cs.Status.PRECISION_LIMIT
-    if case.asked and claims:
+    if case.applies and claims:
         error, stated = hard.judge(solution, PADDINGS[case.padding], SOLVERS[case.solver])
-        verdict = "right" if error <= stated and expected else "wrong"
-    elif case.asked:
-        verdict = "said" if expected else "wrong"
+        verdict = "within_stated_error" if error <= stated and expected else "wrong"
+    elif case.applies:
+        verdict = "explained_by_status" if expected else "wrong"
     index = np.asarray(VERDICTS.index(verdict))
     return {
         "pressure_error": number(error, "largest pressure error over highest pressure"),

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 import cloudpickle
 
 from contactstudy import InvalidInput
-from studies.engine.supervisor import Guard
+from studies.engine.supervisor import WorkerSupervisor
 from studies.model.case import Computation
-from studies.model.outcome import Failure, Fate, Finished, Outcome, Work
+from studies.model.outcome import CaseStatus, Failure, Finished, Outcome, Work
 from studies.store.code_fingerprint import versions
 
 if TYPE_CHECKING:
@@ -81,7 +81,7 @@ class _Flow:
         # a batch that fails is looked at here, and not raised: the others go on
         self._completed = as_completed([], loop=client.loop, with_results=True, raise_errors=False)
         self._mean = BATCH
-        self._threads, self._asked = 1, -1.0
+        self._threads, self._counted_at = 1, -1.0
 
     def run(self) -> None:
         try:
@@ -93,15 +93,15 @@ class _Flow:
                         self._mean += 0.3 * (outcome.seconds - self._mean)
                         self._finished(number, outcome)
                 else:
-                    self._mend(future, numbers)
+                    self._handle_failure(future, numbers)
                 self._fill()
         finally:
             self._client.cancel(list(self._running), force=True)
 
     def _fill(self) -> None:
-        if monotonic() - self._asked > 1:  # workers come and go
+        if monotonic() - self._counted_at > 1:  # workers come and go
             self._threads = max(1, sum(self._client.nthreads().values()))
-            self._asked = monotonic()
+            self._counted_at = monotonic()
         while self._waiting and len(self._running) < AHEAD * self._threads:
             share = len(self._waiting) // (2 * self._threads) + 1
             size = max(1, min(int(BATCH / max(self._mean, 1e-6)), share, LARGEST))
@@ -116,7 +116,7 @@ class _Flow:
         self._running[future] = numbers
         self._completed.add(future)
 
-    def _mend(self, future: Any, numbers: list[int]) -> None:
+    def _handle_failure(self, future: Any, numbers: list[int]) -> None:
         from distributed import KilledWorker
 
         if future.status != "error":
@@ -133,10 +133,10 @@ class _Flow:
             return
         sentence = f"Killed: workers died while they held it, the last {error.last_worker.address}"
         failure = Failure("Killed", sentence, "unknown")
-        self._finished(numbers[0], Outcome(Fate.KILLED, {}, failure))
+        self._finished(numbers[0], Outcome(CaseStatus.KILLED, {}, failure))
 
 
-_OWN = threading.local()
+_PROCESS = threading.local()
 
 
 def compute_batch(payload: bytes, batch: bytes, expected: Mapping[str, str]) -> list[Outcome]:
@@ -145,9 +145,9 @@ def compute_batch(payload: bytes, batch: bytes, expected: Mapping[str, str]) -> 
         raise InvalidInput(
             f"A dask worker has {dict(versions())} and this process {dict(expected)}: install the same."
         )
-    kept = getattr(_OWN, "kept", None)
-    if kept is None or kept[0] != payload:
-        if kept is not None:
-            kept[1].end()
-        kept = _OWN.kept = (payload, Guard(payload))
-    return list(kept[1].run(pickle.loads(batch)))
+    held = getattr(_PROCESS, "held", None)
+    if held is None or held[0] != payload:
+        if held is not None:
+            held[1].end()
+        held = _PROCESS.held = (payload, WorkerSupervisor(payload))
+    return list(held[1].run(pickle.loads(batch)))

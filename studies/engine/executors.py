@@ -12,14 +12,14 @@ from dask.base import compute as compute_all
 from dask.delayed import delayed
 from threadpoolctl import threadpool_limits
 
-from studies.engine.supervisor import Guard
+from studies.engine.supervisor import WorkerSupervisor
 from studies.model.case import Computation
-from studies.model.outcome import Fate, Finished, Outcome, Work, compute, warm_up
+from studies.model.outcome import CaseStatus, Finished, Outcome, Work, compute, warm_up
 
 CHUNK = 0.02  # seconds of work that are sent to a process in one go
 
 
-class Engine(Protocol):
+class Executor(Protocol):
     """Computes every case and calls ``finished(number, outcome)`` for each, one call at a time."""
 
     def run(self, cases: Sequence[Computation], work: Work, finished: Finished) -> None:
@@ -31,10 +31,10 @@ class Engine(Protocol):
 class InProcess:
     """This process alone, but for ``suspects``: cases during which an earlier run died.
 
-    ``begins(number)`` is called before each case, so that a death can be laid to it.
+    ``on_begin(number)`` is called before each case, so that a death can be laid to it.
     """
 
-    begins: Callable[[int], object] = lambda number: None
+    on_begin: Callable[[int], object] = lambda number: None
     suspects: frozenset[int] = frozenset()
 
     def run(self, cases: Sequence[Computation], work: Work, finished: Finished) -> None:
@@ -43,19 +43,19 @@ class InProcess:
         with threadpool_limits(1):
             for number, case in enumerate(cases):
                 if number in self.suspects:
-                    guard = Guard(cloudpickle.dumps(work))
+                    supervisor = WorkerSupervisor(cloudpickle.dumps(work))
                     try:
-                        for outcome in guard.run([case]):
-                            finished(number, _explained(outcome))
+                        for outcome in supervisor.run([case]):
+                            finished(number, _with_advice(outcome))
                     finally:
-                        guard.end()
+                        supervisor.end()
                     continue
-                self.begins(number)
+                self.on_begin(number)
                 finished(number, compute(case, work))
 
 
-def _explained(outcome: Outcome) -> Outcome:
-    if outcome.fate is not Fate.KILLED or outcome.failure is None:
+def _with_advice(outcome: Outcome) -> Outcome:
+    if outcome.case_status is not CaseStatus.KILLED or outcome.failure is None:
         return outcome
     sentence = (
         f"{outcome.failure.sentence}; it needs a process of its own, since an earlier run in one process "
@@ -72,11 +72,11 @@ class Processes:
 
     def run(self, cases: Sequence[Computation], work: Work, finished: Finished) -> None:
         """Each process takes the next few cases when it is done with its last."""
-        with Crew(self.workers) as crew:
-            crew.run(cases, work, finished)
+        with ProcessPool(self.workers) as pool:
+            pool.run(cases, work, finished)
 
 
-class Crew:
+class ProcessPool:
     """As :class:`Processes`, in a ``with`` statement, whose processes stay from one study to the next.
 
     To start them takes as long as many a study.
@@ -84,7 +84,7 @@ class Crew:
 
     def __init__(self, workers: int) -> None:
         self._workers = workers
-        self._guards: list[Guard] = []
+        self._supervisors: list[WorkerSupervisor] = []
 
     def __enter__(self) -> Self:
         return self
@@ -94,23 +94,25 @@ class Crew:
 
     def end(self) -> None:
         """End the processes, at once."""
-        for guard in self._guards:
-            guard.end()
-        self._guards.clear()
+        for supervisor in self._supervisors:
+            supervisor.end()
+        self._supervisors.clear()
 
     def run(self, cases: Sequence[Computation], work: Work, finished: Finished) -> None:
         """Each process takes the next few cases when it is done with its last."""
         payload = cloudpickle.dumps(work)
         wanted = min(self._workers, len(cases))
-        for guard in self._guards:
-            guard.turn_to(payload)
-        self._guards += [Guard(payload) for _ in range(wanted - len(self._guards))]
-        lanes = _Lanes(cases)
+        for supervisor in self._supervisors:
+            supervisor.set_work(payload)
+        self._supervisors += [
+            WorkerSupervisor(payload) for _ in range(wanted - len(self._supervisors))
+        ]
+        shared = _SharedCases(cases)
         # dask in a thread of its own: this one alone reports, and writes to the disk
-        with ThreadPoolExecutor(1) as conductor:
-            driving = conductor.submit(lanes.drive, self._guards[:wanted])
+        with ThreadPoolExecutor(1) as coordinator:
+            driving = coordinator.submit(shared.drive, self._supervisors[:wanted])
             try:
-                while (found := lanes.found.get()) is not None:
+                while (found := shared.found.get()) is not None:
                     finished(*found)
             except BaseException:
                 # what they are at is for nobody, and the conductor waits for it
@@ -119,7 +121,7 @@ class Crew:
             driving.result()
 
 
-class _Lanes:
+class _SharedCases:
     """What the threads share: the next case, and the place for its outcome."""
 
     def __init__(self, cases: Sequence[Computation]) -> None:
@@ -128,21 +130,21 @@ class _Lanes:
         self._turn = threading.Lock()
         self.found: SimpleQueue[tuple[int, Outcome] | None] = SimpleQueue()
 
-    def drive(self, guards: Sequence[Guard]) -> None:
+    def drive(self, supervisors: Sequence[WorkerSupervisor]) -> None:
         try:
-            with ThreadPoolExecutor(max(len(guards), 1)) as pool:
-                tasks = [delayed(self._drive, pure=False)(guard) for guard in guards]
+            with ThreadPoolExecutor(max(len(supervisors), 1)) as pool:
+                tasks = [delayed(self._drive, pure=False)(supervisor) for supervisor in supervisors]
                 compute_all(*tasks, scheduler="threads", pool=pool)
         finally:
             self.found.put(None)
 
-    def _drive(self, guard: Guard) -> None:
+    def _drive(self, supervisor: WorkerSupervisor) -> None:
         while chunk := self._take():
             mine = [self._cases[number] for number in chunk]
-            for number, outcome in zip(chunk, guard.run(mine), strict=False):
+            for number, outcome in zip(chunk, supervisor.run(mine), strict=False):
                 self.found.put((number, outcome))
                 self._resize(outcome.seconds)
-            if guard.is_over:
+            if supervisor.has_ended:
                 return
 
     def _take(self) -> range:

@@ -27,20 +27,20 @@ class Forecast:
     def __str__(self) -> str:
         if self.seconds is None:
             return "how long is not known: nothing like it is stored in this folder"
-        text = f"{_within(self.seconds, 's')} to compute (shared by the workers)"
+        text = f"{_estimate_text(self.seconds, 's')} to compute (shared by the workers)"
         if self.timing is not None and self.timing.value:
-            text += f", {_within(self.timing, 's')} to time"
+            text += f", {_estimate_text(self.timing, 's')} to time"
         if self.size is not None:
             kilobytes = Estimate(self.size.value / 1000, self.size.factor)
-            text += f", {_within(kilobytes, 'kB')} on disk"
+            text += f", {_estimate_text(kilobytes, 'kB')} on disk"
         return text
 
 
-def _within(estimate: Estimate, unit: str) -> str:
+def _estimate_text(estimate: Estimate, unit: str) -> str:
     return f"{estimate.value:.3g} {unit} (within a factor {estimate.factor:.2g})"
 
 
-def model(folder: Path, machine: str) -> ForecastModel:
+def fit_model(folder: Path, machine: str) -> ForecastModel:
     """Fitted to all that the journals in ``folder`` say of this machine."""
     found: list[Observation] = []
     for path in sorted(folder.glob("*.journal.jsonl")):
@@ -64,7 +64,7 @@ def observations(contents: Contents) -> list[Observation]:
         for count in ("iterations", "convolutions"):  # the latter says more
             if count in variables and variables[count].ndim == 0:
                 known["iterations"] = max(float(variables[count]), 1.0)
-        found.append(Observation(record.named.tree, known))
+        found.append(Observation(record.identity.tree, known))
     return found
 
 
@@ -107,7 +107,7 @@ def score(predicted: Forecast, taken: Mapping[str, float]) -> Mapping[str, float
     }
 
 
-def in_words(found: Mapping[str, float]) -> str:
+def describe_score(found: Mapping[str, float]) -> str:
     """What :func:`score` found."""
     return (
         f"predicted {found['predicted_seconds']:.2g} s of CPU time, taken "

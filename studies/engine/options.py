@@ -3,18 +3,18 @@
 from dataclasses import dataclass
 
 from contactstudy import InvalidInput
-from studies.model.outcome import Fate
+from studies.model.outcome import CaseStatus
 
 # What ``--retry`` may name.
 RETRIES = {
-    "failed": frozenset({Fate.FAILED, Fate.TIMEOUT, Fate.KILLED}),
-    "timeout": frozenset({Fate.TIMEOUT}),
-    "killed": frozenset({Fate.KILLED}),
+    "failed": frozenset({CaseStatus.FAILED, CaseStatus.TIMEOUT, CaseStatus.KILLED}),
+    "timeout": frozenset({CaseStatus.TIMEOUT}),
+    "killed": frozenset({CaseStatus.KILLED}),
 }
 
 
 @dataclass(frozen=True, kw_only=True)
-class Settings:
+class RunOptions:
     """How a study is run.
 
     ``scheduler``: address of a dask scheduler, in place of ``workers`` processes (0: this one alone).
@@ -28,7 +28,7 @@ class Settings:
     time_limit: float | None = None
     repeats: int = 2
     old_times: str = "kept"
-    retry: frozenset[Fate] = frozenset()
+    retry: frozenset[CaseStatus] = frozenset()
     after_failure: str = "go on"
     fields: str = "none"
 

@@ -17,10 +17,10 @@ from time import perf_counter
 import cloudpickle
 
 from studies.model.case import Computation
-from studies.model.outcome import Failure, Fate, Outcome, timed_out
+from studies.model.outcome import CaseStatus, Failure, Outcome, timed_out
 
 
-class Guard:
+class WorkerSupervisor:
     """A child process for ``work`` (pickled), started with the first case and again after each death."""
 
     def __init__(self, work: bytes) -> None:
@@ -53,7 +53,7 @@ class Guard:
                 if self._process is None:
                     break
 
-    def turn_to(self, work: bytes) -> None:
+    def set_work(self, work: bytes) -> None:
         """Take other ``work`` from here on, in the same process if there is one."""
         self._work, self._limit = work, pickle.loads(work).time_limit
         if self._connection is not None:
@@ -64,7 +64,7 @@ class Guard:
                 self._kill()  # the next one starts with the next case, and says if it cannot
 
     @property
-    def is_over(self) -> bool:
+    def has_ended(self) -> bool:
         """Whether :meth:`end` was called."""
         return self._over.is_set()
 
@@ -83,9 +83,9 @@ class Guard:
                 assert isinstance(outcome, Outcome)
                 return outcome
         except (EOFError, ConnectionResetError):
-            sentence = f"Killed: its process {self._ending()} while it was computed"
+            sentence = f"Killed: its process {self._exit_text()} while it was computed"
             failure = Failure("Killed", sentence, "unknown")
-            return Outcome(Fate.KILLED, {}, failure, perf_counter() - start)
+            return Outcome(CaseStatus.KILLED, {}, failure, perf_counter() - start)
         self._kill()
         return timed_out(self._limit, "unknown", perf_counter() - start)
 
@@ -118,11 +118,11 @@ class Guard:
                 if self._over.is_set():
                     return None
                 raise ChildProcessError(
-                    f"A worker process {self._ending()} before its first case: see its message above."
+                    f"A worker process {self._exit_text()} before its first case: see its message above."
                 ) from None
         return connection
 
-    def _ending(self) -> str:
+    def _exit_text(self) -> str:
         """How the process ended, in words."""
         process = self._process
         self._kill(wait=2.0)

@@ -16,19 +16,19 @@ WARM_UP = 0.3
 WAVE = np.outer(np.cos(np.arange(128.0)), np.sin(np.arange(128.0)))
 
 
-def clock(case: Computation) -> Sample:
+def time_once(case: Computation) -> Sample:
     """One run of ``case``, against the wall clock and the processor's."""
-    before = _pace()
+    before = _reference_time()
     wall, cpu = perf_counter(), process_time()
     prepared = case.prepare()
     ready, ready_cpu = perf_counter(), process_time()
     case.run(prepared)
     done, done_cpu = perf_counter(), process_time()
-    pace = max(before, _pace())
+    pace = max(before, _reference_time())
     return Sample(ready - wall, done - ready, ready_cpu - cpu, done_cpu - ready_cpu, THREADS, pace)
 
 
-def _pace() -> float:
+def _reference_time() -> float:
     """Seconds of a transform of 128 x 128 cells, the least of three."""
     least = np.inf
     for _ in range(3):
@@ -38,26 +38,26 @@ def _pace() -> float:
     return float(least)
 
 
-def time(
+def time_cases(
     cases: Mapping[str, Computation],
-    lacking: Mapping[str, int],
+    missing: Mapping[str, int],
     expected: Mapping[str, float],
     kinds: Mapping[str, str],
     taken: Callable[[str, Sample], object],
 ) -> None:
-    """``lacking[key]`` samples of each case, case after case in turns, each given to ``taken``.
+    """``missing[key]`` samples of each case, case after case in turns, each given to ``taken``.
 
     ``expected`` seconds and ``kinds`` decide which cases are run untimed before; what a case raises leaves
     it without times.
     """
     with threadpool_limits(THREADS):
         failed = set()
-        untimed = [(-1, key) for key in warm_ups({key: expected[key] for key in lacking}, kinds)]
-        for turn, key in (*untimed, *turns(lacking)):
+        untimed = [(-1, key) for key in warm_ups({key: expected[key] for key in missing}, kinds)]
+        for turn, key in (*untimed, *rounds(missing)):
             if key in failed:
                 continue
             try:
-                sample = clock(cases[key])
+                sample = time_once(cases[key])
             except Exception:  # noqa: BLE001 (it was computed before, so this is chance, and no sample)
                 failed.add(key)
             else:
@@ -74,7 +74,7 @@ def warm_ups(expected: Mapping[str, float], kinds: Mapping[str, str]) -> list[st
     return list(found.values())
 
 
-def turns(lacking: Mapping[str, int]) -> Iterator[tuple[int, str]]:
+def rounds(missing: Mapping[str, int]) -> Iterator[tuple[int, str]]:
     """Every case once, then every case again, for as long as one lacks a sample."""
-    for turn in range(max(lacking.values(), default=0)):
-        yield from ((turn, key) for key, count in lacking.items() if turn < count)
+    for turn in range(max(missing.values(), default=0)):
+        yield from ((turn, key) for key, count in missing.items() if turn < count)

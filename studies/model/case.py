@@ -62,7 +62,7 @@ class Case:
         meanings = [status.name.lower() for status in statuses]
         index = np.asarray(statuses.index(result.status))
         return {
-            "outcome": flags((), index, meanings, "outcome of the solver"),
+            "solver_status": flags((), index, meanings, "how the solver ended"),
             "iterations": number(result.iterations, "solver iterations"),
             "convolutions": number(result.convolutions, "transform pairs of the full grid"),
             "residual": number(result.residual, "residual of the solver"),

@@ -9,7 +9,7 @@ import contactstudy as cs
 from studies.model.case import number
 
 
-def estimated(solution: cs.Solution) -> Mapping[str, xr.Variable]:
+def error_estimates(solution: cs.Solution) -> Mapping[str, xr.Variable]:
     """``<metric>_estimate`` and its parts ``<metric>_estimate_<cause>``, for the highest pressure and L1."""
     estimate = cs.error_estimate(solution)
     metrics = {

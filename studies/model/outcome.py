@@ -19,7 +19,7 @@ from studies.model.case import Computation
 from studies.model.study import Measures
 
 
-class Fate(IntEnum):
+class CaseStatus(IntEnum):
     """Whether a computation gave its numbers."""
 
     NOT_RUN = 0
@@ -31,8 +31,8 @@ class Fate(IntEnum):
 
 
 # what the store says of every case itself; and what xarray's ``sel`` takes for its own, not for an axis
-TAKEN = frozenset(
-    {"status", "case_key", "error", "error_type", "error_stage", "contended", "repeat"}
+RESERVED_NAMES = frozenset(
+    {"case_status", "case_key", "error", "error_type", "error_stage", "contended", "repeat"}
     | {"tolerance", "method", "drop"}
     | {
         f"{part}_time{end}"
@@ -59,7 +59,7 @@ class Outcome:
     took, of wall and of CPU time [s].
     """
 
-    fate: Fate
+    case_status: CaseStatus
     variables: Mapping[str, xr.Variable] = field(default_factory=dict)
     failure: Failure | None = None
     seconds: float = 0.0
@@ -72,18 +72,18 @@ class Outcome:
         return self.failure.sentence if self.failure else ""
 
 
-def remarks(found: Sequence[Outcome]) -> Iterator[str]:
+def summary_messages(found: Sequence[Outcome]) -> Iterator[str]:
     """What is to be said of all these: how many failed, and how many solves did not end as they should."""
     failed = [outcome.error for outcome in found if outcome.failure]
     if failed:
         yield f"{len(failed)} of {len(found)} cases failed, the first with {failed[0]}"
-    ends = [one.variables["outcome"] for one in found if "outcome" in one.variables]
-    if unsettled := sum(int(end) != 0 for end in ends):
-        yield f"{unsettled} of {len(ends)} solves did not simply converge; see 'outcome'"
+    ends = [one.variables["solver_status"] for one in found if "solver_status" in one.variables]
+    if not_converged := sum(int(end) != 0 for end in ends):
+        yield f"{not_converged} of {len(ends)} solves did not simply converge; see 'solver_status'"
 
 
 @runtime_checkable
-class Pictured(Protocol):
+class HasFields(Protocol):
     """A computation whose result has fields to keep."""
 
     def fields(self, result: Any) -> Mapping[str, xr.Variable]:
@@ -118,23 +118,23 @@ def compute(case: Computation, work: Work) -> Outcome:
             result = case.run(prepared)
             stage = "measure"
             variables = _variables(work.measures(case, result), case.record(result))
-            wanted = work.keeps_fields and isinstance(case, Pictured)
-            fields = case.fields(result) if wanted and isinstance(case, Pictured) else {}
+            wanted = work.keeps_fields and isinstance(case, HasFields)
+            fields = case.fields(result) if wanted and isinstance(case, HasFields) else {}
         taken, worked = perf_counter() - start, process_time() - cpu
-        return Outcome(Fate.OK, variables, None, taken, fields, worked)
+        return Outcome(CaseStatus.OK, variables, None, taken, fields, worked)
     except TimeLimitError:
         return timed_out(work.time_limit, stage, perf_counter() - start)
     except (Exception, SystemExit) as error:  # noqa: BLE001 (whatever a study's own code raises is data)
         place = traceback.extract_tb(error.__traceback__)[-1]
         sentence = f"{type(error).__name__} in {place.name}: {error}"
         failure = Failure(type(error).__name__, sentence, stage)
-        return Outcome(Fate.FAILED, {}, failure, perf_counter() - start)
+        return Outcome(CaseStatus.FAILED, {}, failure, perf_counter() - start)
 
 
 def timed_out(limit: float | None, stage: str, seconds: float) -> Outcome:
     """The outcome of a case that took longer than ``limit`` [s]."""
     sentence = f"TimeLimitError: not done after {limit:g} s; give more with --time-limit"
-    return Outcome(Fate.TIMEOUT, {}, Failure("TimeLimitError", sentence, stage), seconds)
+    return Outcome(CaseStatus.TIMEOUT, {}, Failure("TimeLimitError", sentence, stage), seconds)
 
 
 @contextmanager
@@ -158,7 +158,7 @@ def _limit(seconds: float | None) -> Iterator[None]:
 
 def _variables(*parts: Mapping[str, xr.Variable | float]) -> Mapping[str, xr.Variable]:
     measured = {name: value for part in parts for name, value in part.items()}
-    if taken := TAKEN & set(measured):
+    if taken := RESERVED_NAMES & set(measured):
         raise InvalidInput(f"measures gives {sorted(taken)}: these names are taken, choose others.")
     found = {name: _variable(name, value) for name, value in measured.items()}
     for name, variable in found.items():

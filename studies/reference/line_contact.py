@@ -10,8 +10,8 @@ from contactstudy.accuracy.contact_edge import corrected_pressure, half_widths
 from contactstudy.domain.checks import positive, whole
 from studies.model.axis import Axis, one_of
 from studies.model.case import Case, number
-from studies.model.estimate import estimated
-from studies.model.outcome import Fate
+from studies.model.estimate import error_estimates
+from studies.model.outcome import CaseStatus
 from studies.model.study import Point
 
 STEEL = cs.HalfSpace(youngs_modulus=210e9, poisson_ratio=0.3)
@@ -31,7 +31,7 @@ PADDINGS: dict[str, Callable[[int], cs.Padding]] = {
 
 
 # Those that count images, and so have an n.
-COUNTED = frozenset(name for name, make in PADDINGS.items() if make(0) != make(1))
+COUNTS_IMAGES = frozenset(name for name, make in PADDINGS.items() if make(0) != make(1))
 
 
 def axes(
@@ -102,18 +102,18 @@ def measures(case: Case, solution: cs.Solution) -> Mapping[str, xr.Variable]:
             float(np.ptp(pressure, axis=1).max()),
             "pressure variation along the length over peak pressure",
         ),
-        **estimated(solution),
+        **error_estimates(solution),
     }
 
 
-def holds(dataset: xr.Dataset, names: set[str], **values: set[float]) -> bool:
+def covers(dataset: xr.Dataset, names: set[str], **values: set[float]) -> bool:
     """Whether a sweep has these paddings and values of its axes, and all its cases came to an end.
 
     Where it has not, a finding about them is left out: a sentence that fits any numbers says nothing.
     """
     there = all(wanted <= set(dataset[axis].values.tolist()) for axis, wanted in values.items())
     held = {str(name) for name in dataset["padding"].values}
-    return there and names <= held and bool((dataset["status"] == Fate.OK).all())
+    return there and names <= held and bool((dataset["case_status"] == CaseStatus.OK).all())
 
 
 def total_time(dataset: xr.Dataset) -> xr.DataArray:
@@ -121,6 +121,6 @@ def total_time(dataset: xr.Dataset) -> xr.DataArray:
     return dataset["setup_time"] + dataset["solve_time"]
 
 
-def name_of(padding: str, images: int) -> str:
+def padding_label(padding: str, images: int) -> str:
     """A padding with its n, where it has one."""
-    return f"{padding}, n = {images}" if padding in COUNTED else padding
+    return f"{padding}, n = {images}" if padding in COUNTS_IMAGES else padding

@@ -8,7 +8,7 @@ import xarray as xr
 from studies.model.drawing import CaptionedFigure
 from studies.model.finding import Finding, Table
 from studies.report.formatting import paddings
-from studies.report.style import LAW, finish, look, panels
+from studies.report.style import LAW_STYLE, add_legend, padding_style, panels
 
 # estimate, error, and the name of what both are of
 METRICS = {
@@ -19,7 +19,7 @@ CAUSES = {"truncation": "images", "discretisation": "cells", "residual": "solver
 LARGE = 5  # times the true error: what an estimate is in the median not to exceed
 
 
-def compared(stored: Mapping[str, xr.Dataset]) -> Mapping[str, xr.Dataset]:
+def sweeps_with_estimates(stored: Mapping[str, xr.Dataset]) -> Mapping[str, xr.Dataset]:
     """The sweeps that hold both an estimate and a true error, by name."""
     wanted = {"padding"} | set(METRICS) | {error for error, _ in METRICS.values()}
     return {name: dataset for name, dataset in stored.items() if wanted <= set(dataset.variables)}
@@ -45,21 +45,21 @@ def cases(stored: Mapping[str, xr.Dataset], estimate: str) -> xr.Dataset:
 
 def figure(stored: Mapping[str, xr.Dataset]) -> CaptionedFigure:
     """Estimate against true error, a panel for each metric."""
-    plate, axes = panels(len(METRICS), width=4.4, height=3.8)
+    fig, axes = panels(len(METRICS), width=4.4, height=3.8)
     for ax, (estimate, (_, label)) in zip(axes, METRICS.items(), strict=True):
         flat = cases(stored, estimate)
         for name in dict.fromkeys(flat["padding"].values.tolist()):
             own = flat.where(flat["padding"] == name, drop=True)
-            style = look(name) | {"linestyle": "none", "alpha": 0.6, "markersize": 4}
+            style = padding_style(name) | {"linestyle": "none", "alpha": 0.6, "markersize": 4}
             ax.loglog(own["error"], own["estimate"], label=name, **style)
         span = np.array([flat["error"].min(), flat["error"].max()])
-        ax.loglog(span, span, label="estimate = error", **LAW | {"linestyle": "-"})
-        ax.loglog(span, LARGE * span, label=f"{LARGE} times the error", **LAW)
+        ax.loglog(span, span, label="estimate = error", **LAW_STYLE | {"linestyle": "-"})
+        ax.loglog(span, LARGE * span, label=f"{LARGE} times the error", **LAW_STYLE)
         ax.set(title=label, xlabel="true relative error", ylabel="estimated relative error")
-    finish(plate)
+    add_legend(fig)
     return CaptionedFigure(
         "estimates",
-        plate,
+        fig,
         "Estimated against true error of every distinct case of the sweeps, the true one from Hertz. A mark on "
         "or above the line is an error that its estimate bounds. Marks far above it are cases where two "
         "errors happen to cancel, which nothing can know beforehand.",

@@ -6,15 +6,15 @@ from typing import SupportsFloat
 import numpy as np
 import xarray as xr
 
-from studies.reference.line_contact import name_of
+from studies.reference.line_contact import padding_label
 
 
-def label_of(dataset: xr.Dataset) -> str:
+def setting_label(dataset: xr.Dataset) -> str:
     """:func:`name_of` a Dataset reduced to one padding and one n."""
-    return name_of(str(dataset["padding"].values), int(dataset["images"]))
+    return padding_label(str(dataset["padding"].values), int(dataset["images"]))
 
 
-def some(values: Iterable[float], most: int = 3) -> list[float]:
+def select_evenly(values: Iterable[float], most: int = 3) -> list[float]:
     """At most ``most`` of ``values``, first and last among them: what fits on a figure."""
     chosen = list(values)
     if len(chosen) <= most:
@@ -38,7 +38,7 @@ def paddings(dataset: xr.Dataset) -> list[str]:
     return [str(name) for name in dataset["padding"].values]
 
 
-def variation_of(dataset: xr.Dataset) -> str:
+def variation_text(dataset: xr.Dataset) -> str:
     """How much the pressure of one setting varies along the length."""
     variation = float(dataset["length_variation"])
     return f"{percent(variation)} of p_H" if variation > 1e-12 else "nothing but rounding"

@@ -46,7 +46,7 @@ def write(out: Path) -> Path:
     chapters = [
         _chapter(load(name), load_drawing(name), dataset, out) for name, dataset in stored.items()
     ]
-    sweeps = estimate_validation.compared(stored)
+    sweeps = estimate_validation.sweeps_with_estimates(stored)
     chapters += [_estimates_chapter(sweeps, out)] if sweeps else []
     environment = Environment(
         loader=PackageLoader("studies.report", "."),
@@ -69,13 +69,15 @@ def write(out: Path) -> Path:
 
 def formulas(text: str) -> Markup:
     """``text`` with its indices and powers, written p_H, N^2, N^(-3/2) and 7.9e-06, set as such."""
-    marked = re.sub(r"\b([a-zA-Z])_([a-zA-Z])\b", r"\1<sub>\2</sub>", str(escape(text)))
-    marked = re.sub(r"\^(?:\(([^()]*)\)|(-?\d+(?:\.\d+)?))", r"<sup>\1\2</sup>", marked)
-    marked = re.sub(r"(?<![\w.])-(?=\d)", "−", marked)
-    marked = re.sub(r"(?<![\w.])1e-0?(\d+)\b", r"10<sup>−\1</sup>", marked)
-    marked = re.sub(r"(?<=\d)e-0?(\d+)\b", r"·10<sup>−\1</sup>", marked)
+    style_over_images = re.sub(r"\b([a-zA-Z])_([a-zA-Z])\b", r"\1<sub>\2</sub>", str(escape(text)))
+    style_over_images = re.sub(
+        r"\^(?:\(([^()]*)\)|(-?\d+(?:\.\d+)?))", r"<sup>\1\2</sup>", style_over_images
+    )
+    style_over_images = re.sub(r"(?<![\w.])-(?=\d)", "−", style_over_images)
+    style_over_images = re.sub(r"(?<![\w.])1e-0?(\d+)\b", r"10<sup>−\1</sup>", style_over_images)
+    style_over_images = re.sub(r"(?<=\d)e-0?(\d+)\b", r"·10<sup>−\1</sup>", style_over_images)
     # a number and its unit stay on one line
-    return Markup(re.sub(r"(?<=\d) (?=(?:%|a|s)(?!\w))", "\u00a0", marked))
+    return Markup(re.sub(r"(?<=\d) (?=(?:%|a|s)(?!\w))", "\u00a0", style_over_images))
 
 
 @dataclass(frozen=True, eq=False)

@@ -42,7 +42,7 @@ def _source() -> str:
     return digest.hexdigest()[:12]
 
 
-def recipe(measures: Callable[..., object], kinds: frozenset[type]) -> str:
+def measures_fingerprint(measures: Callable[..., object], kinds: frozenset[type]) -> str:
     """A hash of ``measures``, of the methods of the computations ``kinds``, and of what these call.
 
     Comments, docstrings and layout do not count; nor does the core, which has its version, nor a

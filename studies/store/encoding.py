@@ -11,7 +11,7 @@ import xarray as xr
 Json = Any
 
 
-class Kinds:
+class VariableTypes:
     """Dimensions, type and attributes of variables, each written once and then called by a number.
 
     A scalar real or whole number stands as JSON, whose shortest decimals read back as they were;

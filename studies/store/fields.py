@@ -8,13 +8,13 @@ from pathlib import Path
 import xarray as xr
 
 from contactstudy import InvalidInput
-from studies.store.encoding import Kinds
+from studies.store.encoding import VariableTypes
 from studies.store.netcdf import replacing
 
 
-def keep(folder: Path, key: str, variables: Mapping[str, xr.Variable]) -> None:
+def save(folder: Path, key: str, variables: Mapping[str, xr.Variable]) -> None:
     """``variables`` of the case ``key``, on disk when this returns."""
-    kinds, values = Kinds().encode(variables)
+    kinds, values = VariableTypes().encode(variables)
     try:
         with replacing(folder / f"{key}.json") as partial, partial.open("w") as file:
             json.dump({"kinds": kinds, "values": values}, file)
@@ -27,18 +27,18 @@ def keep(folder: Path, key: str, variables: Mapping[str, xr.Variable]) -> None:
         ) from None
 
 
-def are_kept(folder: Path, key: str) -> bool:
+def exist(folder: Path, key: str) -> bool:
     """Whether the case ``key`` has its fields here."""
     return (folder / f"{key}.json").is_file()
 
 
-def kept(folder: Path, key: str) -> xr.Dataset:
+def load(folder: Path, key: str) -> xr.Dataset:
     """The fields of the case ``key``; a variable named like its dimension is its coordinate."""
-    held = json.loads((folder / f"{key}.json").read_text())
-    kinds = Kinds()
-    for kind in held["kinds"]:
+    stored = json.loads((folder / f"{key}.json").read_text())
+    kinds = VariableTypes()
+    for kind in stored["kinds"]:
         kinds.add(kind)
-    variables = kinds.decode(held["values"])
+    variables = kinds.decode(stored["values"])
     coords = {name: v for name, v in variables.items() if v.dims == (name,)}
     data = {name: v for name, v in variables.items() if name not in coords}
     return xr.Dataset(data, coords)

@@ -12,19 +12,19 @@ from typing import Any, Self
 import xarray as xr
 
 from contactstudy import InvalidInput
-from studies.model.outcome import Failure, Fate, Outcome
+from studies.model.outcome import CaseStatus, Failure, Outcome
 from studies.model.timing_samples import Sample
-from studies.store.encoding import Kinds
+from studies.store.encoding import VariableTypes
 from studies.store.identity import Tree, differences
 
-NOBODY: Mapping[str, Any] = {"context": {}, "machine": "", "provenance": {"history": ""}}
+NO_RUN: Mapping[str, Any] = {"context": {}, "machine": "", "provenance": {"history": ""}}
 
 # A case that took longer is on disk at once, shorter ones together: a write to disk takes 0.3 ms.
-TOGETHER = 0.05
+SYNC_INTERVAL = 0.05
 
 
 @dataclass(frozen=True, eq=False)
-class Named:
+class CaseIdentity:
     """A case by its ``key``, as a ``tree``, with the first ``point`` that asks for it."""
 
     key: str
@@ -36,7 +36,7 @@ class Named:
 class Record:
     """What is stored of a case; ``size`` is that of its line [bytes]."""
 
-    named: Named
+    identity: CaseIdentity
     outcome: Outcome
     context: Mapping[str, str]
     size: int
@@ -56,14 +56,14 @@ class Contents:
 
     def keep(self, record: Record, *, is_present: bool) -> None:
         """Add a record, in place of one of the same case."""
-        (self.records if is_present else self.others)[record.named.key] = record
-        self._at[tuple(sorted(record.named.point.items()))] = record
+        (self.records if is_present else self.others)[record.identity.key] = record
+        self._at[tuple(sorted(record.identity.point.items()))] = record
 
-    def changed(self, named: Named) -> list[str]:
-        """How the case last stored for ``named``, or at its point, differs from it, if there is one."""
-        before = self.records.get(named.key) or self.others.get(named.key)
-        before = before or self._at.get(tuple(sorted(named.point.items())))
-        return [] if before is None else differences(before.named.tree, named.tree)
+    def changed(self, identity: CaseIdentity) -> list[str]:
+        """How the case last stored for ``identity``, or at its point, differs from it, if there is one."""
+        before = self.records.get(identity.key) or self.others.get(identity.key)
+        before = before or self._at.get(tuple(sorted(identity.point.items())))
+        return [] if before is None else differences(before.identity.tree, identity.tree)
 
 
 class Journal:
@@ -79,7 +79,7 @@ class Journal:
         self.path = path
         self.contents = Contents()
         self._context, self._machine = context, machine
-        self._kinds = Kinds()
+        self._types = VariableTypes()
         self._synced = monotonic()
         self._end = self._read()
         self._file: Any = None
@@ -130,16 +130,16 @@ class Journal:
         """This process itself begins a case: should it die, the next will know in which."""
         self._write({"begin": key})
 
-    def add(self, named: Named, outcome: Outcome) -> bool:
+    def add(self, identity: CaseIdentity, outcome: Outcome) -> bool:
         """Write down a case; returns whether all cases so far are on disk."""
-        new, variables = self._kinds.encode(outcome.variables)
+        new, variables = self._types.encode(outcome.variables)
         for kind in new:
             self._write({"kind": kind})
         line: dict[str, Any] = {
-            "case": named.key,
-            "status": outcome.fate.name.lower(),
-            "point": dict(named.point),
-            "tree": named.tree,
+            "case": identity.key,
+            "status": outcome.case_status.name.lower(),
+            "point": dict(identity.point),
+            "tree": identity.tree,
             "seconds": outcome.seconds,
             "cpu": outcome.cpu,
             "values": variables,
@@ -147,9 +147,9 @@ class Journal:
         if outcome.failure is not None:
             line["failure"] = asdict(outcome.failure)
         self.contents.keep(
-            Record(named, outcome, self._present, self._write(line)), is_present=True
+            Record(identity, outcome, self._present, self._write(line)), is_present=True
         )
-        if outcome.seconds > TOGETHER / 2 or monotonic() - self._synced > TOGETHER:
+        if outcome.seconds > SYNC_INTERVAL / 2 or monotonic() - self._synced > SYNC_INTERVAL:
             self.sync()
             return True
         return False
@@ -158,7 +158,7 @@ class Journal:
         """Write down a timed run."""
         self._write({"time": key, "sample": asdict(sample)})
         self.contents.samples.setdefault(key, []).append(sample)
-        if monotonic() - self._synced > TOGETHER:
+        if monotonic() - self._synced > SYNC_INTERVAL:
             self.sync()
 
     def forget_times(self) -> None:
@@ -193,7 +193,7 @@ class Journal:
 
     def _read(self) -> int:
         """Read what there is; returns where the last whole line ends."""
-        end, run = 0, NOBODY
+        end, run = 0, NO_RUN
         try:
             with self.path.open("rb") as file:
                 for raw in file:
@@ -222,14 +222,14 @@ class Journal:
         elif "score" in line:
             contents.score = line["score"]
         elif "kind" in line:
-            self._kinds.add(line["kind"])
+            self._types.add(line["kind"])
         elif "begin" in line:
             contents.begun = line["begin"]
         elif "case" in line:
             key = line["case"]
             contents.begun = None if contents.begun == key else contents.begun
             record = Record(
-                Named(key, line["tree"], line["point"]),
+                CaseIdentity(key, line["tree"], line["point"]),
                 self._outcome(line),
                 run["context"],
                 size,
@@ -242,6 +242,6 @@ class Journal:
 
     def _outcome(self, line: Mapping[str, Any]) -> Outcome:
         failure = Failure(**line["failure"]) if "failure" in line else None
-        fate = Fate[line["status"].upper()]
-        variables: Mapping[str, xr.Variable] = self._kinds.decode(line["values"])
-        return Outcome(fate, variables, failure, line["seconds"], {}, line["cpu"])
+        case_status = CaseStatus[line["status"].upper()]
+        variables: Mapping[str, xr.Variable] = self._types.decode(line["values"])
+        return Outcome(case_status, variables, failure, line["seconds"], {}, line["cpu"])

@@ -12,14 +12,14 @@ from filelock import FileLock, Timeout
 
 
 @contextmanager
-def holding(path: Path, say: Callable[[str], object]) -> Iterator[None]:
+def locked(path: Path, log: Callable[[str], object]) -> Iterator[None]:
     """Hold the lock at ``path``; where another run holds it, say which, and wait for it."""
     lock = FileLock(path)
     holder = path.with_suffix(".holder")
     try:
         lock.acquire(timeout=0)
     except Timeout:
-        say(f"{path.stem.lstrip('.')}: waiting for {_who(holder)}, which writes to the same output")
+        log(f"{path.stem.lstrip('.')}: waiting for {_who(holder)}, which writes to the same output")
         lock.acquire()
     try:
         now = datetime.now(UTC).isoformat(timespec="seconds")

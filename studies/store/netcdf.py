@@ -13,11 +13,11 @@ import xarray as xr
 from contactstudy import InvalidInput
 from studies.model.axis import Axis
 from studies.model.case import flags
-from studies.model.outcome import Failure, Fate, Outcome
+from studies.model.outcome import CaseStatus, Failure, Outcome
 from studies.model.timing_samples import Sample, timing_variables
-from studies.store.interrupt import held_back
+from studies.store.interrupt import interrupts_deferred
 
-NOT_RUN = Outcome(Fate.NOT_RUN)
+NOT_RUN = Outcome(CaseStatus.NOT_RUN)
 
 
 def assemble(
@@ -31,7 +31,7 @@ def assemble(
 
     ``cases`` are in the order of the axes, last one fastest: whatever ``outcomes`` and ``samples`` go by.
     A variable's own dimensions follow those of the axes. Where a case has no numbers (NaN, or no text),
-    ``status`` says so, ``error`` why.
+    ``case_status`` says so, ``error`` why.
     """
     shape = tuple(len(axis.values) for axis in axes)
     names = tuple(axis.name for axis in axes)
@@ -51,20 +51,20 @@ def assemble(
             coords.update({name: kind} if same else {})
             left_out += [] if same else [name]
             continue
-        there = [o.variables[name] for o in at if name in o.variables]
-        if any(variable.shape != kind.shape for variable in there):
+        present = [o.variables[name] for o in at if name in o.variables]
+        if any(variable.shape != kind.shape for variable in present):
             left_out.append(name)
             continue
         missing = "" if kind.dtype.kind in "US" else np.nan
         lack = xr.Variable((), missing)
         values = [o.variables.get(name, lack).values for o in at]
-        if len(there) < len(at) and missing:  # neither a whole number nor a truth has a nan
+        if len(present) < len(at) and missing:  # neither a whole number nor a truth has a nan
             values = [np.broadcast_to(value.astype(float), kind.shape) for value in values]
         stacked = np.reshape(np.array(np.broadcast_arrays(*values)), shape + kind.shape)
         data[name] = xr.Variable(names + kind.dims, stacked, kind.attrs)
     data |= timing_variables(names, shape, [samples.get(case, ()) for case in cases])
-    data["status"] = flags(
-        names, np.reshape([o.fate for o in at], shape), [fate.name.lower() for fate in Fate],
+    data["case_status"] = flags(
+        names, np.reshape([o.case_status for o in at], shape), [case_status.name.lower() for case_status in CaseStatus],
         "what became of the case",
     )  # fmt: skip
     data["case_key"] = xr.Variable(
@@ -125,7 +125,7 @@ def replacing(path: Path) -> Iterator[Path]:
 def write(dataset: xr.Dataset, path: Path, groups: Iterable[tuple[str, xr.Dataset]] = ()) -> None:
     """``dataset`` as netCDF, with ``groups`` below it; a file that was there stays until all is whole."""
     try:
-        with held_back(), replacing(path) as partial:
+        with interrupts_deferred(), replacing(path) as partial:
             dataset.to_netcdf(partial, engine="netcdf4", encoding=_encoding(dataset))
             for name, group in groups:
                 group.to_netcdf(
@@ -148,7 +148,7 @@ def _encoding(dataset: xr.Dataset) -> dict[Hashable, dict[str, None]]:
 def read(path: Path) -> xr.Dataset:
     """The Dataset in ``path``, in memory; raises :class:`~contactstudy.InvalidInput` without one."""
     try:
-        with held_back():
+        with interrupts_deferred():
             return xr.load_dataset(path, engine="netcdf4")
     except OSError as error:
         raise InvalidInput(

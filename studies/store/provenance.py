@@ -45,7 +45,7 @@ def _revision() -> str:
     """The commit this code stands at, with a mark where files differ from it."""
     here = Path(__file__).parent
     try:
-        say = [
+        command = [
             "git",
             "-C",
             str(here),
@@ -55,7 +55,7 @@ def _revision() -> str:
             "--abbrev=40",
             "--exclude=*",
         ]
-        done = subprocess.run(say, capture_output=True, text=True, timeout=10, check=True)
+        done = subprocess.run(command, capture_output=True, text=True, timeout=10, check=True)
     except (OSError, subprocess.SubprocessError):
         return "unknown (not a git checkout)"
     return done.stdout.strip()

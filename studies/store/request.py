@@ -5,26 +5,26 @@ from dataclasses import dataclass
 
 from contactstudy import InvalidInput
 from studies.model.case import Computation
-from studies.model.outcome import TAKEN
+from studies.model.outcome import RESERVED_NAMES
 from studies.model.study import Study
-from studies.store.code_fingerprint import recipe, versions
+from studies.store.code_fingerprint import measures_fingerprint, versions
 from studies.store.identity import Memory, Tree, canonical, key
-from studies.store.journal import Contents, Named
+from studies.store.journal import CaseIdentity, Contents
 
 
 @dataclass(frozen=True, eq=False)
-class Asked:
+class Request:
     """What a study asks for: the key of the case at every point, and each case by its key."""
 
     keys: Sequence[str]
     cases: Mapping[str, Computation]
-    names: Mapping[str, Named]
+    identities: Mapping[str, CaseIdentity]
     context: Mapping[str, str]
 
     @classmethod
-    def of(cls, study: Study) -> "Asked":
+    def of(cls, study: Study) -> "Request":
         """The cases of ``study``, of which those that differ in rounding only are one."""
-        if taken := TAKEN & {axis.name for axis in study.points}:
+        if taken := RESERVED_NAMES & {axis.name for axis in study.points}:
             raise InvalidInput(
                 f"Study {study.name!r} has the axes {sorted(taken)}: these names are taken, choose others."
             )
@@ -40,17 +40,19 @@ class Asked:
             keys.append(name)
             if name not in cases:
                 at = {axis: str(canonical(value)) for axis, value in point.items()}
-                cases[name], names[name] = case, Named(name, tree, at)
+                cases[name], names[name] = case, CaseIdentity(name, tree, at)
         kinds = frozenset(type(case) for case in cases.values())
-        context = dict(versions()) | {"measures": recipe(study.measures, kinds)}
+        context = dict(versions()) | {"measures": measures_fingerprint(study.measures, kinds)}
         return cls(keys, cases, names, context)
 
 
-def reasons(contents: Contents, named: Named, context: Mapping[str, str]) -> list[str]:
-    """Why what is stored for ``named``, or at its point, is not what is asked for."""
-    found = contents.changed(named)
-    before = contents.others.get(named.key)
-    if before is None or named.key in contents.records:
+def recompute_reasons(
+    contents: Contents, identity: CaseIdentity, context: Mapping[str, str]
+) -> list[str]:
+    """Why what is stored for ``identity``, or at its point, is not what is asked for."""
+    found = contents.changed(identity)
+    before = contents.others.get(identity.key)
+    if before is None or identity.key in contents.records:
         return found
     names = sorted(before.context.keys() | context.keys())
     return found + [

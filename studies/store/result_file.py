@@ -14,21 +14,21 @@ from studies.store import fields as stored_fields
 from studies.store.identity import key
 from studies.store.journal import Journal
 from studies.store.netcdf import assemble, read, write
-from studies.store.request import Asked
+from studies.store.request import Request
 
 
 @dataclass(eq=False)
 class ResultFile:
-    """``<folder>/<study>.nc``, and ``pictures``, the folder of fields that go into it at the end.
+    """``<folder>/<study>.nc``, and ``fields_folder``, the folder of fields that go into it at the end.
 
-    ``where`` is the provenance of the run that writes, ``written`` the clock's time of the last write [s].
+    ``provenance`` is the provenance of the run that writes, ``written`` the clock's time of the last write [s].
     """
 
     study: Study
-    asked: Asked
+    request: Request
     folder: Path
     journal: Journal
-    where: Mapping[str, str] = field(default_factory=dict)
+    provenance: Mapping[str, str] = field(default_factory=dict)
     written: float = 0.0
 
     @property
@@ -37,7 +37,7 @@ class ResultFile:
         return self.folder / f"{self.study.name}.nc"
 
     @property
-    def pictures(self) -> Path:
+    def fields_folder(self) -> Path:
         """The folder."""
         return self.folder / f"{self.study.name}.fields"
 
@@ -46,7 +46,7 @@ class ResultFile:
         contents = self.journal.contents
         now = datetime.now(UTC).isoformat(timespec="seconds")
         attributes = self._attributes() | dict(contents.score) | {"date_modified": now}
-        points, keys = self.study.points, self.asked.keys
+        points, keys = self.study.points, self.request.keys
         dataset = assemble(points, keys, outcomes, contents.samples, attributes)
         write(dataset, self.path, self._groups() if fields == "kept" else ())
         self.written = monotonic()
@@ -56,19 +56,19 @@ class ResultFile:
         return read(self.path)
 
     def _attributes(self) -> dict[str, object]:
-        first = next(iter(self.asked.cases.values()))
+        first = next(iter(self.request.cases.values()))
         history = self.journal.contents.history
-        return {"title": self.study.title, "first_case": repr(first)} | dict(self.where) | {
+        return {"title": self.study.title, "first_case": repr(first)} | dict(self.provenance) | {
             "history": "\n".join(history),
             "date_created": history[0].split()[0],
-            "case_versions": ", ".join(f"{k} {v}" for k, v in self.asked.context.items()),
-            "parameter_hash": key(list(self.asked.keys)),
+            "case_versions": ", ".join(f"{k} {v}" for k, v in self.request.context.items()),
+            "parameter_hash": key(list(self.request.keys)),
             "timing": "wall time, least of the repeats, one case at a time, one thread",
             "timing_threads": 1,
         }  # fmt: skip
 
     def _groups(self) -> Iterator[tuple[str, xr.Dataset]]:
         """Of every case with fields, read when it is written."""
-        for name in self.asked.cases:
-            if stored_fields.are_kept(self.pictures, name):
-                yield f"fields/case_{name}", stored_fields.kept(self.pictures, name)
+        for name in self.request.cases:
+            if stored_fields.exist(self.fields_folder, name):
+                yield f"fields/case_{name}", stored_fields.load(self.fields_folder, name)

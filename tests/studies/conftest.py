@@ -12,7 +12,7 @@ SMALL = {"images": "0:2", "period": "0.6,2.4", "grid": "16,24"}
 
 
 def quiet(_: str) -> None:
-    """For ``say``."""
+    """For ``log``."""
 
 
 @pytest.fixture(scope="session")
@@ -24,5 +24,5 @@ def small_study() -> Study:
 def small_run(small_study: Study, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder with padding.nc, computed in this process."""
     out = tmp_path_factory.mktemp("small")
-    run(small_study, out, workers=0, repeats=1, say=quiet)
+    run(small_study, out, workers=0, repeats=1, log=quiet)
     return out

@@ -6,7 +6,7 @@ import xarray as xr
 
 import studies.accessor  # noqa: F401 (registers dataset.study)
 from contactstudy import InvalidInput
-from studies.model.outcome import Fate
+from studies.model.outcome import CaseStatus
 from studies.store.netcdf import read
 
 GRID = [16, 32, 64, 128]
@@ -22,7 +22,7 @@ def dataset() -> xr.Dataset:
             "error_max": (dims, [n**-1.5, -3 * n**-2]),
             "setup_time": (dims, [n * 0, n**2]),
             "solve_time": (dims, [n**2, n**2]),
-            "status": (dims, np.full((2, 4), Fate.OK, dtype=np.int8)),
+            "case_status": (dims, np.full((2, 4), CaseStatus.OK, dtype=np.int8)),
             "profile": ((*dims, "x"), np.zeros((2, 4, 3))),
         },
         {"mode": ["a", "b"], "grid": GRID},
@@ -63,7 +63,7 @@ def test_the_front_and_the_cheapest_are_those_by_hand(dataset: xr.Dataset) -> No
 
 
 def test_a_failed_case_is_no_setting(dataset: xr.Dataset) -> None:
-    dataset["status"][0, 0] = Fate.FAILED
+    dataset["case_status"][0, 0] = CaseStatus.FAILED
     front = dataset.study.pareto("error_max")
     assert ("a", 16) not in list(zip(front["mode"], front["grid"], strict=True))
 
@@ -90,4 +90,4 @@ def test_a_stored_sweep_answers(small_run: Path) -> None:
     dataset = read(small_run / "padding.nc")
     front = dataset.study.pareto("pressure_error_l1")
     assert (np.diff(front["cost"]) > 0).all()
-    assert len(dataset.study.table()) == dataset["status"].size
+    assert len(dataset.study.table()) == dataset["case_status"].size

@@ -49,7 +49,7 @@ points = (
 
 
 @dataclass(frozen=True)
-class Whole:
+class SolveWithOutputs:
     """A case to solve, and all that its scene asks to be found from the solution."""
 
     case: Case
@@ -70,16 +70,16 @@ class Whole:
         return self.case.record(result)
 
 
-def scene_at(point: Point) -> Whole:
+def scene_at(point: Point) -> SolveWithOutputs:
     """A line contact, exactly periodic, with all effects up to the one named."""
     effect = one_of("effect", point["effect"], SCENES)
     cells = whole("grid", point["grid"], 4, "give at least 4 cells across the width")
     along = 1 if effect == "smooth, 1-D" else cells // 4
     grid = cs.Grid(cells=(cells, along), extent=(WIDTH * A, PERIOD * A))
-    return Whole(Case(SCENES[effect], grid, cs.ExactPeriodicity()))
+    return SolveWithOutputs(Case(SCENES[effect], grid, cs.ExactPeriodicity()))
 
 
-def measures(case: Whole, result: cs.Solution) -> Mapping[str, xr.Variable]:
+def measures(case: SolveWithOutputs, result: cs.Solution) -> Mapping[str, xr.Variable]:
     """The most memory that is held at once."""
     tracemalloc.start()
     try:

@@ -36,7 +36,7 @@ TOLERANCE = 1e-10  # for an error of about 1e-7; the others are given 1e-8 of th
 
 
 @dataclass(frozen=True)
-class Contest:
+class ProgramRun:
     """One program on one problem."""
 
     program: str
@@ -68,24 +68,24 @@ class Contest:
         return {"load_carried": number(carried / given, "load carried over load given")}
 
 
-def _contactstudy(contest: Contest) -> Callable[[], Array]:
-    problem = contest.problem()
+def _contactstudy(program_run: ProgramRun) -> Callable[[], Array]:
+    problem = program_run.problem()
     return lambda: cs.solve(problem, tolerance=TOLERANCE).pressure
 
 
-def _contact_mechanics(contest: Contest) -> Callable[[], Array]:
+def _contact_mechanics(program_run: ProgramRun) -> Callable[[], Array]:
     import ContactMechanics as peer
     from ContactMechanics.Optimization import constrained_conjugate_gradients
     from SurfaceTopography import Topography
 
-    grid, heights = contest.grid, _heights(contest)
+    grid, heights = program_run.grid, _heights(program_run)
     substrate = {
         "semi-periodic": lambda: peer.SemiPeriodicFFTElasticHalfSpace(
             grid.cells, MODULUS, grid.extent, periodicity=(False, True), n_images=10
         ),
         "free": lambda: peer.FreeFFTElasticHalfSpace(grid.cells, MODULUS, grid.extent),
         "periodic": lambda: peer.PeriodicFFTElasticHalfSpace(grid.cells, MODULUS, grid.extent),
-    }[contest.boundary]()
+    }[program_run.boundary]()
 
     def solve() -> Array:
         found = constrained_conjugate_gradients(
@@ -95,26 +95,26 @@ def _contact_mechanics(contest: Contest) -> Callable[[], Array]:
             pentol=1e-8 * P_H * A / MODULUS,
             forcetol=1e-8 * P_H * grid.cell_area,
         )
-        return np.asarray(found.jac)[: contest.cells, : contest.cells] / grid.cell_area
+        return np.asarray(found.jac)[: program_run.cells, : program_run.cells] / grid.cell_area
 
     return solve
 
 
-def _tamaas(contest: Contest) -> Callable[[], Array]:
+def _tamaas(program_run: ProgramRun) -> Callable[[], Array]:
     import tamaas as peer
 
-    if contest.boundary == "semi-periodic":
+    if program_run.boundary == "semi-periodic":
         raise NotImplementedError("tamaas has no boundary that is periodic along one axis only")
-    grid, heights = contest.grid, _heights(contest)
+    grid, heights = program_run.grid, _heights(program_run)
     model = peer.ModelFactory.createModel(
         peer.model_type.basic_2d, list(grid.extent), list(grid.cells)
     )
     model.E, model.nu = MODULUS, 0.0
-    if contest.boundary == "free":
+    if program_run.boundary == "free":
         peer.ModelFactory.registerNonPeriodic(model, "dcfft")
     primal = peer.PolonskyKeerRey.pressure
     solver = peer.PolonskyKeerRey(model, heights, 1e-8, primal, primal)
-    if contest.boundary == "free":
+    if program_run.boundary == "free":
         solver.setIntegralOperator("dcfft")
     solver.max_iter = 20_000
     solver.dump_freq = 100_000
@@ -126,21 +126,21 @@ def _tamaas(contest: Contest) -> Callable[[], Array]:
     return solve
 
 
-def _aspher(contest: Contest) -> Callable[[], Array]:
+def _aspher(program_run: ProgramRun) -> Callable[[], Array]:
     import aspher as peer
 
-    if contest.boundary == "semi-periodic":
+    if program_run.boundary == "semi-periodic":
         raise NotImplementedError("aspher has no boundary that is periodic along one axis only")
-    grid, gap = contest.grid, -_heights(contest)
-    backend = "fft" if contest.boundary == "free" else "periodic"
+    grid, gap = program_run.grid, -_heights(program_run)
+    backend = "fft" if program_run.boundary == "free" else "periodic"
     # its nested solver, in its own order of tasks: coarser grids first, down to the coarsest it halves to
-    coarsest = contest.cells
+    coarsest = program_run.cells
     while coarsest % 2 == 0 and coarsest > 64:
         coarsest //= 2
 
     def solve() -> Array:
         found = peer.solve_nested(
-            contest.cells,
+            program_run.cells,
             gap / A,
             SCENE.load.per_length / grid.extent[0] / MODULUS,
             domain_size=grid.extent[0] / A,
@@ -153,13 +153,13 @@ def _aspher(contest: Contest) -> Callable[[], Array]:
     return solve
 
 
-def _heights(contest: Contest) -> Array:
+def _heights(program_run: ProgramRun) -> Array:
     """Heights towards the other body, shape (width, length) [m]."""
-    gap = SHAPES[contest.boundary].gap(contest.grid)
-    return np.ascontiguousarray(-gap * np.ones(contest.grid.cells))
+    gap = SHAPES[program_run.boundary].gap(program_run.grid)
+    return np.ascontiguousarray(-gap * np.ones(program_run.grid.cells))
 
 
-PROGRAMS: dict[str, Callable[[Contest], Callable[[], Array]]] = {
+PROGRAMS: dict[str, Callable[[ProgramRun], Callable[[], Array]]] = {
     "contactstudy": _contactstudy,
     "ContactMechanics": _contact_mechanics,
     "tamaas": _tamaas,
@@ -173,14 +173,14 @@ points = (
 )
 
 
-def scene_at(point: Point) -> Contest:
+def scene_at(point: Point) -> ProgramRun:
     """A program, a problem and a grid."""
     cells = whole("grid", point["grid"], 2, "give at least 2 cells across the width")
     program = one_of("program", point["program"], PROGRAMS)
-    return Contest(program, one_of("boundary", point["boundary"], PADDINGS), cells)
+    return ProgramRun(program, one_of("boundary", point["boundary"], PADDINGS), cells)
 
 
-def measures(case: Contest, result: Array) -> Mapping[str, xr.Variable]:
+def measures(case: ProgramRun, result: Array) -> Mapping[str, xr.Variable]:
     """Largest error against the discrete solution with cells of constant pressure and exact images."""
     converged = cs.solve(case.problem(), tolerance=1e-12).pressure
     error = float(np.abs(result - converged).max() / converged.max())

@@ -32,16 +32,16 @@ def measures(case: Case, solution: cs.Solution) -> Mapping[str, xr.Variable]:
     return {
         **line_contact.measures(case, solution),
         **point_displacement(case.padding),
-        "width": xr.Variable(
-            ("width",),
+        "x": xr.Variable(
+            ("x",),
             grid.x / hertz.half_width,
             {"units": "1", "long_name": "position across the contact over Hertz half-width"},
         ),
         "pressure": xr.Variable(
-            ("width",), pressure[:, middle], across | {"comment": "in the middle of the length"}
+            ("x",), pressure[:, middle], across | {"comment": "in the middle of the length"}
         ),
-        "pressure_least": xr.Variable(("width",), pressure.min(axis=1), across),
-        "pressure_most": xr.Variable(("width",), pressure.max(axis=1), across),
+        "pressure_min": xr.Variable(("x",), pressure.min(axis=1), across),
+        "pressure_max": xr.Variable(("x",), pressure.max(axis=1), across),
     }
 
 
@@ -51,8 +51,8 @@ def point_displacement(padding: cs.Padding | cs.Paddings) -> Mapping[str, xr.Var
     a = hertz.contact_radius
     grid = cs.Grid(cells=(CELLS, CELLS), extent=(WIDTH * a, WIDTH * a))
     pressure = hertz.pressure(np.hypot(*np.meshgrid(grid.x, grid.y, indexing="ij")))
-    moved = cs.convolution(hertz.contact_modulus, grid, padding, datum=a)(pressure)
-    moved /= hertz.approach
+    displacement = cs.convolution(hertz.contact_modulus, grid, padding, datum=a)(pressure)
+    displacement /= hertz.approach
     label = {"units": "1", "long_name": "displacement over Hertz central displacement"}
     return {
         "offset": xr.Variable(
@@ -60,6 +60,6 @@ def point_displacement(padding: cs.Padding | cs.Paddings) -> Mapping[str, xr.Var
             grid.x / a,
             {"units": "1", "long_name": "distance from the centre over contact radius"},
         ),
-        "displacement_across": xr.Variable(("offset",), moved[:, CELLS // 2], label),
-        "displacement_along": xr.Variable(("offset",), moved[CELLS // 2], label),
+        "displacement_x": xr.Variable(("offset",), displacement[:, CELLS // 2], label),
+        "displacement_y": xr.Variable(("offset",), displacement[CELLS // 2], label),
     }

@@ -8,7 +8,7 @@ from studies.model.drawing import CaptionedFigure
 from studies.model.finding import Finding, Table
 from studies.reference.hard_cases import CASES, GROUPS
 from studies.report.formatting import percent
-from studies.report.style import finish, panels
+from studies.report.style import add_legend, panels
 
 COLORS = {"preconditioned CG": "#0072B2", "Polonsky-Keer": "#D55E00"}
 SHOWN = 1e-17  # where an error of zero is drawn
@@ -17,8 +17,8 @@ SHOWN = 1e-17  # where an error of zero is drawn
 def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     """A row for each case: every error, and the largest stated."""
     names = [str(name) for name in dataset["case"].values]
-    plate, (ax,) = panels(1, width=8.5, height=1.2 + 0.19 * len(names))
-    right = dataset["verdict"] == VERDICTS.index("right")
+    fig, (ax,) = panels(1, width=8.5, height=1.2 + 0.19 * len(names))
+    right = dataset["verdict"] == VERDICTS.index("within_stated_error")
     rows = np.arange(len(names))
     for solver in (str(name) for name in dataset["solver"].values):
         one = dataset.sel(solver=solver)
@@ -37,11 +37,11 @@ def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     ax.set_xscale("log")
     ax.set_yticks(rows, names, fontsize="x-small")
     ax.set(ylim=(len(names) - 0.5, -0.5), xlabel="largest pressure error / highest pressure")
-    finish(plate)
-    return (CaptionedFigure("stability", plate, _words(dataset)),)
+    add_legend(fig)
+    return (CaptionedFigure("stability", fig, _caption(dataset)),)
 
 
-def _words(dataset: xr.Dataset) -> str:
+def _caption(dataset: xr.Dataset) -> str:
     counts = {
         name: int((dataset["verdict"] == number).sum()) for number, name in enumerate(VERDICTS)
     }
@@ -52,24 +52,24 @@ def _words(dataset: xr.Dataset) -> str:
     ]
     return (
         f"{dataset.sizes['case']} hard cases ({', '.join(groups)}), each with {dataset.sizes['padding']} "
-        f"paddings and {dataset.sizes['solver']} solvers. {counts['right']} solves came out within the error "
-        f"stated for them, {counts['said']} ended in a status that says why there is no answer, "
-        f"{counts['wrong']} in neither. The right answer is that of a dense matrix, built pair by pair without "
-        "transforms, whose sets of cells are found by pivoting, or the same contact in another form (other "
-        "units, moved, mirrored, over two periods). The error stated is what the solution leaves of the "
-        "contact conditions, times the softness of the softest wave on its contact. Errors of nothing stand "
-        "at the left end."
+        f"paddings and {dataset.sizes['solver']} solvers. {counts['within_stated_error']} solves have an error "
+        f"within the stated one, {counts['explained_by_status']} ended with a status that explains why there "
+        f"is no answer, and {counts['wrong']} did neither. The reference answer comes from a dense matrix, built "
+        "pair by pair without transforms, whose contact sets are found by pivoting, or from an equivalent "
+        "form of the same contact (other units, shifted, mirrored, over two periods). The stated error is the "
+        "remaining violation of the contact conditions times the largest compliance of a wave in "
+        "the contact. Errors of exactly zero are drawn at the left end."
     )
 
 
 def ends_of(dataset: xr.Dataset, case: str) -> str:
     """The statuses a case ended in, most frequent first, and how many iterations that took at most."""
     one = dataset.sel(case=case)
-    asked = one["verdict"].values != VERDICTS.index("not_asked")
-    meanings = str(dataset["outcome"].attrs["flag_meanings"]).split()
-    ends, counts = np.unique(one["outcome"].values[asked].astype(int), return_counts=True)
+    applies = one["verdict"].values != VERDICTS.index("not_applicable")
+    meanings = str(dataset["solver_status"].attrs["flag_meanings"]).split()
+    ends, counts = np.unique(one["solver_status"].values[applies].astype(int), return_counts=True)
     names = [meanings[end].replace("_", " ") for end in ends[np.argsort(-counts)]]
-    return f"{', '.join(names)}; up to {int(one['iterations'].values[asked].max())} iterations"
+    return f"{', '.join(names)}; up to {int(one['iterations'].values[applies].max())} iterations"
 
 
 def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
@@ -80,7 +80,7 @@ def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
 def _hard_cases(dataset: xr.Dataset) -> Finding:
     counts = [int((dataset["verdict"] == number).sum()) for number in range(len(VERDICTS))]
     right, said, wrong, _ = counts
-    ended = dataset["verdict"] == VERDICTS.index("right")
+    ended = dataset["verdict"] == VERDICTS.index("within_stated_error")
     share = (dataset["pressure_error"] / dataset["stated_error"]).where(ended)
     claim = "Hard cases end in a right answer within a stated error, or in a sentence that says why not."
     if wrong:
@@ -101,13 +101,13 @@ def tables(dataset: xr.Dataset) -> tuple[Table, ...]:
     rows = []
     for name in (str(one) for one in dataset["case"].values):
         one = dataset.sel(case=name)
-        asked = one.where(one["verdict"] != VERDICTS.index("not_asked"))
-        right = one["verdict"] == VERDICTS.index("right")
+        applies = one.where(one["verdict"] != VERDICTS.index("not_applicable"))
+        right = one["verdict"] == VERDICTS.index("within_stated_error")
         error, stated = (
             f"{float(one[which].where(right).max()):.0e}" if right.any() else "none"
             for which in ("pressure_error", "stated_error")
         )
-        worst = VERDICTS[int(asked["verdict"].max())]
+        worst = VERDICTS[int(applies["verdict"].max())]
         hard = CASES[name].hard if name in CASES else ""
         rows.append((name, hard, ends_of(dataset, name), error, stated, worst))
     table = Table(

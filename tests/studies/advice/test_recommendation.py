@@ -93,7 +93,7 @@ def small_pareto(tmp_path_factory: pytest.TempPathFactory) -> xr.Dataset:
     """A small ``pareto`` whose times are exactly those of the model."""
     axes = {"grid": "32,48,64", "solver": "preconditioned_cg", "solver_tolerance": "1e-6,1e-8"}
     study, out = load("pareto").override(axes), tmp_path_factory.mktemp("pareto")
-    run(study, out, workers=0, repeats=1, say=quiet)
+    run(study, out, workers=0, repeats=1, log=quiet)
     dataset = read(out / "pareto.nc").assign_attrs(cpu="here")
     times = np.array([model_times(case) for case in study.cases() if isinstance(case, Case)])
     names = tuple(axis.name for axis in study.points)

@@ -11,7 +11,7 @@ from click.testing import CliRunner, Result
 
 from contactstudy import InvalidInput
 from studies.cli.commands import cli
-from studies.model.outcome import Fate
+from studies.model.outcome import CaseStatus
 from studies.registry import load
 
 COMMAND = str(Path(sys.executable).with_name("contactstudy"))
@@ -154,7 +154,10 @@ def test_an_interrupt_ends_in_one_sentence_and_leaves_nothing_half_written(
     assert "Traceback" not in err
     assert not list((tmp_path / "here").glob("*.partial*"))
     for path in (tmp_path / "here").glob("*.nc"):
-        assert set(xr.load_dataset(path)["status"].values.flat) <= {Fate.NOT_RUN, Fate.OK}
+        assert set(xr.load_dataset(path)["case_status"].values.flat) <= {
+            CaseStatus.NOT_RUN,
+            CaseStatus.OK,
+        }
 
 
 FEW = ["--padding", "exact", "--period", "2.4", "--images", "6", "--workers", "0"]
@@ -184,8 +187,8 @@ def test_fail_fast_stops_with_an_exit_code(tmp_path: Path) -> None:
     path.write_text(OWN)
     done = invoke(str(path), "--workers", "0", "--out", str(tmp_path), "--fail-fast")
     assert done.exit_code == 1
-    status = xr.load_dataset(tmp_path / "own.nc")["status"].values.tolist()
-    assert status == [Fate.FAILED, Fate.SKIPPED]
+    status = xr.load_dataset(tmp_path / "own.nc")["case_status"].values.tolist()
+    assert status == [CaseStatus.FAILED, CaseStatus.SKIPPED]
 
 
 @pytest.mark.parametrize("arguments", [["period", "--help"], ["--out", "here", "period", "-h"]])

@@ -51,9 +51,9 @@ def test_a_smooth_contact_wants_one_cell_along_its_length() -> None:
 
 
 def test_units_of_memory_and_time_are_read() -> None:
-    asked = fields("--memory", "4GB", "--seconds", "2 min")["asked"]
-    assert asked["memory"] == 4e9
-    assert asked["seconds"] == 120
+    request = fields("--memory", "4GB", "--seconds", "2 min")["asked"]
+    assert request["memory"] == 4e9
+    assert request["seconds"] == 120
     assert fields("--seconds", "10")["asked"]["seconds"] == 10
 
 

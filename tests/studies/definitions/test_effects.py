@@ -28,8 +28,8 @@ def test_every_scene_has_one_effect_more_than_the_one_before() -> None:
 
 def test_every_effect_counts_and_is_shown(tmp_path: Path) -> None:
     study = load("effects").override({"grid": "256"})
-    dataset = run(study, tmp_path, workers=0, repeats=1, say=quiet).isel(grid=0)
-    assert (dataset["outcome"] == 0).all()
+    dataset = run(study, tmp_path, workers=0, repeats=1, log=quiet).isel(grid=0)
+    assert (dataset["solver_status"] == 0).all()
     found = {name: dataset.sel(effect=name) for name in SCENES}
     # no shape keeps a field of its own; one cell along asks for a 64th, but for what any solve holds
     shapes = [float(found[name]["memory"]) for name in ("waviness", "texture", "roughness")]

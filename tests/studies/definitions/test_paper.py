@@ -21,9 +21,9 @@ def test_displacement_under_a_periodic_point_pressure(
 ) -> None:
     found = point_displacement(padding)
     middle = CELLS // 2
-    assert found["displacement_across"].values[middle] == pytest.approx(centre, abs=HALF_A_UNIT)
-    assert found["displacement_across"].values[0] == pytest.approx(across, abs=HALF_A_UNIT)
-    assert found["displacement_along"].values[0] == pytest.approx(along, abs=HALF_A_UNIT)
+    assert found["displacement_x"].values[middle] == pytest.approx(centre, abs=HALF_A_UNIT)
+    assert found["displacement_x"].values[0] == pytest.approx(across, abs=HALF_A_UNIT)
+    assert found["displacement_y"].values[0] == pytest.approx(along, abs=HALF_A_UNIT)
 
 
 def test_zero_padding_lies_on_the_point_contact() -> None:

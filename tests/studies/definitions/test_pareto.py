@@ -8,7 +8,12 @@ from studies.advice.settings_table import settings
 from studies.engine.run import run
 from studies.reference.line_contact import LINE
 from studies.registry import load
-from studies.report.drawings.cost.pareto_findings import decades, kept, never_worth, savings
+from studies.report.drawings.cost.pareto_findings import (
+    decades,
+    dominated_modes,
+    recommendation_check,
+    savings,
+)
 from studies.store.netcdf import read
 from tests.studies.conftest import quiet
 
@@ -18,7 +23,7 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> xr.Dataset:
     """Two grids, timed by the transforms they took, so that no clock decides."""
     out = tmp_path_factory.mktemp("pareto")
     axes = {"grid": "32,64", "period": "0.6,2.4", "solver_tolerance": "1e-6"}
-    run(load("pareto").override(axes), out, workers=0, repeats=1, say=quiet)
+    run(load("pareto").override(axes), out, workers=0, repeats=1, log=quiet)
     dataset = read(Path(out) / "pareto.nc")
     points = dataset["grid"] ** 2 * xr.where(dataset["padding"] == LINE, 1 / dataset["grid"], 1)
     padded = points * xr.where(dataset["padding"].isin(["zero", "superposed"]), 2, 1)
@@ -48,7 +53,7 @@ def test_points_of_one_computation_count_once(swept: xr.Dataset) -> None:
 
 
 def test_padding_the_length_with_zeros_never_pays(swept: xr.Dataset) -> None:
-    claim, measured = never_worth(swept)
+    claim, measured = dominated_modes(swept)
     assert claim.startswith("Never worth using: zero")
     assert "superposed" in claim
     assert "exact is the only one" in measured
@@ -63,4 +68,4 @@ def test_only_exact_periodicity_buys_the_fifth_digit(swept: xr.Dataset) -> None:
     assert np.isfinite(bought["exact", "0.6 a"][3])
     assert not np.isfinite(bought["circular", "0.6 a"][3])
     assert bought[LINE, "any"][3] < bought["exact", "2.4 a"][3]
-    assert "100 %" in kept(swept)[0]
+    assert "100 %" in recommendation_check(swept)[0]

@@ -10,13 +10,13 @@ from tests.studies.conftest import quiet
 
 def test_a_program_that_is_not_there_is_a_failed_case_that_says_so(tmp_path: Path) -> None:
     study = load("peers").override({"grid": "32"})
-    dataset = run(study, tmp_path, workers=0, repeats=1, say=quiet).isel(grid=0)
+    dataset = run(study, tmp_path, workers=0, repeats=1, log=quiet).isel(grid=0)
     ours = dataset.sel(program="contactstudy")
-    assert (ours["status"] == 1).all()
+    assert (ours["case_status"] == 1).all()
     assert (ours["difference"] < 1e-7).all()
     assert np.isfinite(ours["solve_time"]).all()
     absent = dataset.sel(program="tamaas", boundary="semi-periodic")
-    assert int(absent["status"]) == 2
+    assert int(absent["case_status"]) == 2
     assert load_drawing("peers").figure(
         dataset.expand_dims(grid=[32]).transpose("program", "boundary", "grid", ...)
     )
@@ -31,6 +31,6 @@ def test_programs_agree_where_they_hold_pressure_constant_in_cells(
 ) -> None:
     pytest.importorskip(program)
     study = load("peers").override({"grid": "32", "program": program, "boundary": boundaries})
-    dataset = run(study, tmp_path, workers=0, repeats=1, say=quiet)
+    dataset = run(study, tmp_path, workers=0, repeats=1, log=quiet)
     assert (abs(dataset["load_carried"] - 1) < 1e-6).all()
     assert (dataset["difference"] < 1e-2).all()  # 10 images leave 3e-3

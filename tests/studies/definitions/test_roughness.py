@@ -26,7 +26,7 @@ POINT = {
 }
 
 
-def compared(**changed: float) -> xr.Dataset:
+def sweeps_with_estimates(**changed: float) -> xr.Dataset:
     """What one surface gives, by padding; on a grid half as fine as the study's."""
     comparison = scene_at(POINT | changed)
     return xr.Dataset(measures(comparison, comparison.run(comparison.prepare())))
@@ -36,7 +36,9 @@ def compared(**changed: float) -> xr.Dataset:
 def by_images() -> dict[tuple[float, int], xr.Dataset]:
     """By rms and the number of images."""
     return {
-        (rms, images): compared(rms=rms, images=images) for rms in (0.0, 0.3) for images in (2, 6)
+        (rms, images): sweeps_with_estimates(rms=rms, images=images)
+        for rms in (0.0, 0.3)
+        for images in (2, 6)
     }
 
 
@@ -71,7 +73,7 @@ def test_a_window_is_a_more_curved_cylinder_on_any_surface(
 
 
 def test_zero_padding_ends_the_length_and_exact_errs_nowhere() -> None:
-    found = compared()
+    found = sweeps_with_estimates()
     exact, zero = found.sel(padding="exact"), found.sel(padding="zero")
     for error in (
         "pressure_error_l1",
@@ -87,7 +89,8 @@ def test_zero_padding_ends_the_length_and_exact_errs_nowhere() -> None:
 def test_a_padding_errs_as_much_on_a_finer_grid() -> None:
     """The error is the window's, not the grid's."""
     coarse, fine = (
-        compared(grid=cells).sel(padding=["duplicated", "circular"]) for cells in (80, 160)
+        sweeps_with_estimates(grid=cells).sel(padding=["duplicated", "circular"])
+        for cells in (80, 160)
     )
     ratio = coarse["pressure_error_l1"] / fine["pressure_error_l1"]
     assert (abs(ratio - 1) < 0.05).all()
@@ -95,7 +98,7 @@ def test_a_padding_errs_as_much_on_a_finer_grid() -> None:
 
 def test_the_surface_is_the_same_in_a_longer_period() -> None:
     """Exact periodicity gives each half of a doubled period the answer of the whole."""
-    one, two = (compared(period=period).sel(padding="exact") for period in (2.4, 4.8))
+    one, two = (sweeps_with_estimates(period=period).sel(padding="exact") for period in (2.4, 4.8))
     for answer in ("contact_area", "half_width", "peak_pressure", "load_spread"):
         # to the solver's tolerance, magnified where cells barely touch
         assert float(one[answer]) == pytest.approx(float(two[answer]), rel=1e-3)
@@ -103,7 +106,7 @@ def test_the_surface_is_the_same_in_a_longer_period() -> None:
 
 def test_roughness_takes_area_and_spreads_the_load() -> None:
     smooth, rough, across = (
-        compared(rms=rms, peklenik=lay).sel(padding="exact")
+        sweeps_with_estimates(rms=rms, peklenik=lay).sel(padding="exact")
         for rms, lay in ((0.0, 1.0), (0.1, 0.5), (0.1, 2.0))
     )
     assert float(smooth["load_spread"]) < 1e-6
@@ -147,6 +150,6 @@ def test_a_point_that_cannot_be_is_refused(axis: str, values: str, message: str)
 def test_figures_can_be_drawn_of_one_surface(rms: str, tmp_path: Path) -> None:
     one = {"rms": rms, "hurst": "0.8", "peklenik": "1", "seed": "1", "images": "0", "grid": "40"}
     study = load("roughness").override(one)
-    run(study, tmp_path, workers=0, repeats=1, say=quiet)
+    run(study, tmp_path, workers=0, repeats=1, log=quiet)
     report.draw(study, load_drawing("roughness"), tmp_path)
     assert len(list((tmp_path / "roughness").glob("*.png"))) == 3

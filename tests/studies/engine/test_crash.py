@@ -16,28 +16,28 @@ import pytest
 import xarray as xr
 
 from contactstudy import InvalidInput
-from studies.engine.options import Settings
+from studies.engine.options import RunOptions
 from studies.engine.run import run
 from studies.model.axis import Axis
-from studies.model.outcome import Fate
+from studies.model.outcome import CaseStatus
 from studies.model.study import Point
-from studies.store import request as asked
-from studies.store.lock import holding
+from studies.store import request as request
+from studies.store.lock import locked
 from tests.studies.conftest import quiet
 from tests.studies.engine import trouble
 from tests.studies.engine.trouble import Trouble
 
 ROOT = Path(__file__).parents[3]
-ALONE = Settings(workers=0, repeats=1)
+ALONE = RunOptions(workers=0, repeats=1)
 SCRIPT = """
 import sys
 from pathlib import Path
-from studies.engine.options import Settings
+from studies.engine.options import RunOptions
 from studies.engine.run import run
 from tests.studies.engine import trouble
 out, log, workers, numbers, seconds = sys.argv[1:]
 study = trouble.study([n + 0.5 for n in range(int(numbers))], log, float(seconds))
-run(study, Path(out), settings=Settings(workers=int(workers), repeats=0))
+run(study, Path(out), options=RunOptions(workers=int(workers), repeats=0))
 """
 
 
@@ -82,40 +82,43 @@ def test_a_kill_loses_at_most_one_case_a_worker(workers: int, start: Start, tmp_
     wait_for(log, 12)
     first.kill()
     first.communicate()
-    assert set(xr.load_dataset(tmp_path / "trouble.nc")["status"].values) <= {Fate.NOT_RUN, Fate.OK}
+    assert set(xr.load_dataset(tmp_path / "trouble.nc")["case_status"].values) <= {
+        CaseStatus.NOT_RUN,
+        CaseStatus.OK,
+    }
     time.sleep(0.3)  # for what the workers were at
     begun = len(lines(log))
     study = trouble.study([n + 0.5 for n in range(30)], str(log))
-    dataset = run(study, tmp_path, settings=replace(ALONE, repeats=0), say=quiet)
+    dataset = run(study, tmp_path, options=replace(ALONE, repeats=0), log=quiet)
     assert len(lines(log)) - begun < 30
     # a case that was begun before and is computed again was one of those in hand
     twice = len(lines(log)) - len(set(lines(log)))
     assert twice <= max(workers, 1)
-    assert (dataset["status"] == Fate.OK).all()
+    assert (dataset["case_status"] == CaseStatus.OK).all()
     np.testing.assert_array_equal(dataset["square"], dataset["number"] ** 2)
 
 
 def test_a_torn_last_line_is_cut_off(tmp_path: Path) -> None:
     log = tmp_path / "log"
     study = trouble.study([0, 1, 2], str(log))
-    run(study, tmp_path, settings=ALONE, say=quiet)
+    run(study, tmp_path, options=ALONE, log=quiet)
     journal = tmp_path / "trouble.journal.jsonl"
     whole = journal.read_bytes()
     last = whole.rindex(b'{"case"')
     journal.write_bytes(whole[: last + 40])
     log.unlink()
-    dataset = run(study, tmp_path, settings=replace(ALONE, repeats=0), say=quiet)
+    dataset = run(study, tmp_path, options=replace(ALONE, repeats=0), log=quiet)
     assert lines(log) == ["2.0"]
-    assert (dataset["status"] == Fate.OK).all()
+    assert (dataset["case_status"] == CaseStatus.OK).all()
 
 
 def test_growing_reruns_nothing_and_keeps_every_bit(tmp_path: Path) -> None:
     log = tmp_path / "log"
     few = [0.1, 0.3, 1 / 7]
-    before = run(trouble.study(few, str(log)), tmp_path, settings=ALONE, say=quiet)
+    before = run(trouble.study(few, str(log)), tmp_path, options=ALONE, log=quiet)
     count = len(lines(log))
     more = [0.1, 3 * 0.1, 1 / 7, 1e10, 5.0]
-    after = run(trouble.study(more, str(log)), tmp_path, settings=ALONE, say=quiet)
+    after = run(trouble.study(more, str(log)), tmp_path, options=ALONE, log=quiet)
     assert set(lines(log)[count:]) == {"10000000000.0", "5.0"}
     xr.testing.assert_identical(
         before.drop_attrs(), after.isel(number=slice(3)).drop_attrs().reset_coords(drop=True)
@@ -125,7 +128,7 @@ def test_growing_reruns_nothing_and_keeps_every_bit(tmp_path: Path) -> None:
 def test_a_new_parameter_at_its_default_reruns_nothing(tmp_path: Path) -> None:
     log = tmp_path / "log"
     study = trouble.study([1, 2], str(log))
-    before = run(study, tmp_path, settings=ALONE, say=quiet)
+    before = run(study, tmp_path, options=ALONE, log=quiet)
 
     def scene_at(point: Point) -> Trouble:
         return Trouble(float(point["number"]), float(point["offset"]), str(log))
@@ -133,7 +136,7 @@ def test_a_new_parameter_at_its_default_reruns_nothing(tmp_path: Path) -> None:
     offset = Axis("offset", (0.0, 1.0), "what is added")
     count = len(lines(log))
     grown = replace(study, points=(*study.points, offset), scene_at=scene_at)
-    after = run(grown, tmp_path, settings=replace(ALONE, repeats=0), say=quiet)
+    after = run(grown, tmp_path, options=replace(ALONE, repeats=0), log=quiet)
     assert len(lines(log)) - count == 2
     old = after.sel(offset=0.0)
     for name in ("square", "third", "powers"):
@@ -148,40 +151,40 @@ def test_a_changed_measure_scene_or_version_is_said_and_not_mixed_in(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     study = trouble.study([1, 2])
-    run(study, tmp_path, settings=ALONE, say=quiet)
+    run(study, tmp_path, options=ALONE, log=quiet)
     said: list[str] = []
     changed = replace(study, measures=other_measures)
-    dataset = run(changed, tmp_path, settings=ALONE, say=said.append)
+    dataset = run(changed, tmp_path, options=ALONE, log=said.append)
     assert dataset["square"].values.tolist() == [2.0, 8.0]
     assert any("2 stored cases are computed anew, since measures was" in line for line in said)
 
     said.clear()
     moved = replace(study, scene_at=lambda point: Trouble(float(point["number"]) + 20))
-    dataset = run(moved, tmp_path, settings=ALONE, say=said.append)
+    dataset = run(moved, tmp_path, options=ALONE, log=said.append)
     assert dataset["square"].values.tolist() == [441.0, 484.0]
     assert any("case.number was" in line for line in said)
 
     said.clear()
-    monkeypatch.setattr(asked, "versions", lambda: {"contactstudy": "9.9"})
-    run(study, tmp_path, settings=ALONE, say=said.append)
+    monkeypatch.setattr(request, "versions", lambda: {"contactstudy": "9.9"})
+    run(study, tmp_path, options=ALONE, log=said.append)
     assert any("contactstudy was 0.1.0 and is 9.9" in line for line in said)
 
 
 def test_failures_are_kept_until_they_are_to_be_tried_again(tmp_path: Path) -> None:
     log = tmp_path / "log"
     study = trouble.study([1, trouble.RAISES], str(log))
-    run(study, tmp_path, settings=replace(ALONE, repeats=0), say=quiet)
+    run(study, tmp_path, options=replace(ALONE, repeats=0), log=quiet)
     log.unlink()
-    run(study, tmp_path, settings=replace(ALONE, repeats=0), say=quiet)
+    run(study, tmp_path, options=replace(ALONE, repeats=0), log=quiet)
     assert lines(log) == []
-    again = replace(ALONE, repeats=0, retry=frozenset({Fate.FAILED}))
-    run(study, tmp_path, settings=again, say=quiet)
+    again = replace(ALONE, repeats=0, retry=frozenset({CaseStatus.FAILED}))
+    run(study, tmp_path, options=again, log=quiet)
     assert lines(log) == ["3.0"]
 
 
 def test_a_second_run_says_who_holds_the_output_and_waits(start: Start, tmp_path: Path) -> None:
     log = tmp_path / "log"
-    with holding(tmp_path / ".trouble.lock", quiet):
+    with locked(tmp_path / ".trouble.lock", quiet):
         second = start(log, 0, 3, 0.0)
         assert second.stdout is not None
         assert f"waiting for process {os.getpid()} on " in second.stdout.readline()
@@ -194,7 +197,7 @@ def test_a_second_run_says_who_holds_the_output_and_waits(start: Start, tmp_path
 
 def test_a_full_disk_is_said_and_what_was_stored_stays(tmp_path: Path) -> None:
     study = trouble.study([0, 1, 2])
-    before = run(study, tmp_path, settings=ALONE, say=quiet)
+    before = run(study, tmp_path, options=ALONE, log=quiet)
     whole = (tmp_path / "trouble.journal.jsonl").read_bytes()
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
     deaf = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
@@ -203,19 +206,19 @@ def test_a_full_disk_is_said_and_what_was_stored_stays(tmp_path: Path) -> None:
         with pytest.raises(
             InvalidInput, match=r"^Journal .* cannot be written .*what was stored is kept"
         ):
-            run(trouble.study(range(20, 60)), tmp_path, settings=ALONE, say=quiet)
+            run(trouble.study(range(20, 60)), tmp_path, options=ALONE, log=quiet)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
         signal.signal(signal.SIGXFSZ, deaf)
     assert (tmp_path / "trouble.journal.jsonl").read_bytes()[: len(whole)] == whole
     xr.testing.assert_identical(xr.load_dataset(tmp_path / "trouble.nc"), before)
-    run(study, tmp_path, settings=ALONE, say=quiet)
+    run(study, tmp_path, options=ALONE, log=quiet)
 
 
 def test_a_journal_that_cannot_be_opened_is_said(tmp_path: Path) -> None:
     (tmp_path / "trouble.journal.jsonl").mkdir()
     with pytest.raises(InvalidInput, match=r"^Journal .* cannot be read \(Is a directory\)"):
-        run(trouble.study([1]), tmp_path, settings=ALONE, say=quiet)
+        run(trouble.study([1]), tmp_path, options=ALONE, log=quiet)
 
 
 def test_an_interrupt_keeps_what_is_done_and_says_how_to_go_on(
@@ -228,6 +231,6 @@ def test_an_interrupt_keeps_what_is_done_and_says_how_to_go_on(
     out, _ = running.communicate(timeout=60)
     assert running.returncode == -signal.SIGINT
     assert "of 30 cases are stored; run the same command to go on" in out
-    status = xr.load_dataset(tmp_path / "trouble.nc")["status"].values.tolist()
-    assert status.count(Fate.OK) >= 5
-    assert set(status) == {Fate.OK, Fate.NOT_RUN}
+    status = xr.load_dataset(tmp_path / "trouble.nc")["case_status"].values.tolist()
+    assert status.count(CaseStatus.OK) >= 5
+    assert set(status) == {CaseStatus.OK, CaseStatus.NOT_RUN}

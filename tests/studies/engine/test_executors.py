@@ -14,24 +14,30 @@ import xarray as xr
 
 from contactstudy import InvalidInput
 from studies.engine.cluster import Cluster
-from studies.engine.executors import Crew
-from studies.engine.options import Settings
+from studies.engine.executors import ProcessPool
+from studies.engine.options import RunOptions
 from studies.engine.run import run
-from studies.model.outcome import Fate, Outcome, Work
+from studies.model.outcome import CaseStatus, Outcome, Work
 from tests.studies.conftest import quiet
 from tests.studies.engine import trouble
 from tests.studies.engine.trouble import DIES, HANGS, NAN, RAISES, Trouble
 
 LIMIT = 1.5  # seconds; a case takes microseconds
-TROUBLES = {RAISES: Fate.FAILED, NAN: Fate.FAILED, HANGS: Fate.TIMEOUT, DIES: Fate.KILLED}
+TROUBLES = {
+    RAISES: CaseStatus.FAILED,
+    NAN: CaseStatus.FAILED,
+    HANGS: CaseStatus.TIMEOUT,
+    DIES: CaseStatus.KILLED,
+}
 
 
 def examine(dataset: xr.Dataset) -> None:
     """Sixteen are right, four are labelled."""
     status = {
-        int(n): Fate(int(s)) for n, s in zip(dataset["number"], dataset["status"], strict=True)
+        int(n): CaseStatus(int(s))
+        for n, s in zip(dataset["number"], dataset["case_status"], strict=True)
     }
-    assert status == {n: TROUBLES.get(n, Fate.OK) for n in range(20)}
+    assert status == {n: TROUBLES.get(n, CaseStatus.OK) for n in range(20)}
     good = dataset.sel(number=[n for n in range(20) if n not in TROUBLES])
     np.testing.assert_array_equal(good["square"], good["number"] ** 2)
     assert not good["error"].values.any()
@@ -47,24 +53,24 @@ def examine(dataset: xr.Dataset) -> None:
 
 
 def test_processes_label_four_troubles_among_twenty(tmp_path: Path) -> None:
-    settings = Settings(workers=2, time_limit=LIMIT, repeats=1)
-    examine(run(trouble.study(), tmp_path, settings=settings, say=quiet))
+    settings = RunOptions(workers=2, time_limit=LIMIT, repeats=1)
+    examine(run(trouble.study(), tmp_path, options=settings, log=quiet))
 
 
 def test_a_crew_goes_from_study_to_study_and_outlives_their_troubles(tmp_path: Path) -> None:
     """Its processes stay, take the measures of each study, and end with it."""
     found: dict[int, Outcome] = {}
-    with Crew(1) as crew:
-        crew.run([Trouble(2.0)], Work(trouble.measures), found.__setitem__)
+    with ProcessPool(1) as pool:
+        pool.run([Trouble(2.0)], Work(trouble.measures), found.__setitem__)
         assert float(found[0].variables["square"]) == 4
         processes = []
         for _ in range(2):
-            crew.run([Trouble(1.0)], Work(process), found.__setitem__)
+            pool.run([Trouble(1.0)], Work(process), found.__setitem__)
             processes.append(int(found[0].variables["process"]))
         assert processes[0] == processes[1] != os.getpid()
-        settings = Settings(time_limit=LIMIT, repeats=1)
-        examine(run(trouble.study(), tmp_path, settings=settings, say=quiet, engine=crew))
-        crew.run([Trouble(1.0)], Work(process), found.__setitem__)
+        settings = RunOptions(time_limit=LIMIT, repeats=1)
+        examine(run(trouble.study(), tmp_path, options=settings, log=quiet, executor=pool))
+        pool.run([Trouble(1.0)], Work(process), found.__setitem__)
         processes.append(int(found[0].variables["process"]))
     for one in processes:
         with pytest.raises(ProcessLookupError):
@@ -77,10 +83,10 @@ def test_a_crew_that_was_stopped_starts_anew() -> None:
     def stop(number: int, outcome: Outcome) -> None:
         raise KeyboardInterrupt
 
-    with Crew(2) as crew:
+    with ProcessPool(2) as pool:
         with pytest.raises(KeyboardInterrupt):
-            crew.run([Trouble(1.0), Trouble(HANGS)], Work(trouble.measures), stop)
-        crew.run([Trouble(2.0)], Work(trouble.measures), found.__setitem__)
+            pool.run([Trouble(1.0), Trouble(HANGS)], Work(trouble.measures), stop)
+        pool.run([Trouble(2.0)], Work(trouble.measures), found.__setitem__)
     assert float(found[0].variables["square"]) == 4
 
 
@@ -91,10 +97,10 @@ def process(case: Trouble, result: float) -> dict[str, float]:
 SCRIPT = """
 import sys
 from pathlib import Path
-from studies.engine.options import Settings
+from studies.engine.options import RunOptions
 from studies.engine.run import run
 from tests.studies.engine import trouble
-run(trouble.study(), Path(sys.argv[1]), settings=Settings(workers=0, time_limit=1.5, repeats=1))
+run(trouble.study(), Path(sys.argv[1]), options=RunOptions(workers=0, time_limit=1.5, repeats=1))
 """
 
 
@@ -157,18 +163,18 @@ def test_a_cluster_labels_four_troubles_and_outlives_a_worker(
     cluster: Running, tmp_path: Path
 ) -> None:
     address, workers = cluster
-    settings = Settings(scheduler=address, time_limit=LIMIT, repeats=1)
-    examine(run(trouble.study(), tmp_path, settings=settings, say=quiet))
+    settings = RunOptions(scheduler=address, time_limit=LIMIT, repeats=1)
+    examine(run(trouble.study(), tmp_path, options=settings, log=quiet))
 
     log = tmp_path / "log"
     slow = trouble.study([n + 0.5 for n in range(24)], log=str(log), seconds=0.1)
     watcher = subprocess.Popen(
         [sys.executable, "-c", WATCH, str(log), str(workers[0].pid)],
     )
-    dataset = run(slow, tmp_path / "second", settings=settings, say=quiet)
+    dataset = run(slow, tmp_path / "second", options=settings, log=quiet)
     assert watcher.wait() == 0
     assert workers[0].wait() == -signal.SIGKILL
-    assert (dataset["status"] == Fate.OK).all()
+    assert (dataset["case_status"] == CaseStatus.OK).all()
     np.testing.assert_array_equal(dataset["square"], dataset["number"] ** 2)
 
 
@@ -188,7 +194,9 @@ def test_a_scheduler_that_is_not_there_is_said() -> None:
 
 
 def test_the_first_failure_stops_a_run_that_is_to_stop(tmp_path: Path) -> None:
-    settings = Settings(workers=0, after_failure="stop", repeats=1)
-    dataset = run(trouble.study(), tmp_path, settings=settings, say=quiet)
-    status = dataset["status"].values.tolist()
-    assert status == [Fate.OK] * RAISES + [Fate.FAILED] + [Fate.SKIPPED] * (19 - RAISES)
+    settings = RunOptions(workers=0, after_failure="stop", repeats=1)
+    dataset = run(trouble.study(), tmp_path, options=settings, log=quiet)
+    status = dataset["case_status"].values.tolist()
+    assert status == [CaseStatus.OK] * RAISES + [CaseStatus.FAILED] + [CaseStatus.SKIPPED] * (
+        19 - RAISES
+    )

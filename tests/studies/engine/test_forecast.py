@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from studies.engine.forecast import Forecast, forecast, observations, score
 from studies.engine.forecast_model import Estimate, ForecastModel, Observation, total
-from studies.engine.options import Settings
-from studies.engine.run import foresee, run
+from studies.engine.options import RunOptions
+from studies.engine.run import estimate_cost, run
 from studies.reference.line_contact import scene_at
 from studies.registry import load
 from studies.store.identity import canonical
@@ -75,7 +75,7 @@ def test_a_power_is_found_and_uncertainty_grows_with_distance(power: float, scal
 
 def test_a_case_that_counts_no_iterations_takes_one(tmp_path: Path) -> None:
     """Else the time of each would be without end, and with it all that is like nothing stored."""
-    run(trouble.study([1.0]), tmp_path, settings=Settings(workers=0, repeats=1), say=quiet)
+    run(trouble.study([1.0]), tmp_path, options=RunOptions(workers=0, repeats=1), log=quiet)
     journal = Journal(tmp_path / "trouble.journal.jsonl", None, machine())
     (found,) = observations(journal.contents)
     assert found.known["iterations"] == 1
@@ -118,17 +118,19 @@ def test_a_forecast_is_scored_by_what_was_taken() -> None:
 def test_a_dry_run_foresees_and_leaves_nothing_and_a_run_keeps_its_score(tmp_path: Path) -> None:
     study = load("grid").override({"padding": "exact,zero", "grid": "16,24,32"})
     said: list[str] = []
-    assert foresee(study, tmp_path / "no", settings=Settings(), say=said.append).seconds is None
+    assert (
+        estimate_cost(study, tmp_path / "no", options=RunOptions(), log=said.append).seconds is None
+    )
     assert not (tmp_path / "no").exists()
     assert "6 distinct cases, 0 stored, 6 to compute" in said[0]
-    run(study, tmp_path, workers=0, repeats=1, say=quiet)
+    run(study, tmp_path, workers=0, repeats=1, log=quiet)
     before = sorted(path.name for path in tmp_path.iterdir())
     grown = study.override({"grid": "16,24,32,48"})
-    forecast = foresee(grown, tmp_path, settings=Settings(workers=0), say=quiet)
+    forecast = estimate_cost(grown, tmp_path, options=RunOptions(workers=0), log=quiet)
     assert forecast.cases == 2
     assert forecast.seconds is not None
     assert forecast.size is not None
     assert sorted(path.name for path in tmp_path.iterdir()) == before
-    dataset = run(grown, tmp_path, workers=0, repeats=1, say=quiet)
+    dataset = run(grown, tmp_path, workers=0, repeats=1, log=quiet)
     assert dataset.attrs["predicted_seconds"] == pytest.approx(forecast.seconds.value)
     assert dataset.attrs["taken_seconds"] > 0

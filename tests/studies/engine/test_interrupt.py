@@ -4,14 +4,14 @@ import threading
 
 import pytest
 
-from studies.store.interrupt import held_back
+from studies.store.interrupt import interrupts_deferred
 
 
 def test_an_interrupt_comes_after_what_must_not_be_left_half_way() -> None:
     done = []
 
     def work() -> None:
-        with held_back():
+        with interrupts_deferred():
             os.kill(os.getpid(), signal.SIGINT)
             done.append("whole")
         done.append("beyond")
@@ -28,7 +28,7 @@ def test_an_interrupt_comes_after_what_must_not_be_left_half_way() -> None:
 
 def test_what_goes_wrong_meanwhile_is_not_hidden_by_an_interrupt() -> None:
     def work() -> None:
-        with held_back():
+        with interrupts_deferred():
             os.kill(os.getpid(), signal.SIGINT)
             raise OSError("full")
 
@@ -43,7 +43,7 @@ def test_what_goes_wrong_meanwhile_is_not_hidden_by_an_interrupt() -> None:
 def test_where_an_interrupt_is_ignored_it_stays_so() -> None:
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
-        with held_back():
+        with interrupts_deferred():
             os.kill(os.getpid(), signal.SIGINT)
         assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
     finally:
@@ -54,7 +54,7 @@ def test_in_another_thread_nothing_is_held_back() -> None:
     entered = []
 
     def work() -> None:
-        with held_back():
+        with interrupts_deferred():
             entered.append(signal.getsignal(signal.SIGINT))
 
     before = signal.getsignal(signal.SIGINT)

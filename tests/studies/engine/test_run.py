@@ -30,7 +30,7 @@ def test_every_selection_is_filled(dataset: xr.Dataset) -> None:
     for name in NUMBERS:
         assert dataset[name].dims == axes
         assert np.isfinite(dataset[name]).all(), name
-    assert (dataset["status"] == 1).all()
+    assert (dataset["case_status"] == 1).all()
 
 
 def test_estimates_bound_the_errors_of_a_sweep(dataset: xr.Dataset) -> None:
@@ -58,10 +58,10 @@ def test_every_variable_says_what_it_is_and_in_which_unit(dataset: xr.Dataset) -
     for name, variable in dataset.variables.items():
         assert variable.attrs["long_name"], name
         assert (
-            name in ("padding", "status", "outcome", "contended", "case_key")
+            name in ("padding", "case_status", "solver_status", "contended", "case_key")
             or variable.attrs["units"]
         ), name
-    for name in ("status", "outcome", "contended"):
+    for name in ("case_status", "solver_status", "contended"):
         flags = dataset[name].attrs
         assert dataset[name].dtype == np.int8
         assert len(flags["flag_values"]) == len(flags["flag_meanings"].split())
@@ -105,7 +105,7 @@ def test_processes_give_the_numbers_of_one_process(
     dataset: xr.Dataset, small_study: Study, tmp_path: Path
 ) -> None:
     few = small_study.override({"padding": "zero,exact", "images": [1], "grid": [16]})
-    shared = run(few, tmp_path, workers=2, repeats=1, say=quiet)
+    shared = run(few, tmp_path, workers=2, repeats=1, log=quiet)
     same = dataset.sel(padding=["zero", "exact"], images=[1], grid=[16])
     for name in ("peak_pressure_error", "residual", "iterations"):
         np.testing.assert_array_equal(shared[name], same[name])
@@ -120,9 +120,9 @@ def failing(case: Case, solution: cs.Solution) -> dict[str, xr.Variable]:
 def test_a_case_that_fails_is_data_and_the_others_go_on(small_study: Study, tmp_path: Path) -> None:
     study = replace(small_study.override({"period": [1.0], "grid": [16]}), measures=failing)
     lines: list[str] = []
-    run(study, tmp_path, workers=0, repeats=1, say=lines.append)
+    run(study, tmp_path, workers=0, repeats=1, log=lines.append)
     dataset = read(tmp_path / "padding.nc")
-    failed = dataset["status"] == 2
+    failed = dataset["case_status"] == 2
     assert int(failed.sum()) == 1
     assert bool(failed.sel(padding="superposed", images=1).item())
     reason = str(dataset["error"].sel(padding="superposed", images=1).item())
@@ -134,7 +134,7 @@ def test_a_case_that_fails_is_data_and_the_others_go_on(small_study: Study, tmp_
 
 def test_nothing_is_written_when_a_point_is_bad(small_study: Study, tmp_path: Path) -> None:
     with pytest.raises(cs.InvalidInput):
-        run(small_study.override({"period": "1,0"}), tmp_path / "new", say=quiet)
+        run(small_study.override({"period": "1,0"}), tmp_path / "new", log=quiet)
     assert not (tmp_path / "new").exists()
 
 

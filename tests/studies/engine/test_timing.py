@@ -6,10 +6,10 @@ import pytest
 
 from contactstudy import InvalidInput
 from studies.engine import timing
-from studies.engine.options import Settings
+from studies.engine.options import RunOptions
 from studies.engine.run import run
-from studies.engine.timing import turns
-from studies.model.outcome import Fate
+from studies.engine.timing import rounds
+from studies.model.outcome import CaseStatus
 from studies.model.timing_samples import Sample, is_contended, timing_variables
 from tests.studies.conftest import quiet
 from tests.studies.engine import trouble
@@ -20,7 +20,7 @@ def sample(wall: float, cpu: float | None = None) -> Sample:
 
 
 def test_repeats_are_interleaved_between_cases() -> None:
-    assert list(turns({"a": 2, "b": 1, "c": 2})) == [
+    assert list(rounds({"a": 2, "b": 1, "c": 2})) == [
         (0, "a"), (0, "b"), (0, "c"), (1, "a"), (1, "c"),
     ]  # fmt: skip
 
@@ -65,12 +65,12 @@ def test_stored_times_are_not_taken_again_unless_asked(tmp_path: Path) -> None:
     log = tmp_path / "log"
     study = trouble.study([1.0, 2.0], log=str(log))
 
-    def times(settings: Settings) -> tuple[np.ndarray, int]:
+    def times(settings: RunOptions) -> tuple[np.ndarray, int]:
         before = len(log.read_text().splitlines()) if log.exists() else 0
-        data = run(study, tmp_path, settings=settings, say=quiet)["solve_time_all"].values
+        data = run(study, tmp_path, options=settings, log=quiet)["solve_time_all"].values
         return data, len(log.read_text().splitlines()) - before
 
-    once = Settings(workers=0, repeats=2)
+    once = RunOptions(workers=0, repeats=2)
     first, _ = times(once)
     again, taken = times(once)
     np.testing.assert_array_equal(first, again)
@@ -87,27 +87,27 @@ def test_the_longest_short_case_of_each_kind_is_run_untimed_before_all(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     clocked: list[object] = []
-    monkeypatch.setattr(timing, "clock", lambda case: clocked.append(case) or sample(1.0))
+    monkeypatch.setattr(timing, "time_once", lambda case: clocked.append(case) or sample(1.0))
     expected = {"tiny": 0.01, "short": 0.1, "long": 9.0, "other": 0.02, "slow": 8.0}
     kinds = {"tiny": "a", "short": "a", "long": "a", "other": "b", "slow": "c"}
     cases = {name: trouble.Trouble(float(number)) for number, name in enumerate(expected)}
     taken: list[str] = []
-    timing.time(cases, dict.fromkeys(cases, 1), expected, kinds, lambda key, _: taken.append(key))
+    timing.time_cases(cases, dict.fromkeys(cases, 1), expected, kinds, lambda key, _: taken.append(key))
     assert taken == list(cases)
     assert set(clocked[:2]) == {cases["short"], cases["other"]}
     assert clocked[2:] == list(cases.values())
 
 
 def test_what_failed_is_not_timed(tmp_path: Path) -> None:
-    dataset = run(trouble.study([1.0, 3.0]), tmp_path, workers=0, repeats=1, say=quiet)
-    assert dataset["status"].values.tolist() == [Fate.OK, Fate.FAILED]
+    dataset = run(trouble.study([1.0, 3.0]), tmp_path, workers=0, repeats=1, log=quiet)
+    assert dataset["case_status"].values.tolist() == [CaseStatus.OK, CaseStatus.FAILED]
     assert dataset["contended"].values.tolist()[1] == 2
 
 
 def test_a_study_that_wants_no_times_is_not_timed(tmp_path: Path) -> None:
     log = tmp_path / "log"
     study = replace(trouble.study([1.0, 2.0], log=str(log)), times="none")
-    dataset = run(study, tmp_path, settings=Settings(workers=0), say=quiet)
+    dataset = run(study, tmp_path, options=RunOptions(workers=0), log=quiet)
     assert len(log.read_text().splitlines()) == 2
     assert dataset["contended"].values.tolist() == [2, 2]
     with pytest.raises(InvalidInput, match=r"^times is 'some'"):

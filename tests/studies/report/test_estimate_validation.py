@@ -35,7 +35,9 @@ def test_an_estimate_below_its_error_shows_in_the_claim(made_up: xr.Dataset) -> 
 def test_only_sweeps_with_an_estimate_are_compared(small_run: Path, made_up: xr.Dataset) -> None:
     bare = made_up.drop_vars(list(estimate_validation.METRICS))
     sweep = read(small_run / "padding.nc")
-    assert list(estimate_validation.compared({"bare": bare, "padding": sweep})) == ["padding"]
+    assert list(estimate_validation.sweeps_with_estimates({"bare": bare, "padding": sweep})) == [
+        "padding"
+    ]
     assert (
         estimate_validation.figure({"padding": sweep}).figure.axes[0].get_title()
         == "highest pressure"

@@ -29,7 +29,7 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
         study = load(name)
         axes = {axis.name: FEW[axis.name] for axis in study.points if axis.name in FEW}
         few = study.override(ROUGH if name == "roughness" else axes)
-        run(few, folder, workers=0, repeats=1, say=quiet)
+        run(few, folder, workers=0, repeats=1, log=quiet)
     report.write(folder)
     return folder
 
@@ -94,10 +94,10 @@ def test_report_has_a_summary_then_every_study_in_order(out: Path) -> None:
         re.search('aria-labelledby="(.*?)"', section)[1]  # type: ignore[index]
         for section in sections
     ] == [*BUILT_IN, "estimate_validation"]
-    asked = re.findall(r'class="question">(.*?)<', summary)
-    assert asked[:4] == ["Which padding?", "What does it cost?", "What n?", "What period?"]
-    first = asked.index("The paper&#39;s first claim")
-    assert asked[first + 1] == "The paper&#39;s second claim"
+    request = re.findall(r'class="question">(.*?)<', summary)
+    assert request[:4] == ["Which padding?", "What does it cost?", "What n?", "What period?"]
+    first = request.index("The paper&#39;s first claim")
+    assert request[first + 1] == "The paper&#39;s second claim"
     for name in BUILT_IN:
         assert f'href="#{name}"' in contents
         assert f'href="{name}.nc"' in text
@@ -132,7 +132,7 @@ def test_figures_can_be_drawn_of_one_mode_at_one_point(
     study: Study = load(name).override(
         {"padding": padding, "images": "1", "period": "1.2", "grid": "16"}
     )
-    run(study, tmp_path, workers=0, repeats=1, say=quiet)
+    run(study, tmp_path, workers=0, repeats=1, log=quiet)
     report.draw(study, load_drawing(name), tmp_path)
     assert list((tmp_path / name).glob("*.png"))
 

@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from studies.registry import load
-from studies.store.code_fingerprint import recipe
+from studies.store.code_fingerprint import measures_fingerprint
 
 FILE = '''
 """A study."""
@@ -52,7 +52,7 @@ def figure(dataset):
 def fingerprint(path: Path, text: str) -> str:
     path.write_text(textwrap.dedent(text))
     study = load(str(path))
-    return recipe(study.measures, frozenset(type(case) for case in study.cases()))
+    return measures_fingerprint(study.measures, frozenset(type(case) for case in study.cases()))
 
 
 @pytest.mark.parametrize(
@@ -88,7 +88,7 @@ def test_a_change_of_words_figures_and_axes_is_none(old: str, new: str, tmp_path
 
 def test_studies_measure_differently() -> None:
     found = {
-        recipe(load(name).measures, frozenset({type(load(name).cases()[0])}))
+        measures_fingerprint(load(name).measures, frozenset({type(load(name).cases()[0])}))
         for name in ("paper", "padding", "kernels", "speed")
     }
     assert len(found) == 4

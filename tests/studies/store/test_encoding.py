@@ -8,11 +8,11 @@ import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from studies.store.encoding import Kinds
+from studies.store.encoding import VariableTypes
 
 
 def there_and_back(variables: dict[str, xr.Variable]) -> dict[str, xr.Variable]:
-    writer, reader = Kinds(), Kinds()
+    writer, reader = VariableTypes(), VariableTypes()
     kinds, values = writer.encode(variables)
     kinds, values = json.loads(json.dumps([kinds, values]))
     for kind in kinds:
@@ -69,7 +69,7 @@ def test_attributes_come_back_but_for_what_netcdf_cannot_hold() -> None:
 
 
 def test_what_is_the_same_of_many_is_written_once() -> None:
-    kinds = Kinds()
+    kinds = VariableTypes()
     first, _ = kinds.encode({"a": xr.Variable((), 1.0, {"units": "m"})})
     second, values = kinds.encode({"a": xr.Variable((), 2.0, {"units": "m"})})
     assert (len(first), second, values) == (1, [], {"a": [0, 2.0]})

@@ -9,19 +9,19 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from studies.engine.options import Settings
+from studies.engine.options import RunOptions
 from studies.engine.run import run
 from studies.registry import load
 from tests.studies.conftest import quiet
 
-KEPT = Settings(workers=0, repeats=1, fields="kept")
+KEPT = RunOptions(workers=0, repeats=1, fields="kept")
 
 
 @pytest.fixture(scope="module")
 def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("fields")
     study = load("grid").override({"padding": "exact,zero", "grid": "16,24"})
-    run(study, folder, settings=KEPT, say=quiet)
+    run(study, folder, options=KEPT, log=quiet)
     return folder
 
 
@@ -40,19 +40,19 @@ def test_fields_are_groups_by_the_key_of_the_case(out: Path) -> None:
 def test_the_root_opens_as_a_plain_dataset(out: Path) -> None:
     with xr.open_dataset(out / "grid.nc") as dataset:
         assert "pressure" not in dataset
-        assert (dataset["status"] == 1).all()
+        assert (dataset["case_status"] == 1).all()
 
 
 def test_what_lacks_its_fields_is_computed_for_them_and_nothing_else(tmp_path: Path) -> None:
     study = load("grid").override({"padding": "exact", "grid": "16"})
-    run(study, tmp_path, workers=0, repeats=1, say=quiet)
+    run(study, tmp_path, workers=0, repeats=1, log=quiet)
     assert not (tmp_path / "grid.fields").exists()
     said: list[str] = []
     grown = study.override({"grid": "16,24"})
-    first = run(grown, tmp_path, settings=KEPT, say=said.append)
+    first = run(grown, tmp_path, options=KEPT, log=said.append)
     assert len(list((tmp_path / "grid.fields").iterdir())) == 2
     said.clear()
-    again = run(grown, tmp_path, settings=KEPT, say=said.append)
+    again = run(grown, tmp_path, options=KEPT, log=said.append)
     assert any("2 cases are stored, 0 to compute" in line for line in said)
     np.testing.assert_array_equal(first["residual"], again["residual"])
 

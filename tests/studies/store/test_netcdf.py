@@ -7,7 +7,7 @@ import xarray as xr
 from contactstudy import InvalidInput
 from studies.model.axis import Axis
 from studies.model.case import Case
-from studies.model.outcome import Failure, Fate, Outcome
+from studies.model.outcome import CaseStatus, Failure, Outcome
 from studies.reference import line_contact
 from studies.store.netcdf import assemble, open_folder, read, replacing, write
 
@@ -59,9 +59,9 @@ def outcomes(*variables: dict[str, xr.Variable] | None) -> tuple[list[Case], dic
         for p in (1, 2)
     ]
     return cases, {
-        case: Outcome(Fate.FAILED, failure=Failure("E", "no", "solve"))
+        case: Outcome(CaseStatus.FAILED, failure=Failure("E", "no", "solve"))
         if one is None
-        else Outcome(Fate.OK, one)
+        else Outcome(CaseStatus.OK, one)
         for case, one in zip(cases, variables, strict=True)
     }
 
@@ -77,7 +77,7 @@ def test_what_a_failed_case_lacks_is_missing_and_not_made_up() -> None:
     assert np.isnan(dataset["truth"].values[1])
     assert np.isnan(dataset["count"].values[1])
     assert np.isnan(dataset["field"].values[1]).all()
-    assert dataset["status"].values.tolist() == [1, 2]
+    assert dataset["case_status"].values.tolist() == [1, 2]
 
 
 def test_what_does_not_fit_one_array_is_left_out_and_said() -> None:

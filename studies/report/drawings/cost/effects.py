@@ -9,7 +9,7 @@ from studies.definitions.cost.effects import PERIOD, WIDTH
 from studies.model.drawing import CaptionedFigure
 from studies.reference.line_contact import total_time
 from studies.report.formatting import percent
-from studies.report.style import finish, panels
+from studies.report.style import add_legend, panels
 
 COLOR = "#0072B2"
 
@@ -19,7 +19,7 @@ def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     here = dataset.isel(grid=-1)
     names = [str(name) for name in here["effect"].values]
     place = np.arange(float(len(names)))
-    plate, axes = panels(4, columns=2, width=3.6, height=0.6 + 0.32 * len(names), share="y")
+    fig, axes = panels(4, columns=2, width=3.6, height=0.6 + 0.32 * len(names), share="y")
     setup, solve = here["setup_time"].values, here["solve_time"].values
     axes[0].barh(place, setup, color="#E69F00", label="set-up")
     axes[0].barh(place, solve, left=setup, color=COLOR, label="solve and outputs")
@@ -41,8 +41,8 @@ def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     labels = [name if name.startswith("smooth") else f"+ {name}" for name in names]
     axes[0].set_yticks(place, labels)
     axes[0].invert_yaxis()
-    finish(plate)
-    return (CaptionedFigure("effects", plate, _words(here)),)
+    add_legend(fig)
+    return (CaptionedFigure("effects", fig, _caption(here)),)
 
 
 def _numbers(ax: Axes, place: Array, values: Array, form: str) -> None:
@@ -52,7 +52,7 @@ def _numbers(ax: Axes, place: Array, values: Array, form: str) -> None:
     ax.margins(x=0.18)
 
 
-def _words(dataset: xr.Dataset) -> str:
+def _caption(dataset: xr.Dataset) -> str:
     cells = int(dataset["grid"])
     words = (
         f"What each effect costs: every scene has the effects above it and one more. {cells} x {cells // 4} "

@@ -11,8 +11,8 @@ from studies.advice.settings_table import METRICS, Settings, settings
 from studies.model.drawing import CaptionedFigure
 from studies.reference.line_contact import LINE
 from studies.report.drawings.cost.pareto_findings import findings, tables
-from studies.report.formatting import paddings, percent, some
-from studies.report.style import finish, look, panels
+from studies.report.formatting import paddings, percent, select_evenly
+from studies.report.style import add_legend, padding_style, panels
 
 __all__ = ["figure", "findings", "tables"]
 
@@ -23,9 +23,9 @@ def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
 
 
 def _fronts(dataset: xr.Dataset) -> CaptionedFigure:
-    periods = some(dataset["period"].values)
+    periods = select_evenly(dataset["period"].values)
     rows = {"pressure_error_l1": "L1 error as solved", "corrected_error_l1": "L1 error, corrected"}
-    plate, axes = panels(len(rows) * len(periods), columns=len(periods), height=3.0, share="both")
+    fig, axes = panels(len(rows) * len(periods), columns=len(periods), height=3.0, share="both")
     for index, ax in enumerate(axes):
         row, column = divmod(index, len(periods))
         variable, label = list(rows.items())[row]
@@ -36,10 +36,10 @@ def _fronts(dataset: xr.Dataset) -> CaptionedFigure:
             ax.set_xlabel("wall time, set-up and solve [s]")
         if column == 0:
             ax.set_ylabel(label)
-    finish(plate)
+    add_legend(fig)
     return CaptionedFigure(
         "front",
-        plate,
+        fig,
         "Accuracy against wall time on one thread: every mode, n, grid, tolerance and solver; filled with the "
         "preconditioned solver, open with Polonsky & Keer's. Black joins the settings that nothing beats "
         "on both counts, dashed those that nothing beats with cells along the length, for a contact that "
@@ -58,7 +58,7 @@ def _front(ax: Axes, every: Settings) -> None:
             face = {"markerfacecolor": "none"} if hollow else {"label": name}
             ax.loglog(
                 every.cost[own], every.error[own], linestyle="none", alpha=0.6, markersize=4,
-                **look(name) | face,
+                **padding_style(name) | face,
             )  # fmt: skip
     for chosen, style, label in (
         (every, "-", "front"),
@@ -75,9 +75,11 @@ def _front(ax: Axes, every: Settings) -> None:
 
 
 def _decades(dataset: xr.Dataset) -> CaptionedFigure:
-    period = some(dataset["period"].values)[len(some(dataset["period"].values)) // 2]
+    period = select_evenly(dataset["period"].values)[
+        len(select_evenly(dataset["period"].values)) // 2
+    ]
     here = dataset.sel(period=period)
-    plate, axes = panels(len(METRICS), share="y")
+    fig, axes = panels(len(METRICS), share="y")
     words = []
     for ax, (metric, errors) in zip(axes, METRICS.items(), strict=True):
         every = settings(here, *errors)
@@ -88,7 +90,7 @@ def _decades(dataset: xr.Dataset) -> CaptionedFigure:
             met = [(target, index) for target, index in best if index is not None]
             if met:
                 asked, chosen = map(list, zip(*met, strict=True))
-                style = look(name) | {"markevery": 25}
+                style = padding_style(name) | {"markevery": 25}
                 ax.loglog(asked, own.cost[chosen], label=name, **style)
                 ax.fill_between(
                     asked, *own.spread[:, chosen], color=style["color"], alpha=0.2, lw=0
@@ -98,10 +100,10 @@ def _decades(dataset: xr.Dataset) -> CaptionedFigure:
         least = every.where(np.array([int(np.argmin(every.error))]))
         words.append(f"{metric} {percent(least.error[0])} ({least.name(0)})")
     axes[0].set_ylabel("least wall time that meets it [s]")
-    finish(plate)
+    add_legend(fig)
     return CaptionedFigure(
         "decades",
-        plate,
+        fig,
         f"What each decade of accuracy costs, by mode, at L = {period:g} a: the cheapest stored setting that "
         "meets the error asked for, corrected or not, with the spread of its "
         "repeats; an error with a sign may by chance undo another's. A line ends where no stored setting "

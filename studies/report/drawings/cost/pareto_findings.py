@@ -8,7 +8,7 @@ import xarray as xr
 from studies.advice.settings_table import METRICS, NOISE, settings
 from studies.advice.verification import verify
 from studies.model.finding import Finding, Table
-from studies.reference.line_contact import LINE, holds
+from studies.reference.line_contact import LINE, covers
 from studies.report.formatting import paddings, percent
 
 DECADES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5)
@@ -18,11 +18,11 @@ L1 = METRICS["pressure in L1"]
 
 def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     """Which modes are never worth using, and whether recommendations keep what they promise."""
-    if not holds(dataset, {"duplicated", "superposed", "circular", "exact"}):
+    if not covers(dataset, {"duplicated", "superposed", "circular", "exact"}):
         return ()
     return (
-        Finding(*never_worth(dataset), "What is never worth using?"),
-        Finding(*kept(dataset), "Can a recommendation be trusted?"),
+        Finding(*dominated_modes(dataset), "What is never worth using?"),
+        Finding(*recommendation_check(dataset), "Can a recommendation be trusted?"),
     )
 
 
@@ -69,7 +69,7 @@ def savings(dataset: xr.Dataset) -> dict[str, dict[float, tuple[float, float]]]:
     return found
 
 
-def never_worth(dataset: xr.Dataset) -> tuple[str, str]:
+def dominated_modes(dataset: xr.Dataset) -> tuple[str, str]:
     """The claim about modes that are never worth using, and what was measured."""
     saved = savings(dataset)
     most = {mode: max(best for best, _ in places.values()) for mode, places in saved.items()}
@@ -88,13 +88,15 @@ def never_worth(dataset: xr.Dataset) -> tuple[str, str]:
         elif np.isfinite(most[mode]):
             least = min(error for _, error in paying.values())
             said.append(
-                f"{mode} saves up to a factor of {most[mode]:.2g}, at L = {_list(paying)} a, with errors from "
+                f"{mode} saves up to a factor of {most[mode]:.2g}, at L = {_join_periods(paying)} a, with errors from "
                 f"{percent(least)} on"
             )
         else:
             only = [period for period, best in places.items() if not np.isfinite(best[0])]
-            said.append(f"{mode} is the only one at the smallest errors at L = {_list(only)} a")
-    claim = f"Never worth using: {_and(never)}." if never else "Every mode pays somewhere."
+            said.append(
+                f"{mode} is the only one at the smallest errors at L = {_join_periods(only)} a"
+            )
+    claim = f"Never worth using: {_join_and(never)}." if never else "Every mode pays somewhere."
     lined = settings(dataset.isel(period=-1), *L1)
     if LINE in paddings(dataset):
         line, others = (lined.where((lined.modes == LINE) == is_line) for is_line in (True, False))
@@ -115,7 +117,7 @@ def never_worth(dataset: xr.Dataset) -> tuple[str, str]:
     )
 
 
-def kept(dataset: xr.Dataset) -> tuple[str, str]:
+def recommendation_check(dataset: xr.Dataset) -> tuple[str, str]:
     """The claim about recommendations, and what was measured."""
     found = verify(dataset)
     met, near, lucky = (
@@ -135,9 +137,9 @@ def kept(dataset: xr.Dataset) -> tuple[str, str]:
     )
 
 
-def _list(periods: Iterable[float]) -> str:
+def _join_periods(periods: Iterable[float]) -> str:
     return ", ".join(f"{period:g}" for period in periods)
 
 
-def _and(names: list[str]) -> str:
+def _join_and(names: list[str]) -> str:
     return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)

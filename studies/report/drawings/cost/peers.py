@@ -6,7 +6,7 @@ import xarray as xr
 from studies.definitions.cost.peers import PROGRAMS
 from studies.model.drawing import CaptionedFigure
 from studies.reference.line_contact import total_time
-from studies.report.style import finish, panels
+from studies.report.style import add_legend, panels
 
 COLORS = dict(zip(PROGRAMS, ("#0072B2", "#D55E00", "#009E73", "#CC79A7"), strict=True))
 
@@ -14,7 +14,7 @@ COLORS = dict(zip(PROGRAMS, ("#0072B2", "#D55E00", "#009E73", "#CC79A7"), strict
 def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     """Time in all against the grid, a panel for each boundary."""
     boundaries = [str(name) for name in dataset["boundary"].values]
-    plate, axes = panels(len(boundaries), share="y")
+    fig, axes = panels(len(boundaries), share="y")
     time = total_time(dataset)
     facts = []
     for ax, boundary in zip(axes, boundaries, strict=True):
@@ -32,11 +32,11 @@ def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
         ax.set_xticks(dataset["grid"], [str(n) for n in dataset["grid"].values])
         ax.minorticks_off()
     axes[0].set_ylabel("wall time, set-up and solve [s]")
-    finish(plate)
+    add_legend(fig)
     return (
         CaptionedFigure(
             "peers",
-            plate,
+            fig,
             f"Time in all on one thread. At {int(dataset['grid'][-1])} cells: "
             + "; ".join(facts)
             + ". "

@@ -6,8 +6,8 @@ import xarray as xr
 from studies.definitions.cost.speed import SOLVERS
 from studies.model.drawing import CaptionedFigure
 from studies.model.finding import Finding
-from studies.model.outcome import Fate
-from studies.report.style import LAW, finish, panels
+from studies.model.outcome import CaseStatus
+from studies.report.style import LAW_STYLE, add_legend, panels
 
 TITLES = {"preconditioned_cg": "preconditioned CG", "polonsky_keer": "Polonsky & Keer"}
 COLORS = {"preconditioned_cg": "#0072B2", "polonsky_keer": "#D55E00"}
@@ -17,7 +17,7 @@ LINES = {"smooth": "-", "wavy": "--", "rough": ":"}
 def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     """Time, iterations and convolutions against the grid, with the growth of each fitted."""
     cells = dataset["grid"].values
-    plate, axes = panels(3)
+    fig, axes = panels(3)
     labels = {
         "solve_time": "wall time to solve [s]",
         "iterations": "iterations",
@@ -31,15 +31,15 @@ def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
                 ax.loglog(cells, line, label=f"{TITLES[solver]}, {surface}", **style)
         if variable == "solve_time":
             least = float(dataset[variable].isel(grid=0).min())
-            ax.loglog(cells, least * (cells / cells[0]) ** 2, label="N²", **LAW)
+            ax.loglog(cells, least * (cells / cells[0]) ** 2, label="N²", **LAW_STYLE)
         ax.set(xlabel="cells N across and along", ylabel=label)
         ax.set_xticks(cells, [str(n) for n in cells])
         ax.minorticks_off()
-    finish(plate)
-    return (CaptionedFigure("speed", plate, _words(dataset)),)
+    add_legend(fig)
+    return (CaptionedFigure("speed", fig, _caption(dataset)),)
 
 
-def _words(dataset: xr.Dataset) -> str:
+def _caption(dataset: xr.Dataset) -> str:
     facts = []
     finest = dataset.isel(grid=-1)
     for solver in (str(name) for name in dataset["solver"].values):
@@ -71,7 +71,7 @@ def _words(dataset: xr.Dataset) -> str:
 def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     """Which solver."""
     solvers = set(dataset["solver"].values.tolist())
-    if not solvers >= set(SOLVERS) or not (dataset["status"] == Fate.OK).all():
+    if not solvers >= set(SOLVERS) or not (dataset["case_status"] == CaseStatus.OK).all():
         return ()
     finest = dataset.isel(grid=-1)
     new, old = (finest.sel(solver=name) for name in ("preconditioned_cg", "polonsky_keer"))

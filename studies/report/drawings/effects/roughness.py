@@ -9,9 +9,9 @@ from matplotlib.axes import Axes
 from contactstudy.analytic import truncation_error
 from studies.model.drawing import CaptionedFigure
 from studies.model.finding import Finding
-from studies.reference.line_contact import holds, padding_at
-from studies.report.formatting import label_of, paddings, percent
-from studies.report.style import LAW, finish, look, panels
+from studies.reference.line_contact import covers, padding_at
+from studies.report.formatting import paddings, percent, setting_label
+from studies.report.style import LAW_STYLE, add_legend, padding_style, panels
 
 
 def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
@@ -33,7 +33,7 @@ def _shift(dataset: xr.Dataset) -> CaptionedFigure:
         "load_spread": "spread of the load along",
         "smooth_difference": "L1 difference from smooth",
     }
-    plate, axes = panels(len(labels), columns=2, width=3.6, height=2.7)
+    fig, axes = panels(len(labels), columns=2, width=3.6, height=2.7)
     for ax, (variable, label) in zip(axes, labels.items(), strict=True):
         for peklenik, color in zip(dataset["peklenik"].values, COLORS, strict=False):
             for hurst, line in zip(dataset["hurst"].values, LINES, strict=False):
@@ -41,7 +41,7 @@ def _shift(dataset: xr.Dataset) -> CaptionedFigure:
                 style = {"color": color, "linestyle": line}
                 _over_rms(ax, one, f"lay {peklenik:g}, H = {hurst:g}", **style)
         ax.set_ylabel(label)
-    finish(plate)
+    add_legend(fig)
     rough = dataset.isel(rms=-1)
     facts = "; ".join(
         f"lay {float(lay):g}: area {float(one['contact_area'].mean()):.2f}, highest pressure "
@@ -50,7 +50,7 @@ def _shift(dataset: xr.Dataset) -> CaptionedFigure:
     )
     return CaptionedFigure(
         "shift",
-        plate,
+        fig,
         "What roughness does to a line contact, exactly periodic; lines are the mean of the surfaces, "
         "bands their span. Heights over a²/(2R), lay as the correlation length across the contact over that "
         "along it (below 1 the lay runs along the length), H the Hurst exponent. The effective half-width "
@@ -66,20 +66,20 @@ def _paddings(dataset: xr.Dataset) -> CaptionedFigure:
         "highest_pressure_error": "|highest-pressure error|",
         "pressure_error_max": "largest error / p_H",
     }
-    plate, axes = panels(len(labels), columns=2, width=3.6, height=2.9)
+    fig, axes = panels(len(labels), columns=2, width=3.6, height=2.9)
     for ax, (variable, label) in zip(axes, labels.items(), strict=True):
         for name in (name for name in paddings(dataset) if name != "exact"):
             one = dataset.sel(padding=name)
-            _over_rms(ax, abs(one[variable]), label_of(one), **look(name))
+            _over_rms(ax, abs(one[variable]), setting_label(one), **padding_style(name))
         if variable == "pressure_error_l1":
             shift = dataset["smooth_difference"].sel(padding="exact")
             style = {"color": "black", "linestyle": "--"}
             _over_rms(ax, shift.where(shift.rms > 0), "shift by the roughness itself", **style)
         ax.set(ylabel=label, yscale="log")
-    finish(plate)
+    add_legend(fig)
     return CaptionedFigure(
         "paddings",
-        plate,
+        fig,
         "Error of each padding against exact periodicity on the same surface and grid; lines are the "
         "median over lays, Hurst exponents and seeds, bands their span. "
         f"L = {float(dataset['period']):g} a. The dashed line is how far the pressure moves from the smooth "
@@ -89,20 +89,22 @@ def _paddings(dataset: xr.Dataset) -> CaptionedFigure:
 
 
 def _law(dataset: xr.Dataset) -> CaptionedFigure:
-    plate, (ratio, after) = panels(2, width=3.6, height=2.9)
+    fig, (ratio, after) = panels(2, width=3.6, height=2.9)
     for name in ("duplicated", "superposed", "circular"):
         one = dataset.sel(padding=name)
-        _over_rms(ratio, -one["half_width_error"] / law_of(one), label_of(one), **look(name))
+        _over_rms(
+            ratio, -one["half_width_error"] / law_of(one), setting_label(one), **padding_style(name)
+        )
         left = one["curved_difference"] / one["pressure_error_l1"]
-        _over_rms(after, left, label_of(one), **look(name))
-    ratio.axhline(1, label="law a²/(8D²)", **LAW)
+        _over_rms(after, left, setting_label(one), **padding_style(name))
+    ratio.axhline(1, label="law a²/(8D²)", **LAW_STYLE)
     ratio.set(ylabel="half-width error / law")
     ratio.set_ylim(bottom=0)
     after.set(ylabel="share of L1 error left", yscale="log")
-    finish(plate)
+    add_legend(fig)
     return CaptionedFigure(
         "law",
-        plate,
+        fig,
         "A window that reaches D to each side makes the cylinder more curved by a²/(4D²), which lessens the "
         "half-width by a²/(8D²): left, the error found over that. Right, what is left of the L1 error when "
         "the answer is held against exact periodicity on a cylinder of just that curvature with the same "
@@ -130,7 +132,7 @@ def _over_rms(ax: Axes, values: xr.DataArray, label: str, **style: Any) -> None:
 
 
 def _compares_rough_and_smooth(dataset: xr.Dataset) -> bool:
-    there = holds(dataset, {"duplicated", "circular", "exact"}, rms={0.0}, images={6})
+    there = covers(dataset, {"duplicated", "circular", "exact"}, rms={0.0}, images={6})
     return there and dataset.sizes["rms"] > 1 and bool((dataset["converged"] == 1).all())
 
 
@@ -149,7 +151,7 @@ def _rough_surfaces(dataset: xr.Dataset) -> Finding:
         before, after, label = (
             smooth.sel(padding=name),
             rough.sel(padding=name),
-            label_of(here.sel(padding=name)),
+            setting_label(here.sel(padding=name)),
         )
         moved.append(
             f"{percent(before['pressure_error_l1'])} smooth and {percent(after['pressure_error_l1'])} "

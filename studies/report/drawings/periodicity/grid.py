@@ -7,9 +7,9 @@ from matplotlib.axes import Axes
 from contactstudy.analytic import truncation_error
 from studies.model.drawing import CaptionedFigure
 from studies.model.finding import Finding
-from studies.reference.line_contact import WIDTH, holds, padding_at, total_time
-from studies.report.formatting import label_of, paddings, percent
-from studies.report.style import LAW, finish, look, panels
+from studies.reference.line_contact import WIDTH, covers, padding_at, total_time
+from studies.report.formatting import paddings, percent, setting_label
+from studies.report.style import LAW_STYLE, add_legend, padding_style, panels
 
 PANELS = {
     "peak_pressure_error": "|peak-pressure error|",
@@ -24,20 +24,20 @@ def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     """Four errors against the grid, with the rates that theory gives the exact kernel."""
     chosen = dataset.isel(images=-1, period=-1)
     cells = chosen["grid"].values
-    plate, axes = panels(len(PANELS), columns=2, width=4.4, height=3.0)
+    fig, axes = panels(len(PANELS), columns=2, width=4.4, height=3.0)
     for ax, (variable, label) in zip(axes, PANELS.items(), strict=True):
         for name in paddings(dataset):
             one = chosen.sel(padding=name)
-            ax.loglog(cells, abs(one[variable]), label=label_of(one), **look(name))
+            ax.loglog(cells, abs(one[variable]), label=setting_label(one), **padding_style(name))
             if variable == "pressure_error_max" and name == "exact":
-                corrected = look(name) | {"linestyle": "--"}
+                corrected = padding_style(name) | {"linestyle": "--"}
                 ax.loglog(cells, one["corrected_error_max"], label="exact, corrected", **corrected)
         _law(ax, variable, chosen)
         ax.set(xlabel=f"cells N across {WIDTH} a", ylabel=label)
         ax.set_xticks(cells[::2], [str(n) for n in cells[::2]])
         ax.minorticks_off()
-    finish(plate)
-    return (CaptionedFigure("grid", plate, _words(chosen)),)
+    add_legend(fig)
+    return (CaptionedFigure("grid", fig, _caption(chosen)),)
 
 
 def _law(ax: Axes, variable: str, chosen: xr.Dataset) -> None:
@@ -63,11 +63,11 @@ def _law(ax: Axes, variable: str, chosen: xr.Dataset) -> None:
     else:
         return
     for law in laws:
-        ax.loglog(cells, law, **LAW)
+        ax.loglog(cells, law, **LAW_STYLE)
     ax.set_title(f"dotted: {name}", loc="right", fontsize="small")
 
 
-def _words(chosen: xr.Dataset) -> str:
+def _caption(chosen: xr.Dataset) -> str:
     if "exact" not in paddings(chosen) or chosen.sizes["grid"] < 2:
         return "Error against the number of cells."
     cells = chosen["grid"].values
@@ -85,7 +85,7 @@ def _words(chosen: xr.Dataset) -> str:
 
 def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     """What grid."""
-    if not holds(dataset, {"exact"}) or dataset.sizes["grid"] < 3:
+    if not covers(dataset, {"exact"}) or dataset.sizes["grid"] < 3:
         return ()
     return (_which_grid(dataset),)
 

@@ -6,9 +6,9 @@ import xarray as xr
 from contactstudy.analytic import truncation_error
 from studies.model.drawing import CaptionedFigure
 from studies.model.finding import Finding
-from studies.reference.line_contact import holds, padding_at
-from studies.report.formatting import paddings, percent, some, variation_of
-from studies.report.style import LAW, finish, look, marked, panels
+from studies.reference.line_contact import covers, padding_at
+from studies.report.formatting import paddings, percent, select_evenly, variation_text
+from studies.report.style import LAW_STYLE, add_legend, padding_style, panels, style_over_images
 
 TARGET = 1e-3  # of the peak pressure
 LABEL = "n + ½  (n periods on each side)"
@@ -21,22 +21,22 @@ def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
 
 
 def _peak(dataset: xr.Dataset) -> CaptionedFigure:
-    periods = some(dataset["period"].values)
-    plate, axes = panels(len(periods), share="y")
+    periods = select_evenly(dataset["period"].values)
+    fig, axes = panels(len(periods), share="y")
     half = dataset["images"].values + 0.5
     for ax, period in zip(axes, periods, strict=True):
         for name in paddings(dataset):
             error = abs(dataset["peak_pressure_error"].sel(padding=name, period=period))
-            ax.loglog(half, error, label=name, **marked(name))
+            ax.loglog(half, error, label=name, **style_over_images(name))
         reach = [padding_at("superposed", int(n)).reach(period) for n in dataset["images"]]
-        ax.loglog(half, truncation_error(1, reach), label="law a²/(8D²), D = (n + ½)L", **LAW)
+        ax.loglog(half, truncation_error(1, reach), label="law a²/(8D²), D = (n + ½)L", **LAW_STYLE)
         ax.set(title=f"period L = {period:g} a", xlabel=LABEL)
     axes[0].set_ylabel("|peak-pressure error|")
-    finish(plate)
-    return CaptionedFigure("peak_error", plate, _peak_words(dataset, periods))
+    add_legend(fig)
+    return CaptionedFigure("peak_error", fig, _peak_caption(dataset, periods))
 
 
-def _peak_words(dataset: xr.Dataset, periods: list[float]) -> str:
+def _peak_caption(dataset: xr.Dataset, periods: list[float]) -> str:
     words = (
         "Peak-pressure error against the number of superposed periods. It falls like the square of the "
         "window's reach until the grid's own error, that of exact periodicity, shows; where the two are "
@@ -59,22 +59,22 @@ def _peak_words(dataset: xr.Dataset, periods: list[float]) -> str:
 
 
 def _variation(dataset: xr.Dataset) -> CaptionedFigure:
-    plate, (ax,) = panels(1, width=6, height=3.4)
+    fig, (ax,) = panels(1, width=6, height=3.4)
     half = dataset["images"].values + 0.5
-    periods = some(dataset["period"].values)
+    periods = select_evenly(dataset["period"].values)
     shown = "superposed" in paddings(dataset)
     for period, line in zip(periods if shown else [], ("-", "--", "-."), strict=False):
         variation = dataset["length_variation"].sel(padding="superposed", period=period)
-        style = look("superposed") | {"linestyle": line}
+        style = padding_style("superposed") | {"linestyle": line}
         ax.loglog(half, variation, label=f"superposed, L = {period:g} a", **style)
         middle = len(half) // 2
         law = float(variation[middle]) * (half[middle] / half) ** 2
-        ax.loglog(half, law, label="slope −2", **LAW)
+        ax.loglog(half, law, label="slope −2", **LAW_STYLE)
     ax.set(xlabel=LABEL, ylabel="pressure variation along length / p_H")
-    finish(plate)
+    add_legend(fig)
     return CaptionedFigure(
         "length_variation",
-        plate,
+        fig,
         "A uniform cylinder comes out uneven along its length under superposition, because the window of "
         "images is centred on the domain and not on the observer. The difference a lopsided window makes "
         "falls with the square of its reach. Circular superposition, duplicated padding and exact "
@@ -86,9 +86,9 @@ def _variation(dataset: xr.Dataset) -> CaptionedFigure:
 def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     """What n, and the paper's claim about n = 6."""
     found = []
-    if holds(dataset, {"circular", "exact"}) and dataset.sizes["images"] > 2:
+    if covers(dataset, {"circular", "exact"}) and dataset.sizes["images"] > 2:
         found.append(_what_n(dataset))
-    if holds(dataset, {"duplicated", "superposed"}, images={6}, period={2.4}):
+    if covers(dataset, {"duplicated", "superposed"}, images={6}, period={2.4}):
         found.append(_six_images(dataset))
     return tuple(found)
 
@@ -96,10 +96,12 @@ def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
 def _what_n(dataset: xr.Dataset) -> Finding:
     errors = abs(dataset["peak_pressure_error"].isel(grid=-1))
     facts = []
-    for period in some(dataset["period"].values):
+    for period in select_evenly(dataset["period"].values):
         meets = (errors.sel(padding="circular", period=period) <= TARGET).values
-        kept = np.flatnonzero(np.minimum.accumulate(meets[::-1])[::-1])
-        said = f"n = {int(dataset['images'][kept[0]])}" if kept.size else "more n than are stored"
+        enough = np.flatnonzero(np.minimum.accumulate(meets[::-1])[::-1])
+        said = (
+            f"n = {int(dataset['images'][enough[0]])}" if enough.size else "more n than are stored"
+        )
         facts.append(f"{said} at L = {period:g} a")
     exact = errors.sel(padding="exact").max()
     return Finding(
@@ -120,9 +122,9 @@ def _six_images(dataset: xr.Dataset) -> Finding:
         f"{percent(copied['peak_pressure_error'])} with duplicated padding and by "
         f"{percent(six['peak_pressure_error'])} with n = 6, a factor of {ratio:.0f}: a copy of the pressure "
         "reaches one period to each side, as n = ½ would. Superposition errs in another way, along the "
-        f"length: with n = 6 the pressure of a uniform cylinder varies by {variation_of(six)} and is nowhere "
+        f"length: with n = 6 the pressure of a uniform cylinder varies by {variation_text(six)} and is nowhere "
         f"higher than p_H by more than {percent(six['highest_pressure_error'])}; with duplicated padding it "
-        f"varies by {variation_of(copied)}. In a plot of the pressure such as the paper's Fig. 5 little of "
+        f"varies by {variation_text(copied)}. In a plot of the pressure such as the paper's Fig. 5 little of "
         "this meets the eye.",
         "The paper's first claim",
     )

@@ -4,8 +4,8 @@ import xarray as xr
 
 from studies.model.drawing import CaptionedFigure
 from studies.reference.line_contact import WIDTH
-from studies.report.formatting import label_of, paddings, some
-from studies.report.style import LAW, finish, marked, panels
+from studies.report.formatting import paddings, select_evenly, setting_label
+from studies.report.style import LAW_STYLE, add_legend, panels, style_over_images
 
 
 def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
@@ -15,24 +15,24 @@ def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
 
 
 def _errors(dataset: xr.Dataset) -> CaptionedFigure:
-    periods = some(dataset["period"].values)
-    plate, axes = panels(len(periods), share="y")
+    periods = select_evenly(dataset["period"].values)
+    fig, axes = panels(len(periods), share="y")
     half = dataset["images"].values + 0.5
     for ax, period in zip(axes, periods, strict=True):
         for name in paddings(dataset):
             error = dataset["kernel_error"].sel(padding=name, period=period)
             if (error > 0).all():
-                ax.loglog(half, error, label=name, **marked(name))
+                ax.loglog(half, error, label=name, **style_over_images(name))
         # ln r gains x^2 / (4 D^2) from what lies beyond D, and loses y^2 / (2 D^2) to an observer y off
         # the window's centre, up to L / 2 between two images: half of that span to either side
         law = (WIDTH**2 / 4 + period**2 / 8) / (2 * (half * period) ** 2)
-        ax.loglog(half, law, label="law (x²/4 + L²/8)/(2D²), circular", **LAW)
+        ax.loglog(half, law, label="law (x²/4 + L²/8)/(2D²), circular", **LAW_STYLE)
         ax.set(title=f"period L = {period:g} a", xlabel="n + ½  (n periods on each side)")
     axes[0].set_ylabel("error of the logarithm in the coefficients")
-    finish(plate)
+    add_legend(fig)
     return CaptionedFigure(
         "error",
-        plate,
+        fig,
         "Far from a line load the influence coefficients follow -(2 dx dy/L) ln r. Shown is the largest error "
         "of that ln r among the coefficients a convolution uses, a rigid shift of all of them taken off. "
         "A window that moves with the "
@@ -44,24 +44,24 @@ def _errors(dataset: xr.Dataset) -> CaptionedFigure:
 
 
 def _times(dataset: xr.Dataset) -> CaptionedFigure:
-    plate, (ax,) = panels(1, width=6, height=3.4)
+    fig, (ax,) = panels(1, width=6, height=3.4)
     here = dataset.isel(period=-1)
     half = here["images"].values + 0.5
     for name in paddings(here):
-        ax.loglog(half, here["setup_time"].sel(padding=name), label=name, **marked(name))
+        ax.loglog(half, here["setup_time"].sel(padding=name), label=name, **style_over_images(name))
     if "superposed" in paddings(here):
         last = float(here["setup_time"].sel(padding="superposed")[-1])
-        ax.loglog(half, last * half / half[-1], label="proportional to n + ½", **LAW)
+        ax.loglog(half, last * half / half[-1], label="proportional to n + ½", **LAW_STYLE)
     ax.set(xlabel="n + ½  (n periods on each side)", ylabel="time to build the operator [s]")
-    finish(plate)
+    add_legend(fig)
     words = ""
     if {"exact", "superposed"} <= set(paddings(here)):
         superposed = here.sel(padding="superposed").sel(images=6, method="nearest")
         ratio = float(superposed["setup_time"] / here["setup_time"].sel(padding="exact")[0])
-        words = f" {label_of(superposed).capitalize()}, takes {ratio:.2g} times as long as exact periodicity."
+        words = f" {setting_label(superposed).capitalize()}, takes {ratio:.2g} times as long as exact periodicity."
     return CaptionedFigure(
         "build_time",
-        plate,
+        fig,
         f"Time to build the operator, coefficients and transform, for {int(here['grid'])} x "
         f"{int(here['grid'])} cells and L = {float(here['period']):g} a. From a few images on a sum costs in "
         f"proportion to their number; exact periodicity has no number to choose.{words}",

@@ -10,13 +10,19 @@ from studies.advice.pareto_front import pareto_front
 from studies.model.drawing import CaptionedFigure
 from studies.model.finding import Finding, Table
 from studies.reference.line_contact import (
-    COUNTED,
-    holds,
+    COUNTS_IMAGES,
+    covers,
     padding_at,
     total_time,
 )
-from studies.report.formatting import label_of, paddings, percent, some, variation_of
-from studies.report.style import LAW, finish, look, panels
+from studies.report.formatting import (
+    paddings,
+    percent,
+    select_evenly,
+    setting_label,
+    variation_text,
+)
+from studies.report.style import LAW_STYLE, add_legend, padding_style, panels
 
 TARGETS = (1e-1, 1e-2, 1e-3, 2e-4)  # of the L1 error
 
@@ -27,11 +33,13 @@ def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
 
 
 def _reach(dataset: xr.Dataset) -> CaptionedFigure:
-    plate, (ax,) = panels(1, width=6, height=3.8)
+    fig, (ax,) = panels(1, width=6, height=3.8)
     spans: list[float] = []
     for name in paddings(dataset):
         errors, reaches = [], []
-        for images in dataset["images"].values if name in COUNTED else dataset["images"].values[:1]:
+        for images in (
+            dataset["images"].values if name in COUNTS_IMAGES else dataset["images"].values[:1]
+        ):
             for period in dataset["period"].values:
                 chosen = dataset["peak_pressure_error"].sel(
                     padding=name, images=images, period=period
@@ -39,19 +47,19 @@ def _reach(dataset: xr.Dataset) -> CaptionedFigure:
                 errors.append(abs(float(chosen)))
                 reaches.append(padding_at(name, int(images)).reach(float(period)))
         if np.isfinite(reaches).all():
-            ax.loglog(reaches, errors, linestyle="none", label=name, **look(name))
+            ax.loglog(reaches, errors, linestyle="none", label=name, **padding_style(name))
             spans += reaches
         else:
-            floor = {"color": look(name)["color"], "linestyle": "--"}
+            floor = {"color": padding_style(name)["color"], "linestyle": "--"}
             ax.axhline(max(errors), label=f"{name} (grid error alone)", **floor)
     if spans:
         reach = np.geomspace(min(spans), max(spans))
-        ax.loglog(reach, truncation_error(1, reach), label="law a²/(8D²)", **LAW)
+        ax.loglog(reach, truncation_error(1, reach), label="law a²/(8D²)", **LAW_STYLE)
     ax.set(xlabel="reach of the window D / half-width a", ylabel="|peak-pressure error|")
-    finish(plate)
+    add_legend(fig)
     return CaptionedFigure(
         "reach",
-        plate,
+        fig,
         "Peak-pressure error of every setting against how far to each side a point sees pressure "
         "(D = L/2 without neighbours, L duplicated, (n + ½)L superposed). What is not seen costs "
         "a²/(8D²) once D exceeds about 3a, whichever way the images are counted. Zero padding follows no such "
@@ -61,8 +69,8 @@ def _reach(dataset: xr.Dataset) -> CaptionedFigure:
 
 
 def _price(dataset: xr.Dataset) -> CaptionedFigure:
-    periods = some(dataset["period"].values, most=2)
-    plate, axes = panels(len(periods), width=4.4, height=3.6, share="both")
+    periods = select_evenly(dataset["period"].values, most=2)
+    fig, axes = panels(len(periods), width=4.4, height=3.6, share="both")
     words = []
     for ax, period in zip(axes, periods, strict=True):
         points = settings(dataset.sel(period=period))
@@ -73,20 +81,20 @@ def _price(dataset: xr.Dataset) -> CaptionedFigure:
         for name in paddings(dataset):
             own = np.flatnonzero(labels == name)
             line = own[pareto_front(cost[own], error[own])]
-            ax.loglog(cost[line], error[line], label=name, **look(name))
-            faint = look(name) | {"markersize": 3, "alpha": 0.5, "linestyle": "none"}
+            ax.loglog(cost[line], error[line], label=name, **padding_style(name))
+            faint = padding_style(name) | {"markersize": 3, "alpha": 0.5, "linestyle": "none"}
             ax.loglog(cost[own], error[own], **faint)
         ax.set(title=f"period L = {period:g} a", xlabel="wall time, set-up and solve [s]")
         best = points.isel(point=front[-1])
         words.append(
-            f"L = {period:g} a: {label_of(best)} at {int(best['grid'])} cells, L1 error "
+            f"L = {period:g} a: {setting_label(best)} at {int(best['grid'])} cells, L1 error "
             f"{percent(best['error'])} in {float(best['cost']):.2g} s"
         )
     axes[0].set_ylabel("relative L1 error of the pressure")
-    finish(plate)
+    add_legend(fig)
     return CaptionedFigure(
         "price",
-        plate,
+        fig,
         "The price of accuracy: L1 error of the pressure against wall time on one thread. Each line joins the "
         "settings of one padding, over all n and grids, that none of its own beats on both counts; the small "
         "marks are the others. Those of one window lie in a row: no finer grid removes what it leaves out. "
@@ -106,7 +114,7 @@ def settings(dataset: xr.Dataset) -> xr.Dataset:
 
 def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     """Which padding, and what it costs."""
-    if not holds(dataset, {"duplicated", "superposed", "circular", "exact"}):
+    if not covers(dataset, {"duplicated", "superposed", "circular", "exact"}):
         return ()
     return _which_padding(dataset), _what_it_costs(dataset)
 
@@ -116,14 +124,14 @@ def _which_padding(dataset: xr.Dataset) -> Finding:
     exact = here.sel(padding="exact")
     others = (here.sel(padding=name) for name in ("duplicated", "superposed", "circular"))
     costs = "; ".join(
-        f"{label_of(one)}: {percent(one['peak_pressure_error'])} in {float(total_time(one)):.2g} s"
+        f"{setting_label(one)}: {percent(one['peak_pressure_error'])} in {float(total_time(one)):.2g} s"
         for one in others
     )
     return Finding(
         "Use exact periodicity: no choice of n, no error of its own, at every period.",
         f"At {int(here['grid'])} x {int(here['grid'])} cells and L = {float(here['period']):g} a its "
         f"peak pressure is off by {percent(exact['peak_pressure_error'])}, which is the grid's error, and "
-        f"varies along the length by {variation_of(exact)}. It took {float(total_time(exact)):.2g} s. "
+        f"varies along the length by {variation_text(exact)}. It took {float(total_time(exact)):.2g} s. "
         f"The others, error of the peak pressure and time: {costs}.",
         "Which padding?",
     )
@@ -167,10 +175,10 @@ def price_table(dataset: xr.Dataset) -> Table:
             meets = front[error[front] <= target]
             if not meets.size:
                 best = points.isel(point=front[-1])
-                said = f"none stored; the best is {label_of(best)}"
+                said = f"none stored; the best is {setting_label(best)}"
             else:
                 best = points.isel(point=meets[0])
-                said = label_of(best)
+                said = setting_label(best)
             numbers = (str(int(best["grid"])), percent(best["error"]), f"{float(best['cost']):.2g}")
             rows.append((f"{period:g} a", percent(target), said, *numbers))
     return Table(

@@ -9,11 +9,11 @@ import contactstudy as cs
 from studies.definitions.periodicity.paper import CELLS
 from studies.model.drawing import CaptionedFigure
 from studies.model.finding import Table
-from studies.reference.line_contact import COUNTED
-from studies.report.formatting import label_of, paddings, percent
-from studies.report.style import LAW, finish, look, panels
+from studies.reference.line_contact import COUNTS_IMAGES
+from studies.report.formatting import paddings, percent, setting_label
+from studies.report.style import LAW_STYLE, add_legend, padding_style, panels
 
-TITLES = {"across": "across the contact", "along": "along the length"}
+TITLES = {"x": "across the contact", "y": "along the length"}
 
 
 def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
@@ -24,17 +24,19 @@ def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
 def _displacement(dataset: xr.Dataset) -> CaptionedFigure:
     shown = [name for name in ("zero", "duplicated") if name in paddings(dataset)]
     hertz = cs.analytic.hertz_point(load=1.0, radius=1.0, contact_modulus=1.0)
-    plate, axes = panels(2, width=4.2)
-    for ax, direction in zip(axes, ("across", "along"), strict=True):
+    fig, axes = panels(2, width=4.2)
+    for ax, direction in zip(axes, TITLES, strict=True):
         offset = dataset["offset"]
         for name in shown:
-            moved = dataset[f"displacement_{direction}"].sel(padding=name).isel(images=-1)
-            ax.plot(offset, moved, label=f"{name} padding", markevery=8, **look(name))
+            displacement = dataset[f"displacement_{direction}"].sel(padding=name).isel(images=-1)
+            ax.plot(
+                offset, displacement, label=f"{name} padding", markevery=8, **padding_style(name)
+            )
         analytic = hertz.displacement(offset * hertz.contact_radius) / hertz.approach
-        ax.plot(offset, analytic, label="Hertz, one contact alone", **LAW)
+        ax.plot(offset, analytic, label="Hertz, one contact alone", **LAW_STYLE)
         ax.set(xlabel="distance from centre / contact radius", title=TITLES[direction])
     axes[0].set_ylabel("displacement / Hertz's at the centre")
-    finish(plate)
+    add_legend(fig)
     said = {
         "zero": "it lies on Hertz's solution of one contact alone, since it knows no neighbours.",
         "duplicated": "it adds the neighbours, and along the length bends the curve as well as lifting it.",
@@ -42,7 +44,7 @@ def _displacement(dataset: xr.Dataset) -> CaptionedFigure:
     words = []
     for name in shown:
         one = dataset.sel(padding=name).isel(images=-1)
-        across, along = one["displacement_across"], one["displacement_along"]
+        across, along = one["displacement_x"], one["displacement_y"]
         words.append(
             f"With {name} padding it is {float(across[CELLS // 2]):.4f} at the centre, "
             f"{float(across[0]):.4f} at the edge across and {float(along[0]):.4f} at the edge along: "
@@ -50,31 +52,37 @@ def _displacement(dataset: xr.Dataset) -> CaptionedFigure:
         )
     return CaptionedFigure(
         "displacement",
-        plate,
+        fig,
         "The paper's Fig. 4. Displacement under a semi-elliptic pressure of radius a that repeats every "
         f"3a along the length ({CELLS} x {CELLS} cells). " + " ".join(words),
     )
 
 
 def _pressure(dataset: xr.Dataset) -> CaptionedFigure:
-    plate, (whole, error) = panels(2, width=4.6)
-    x = dataset["width"]
+    fig, (whole, error) = panels(2, width=4.6)
+    x = dataset["x"]
     hertz = np.sqrt(np.clip(1 - x**2, 0, None))
     for name in paddings(dataset):
         chosen = dataset.sel(padding=name).isel(images=-1)
-        label = label_of(chosen)
-        whole.plot(x, chosen["pressure"], label=label, markevery=8, **look(name))
-        error.plot(x, 100 * (chosen["pressure"] - hertz), label=label, markevery=8, **look(name))
+        label = setting_label(chosen)
+        whole.plot(x, chosen["pressure"], label=label, markevery=8, **padding_style(name))
+        error.plot(
+            x, 100 * (chosen["pressure"] - hertz), label=label, markevery=8, **padding_style(name)
+        )
         if name == "zero":  # its ends would fill the picture
             continue
-        band: dict[str, Any] = {"color": look(name)["color"], "alpha": 0.18, "linewidth": 0}
+        band: dict[str, Any] = {
+            "color": padding_style(name)["color"],
+            "alpha": 0.18,
+            "linewidth": 0,
+        }
         error.fill_between(
             x,
-            100 * (chosen["pressure_least"] - hertz),
-            100 * (chosen["pressure_most"] - hertz),
+            100 * (chosen["pressure_min"] - hertz),
+            100 * (chosen["pressure_max"] - hertz),
             **band,
         )
-    whole.plot(x, hertz, label="Hertz", **LAW)
+    whole.plot(x, hertz, label="Hertz", **LAW_STYLE)
     whole.set(xlabel="position across / half-width a", ylabel="pressure / p_H", ylim=(0, 1.2))
     error.set(
         xlabel="position across / half-width a",
@@ -82,14 +90,14 @@ def _pressure(dataset: xr.Dataset) -> CaptionedFigure:
         ylim=(-100, 100),
     )
     error.set_yscale("symlog", linthresh=0.1)
-    finish(plate)
+    add_legend(fig)
     facts = "; ".join(
-        f"{label_of(one)}: {percent(one['pressure_error_max'])}"
+        f"{setting_label(one)}: {percent(one['pressure_error_max'])}"
         for one in (dataset.sel(padding=name).isel(images=-1) for name in paddings(dataset))
     )
     return CaptionedFigure(
         "pressure",
-        plate,
+        fig,
         "The paper's Fig. 5. Pressure across the line contact in the middle of the length, and its error; "
         "there the bands span the values along the length (zero padding's, with its ends, would fill the "
         "picture), on a scale that is linear within 0.1 % and logarithmic beyond. "
@@ -107,7 +115,9 @@ def accuracy_table(dataset: xr.Dataset) -> Table:
     rows = []
     order = ("exact", "duplicated", "circular", "superposed", "zero")
     for name in (name for name in order if name in paddings(dataset)):
-        counted = dataset["images"].values if name in COUNTED else dataset["images"].values[-1:]
+        counted = (
+            dataset["images"].values if name in COUNTS_IMAGES else dataset["images"].values[-1:]
+        )
         for images in counted:
             one = dataset.sel(padding=name, images=images)
             errors = (
@@ -119,7 +129,7 @@ def accuracy_table(dataset: xr.Dataset) -> Table:
             )
             rows.append(
                 (
-                    "zero (not periodic)" if name == "zero" else label_of(one),
+                    "zero (not periodic)" if name == "zero" else setting_label(one),
                     *(percent(one[error]) for error in errors),
                     str(int(one["iterations"])),
                     f"{float(one['setup_time']):.3f}",

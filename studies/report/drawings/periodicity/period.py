@@ -6,36 +6,43 @@ import xarray as xr
 from contactstudy.analytic import truncation_error
 from studies.model.drawing import CaptionedFigure
 from studies.model.finding import Finding
-from studies.reference.line_contact import holds, padding_at
-from studies.report.formatting import label_of, paddings, percent
-from studies.report.style import LAW, finish, look, panels
+from studies.reference.line_contact import covers, padding_at
+from studies.report.formatting import paddings, percent, setting_label
+from studies.report.style import LAW_STYLE, add_legend, padding_style, panels
 
 
 def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     """Peak-pressure error and largest error against the period."""
     chosen = dataset.isel(grid=-1, images=-1)
     periods = chosen["period"].values
-    plate, (peak, largest) = panels(2, width=4.4)
+    fig, (peak, largest) = panels(2, width=4.4)
     for name in paddings(dataset):
         one = chosen.sel(padding=name)
-        peak.loglog(periods, abs(one["peak_pressure_error"]), label=label_of(one), **look(name))
-        largest.loglog(periods, one["pressure_error_max"], label=label_of(one), **look(name))
+        peak.loglog(
+            periods,
+            abs(one["peak_pressure_error"]),
+            label=setting_label(one),
+            **padding_style(name),
+        )
+        largest.loglog(
+            periods, one["pressure_error_max"], label=setting_label(one), **padding_style(name)
+        )
         reach = padding_at(name, int(chosen["images"])).reach(1.0) * periods
         # the law is one for windows beyond the contact; without neighbours the length has ends as well
         beyond = reach > 1
         if np.isfinite(reach).all() and name != "zero":
             law = truncation_error(1, reach[beyond])
-            peak.loglog(periods[beyond], law, label="law a²/(8D²)", **LAW)
+            peak.loglog(periods[beyond], law, label="law a²/(8D²)", **LAW_STYLE)
     peak.set(xlabel="period L / half-width a", ylabel="|peak-pressure error|")
     largest.set(xlabel="period L / half-width a", ylabel="largest pressure error / p_H")
-    finish(plate)
-    return (CaptionedFigure("period", plate, _words(chosen)),)
+    add_legend(fig)
+    return (CaptionedFigure("period", fig, _caption(chosen)),)
 
 
-def _words(chosen: xr.Dataset) -> str:
+def _caption(chosen: xr.Dataset) -> str:
     shortest, longest = float(chosen["period"].min()), float(chosen["period"].max())
     facts = [
-        f"{label_of(one)}: {percent(one.sel(period=shortest)['peak_pressure_error'])} at "
+        f"{setting_label(one)}: {percent(one.sel(period=shortest)['peak_pressure_error'])} at "
         f"L = {shortest:g} a, {percent(one.sel(period=longest)['peak_pressure_error'])} at {longest:g} a"
         for one in (chosen.sel(padding=name) for name in paddings(chosen))
     ]
@@ -47,8 +54,8 @@ def _words(chosen: xr.Dataset) -> str:
 
 def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     """What period, and the paper's claim that it does not matter."""
-    compared = {"duplicated", "superposed", "circular", "exact"}
-    if not holds(dataset, compared) or dataset.sizes["period"] < 2:
+    sweeps_with_estimates = {"duplicated", "superposed", "circular", "exact"}
+    if not covers(dataset, sweeps_with_estimates) or dataset.sizes["period"] < 2:
         return ()
     return _what_period(dataset), _any_period(dataset)
 
@@ -72,7 +79,7 @@ def _any_period(dataset: xr.Dataset) -> Finding:
     short, long = float(here["period"].min()), float(here["period"].max())
     facts = " and ".join(
         f"from {percent(one.sel(period=short)['peak_pressure_error'])} to "
-        f"{percent(one.sel(period=long)['peak_pressure_error'])} with {label_of(one)}"
+        f"{percent(one.sel(period=long)['peak_pressure_error'])} with {setting_label(one)}"
         for one in (here.sel(padding=name) for name in ("duplicated", "superposed"))
     )
     exact = here["peak_pressure_error"].sel(padding="exact")

@@ -12,7 +12,7 @@ from tests.studies.conftest import quiet
 
 
 def swept(name: str, out: Path, **axes: str) -> xr.Dataset:
-    run(load(name).override(axes), out, workers=0, repeats=1, say=quiet)
+    run(load(name).override(axes), out, workers=0, repeats=1, log=quiet)
     return read(out / f"{name}.nc")
 
 

@@ -10,7 +10,7 @@ from studies.reference.line_contact import padding_label
 
 
 def setting_label(dataset: xr.Dataset) -> str:
-    """:func:`name_of` a Dataset reduced to one padding and one n."""
+    """:func:`padding_label` of a Dataset reduced to one padding and one n."""
     return padding_label(str(dataset["padding"].values), int(dataset["images"]))
 
 

@@ -9,7 +9,14 @@ import matplotlib.style
 from contactstudy.io.figure import LAW_STYLE, SETTINGS, add_legend, panels
 from studies.reference.line_contact import COUNTS_IMAGES
 
-__all__ = ["LAW_STYLE", "PADDING_STYLES", "add_legend", "padding_style", "style_over_images", "panels"]
+__all__ = [
+    "LAW_STYLE",
+    "PADDING_STYLES",
+    "add_legend",
+    "padding_style",
+    "panels",
+    "style_over_images",
+]
 
 mpl.use("Agg")
 mpl.style.use(SETTINGS)

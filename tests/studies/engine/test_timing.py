@@ -92,7 +92,9 @@ def test_the_longest_short_case_of_each_kind_is_run_untimed_before_all(
     kinds = {"tiny": "a", "short": "a", "long": "a", "other": "b", "slow": "c"}
     cases = {name: trouble.Trouble(float(number)) for number, name in enumerate(expected)}
     taken: list[str] = []
-    timing.time_cases(cases, dict.fromkeys(cases, 1), expected, kinds, lambda key, _: taken.append(key))
+    timing.time_cases(
+        cases, dict.fromkeys(cases, 1), expected, kinds, lambda key, _: taken.append(key)
+    )
     assert taken == list(cases)
     assert set(clocked[:2]) == {cases["short"], cases["other"]}
     assert clocked[2:] == list(cases.values())

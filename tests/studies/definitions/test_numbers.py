@@ -68,7 +68,7 @@ def test_times_are_seconds_of_set_up_and_solve(monkeypatch: pytest.MonkeyPatch) 
         def run(self, prepared: None) -> None:
             wall["at"] += 5.0
 
-    sample = timing.clock(Clockwork())  # type: ignore[arg-type]
+    sample = timing.time_once(Clockwork())  # type: ignore[arg-type]
     assert (sample.setup, sample.solve) == (2.0, 5.0)
     assert (sample.setup_cpu, sample.solve_cpu) == (1.5, 3.75)
     found = timing_variables((), (), [[sample]])

@@ -1,0 +1,141 @@
+"""What an accuracy case is: a contact on a grid, and the truth that its cells should have."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from math import inf, nan
+
+import numpy as np
+
+import contactstudy as cs
+from contactstudy.domain.arrays import Array
+from studies.reference.line_contact import HERTZ, SCENE
+
+A, P_H = HERTZ.half_width, HERTZ.peak_pressure
+MODULUS = SCENE.contact_modulus
+# What the smooth contact flattens, times two: heights are given in it.
+FLATTENED = P_H * A / MODULUS
+EXACT, FREE = cs.ExactPeriodicity(), cs.ZeroPadding()
+
+
+@dataclass(frozen=True, eq=False)
+class Truth:
+    """``pressure`` (x, y) [Pa] as cell means, the ``highest`` [Pa], the share of the ``area`` in contact.
+
+    ``highest`` is infinite at a sharp edge. ``gap`` is the mean gap [m], nan where it is not known.
+    """
+
+    pressure: Array
+    highest: float
+    area: float
+    gap: float = nan
+
+
+@dataclass(frozen=True)
+class Finer:
+    """The truth of the same scene on a grid ``factor`` times finer, with all images unless told."""
+
+    factor: tuple[int, int]
+    padding: cs.Padding | cs.Paddings
+    tolerance: float = 1e-6
+
+    def __call__(self, case: "AccuracyCase") -> Truth:
+        """Solve, and average over blocks."""
+        (nx, ny), (kx, ky) = case.grid.cells, self.factor
+        ky = ky if ny > 1 else 1
+        grid = cs.Grid((kx * nx, ky * ny), case.grid.extent)
+        source = case.problem().source
+        assert source is not None
+        # heights given cell for cell are those of the case's own grid
+        problem = source.problem(grid)
+        if self.padding != case.padding:
+            problem = case.scene.problem(grid, self.padding)
+        found = cs.solve(problem, tolerance=self.tolerance)
+        blocks = found.pressure.reshape(nx, kx, ny, ky).mean(axis=(1, 3))
+        return Truth(
+            blocks,
+            float(found.pressure.max()),
+            float((found.pressure > 0).mean()),
+            float(found.gap.mean()),
+        )
+
+
+@dataclass(frozen=True)
+class ClosedForm:
+    """A truth known in closed form: the mean ``pressure`` over ``points`` in each cell, and the others."""
+
+    pressure: Callable[[Array, Array], Array]
+    highest: float
+    area: float
+    points: int = 64
+
+    def __call__(self, case: "AccuracyCase") -> Truth:
+        """Sample inside the cells, which costs a share of a cell to the power 3/2 and less."""
+        (nx, ny), grid = case.grid.cells, case.grid
+        along = 1 if ny == 1 else max(self.points // 8, 4)
+        across = self.points if ny == 1 else along
+        fine = cs.Grid((nx * across, ny * along), grid.extent)
+        values = np.broadcast_to(self.pressure(fine.x[:, None], fine.y), fine.cells)
+        means = values.reshape(nx, across, ny, along).mean(axis=(1, 3))
+        load = case.scene.load.per_length * grid.period / grid.cell_area
+        # a pole is lost between the points; the load is not
+        return Truth(means * (load / means.sum()), self.highest, self.area)
+
+
+@dataclass(frozen=True, eq=False)
+class AccuracyCase:
+    """A ``scene`` on a ``grid`` with a ``padding``, of a ``kind`` of surface, and its ``truth``."""
+
+    kind: str
+    scene: cs.Scene
+    grid: cs.Grid
+    padding: cs.Padding | cs.Paddings
+    find_truth: Callable[["AccuracyCase"], Truth]
+
+    def problem(self) -> cs.Problem:
+        """Ready to be solved."""
+        return self.scene.problem(self.grid, self.padding)
+
+    def truth(self) -> Truth:
+        """What the cells should have."""
+        return self.find_truth(self)
+
+
+@dataclass(frozen=True)
+class Errors:
+    """True errors, relative: of the pressure in L1, the highest pressure, the contact area, the mean gap."""
+
+    l1: float
+    peak_pressure: float
+    contact_area: float
+    mean_gap: float
+
+
+def errors(solution: cs.Solution, truth: Truth) -> Errors:
+    """How far ``solution`` is from the ``truth``."""
+    pressure = solution.pressure
+    area = float((pressure > 0).mean())
+    peak = inf if truth.highest == inf else abs(pressure.max() / truth.highest - 1)
+    return Errors(
+        float(np.abs(pressure - truth.pressure).sum() / truth.pressure.sum()),
+        float(peak),
+        abs(area / truth.area - 1),
+        abs(float(solution.gap.mean()) / truth.gap - 1),
+    )
+
+
+@dataclass(frozen=True)
+class Shifted:
+    """A cylinder whose axis lies ``aside`` [m]: a shape of a user's own, which says nothing of its detail."""
+
+    aside: float
+    radius: float = HERTZ.radius
+    curvature: float = field(default=1 / HERTZ.radius)
+
+    def gap(self, grid: cs.Grid) -> Array:
+        """The parabola."""
+        return ((grid.x - self.aside) ** 2 / (2 * self.radius))[:, None]
+
+
+def scene(*shapes: cs.Shape, hardness: float = inf) -> cs.Scene:
+    """The cylinder with more ``shapes``."""
+    return cs.Scene(SCENE.load, SCENE.solids, (*SCENE.shapes, *shapes), hardness)

@@ -1,0 +1,141 @@
+"""Contacts with a closed form: cylinders, spheres, a wave, a flat punch, a wedge."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import inf, pi
+
+import numpy as np
+
+import contactstudy as cs
+from contactstudy.domain.arrays import Array
+from studies.reference.accuracy.case import (
+    EXACT,
+    FLATTENED,
+    FREE,
+    MODULUS,
+    P_H,
+    A,
+    AccuracyCase,
+    ClosedForm,
+    Shifted,
+    scene,
+)
+from studies.reference.line_contact import HERTZ, SCENE
+
+STEEL = SCENE.solids
+
+
+@dataclass(frozen=True)
+class Wedge:
+    """A blunt wedge ``slope |x|``: a kink, told as a shape of a user's own."""
+
+    slope: float
+    curvature: float = 1 / HERTZ.radius  # for the scales alone
+
+    def gap(self, grid: cs.Grid) -> Array:
+        """Both flanks."""
+        return (self.slope * np.abs(grid.x))[:, None]
+
+
+def cylinders() -> Iterator[AccuracyCase]:
+    """The contact's edge anywhere in its cell."""
+    for cells in (25, 48, 96, 192):
+        for width in (2.2, 2.47, 2.8, 3.1):
+            grid = cs.Grid((cells, 1), (width * A, A))
+            truth = ClosedForm(lambda x, y: HERTZ.pressure(x), P_H, 2 / width)
+            yield AccuracyCase("smooth cylinder", SCENE, grid, EXACT, truth)
+
+
+def few_cells() -> Iterator[AccuracyCase]:
+    """A contact from a part of a cell to ten cells wide, its axis anywhere in its cell."""
+    for touching in (0.3, 0.6, 1.0, 1.4, 2.0, 2.6, 3.5, 5.0, 7.0, 10.0):
+        for share in (0.0, 0.37):
+            grid = cs.Grid((32, 1), (32 * 2 * A / touching, A))
+            aside = share * grid.cell[0]
+            truth = ClosedForm(
+                lambda x, y, aside=aside: HERTZ.pressure(x - aside), P_H, touching / 32, 512
+            )
+            shifted = cs.Scene(SCENE.load, STEEL, (Shifted(aside),))
+            yield AccuracyCase("1-10 cells in contact", shifted, grid, EXACT, truth)
+
+
+def spheres() -> Iterator[AccuracyCase]:
+    """Point contacts on a free length."""
+    point = cs.analytic.hertz_point(30.0, 0.01, MODULUS)
+    for cells in (24, 33, 64):
+        for width in (2.2, 2.6, 3.1):
+            length = width * point.contact_radius
+            load = cs.LineLoad(30.0 / length)
+            truth = ClosedForm(
+                lambda x, y: point.pressure(np.hypot(x, y)), point.peak_pressure, pi / width**2
+            )
+            ball = cs.Scene(load, STEEL, (cs.Sphere(0.01),))
+            grid = cs.Grid((cells, cells), (length, length))
+            yield AccuracyCase("sphere", ball, grid, (FREE, FREE), truth)
+
+
+def waves() -> Iterator[AccuracyCase]:
+    """Westergaard's wave, from a strip of contact to nearly no gap left."""
+    height, length = 1e-6, 1e-3
+    for cells in (25, 64):
+        for share in (0.05, 0.3, 0.6, 0.9, 0.97):
+            closing = pi * MODULUS * height / length
+            wave = cs.analytic.westergaard(share * closing, height, length, MODULUS)
+            truth = ClosedForm(
+                lambda x, y, wave=wave: wave.pressure(x),
+                wave.peak_pressure,
+                2 * wave.half_width / length,
+            )
+            wavy = cs.Scene(
+                cs.LineLoad(wave.mean_pressure * length),
+                STEEL,
+                (cs.Waviness(-height, across=length),),
+            )
+            grid = cs.Grid((cells, 1), (length, length))
+            yield AccuracyCase("near full contact", wavy, grid, (EXACT, EXACT), truth)
+
+
+def sharp() -> Iterator[AccuracyCase]:
+    """A flat punch and a wedge, whose highest pressure is infinite."""
+    load = SCENE.load.per_length
+    for cells in (64, 128, 250, 512):
+        grid = cs.Grid((cells, 1), (4 * A, A))
+        heights = np.where(np.abs(grid.x) < A, 0.0, -50 * FLATTENED)[:, None]
+        punch = cs.Scene(SCENE.load, STEEL, (cs.MeasuredSurface(heights),))
+        edge = (np.abs(grid.x) < A).sum() * grid.cell[0] / 2
+
+        def under(x: Array, _: Array, edge: float = edge) -> Array:
+            return np.where(
+                np.abs(x) < edge,
+                load / pi / np.sqrt(np.maximum(edge**2 - x**2, 1e-9 * edge**2)),
+                0.0,
+            )
+
+        truth = ClosedForm(under, inf, edge / (2 * A), 512)
+        yield AccuracyCase("steps and kinks", punch, grid, EXACT, truth)
+    for cells in (64, 128, 250, 512):
+        for width in (2.5, 2.9):
+            grid = cs.Grid((cells, 1), (width * A, A))
+            wedge = cs.Scene(SCENE.load, STEEL, (Wedge(load / MODULUS / A),))
+            truth = ClosedForm(
+                lambda x, y: load / pi / A * np.arccosh(1 / np.minimum(np.abs(x / A), 1)),
+                inf,
+                2 / width,
+                512,
+            )
+            yield AccuracyCase("steps and kinks", wedge, grid, EXACT, truth)
+
+
+def yielding() -> Iterator[AccuracyCase]:
+    """All cells at the hardness: a strip of a known width."""
+    for share in (0.3, 0.4, 0.5):
+        half = SCENE.load.per_length / (2 * share * P_H)
+        for cells in (40, 101, 256):
+            grid = cs.Grid((cells, 1), (2.6 * half, A))
+            truth = ClosedForm(
+                lambda x, y, half=half, share=share: np.where(np.abs(x) < half, share * P_H, 0.0),
+                share * P_H,
+                1 / 1.3,
+                512,
+            )
+            yield AccuracyCase("all yielding", scene(hardness=share * P_H), grid, EXACT, truth)

@@ -36,6 +36,9 @@ def discretisation(pressure: Array, wraps: tuple[bool, bool]) -> tuple[float, fl
         for outer, inner in ((before, after), (after, before)):
             end = (along > 0) & (outer == 0)
             l1 += edge_error(along[end], inner[end]).sum()
+            # a plateau's last cell has the mean of what is half-way in it
+            plateau = along[end & (inner >= level)]
+            l1 += np.minimum(plateau, level - plateau).sum()
         slope, bent = (
             float(np.moveaxis(field, 0, axis)[highest]) for field in ((after - before) / 2, bend)
         )

@@ -83,7 +83,9 @@ def powers() -> Array:
 
 
 def edge_error(last: Array, inner: Array) -> Array:
-    """L1 pressure error at an edge, ``sum |p - true at the centres|``, from the last two cells beside it.
+    """L1 pressure error at an edge, ``sum |p - true|``, from the last two cells beside it.
+
+    Against the true pressure at the centres or its mean in the cells, whichever is larger.
 
     The ratio of ``last`` and ``inner`` tells where in its cell the edge of a smooth contact lies. The
     error leaps where the edge passes the centre of a cell; so it is the largest within ``LEAP`` of a cell
@@ -93,6 +95,17 @@ def edge_error(last: Array, inner: Array) -> Array:
     ratio, error = _edge_errors()
     inner = np.maximum(inner, last / ratio[-1])
     return np.asarray(np.interp(last / inner, ratio, error) * inner)
+
+
+def edge_place(last: Array, inner: Array) -> Array:
+    """Where the edge lies, in cells outward of the last centre, from the last two cells beside it.
+
+    Where a single cell touches, half-way between as far in and as far out as it can.
+    """
+    edge, _, outer, second = _edge_renderings()
+    ratio = np.where(inner > 0, last / np.where(inner > 0, inner, 1), np.nan)
+    place = np.interp(ratio, outer / second, edge)
+    return np.asarray(np.where(inner > 0, place, sum(EDGE_RANGE) / 2))
 
 
 def worst_edge_error() -> float:
@@ -118,7 +131,11 @@ def _edge_renderings() -> tuple[Array, Array, Array, Array]:
     cells = np.arange(EDGE_CELLS)[:, None]
     found = modes(EDGE_CELLS)[:, :2] @ strength
     error = np.abs(found - np.sqrt(np.maximum(cells + edge, 0))).sum(axis=0)
-    return edge, error, found[0], found[1]
+    # the cell beyond the last may hold the edge too
+    border = np.maximum(np.arange(-1, EDGE_CELLS + 1)[:, None] + edge - 0.5, 0)
+    means = np.diff(border**1.5, axis=0) * (2 / 3)
+    against_means = np.abs(found - means[1:]).sum(axis=0) + means[0]
+    return edge, np.maximum(error, against_means), found[0], found[1]
 
 
 def _log_symbol(angle: Array) -> Array:

@@ -1,17 +1,44 @@
 """How far a solution is from the contact it stands for, by cause."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import inf
 
 import numpy as np
 
+from contactstudy.accuracy.coarser import Change, change, coarse_solution
+from contactstudy.accuracy.contact_area import contact_area
 from contactstudy.accuracy.discretisation import discretisation
+from contactstudy.accuracy.subcell import Subcell, subcell
 from contactstudy.accuracy.truncation import truncation
 from contactstudy.domain.checks import NotDefined
 from contactstudy.problem.gap import violation
+from contactstudy.problem.problem import Problem
 from contactstudy.solvers.solution import Solution, Status
 
 # An approximate inverse is out by up to this factor where the padding is a short window.
 MARGIN = 1.5
+# What cells hide over the error of smooth edges: below SMOOTH that error is all there is, and no coarser solution
+# is needed; up to RESOLVED the pressure in L1 is in error by no more than so many times it. The error of the
+# highest pressure grows by so many times what they hide, up to half of that.
+SMOOTH, RESOLVED = 0.25, 2.0
+L1_RESOLVED, PEAK_RESOLVED = 1.6, 2.5
+# Error over the change from cells of twice the size, and over the share of the load whose cells hide heights:
+# at most, over nearly all surfaces of the accuracy matrix. Two pressures of one load differ by 2 at most.
+CHANGE, AREA_CHANGE, HIDDEN, LARGEST = 1.4, 1.25, 0.5, 2.0
+# A pressure that rises like the inverse root of the cell, which is not bounded, by 41 % at a halving. One
+# whose rise shrinks like the root of the cell has 2.4 times as much to come.
+UNBOUNDED, RISE, FALL = 0.2, 2.5, 1.5
+# A corner may add so much of the highest pressure at each halving before it counts as sharp.
+SHARP = 0.02
+# The mean gap is that much less in error by smooth edges than the pressure, and more by images left out; its
+# own change from cells of twice the size counts so much.
+GAP_EDGES, GAP_IMAGES, GAP_CHANGE = 0.1, 8.0, 2.0
+# A spot of so few cells across is not what the law of a smooth edge is about.
+FEW = 5
+# Pressure at a roller's end over that in the cell before, from which it rises as at a sharp end.
+RISING = 1.1
+# Beyond such an error of the whole, the highest pressure is not known either.
+LOST = 0.5
 
 
 @dataclass(frozen=True)
@@ -30,17 +57,38 @@ class ErrorParts:
 
 @dataclass(frozen=True)
 class ErrorEstimate:
-    """Relative errors of the highest pressure, and of the pressure in L1 against cell centres."""
+    """Relative errors of the highest pressure, the pressure in L1, the contact area and the mean gap.
+
+    The pressure in L1 is judged against the true pressure's cell means: that is what a cell of constant
+    pressure stands for. ``warnings`` say in a sentence each why a bound is infinite, or what to change.
+    """
 
     peak_pressure: ErrorParts
     l1: ErrorParts
+    contact_area: ErrorParts
+    mean_gap: ErrorParts
+    warnings: tuple[str, ...] = ()
 
 
-def error_estimate(solution: Solution) -> ErrorEstimate:
-    """Estimate the errors of ``solution`` from itself, at the cost of one approximate inverse.
+@dataclass(frozen=True)
+class _Cells:
+    """What the cells cost, relative, and why a bound is infinite."""
 
-    Meant as bounds that are a few times too large at most: not for a contact that reaches the edge of
-    the width, nor for heights the grid does not resolve. Infinite where there is no solution.
+    peak_pressure: float
+    l1: float
+    contact_area: float
+    mean_gap: float
+    warnings: tuple[str, ...] = ()
+
+
+def error_estimate(solution: Solution, *, coarse: Solution | None = None) -> ErrorEstimate:
+    """Estimate the errors of ``solution``.
+
+    Where heights and edges are smooth, from the solution itself; else the same contact is solved once more on
+    cells of twice the size, its heights sampled anew, and the heights are looked at inside the cells. That
+    costs less than half of the solve. ``coarse`` is that solution, where it is at hand (see
+    :func:`~contactstudy.accuracy.coarser.coarse_solution`). Infinite, with the reason in ``warnings``, where no
+    bound can be given: no solution, a contact cut off, a sharp edge's pressure, heights finer than the cells.
     Raises :class:`~contactstudy.NotDefined` where the problem does not say its paddings, or no law is
     known for them (see :func:`~contactstudy.accuracy.truncation.truncation`).
     """
@@ -50,14 +98,141 @@ def error_estimate(solution: Solution) -> ErrorEstimate:
             "Problem.paddings is None: give the paddings of the two axes, (across, along)."
         )
     if solution.status in (Status.NOT_FINITE, Status.NO_ADMISSIBLE_PRESSURE):
-        lost = ErrorParts(0.0, 0.0, np.inf)
-        return ErrorEstimate(lost, lost)
-    across, along = problem.paddings
-    cut = truncation(solution.pressure, problem.grid, problem.paddings)
-    cells = discretisation(solution.pressure, (across.wraps, along.wraps))
-    left = _residual(solution)
-    peak, l1 = (ErrorParts(*parts) for parts in zip(cut, cells, left, strict=True))
-    return ErrorEstimate(peak, l1)
+        lost = ErrorParts(0.0, 0.0, inf)
+        return ErrorEstimate(lost, lost, lost, lost, (f"No bound: {solution.status}",))
+    peak_cut, l1_cut = 0.0, 0.0
+    if problem.source is None or not problem.source.ends_along:
+        peak_cut, l1_cut = truncation(solution.pressure, problem.grid, problem.paddings)
+    peak_left, l1_left = _residual(solution)
+    cells = _cells(solution, coarse)
+    return ErrorEstimate(
+        ErrorParts(peak_cut, cells.peak_pressure, peak_left),
+        ErrorParts(l1_cut, cells.l1, l1_left),
+        ErrorParts(l1_cut, cells.contact_area, l1_left),
+        ErrorParts(GAP_IMAGES * l1_cut, cells.mean_gap, l1_left),
+        cells.warnings,
+    )
+
+
+def _cells(solution: Solution, coarse: Solution | None) -> _Cells:
+    """What the grid costs."""
+    problem, pressure = solution.problem, solution.pressure
+    assert problem.paddings is not None
+    wraps = problem.paddings[0].wraps, problem.paddings[1].wraps
+    peak, l1 = discretisation(pressure, wraps)
+    area = contact_area(pressure, wraps)
+    if solution.status is Status.CONTACT_AT_EDGE:
+        said = "No bound: the contact is cut off at the edge of the grid, give Grid.extent a larger one."
+        return _Cells(inf, inf, inf, inf, (said,))
+    inside = subcell(problem, pressure)
+    if inside is None:
+        said = (
+            "No bound by the cells: Problem.source does not say the heights on other grids, so nothing is "
+            "known of them between the cell centres; make the problem from a Scene."
+        )
+        return _Cells(inf, inf, inf, inf, (said,))
+    yields, sharp_end = _at_hardness(solution), _at_sharp_end(problem, pressure)
+    regular = not (yields or sharp_end) and _spot(pressure, wraps) >= FEW
+    if regular and inside.uncertain <= SMOOTH * l1 and inside.corner <= SHARP:
+        peak *= 1 + PEAK_RESOLVED * inside.uncertain / l1 if l1 else 1.0
+        return _Cells(peak, l1, area, GAP_EDGES * l1)
+    coarse = coarse or coarse_solution(problem)
+    if coarse is None or coarse.status in (Status.NOT_FINITE, Status.NO_ADMISSIBLE_PRESSURE):
+        said = "No bound by the cells: there is no solution on cells of twice the size to compare with."
+        return _Cells(inf, inf, inf, inf, (said,))
+    seen = change(solution, coarse)
+    hides = inside.uncertain / l1 if l1 else inf
+    l1_seen = max(CHANGE * seen.l1, HIDDEN * inside.uncertain)
+    peak_seen = (RISE if seen.peak_pressure > 0 else FALL) * abs(seen.peak_pressure)
+    smooth = regular and inside.corner <= SHARP
+    if smooth and hides <= RESOLVED:
+        l1_seen = min(l1_seen, L1_RESOLVED * l1)
+    peak_known = smooth and hides <= RESOLVED / 2
+    if peak_known:
+        peak_seen = min(peak_seen, (1 + PEAK_RESOLVED * hides) * peak)
+    both = _Cells(
+        0.0 if yields else max(peak, peak_seen),
+        min(LARGEST, max(l1, l1_seen)),
+        max(area, _lost(AREA_CHANGE * seen.contact_area)),
+        max(GAP_EDGES * l1, GAP_CHANGE * seen.mean_gap),
+    )
+    return _unbounded(both, problem, inside, seen, sharp_end=sharp_end, exact=yields or peak_known)
+
+
+def _lost(share: float) -> float:
+    """The relative error of what may have lost that ``share`` of itself, or gained it."""
+    return share / (1 - share) if share < 1 else inf
+
+
+def _spot(pressure: np.ndarray, wraps: tuple[bool, bool]) -> int:
+    """How many cells touch in a row through the highest pressure, along the axis where they are fewest."""
+    highest = np.unravel_index(np.argmax(pressure), pressure.shape)
+    fewest = pressure.size
+    for axis, closed in enumerate(wraps):
+        row = np.moveaxis(pressure, axis, 0)[:, highest[1 - axis]] > 0
+        if len(row) > 1 and not row.all():
+            row = np.roll(row, len(row) // 2 - int(highest[axis])) if closed else row
+            middle = len(row) // 2 if closed else int(highest[axis])
+            apart = np.flatnonzero(~row)
+            before, after = apart[apart < middle], apart[apart > middle]
+            first = before[-1] if before.size else -1
+            last = after[0] if after.size else len(row)
+            fewest = min(fewest, int(last - first - 1))
+    return fewest
+
+
+def _unbounded(
+    cells: _Cells, problem: Problem, inside: Subcell, seen: Change, *, sharp_end: bool, exact: bool
+) -> _Cells:
+    """``cells`` with infinity where no bound can be given, and the reasons."""
+    assert problem.source is not None
+    for axis, (cell, finest) in enumerate(
+        zip(problem.grid.cell, problem.source.finest, strict=True)
+    ):
+        if cell > finest * (1 + 1e-9) and problem.grid.cells[axis] > 1:
+            count = int(np.ceil(2 * problem.grid.extent[axis] / finest))
+            said = (
+                f"No bound by the cells: Grid.cells[{axis}] is {problem.grid.cells[axis]}, whose cells of "
+                f"{cell:.4g} m do not show lengths of {finest:.4g} m, give {count} or more."
+            )
+            return _Cells(inf, inf, inf, inf, (said,))
+    if exact:
+        return cells
+    why = ""
+    if inside.corner > SHARP:
+        why = "it lies at a sharp edge or corner, where it is infinite: round the edge, or ask for another quantity"
+    elif sharp_end:
+        why = "it lies at the roller's sharp end, where it is infinite: give the roller a profile"
+    elif seen.peak_pressure >= UNBOUNDED:
+        why = (
+            f"it grew by {seen.peak_pressure:.0%} when the cells were halved: give more cells, unless the "
+            "surface has a sharp edge"
+        )
+    elif max(CHANGE * seen.l1, HIDDEN * inside.uncertain) >= LOST:
+        why = "the grid hardly shows the surface: give more cells"
+    if not why:
+        return cells
+    return replace(
+        cells, peak_pressure=inf, warnings=(f"No bound for the highest pressure: {why}.",)
+    )
+
+
+def _at_hardness(solution: Solution) -> bool:
+    """Whether the highest pressure is a limit of the constraint, which finer cells have too."""
+    pressure = solution.pressure
+    free = solution.problem.constraint.free(pressure)
+    return bool(((pressure == pressure.max()) & (free == 0)).any())
+
+
+def _at_sharp_end(problem: Problem, pressure: np.ndarray) -> bool:
+    """Whether the pressure rises at an end of the roller, to the order of the highest."""
+    if problem.source is None or not problem.source.ends_along or pressure.shape[1] < 3:
+        return False
+    ends = ((pressure[:, 0], pressure[:, 1]), (pressure[:, -1], pressure[:, -2]))
+    return any(
+        bool(last.max() > max(RISING * beside.max(), LOST * pressure.max()))
+        for last, beside in ends
+    )
 
 
 def _residual(solution: Solution) -> tuple[float, float]:

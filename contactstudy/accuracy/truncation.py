@@ -34,7 +34,8 @@ def truncation(pressure: Array, grid: Grid, paddings: Paddings) -> tuple[float, 
         period, other = grid.extent[0], grid.y
     else:
         period, other = grid.extent[1], grid.x
-    if along.window is None or not (len(along.window) > 1 or along.wraps or _reaches(pressure)):
+    free = not (hasattr(along, "images") or along.wraps or _reaches(pressure))
+    if along.window is None or (free and len(along.window) == 1):
         return 0.0, 0.0
     if across.window is None or len(across.window) > 1 or across.wraps:
         raise NotDefined(
@@ -98,7 +99,7 @@ def _ends(pressure: Array, along: Padding, ratio: float) -> tuple[float, float]:
     assert along.window is not None
     if along.wraps:
         return 0.0, 0.0
-    if len(along.window) == 1:
+    if len(along.window) == 1 and _reaches(pressure):
         load = pressure.sum(axis=0) / pressure.sum(axis=0).mean()
         return max(load[0], load[-1], 1.0) - 1, float(np.abs(load - 1).mean())
     kink = _kink(ratio, len(along.window), pressure.shape[1])

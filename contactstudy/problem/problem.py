@@ -31,6 +31,11 @@ class Source(Protocol):
         """The shortest lengths (across, along) over which the heights change [m]; infinite if unknown."""
         ...
 
+    @property
+    def ends_along(self) -> bool:
+        """Whether a body ends along the length, so that contact may reach the ends of the grid."""
+        ...
+
     def gap(self, grid: Grid) -> Array:
         """Undeformed gap [m], sampled anew on ``grid``; broadcasts to its cells."""
         ...

@@ -133,7 +133,8 @@ class Scene:
     def _source(self, grid: Grid, padding: Padding | Paddings) -> ShapesSource:
         """Of the same scene on other grids than ``grid``."""
         scene = replace(self, shapes=sized(self.shapes, grid))
-        return ShapesSource(scene.shapes, lambda other: scene.problem(other, padding))
+        ended = ends_along(self.shapes, grid)
+        return ShapesSource(scene.shapes, ended, lambda other: scene.problem(other, padding))
 
     def planned(self, *, error: float = 1e-3, period: float | None = None) -> Problem:
         """The problem on the grid and with the padding of :func:`~contactstudy.plan`."""

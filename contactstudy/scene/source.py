@@ -12,9 +12,13 @@ from contactstudy.scene.shapes.shape import Shape
 
 @dataclass(frozen=True)
 class ShapesSource:
-    """``shapes`` whose heights are sampled anew on each grid; ``make`` builds the problem there."""
+    """``shapes`` whose heights are sampled anew on each grid; ``make`` builds the problem there.
+
+    ``ends_along`` says whether one of them ends a roller.
+    """
 
     shapes: tuple[Shape, ...]
+    ends_along: bool
     make: Callable[[Grid], Problem]
 
     @property

@@ -171,11 +171,11 @@ class Texture:
 
     @property
     def detail(self) -> Detail:
-        """Features are as fine as they are wide."""
+        """Features, and the lands between them, are as fine as they are wide."""
         if self.feature.depth == 0:
             return Detail()
         size, (across, along) = self.feature.size, self.pitch
-        finest = (size if across < inf else inf, size if along < inf else inf)
+        finest = _narrowest(size, across), _narrowest(size, along)
         repeat = along if along < inf else 0.0
         # a depth over half the size, on the textured share of the surface
         slope = 2 * self.feature.depth / size * self.area_density**0.5
@@ -192,6 +192,13 @@ class Texture:
         t = distance / (self.feature.size / 2)
         depth = self.feature.depth * self.feature.profile(np.minimum(t, 1))
         return np.where(t < 1, depth, 0.0)
+
+
+def _narrowest(size: float, pitch: float) -> float:
+    """The narrower of a feature and the land beside it; infinite where nothing repeats."""
+    if pitch == inf:
+        return inf
+    return min(size, pitch - size) if pitch > size else size
 
 
 def _from_nearest(position: Array, pitch: float) -> Array:

@@ -92,15 +92,19 @@ def rough_surfaces(line_contact: LineContact) -> Iterator[tuple[float, float]]:
                 yield ratios(cs.solve(problem), true, float(finer.max()))
 
 
-@pytest.mark.parametrize(
-    "cases", [hertz_lines, hertz_points, wavy_surfaces, paddings, rough_surfaces]
-)
+@pytest.mark.parametrize("cases", [hertz_lines, hertz_points, wavy_surfaces, paddings])
 def test_estimate_bounds_the_error_and_is_not_five_times_too_large(
     cases: Callable[[LineContact], Iterator[tuple[float, float]]], line_contact: LineContact
 ) -> None:
     found = np.array(list(cases(line_contact)))
     assert ((found >= 1).mean(axis=0) >= 0.95).all()
     assert (np.median(found, axis=0) <= 5).all()
+
+
+def test_estimate_bounds_the_errors_of_rough_surfaces(line_contact: LineContact) -> None:
+    found = np.array(list(rough_surfaces(line_contact)))
+    assert (found >= 1).all()
+    assert np.median(found[:, 1]) <= 5
 
 
 @pytest.mark.parametrize("solver", [cs.PreconditionedCG(), cs.PolonskyKeer()], ids=str)

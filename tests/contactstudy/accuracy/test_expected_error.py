@@ -77,8 +77,8 @@ def test_what_a_window_leaves_out_is_expected(period: float, line_contact: LineC
 
 
 def test_the_l1_law_is_that_of_the_edges(line_contact: LineContact) -> None:
-    """Measured as the worst of many solutions: 0.37."""
-    assert l1_factor() == pytest.approx(0.37, rel=0.02)
+    """The worst of many solutions is 0.37 against the pressure at the centres, 0.45 against cell means."""
+    assert l1_factor() == pytest.approx(0.446, rel=0.02)
 
 
 def test_where_no_law_holds_no_error_is_promised(line_contact: LineContact) -> None:

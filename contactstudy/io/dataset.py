@@ -65,7 +65,7 @@ def to_dataset(solution: Solution, error: ErrorEstimate | None = None) -> xr.Dat
         for name, one in output.fields(solution.pressure).items():
             labels = {"units": one.units, "long_name": one.long_name, **one.attributes}
             dataset[name] = one.dimensions, one.values, labels
-    return dataset if error is None else dataset.assign(_estimated(error))
+    return dataset if error is None else _with(dataset, error)
 
 
 def _of_scene(source: object) -> Mapping[str, tuple[float, str, str]]:
@@ -103,10 +103,20 @@ def _text(source: PosedScene) -> str:
         return f"# {error}\n# {source!r}\n"
 
 
+def _with(dataset: xr.Dataset, estimate: ErrorEstimate) -> xr.Dataset:
+    """``dataset`` with the estimate, and with its warnings as one text where there are any."""
+    found = dataset.assign(_estimated(estimate))
+    if estimate.warnings:
+        found.attrs["warnings"] = " ".join(estimate.warnings)
+    return found
+
+
 def _estimated(estimate: ErrorEstimate) -> dict[str, xr.DataArray]:
     named = {
         "peak_pressure": ("highest pressure", estimate.peak_pressure),
         "pressure_l1": ("pressure in L1", estimate.l1),
+        "contact_area": ("contact area", estimate.contact_area),
+        "mean_gap": ("mean gap", estimate.mean_gap),
     }
     return {
         f"{metric}_error_estimate": xr.DataArray(

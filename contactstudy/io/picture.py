@@ -1,5 +1,6 @@
 """The picture of one solved contact: pressure map, cross-sections with Hertz's pressure, gap, stress."""
 
+from textwrap import fill
 from typing import Any
 
 import matplotlib as mpl
@@ -13,6 +14,7 @@ from contactstudy.io.figure import LAW_STYLE, SETTINGS, add_legend, panels
 # Lengths are drawn in the unit in which the numbers on the axes are shortest.
 LENGTHS = ((1e-6, "µm"), (1e-3, "mm"), (1.0, "m"))
 PRESSURES = ((1e3, "kPa"), (1e6, "MPa"), (1e9, "GPa"))
+WARNING_WIDTH = 70  # letters over one panel
 PRESSURE: dict[str, Any] = {"color": "#0072B2"}
 GAP: dict[str, Any] = {"color": "#009E73"}
 STRESS: dict[str, Any] = {"color": "#D55E00"}
@@ -29,6 +31,9 @@ def picture(solved: xr.Dataset) -> Figure:
         for draw, ax in zip(drawn, axes, strict=True):
             draw(ax, solved)
         add_legend(figure)
+        if "warnings" in solved.attrs:
+            said = fill(str(solved.attrs["warnings"]), WARNING_WIDTH * min(len(drawn), 2))
+            figure.suptitle(f"warning: {said}", color=STRESS["color"], fontsize="small")
     return figure
 
 

@@ -97,11 +97,15 @@ def solve(scene: Path, out: Path) -> None:
     for what, parts in (
         ("highest pressure", estimate.peak_pressure),
         ("pressure in L1", estimate.l1),
+        ("contact area", estimate.contact_area),
+        ("mean gap", estimate.mean_gap),
     ):
         click.echo(
             f"  error of the {what} at most some {parts.total:.1g}: images {parts.truncation:.1g}, "
             f"cells {parts.discretisation:.1g}, solver {parts.residual:.1g}"
         )
+    for warning in estimate.warnings:
+        click.echo(f"  warning: {warning}")
     click.echo(f"  wrote {path} and {path.with_suffix('.png')}")
     if solution.status is not cs.Status.CONVERGED:
         sys.exit(1)

@@ -14,6 +14,8 @@ A, P_H = HERTZ.half_width, HERTZ.peak_pressure
 MODULUS = SCENE.contact_modulus
 # What the smooth contact flattens, times two: heights are given in it.
 FLATTENED = P_H * A / MODULUS
+# At points (x, y) [m], in Pa.
+Pressure = Callable[[Array, Array], Array]
 EXACT, FREE = cs.ExactPeriodicity(), cs.ZeroPadding()
 
 
@@ -63,7 +65,7 @@ class Finer:
 class ClosedForm:
     """A truth known in closed form: the mean ``pressure`` over ``points`` in each cell, and the others."""
 
-    pressure: Callable[[Array, Array], Array]
+    pressure: Pressure
     highest: float
     area: float
     points: int = 64

@@ -94,7 +94,7 @@ def ground(points: tuple[int, int], seed: int) -> Array:
         noise = ndimage.gaussian_filter(rng.standard_normal(points), (across, along), mode="wrap")
         heights += weight * noise / noise.std()
     heights += 0.05 * rng.standard_normal(points)
-    return heights / heights.std()
+    return np.asarray(heights / heights.std())
 
 
 def measured() -> Iterator[AccuracyCase]:

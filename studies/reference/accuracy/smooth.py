@@ -7,6 +7,7 @@ from math import inf, pi
 import numpy as np
 
 import contactstudy as cs
+from contactstudy.analytic import Westergaard
 from contactstudy.domain.arrays import Array
 from studies.reference.accuracy.case import (
     EXACT,
@@ -17,6 +18,7 @@ from studies.reference.accuracy.case import (
     A,
     AccuracyCase,
     ClosedForm,
+    Pressure,
     Shifted,
     scene,
 )
@@ -52,9 +54,7 @@ def few_cells() -> Iterator[AccuracyCase]:
         for share in (0.0, 0.37):
             grid = cs.Grid((32, 1), (32 * 2 * A / touching, A))
             aside = share * grid.cell[0]
-            truth = ClosedForm(
-                lambda x, y, aside=aside: HERTZ.pressure(x - aside), P_H, touching / 32, 512
-            )
+            truth = ClosedForm(_cylinder(aside), P_H, touching / 32, 512)
             shifted = cs.Scene(SCENE.load, STEEL, (Shifted(aside),))
             yield AccuracyCase("1-10 cells in contact", shifted, grid, EXACT, truth)
 
@@ -82,7 +82,7 @@ def waves() -> Iterator[AccuracyCase]:
             closing = pi * MODULUS * height / length
             wave = cs.analytic.westergaard(share * closing, height, length, MODULUS)
             truth = ClosedForm(
-                lambda x, y, wave=wave: wave.pressure(x),
+                _wave(wave),
                 wave.peak_pressure,
                 2 * wave.half_width / length,
             )
@@ -133,9 +133,21 @@ def yielding() -> Iterator[AccuracyCase]:
         for cells in (40, 101, 256):
             grid = cs.Grid((cells, 1), (2.6 * half, A))
             truth = ClosedForm(
-                lambda x, y, half=half, share=share: np.where(np.abs(x) < half, share * P_H, 0.0),
+                _strip(half, share * P_H),
                 share * P_H,
                 1 / 1.3,
                 512,
             )
             yield AccuracyCase("all yielding", scene(hardness=share * P_H), grid, EXACT, truth)
+
+
+def _cylinder(aside: float) -> Pressure:
+    return lambda x, y: HERTZ.pressure(x - aside)
+
+
+def _wave(wave: Westergaard) -> Pressure:
+    return lambda x, y: wave.pressure(x)
+
+
+def _strip(half: float, pressure: float) -> Pressure:
+    return lambda x, y: np.where(np.abs(x) < half, pressure, 0.0)

@@ -1,6 +1,6 @@
 """From pressure to displacement by one pruned, real transform pair."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from threading import local
@@ -167,6 +167,21 @@ def superposed(
         around = np.take(half, _around(half.shape[axis], padded[axis]), axis)
         half = fft.rfft(around, axis=axis).real
     return Convolution(half[_around(len(half), padded[0])], grid.cells, padded)
+
+
+def combined(
+    operators: Iterable[tuple[float, Convolution]], own: float = 0.0
+) -> Convolution:
+    """The sum of ``operators`` on one grid, each times its weight, and ``own`` [m/Pa] times the pressure itself.
+
+    A constant in the spectrum is that multiple of the pressure, also on coarser grids.
+    """
+    weighted = list(operators)
+    first = weighted[0][1]
+    spectrum = sum((weight * one.spectrum for weight, one in weighted), start=np.zeros(()))
+    if own:
+        spectrum = spectrum + own
+    return replace(first, spectrum=spectrum)
 
 
 def padded_cells(grid: Grid, paddings: Paddings) -> tuple[int, int]:

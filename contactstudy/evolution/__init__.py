@@ -1,0 +1,1 @@
+"""Contacts that change in time: memories, steps, their control, the result. May import `accuracy`, `scene` and below."""

@@ -1,0 +1,177 @@
+"""One step in time: a bare problem made from a scene's memories, solved from the pressure before."""
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import log2, sqrt
+
+import numpy as np
+
+from contactstudy.domain.arrays import Array
+from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.precision import Precision
+from contactstudy.elasticity.coefficients import Coefficients
+from contactstudy.elasticity.convolution import Convolution, combined, superposed
+from contactstudy.evolution.memory import Contribution, Memory, State, Step
+from contactstudy.problem.problem import Problem, Scales
+from contactstudy.problem.resultant import PrescribedLoad
+from contactstudy.solvers.solution import Solution, Status
+from contactstudy.solvers.solve import Solver, solve
+
+
+@dataclass(frozen=True, eq=False)
+class Instant:
+    """A contact at ``time`` [s] under ``load`` [N/m]: its ``pressure`` (x, y) [Pa] and what is kept, by memory."""
+
+    time: float
+    load: float
+    pressure: Array
+    states: tuple[State, ...]
+
+
+@dataclass(frozen=True)
+class SolverOptions:
+    """Those of :func:`~contactstudy.solve`."""
+
+    tolerance: float
+    max_iterations: int
+    solver: Solver
+    precision: Precision
+
+
+@dataclass(frozen=True, eq=False)
+class March:
+    """The steps of one scene on one grid.
+
+    ``problem`` is that of a sudden ``load`` [N/m] before anything has changed, ``weights`` [1/Pa] are those of
+    the coefficients in its operator.
+    """
+
+    problem: Problem
+    load: float
+    weights: Mapping[Coefficients, float]
+    memories: tuple[Memory, ...]
+    options: SolverOptions
+
+    def start(self, time: float) -> Instant:
+        """Before the first load."""
+        shape = self.problem.grid.cells
+        states = tuple(memory.start(shape) for memory in self.memories)
+        return Instant(time, 0.0, np.zeros(shape), states)
+
+    def advance(self, instant: Instant, step: Step) -> tuple[Instant, Solution]:
+        """The instant at the end of ``step``."""
+        problem = self._problem_at_end(instant, step)
+        load = step.loads[1]
+        solution = _unloaded(problem) if load == 0 else self._solved(problem, instant.pressure)
+        after = solution.pressure
+        states = tuple(
+            memory.advance(state, instant.pressure, after, step)
+            for memory, state in zip(self.memories, instant.states, strict=True)
+        )
+        return Instant(step.end, load, after, states), solution
+
+    def _problem_at_end(self, instant: Instant, step: Step) -> Problem:
+        contributions = [
+            memory.contribution(state, instant.pressure, step)
+            for memory, state in zip(self.memories, instant.states, strict=True)
+        ]
+        load = step.loads[1]
+        grid = self.problem.grid
+        weights = Counter(self.weights)
+        for one in contributions:
+            weights.update(one.compliance)
+        softer = sum(weights.values()) / sum(self.weights.values())
+        return replace(
+            self.problem,
+            undeformed_gap=self._gap(contributions),
+            operator=self._operator(weights, sum(one.own for one in contributions)),
+            resultant=PrescribedLoad(load * grid.period / grid.cell_area),
+            scales=self._scales(load, softer) if load else self.problem.scales,
+        )
+
+    def _gap(self, contributions: Iterable[Contribution]) -> Array:
+        gap = self.problem.undeformed_gap
+        strains: dict[Coefficients, Array] = {}
+        for one in contributions:
+            if one.gap is not None:
+                gap = gap + one.gap
+            for coefficients, field in one.strained.items():
+                strains[coefficients] = strains.get(coefficients, 0.0) + field
+        for coefficients, strain in strains.items():
+            if strain.any():
+                gap = gap + self._units[coefficients](strain)
+        return gap
+
+    def _operator(self, weights: Mapping[Coefficients, float], own: float) -> Convolution:
+        operator = self.problem.operator
+        assert isinstance(operator, Convolution)
+        if weights == self.weights:
+            return combined([(1.0, operator)], own) if own else operator
+        return combined(((weight, self._units[one]) for one, weight in weights.items()), own)
+
+    @cached_property
+    def _units(self) -> Mapping[Coefficients, Convolution]:
+        """An operator for each kind of coefficients [m]."""
+        problem = self.problem
+        if len(self.weights) == 1:
+            ((coefficients, weight),) = self.weights.items()
+            assert isinstance(problem.operator, Convolution)
+            return {coefficients: combined([(1 / weight, problem.operator)])}
+        if problem.paddings is None:
+            raise InvalidInput("Problem.paddings is None: give those of the two axes.")
+        return {
+            coefficients: superposed({coefficients: 1.0}, problem.grid, problem.paddings)
+            for coefficients in self.weights
+        }
+
+    def _scales(self, load: float, softer: float) -> Scales:
+        """Those of a contact under ``load`` that is ``softer`` by a factor.
+
+        A curved contact grows like the root of both, a flat one stays as wide as it is.
+        """
+        scales = self.problem.scales
+        ratio = load / self.load
+        if scales.length < self.problem.grid.extent[0]:
+            length, pressure = sqrt(ratio * softer), sqrt(ratio / softer)
+        else:
+            length, pressure = 1.0, ratio
+        pressure = 2.0 ** round(log2(scales.pressure * pressure))
+        return Scales(scales.length * length, pressure, scales.gap * ratio * softer)
+
+    def _solved(self, problem: Problem, start: Array) -> Solution:
+        options = self.options
+        return solve(
+            problem,
+            tolerance=options.tolerance,
+            max_iterations=options.max_iterations,
+            solver=options.solver,
+            precision=options.precision,
+            start=start if start.any() else None,
+        )
+
+
+def _unloaded(problem: Problem) -> Solution:
+    """Bodies that just touch."""
+    gap = problem.undeformed_gap
+    nothing = np.zeros_like(gap)
+    approach = float(gap.min())
+    return Solution(
+        problem=problem,
+        pressure=nothing,
+        displacement=nothing.copy(),
+        gap=gap - approach,
+        approach=approach,
+        status=Status.CONVERGED,
+        iterations=0,
+        convolutions=0.0,
+        residual=0.0,
+    )
+
+
+def worst(statuses: Sequence[Status]) -> Status:
+    """The first in the order in which they matter, most serious first."""
+    order = (Status.NOT_FINITE, Status.NO_ADMISSIBLE_PRESSURE, Status.STALLED, Status.ITERATION_LIMIT,
+             Status.PRECISION_LIMIT, Status.CONTACT_AT_EDGE, Status.CONVERGED)  # fmt: skip
+    return min(statuses, key=order.index, default=Status.CONVERGED)

@@ -1,0 +1,68 @@
+"""What a body or an interface keeps from one instant to the next, and what it makes of it in a step."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from contactstudy.domain.arrays import Array
+from contactstudy.elasticity.coefficients import Coefficients
+from contactstudy.problem.derived import Field
+
+# The fields (x, y) that a memory keeps, by name: all that a checkpoint needs of it.
+State = Mapping[str, Array]
+
+
+@dataclass(frozen=True)
+class Step:
+    """From ``start`` to ``end`` [s], a jump of the load if these are one; ``loads`` [N/m] before and after.
+
+    ``mean_load`` [N/m] is that over the step.
+    """
+
+    start: float
+    end: float
+    loads: tuple[float, float]
+    mean_load: float
+
+    @property
+    def duration(self) -> float:
+        """[s]"""
+        return self.end - self.start
+
+
+@dataclass(frozen=True)
+class Contribution:
+    """What a memory adds to the problem at the end of a step.
+
+    ``gap`` (x, y) [m] is added to the undeformed gap. ``strained`` (x, y) [-] are fields to be convolved with their
+    coefficients [m], and added to it too. ``compliance`` [1/Pa] is added to the weights of coefficients in
+    the operator, ``own`` [m/Pa] to the displacement of each cell under its own pressure.
+    """
+
+    gap: Array | None = None
+    strained: Mapping[Coefficients, Array] = field(default_factory=dict)
+    compliance: Mapping[Coefficients, float] = field(default_factory=dict)
+    own: float = 0.0
+
+
+class Memory(Protocol):
+    """What a body or an interface keeps.
+
+    States are never changed in place: a step may be tried and rejected.
+    """
+
+    def start(self, shape: tuple[int, int]) -> State:
+        """What is kept before the first load."""
+        ...
+
+    def contribution(self, state: State, pressure: Array, step: Step) -> Contribution:
+        """To the problem at the end of ``step``, from the state and the ``pressure`` [Pa] at its start."""
+        ...
+
+    def advance(self, state: State, before: Array, after: Array, step: Step) -> State:
+        """What is kept at the end of ``step``, by the pressures [Pa] at its ends."""
+        ...
+
+    def fields(self, state: State) -> Mapping[str, Field]:
+        """What of it is worth to be shown, by name."""
+        ...

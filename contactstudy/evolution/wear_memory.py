@@ -1,0 +1,66 @@
+"""What a wearing interface keeps: the depth that it has lost."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from contactstudy.domain.arrays import Array
+from contactstudy.evolution.memory import Contribution, State, Step
+from contactstudy.problem.derived import Field
+
+
+@dataclass(frozen=True)
+class WearMemory:
+    """The worn depth w, ``dw/dt = rate p`` with ``rate`` [m/(Pa s)].
+
+    Implicit: the pressure at the end of a step acts over all of it, so the step adds a constant to the operator
+    and is stable however long. The volume is exact: where the load changes within the step, the pressure at
+    the end acts over that share of the step which gives the mean load, and what a falling load leaves missing is
+    worn by the pressure before.
+    """
+
+    rate: float
+
+    def start(self, shape: tuple[int, int]) -> State:
+        """Nothing is worn."""
+        return {"worn_depth": np.zeros(shape)}
+
+    def contribution(self, state: State, pressure: Array, step: Step) -> Contribution:
+        """The depth worn so far, and what the pressure to come wears off."""
+        before, after = self._shares(step)
+        worn = state["worn_depth"]
+        if before:
+            worn = worn + before * pressure
+        return Contribution(gap=worn, own=after)
+
+    def advance(self, state: State, before: Array, after: Array, step: Step) -> State:
+        """The depth at the end of the step."""
+        first, last = self._shares(step)
+        worn = state["worn_depth"] + last * after
+        return {"worn_depth": worn + first * before if first else worn}
+
+    def fields(self, state: State) -> Mapping[str, Field]:
+        """``worn_depth``."""
+        return {"worn_depth": Field(("x", "y"), state["worn_depth"], "m", "worn depth")}
+
+    def _shares(self, step: Step) -> tuple[float, float]:
+        """Depth over pressure [m/Pa] that the pressure before the step wears off in it, and the one after."""
+        (first, last), mean = step.loads, step.mean_load
+        whole = self.rate * step.duration
+        if last >= mean:
+            return 0.0, whole * (mean / last if last else 0.0)
+        if last == 0:
+            return whole * (mean / first if first else 0.0), whole
+        # no more than half of the step explicitly, so that it stays stable
+        explicit = min((mean - last) / first, 0.5) if first else 0.0
+        return whole * explicit, whole * (mean - explicit * first) / last
+
+
+def explicit_limit(rate: float, contact_modulus: float, cell: float) -> float:
+    """The longest step [s] of an explicit scheme in plane strain: ``1.48 dx / (rate E*)``.
+
+    ``rate`` [m/(Pa s)], E* [Pa], ``cell`` dx [m]. The smallest eigenvalue of the influence matrix of touching cells is
+    0.742 dx / E*, and an explicit step must be shorter than twice that over the rate.
+    """
+    return 1.484 * cell / (rate * contact_modulus)

@@ -59,11 +59,17 @@ from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import Solver, solve
 
 if _TYPE_CHECKING:
+    from contactstudy.evolution.evolution import Evolution
+    from contactstudy.evolution.evolve import StepError, evolve
+    from contactstudy.evolution.scheme import Scheme
     from contactstudy import kernels
     from contactstudy.io.dataset import to_dataset
     from contactstudy.io.scene_file import SceneFile, read_scene
     from contactstudy.io.scene_writer import write_scene
+    from contactstudy.scene.load_history import LoadHistory, SineLoad
     from contactstudy.scene.stress import SubsurfaceStress
+    from contactstudy.scene.viscoelastic import ViscoelasticHalfSpace
+    from contactstudy.scene.wear import Wear
 
 __all__ = [
     "AsMeasured",
@@ -82,6 +88,7 @@ __all__ = [
     "DuplicatedPadding",
     "ErrorEstimate",
     "ErrorParts",
+    "Evolution",
     "ExactPeriodicity",
     "FiniteLength",
     "FlatBottomed",
@@ -94,6 +101,7 @@ __all__ = [
     "InvalidInput",
     "Iterate",
     "LineLoad",
+    "LoadHistory",
     "LundbergProfile",
     "MeasuredSurface",
     "Mirrored",
@@ -116,22 +124,28 @@ __all__ = [
     "Scales",
     "Scene",
     "SceneFile",
+    "Scheme",
     "Shape",
+    "SineLoad",
     "Solution",
     "Solver",
     "Sphere",
     "Status",
+    "StepError",
     "SubsurfaceStress",
     "Superposition",
     "Tapered",
     "Texture",
     "Trend",
+    "ViscoelasticHalfSpace",
     "Waviness",
+    "Wear",
     "ZeroPadding",
     "__version__",
     "analytic",
     "convolution",
     "error_estimate",
+    "evolve",
     "kernels",
     "plan",
     "read_scene",
@@ -143,8 +157,16 @@ __all__ = [
 
 # Names whose modules a solve does not need: imported when they are first asked for.
 _LATER = {
+    "Evolution": "contactstudy.evolution.evolution",
+    "LoadHistory": "contactstudy.scene.load_history",
     "SceneFile": "contactstudy.io.scene_file",
+    "Scheme": "contactstudy.evolution.scheme",
+    "SineLoad": "contactstudy.scene.load_history",
+    "StepError": "contactstudy.evolution.evolve",
     "SubsurfaceStress": "contactstudy.scene.stress",
+    "ViscoelasticHalfSpace": "contactstudy.scene.viscoelastic",
+    "Wear": "contactstudy.scene.wear",
+    "evolve": "contactstudy.evolution.evolve",
     "kernels": "contactstudy.kernels",
     "read_scene": "contactstudy.io.scene_file",
     "to_dataset": "contactstudy.io.dataset",

@@ -169,9 +169,7 @@ def superposed(
     return Convolution(half[_around(len(half), padded[0])], grid.cells, padded)
 
 
-def combined(
-    operators: Iterable[tuple[float, Convolution]], own: float = 0.0
-) -> Convolution:
+def combined(operators: Iterable[tuple[float, Convolution]], own: float = 0.0) -> Convolution:
     """The sum of ``operators`` on one grid, each times its weight, and ``own`` [m/Pa] times the pressure itself.
 
     A constant in the spectrum is that multiple of the pressure, also on coarser grids.

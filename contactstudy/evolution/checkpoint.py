@@ -4,7 +4,6 @@ import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from os import replace
 from pathlib import Path
 from typing import Any
 
@@ -48,7 +47,7 @@ class Checkpoint:
             )
         partial = path.with_suffix(".partial")
         partial.write_text(json.dumps({"sha256": digest, "request": request}, indent=1), "utf-8")
-        replace(partial, path)
+        partial.replace(path)
 
     def write_frame(self, number: int, frame: Frame) -> None:
         """One more frame."""
@@ -118,7 +117,7 @@ class Checkpoint:
         partial = path.with_suffix(".partial")
         with partial.open("wb") as file:
             np.savez(file, about=np.array(json.dumps(about)), **arrays)  # type: ignore[arg-type]
-        replace(partial, path)
+        partial.replace(path)
 
     def _read(self, path: Path) -> tuple[Any, dict[str, Array]]:
         with np.load(path) as file:

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import exp, expm1
+from typing import ClassVar
 
 import numpy as np
 
@@ -23,6 +24,8 @@ class CreepMemory:
 
     creep: Creep
     coefficients: Coefficients
+
+    has_stages: ClassVar[bool] = False
 
     def start(self, shape: tuple[int, int]) -> State:
         """Nothing."""
@@ -72,6 +75,6 @@ def weights(ratio: float) -> tuple[float, float, float]:
     kept = exp(-ratio)
     if ratio < 1e-3:  # where the quotient would cancel
         after = ratio / 2 - ratio**2 / 6 + ratio**3 / 24
-    else:
-        after = 1 + expm1(-ratio) / ratio
+        return kept, -expm1(-ratio) - after, after
+    after = 1 + expm1(-ratio) / ratio
     return kept, -expm1(-ratio) - after, after

@@ -14,10 +14,15 @@ from contactstudy.domain.precision import Precision
 from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.convolution import Convolution, combined, superposed
 from contactstudy.evolution.memory import Contribution, Memory, State, Step
+from contactstudy.evolution.scheme import Scheme
 from contactstudy.problem.problem import Problem, Scales
 from contactstudy.problem.resultant import PrescribedLoad
+from contactstudy.scene.load_history import ChangingLoad
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import Solver, solve
+
+# A step without stages.
+WHOLE = ((1.0, 0.0),)
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,16 +47,17 @@ class SolverOptions:
 
 @dataclass(frozen=True, eq=False)
 class March:
-    """The steps of one scene on one grid.
+    """The steps of one scene on one grid under a changing ``load``.
 
-    ``problem`` is that of a sudden ``load`` [N/m] before anything has changed, ``weights`` [1/Pa] are those of
-    the coefficients in its operator.
+    ``problem`` is that of the largest load, applied suddenly before anything has changed; ``weights`` [1/Pa] are
+    those of the coefficients in its operator.
     """
 
     problem: Problem
-    load: float
+    load: ChangingLoad
     weights: Mapping[Coefficients, float]
     memories: tuple[Memory, ...]
+    scheme: Scheme
     options: SolverOptions
 
     def start(self, time: float) -> Instant:
@@ -60,8 +66,28 @@ class March:
         states = tuple(memory.start(shape) for memory in self.memories)
         return Instant(time, 0.0, np.zeros(shape), states)
 
-    def advance(self, instant: Instant, step: Step) -> tuple[Instant, Solution]:
-        """The instant at the end of ``step``."""
+    def jump(self, instant: Instant, load: float) -> tuple[Instant, list[Solution]]:
+        """To another ``load`` [N/m] at once."""
+        step = Step(instant.time, instant.time, (instant.load, load), load)
+        return self._stage(instant, step)
+
+    def advance(self, instant: Instant, end: float, load: float) -> tuple[Instant, list[Solution]]:
+        """To the time ``end`` [s], where the ``load`` is known, with the solution of every stage."""
+        solutions: list[Solution] = []
+        start, duration = instant.time, end - instant.time
+        stages = self.scheme.stages if any(m.has_stages for m in self.memories) else WHOLE
+        share = 0.0
+        for part, explicit in stages:
+            share += part
+            last = len(solutions) == len(stages) - 1
+            time = end if last else start + share * duration
+            loads = instant.load, load if last else self.load.at(time)
+            step = Step(instant.time, time, loads, self.load.mean(instant.time, time), explicit)
+            instant, found = self._stage(instant, step)
+            solutions += found
+        return instant, solutions
+
+    def _stage(self, instant: Instant, step: Step) -> tuple[Instant, list[Solution]]:
         problem = self._problem_at_end(instant, step)
         load = step.loads[1]
         solution = _unloaded(problem) if load == 0 else self._solved(problem, instant.pressure)
@@ -70,7 +96,7 @@ class March:
             memory.advance(state, instant.pressure, after, step)
             for memory, state in zip(self.memories, instant.states, strict=True)
         )
-        return Instant(step.end, load, after, states), solution
+        return Instant(step.end, load, after, states), [solution]
 
     def _problem_at_end(self, instant: Instant, step: Step) -> Problem:
         contributions = [
@@ -132,7 +158,7 @@ class March:
         A curved contact grows like the root of both, a flat one stays as wide as it is.
         """
         scales = self.problem.scales
-        ratio = load / self.load
+        ratio = load / self.load.largest
         if scales.length < self.problem.grid.extent[0]:
             length, pressure = sqrt(ratio * softer), sqrt(ratio / softer)
         else:

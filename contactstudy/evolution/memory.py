@@ -16,13 +16,15 @@ State = Mapping[str, Array]
 class Step:
     """From ``start`` to ``end`` [s], a jump of the load if these are one; ``loads`` [N/m] before and after.
 
-    ``mean_load`` [N/m] is that over the step.
+    ``mean_load`` [N/m] is that over the step. ``explicit`` is the share of the step in which an interface changes
+    under the pressure before it; in the rest it changes under the one after.
     """
 
     start: float
     end: float
     loads: tuple[float, float]
     mean_load: float
+    explicit: float = 0.0
 
     @property
     def duration(self) -> float:
@@ -50,6 +52,11 @@ class Memory(Protocol):
 
     States are never changed in place: a step may be tried and rejected.
     """
+
+    @property
+    def has_stages(self) -> bool:
+        """Whether the stages of a :class:`~contactstudy.evolution.scheme.Scheme` make a step better."""
+        ...
 
     def start(self, shape: tuple[int, int]) -> State:
         """What is kept before the first load."""

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -14,13 +15,14 @@ from contactstudy.problem.derived import Field
 class WearMemory:
     """The worn depth w, ``dw/dt = rate p`` with ``rate`` [m/(Pa s)].
 
-    Implicit: the pressure at the end of a step acts over all of it, so the step adds a constant to the operator
-    and is stable however long. The volume is exact: where the load changes within the step, the pressure at
-    the end acts over that share of the step which gives the mean load, and what a falling load leaves missing is
-    worn by the pressure before.
+    The pressure before a step acts in its explicit share, the one after in the rest, which adds a constant to
+    the operator. The volume is exact: where the load changes within the step, both are scaled to the
+    mean load, or what a falling load leaves missing is worn by the pressure before.
     """
 
     rate: float
+
+    has_stages: ClassVar[bool] = True
 
     def start(self, shape: tuple[int, int]) -> State:
         """Nothing is worn."""
@@ -46,14 +48,17 @@ class WearMemory:
 
     def _shares(self, step: Step) -> tuple[float, float]:
         """Depth over pressure [m/Pa] that the pressure before the step wears off in it, and the one after."""
-        (first, last), mean = step.loads, step.mean_load
+        (first, last), mean, explicit = step.loads, step.mean_load, step.explicit
         whole = self.rate * step.duration
-        if last >= mean:
-            return 0.0, whole * (mean / last if last else 0.0)
+        carried = explicit * first + (1 - explicit) * last
+        if carried >= mean:
+            scale = mean / carried if carried else 0.0
+            return whole * explicit * scale, whole * (1 - explicit) * scale
         if last == 0:
-            return whole * (mean / first if first else 0.0), whole
-        # no more than half of the step explicitly, so that it stays stable
-        explicit = min((mean - last) / first, 0.5) if first else 0.0
+            return whole * (mean / first if first else 0.0), 0.0
+        # no more than half of the rest explicitly, so that it stays stable
+        more = min((mean - carried) / first, (1 - explicit) / 2) if first else 0.0
+        explicit += more
         return whole * explicit, whole * (mean - explicit * first) / last
 
 

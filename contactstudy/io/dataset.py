@@ -60,7 +60,7 @@ def to_dataset(solution: Solution, error: ErrorEstimate | None = None) -> xr.Dat
         dataset[name] = (), value, {"units": units, "long_name": long_name}
     dataset["status"] = _status(solution.status)
     if isinstance(solution.problem.description, PosedScene):
-        dataset.attrs["scene"] = _text(solution.problem.description)
+        dataset.attrs["scene"] = scene_attribute(solution.problem.description)
     for output in solution.problem.outputs:
         for name, one in output.fields(solution.pressure).items():
             labels = {"units": one.units, "long_name": one.long_name, **one.attributes}
@@ -96,7 +96,8 @@ def _status(status: Status) -> xr.Variable:
     return xr.Variable((), np.int8(names.index(status.name)), attributes)
 
 
-def _text(source: PosedScene) -> str:
+def scene_attribute(source: PosedScene) -> str:
+    """The scene as TOML, or as Python where a shape or a body is not of this package."""
     try:
         return scene_text(source.scene, grid=source.grid, padding=source.padding)
     except InvalidInput as error:  # a shape or a body that is not of this package

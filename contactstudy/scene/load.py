@@ -15,3 +15,8 @@ class LineLoad:
     def __post_init__(self) -> None:
         load = in_range("LineLoad.per_length", self.per_length, "give a load above 0 N/m")
         set_fields(self, per_length=load)
+
+    @property
+    def largest(self) -> float:
+        """The load [N/m], as of one that changes."""
+        return self.per_length

@@ -2,15 +2,16 @@
 
 from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
+from itertools import pairwise
 from math import asin, ceil, floor, pi, sin
 from typing import Protocol, runtime_checkable
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    bearable,
-    bearable_from_zero,
+    in_range,
+    in_range_from_zero,
     finite,
-    keep,
+    set_fields,
 )
 from contactstudy.domain.units import Hertz, NewtonsPerMetre, Radians, Seconds
 
@@ -68,13 +69,16 @@ class LoadHistory:
 
     def __post_init__(self) -> None:
         checked: dict[str, tuple[float, ...]] = {}
-        for name, remedy in (("times", "give a time [s]"), ("per_length", "give a load from 0 N/m on")):
+        for name, remedy in (
+            ("times", "give a time [s]"),
+            ("per_length", "give a load from 0 N/m on"),
+        ):
             values = getattr(self, name)
             if not isinstance(values, tuple | list) or not values:
                 raise InvalidInput(
                     f"LoadHistory.{name} is {values!r}: give a tuple of numbers, one for each instant."
                 )
-            check = finite if name == "times" else bearable_from_zero
+            check = finite if name == "times" else in_range_from_zero
             checked[name] = tuple(
                 check(f"LoadHistory.{name}[{number}]", value, remedy)
                 for number, value in enumerate(values)
@@ -84,7 +88,7 @@ class LoadHistory:
             raise InvalidInput(
                 f"LoadHistory.per_length has {len(loads)} loads for {len(times)} times: give one for each."
             )
-        for number, (before, after) in enumerate(zip(times, times[1:], strict=False), start=1):
+        for number, (before, after) in enumerate(pairwise(times), start=1):
             if after < before or times.count(after) > 2:
                 raise InvalidInput(
                     f"LoadHistory.times[{number}] is {after!r}: give times that do not decrease, the same one "
@@ -92,7 +96,7 @@ class LoadHistory:
                 )
         if max(loads) == 0:
             raise InvalidInput("LoadHistory.per_length is 0 throughout: give a load above 0 N/m.")
-        keep(self, times=times, per_length=loads)
+        set_fields(self, times=times, per_length=loads)
 
     @property
     def largest(self) -> float:
@@ -130,7 +134,10 @@ class LoadHistory:
     def _between(self, place: int, time: float) -> float:
         if place == len(self.times):
             return self.per_length[-1]
-        (t0, t1), (p0, p1) = self.times[place - 1 : place + 1], self.per_length[place - 1 : place + 1]
+        (t0, t1), (p0, p1) = (
+            self.times[place - 1 : place + 1],
+            self.per_length[place - 1 : place + 1],
+        )
         share = (time - t0) / (t1 - t0)
         return p0 * (1 - share) + p1 * share
 
@@ -155,13 +162,13 @@ class SineLoad:
 
     def __post_init__(self) -> None:
         remedy = "give a load from 0 N/m on"
-        mean = bearable_from_zero("SineLoad.mean_load", self.mean_load, remedy)
-        amplitude = bearable_from_zero("SineLoad.amplitude", self.amplitude, remedy)
+        mean = in_range_from_zero("SineLoad.mean_load", self.mean_load, remedy)
+        amplitude = in_range_from_zero("SineLoad.amplitude", self.amplitude, remedy)
         if mean == amplitude == 0:
             raise InvalidInput("SineLoad.amplitude and mean_load are 0: give a load above 0 N/m.")
-        frequency = bearable("SineLoad.frequency", self.frequency, "give a frequency above 0 Hz")
+        frequency = in_range("SineLoad.frequency", self.frequency, "give a frequency above 0 Hz")
         phase = finite("SineLoad.phase", self.phase, "give an angle [rad]")
-        keep(self, mean_load=mean, amplitude=amplitude, frequency=frequency, phase=phase)
+        set_fields(self, mean_load=mean, amplitude=amplitude, frequency=frequency, phase=phase)
 
     @property
     def largest(self) -> float:

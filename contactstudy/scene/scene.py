@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 from importlib import import_module
 from math import inf, log2
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -24,6 +25,10 @@ from contactstudy.scene.shapes.shape import Shape
 from contactstudy.scene.solids import Body, contact_modulus, response
 from contactstudy.scene.source import ShapesSource, ends_along, sized
 
+if TYPE_CHECKING:
+    from contactstudy.scene.load_history import ChangingLoad
+    from contactstudy.scene.wear import Wear
+
 
 @dataclass(frozen=True)
 class Scene:
@@ -32,19 +37,31 @@ class Scene:
     ``hardness`` [Pa] is the largest pressure that the softer body carries. Where it is reached the body yields, and
     the gap of the solution is negative by the depth of yielding. The default is infinite: no limit.
 
+    The ``load`` may change in time, bodies may creep, ``wear`` may remove material: such a scene is solved
+    by :func:`~contactstudy.evolve`.
+
     ``outputs`` are further results of the solution, such as subsurface stress.
     Raises :class:`~contactstudy.InvalidInput` unless ``solids`` are two bodies, not both rigid, and
     ``shapes`` and ``outputs`` are tuples.
     """
 
-    load: LineLoad
+    load: "LineLoad | ChangingLoad"
     solids: tuple[Body, Body]
     shapes: tuple[Shape, ...] = ()
     hardness: Pascals = inf
     outputs: tuple[Output, ...] = ()
+    wear: "Wear | None" = None
 
     def __post_init__(self) -> None:
-        _typed("Scene.load", self.load, LineLoad, "give a LineLoad")
+        if not isinstance(self.load, LineLoad):
+            from contactstudy.scene.load_history import ChangingLoad
+
+            remedy = "give a LineLoad, or one that changes in time, such as a LoadHistory"
+            _instance("Scene.load", self.load, ChangingLoad, remedy)
+        if self.wear is not None:
+            from contactstudy.scene.wear import Wear
+
+            _typed("Scene.wear", self.wear, Wear, "give a Wear, or None")
         for name, remedy in (
             ("solids", "give a tuple of two bodies, such as HalfSpace"),
             ("shapes", "give a tuple of shapes, such as (Cylinder(radius=0.01),)"),
@@ -81,11 +98,11 @@ class Scene:
 
     @property
     def hertz(self) -> HertzLine | None:
-        """The smooth line contact of this load, these bodies and the shapes' mean curvature, if curved."""
+        """The smooth line contact of the largest load, these bodies and the shapes' mean curvature, if curved."""
         curvature = sum(shape.curvature for shape in self.shapes)
         if curvature <= 0:
             return None
-        return HertzLine(self.load.per_length, 1 / curvature, self.contact_modulus)
+        return HertzLine(self.load.largest, 1 / curvature, self.contact_modulus)
 
     def scales(self, grid: Grid) -> Scales:
         """Hertz's half-width and peak pressure, or the width and the mean pressure without a curved shape.
@@ -95,16 +112,21 @@ class Scene:
         if (hertz := self.hertz) is not None:
             length, pressure = hertz.half_width, hertz.peak_pressure
         else:
-            length, pressure = grid.extent[0], self.load.per_length / grid.extent[0]
+            length, pressure = grid.extent[0], self.load.largest / grid.extent[0]
         gap = pressure * length / self.contact_modulus
         return Scales(length, 2.0 ** round(log2(pressure)), gap)
 
     def problem(self, grid: Grid, padding: Padding | Paddings) -> Problem:
         """This scene on ``grid``, with ``padding`` along its length, or a tuple (across, along).
 
-        Raises :class:`~contactstudy.InvalidInput` for what is neither.
+        Raises :class:`~contactstudy.InvalidInput` for what is neither, and for a scene that changes in time.
         """
         _typed("grid", grid, Grid, "give a Grid")
+        if (changing := self.changing) is not None:
+            raise InvalidInput(
+                f"{changing} changes in time, so there is no single problem: call contactstudy.evolve(scene, "
+                "grid, padding, times=...)."
+            )
         paddings = across_and_along(padding)
         gap = np.zeros(grid.cells)
         for shape in self.shapes:
@@ -115,7 +137,7 @@ class Scene:
             undeformed_gap=gap,
             operator=superposed(response(self.solids, scales.length), grid, paddings),
             constraint=self._constraint(),
-            resultant=PrescribedLoad(self.load.per_length * grid.period / grid.cell_area),
+            resultant=PrescribedLoad(self.load.largest * grid.period / grid.cell_area),
             scales=scales,
             paddings=paddings,
             open_edges=(0, -1) if _is_free(paddings[0]) else (),
@@ -124,6 +146,18 @@ class Scene:
             outputs=tuple(output.of(self.solids, grid, paddings) for output in self.outputs),
             description=PosedScene(self, grid, padding),
         )
+
+    @property
+    def changing(self) -> str | None:
+        """The first field that makes the scene change in time; None for one that does not."""
+        if not isinstance(self.load, LineLoad):
+            return "Scene.load"
+        if self.wear is not None:
+            return "Scene.wear"
+        for number, solid in enumerate(self.solids):
+            if getattr(solid, "creeps", False):
+                return f"Scene.solids[{number}]"
+        return None
 
     def _open_ends(self, gap: Array, grid: Grid, along: Padding) -> tuple[int, ...]:
         """The ends of a free length, where the surface varies and no roller ends."""

@@ -29,6 +29,21 @@ class Body(Protocol):
         ...
 
 
+@runtime_checkable
+class Homogeneous(Body, Protocol):
+    """A body of one material, whose stress follows from the pressure and Poisson's ratio."""
+
+    @property
+    def youngs_modulus(self) -> float:
+        """[Pa], that for a sudden load if it changes."""
+        ...
+
+    @property
+    def poisson_ratio(self) -> float:
+        """Constant in time."""
+        ...
+
+
 @dataclass(frozen=True)
 class HalfSpace:
     """A homogeneous, isotropic elastic half-space.

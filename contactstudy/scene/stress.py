@@ -20,7 +20,7 @@ from contactstudy.elasticity.kernels.stress_periodic import (
 )
 from contactstudy.elasticity.transforms import TRANSFORMS, Waves
 from contactstudy.problem.derived import Field
-from contactstudy.scene.solids import Body, HalfSpace
+from contactstudy.scene.solids import Body, Homogeneous
 
 Z = {"axis": "Z", "positive": "down"}
 
@@ -59,10 +59,10 @@ class SubsurfaceStress:
     def check(self, solids: tuple[Body, ...]) -> None:
         """Raise :class:`~contactstudy.InvalidInput` for a rigid body, or one that is no half-space."""
         body = solids[self.solid]
-        if not isinstance(body, HalfSpace):
+        if not isinstance(body, Homogeneous):
             raise InvalidInput(
                 f"SubsurfaceStress.solid is {self.solid}, a {type(body).__name__}: "
-                "stress is known below a HalfSpace only, leave this output out."
+                "stress is known below a homogeneous half-space only, leave this output out."
             )
         if isinf(body.youngs_modulus):
             raise InvalidInput(
@@ -72,7 +72,7 @@ class SubsurfaceStress:
     def of(self, solids: tuple[Body, ...], grid: Grid, paddings: Paddings) -> "StressBelow":
         """The stress of these bodies on ``grid``."""
         body = solids[self.solid]
-        assert isinstance(body, HalfSpace)
+        assert isinstance(body, Homogeneous)
         return StressBelow(grid, paddings, body.poisson_ratio, self.depths)
 
 

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-from contactstudy.domain.checks import InvalidInput, bearable, bearable_from_zero, finite, keep
+from contactstudy.domain.checks import InvalidInput, in_range, in_range_from_zero, finite, set_fields
 from contactstudy.domain.units import Number, Pascals, Seconds
 from contactstudy.elasticity.coefficients import Coefficients, Displacement
 from contactstudy.elasticity.prony import Creep, creep
@@ -29,7 +29,7 @@ class ViscoelasticHalfSpace:
     def __post_init__(self) -> None:
         field = "ViscoelasticHalfSpace.equilibrium_modulus"
         remedy = "give a modulus above 0 Pa, or 0 for a Maxwell fluid"
-        equilibrium = bearable_from_zero(field, self.equilibrium_modulus, remedy)
+        equilibrium = in_range_from_zero(field, self.equilibrium_modulus, remedy)
         remedy = "give a ratio above -1 and up to 0.5"
         ratio = finite("ViscoelasticHalfSpace.poisson_ratio", self.poisson_ratio, remedy)
         if not -1 < ratio <= 0.5:
@@ -44,15 +44,15 @@ class ViscoelasticHalfSpace:
         for number, pair in enumerate(self.relaxation):
             if not isinstance(pair, tuple | list) or len(pair) != 2:
                 raise InvalidInput(f"{field}[{number}] is {pair!r}: {remedy}.")
-            modulus = bearable(f"{field}[{number}][0]", pair[0], "give a modulus above 0 Pa")
-            time = bearable(f"{field}[{number}][1]", pair[1], "give a time above 0 s")
+            modulus = in_range(f"{field}[{number}][0]", pair[0], "give a modulus above 0 Pa")
+            time = in_range(f"{field}[{number}][1]", pair[1], "give a time above 0 s")
             pairs.append((modulus, time))
         if equilibrium == 0 and not pairs:
             raise InvalidInput(
                 "ViscoelasticHalfSpace.equilibrium_modulus is 0 and there is no relaxation: give a "
                 "modulus above 0 Pa, or pairs of a modulus and a time."
             )
-        keep(self, equilibrium_modulus=equilibrium, poisson_ratio=ratio, relaxation=tuple(pairs))
+        set_fields(self, equilibrium_modulus=equilibrium, poisson_ratio=ratio, relaxation=tuple(pairs))
 
     @cached_property
     def creep(self) -> Creep:
@@ -72,3 +72,8 @@ class ViscoelasticHalfSpace:
     def youngs_modulus(self) -> float:
         """E(0) [Pa]."""
         return self.equilibrium_modulus + sum(modulus for modulus, _ in self.relaxation)
+
+    @property
+    def creeps(self) -> bool:
+        """Whether it has terms that relax."""
+        return bool(self.relaxation)

@@ -2,20 +2,20 @@
 
 from dataclasses import dataclass
 
-from contactstudy.domain.checks import bearable_from_zero, keep, whole
-from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.checks import InvalidInput, in_range_from_zero, set_fields, whole
 from contactstudy.domain.units import MetresPerSecond, PerPascal
 
 
 @dataclass(frozen=True)
 class Wear:
-    """``dw/ds = coefficient p``: the depth w [m] that both bodies together lose along a sliding distance s [m].
+    """``dw/ds = coefficient p``: both bodies together lose a depth w [m] along a sliding distance s [m].
 
-    ``coefficient`` k [1/Pa] from 0 on; ``speed`` [m/s] from 0 on, so that ``ds = speed dt``. ``body`` (0 or 1 of ``Scene.solids``) is the
-    one that wears, by name only: the contact is the same whichever it is. The worn profile is that of a contact fixed
-    in the body that wears; on a roller that turns, wear spreads over its circumference, so divide the coefficient
-    by circumference over contact width. A scene with wear changes in time: see :func:`~contactstudy.evolve`.
-    Source: Archard (1953). Raises :class:`~contactstudy.InvalidInput` for other numbers.
+    ``coefficient`` k [1/Pa] from 0 on; ``speed`` [m/s] from 0 on, so that ``ds = speed dt``. ``body`` (0 or 1
+    of ``Scene.solids``) names the one that wears; the contact is the same whichever it is. The worn profile is
+    that of a contact that stays where it is on the body that wears. On a roller that turns, wear spreads over
+    the circumference: there give the coefficient times contact width over circumference. A scene with wear
+    changes in time: see :func:`~contactstudy.evolve`. Source: Archard (1953).
+    Raises :class:`~contactstudy.InvalidInput` for other numbers.
     """
 
     coefficient: PerPascal
@@ -23,12 +23,17 @@ class Wear:
     body: int = 0
 
     def __post_init__(self) -> None:
-        coefficient = bearable_from_zero(
+        coefficient = in_range_from_zero(
             "Wear.coefficient", self.coefficient, "give a coefficient from 0 1/Pa on"
         )
-        speed = bearable_from_zero("Wear.speed", self.speed, "give a speed from 0 m/s on")
+        speed = in_range_from_zero("Wear.speed", self.speed, "give a speed from 0 m/s on")
         remedy = "give 0 or 1, the body's place in Scene.solids"
         body = whole("Wear.body", self.body, 0, remedy)
         if body > 1:
             raise InvalidInput(f"Wear.body is {self.body!r}: {remedy}.")
-        keep(self, coefficient=coefficient, speed=speed, body=body)
+        set_fields(self, coefficient=coefficient, speed=speed, body=body)
+
+    @property
+    def rate(self) -> float:
+        """Depth per pressure and time [m/(Pa s)]."""
+        return self.coefficient * self.speed

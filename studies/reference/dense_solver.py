@@ -45,7 +45,7 @@ def answer(
     factor = scales.pressure / (np.pi * scene.contact_modulus * scales.gap)
     matrix = factor * influence_matrix(grid, paddings, scales.length)
     gap = (solution.problem.undeformed_gap.ravel() - solution.problem.datum) / scales.gap
-    total = scene.load.per_length * grid.period / grid.cell_area / scales.pressure
+    total = scene.load.largest * grid.period / grid.cell_area / scales.pressure
     most = scene.hardness / scales.pressure
     before = solution.pressure.ravel() / scales.pressure
     own = matrix[0, 0] - matrix.mean()  # a rigid shift may make the first negative

@@ -34,7 +34,7 @@ def units() -> dict[str, HardCase]:
     ):
         pascal = newton / metre**2
         solid = replace(STEEL, youngs_modulus=STEEL.youngs_modulus * pascal)
-        load = cs.LineLoad(SCENE.load.per_length * newton / metre)
+        load = cs.LineLoad(SCENE.load.largest * newton / metre)
         plain = bumpy(ROUGH)
         heights = cs.MeasuredSurface(ROUGH * FLATTENED * metre)
         other = cs.Scene(load, (solid, solid), (cs.Cylinder(0.01 * metre), heights))

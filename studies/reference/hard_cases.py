@@ -185,8 +185,8 @@ def _solver() -> dict[str, HardCase]:
     rough = HardCase("solver", "", bumpy(3 * ROUGH), grid(), AT_EDGE)
     limited = frozenset({cs.Status.ITERATION_LIMIT})
     # heights of 0.1 flatten at four times their load
-    pressed = replace(bumpy(ROUGH), load=cs.LineLoad(16 * SCENE.load.per_length))
-    capped = replace(bumpy(ROUGH, FLAT), hardness=1.0001 * SCENE.load.per_length / (2.4 * A))
+    pressed = replace(bumpy(ROUGH), load=cs.LineLoad(16 * SCENE.load.largest))
+    capped = replace(bumpy(ROUGH, FLAT), hardness=1.0001 * SCENE.load.largest / (2.4 * A))
     near = bumpy(0.2 * ROUGH, FLAT)
     return {
         "tolerance 1e-14": replace(

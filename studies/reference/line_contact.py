@@ -16,7 +16,7 @@ from studies.model.study import Point
 
 STEEL = cs.HalfSpace(youngs_modulus=210e9, poisson_ratio=0.3)
 SCENE = cs.Scene(load=cs.LineLoad(1e5), solids=(STEEL, STEEL), shapes=(cs.Cylinder(radius=0.01),))
-HERTZ = cs.analytic.hertz_line(SCENE.load.per_length, 0.01, SCENE.contact_modulus)
+HERTZ = cs.analytic.hertz_line(SCENE.load.largest, 0.01, SCENE.contact_modulus)
 WIDTH = 2.4  # of the domain, in half-widths: the paper's choice
 # Where nothing varies along the length one cell stands for all of it, whatever the period.
 LINE = "line"

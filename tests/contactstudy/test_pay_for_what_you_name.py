@@ -136,8 +136,13 @@ def test_one_cell_along_gives_the_pressure_of_many_where_nothing_varies(
 HEAVY = (
     "SurfaceTopography",
     "cattrs",
+    "contactstudy.elasticity.prony",
+    "contactstudy.evolution",
     "contactstudy.io.dataset",
+    "contactstudy.scene.load_history",
     "contactstudy.scene.stress",
+    "contactstudy.scene.viscoelastic",
+    "contactstudy.scene.wear",
     "matplotlib",
     "pandas",
     "scipy.interpolate",

@@ -63,7 +63,7 @@ class ProgramRun:
 
     def record(self, result: Array) -> Mapping[str, xr.Variable]:
         """The load carried, over the load given: they should agree."""
-        given = SCENE.load.per_length * self.grid.period
+        given = SCENE.load.largest * self.grid.period
         carried = float(result.sum()) * self.grid.cell_area
         return {"load_carried": number(carried / given, "load carried over load given")}
 
@@ -91,7 +91,7 @@ def _contact_mechanics(program_run: ProgramRun) -> Callable[[], Array]:
         found = constrained_conjugate_gradients(
             substrate,
             Topography(heights, grid.extent),
-            external_force=SCENE.load.per_length * grid.period,
+            external_force=SCENE.load.largest * grid.period,
             pentol=1e-8 * P_H * A / MODULUS,
             forcetol=1e-8 * P_H * grid.cell_area,
         )
@@ -120,7 +120,7 @@ def _tamaas(program_run: ProgramRun) -> Callable[[], Array]:
     solver.dump_freq = 100_000
 
     def solve() -> Array:
-        solver.solve(SCENE.load.per_length / grid.extent[0])
+        solver.solve(SCENE.load.largest / grid.extent[0])
         return np.array(model.traction)
 
     return solve
@@ -142,7 +142,7 @@ def _aspher(program_run: ProgramRun) -> Callable[[], Array]:
         found = peer.solve_nested(
             program_run.cells,
             gap / A,
-            SCENE.load.per_length / grid.extent[0] / MODULUS,
+            SCENE.load.largest / grid.extent[0] / MODULUS,
             domain_size=grid.extent[0] / A,
             coarsest=coarsest,
             tol=1e-9,

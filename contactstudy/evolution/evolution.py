@@ -1,0 +1,119 @@
+"""What a march gives back: frames, and how they were found."""
+
+from dataclasses import dataclass
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contactstudy.domain.arrays import Array
+from contactstudy.domain.grid import Grid
+from contactstudy.evolution.frame import Frame
+from contactstudy.evolution.march import worst
+from contactstudy.problem.derived import Derived
+from contactstudy.scene.scene import PosedScene
+from contactstudy.solvers.solution import Status
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@dataclass(frozen=True, eq=False)
+class Evolution:
+    """The ``frames`` of a scene on ``grid``, in the order of time.
+
+    ``outputs`` are found from the pressures when they are labelled; ``description`` is the scene they
+    are of. ``rejected`` counts pairs of steps that were tried and found too long,
+    ``restarts`` marches that were given up since their steps added up to too large an error.
+    """
+
+    grid: Grid
+    frames: tuple[Frame, ...]
+    rejected: int
+    restarts: int
+    outputs: tuple[Derived, ...]
+    description: PosedScene
+
+    @property
+    def times(self) -> Array:
+        """(time,) [s]"""
+        return np.array([frame.time for frame in self.frames])
+
+    @property
+    def loads(self) -> Array:
+        """(time,) [N/m]"""
+        return np.array([frame.load for frame in self.frames])
+
+    @property
+    def pressure(self) -> Array:
+        """(time, x, y) [Pa]"""
+        return np.stack([frame.pressure for frame in self.frames])
+
+    @property
+    def gap(self) -> Array:
+        """(time, x, y) [m]"""
+        return np.stack([frame.gap for frame in self.frames])
+
+    @property
+    def highest_pressure(self) -> Array:
+        """(time,) [Pa]"""
+        return np.array([frame.highest_pressure for frame in self.frames])
+
+    @property
+    def contact_area(self) -> Array:
+        """(time,) [m^2] over the grid."""
+        cells = [np.count_nonzero(frame.pressure) for frame in self.frames]
+        return np.array(cells) * self.grid.cell_area
+
+    @property
+    def status(self) -> Status:
+        """The worst of all steps."""
+        return worst([frame.status for frame in self.frames])
+
+    @property
+    def steps(self) -> int:
+        """Solves, with those of rejected steps and of the companion march."""
+        return sum(frame.steps for frame in self.frames)
+
+    @property
+    def iterations(self) -> int:
+        """Of all steps."""
+        return sum(frame.iterations for frame in self.frames)
+
+    @property
+    def convolutions(self) -> float:
+        """Transform pairs of the full grid, of all steps."""
+        return sum(frame.convolutions for frame in self.frames)
+
+    @property
+    def step_error(self) -> float:
+        """The largest estimated relative L1 error of the pressure from the steps in time."""
+        return max(frame.step_error for frame in self.frames)
+
+    @property
+    def grid_error(self) -> float:
+        """The largest estimated relative L1 error of the pressure from the cells."""
+        return max(frame.grid_error for frame in self.frames)
+
+    def summary(self) -> str:
+        """What was found, in a few lines."""
+        first, last = self.frames[0], self.frames[-1]
+        return "\n".join(
+            (
+                f"{self.status}",
+                f"  {len(self.frames)} instants from {first.time:.4g} s to {last.time:.4g} s, {self.steps} "
+                f"solves, {self.iterations} iterations, {self.rejected} pairs of steps rejected, "
+                f"{self.restarts} marches started again",
+                f"  at the end: highest pressure {last.pressure.max():.4g} Pa, in contact "
+                f"{np.mean(last.pressure > 0) * self.grid.extent[0]:.4g} m of the width on average, approach "
+                f"{last.approach:.4g} m",
+                f"  estimated error of the pressure in L1, at most: steps in time {self.step_error:.1g}, "
+                f"cells {self.grid_error:.1g}",
+            )
+        )
+
+    def to_dataset(self) -> "xr.Dataset":
+        """Fields over (time, x, y), numbers over (time,), with units, long names, and where they came from."""
+        # by name: a Dataset stands on evolutions, not evolutions on Datasets
+        made: xr.Dataset = import_module("contactstudy.io.evolution_dataset").evolution_dataset(self)
+        return made

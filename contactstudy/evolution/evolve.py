@@ -1,0 +1,146 @@
+"""Scene -> Evolution: one loop over bare problems for all memories."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from enum import Enum
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contactstudy.domain.checks import InvalidInput, positive, whole
+from contactstudy.domain.grid import Grid
+from contactstudy.domain.padding import Padding, Paddings, across_and_along
+from contactstudy.domain.precision import Precision
+from contactstudy.evolution.checkpoint import Checkpoint
+from contactstudy.evolution.evolution import Evolution
+from contactstudy.evolution.march import March, SolverOptions
+from contactstudy.evolution.memories import memories
+from contactstudy.evolution.schedule import schedule
+from contactstudy.evolution.scheme import Scheme
+from contactstudy.evolution.step_control import StepControl
+from contactstudy.evolution.walk import Walk
+from contactstudy.scene.load import LineLoad
+from contactstudy.scene.load_history import ChangingLoad, SuddenLoad
+from contactstudy.scene.scene import PosedScene, Scene
+from contactstudy.scene.solids import Body, HalfSpace, response
+from contactstudy.scene.viscoelastic import ViscoelasticHalfSpace
+from contactstudy.solvers.preconditioned_cg import PreconditionedCG
+from contactstudy.solvers.solve import Solver
+
+
+class StepError(Enum):
+    """How the error of the steps in time is estimated."""
+
+    COMPANION = "by a second march with steps twice as long, which costs half as much again"
+    NONE = "not at all: it is infinite"
+
+
+def evolve(
+    scene: Scene,
+    grid: Grid,
+    padding: Padding | Paddings,
+    *,
+    times: ArrayLike | None = None,
+    error: float | None = None,
+    step_error: StepError = StepError.COMPANION,
+    scheme: Scheme = Scheme.IMPLICIT,
+    tolerance: float = 1e-8,
+    max_iterations: int = 2000,
+    solver: Solver = PreconditionedCG(),  # noqa: B008 (a frozen value)
+    precision: Precision = Precision.DOUBLE,
+    folder: str | PathLike[str] | None = None,
+    progress: Callable[[float, float], None] | None = None,
+) -> Evolution:
+    """Follow ``scene`` through time, from the start of its load.
+
+    ``times`` [s] are the instants that are recorded, and steps end there and wherever the load or its rate
+    jumps. A time given twice is recorded before and after a jump of the load. With an ``error``, steps are
+    chosen so that the relative L1 error of the pressure that they cause is no larger; without ``times``, every
+    pair of them is recorded. A :class:`~contactstudy.LineLoad` is applied suddenly at 0 s, or at the first of
+    ``times`` if that is earlier.
+
+    The step error is the difference of two marches, one with steps twice as long. It estimates the error of
+    the longer steps, so it is an upper estimate for the shorter ones, which are recorded. ``scheme`` says how
+    wear is stepped; ``tolerance``, ``max_iterations``, ``solver`` and ``precision`` are those of
+    :func:`~contactstudy.solve`. With a ``folder``, frames and states are written there as they are found, and
+    a march that was stopped goes on from there. ``progress`` is called with the time reached and the last
+    time [s].
+    Raises :class:`~contactstudy.InvalidInput` where neither ``times`` nor ``error`` says what the steps are.
+    """
+    if times is None and error is None:
+        raise InvalidInput("evolve.times and evolve.error are None: give one of them, or both.")
+    positive("evolve.tolerance", tolerance, "give a dimensionless tolerance above 0, such as 1e-8")
+    whole("evolve.max_iterations", max_iterations, 0, "give a whole number of iterations from 0 on")
+    control = None if error is None else StepControl.of(error, tolerance)
+    load = _load(scene, times)
+    marks = schedule(load, times)
+    sudden = _sudden(scene, load)
+    problem = sudden.problem(grid, padding)
+    datum = problem.scales.length
+    march = March(
+        problem=problem,
+        load=load,
+        weights=dict(response(sudden.solids, datum)),
+        memories=memories(scene, datum),
+        scheme=scheme,
+        options=SolverOptions(tolerance, max_iterations, solver, precision),
+    )
+    companion = step_error is StepError.COMPANION or control is not None
+    checkpoint = None if folder is None else Checkpoint(Path(folder))
+    walk = Walk(
+        march=march,
+        marks=marks,
+        control=control,
+        companion=bool(march.memories) and companion,
+        wraps=tuple(one.wraps for one in across_and_along(padding)),
+        records_all=times is None,
+        checkpoint=checkpoint,
+        progress=progress,
+    )
+    if checkpoint is not None:
+        checkpoint.open(
+            repr(
+                (
+                    scene,
+                    grid,
+                    padding,
+                    None if times is None else list(np.asarray(times, float)),
+                    error,
+                    step_error,
+                    march.options,
+                )
+            )
+        )
+        walk.restore()
+    walk.go()
+    return Evolution(
+        grid,
+        tuple(walk.frames),
+        walk.rejected,
+        walk.restarts,
+        problem.outputs,
+        PosedScene(scene, grid, padding),
+    )
+
+
+def _load(scene: Scene, times: ArrayLike | None) -> ChangingLoad:
+    if not isinstance(scene.load, LineLoad):
+        return scene.load
+    if times is None:
+        raise InvalidInput("evolve.times is None, and Scene.load has no end: give times [s].")
+    first = np.asarray(times, dtype=np.float64).ravel()[:1]
+    return SuddenLoad(scene.load.per_length, min(0.0, *first.tolist()))
+
+
+def _sudden(scene: Scene, load: ChangingLoad) -> Scene:
+    """The elastic scene that ``scene`` is for a sudden load, under its largest."""
+
+    def elastic(body: Body) -> Body:
+        if isinstance(body, ViscoelasticHalfSpace):
+            return HalfSpace(body.youngs_modulus, body.poisson_ratio)
+        return body
+
+    first, second = map(elastic, scene.solids)
+    return replace(scene, load=LineLoad(load.largest), solids=(first, second), wear=None)

@@ -1,0 +1,256 @@
+"""The way through time: main march and companion, from mark to mark."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from enum import Enum
+from math import inf
+from typing import Any
+
+import numpy as np
+
+from contactstudy.accuracy.discretisation import discretisation
+from contactstudy.evolution.checkpoint import Checkpoint
+from contactstudy.evolution.frame import Frame
+from contactstudy.evolution.march import Instant, March, worst
+from contactstudy.evolution.schedule import Mark
+from contactstudy.evolution.step_control import FIRST, StepControl
+from contactstudy.solvers.solution import Solution, Status
+
+# Pairs of steps this short over the whole time are taken as they are.
+SHORTEST = 1e-12
+COUNTED = ("mark", "arrived", "found", "pair", "rejected", "restarts", "steps", "iterations",
+           "convolutions")  # fmt: skip
+
+
+class _Outcome(Enum):
+    """How the way to a mark ended."""
+
+    REACHED = "the march is there"
+    AGAIN = "the error grew too large: the march starts again with shorter steps"
+    NO_SOLUTION = "a step has no solution to go on from"
+
+
+@dataclass(eq=False)
+class Walk:
+    """Where a march is: the only thing here that changes."""
+
+    march: March
+    marks: tuple[Mark, ...]
+    control: StepControl | None
+    companion: bool
+    wraps: tuple[bool, bool]
+    records_all: bool
+    checkpoint: Checkpoint | None
+    progress: Callable[[float, float], None] | None
+
+    def __post_init__(self) -> None:
+        self.frames: list[Frame] = []
+        # frames whose error is known when the companion comes up to them
+        self.waiting: list[Frame] = []
+        self.rejected = self.restarts = 0
+        self._count()
+        self._begin()
+
+    def _begin(self) -> None:
+        self.mark, self.arrived = 0, False
+        self.main = self.behind = self.march.start(self.marks[0].time)
+        self.solution: Solution | None = None
+        self.found = 0.0
+        self.pair = FIRST * (self.marks[-1].time - self.marks[0].time)
+
+    def _count(self) -> None:
+        self.steps, self.iterations, self.convolutions = 0, 0, 0.0
+        self.statuses: list[Status] = []
+
+    def go(self) -> None:
+        """To the last mark, or to a step that has no solution."""
+        while self.mark < len(self.marks):
+            mark = self.marks[self.mark]
+            if self.main.time < mark.time:
+                outcome = self._approach(mark)
+                if outcome is _Outcome.NO_SOLUTION:
+                    return
+                if outcome is _Outcome.AGAIN:
+                    continue
+            if not self.arrived:
+                self.arrived = True
+                if mark.records == 2:
+                    self._record()
+            if mark.jumps and not self._jump(mark.after):
+                return
+            if mark.records or (self.records_all and mark.jumps):
+                self._record()
+            self.mark, self.arrived = self.mark + 1, False
+            self._save()
+
+    def _approach(self, mark: Mark) -> "_Outcome":
+        if self.control is None or not self.march.memories:
+            return self._one_step(mark)
+        return self._pairs_of_steps(mark)
+
+    def _one_step(self, mark: Mark) -> "_Outcome":
+        """To ``mark`` at once; the companion takes every other step."""
+        odd = self.behind.time == self.main.time
+        self.main, self.solution = self._advance(self.main, mark.time, mark.before)
+        if not np.isfinite(self.solution.residual):
+            self._end(self.solution)
+            return _Outcome.NO_SOLUTION
+        last = mark.breaks or mark is self.marks[-1] or mark.records == 2
+        if self.companion and (last or not odd):
+            self.behind, _ = self._advance(self.behind, mark.time, mark.before)
+            self.found = self._difference(self.main, self.behind)
+            self._settle()
+        elif not self.companion:
+            self.behind = self.main
+        return _Outcome.REACHED
+
+    def _pairs_of_steps(self, mark: Mark) -> "_Outcome":
+        """To ``mark`` by pairs of steps, the companion by one step for each pair."""
+        control = self.control
+        assert control is not None
+        while self.main.time < mark.time:
+            rest = mark.time - self.main.time
+            pair = rest if self.pair >= rest * (1 - 1e-9) else min(self.pair, rest / 2)
+            whole = pair == rest
+            end = mark.time if whole else self.main.time + pair
+            load = mark.before if whole else self.march.load.at(end)
+            half = self.main.time + pair / 2
+            first, _ = self._advance(self.main, half, self.march.load.at(half))
+            second, solution = self._advance(first, end, load)
+            behind, _ = self._advance(self.behind, end, load)
+            if not np.isfinite(solution.residual):
+                self._end(solution)
+                return _Outcome.NO_SOLUTION
+            added = self._added(second, behind)
+            if not control.accepts(added) and pair > SHORTEST * self.marks[-1].time:
+                self.rejected += 1
+                self.pair = pair * min(control.factor(added), 0.5)
+                continue
+            self.main, self.behind, self.solution = second, behind, solution
+            self.found = self._difference(second, behind)
+            if self.found > control.error:
+                self._start_again(control.stricter(self.found))
+                return _Outcome.AGAIN
+            # a mark that cuts a pair short says nothing of its length
+            self.pair = max(pair * control.factor(added), self.pair if whole else 0.0)
+            if self.records_all:
+                self._record()
+            elif self.progress is not None:
+                self.progress(self.main.time, self.marks[-1].time)
+            self._save()
+        return _Outcome.REACHED
+
+    def _added(self, main: Instant, behind: Instant) -> float:
+        """How far the difference of the two marches changes in a pair of steps, in L1 over the pressure."""
+        before, after = self.main.pressure - self.behind.pressure, main.pressure - behind.pressure
+        whole = max(float(main.pressure.sum()), float(self.main.pressure.sum()))
+        return float(np.abs(after - before).sum()) / whole if whole else 0.0
+
+    def _start_again(self, control: StepControl) -> None:
+        """With shorter steps; what the march has cost is counted on."""
+        self.control, self.frames, self.waiting = control, [], []
+        self.restarts += 1
+        self._begin()
+
+    def _jump(self, load: float) -> bool:
+        """Both marches to another load at once; False if there is no solution to go on from."""
+        self.main, self.solution = self._counted(*self.march.jump(self.main, load))
+        if not np.isfinite(self.solution.residual):
+            self._end(self.solution)
+            return False
+        if self.companion:
+            self.behind, _ = self._counted(*self.march.jump(self.behind, load))
+            self.found = self._difference(self.main, self.behind)
+        else:
+            self.behind = self.main
+        return True
+
+    def _advance(self, instant: Instant, end: float, load: float) -> tuple[Instant, Solution]:
+        return self._counted(*self.march.advance(instant, end, load))
+
+    def _counted(self, after: Instant, solutions: list[Solution]) -> tuple[Instant, Solution]:
+        for solution in solutions:
+            self.steps += 1
+            self.iterations += solution.iterations
+            self.convolutions += solution.convolutions
+            self.statuses.append(solution.status)
+        return after, solutions[-1]
+
+    def _end(self, solution: Solution) -> None:
+        """The frame at which the march has to stop."""
+        self.solution, self.found = solution, inf
+        self._record()
+        self._settle()
+
+    def _difference(self, one: Instant, other: Instant) -> float:
+        """Of two pressures, in L1, over the first."""
+        whole = float(one.pressure.sum())
+        return float(np.abs(one.pressure - other.pressure).sum()) / whole if whole else 0.0
+
+    def _record(self) -> None:
+        solution = self.solution
+        if solution is None:  # before the first load
+            return
+        fields = {
+            name: field
+            for memory, state in zip(self.march.memories, self.main.states, strict=True)
+            for name, field in memory.fields(state).items()
+        }
+        pressed = bool(solution.pressure.any()) and bool(np.isfinite(solution.residual))
+        self.waiting.append(
+            Frame(
+                time=self.main.time,
+                load=self.main.load,
+                pressure=solution.pressure,
+                gap=solution.gap,
+                approach=solution.approach,
+                fields=fields,
+                status=worst(self.statuses),
+                residual=solution.residual,
+                step_error=0.0 if not self.march.memories else inf,
+                grid_error=discretisation(solution.pressure, self.wraps)[1] if pressed else 0.0,
+                steps=self.steps,
+                iterations=self.iterations,
+                convolutions=self.convolutions,
+            )
+        )
+        self._count()
+        if self.progress is not None:
+            self.progress(self.main.time, self.marks[-1].time)
+        if not self.companion or self.behind.time == self.main.time:
+            self._settle()
+
+    def _settle(self) -> None:
+        """Give the frames that wait for it the error found."""
+        for frame in self.waiting:
+            known = replace(frame, step_error=self.found) if self.companion else frame
+            if self.checkpoint is not None:
+                self.checkpoint.write_frame(len(self.frames), known)
+            self.frames.append(known)
+        self.waiting = []
+
+    def _save(self) -> None:
+        """Where to go on from, as long as no frame waits for its error."""
+        if self.checkpoint is None or self.waiting or self.behind.time != self.main.time:
+            return
+        progress: dict[str, Any] = {name: getattr(self, name) for name in COUNTED}
+        progress["frames"] = len(self.frames)
+        progress["statuses"] = [status.name for status in self.statuses]
+        if self.control is not None:
+            progress["adds"] = self.control.adds
+        self.checkpoint.write_state(progress, {"main": self.main, "behind": self.behind})
+
+    def restore(self) -> None:
+        """Go on from what was saved, if anything was."""
+        assert self.checkpoint is not None
+        saved = self.checkpoint.read_state()
+        if saved is None:
+            return
+        progress, instants = saved
+        self.frames = [self.checkpoint.read_frame(number) for number in range(progress["frames"])]
+        self.main, self.behind = instants["main"], instants["behind"]
+        self.statuses = [Status[name] for name in progress["statuses"]]
+        if self.control is not None:
+            self.control = replace(self.control, adds=progress["adds"])
+        for name in COUNTED:
+            setattr(self, name, progress[name])

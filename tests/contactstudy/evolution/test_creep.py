@@ -1,0 +1,211 @@
+"""Viscoelastic contacts against closed forms."""
+
+from dataclasses import replace
+from math import pi, sqrt
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.evolution.creep_memory import weights
+from tests.contactstudy.evolution.creeping import (
+    LOAD,
+    RIGID,
+    SOLID,
+    half_width,
+    held_pressure,
+    rolling_cylinder,
+)
+
+EXACT = cs.ExactPeriodicity()
+NONE = cs.StepError.NONE
+
+
+def line(cells: int, width: float = 0.9) -> cs.Grid:
+    return cs.Grid((cells, 1), (width, 1.0))
+
+
+def width_of(frame: cs.Evolution, number: int = -1) -> float:
+    return float(frame.contact_area[number]) / frame.grid.period / 2
+
+
+def test_a_held_load_spreads_as_lee_and_radok_have_it() -> None:
+    """Reference: p0(2) = 0.031855429, a(2) = 0.151558473, by the closed form and an independent march."""
+    assert half_width(SOLID.creep, 2.0) == pytest.approx(0.151558473, rel=1e-8)
+    assert held_pressure(SOLID, 2.0, np.zeros(1))[0] == pytest.approx(0.031855429, rel=1e-7)
+    grid = line(400)
+    found = cs.evolve(
+        rolling_cylinder(SOLID), grid, EXACT, times=np.linspace(0, 2, 21), step_error=NONE
+    )
+    assert found.highest_pressure[-1] == pytest.approx(0.031855429, rel=2e-4)
+    # the contact ends in a cell
+    assert width_of(found) == pytest.approx(0.151558473, abs=grid.cell[0])
+    exact = held_pressure(SOLID, 2.0, grid.x)
+    wrong = np.abs(found.frames[-1].pressure[:, 0] - exact).sum() / exact.sum()
+    assert (
+        wrong < 2e-3
+    )  # the edge law of the grid: 0.35 (dx / a)^1.5 is 6e-4, and some for the steps
+
+
+def test_the_error_falls_with_cells_and_steps_together_by_their_law() -> None:
+    """As (dx)^1.5, with half the power of the steps to spare: fitted over four halvings."""
+    errors = []
+    for cells, steps in ((100, 10), (200, 20), (400, 40), (800, 80)):
+        grid = line(cells)
+        found = cs.evolve(
+            rolling_cylinder(SOLID),
+            grid,
+            EXACT,
+            times=np.linspace(0, 2, steps + 1),
+            step_error=NONE,
+        )
+        exact = held_pressure(SOLID, 2.0, grid.x)
+        errors.append(np.abs(found.frames[-1].pressure[:, 0] - exact).sum() / exact.sum())
+    rate = np.polyfit(np.log([1, 2, 4, 8]), np.log(errors), 1)[0]
+    assert -2.2 < rate < -1.2
+
+
+def test_a_contact_falls_back_at_a_sudden_unloading_as_ting_has_it() -> None:
+    """From P0 to 0.4 P0 at t = 1: a = 0.094359465 (Ting 1966), found to a cell."""
+    history = cs.LoadHistory((0.0, 1.0, 1.0), (LOAD, LOAD, 0.4 * LOAD))
+    grid = line(800)
+    found = cs.evolve(
+        rolling_cylinder(SOLID, history),
+        grid,
+        EXACT,
+        times=[*np.linspace(0, 1, 21), 1.0],
+        step_error=NONE,
+    )
+    before, after = found.frames[-2:]
+    assert (before.load, after.load) == (LOAD, 0.4 * LOAD)
+    assert before.time == after.time == 1.0
+    assert width_of(found, -2) == pytest.approx(half_width(SOLID.creep, 1.0), abs=grid.cell[0])
+    assert width_of(found) == pytest.approx(0.094359465, abs=grid.cell[0])
+
+
+def test_a_sine_load_on_a_solid_with_two_times() -> None:
+    """At t = 1.5, past the largest width: a = 0.121487781, p0 = 0.028086871; p0 errors known to be 1.2e-4."""
+    body = cs.ViscoelasticHalfSpace(0.3, 0.0, ((0.5, 0.4), (0.2, 3.0)))
+    scene = rolling_cylinder(body, cs.SineLoad(0.0, LOAD, frequency=0.25))
+    grid = line(400)
+    found = cs.evolve(scene, grid, EXACT, times=np.linspace(0, 1.5, 61)[1:], step_error=NONE)
+    assert found.highest_pressure[-1] == pytest.approx(0.028086871, rel=3e-4)
+    assert width_of(found) == pytest.approx(0.121487781, abs=grid.cell[0])
+    widest = int(np.argmax(found.contact_area))
+    assert found.times[widest] == pytest.approx(1.217635, abs=0.1)
+    assert width_of(found, widest) == pytest.approx(0.129483507, abs=grid.cell[0])
+
+
+def test_a_maxwell_fluid_spreads_for_ever() -> None:
+    """``a^2 = 4 R P (1 + t / 3) / pi`` and p0 by the closed form, another body than any above."""
+    fluid = cs.ViscoelasticHalfSpace(0.0, 0.0, ((1.0, 3.0),))
+    grid = line(600, 1.2)
+    found = cs.evolve(
+        rolling_cylinder(fluid), grid, EXACT, times=np.linspace(0, 9, 61), step_error=NONE
+    )
+    assert width_of(found) == pytest.approx(0.2, abs=grid.cell[0])
+    exact = held_pressure(fluid, 9.0, grid.x)
+    assert found.highest_pressure[-1] == pytest.approx(exact.max(), rel=1e-3)
+
+
+def test_two_bodies_creep_together() -> None:
+    """Halves of one creep on both sides are that creep, to the solver's tolerance."""
+    half = cs.ViscoelasticHalfSpace(0.8, 0.0, ((1.2, 0.4),))
+    times = np.linspace(0, 2, 9)
+    scene = rolling_cylinder(SOLID)
+    one, both = (
+        cs.evolve(replace(scene, solids=solids), line(128), EXACT, times=times, step_error=NONE)
+        for solids in ((SOLID, RIGID), (half, half))
+    )
+    scale = one.pressure.max()
+    np.testing.assert_allclose(both.pressure, one.pressure, atol=1e-5 * scale)
+
+
+@pytest.mark.parametrize(
+    ("relaxation", "modulus"),
+    [
+        (((0.6, 1e12),), 1.0),
+        (((0.6, 1e-9),), 0.4),
+        ((), 0.4),
+    ],
+    ids=["never relaxes", "has relaxed", "no terms"],
+)
+def test_limits_of_the_relaxation_times_are_elastic(
+    relaxation: tuple[tuple[float, float], ...], modulus: float
+) -> None:
+    body = cs.ViscoelasticHalfSpace(0.4, 0.0, relaxation)
+    times = [0.5, 1.0, 2.0]
+    found = cs.evolve(rolling_cylinder(body), line(128), EXACT, times=times, step_error=NONE)
+    scene = replace(rolling_cylinder(SOLID), solids=(cs.HalfSpace(modulus, 0.0), RIGID))
+    elastic = cs.solve(scene.problem(line(128), EXACT))
+    for frame in found.frames:
+        np.testing.assert_allclose(
+            frame.pressure, elastic.pressure, atol=1e-5 * elastic.pressure.max()
+        )
+        # the datum of a displacement follows the scale of the problem: only the gap is the same
+        np.testing.assert_allclose(frame.gap, elastic.gap, atol=1e-6 * elastic.problem.scales.gap)
+
+
+def test_a_wave_in_full_contact_relaxes_by_itself() -> None:
+    """Pressed flat, a wave carries ``E*(t) q / 2`` of its height: exact at any step, for one wave is linear."""
+    grid = cs.Grid((64, 1), (1.0, 1.0))
+    body = cs.ViscoelasticHalfSpace(0.3, 0.2, ((0.5, 0.4), (0.2, 3.0)))
+    scene = cs.Scene(cs.LineLoad(1.0), (body, RIGID), (cs.Waviness(1e-3, across=1.0, along=1e9),))
+    times = np.linspace(0, 2, 201)
+    found = cs.evolve(scene, grid, (EXACT, EXACT), times=times, tolerance=1e-11, step_error=NONE)
+    wave = np.cos(2 * pi * grid.x) @ found.pressure[:, :, 0].T
+    relaxed = 0.3 + 0.5 * np.exp(-times / 0.4) + 0.2 * np.exp(-times / 3)
+    # the step is a 40th of the shortest time: linear pressure is out by its square over 12
+    np.testing.assert_allclose(wave / wave[0], relaxed, rtol=(0.01 / 0.4) ** 2 / 4)
+
+
+def test_a_period_may_be_counted_twice() -> None:
+    """All images are exact, so two periods give the same pressure twice, at every instant."""
+    width, period = 0.6, 0.3
+    scene = rolling_cylinder(SOLID)
+    scene = replace(scene, shapes=(*scene.shapes, cs.Waviness(1e-3, across=0.15, along=0.3)))
+    times = [0.0, 0.3, 1.0]
+    once, twice = (
+        cs.evolve(
+            scene,
+            cs.Grid((64, 16 * count), (width, period * count)),
+            EXACT,
+            times=times,
+            tolerance=1e-10,
+            step_error=NONE,
+        ).pressure
+        for count in (1, 2)
+    )
+    # each half sees the other as it sees its own image
+    np.testing.assert_allclose(twice[:, :, :16], twice[:, :, 16:], atol=1e-6 * twice.max())
+    np.testing.assert_allclose(once, np.roll(twice, 8, axis=2)[:, :, :16], atol=1e-6 * twice.max())
+
+
+@pytest.mark.parametrize("ratio", [0.0, 1e-12, 1e-4, 9.9e-4, 1.1e-3, 0.1, 1.0, 50.0, 1e9])
+def test_a_step_weighs_the_past_and_both_pressures_and_they_add_up(ratio: float) -> None:
+    kept, before, after = weights(ratio)
+    assert min(kept, before, after) >= 0
+    assert kept + before + after == pytest.approx(1, rel=1e-15)
+    nodes, gauss = np.polynomial.legendre.leggauss(20)
+    if 0 < ratio < 10:  # int of the rising share of p under exp(-(1 - s) ratio) ratio
+        s = (nodes + 1) / 2
+        exact = (gauss / 2 * s * ratio * np.exp(-(1 - s) * ratio)).sum()
+        assert after == pytest.approx(exact, rel=1e-9)
+
+
+def test_unloaded_bodies_recover_and_touch() -> None:
+    history = cs.LoadHistory((0.0, 1.0, 1.0, 3.0), (LOAD, LOAD, 0.0, 0.0))
+    found = cs.evolve(
+        rolling_cylinder(SOLID, history), line(128), EXACT, times=[1.0, 1.0, 3.0], step_error=NONE
+    )
+    assert found.status is cs.Status.CONVERGED
+    before, after, later = found.frames
+    assert before.pressure.max() > 0
+    assert after.pressure.max() == later.pressure.max() == 0
+    assert after.gap.min() == later.gap.min() == 0
+    # the groove that is left heals: the approach at which the cylinder touches falls
+    assert later.gap[0, 0] > after.gap[0, 0]
+
+
+def test_the_edge_of_a_held_contact_is_that_of_its_creep() -> None:
+    assert half_width(SOLID.creep, 0.0) == pytest.approx(sqrt(4 * LOAD / pi))

@@ -1,0 +1,236 @@
+"""The loop over steps: loads, errors, checkpoints, labels."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.domain.arrays import Array
+from tests.contactstudy.evolution.creeping import LOAD, RIGID, SOLID, rolling_cylinder
+
+EXACT = cs.ExactPeriodicity()
+GRID = cs.Grid((96, 1), (0.6, 1.0))
+ELASTIC = replace(rolling_cylinder(SOLID), solids=(cs.HalfSpace(1.0, 0.0), RIGID))
+
+
+def test_an_elastic_scene_forgets_its_path() -> None:
+    """Loading, holding, unloading and a jump end in the pressure of the last load alone, to the tolerance."""
+    history = cs.LoadHistory((0.0, 1.0, 2.0, 2.0, 3.0), (0.0, 3 * LOAD, LOAD, 2 * LOAD, 0.5 * LOAD))
+    found = cs.evolve(replace(ELASTIC, load=history), GRID, EXACT, times=[0.5, 1.0, 2.0, 2.0, 3.0])
+    assert found.step_error == 0
+    np.testing.assert_allclose(found.loads / LOAD, [1.5, 3.0, 1.0, 2.0, 0.5], rtol=1e-15)
+    for frame in found.frames:
+        alone = cs.solve(replace(ELASTIC, load=cs.LineLoad(frame.load)).problem(GRID, EXACT))
+        np.testing.assert_allclose(frame.pressure, alone.pressure, atol=1e-5 * alone.pressure.max())
+
+
+@pytest.mark.parametrize("error", [1e-2, 2e-3])
+def test_steps_keep_to_the_error_asked_for(error: float) -> None:
+    """Against a march with 400 steps, whose own error is a small part of that of any of these."""
+    history = cs.LoadHistory((0.0, 0.5, 1.0, 1.0), (LOAD, LOAD, 2 * LOAD, 0.7 * LOAD))
+    scene = rolling_cylinder(SOLID, history)
+    times = [0.0, 0.25, 0.5, 1.0, 1.0, 2.0]
+    fine = np.sort([*np.linspace(0, 2, 401), 1.0])
+    exact = cs.evolve(scene, GRID, EXACT, times=fine, step_error=cs.StepError.NONE)
+    found = cs.evolve(scene, GRID, EXACT, times=times, error=error)
+    assert found.step_error <= error
+    places = np.searchsorted(fine, times)
+    places[4] += 1
+    for frame, place in zip(found.frames, places, strict=True):
+        true = exact.frames[place]
+        assert (frame.time, frame.load) == (true.time, true.load)
+        wrong = np.abs(frame.pressure - true.pressure).sum() / true.pressure.sum()
+        assert wrong <= frame.step_error + 1e-5
+
+
+def test_a_smaller_error_takes_more_steps() -> None:
+    steps = [
+        cs.evolve(rolling_cylinder(SOLID), GRID, EXACT, times=[0.0, 2.0], error=error).steps
+        for error in (1e-2, 1e-3)
+    ]
+    assert 1.5 * steps[0] < steps[1]
+
+
+def test_without_times_every_pair_of_steps_is_recorded() -> None:
+    history = cs.LoadHistory((0.0, 1.0), (LOAD, 2 * LOAD))
+    found = cs.evolve(rolling_cylinder(SOLID, history), GRID, EXACT, error=1e-2)
+    assert found.times[0] == 0
+    assert found.times[-1] == 1
+    assert (np.diff(found.times) > 0).all()
+    assert len(found.frames) > 3
+
+
+class KilledError(Exception):
+    """The process is gone."""
+
+
+@pytest.mark.parametrize("error", [None, 5e-3], ids=["given steps", "chosen steps"])
+def test_a_march_that_was_killed_goes_on_to_the_same_bits(
+    tmp_path: Path, error: float | None
+) -> None:
+    scene = rolling_cylinder(SOLID, wear=cs.Wear(0.1, 1.0))
+    times = np.linspace(0, 1, 9)
+    whole = cs.evolve(scene, GRID, EXACT, times=times, error=error)
+
+    def killer(time: float, end: float) -> None:
+        if time >= 0.6 * end:
+            raise KilledError
+
+    with pytest.raises(KilledError):
+        cs.evolve(scene, GRID, EXACT, times=times, error=error, folder=tmp_path, progress=killer)
+    seen: list[float] = []
+    again = cs.evolve(
+        scene,
+        GRID,
+        EXACT,
+        times=times,
+        error=error,
+        folder=tmp_path,
+        progress=lambda time, end: seen.append(time),
+    )
+    assert min(seen) >= 0.5  # it did not begin again
+    np.testing.assert_array_equal(again.pressure, whole.pressure)
+    np.testing.assert_array_equal(again.gap, whole.gap)
+    assert [frame.step_error for frame in again.frames] == [
+        frame.step_error for frame in whole.frames
+    ]
+    read = cs.evolve(scene, GRID, EXACT, times=times, error=error, folder=tmp_path)
+    np.testing.assert_array_equal(read.pressure, whole.pressure)
+
+
+def test_a_folder_holds_one_march(tmp_path: Path) -> None:
+    scene = rolling_cylinder(SOLID)
+    cs.evolve(scene, GRID, EXACT, times=[0.0, 1.0], folder=tmp_path)
+    with pytest.raises(cs.InvalidInput, match=r"^evolve\.folder is .*: give another folder\.$"):
+        cs.evolve(scene, GRID, EXACT, times=[0.0, 2.0], folder=tmp_path)
+
+
+def test_a_dataset_names_all_that_was_found() -> None:
+    scene = rolling_cylinder(
+        SOLID, wear=cs.Wear(0.1, 1.0), outputs=(cs.SubsurfaceStress(depths=(0.05, 0.1)),)
+    )
+    grid = cs.Grid((32, 4), (0.6, 0.2))
+    found = cs.evolve(scene, grid, EXACT, times=[0.0, 0.5, 1.0])
+    dataset = found.to_dataset()
+    assert dict(dataset.sizes) | {"component": 6} == {
+        "time": 3, "x": 32, "y": 4, "component": 6, "depth": 2,
+    }  # fmt: skip
+    assert dataset["pressure"].dims == ("time", "x", "y")
+    assert dataset["worn_depth"].dims == ("time", "x", "y")
+    assert dataset["von_mises"].dims[0] == "time"
+    for name in ("approach", "contact_area", "highest_pressure", "load", "status", "step_error"):
+        assert dataset[name].dims == ("time",)
+    load = dataset["pressure"].sum(("x", "y")) * grid.cell_area / grid.period
+    np.testing.assert_allclose(load, LOAD, rtol=1e-7)
+    assert dataset["contact_area"][0] == np.count_nonzero(found.pressure[0]) * grid.cell_area
+    alone = cs.solve(replace(scene, solids=ELASTIC.solids, wear=None).problem(grid, EXACT))
+    stress = cs.to_dataset(alone)["stress"]
+    np.testing.assert_allclose(dataset["stress"][0], stress, atol=1e-5 * float(abs(stress).max()))
+    assert "CONVERGED" in found.summary()
+
+
+@pytest.mark.parametrize(
+    "padding",
+    [
+        (cs.ZeroPadding(), cs.ZeroPadding()),
+        cs.DuplicatedPadding(),
+        cs.Superposition(2),
+        cs.CircularSuperposition(2),
+        (EXACT, EXACT),
+    ],
+    ids=str,
+)
+def test_every_padding_marches(padding: cs.Padding | cs.Paddings) -> None:
+    """A wavy creeping cylinder that wears: converged throughout, the load borne at the end."""
+    scene = rolling_cylinder(SOLID, wear=cs.Wear(0.1, 1.0))
+    scene = replace(scene, shapes=(*scene.shapes, cs.Waviness(1e-3, across=0.2, along=0.3)))
+    grid = cs.Grid((48, 16), (0.8, 0.6))
+    found = cs.evolve(scene, grid, padding, times=[0.0, 0.5, 1.0], step_error=cs.StepError.NONE)
+    assert found.status in (cs.Status.CONVERGED, cs.Status.CONTACT_AT_EDGE)
+    borne = found.frames[-1].pressure.sum() * grid.cell_area / grid.period
+    assert borne == pytest.approx(LOAD, rel=1e-7)
+
+
+def test_a_march_stops_where_no_pressure_carries_the_load() -> None:
+    history = cs.LoadHistory((0.0, 1.0), (LOAD, 100 * LOAD))
+    scene = rolling_cylinder(SOLID, history, hardness=0.06)
+    found = cs.evolve(scene, GRID, EXACT, times=np.linspace(0, 1, 5))
+    assert found.status is cs.Status.NO_ADMISSIBLE_PRESSURE
+    assert found.frames[-1].time < 1
+    assert found.frames[-1].step_error == np.inf
+
+
+def test_a_scene_that_changes_has_no_single_problem() -> None:
+    for scene, field in (
+        (rolling_cylinder(SOLID), r"Scene\.solids\[0\]"),
+        (replace(ELASTIC, wear=cs.Wear(1.0, 1.0)), r"Scene\.wear"),
+        (replace(ELASTIC, load=cs.SineLoad(1.0, 0.5, 1.0)), r"Scene\.load"),
+    ):
+        with pytest.raises(
+            cs.InvalidInput, match=rf"^{field} changes in time.*: call contactstudy\.evolve"
+        ):
+            scene.problem(GRID, EXACT)
+
+
+def ended(load: cs.LoadHistory | cs.SineLoad, **named: object) -> cs.Evolution:
+    return cs.evolve(replace(ELASTIC, load=load), GRID, EXACT, **named)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("named", "match"),
+    [
+        ({}, r"^evolve\.times and evolve\.error are None"),
+        ({"times": [1.0, 0.0]}, r"^evolve\.times is"),
+        ({"times": [0.0, 0.0, 0.0]}, r"^evolve\.times is"),
+        ({"times": [-1.0, 1.0]}, r"^evolve\.times\[0\] is -1"),
+        ({"times": [0.0, np.nan]}, r"^evolve\.times"),
+        ({"times": "soon"}, r"^evolve\.times"),
+        ({"error": 0.0}, r"^evolve\.error is"),
+        ({"error": 1e-9}, r"^evolve\.error is"),
+    ],
+    ids=str,
+)
+def test_evolve_says_what_is_wrong(named: dict[str, object], match: str) -> None:
+    with pytest.raises(cs.InvalidInput, match=match):
+        ended(cs.LoadHistory((0.0, 1.0), (LOAD, LOAD)), **named)
+
+
+@pytest.mark.parametrize(
+    ("times", "loads", "match"),
+    [
+        ((0.0, 1.0), (1.0,), "per_length has 1 loads"),
+        ((1.0, 0.0), (1.0, 1.0), r"times\[1\]"),
+        ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0), r"times\[1\]"),
+        ((0.0, 1.0), (0.0, 0.0), "is 0 throughout"),
+        ((0.0, 1.0), (1.0, -1.0), r"per_length\[1\]"),
+        ((), (), "times"),
+    ],
+)
+def test_a_load_history_says_what_is_wrong(
+    times: tuple[float, ...], loads: tuple[float, ...], match: str
+) -> None:
+    with pytest.raises(cs.InvalidInput, match=match):
+        cs.LoadHistory(times, loads)
+
+
+def test_a_load_is_linear_between_its_times_and_held_after() -> None:
+    load = cs.LoadHistory((0.0, 1.0, 1.0, 3.0), (1.0, 2.0, 5.0, 1.0))
+    assert [load.at(time) for time in (-1.0, 0.0, 0.5, 1.0, 2.0, 9.0)] == [0, 1, 1.5, 5, 3, 1]
+    assert [load.before(time) for time in (0.0, 1.0, 3.0)] == [0, 2, 1]
+    assert load.mean(1.0, 3.0) == 3
+
+
+def test_a_sine_load_is_zero_where_it_would_pull() -> None:
+    load = cs.SineLoad(0.5, 1.0, frequency=0.25, phase=0.3)
+    times = np.linspace(0, 8, 20001)
+    values = np.array([load.at(time) for time in times])
+    assert values.min() == 0
+    assert values.max() == pytest.approx(load.largest, rel=1e-6)
+    marks: Array = np.array([*load.breaks(8.0), 8.0])
+    sums = [load.mean(a, b) * (b - a) for a, b in zip(marks, marks[1:], strict=False)]
+    assert sum(sums) == pytest.approx(
+        np.trapezoid(values, times) if hasattr(np, "trapezoid") else np.trapz(values, times),
+        rel=1e-6,
+    )

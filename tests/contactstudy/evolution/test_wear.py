@@ -1,0 +1,266 @@
+"""Archard's wear against closed forms."""
+
+from dataclasses import replace
+from math import exp, inf, log, pi
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.domain.arrays import Array
+from contactstudy.evolution.scheme import Scheme
+from contactstudy.evolution.wear_memory import WearMemory, explicit_limit
+from tests.contactstudy.evolution.creeping import LOAD, RIGID, SOLID, rolling_cylinder
+
+EXACT = cs.ExactPeriodicity()
+NONE = cs.StepError.NONE
+ELASTIC = cs.HalfSpace(1.0, 0.0)
+WAVY = cs.Scene(
+    cs.LineLoad(1.0),
+    (ELASTIC, RIGID),
+    (cs.Waviness(1e-3, across=1.0, along=1e9),),
+    wear=cs.Wear(2.0, 0.5),
+)
+CYLINDER = cs.Scene(
+    cs.LineLoad(LOAD), (ELASTIC, RIGID), (cs.Cylinder(1.0),), wear=cs.Wear(1.0, 1.0)
+)
+
+
+def wave(evolution: cs.Evolution) -> Array:
+    """How much of the wave is left in the pressure, at every instant."""
+    left = np.cos(2 * pi * evolution.grid.x) @ evolution.pressure[:, :, 0].T
+    return left / left[0]
+
+
+def eigenvalue(grid: cs.Grid) -> float:
+    """Of the wave across ``grid``, in place of 2 / (E* q): cells of constant pressure make it a little less."""
+    problem = replace(WAVY, wear=None).problem(grid, (EXACT, EXACT))
+    pressed = np.cos(2 * pi * grid.x)[:, None]
+    return float((problem.operator(pressed) * pressed).sum() / (pressed**2).sum())
+
+
+@pytest.mark.parametrize("step", [0.1, 0.05, 1.0, 100.0])
+def test_a_wave_decays_by_the_implicit_recursion_to_rounding(step: float) -> None:
+    """``(1 + k ds / lambda)^-n`` for a wave of eigenvalue lambda, and so without end for long steps."""
+    grid = cs.Grid((64, 1), (1.0, 1.0))
+    times = step * np.arange(6)
+    found = cs.evolve(WAVY, grid, (EXACT, EXACT), times=times, tolerance=1e-12, step_error=NONE)
+    expected = (1 + step / eigenvalue(grid)) ** -np.arange(6.0)
+    # the first amplitude is 3e-3 of the mean pressure, of which the solver leaves 1e-12
+    np.testing.assert_allclose(wave(found), expected, atol=1e-8)
+
+
+def test_a_wave_decays_by_the_explicit_recursion_on_cells_that_bear_it() -> None:
+    """``(1 - k ds / lambda)^n``."""
+    grid = cs.Grid((8, 1), (1.0, 1.0))
+    times = 0.05 * np.arange(11)
+    found = cs.evolve(
+        WAVY,
+        grid,
+        (EXACT, EXACT),
+        times=times,
+        tolerance=1e-12,
+        step_error=NONE,
+        scheme=Scheme.EXPLICIT,
+    )
+    expected = (1 - 0.05 / eigenvalue(grid)) ** np.arange(11.0)
+    np.testing.assert_allclose(wave(found), expected, atol=1e-8)
+
+
+def test_a_wave_decays_as_the_exponential_with_the_order_of_the_scheme() -> None:
+    """``exp(-k E* q s / 2)``: 0.0432139 at k s E* = 1; known Euler values 0.0650909 and 0.0540424."""
+    grid = cs.Grid((256, 1), (1.0, 1.0))
+    exact = exp(-1 / eigenvalue(grid))
+    assert exact == pytest.approx(0.0432139, rel=1e-3)  # pi (pi / 256)^2 / 3 of it
+    errors = {}
+    for scheme in (Scheme.IMPLICIT, Scheme.TWO_STAGE):
+        ends = []
+        for steps in (10, 20):
+            times = np.linspace(0, 1, steps + 1)
+            found = cs.evolve(
+                WAVY,
+                grid,
+                (EXACT, EXACT),
+                times=times,
+                tolerance=1e-11,
+                step_error=NONE,
+                scheme=scheme,
+            )
+            ends.append(wave(found)[-1])
+        if scheme is Scheme.IMPLICIT:
+            assert ends == pytest.approx([0.0650909, 0.0540424], rel=2e-3)
+        errors[scheme] = np.log2((ends[0] - exact) / (ends[1] - exact))
+    assert errors[Scheme.IMPLICIT] == pytest.approx(1, abs=0.15)
+    assert errors[Scheme.TWO_STAGE] == pytest.approx(2, abs=0.4)
+
+
+@pytest.mark.parametrize("cells", [100, 200])
+def test_the_pressure_of_a_punch_evens_out_at_the_known_rate(cells: int) -> None:
+    """The slowest even mode of a flat punch decays at 1.72667 k E* / a, the slowest odd one at 1.00306."""
+    grid = cs.Grid((cells, 1), (2.0, 1.0))
+    step = 0.02
+    for tilt, rate in ((0.0, 1.72667), (1e-3, 1.00306)):
+        shapes = (Tilted(tilt),) if tilt else ()
+        scene = cs.Scene(cs.LineLoad(1.0), (ELASTIC, RIGID), shapes, wear=cs.Wear(1.0, 1.0))
+        times = step * np.arange(200)
+        found = cs.evolve(scene, grid, EXACT, times=times, tolerance=1e-12, step_error=NONE)
+        uneven = np.linalg.norm(found.pressure[:, :, 0] - 0.5, axis=1)
+        if tilt:
+            odd = found.pressure[:, :, 0] - found.pressure[:, ::-1, 0]
+            uneven = np.linalg.norm(odd, axis=1)
+        decay = log(uneven[-2] / uneven[-1])
+        # implicit Euler: one step divides by 1 + rate ds
+        assert (exp(decay) - 1) / step == pytest.approx(rate, rel=1e-3)
+
+
+class Tilted:
+    """A plane that leans across."""
+
+    curvature = 0.0
+
+    def __init__(self, slope: float) -> None:
+        self.slope = slope
+
+    def gap(self, grid: cs.Grid) -> Array:
+        return np.broadcast_to(self.slope * grid.x[:, None], grid.cells)
+
+
+def test_a_worn_cylinder_is_flat_as_wide_as_the_rigid_one() -> None:
+    """a / a_H = 5.058 was found beside 5.013 for a rigid cylinder of 5; p(0) 2 a / P = 1.016; a to a cell."""
+    grid = cs.Grid((600, 1), (1.2, 1.0))
+    distance = 0.5**3 / (1.5 * LOAD)
+    times = np.concatenate([[0.0], np.geomspace(distance * 1e-5, distance, 120)])
+    found = cs.evolve(CYLINDER, grid, EXACT, times=times, step_error=NONE)
+    half = found.contact_area[-1] / grid.period / 2
+    assert half == pytest.approx(0.5058, abs=grid.cell[0])
+    middle = found.frames[-1].pressure[300, 0]
+    assert middle * 2 * half / LOAD == pytest.approx(1.016, abs=0.015)
+
+
+@pytest.mark.parametrize("scheme", list(Scheme))
+@pytest.mark.parametrize(
+    "load",
+    [
+        cs.LoadHistory((0.0, 2.0), (LOAD, LOAD)),
+        cs.LoadHistory((0.0, 1.0, 1.0, 2.0), (0.0, LOAD, 0.3 * LOAD, 0.0)),
+        cs.SineLoad(0.5 * LOAD, 0.4 * LOAD, frequency=0.7),
+    ],
+    ids=["constant", "a ramp, a jump and back to zero", "sine"],
+)
+def test_the_worn_volume_is_that_of_archard_to_rounding(
+    load: cs.LoadHistory | cs.SineLoad, scheme: Scheme
+) -> None:
+    """``k v int P dt``, whatever the steps: the pressures of each step carry its load to rounding."""
+    grid = cs.Grid((96, 1), (0.6, 1.0))
+    scene = replace(CYLINDER, load=load, wear=cs.Wear(1e-3, 1.0))
+    times = np.linspace(0, 2, 12)
+    found = cs.evolve(scene, grid, EXACT, times=times, step_error=NONE, scheme=scheme)
+    marks = sorted({*times.tolist(), *load.breaks(2.0)})
+    impulse = sum(
+        (end - start) * load.mean(start, end) for start, end in zip(marks, marks[1:], strict=False)
+    )
+    worn = found.frames[-1].fields["worn_depth"].values
+    assert worn.sum() * grid.cell[0] == pytest.approx(1e-3 * impulse, rel=1e-13)
+    assert worn.min() >= 0
+
+
+def test_no_wear_is_the_scene_without_it() -> None:
+    grid = cs.Grid((64, 1), (0.3, 1.0))
+    elastic = cs.solve(replace(CYLINDER, wear=None).problem(grid, EXACT))
+    for wear in (cs.Wear(0.0, 1.0), cs.Wear(1.0, 0.0)):
+        found = cs.evolve(replace(CYLINDER, wear=wear), grid, EXACT, times=[0.0, 1.0])
+        np.testing.assert_array_equal(found.frames[0].pressure, elastic.pressure)
+        np.testing.assert_array_equal(found.frames[0].gap, elastic.gap)
+        assert found.step_error == 0
+        assert not found.frames[0].fields
+
+
+def test_an_explicit_march_breaks_where_it_is_said_to() -> None:
+    """Beyond the limit the shortest wave of the contact grows from step to step, below it does not."""
+    grid = cs.Grid((128, 1), (2.0, 1.0))
+    limit = explicit_limit(1.0, 1.0, grid.cell[0])
+    # a punch under so much load that it stays in contact as a whole
+    scene = cs.Scene(cs.LineLoad(1.0), (ELASTIC, RIGID), (Jagged(1e-9),), wear=cs.Wear(1.0, 1.0))
+    for factor in (0.9, 1.1):
+        times = factor * limit * np.arange(41)
+        found = cs.evolve(
+            scene,
+            grid,
+            EXACT,
+            times=times,
+            tolerance=1e-12,
+            step_error=NONE,
+            scheme=Scheme.EXPLICIT,
+        )
+        middle = found.pressure[:, 32:96, 0]
+        jagged = np.abs(np.diff(middle, n=3, axis=1)).max(axis=1)
+        assert (jagged[-1] > jagged[20]) == (factor > 1)
+
+
+class Jagged:
+    """Every other cell stands out."""
+
+    curvature = 0.0
+
+    def __init__(self, height: float) -> None:
+        self.height = height
+
+    def gap(self, grid: cs.Grid) -> Array:
+        signs = 1 - 2 * (np.arange(grid.cells[0]) % 2)
+        return np.broadcast_to(self.height * signs[:, None], grid.cells)
+
+
+def test_wear_spreads_the_pressure_of_a_rough_hard_limited_creeping_contact() -> None:
+    """Several effects at once: every step converges, the load and the volume stay, the hardness holds."""
+    grid = cs.Grid((96, 32), (0.6, 0.2))
+    scene = rolling_cylinder(
+        SOLID,
+        wear=cs.Wear(0.2, 1.0),
+        hardness=0.05,
+    )
+    rough = cs.Roughness(5e-4, hurst=0.8, roll_off=0.1, cut_off=0.025, seed=3)
+    scene = replace(scene, shapes=(*scene.shapes, rough))
+    found = cs.evolve(scene, grid, EXACT, times=[0.0, 0.5, 2.0], step_error=NONE)
+    assert found.status is cs.Status.CONVERGED
+    worn = found.frames[-1].fields["worn_depth"].values
+    assert worn.sum() * grid.cell_area == pytest.approx(0.2 * 2 * LOAD * grid.period, rel=1e-12)
+    first, *_, last = found.frames
+    assert last.pressure.max() <= 0.05 == first.pressure.max()
+    assert last.pressure.std() < first.pressure.std()
+
+
+def test_the_edge_of_a_finite_roller_wears_away() -> None:
+    zero = cs.ZeroPadding()
+    grid = cs.Grid((48, 64), (0.4, 2.0))
+    scene = replace(CYLINDER, shapes=(cs.Cylinder(1.0), cs.FiniteLength(1.5)))
+    found = cs.evolve(scene, grid, (zero, zero), times=[0.0, 1.0], step_error=NONE)
+    peaks = [frame.pressure.max() / np.median(frame.pressure[24]) for frame in found.frames]
+    assert peaks[1] < peaks[0]
+
+
+@pytest.mark.parametrize("explicit", [0.0, 0.4, 1.0])
+@pytest.mark.parametrize("loads", [(1.0, 1.0), (0.0, 1.0), (1.0, 0.0), (0.2, 1.0), (1.0, 0.2)])
+def test_the_shares_of_a_step_carry_its_mean_load(
+    loads: tuple[float, float], explicit: float
+) -> None:
+    from contactstudy.evolution.memory import Step
+
+    step = Step(0.0, 2.0, loads, sum(loads) / 2, explicit)
+    after = WearMemory(3.0).advance(
+        {"worn_depth": np.zeros(())}, np.array(loads[0]), np.array(loads[1]), step
+    )
+    assert after["worn_depth"] == pytest.approx(3.0 * 2.0 * sum(loads) / 2, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "field"),
+    [
+        ((-1.0, 1.0), "coefficient"),
+        ((1.0, -1.0), "speed"),
+        ((1.0, inf), "speed"),
+        ((1.0, 1.0, 2), "body"),
+    ],
+)
+def test_wear_says_what_is_wrong(arguments: tuple[float, ...], field: str) -> None:
+    with pytest.raises(cs.InvalidInput, match=rf"^Wear\.{field} is .*: give .*\.$"):
+        cs.Wear(*arguments)  # type: ignore[arg-type]

@@ -59,10 +59,10 @@ from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import Solver, solve
 
 if _TYPE_CHECKING:
+    from contactstudy import kernels
     from contactstudy.evolution.evolution import Evolution
     from contactstudy.evolution.evolve import StepError, evolve
     from contactstudy.evolution.scheme import Scheme
-    from contactstudy import kernels
     from contactstudy.io.dataset import to_dataset
     from contactstudy.io.scene_file import SceneFile, read_scene
     from contactstudy.io.scene_writer import write_scene

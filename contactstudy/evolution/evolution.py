@@ -115,5 +115,7 @@ class Evolution:
     def to_dataset(self) -> "xr.Dataset":
         """Fields over (time, x, y), numbers over (time,), with units, long names, and where they came from."""
         # by name: a Dataset stands on evolutions, not evolutions on Datasets
-        made: xr.Dataset = import_module("contactstudy.io.evolution_dataset").evolution_dataset(self)
+        made: xr.Dataset = import_module("contactstudy.io.evolution_dataset").evolution_dataset(
+            self
+        )
         return made

@@ -89,12 +89,13 @@ def evolve(
     )
     companion = step_error is StepError.COMPANION or control is not None
     checkpoint = None if folder is None else Checkpoint(Path(folder))
+    across, along = across_and_along(padding)
     walk = Walk(
         march=march,
         marks=marks,
         control=control,
         companion=bool(march.memories) and companion,
-        wraps=tuple(one.wraps for one in across_and_along(padding)),
+        wraps=(across.wraps, along.wraps),
         records_all=times is None,
         checkpoint=checkpoint,
         progress=progress,

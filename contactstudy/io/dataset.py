@@ -72,7 +72,7 @@ def _of_scene(source: object) -> Mapping[str, tuple[float, str, str]]:
     """Load and Hertz's values, where the problem was made from a scene."""
     if not isinstance(source, PosedScene):
         return {}
-    found = {"load_per_length": (source.scene.load.per_length, "N m-1", "load per length")}
+    found = {"load_per_length": (source.scene.load.largest, "N m-1", "load per length")}
     if (hertz := source.scene.hertz) is not None:
         found["hertz_half_width"] = hertz.half_width, "m", "half-width of Hertz's line contact"
         found["hertz_peak_pressure"] = (

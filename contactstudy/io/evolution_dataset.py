@@ -37,7 +37,11 @@ def evolution_dataset(evolution: Evolution) -> xr.Dataset:
             "load": series("load", "N m-1", "load per length"),
             "approach": series("approach", "m", "approach of the bodies"),
             "highest_pressure": series("highest_pressure", "Pa", "highest pressure"),
-            "contact_area": ("time", evolution.contact_area, _label("m2", "area in contact, over the grid")),
+            "contact_area": (
+                "time",
+                evolution.contact_area,
+                _label("m2", "area in contact, over the grid"),
+            ),
             "step_error": series("step_error", "1", "estimated L1 error by steps in time"),
             "grid_error": series("grid_error", "1", "estimated L1 error by cells"),
             "residual": series("residual", "1", "residual of the solver"),
@@ -77,7 +81,7 @@ def evolution_dataset(evolution: Evolution) -> xr.Dataset:
     for output in evolution.outputs:
         found = [output.fields(frame.pressure) for frame in frames]
         for name, one in found[0].items():
-            label = _label(one.units, one.long_name)
+            label = _label(one.units, one.long_name) | dict(one.attributes)
             if one.dimensions == (name,):  # a coordinate, the same at every instant
                 dataset[name] = one.dimensions, one.values, label
             else:

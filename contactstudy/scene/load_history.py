@@ -8,9 +8,9 @@ from typing import Protocol, runtime_checkable
 
 from contactstudy.domain.checks import (
     InvalidInput,
+    finite,
     in_range,
     in_range_from_zero,
-    finite,
     set_fields,
 )
 from contactstudy.domain.units import Hertz, NewtonsPerMetre, Radians, Seconds

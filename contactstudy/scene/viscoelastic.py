@@ -5,7 +5,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-from contactstudy.domain.checks import InvalidInput, in_range, in_range_from_zero, finite, set_fields
+from contactstudy.domain.checks import (
+    InvalidInput,
+    finite,
+    in_range,
+    in_range_from_zero,
+    set_fields,
+)
 from contactstudy.domain.units import Number, Pascals, Seconds
 from contactstudy.elasticity.coefficients import Coefficients, Displacement
 from contactstudy.elasticity.prony import Creep, creep
@@ -52,7 +58,9 @@ class ViscoelasticHalfSpace:
                 "ViscoelasticHalfSpace.equilibrium_modulus is 0 and there is no relaxation: give a "
                 "modulus above 0 Pa, or pairs of a modulus and a time."
             )
-        set_fields(self, equilibrium_modulus=equilibrium, poisson_ratio=ratio, relaxation=tuple(pairs))
+        set_fields(
+            self, equilibrium_modulus=equilibrium, poisson_ratio=ratio, relaxation=tuple(pairs)
+        )
 
     @cached_property
     def creep(self) -> Creep:

@@ -1,6 +1,7 @@
 """Archard's wear against closed forms."""
 
 from dataclasses import replace
+from itertools import pairwise
 from math import exp, inf, log, pi
 
 import numpy as np
@@ -156,9 +157,7 @@ def test_the_worn_volume_is_that_of_archard_to_rounding(
     times = np.linspace(0, 2, 12)
     found = cs.evolve(scene, grid, EXACT, times=times, step_error=NONE, scheme=scheme)
     marks = sorted({*times.tolist(), *load.breaks(2.0)})
-    impulse = sum(
-        (end - start) * load.mean(start, end) for start, end in zip(marks, marks[1:], strict=False)
-    )
+    impulse = sum((end - start) * load.mean(start, end) for start, end in pairwise(marks))
     worn = found.frames[-1].fields["worn_depth"].values
     assert worn.sum() * grid.cell[0] == pytest.approx(1e-3 * impulse, rel=1e-13)
     assert worn.min() >= 0

@@ -97,7 +97,7 @@ def waves() -> Iterator[AccuracyCase]:
 
 def sharp() -> Iterator[AccuracyCase]:
     """A flat punch and a wedge, whose highest pressure is infinite."""
-    load = SCENE.load.per_length
+    load = SCENE.load.largest
     for cells in (64, 128, 250, 512):
         grid = cs.Grid((cells, 1), (4 * A, A))
         heights = np.where(np.abs(grid.x) < A, 0.0, -50 * FLATTENED)[:, None]
@@ -129,7 +129,7 @@ def sharp() -> Iterator[AccuracyCase]:
 def yielding() -> Iterator[AccuracyCase]:
     """All cells at the hardness: a strip of a known width."""
     for share in (0.3, 0.4, 0.5):
-        half = SCENE.load.per_length / (2 * share * P_H)
+        half = SCENE.load.largest / (2 * share * P_H)
         for cells in (40, 101, 256):
             grid = cs.Grid((cells, 1), (2.6 * half, A))
             truth = ClosedForm(

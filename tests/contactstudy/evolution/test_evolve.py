@@ -126,7 +126,9 @@ def test_a_dataset_names_all_that_was_found() -> None:
     load = dataset["pressure"].sum(("x", "y")) * grid.cell_area / grid.period
     np.testing.assert_allclose(load, LOAD, rtol=1e-7)
     assert dataset["contact_area"][0] == np.count_nonzero(found.pressure[0]) * grid.cell_area
-    alone = cs.solve(replace(scene, solids=ELASTIC.solids, wear=None).problem(grid, cs.ZeroPadding()))
+    alone = cs.solve(
+        replace(scene, solids=ELASTIC.solids, wear=None).problem(grid, cs.ZeroPadding())
+    )
     stress = cs.to_dataset(alone)["stress"]
     np.testing.assert_allclose(dataset["stress"][0], stress, atol=1e-5 * float(abs(stress).max()))
     assert "CONVERGED" in found.summary()

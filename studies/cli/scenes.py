@@ -53,7 +53,8 @@ def solve(scene: Path, out: Path) -> None:
 
     The exit code is 0 where the solution converged, else 1: what there is is written all the same.
     """
-    from studies.store.netcdf import open_folder, replacing, write
+    from studies.store.files.partial_file import replacing
+    from studies.store.netcdf import open_folder, write
 
     described = cs.read_scene(scene)
     folder = open_folder(out)

@@ -1,8 +1,10 @@
 """Where cases are computed: in this process, in processes beside it, or on a cluster."""
 
+import os
 import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from queue import SimpleQueue
 from typing import Protocol, Self
@@ -12,9 +14,12 @@ from dask.base import compute as compute_all
 from dask.delayed import delayed
 from threadpoolctl import threadpool_limits
 
-from studies.engine.supervisor import WorkerSupervisor
+from contactstudy import InvalidInput
+from studies.engine.stop import Stop
+from studies.engine.workers.compute import StopRun, compute, warm_up
+from studies.engine.workers.supervisor import WorkerSupervisor
 from studies.model.case import Computation
-from studies.model.outcome import CaseStatus, Finished, Outcome, Work, compute, warm_up
+from studies.model.outcome import CaseStatus, Finished, Outcome, Work
 
 CHUNK = 0.02  # seconds of work that are sent to a process in one go
 
@@ -22,36 +27,63 @@ CHUNK = 0.02  # seconds of work that are sent to a process in one go
 class Executor(Protocol):
     """Computes every case and calls ``finished(number, outcome)`` for each, one call at a time."""
 
-    def run(self, cases: Sequence[Computation], work: Work, finished: Finished) -> None:
-        """What ``finished`` raises ends the run, and is raised."""
+    def run(self, cases: Sequence[Computation], work: Work, finished: Finished, stop: Stop) -> None:
+        """What ``finished`` raises ends the run, and is raised; so does ``stop``.
+
+        What a worker had finished by then is given to ``finished`` all the same.
+        """
         ...
+
+
+def packed(work: Work) -> bytes:
+    """``work`` for another process; raises :class:`~contactstudy.InvalidInput` where it cannot go there."""
+    try:
+        return bytes(cloudpickle.dumps(work))
+    except Exception as error:  # noqa: BLE001 (a study's own objects may do anything)
+        raise InvalidInput(
+            f"measures cannot be sent to a worker process ({type(error).__name__}: {error}): keep open files "
+            "and the like out of the file's top level, or run with --workers 0."
+        ) from None
 
 
 @dataclass(frozen=True)
 class InProcess:
     """This process alone, but for ``suspects``: cases during which an earlier run died.
 
-    ``on_begin(number)`` is called before each case, so that a death can be laid to it.
+    ``begins(number)`` is called before each case, so that a death can be laid to it.
     """
 
-    on_begin: Callable[[int], object] = lambda number: None
+    begins: Callable[[int], object] = lambda number: None
     suspects: frozenset[int] = frozenset()
 
-    def run(self, cases: Sequence[Computation], work: Work, finished: Finished) -> None:
+    def run(self, cases: Sequence[Computation], work: Work, finished: Finished, stop: Stop) -> None:
         """One after the other."""
         warm_up()
+        own = os.getpid()
         with threadpool_limits(1):
             for number, case in enumerate(cases):
+                stop.check()
                 if number in self.suspects:
-                    supervisor = WorkerSupervisor(cloudpickle.dumps(work))
-                    try:
-                        for outcome in supervisor.run([case]):
-                            finished(number, _with_advice(outcome))
-                    finally:
-                        supervisor.end()
+                    _run_alone(number, case, work, finished, stop)
                     continue
-                self.on_begin(number)
-                finished(number, compute(case, work))
+                self.begins(number)
+                with stop.interruptible():
+                    outcome = compute(case, work)
+                if os.getpid() != own:
+                    # the case has forked, and this is the other one: the run is not its to go on with
+                    os._exit(0)
+                finished(number, outcome)
+
+
+def _run_alone(number: int, case: Computation, work: Work, finished: Finished, stop: Stop) -> None:
+    supervisor = WorkerSupervisor(packed(work))
+    try:
+        with stop.interruptible():
+            outcomes = list(supervisor.run([case]))
+        for outcome in outcomes:
+            finished(number, _with_advice(outcome))
+    finally:
+        supervisor.end()
 
 
 def _with_advice(outcome: Outcome) -> Outcome:
@@ -70,10 +102,10 @@ class Processes:
 
     workers: int
 
-    def run(self, cases: Sequence[Computation], work: Work, finished: Finished) -> None:
+    def run(self, cases: Sequence[Computation], work: Work, finished: Finished, stop: Stop) -> None:
         """Each process takes the next few cases when it is done with its last."""
         with ProcessPool(self.workers) as pool:
-            pool.run(cases, work, finished)
+            pool.run(cases, work, finished, stop)
 
 
 class ProcessPool:
@@ -98,9 +130,9 @@ class ProcessPool:
             supervisor.end()
         self._supervisors.clear()
 
-    def run(self, cases: Sequence[Computation], work: Work, finished: Finished) -> None:
+    def run(self, cases: Sequence[Computation], work: Work, finished: Finished, stop: Stop) -> None:
         """Each process takes the next few cases when it is done with its last."""
-        payload = cloudpickle.dumps(work)
+        payload = packed(work)
         wanted = min(self._workers, len(cases))
         for supervisor in self._supervisors:
             supervisor.set_work(payload)
@@ -109,16 +141,32 @@ class ProcessPool:
         ]
         shared = _SharedCases(cases)
         # dask in a thread of its own: this one alone reports, and writes to the disk
-        with ThreadPoolExecutor(1) as coordinator:
-            driving = coordinator.submit(shared.drive, self._supervisors[:wanted])
-            try:
-                while (found := shared.found.get()) is not None:
-                    finished(*found)
-            except BaseException:
-                # what they are at is for nobody, and the conductor waits for it
-                self.end()
-                raise
+        with ThreadPoolExecutor(1) as conductor:
+            with stop.waking(shared.stop):
+                driving = conductor.submit(shared.drive, self._supervisors[:wanted])
+                try:
+                    stop.check()
+                    while (found := shared.found.get()) is not None:
+                        if found is STOPPED:
+                            raise StopRun(stop.signal)
+                        finished(*found)
+                except BaseException:
+                    # what they are at is for nobody, and the conductor waits for it
+                    self.end()
+                    _finish_rest(shared, finished)
+                    raise
             driving.result()
+
+
+STOPPED = (-1, Outcome(CaseStatus.NOT_RUN))
+
+
+def _finish_rest(shared: "_SharedCases", finished: Finished) -> None:
+    """What was computed by the time the run stopped is not lost, unless the disk takes no more."""
+    with suppress(Exception):
+        while (found := shared.found.get()) is not None:
+            if found is not STOPPED:
+                finished(*found)
 
 
 class _SharedCases:
@@ -128,12 +176,17 @@ class _SharedCases:
         self._cases = cases
         self._next, self._size = 0, 1
         self._turn = threading.Lock()
+        # one that a signal handler may put to amid a get
         self.found: SimpleQueue[tuple[int, Outcome] | None] = SimpleQueue()
+
+    def stop(self) -> None:
+        """Wake up who waits for outcomes."""
+        self.found.put(STOPPED)
 
     def drive(self, supervisors: Sequence[WorkerSupervisor]) -> None:
         try:
             with ThreadPoolExecutor(max(len(supervisors), 1)) as pool:
-                tasks = [delayed(self._drive, pure=False)(supervisor) for supervisor in supervisors]
+                tasks = [delayed(self._drive, pure=False)(one) for one in supervisors]
                 compute_all(*tasks, scheduler="threads", pool=pool)
         finally:
             self.found.put(None)

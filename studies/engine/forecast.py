@@ -1,14 +1,20 @@
 """What a run will take, before it starts; and how far off that was, after it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
+from itertools import islice
 from math import exp, log
 from pathlib import Path
 
 import numpy as np
 
+from contactstudy import InvalidInput
 from studies.engine.forecast_model import Estimate, ForecastModel, Observation, total
+from studies.model.outcome import CaseStatus
 from studies.store.journal import Contents, Journal
+
+SAMPLE = 1000  # cases that are looked at
 
 
 @dataclass(frozen=True)
@@ -41,50 +47,66 @@ def _estimate_text(estimate: Estimate, unit: str) -> str:
 
 
 def fit_model(folder: Path, machine: str) -> ForecastModel:
-    """Fitted to all that the journals in ``folder`` say of this machine."""
+    """Fitted to what the journals in ``folder`` say of this machine; a damaged one says less, or nothing."""
     found: list[Observation] = []
     for path in sorted(folder.glob("*.journal.jsonl")):
-        found += observations(Journal(path, None, machine).contents)
+        with suppress(InvalidInput):
+            found += observations(Journal(path, None, machine).contents)
     return ForecastModel(found)
 
 
 def observations(contents: Contents) -> list[Observation]:
-    """What the good cases in a journal took."""
+    """What the good cases in a journal took, of the last ``SAMPLE``."""
     found = []
-    for name, record in contents.records.items():
-        variables = record.outcome.variables
-        if not variables:
+    for name, record in islice(reversed(contents.records.items()), SAMPLE):
+        if record.case_status is not CaseStatus.OK:
             continue
         # CPU time is wall time on a core of one's own, whatever else the core was doing
-        known = {"case": record.outcome.cpu, "bytes": float(record.size)}
+        known = {"case": record.cpu, "bytes": float(record.size)}
         if samples := contents.samples.get(name):
             known["setup"] = min(sample.setup_cpu for sample in samples)
             known["solve"] = min(sample.solve_cpu for sample in samples)
         known["iterations"] = 1.0
         for count in ("iterations", "convolutions"):  # the latter says more
-            if count in variables and variables[count].ndim == 0:
-                known["iterations"] = max(float(variables[count]), 1.0)
+            variable = record.variable(count)
+            if variable is not None and variable.ndim == 0:
+                known["iterations"] = max(float(variable), 1.0)
         found.append(Observation(record.identity.tree, known))
-    return found
+    return found[::-1]
 
 
 def forecast(
-    costs: ForecastModel, trees: Mapping[str, object], timed: Sequence[str], repeats: int
+    costs: ForecastModel, trees: Mapping[str, object], timed: Mapping[str, tuple[object, int]]
 ) -> Forecast:
-    """Of the cases ``trees`` to compute and of those to time, by their keys."""
-    names = list(trees)
-    each = dict(zip(names, costs.predict("case", list(trees.values())), strict=True))
+    """Of the cases ``trees`` to compute, and of those to time so many times, by their keys.
+
+    Of very many cases a sample is looked at, and stands for the others.
+    """
+    names, share = _sample(list(trees))
+    each = dict(zip(names, costs.predict("case", [trees[name] for name in names]), strict=True))
     known = {name: one for name, one in each.items() if one is not None}
-    if len(known) < len(names):
-        return Forecast(len(names), None, None, None, known)
-    sizes = costs.predict("bytes", list(trees.values()))
-    size = total(one for one in sizes if one is not None)
+    timings, timed_share = _sample(list(timed))
     parts: list[Estimate] = []
+    is_known = len(known) == len(names)
     for quantity in ("setup", "solve"):
-        for one in costs.predict(quantity, [trees[name] for name in timed if name in trees]):
+        found = costs.predict(quantity, [timed[name][0] for name in timings])
+        for name, one in zip(timings, found, strict=True):
             if one is not None:
-                parts.append(Estimate(repeats * one.value, one.factor))
-    return Forecast(len(names), total(known.values()), total(parts), size, known)
+                repeats = timed[name][1]
+                parts.append(Estimate(timed_share * repeats * one.value, one.factor))
+    if not is_known:
+        return Forecast(len(trees), None, None, None, known)
+    sizes = costs.predict("bytes", [trees[name] for name in names])
+    size = total(Estimate(share * one.value, one.factor) for one in sizes if one is not None)
+    seconds = total(Estimate(share * one.value, one.factor) for one in known.values())
+    return Forecast(len(trees), seconds, total(parts), size, known)
+
+
+def _sample(names: list[str]) -> tuple[list[str], float]:
+    """At most ``SAMPLE`` names, evenly taken, and how many each stands for."""
+    step = -(-len(names) // SAMPLE) or 1
+    chosen = names[::step]
+    return chosen, len(names) / max(len(chosen), 1)
 
 
 def score(predicted: Forecast, taken: Mapping[str, float]) -> Mapping[str, float]:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from contactstudy import InvalidInput
+from studies.model.axis import MOST_POINTS, one_of
 from studies.model.outcome import CaseStatus
 
 # What ``--retry`` may name.
@@ -20,7 +21,8 @@ class RunOptions:
     ``scheduler``: address of a dask scheduler, in place of ``workers`` processes (0: this one alone).
     ``time_limit`` [s] of a case. ``repeats``: timed runs of each case; ``old_times``: "kept" or "dropped".
     ``retry``: what is computed again though it is stored. ``after_failure``: "go on" or "stop".
-    ``fields``: "none" or "kept", pressure and gap of every case.
+    ``fields``: "none" or "kept", pressure and gap of every case. ``table``: whether the file holds all that is
+    "stored" of the study, or only what was "requested". ``most_points``: more are refused; None for no bound.
     """
 
     workers: int = 2
@@ -31,7 +33,16 @@ class RunOptions:
     retry: frozenset[CaseStatus] = frozenset()
     after_failure: str = "go on"
     fields: str = "none"
+    table: str = "stored"
+    most_points: int | None = MOST_POINTS
 
     def __post_init__(self) -> None:
+        for name, choices in (
+            ("old_times", ("kept", "dropped")),
+            ("after_failure", ("go on", "stop")),
+            ("fields", ("none", "kept")),
+            ("table", ("stored", "requested")),
+        ):
+            one_of(name, getattr(self, name), choices)
         if self.time_limit is not None and not self.time_limit > 0:
             raise InvalidInput(f"time_limit is {self.time_limit!r}: give seconds above 0.")

@@ -1,68 +1,46 @@
-"""Times that can be trusted: one case at a time, one thread, in turns, every sample kept."""
+"""Times that can be trusted: one case at a time, one thread, in rounds, every sample kept."""
 
 from collections.abc import Callable, Iterator, Mapping
-from time import perf_counter, process_time
+from itertools import chain
 
-import numpy as np
-from threadpoolctl import threadpool_limits
-
-from studies.model.case import Computation
+from studies.model.outcome import Failure
 from studies.model.timing_samples import Sample
 
-THREADS = 1
 # What a process does but once (imports, memory from the system) is done by an untimed run of the longest
 # case of each kind that is shorter than this; in a longer one it is lost.
 WARM_UP = 0.3
-WAVE = np.outer(np.cos(np.arange(128.0)), np.sin(np.arange(128.0)))
 
 
-def time_once(case: Computation) -> Sample:
-    """One run of ``case``, against the wall clock and the processor's."""
-    before = _reference_time()
-    wall, cpu = perf_counter(), process_time()
-    prepared = case.prepare()
-    ready, ready_cpu = perf_counter(), process_time()
-    case.run(prepared)
-    done, done_cpu = perf_counter(), process_time()
-    pace = max(before, _reference_time())
-    return Sample(ready - wall, done - ready, ready_cpu - cpu, done_cpu - ready_cpu, THREADS, pace)
-
-
-def _reference_time() -> float:
-    """Seconds of a transform of 128 x 128 cells, the least of three."""
-    least = np.inf
-    for _ in range(3):
-        start = perf_counter()
-        np.fft.irfft2(np.fft.rfft2(WAVE))
-        least = min(least, perf_counter() - start)
-    return float(least)
+def longest(expected: float, limit: float | None) -> float:
+    """The time [s] after which a timed run of a case that took ``expected`` is given up."""
+    found = 5 + 10 * expected
+    return found if limit is None else min(found, limit)
 
 
 def time_cases(
-    cases: Mapping[str, Computation],
     missing: Mapping[str, int],
     expected: Mapping[str, float],
     kinds: Mapping[str, str],
+    time_once: Callable[[str], Sample | Failure | None],
     taken: Callable[[str, Sample], object],
+    failed: Callable[[str, Failure], object],
 ) -> None:
-    """``missing[key]`` samples of each case, case after case in turns, each given to ``taken``.
+    """``missing[key]`` samples of each case, case after case in rounds, each given to ``taken``.
 
-    ``expected`` seconds and ``kinds`` decide which cases are run untimed before; what a case raises leaves
-    it without times.
+    ``expected`` seconds and ``kinds`` decide which cases are run untimed before; a case whose ``time_once``
+    gives a failure is given to ``failed``, and is left without further times.
     """
-    with threadpool_limits(THREADS):
-        failed = set()
-        untimed = [(-1, key) for key in warm_ups({key: expected[key] for key in missing}, kinds)]
-        for turn, key in (*untimed, *rounds(missing)):
-            if key in failed:
-                continue
-            try:
-                sample = time_once(cases[key])
-            except Exception:  # noqa: BLE001 (it was computed before, so this is chance, and no sample)
-                failed.add(key)
-            else:
-                if turn >= 0:
-                    taken(key, sample)
+    given_up = set()
+    untimed = [(-1, key) for key in warm_ups({key: expected[key] for key in missing}, kinds)]
+    for turn, key in chain(untimed, rounds(missing)):
+        if key in given_up:
+            continue
+        sample = time_once(key)
+        if isinstance(sample, Failure):
+            given_up.add(key)
+            failed(key, sample)
+        elif sample is not None and turn >= 0:
+            taken(key, sample)
 
 
 def warm_ups(expected: Mapping[str, float], kinds: Mapping[str, str]) -> list[str]:

@@ -1,15 +1,21 @@
 """The axes of a study: their values, and how a person writes them."""
 
 import math
-from collections.abc import Iterable, Iterator
+import sys
+from collections.abc import Iterable, Iterator, Sequence, Sized
 from dataclasses import dataclass
+from itertools import chain, islice
 
 import numpy as np
 
 from contactstudy import InvalidInput
 from contactstudy.domain.checks import suggestion
+from contactstudy.domain.memory import available_bytes
+from studies.model.plain_text import is_storable, name_problem, one_line
 
 Value = str | int | float
+MOST_POINTS = 1_000_000  # of a study, for which nobody is asked
+POINT_BYTES = 500  # of memory for a point, at the least
 
 FORMS = {
     int: "give whole numbers such as 0,1,6 or a range with both its ends such as 0:10 or 0:10:2",
@@ -36,36 +42,73 @@ class Axis:
     units: str = "1"
 
     def __post_init__(self) -> None:
+        if problem := name_problem(self.name):
+            raise InvalidInput(f"Axis name {one_line(repr(self.name), 60)}: {problem}.")
+        for part, text in (("long_name", self.long_name), ("units", self.units)):
+            if not isinstance(text, str) or not is_storable(text):
+                raise InvalidInput(
+                    f"Axis {self.name!r} has the {part} {one_line(repr(text), 60)}: give text without control "
+                    "characters."
+                )
+        given: object = self.values
+        if isinstance(given, str) or not isinstance(given, Iterable):
+            raise InvalidInput(
+                f"Axis {self.name!r} has values {one_line(repr(self.values), 60)}: give a tuple of them."
+            )
         # numpy's scalars become Python's, and one number with a fraction makes all of them such
         values = tuple(v.item() if isinstance(v, np.generic) else v for v in self.values)
-        if (
-            not values
-            or isinstance(values[0], bool)
-            or not isinstance(values[0], str | int | float)
-        ):
+        kinds = {type(value) for value in values}
+        if not (kinds == {str} or (kinds and kinds <= {int, float})):
             raise InvalidInput(
-                f"Axis {self.name!r} has values {self.values!r}: give names or numbers."
+                f"Axis {self.name!r} has values {one_line(repr(values), 60)}: give names, or numbers, and not "
+                "both."
             )
-        if any(isinstance(value, float) for value in values):
-            values = tuple(_snapped(float(value)) for value in values)
+        if float in kinds:
+            values = tuple(_snapped(self._finite(value)) for value in values)
+        for value in values:
+            if isinstance(value, str) and not is_storable(value):
+                raise InvalidInput(f"Axis {self.name!r} has the value {value!a}: give plain text.")
+            if isinstance(value, int) and abs(value) > 2**53:
+                raise InvalidInput(
+                    f"Axis {self.name!r} has the value {_shortened(value)}: give whole numbers up to 2^53."
+                )
+        if len(set(values)) < len(values):
+            twice = next(value for value in values if values.count(value) > 1)
+            raise InvalidInput(f"Axis {self.name!r} has the value {twice!r} twice: give it once.")
         object.__setattr__(self, "values", values)
+
+    def _finite(self, value: Value) -> float:
+        try:
+            number = float(value)
+        except OverflowError:
+            number = math.inf
+        if not math.isfinite(number):
+            raise InvalidInput(
+                f"Axis {self.name!r} has the value {_shortened(value)}: give finite numbers."
+            )
+        return number
 
     @property
     def kind(self) -> type:
         """int, float or str, by the first value."""
         return type(self.values[0])
 
-    def override(self, values: str | Iterable[Value]) -> "Axis":
+    def override(self, values: str | Iterable[Value], *, most: int | None = MOST_POINTS) -> "Axis":
         """This axis with other values, as text (``"0:10"``, ``"0.6,2.4"``) or as numbers or names.
 
-        Raises :class:`~contactstudy.InvalidInput` for what is not of the axis's kind.
+        Raises :class:`~contactstudy.InvalidInput` for what is not of the axis's kind, and for more than
+        ``most`` values, which are counted before they are made.
         """
-        raw = list(_split(values, self.kind)) if isinstance(values, str) else list(values)
+        parts = list(_split(values, self.kind)) if isinstance(values, str) else [values]
+        count = sum(len(part) if isinstance(part, Sized) else 0 for part in parts)
+        check_count(self.name, count, "values", most)
+        raw = islice(chain.from_iterable(parts), None if most is None else most + 1)
         parsed = dict.fromkeys(self._convert(value) for value in raw)
+        check_count(self.name, len(parsed), "values", most)
         if self.kind is not str:  # figures and findings read from the least to the largest
             parsed = dict.fromkeys(sorted(parsed))
         if not parsed:
-            raise InvalidInput(f"{self.name} is {values!r}: {FORMS[self.kind]}.")
+            raise InvalidInput(f"{self.name} is {_shortened(values)}: {FORMS[self.kind]}.")
         return Axis(self.name, tuple(parsed), self.long_name, self.units)
 
     def _convert(self, value: Value) -> Value:
@@ -77,8 +120,28 @@ class Axis:
         except (TypeError, ValueError, OverflowError):
             exact = False
         if not exact or (self.kind is float and not math.isfinite(converted)):
-            raise InvalidInput(f"{self.name} is {value!r}: {FORMS[self.kind]}.")
+            raise InvalidInput(f"{self.name} is {_shortened(value)}: {FORMS[self.kind]}.")
         return _snapped(converted) if self.kind is float else converted
+
+
+def check_count(name: str, count: int, what: str, most: int | None) -> None:
+    """Refuses more than ``most``, and what no memory of this machine could hold."""
+    if most is not None and count > most:
+        raise InvalidInput(
+            f"{name} has {count} {what}, more than {most}: give fewer, or --yes if you mean it."
+        )
+    if count * POINT_BYTES > available_bytes():
+        raise InvalidInput(
+            f"{name} has {count} {what}, which take some {count * POINT_BYTES / 1e9:.3g} GB of memory, and "
+            f"there are {available_bytes() / 1e9:.3g} GB: give fewer."
+        )
+
+
+def _shortened(value: object) -> str:
+    try:
+        return one_line(repr(value), 60)
+    except ValueError:  # a whole number too long to be written
+        return "a number of thousands of digits"
 
 
 def _snapped(value: float) -> float:
@@ -86,17 +149,17 @@ def _snapped(value: float) -> float:
     return float(f"{value:.15g}")
 
 
-def _split(text: str, kind: type) -> Iterator[str | int]:
+def _split(text: str, kind: type) -> Iterator[Sequence[str] | range]:
     for part in text.split(","):
         part = part.strip()
         bounds = part.split(":")
         if kind is int and len(bounds) in (2, 3) and all(_is_whole(bound) for bound in bounds):
             first, last, *step = (int(bound) for bound in bounds)
             # an empty or endless range is no range: it is refused as the text it is
-            if first <= last and all(s > 0 for s in step):
-                yield from range(first, last + 1, *step)
+            if first <= last and all(s > 0 for s in step) and last - first < sys.maxsize:
+                yield range(first, last + 1, *step)
                 continue
-        yield part
+        yield (part,)
 
 
 def _is_whole(text: str) -> bool:

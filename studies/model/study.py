@@ -3,13 +3,14 @@
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import product
+from math import prod
 from typing import Any
 
 import xarray as xr
 
 from contactstudy import InvalidInput
 from contactstudy.domain.checks import suggestion
-from studies.model.axis import Axis, Value, one_of
+from studies.model.axis import MOST_POINTS, Axis, Value, check_count, one_of
 from studies.model.case import Computation
 
 Point = Mapping[str, Value]
@@ -36,9 +37,26 @@ class Study:
 
     def __post_init__(self) -> None:
         one_of("times", self.times, ("taken", "none"))
+        names = [axis.name for axis in self.points]
+        if len(set(names)) < len(names):
+            twice = next(name for name in names if names.count(name) > 1)
+            raise InvalidInput(
+                f"Study {self.name!r} has two axes {twice!r}: give each a name of its own."
+            )
 
-    def override(self, axes: Mapping[str, str | Iterable[Value]]) -> "Study":
-        """This study over other values of some of its axes."""
+    @property
+    def size(self) -> int:
+        """The number of its points."""
+        return prod(len(axis.values) for axis in self.points)
+
+    def check_size(self, most: int | None) -> None:
+        """Raises :class:`~contactstudy.InvalidInput` for more points than ``most``, or than memory holds."""
+        check_count(f"Study {self.name!r}", self.size, "points", most)
+
+    def override(
+        self, axes: Mapping[str, str | Iterable[Value]], *, most: int | None = MOST_POINTS
+    ) -> "Study":
+        """This study over other values of some of its axes, at ``most`` so many of each."""
         known = {axis.name: axis for axis in self.points}
         for name in axes:
             if name not in known:
@@ -46,7 +64,8 @@ class Study:
                     f"Parameter {name!r} is not one of study {self.name!r}: {suggestion(name, sorted(known))}."
                 )
         changed = tuple(
-            axis.override(axes[axis.name]) if axis.name in axes else axis for axis in self.points
+            axis.override(axes[axis.name], most=most) if axis.name in axes else axis
+            for axis in self.points
         )
         return replace(self, points=changed)
 

@@ -51,9 +51,12 @@ PARTS = {
 
 
 def timing_variables(
-    names: tuple[str, ...], shape: tuple[int, ...], samples: Sequence[Sequence[Sample]]
+    names: tuple[str, ...], index: np.ndarray, samples: Sequence[Sequence[Sample]]
 ) -> Mapping[str, xr.Variable]:
-    """Least, median and CPU time of each case, every sample along ``repeat``, and whether it can be trusted."""
+    """Least, median and CPU time of each case, every sample along ``repeat``, and whether it can be trusted.
+
+    ``samples`` of distinct cases; ``index`` says which of them is at each point.
+    """
     data = {}
     repeats = max((len(one) for one in samples), default=0)
 
@@ -63,8 +66,7 @@ def timing_variables(
         return np.array(filled, dtype=float).reshape(len(samples), repeats)
 
     def variable(values: np.ndarray, what: str, *more: str) -> xr.Variable:
-        stacked = values.reshape(shape + values.shape[1:])
-        return xr.Variable(names + more, stacked, {"units": "s", "long_name": what})
+        return xr.Variable(names + more, values[index], {"units": "s", "long_name": what})
 
     for part, what in PARTS.items():
         wall, cpu = seconds(part), seconds(f"{part}_cpu")
@@ -87,5 +89,5 @@ def timing_variables(
         int(is_contended(one, pace)) if one else CONTENDED.index("not_timed") for one in samples
     ]
     what = "whether something else may have slowed the timing down by a tenth"
-    data["contended"] = flags(names, np.reshape(marks, shape), CONTENDED, what)
+    data["contended"] = flags(names, np.array(marks, dtype=np.int8)[index], CONTENDED, what)
     return data

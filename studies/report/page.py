@@ -15,7 +15,8 @@ from studies.model.finding import Finding, Table
 from studies.model.study import Study
 from studies.registry import BUILT_IN, load, load_drawing
 from studies.report import estimate_validation
-from studies.store.netcdf import read, replacing
+from studies.store.files.partial_file import replacing
+from studies.store.netcdf import read
 
 
 def draw(study: Study, drawing: Drawing, out: Path) -> Sequence[CaptionedFigure]:

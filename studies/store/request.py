@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from contactstudy import InvalidInput
 from studies.model.case import Computation
 from studies.model.outcome import RESERVED_NAMES
-from studies.model.study import Study
+from studies.model.plain_text import one_line
+from studies.model.study import Point, Study
 from studies.store.code_fingerprint import measures_fingerprint, versions
 from studies.store.identity import Memory, Tree, canonical, key
 from studies.store.journal import CaseIdentity, Contents
@@ -30,20 +31,36 @@ class Request:
             )
         found: dict[Computation, tuple[str, Tree]] = {}
         memory: Memory = {}
-        keys, cases, names = [], {}, {}
+        keys, cases, identities = [], {}, {}
         for point, case in study.visits():
-            known = found.get(case)
+            try:
+                known = found.get(case)
+            except TypeError:
+                raise InvalidInput(_no_case(study, point, case)) from None
             if known is None:
+                if not all(hasattr(case, part) for part in ("prepare", "run", "record")):
+                    raise InvalidInput(_no_case(study, point, case))
                 tree = canonical(case, memory)
                 known = found[case] = key(tree), tree
             name, tree = known
             keys.append(name)
             if name not in cases:
-                at = {axis: str(canonical(value)) for axis, value in point.items()}
-                cases[name], names[name] = case, CaseIdentity(name, tree, at)
+                cases[name], identities[name] = case, CaseIdentity(name, tree, point_text(point))
         kinds = frozenset(type(case) for case in cases.values())
         context = dict(versions()) | {"measures": measures_fingerprint(study.measures, kinds)}
-        return cls(keys, cases, names, context)
+        return cls(keys, cases, identities, context)
+
+
+def point_text(point: Point) -> Mapping[str, str]:
+    """The values of ``point`` as the journal has them."""
+    return {axis: str(canonical(value)) for axis, value in point.items()}
+
+
+def _no_case(study: Study, point: Point, case: object) -> str:
+    return (
+        f"scene_at of study {study.name!r} gives {one_line(repr(case), 60)} at {dict(point)}: return a "
+        "studies.model.case.Case, or a frozen dataclass with prepare, run and record."
+    )
 
 
 def recompute_reasons(

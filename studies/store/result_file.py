@@ -1,4 +1,4 @@
-"""The netCDF file of a study: written anew, from the outcomes and the journal, as often as is wanted."""
+"""The netCDF file of a study: written anew, from the journal, as often as is wanted."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -8,28 +8,36 @@ from time import monotonic
 
 import xarray as xr
 
-from studies.model.outcome import Outcome
+from studies.model.outcome import CaseStatus, Outcome
+from studies.model.plain_text import one_line
 from studies.model.study import Study
 from studies.store import fields as stored_fields
 from studies.store.identity import key
 from studies.store.journal import Journal
-from studies.store.netcdf import assemble, read, write
+from studies.store.netcdf import read, write
 from studies.store.request import Request
+from studies.store.table.assembly import assemble
+from studies.store.table.stored_table import Table
+
+OFTEN = 60.0  # seconds between two writes while cases are computed
+SHARE = 20  # a write takes at most one part in so many of the time
 
 
 @dataclass(eq=False)
 class ResultFile:
     """``<folder>/<study>.nc``, and ``fields_folder``, the folder of fields that go into it at the end.
 
-    ``provenance`` is the provenance of the run that writes, ``written`` the clock's time of the last write [s].
+    ``provenance`` is the provenance of the run that writes; ``skipped`` the cases that a stopped run leaves out.
     """
 
     study: Study
     request: Request
     folder: Path
     journal: Journal
+    table: Table
     provenance: Mapping[str, str] = field(default_factory=dict)
-    written: float = 0.0
+    skipped: set[str] = field(default_factory=set)
+    next_write: float = 0.0
 
     @property
     def path(self) -> Path:
@@ -41,34 +49,53 @@ class ResultFile:
         """The folder."""
         return self.folder / f"{self.study.name}.fields"
 
-    def write(self, outcomes: Mapping[str, Outcome], *, fields: str = "none") -> None:
+    def write(self, *, fields: str = "none") -> None:
         """All there is, with a group for every case that has fields if these are "kept"."""
+        start = monotonic()
         contents = self.journal.contents
         now = datetime.now(UTC).isoformat(timespec="seconds")
         attributes = self._attributes() | dict(contents.score) | {"date_modified": now}
-        points, keys = self.study.points, self.request.keys
-        dataset = assemble(points, keys, outcomes, contents.samples, attributes)
+        dataset = assemble(
+            self.table.axes, self.table.keys, self._outcome, contents.samples, attributes
+        )
         write(dataset, self.path, self._groups() if fields == "kept" else ())
-        self.written = monotonic()
+        end = monotonic()
+        self.next_write = end + max(OFTEN, SHARE * (end - start))
 
     def read(self) -> xr.Dataset:
         """What was written."""
         return read(self.path)
 
+    def _outcome(self, name: str) -> Outcome | None:
+        identity = self.request.identities.get(name)
+        record = self.journal.contents.records.get(name)
+        if record is not None and (identity is None or record.is_of(identity)):
+            return record.outcome
+        return Outcome(CaseStatus.SKIPPED) if name in self.skipped else None
+
     def _attributes(self) -> dict[str, object]:
         first = next(iter(self.request.cases.values()))
         history = self.journal.contents.history
-        return {"title": self.study.title, "first_case": repr(first)} | dict(self.provenance) | {
+        return {"title": one_line(self.study.title), "first_case": _shown(first)} | dict(self.provenance) | {
             "history": "\n".join(history),
             "date_created": history[0].split()[0],
             "case_versions": ", ".join(f"{k} {v}" for k, v in self.request.context.items()),
-            "parameter_hash": key(list(self.request.keys)),
+            "parameter_hash": key(list(self.table.keys)),
             "timing": "wall time, least of the repeats, one case at a time, one thread",
             "timing_threads": 1,
         }  # fmt: skip
 
     def _groups(self) -> Iterator[tuple[str, xr.Dataset]]:
         """Of every case with fields, read when it is written."""
-        for name in self.request.cases:
-            if stored_fields.exist(self.fields_folder, name):
-                yield f"fields/case_{name}", stored_fields.load(self.fields_folder, name)
+        for name in dict.fromkeys(self.table.keys):
+            if name and stored_fields.exist(self.fields_folder, name):
+                held = stored_fields.load(self.fields_folder, name)
+                if held is not None:
+                    yield f"fields/case_{name}", held
+
+
+def _shown(case: object) -> str:
+    try:
+        return one_line(repr(case))
+    except Exception:  # noqa: BLE001 (a study's own class may do anything)
+        return one_line(type(case).__name__)

@@ -37,7 +37,7 @@ assert CliRunner().invoke(cli, ["studies"]).exit_code == 0
 def test_a_worker_process_imports_no_plotting_library() -> None:
     code = """
 import cloudpickle, pickle
-import studies.engine.worker
+import studies.engine.workers.worker
 from studies.model.outcome import Work
 from studies.registry import BUILT_IN, load
 for name in BUILT_IN:

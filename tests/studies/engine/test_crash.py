@@ -22,7 +22,7 @@ from studies.model.axis import Axis
 from studies.model.outcome import CaseStatus
 from studies.model.study import Point
 from studies.store import request as request
-from studies.store.lock import locked
+from studies.store.files.lock import locked
 from tests.studies.conftest import quiet
 from tests.studies.engine import trouble
 from tests.studies.engine.trouble import Trouble
@@ -104,8 +104,8 @@ def test_a_torn_last_line_is_cut_off(tmp_path: Path) -> None:
     run(study, tmp_path, options=ALONE, log=quiet)
     journal = tmp_path / "trouble.journal.jsonl"
     whole = journal.read_bytes()
-    last = whole.rindex(b'{"case"')
-    journal.write_bytes(whole[: last + 40])
+    cases = [line for line in whole.splitlines(keepends=True) if b'"case":' in line[:40]]
+    journal.write_bytes(whole[: whole.index(cases[-1]) + 40])
     log.unlink()
     dataset = run(study, tmp_path, options=replace(ALONE, repeats=0), log=quiet)
     assert lines(log) == ["2.0"]

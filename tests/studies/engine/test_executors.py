@@ -17,6 +17,7 @@ from studies.engine.cluster import Cluster
 from studies.engine.executors import ProcessPool
 from studies.engine.options import RunOptions
 from studies.engine.run import run
+from studies.engine.stop import Stop
 from studies.model.outcome import CaseStatus, Outcome, Work
 from tests.studies.conftest import quiet
 from tests.studies.engine import trouble
@@ -42,7 +43,7 @@ def examine(dataset: xr.Dataset) -> None:
     np.testing.assert_array_equal(good["square"], good["number"] ** 2)
     assert not good["error"].values.any()
     said = {n: dataset.sel(number=n) for n in TROUBLES}
-    assert str(said[RAISES]["error"].item()) == "ArithmeticError in run: this one"
+    assert str(said[RAISES]["error"].item()) == f"ArithmeticError in run (trouble.py, line {trouble.RAISING_LINE}): this one"
     assert (said[RAISES]["error_type"].item(), said[RAISES]["error_stage"].item()) == (
         "ArithmeticError", "solve",
     )  # fmt: skip
@@ -61,16 +62,16 @@ def test_a_crew_goes_from_study_to_study_and_outlives_their_troubles(tmp_path: P
     """Its processes stay, take the measures of each study, and end with it."""
     found: dict[int, Outcome] = {}
     with ProcessPool(1) as pool:
-        pool.run([Trouble(2.0)], Work(trouble.measures), found.__setitem__)
+        pool.run([Trouble(2.0)], Work(trouble.measures), found.__setitem__, Stop())
         assert float(found[0].variables["square"]) == 4
         processes = []
         for _ in range(2):
-            pool.run([Trouble(1.0)], Work(process), found.__setitem__)
+            pool.run([Trouble(1.0)], Work(process), found.__setitem__, Stop())
             processes.append(int(found[0].variables["process"]))
         assert processes[0] == processes[1] != os.getpid()
         settings = RunOptions(time_limit=LIMIT, repeats=1)
         examine(run(trouble.study(), tmp_path, options=settings, log=quiet, executor=pool))
-        pool.run([Trouble(1.0)], Work(process), found.__setitem__)
+        pool.run([Trouble(1.0)], Work(process), found.__setitem__, Stop())
         processes.append(int(found[0].variables["process"]))
     for one in processes:
         with pytest.raises(ProcessLookupError):
@@ -85,8 +86,8 @@ def test_a_crew_that_was_stopped_starts_anew() -> None:
 
     with ProcessPool(2) as pool:
         with pytest.raises(KeyboardInterrupt):
-            pool.run([Trouble(1.0), Trouble(HANGS)], Work(trouble.measures), stop)
-        pool.run([Trouble(2.0)], Work(trouble.measures), found.__setitem__)
+            pool.run([Trouble(1.0), Trouble(HANGS)], Work(trouble.measures), stop, Stop())
+        pool.run([Trouble(2.0)], Work(trouble.measures), found.__setitem__, Stop())
     assert float(found[0].variables["square"]) == 4
 
 
@@ -99,6 +100,7 @@ import sys
 from pathlib import Path
 from studies.engine.options import RunOptions
 from studies.engine.run import run
+from studies.engine.stop import Stop
 from tests.studies.engine import trouble
 run(trouble.study(), Path(sys.argv[1]), options=RunOptions(workers=0, time_limit=1.5, repeats=1))
 """
@@ -190,7 +192,7 @@ def test_a_scheduler_that_is_not_there_is_said() -> None:
     pytest.importorskip("distributed")
     nowhere = Cluster("tcp://127.0.0.1:1", patience=0.2)
     with pytest.raises(InvalidInput, match=r"^Scheduler 'tcp://127.0.0.1:1' cannot be reached"):
-        nowhere.run([], Work(trouble.measures), lambda number, outcome: None)
+        nowhere.run([], Work(trouble.measures), lambda number, outcome: None, Stop())
 
 
 def test_the_first_failure_stops_a_run_that_is_to_stop(tmp_path: Path) -> None:

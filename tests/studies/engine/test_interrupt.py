@@ -4,7 +4,7 @@ import threading
 
 import pytest
 
-from studies.store.interrupt import interrupts_deferred
+from studies.store.files.interrupt import interrupts_deferred
 
 
 def test_an_interrupt_comes_after_what_must_not_be_left_half_way() -> None:

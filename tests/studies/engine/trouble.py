@@ -14,6 +14,7 @@ from studies.model.axis import Axis
 from studies.model.study import Point, Study
 
 RAISES, NAN, HANGS, DIES = 3, 7, 11, 15
+SAYS = "this one"
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,7 @@ class Trouble:
         if self.seconds:
             time.sleep(self.seconds)
         if prepared == RAISES:
-            raise ArithmeticError("this one")
+            raise ArithmeticError(SAYS)
         if prepared == HANGS:
             time.sleep(1000)
         if prepared == DIES:
@@ -61,3 +62,6 @@ def study(numbers: object = range(20), log: str = "", seconds: float = 0.0) -> S
 
     axis = Axis("number", tuple(float(n) for n in numbers), "what is squared")  # type: ignore[attr-defined]
     return Study("trouble", "Twenty cases.", (axis,), scene_at, measures)
+
+
+RAISING_LINE = 1 + Path(__file__).read_text().split("\n").index("            raise ArithmeticError(SAYS)")

@@ -8,7 +8,7 @@ import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from studies.store.encoding import VariableTypes
+from studies.store.lines.encoding import VariableTypes
 
 
 def there_and_back(variables: dict[str, xr.Variable]) -> dict[str, xr.Variable]:

@@ -1,0 +1,40 @@
+"""How much memory there is, so that what cannot fit is refused before it is made."""
+
+import resource
+from contextlib import suppress
+from pathlib import Path
+
+from contactstudy.domain.checks import InvalidInput
+
+CGROUP = Path("/sys/fs/cgroup")
+
+
+def available_bytes() -> float:
+    """Memory that this process may still take [bytes]; infinite where the system does not say."""
+    found = [float("inf")]
+    with suppress(OSError, ValueError, IndexError):
+        for line in Path("/proc/meminfo").read_text().splitlines():
+            name, _, amount = line.partition(":")
+            if name in ("MemAvailable", "SwapFree"):
+                found[0] = (0.0 if found[0] == float("inf") else found[0]) + 1024 * float(
+                    amount.split()[0]
+                )
+    with suppress(OSError, ValueError):
+        limit = float((CGROUP / "memory.max").read_text())
+        found.append(limit - float((CGROUP / "memory.current").read_text()))
+    soft, _ = resource.getrlimit(resource.RLIMIT_AS)
+    if soft != resource.RLIM_INFINITY:
+        with suppress(OSError, ValueError, IndexError):
+            pages = int(Path("/proc/self/statm").read_text().split()[0])
+            found.append(float(soft - pages * resource.getpagesize()))
+    return max(min(found), 0.0)
+
+
+def check_memory(what: str, needed: float) -> None:
+    """Raises :class:`~contactstudy.InvalidInput` where ``what`` needs more bytes than there are."""
+    there = available_bytes()
+    if needed > there:
+        raise InvalidInput(
+            f"{what} needs some {needed / 1e9:.3g} GB of memory, and there are {there / 1e9:.3g} GB: take "
+            "fewer cells."
+        )

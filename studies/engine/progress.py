@@ -1,0 +1,54 @@
+"""How far a job is: a bar in a terminal, a line now and then elsewhere."""
+
+import sys
+from collections.abc import Callable
+from contextlib import suppress
+from time import monotonic
+from typing import Self
+
+from tqdm import tqdm
+
+SELDOM = 30.0  # seconds between two lines
+
+
+class Progress:
+    """Of ``total`` things of a ``unit``, in a ``with`` statement: how many, how fast, how long still."""
+
+    def __init__(
+        self, name: str, what: str, total: int, unit: str, log: Callable[[str], object]
+    ) -> None:
+        self._what, self._total, self._unit, self._log = what, total, unit, log
+        self._done = 0
+        self._start = self._said = monotonic()
+        self._bar: tqdm[None] | None = None
+        if total and _is_terminal():
+            self._bar = tqdm(total=total, desc=f"{name}: {what}", unit=f" {unit}", dynamic_ncols=True)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *raised: object) -> None:
+        if self._bar is not None:
+            self._bar.close()
+
+    def add(self, count: int = 1) -> None:
+        """So many more are done."""
+        self._done += count
+        if self._bar is not None:
+            self._bar.update(count)
+            return
+        now = monotonic()
+        if now > self._said + SELDOM and self._done:
+            self._said = now
+            rate = self._done / (now - self._start)
+            left = (self._total - self._done) / rate
+            self._log(
+                f"{self._what}, {self._done} of {self._total} {self._unit}s, {rate:.3g} a second, "
+                f"{left:.0f} s left"
+            )
+
+
+def _is_terminal() -> bool:
+    with suppress(AttributeError, ValueError):  # there may be no standard error, or a closed one
+        return sys.stderr.isatty()
+    return False

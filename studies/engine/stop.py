@@ -1,0 +1,82 @@
+"""Ctrl-C, and the signals that end a process, end a run where nothing is half done."""
+
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+from typing import Any, Self
+
+from studies.engine.workers.compute import StopRun
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+PATIENCE = 3  # times that somebody asks before the process ends wherever it is
+
+
+class Stop:
+    """In a ``with`` statement, in the main thread, the signals are only taken note of.
+
+    :meth:`check` raises :class:`StopRun` for them, and :meth:`interruptible` lets them raise it at once.
+    """
+
+    def __init__(self) -> None:
+        self.signal: int | None = None
+        self._came = 0
+        self._raises = False
+        self._wake: Callable[[], object] = lambda: None
+        self._before: dict[int, Any] = {}
+
+    def __enter__(self) -> Self:
+        if threading.current_thread() is threading.main_thread():
+            for number in SIGNALS:
+                before = signal.getsignal(number)
+                # what is ignored (nohup) stays so, and a handler of the caller's stays his
+                if before in (signal.SIG_DFL, signal.default_int_handler):
+                    self._before[number] = signal.signal(number, self._note)
+        return self
+
+    def __exit__(self, *raised: object) -> None:
+        for number, before in self._before.items():
+            signal.signal(number, before)
+        self._before.clear()
+
+    def check(self) -> None:
+        """Raises :class:`StopRun` if one of the signals came."""
+        if self.signal is not None:
+            raise StopRun(self.signal)
+
+    @contextmanager
+    def interruptible(self) -> Iterator[None]:
+        """A block that a signal may leave at any place."""
+        self.check()
+        self._raises = True
+        try:
+            yield
+        finally:
+            self._raises = False
+
+    @contextmanager
+    def waking(self, wake: Callable[[], object]) -> Iterator[None]:
+        """A block during which a signal calls ``wake``, which must not mind where it is called."""
+        self._wake = wake
+        try:
+            yield
+        finally:
+            self._wake = lambda: None
+
+    def _note(self, number: int, _: FrameType | None) -> None:
+        self.signal, self._came = number, self._came + 1
+        if self._came >= PATIENCE:
+            signal.signal(number, signal.SIG_DFL)
+            os.kill(os.getpid(), number)
+        self._wake()
+        if self._raises:
+            self._raises = False
+            raise StopRun(number)
+
+
+def end_like(stopped: StopRun) -> BaseException:
+    """What a program that was stopped so raises: KeyboardInterrupt, or the exit that the signal stands for."""
+    number = int(stopped.args[0]) if stopped.args else signal.SIGINT
+    return KeyboardInterrupt() if number == signal.SIGINT else SystemExit(128 + number)

@@ -1,0 +1,136 @@
+"""Messages between a supervisor and its worker: each names its case and its process, and is sealed.
+
+The seal is a keyed hash of the whole message; its key is drawn anew for every case. What a process that
+a case has forked may write, or what is left of a message, cannot be taken for the answer of a case.
+"""
+
+import hashlib
+import secrets
+import select
+import socket
+import struct
+from collections.abc import Callable
+from dataclasses import dataclass
+from time import monotonic
+
+KEY = 16  # bytes
+# mark, case, process, length of the body, seal
+HEADER = struct.Struct("!4sqqQ16s")
+MARK = b"cst2"
+LOOK = 0.25  # seconds between two looks at whether the other process is alive
+LONGEST_WAIT = 1e6  # seconds, which the system's own count of milliseconds can hold
+LARGEST = 2**40  # bytes of a body; more is no message
+PIECE = 2**20
+
+
+class ClosedError(Exception):
+    """The other end is gone."""
+
+
+class LateError(Exception):
+    """No whole message in time."""
+
+
+class ForgedError(Exception):
+    """Bytes that are not the message of the case and the process that are waited for."""
+
+
+@dataclass(frozen=True)
+class Address:
+    """What a message must say: the ``case``, the ``process`` that sends it, and the case's ``key``."""
+
+    case: int
+    process: int
+    key: bytes
+
+
+def new_key() -> bytes:
+    """A key that no message had before."""
+    return secrets.token_bytes(KEY)
+
+
+class Channel:
+    """One end of a socket pair."""
+
+    def __init__(self, end: socket.socket) -> None:
+        self._end = end
+        self._poll = select.poll()
+        self._poll.register(end, select.POLLIN)
+
+    def close(self) -> None:
+        """Close this end, in this process."""
+        self._end.close()
+
+    def __del__(self) -> None:
+        """Close what another thread may have been reading to the end."""
+        self._end.close()
+
+    def send(self, address: Address, body: bytes) -> None:
+        """Raises :class:`ClosedError` where nobody reads."""
+        try:
+            self._end.sendall(_header(address, body) + body)
+        except OSError:
+            raise ClosedError from None
+
+    def receive(
+        self,
+        address: Address,
+        *,
+        until: float | None = None,
+        is_alive: Callable[[], bool] = lambda: True,
+    ) -> bytes:
+        """The body of the next message, which must be from ``address``.
+
+        Raises :class:`LateError` at the time ``until`` (of ``monotonic``), :class:`ClosedError` when the
+        other end is closed or its process is not alive, :class:`ForgedError` for anything else.
+        """
+        head = self._read(HEADER.size, until, is_alive)
+        mark, case, process, length, _ = HEADER.unpack(head)
+        if (mark, case, process) != (MARK, address.case, address.process) or length > LARGEST:
+            raise ForgedError
+        body = self._read(length, until, is_alive)
+        if head != _header(address, body):
+            raise ForgedError
+        return body
+
+    def wait(self, seconds: float) -> bool:
+        """Whether something can be read within so many seconds."""
+        try:
+            return bool(self._poll.poll(1000 * min(seconds, LONGEST_WAIT)))
+        except OSError:  # closed in this process: reading says so
+            return True
+
+    def _read(self, size: int, until: float | None, is_alive: Callable[[], bool]) -> bytes:
+        parts, lacking = [], size
+        while lacking:
+            if not self.wait(0):
+                left = LOOK if until is None else min(LOOK, until - monotonic())
+                # what a process wrote before it died is there at once
+                was_alive = is_alive()
+                if not self.wait(max(left, 0.0)):
+                    if not was_alive:
+                        raise ClosedError
+                    if until is not None and monotonic() >= until:
+                        raise LateError
+                    continue
+            try:
+                part = self._end.recv(min(lacking, PIECE))
+            except OSError:
+                part = b""
+            if not part:
+                raise ClosedError
+            parts.append(part)
+            lacking -= len(part)
+        return b"".join(parts)
+
+
+def _header(address: Address, body: bytes) -> bytes:
+    named = struct.pack("!qq", address.case, address.process)
+    seal = hashlib.blake2b(body, key=address.key, person=named, digest_size=16).digest()
+    return HEADER.pack(MARK, address.case, address.process, len(body), seal)
+
+
+def channel_pair() -> tuple[Channel, socket.socket]:
+    """One end for this process, and the bare other for a worker."""
+    ours, theirs = socket.socketpair()
+    return Channel(ours), theirs

@@ -1,0 +1,181 @@
+"""Checks of measured values, at the time they are measured: netCDF and xarray give back what goes in."""
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from contactstudy import InvalidInput
+from studies.model.plain_text import is_storable, name_problem, one_line
+
+# Attributes by which netCDF, CF or xarray change values, hide them or move them elsewhere.
+RESERVED = frozenset(
+    {"scale_factor", "add_offset", "missing_value", "valid_min", "valid_max", "valid_range"}
+    | {"calendar", "coordinates", "dtype", "bounds", "grid_mapping", "cell_measures"}
+    | {"ancillary_variables", "formula_terms", "climatology", "compress", "sample_dimension"}
+    | {"instance_dimension", "node_coordinates", "node_count", "part_node_count", "geometry"}
+    | {"CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST", "DIMENSION_LABELS"}
+)
+# Units that xarray reads as a time difference; "since" makes a date.
+TIME_UNITS = frozenset(
+    {"days", "hours", "minutes", "seconds", "milliseconds", "microseconds", "nanoseconds"}
+)
+LARGEST_WHOLE = 2**53  # beyond it a whole number is changed where another case has no value
+
+
+class NotANumberError(ArithmeticError):
+    """A measure that is nan."""
+
+
+def measured_variables(
+    measured: object, taken: Iterable[str], source: str = "measures"
+) -> dict[str, xr.Variable]:
+    """What ``source`` returned as variables that netCDF holds as they are.
+
+    ``taken``: names that a variable or a dimension may not have. Raises
+    :class:`~contactstudy.InvalidInput` for what netCDF cannot hold, and :class:`NotANumberError` for nan.
+    """
+    if not isinstance(measured, Mapping):
+        raise InvalidInput(
+            f"{source} returns {_short(measured)}: return named values, such as {{'peak': 1.0}}."
+        )
+    taken = frozenset(taken)
+    found = {name: _variable(name, value, source, taken) for name, value in measured.items()}
+    sizes: dict[str, int] = {}
+    for name, variable in found.items():
+        for dim, size in variable.sizes.items():
+            if sizes.setdefault(str(dim), size) != size:
+                raise InvalidInput(
+                    f"{source} gives {name!r} with {size} values along {dim!r} and another variable with "
+                    f"{sizes[str(dim)]}: give dimensions of different sizes different names."
+                )
+    for name, variable in found.items():
+        if name in sizes and variable.dims != (name,):
+            raise InvalidInput(
+                f"{source} gives {name!r} as a variable and as a dimension: only a coordinate, with that "
+                "one dimension, has the name of a dimension."
+            )
+    return found
+
+
+def _variable(name: object, value: object, source: str, taken: frozenset[str]) -> xr.Variable:
+    if problem := name_problem(name):
+        raise InvalidInput(f"{source} gives a variable {_short(name)}: {problem}.")
+    assert isinstance(name, str)
+    if name in taken:
+        raise InvalidInput(f"{source} gives {name!r}: this name is taken, choose another.")
+
+    def refuse(found: object, remedy: str) -> InvalidInput:
+        return InvalidInput(f"{source} gives {name!r} as {_short(found)}: {remedy}.")
+
+    if isinstance(value, xr.DataArray):
+        value = value.variable
+    if not isinstance(value, xr.Variable):
+        if isinstance(value, str | bytes) or np.isscalar(value):
+            _check_scalar(value, refuse)
+        elif np.ndim(value) != 0 or isinstance(value, Mapping | set | frozenset):  # type: ignore[arg-type]
+            raise refuse(value, "give xarray.Variable(dims, values) for more than one number")
+        value = xr.Variable((), value, {"long_name": one_line(name.replace("_", " "))})
+    for dim in value.dims:
+        if problem := name_problem(dim):
+            raise InvalidInput(f"{source} gives {name!r} along {_short(dim)}: {problem}.")
+        if dim in taken:
+            raise InvalidInput(
+                f"{source} gives {name!r} along {dim!r}: this name is taken, choose another."
+            )
+    if len(set(value.dims)) < len(value.dims):
+        raise refuse(value.dims, "each dimension has a name of its own")
+    values = _values(name, np.asarray(value.values), refuse)
+    attributes = {key: _attribute(name, key, one, source) for key, one in value.attrs.items()}
+    return xr.Variable(value.dims, values, attributes)
+
+
+Refuse = Callable[[object, str], InvalidInput]
+
+
+def _check_scalar(value: Any, refuse: Refuse) -> None:
+    if isinstance(value, str) and not is_storable(value):
+        raise refuse(value, "give text without control characters and lone surrogates")
+    if isinstance(value, int) and abs(value) > LARGEST_WHOLE:
+        raise refuse(value, "give a whole number up to 2^53, or text")
+
+
+def _values(name: str, values: np.ndarray, refuse: Refuse) -> np.ndarray:
+    kind = values.dtype.kind
+    if kind == "O":
+        odd = [one for one in values.flat if not isinstance(one, str)]
+        if odd:
+            raise refuse(odd[0], "give numbers or text")
+        for one in values.flat:
+            _check_scalar(one, refuse)
+        values = np.asarray(values.tolist(), dtype=str) if values.size else values.astype(str)
+        kind = "U"
+    if kind == "U":
+        for one in values.flat:
+            _check_scalar(str(one), refuse)
+        # numpy drops the NUL at the end of a text, but keeps the length of a lone one
+        if values.ndim == 0 and values.dtype.itemsize != 4 * max(len(str(values)), 1):
+            raise refuse(str(values), "give text without NUL")
+        return values
+    if kind == "c":
+        raise refuse(values.flat[0], "give its real and imaginary parts as two variables")
+    if kind in "mM":
+        raise refuse(values.flat[0], "give a number, with its unit in attrs['units']")
+    if kind not in "biuf" or values.dtype.itemsize > 8:
+        raise refuse(values.dtype, "give numbers of at most 64 bits, or text")
+    if kind == "f" and np.isnan(values).any():
+        raise NotANumberError(f"{name} is nan")
+    if kind in "iu" and values.size and max(-int(values.min()), int(values.max())) > LARGEST_WHOLE:
+        raise refuse(values.max(), "give whole numbers up to 2^53, or text")
+    if values.dtype == np.float16:
+        return values.astype(np.float32)
+    return values.astype(values.dtype.newbyteorder("="), copy=False)
+
+
+def _attribute(variable: str, name: object, value: object, source: str) -> Any:
+    where = f"{source} gives {variable!r} the attribute {_short(name)}"
+    if problem := name_problem(name):
+        raise InvalidInput(f"{where}: {problem}.")
+    if str(name).startswith("_") or name in RESERVED:
+        raise InvalidInput(
+            f"{where}: programs that read netCDF change, hide or move values by it; choose another name."
+        )
+    if name in ("units", "long_name", "standard_name") and not isinstance(value, str):
+        raise InvalidInput(f"{where} as {_short(value)}: give text.")
+    if name == "units" and (value in TIME_UNITS or " since " in f" {value} ".lower()):
+        raise InvalidInput(
+            f"{where} as {_short(value)}: xarray would read a date or a time difference; give a number of "
+            "'s', 'min', 'h' or 'd'."
+        )
+    if isinstance(value, str):
+        if not is_storable(value):
+            raise InvalidInput(f"{where} as {_short(value)}: give text without control characters.")
+        return value
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        if isinstance(value, int) and not -(2**63) <= value < 2**63:
+            raise InvalidInput(f"{where} as {_short(value)}: give a number of at most 64 bits.")
+        return value
+    if isinstance(value, np.ndarray | np.generic | list | tuple):
+        try:
+            array = np.asarray(value)
+        except ValueError:
+            array = np.asarray(None)
+        is_number = array.dtype.kind in "iuf" and array.dtype.itemsize <= 8
+        is_text = array.dtype.kind == "U" and all(is_storable(str(one)) for one in array.flat)
+        if array.size and array.ndim <= 1 and is_number and array.dtype != np.float16:
+            return array.astype(array.dtype.newbyteorder("="))[()]
+        texts = isinstance(value, np.ndarray | np.generic) or all(
+            isinstance(one, str) for one in value
+        )
+        if array.size and array.ndim == 1 and is_text and texts:
+            return [str(one) for one in array]
+    raise InvalidInput(f"{where} as {_short(value)}: give a number, text or a row of numbers.")
+
+
+def _short(value: object) -> str:
+    try:
+        shown = repr(value)
+    except Exception:  # noqa: BLE001 (any object may come here)
+        shown = f"an object of {type(value).__name__}"
+    return one_line(shown, 60)

@@ -1,0 +1,45 @@
+"""Text that a terminal, JSON and netCDF can hold: one line, without control characters."""
+
+import re
+import unicodedata
+from functools import lru_cache
+
+LONGEST = 2000  # characters of an error, a title or the like
+# but for tab and line feed; and what stands for a byte that is no text
+_CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff]")
+
+
+def one_line(text: object, longest: int = LONGEST) -> str:
+    """``text`` as one line of at most ``longest`` characters; what cannot be stored or shown is escaped."""
+    try:
+        raw = str(text)
+    except Exception as error:  # noqa: BLE001 (an error whose own __str__ raises)
+        return f"(no text: its __str__ raises {type(error).__name__})"
+    raw, is_cut = raw[:longest], len(raw) > longest
+    shown = _CONTROL.sub(lambda found: ascii(found[0])[1:-1], re.sub(r"\s*[\n\r\t]\s*", " ", raw))
+    return shown + (" ..." if is_cut else "")
+
+
+def is_storable(text: str) -> bool:
+    """Whether ``text`` comes back from netCDF as it went in, and does nothing to a terminal."""
+    return _CONTROL.search(text) is None
+
+
+@lru_cache(4096)
+def name_problem(name: object) -> str:
+    """Why netCDF cannot hold a variable, dimension or attribute called ``name``; empty if it can."""
+    if not isinstance(name, str):
+        return "a name is text"
+    if not name:
+        return "a name has one letter or more"
+    if "/" in name:
+        return "netCDF takes '/' for a group"
+    if not (name[0].isalnum() or name[0] == "_" or ord(name[0]) > 127) or name != name.strip():
+        return "a name starts with a letter, a digit or an underscore and ends without a space"
+    if not all(char.isprintable() for char in name):
+        return "a name has printable characters only"
+    if unicodedata.normalize("NFC", name) != name:
+        return "netCDF would change its accents: write it in the composed form (NFC)"
+    if len(name.encode()) > 250:
+        return "a name has at most 250 bytes"
+    return ""

@@ -1,0 +1,1 @@
+"""What the lines of a journal are made of."""

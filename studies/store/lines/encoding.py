@@ -1,0 +1,102 @@
+"""Variables as JSON and back, to the last bit."""
+
+import base64
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from studies.store.lines.journal_line import short_hash
+
+Json = Any
+
+
+class VariableTypes:
+    """Dimensions, type and attributes of variables, each written once and then called by a name.
+
+    The name is a hash of the content. A scalar real or whole number stands as JSON, whose shortest
+    decimals read back as they were; anything else as the base64 of its bytes.
+    """
+
+    def __init__(self) -> None:
+        self._known: dict[str, Json] = {}
+        self._names: dict[object, str] = {}
+
+    def encode(
+        self, variables: Mapping[str, xr.Variable]
+    ) -> tuple[Mapping[str, Json], Mapping[str, Json]]:
+        """The kinds that are new by their names, and the variables in terms of kinds."""
+        new: dict[str, Json] = {}
+        found = {}
+        for name, variable in variables.items():
+            values = np.asarray(variable.values)
+            kind = self._name(variable.dims, values, variable.attrs, new)
+            is_plain = values.ndim == 0 and values.dtype.str in ("<f8", "<i8")
+            found[name] = [kind, values.item() if is_plain else _to_text(values)]
+        return new, found
+
+    def add(self, name: str, kind: Json) -> None:
+        """A kind that was read."""
+        self._known[name] = kind
+
+    def knows(self, variables: Mapping[str, Json]) -> bool:
+        """Whether all these can be decoded."""
+        return all(kind in self._known for kind, _ in variables.values())
+
+    def decode(self, variables: Mapping[str, Json]) -> Mapping[str, xr.Variable]:
+        """The variables that were encoded."""
+        return {name: self._decoded(*held) for name, held in variables.items()}
+
+    def _decoded(self, kind: str, payload: Json) -> xr.Variable:
+        dims, dtype, shape, attrs = self._known[kind]
+        if isinstance(payload, str):
+            flat = np.frombuffer(base64.b64decode(payload), np.dtype(dtype))
+            values = flat.reshape(shape).copy()
+        else:
+            values = np.array(payload, dtype)
+        return xr.Variable(tuple(dims), values, {k: _attribute(v) for k, v in attrs.items()})
+
+    def _name(
+        self,
+        dims: tuple[Any, ...],
+        values: np.ndarray,
+        attrs: Mapping[Any, Any],
+        new: dict[str, Json],
+    ) -> str:
+        try:
+            # 1 and 1.0 and True are one key of a dict, but not one attribute
+            kept = tuple((name, type(value), value) for name, value in attrs.items())
+            seen: object = (dims, values.dtype.str, values.shape, kept)
+            if seen in self._names:
+                return self._names[seen]
+        except TypeError:  # an attribute that is an array
+            seen = None
+        kind = [list(dims), values.dtype.str, list(values.shape), _plain_attributes(attrs)]
+        name = short_hash(kind)
+        if name not in self._known:
+            self._known[name] = new[name] = kind
+        if seen is not None:
+            self._names[seen] = name
+        return name
+
+
+def _to_text(values: np.ndarray) -> str:
+    return base64.b64encode(np.ascontiguousarray(values).tobytes()).decode()
+
+
+def _plain_attributes(attrs: Mapping[Any, Any]) -> dict[str, Json]:
+    found: dict[str, Json] = {}
+    for name, value in attrs.items():
+        if isinstance(value, np.ndarray | np.generic):
+            value = np.asarray(value)
+            found[str(name)] = {"dtype": value.dtype.str, "values": value.tolist()}
+        else:
+            found[str(name)] = value
+    return found
+
+
+def _attribute(value: Json) -> Any:
+    if isinstance(value, dict):
+        return np.array(value["values"], value["dtype"])[()]
+    return value

@@ -1,0 +1,1 @@
+"""What a study's file holds: which points, and their numbers in one Dataset."""

@@ -22,7 +22,9 @@ class Progress:
         self._start = self._said = monotonic()
         self._bar: tqdm[None] | None = None
         if total and _is_terminal():
-            self._bar = tqdm(total=total, desc=f"{name}: {what}", unit=f" {unit}", dynamic_ncols=True)
+            self._bar = tqdm(
+                total=total, desc=f"{name}: {what}", unit=f" {unit}", dynamic_ncols=True
+            )
 
     def __enter__(self) -> Self:
         return self

@@ -438,17 +438,19 @@ class Journal:
         damaged = self.path.with_name(f"{self.path.name}.damaged")
         flags = os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_NOFOLLOW | os.O_CLOEXEC
         aside = os.open(damaged, flags, 0o666)
-        with open(aside, "ab") as file, replacing(self.path) as partial:  # noqa: PTH123 (a descriptor)
-            with partial.open("xb") as mended:
-                at = 0
-                for start, size in (*sorted(self._damaged), (self._end, 0)):
-                    mended.write(os.pread(self._descriptor, start - at, at))
-                    file.write(os.pread(self._descriptor, size, start))
-                    at = start + size
-                file.flush()
-                os.fsync(file.fileno())
-                mended.flush()
-                os.fsync(mended.fileno())
+        with (
+            open(aside, "ab") as file,  # noqa: PTH123 (a descriptor)
+            replacing(self.path) as partial,
+            partial.open("xb") as mended,
+        ):
+            at = 0
+            for start, size in (*sorted(self._damaged), (self._end, 0)):
+                mended.write(os.pread(self._descriptor, start - at, at))
+                file.write(os.pread(self._descriptor, size, start))
+                at = start + size
+            for written in (file, mended):
+                written.flush()
+                os.fsync(written.fileno())
         lines = len(self._damaged)
         self._read()
         self.notes.append(

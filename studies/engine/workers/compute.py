@@ -15,6 +15,7 @@ from typing import NoReturn
 import numpy as np
 import xarray as xr
 
+from studies.model import measured
 from studies.model.case import Computation
 from studies.model.measured import measured_variables
 from studies.model.outcome import RESERVED_NAMES, CaseStatus, Failure, HasFields, Outcome, Work
@@ -103,7 +104,7 @@ def _reference_time() -> float:
 def failed(error: BaseException, stage: str, seconds: float) -> Outcome:
     """The outcome of a case that raised ``error``."""
     name = one_line(type(error).__name__, 100)
-    sentence = f"{name} {_place(error)}: {one_line(error)}"
+    sentence = f"{name}{_place(error)}: {one_line(error)}"
     return Outcome(CaseStatus.FAILED, {}, Failure(name, sentence, stage), seconds)
 
 
@@ -118,13 +119,14 @@ def _late(limit: float | None, stage: str) -> Failure:
 
 
 def _place(error: BaseException) -> str:
-    """The function and line that raised: the innermost that is no library's."""
+    """The function and line that raised: the innermost that is no library's, and not of these checks."""
     frames = traceback.extract_tb(error.__traceback__, limit=-50)
-    if not frames:
-        return "with no place"
-    own = [frame for frame in frames if not frame.filename.startswith(_libraries())]
-    place = own[-1] if own else frames[-1]
-    return one_line(f"in {place.name} ({Path(place.filename).name}, line {place.lineno})", 300)
+    ours = (*_libraries(), __file__, measured.__file__)
+    own = [frame for frame in frames if not frame.filename.startswith(ours)]
+    if not own:
+        return ""
+    place = own[-1]
+    return one_line(f" in {place.name} ({Path(place.filename).name}, line {place.lineno})", 300)
 
 
 @cache

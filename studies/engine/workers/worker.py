@@ -24,8 +24,8 @@ def main() -> None:
     own = os.getpid()
     end, leash, supervisor = (int(word) for word in sys.argv[1:])
     # what a case starts inherits neither
-    os.set_inheritable(end, False)
-    os.set_inheritable(leash, False)
+    for descriptor in (end, leash):
+        os.set_inheritable(descriptor, False)  # noqa: FBT003 (the system's own way)
     channel = Channel(socket.socket(fileno=end))
     os.register_at_fork(after_in_child=channel.close)
     threading.Thread(target=_end_with_supervisor, args=(leash,), daemon=True).start()

@@ -33,9 +33,7 @@ class _Column:
 
     def filled(self, count: int) -> np.ndarray:
         """The values of ``count`` cases; where one has none, it is nan, or no text."""
-        held = np.array(
-            self.values, dtype=object if self.is_text else np.result_type(*self.dtypes)
-        )
+        held = np.array(self.values, dtype=object if self.is_text else np.result_type(*self.dtypes))
         held = held.reshape(len(self.rows), *self.kind.shape)
         if len(self.rows) == count:
             return held

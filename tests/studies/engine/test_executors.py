@@ -43,7 +43,8 @@ def examine(dataset: xr.Dataset) -> None:
     np.testing.assert_array_equal(good["square"], good["number"] ** 2)
     assert not good["error"].values.any()
     said = {n: dataset.sel(number=n) for n in TROUBLES}
-    assert str(said[RAISES]["error"].item()) == f"ArithmeticError in run (trouble.py, line {trouble.RAISING_LINE}): this one"
+    place = f"run (trouble.py, line {trouble.RAISING_LINE})"
+    assert str(said[RAISES]["error"].item()) == f"ArithmeticError in {place}: this one"
     assert (said[RAISES]["error_type"].item(), said[RAISES]["error_stage"].item()) == (
         "ArithmeticError", "solve",
     )  # fmt: skip

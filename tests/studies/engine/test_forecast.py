@@ -98,7 +98,7 @@ def test_a_mode_that_is_new_is_guessed_from_the_others_with_less_trust() -> None
 def test_with_nothing_stored_nothing_is_claimed() -> None:
     tree = canonical(scene_at({"padding": "exact", "images": 1, "period": 1.0, "grid": 16}))
     assert ForecastModel([]).predict("case", [tree]) == [None]
-    assert "not known" in str(forecast(ForecastModel([]), {"a": tree}, ["a"], 2))
+    assert "not known" in str(forecast(ForecastModel([]), {"a": tree}, {"a": (tree, 2)}))
 
 
 def test_a_sum_is_as_uncertain_as_its_parts() -> None:

@@ -5,11 +5,10 @@ import numpy as np
 import pytest
 
 from contactstudy import InvalidInput
-from studies.engine import timing
 from studies.engine.options import RunOptions
 from studies.engine.run import run
-from studies.engine.timing import rounds
-from studies.model.outcome import CaseStatus
+from studies.engine.timing import rounds, time_cases
+from studies.model.outcome import CaseStatus, Failure
 from studies.model.timing_samples import Sample, is_contended, timing_variables
 from tests.studies.conftest import quiet
 from tests.studies.engine import trouble
@@ -50,7 +49,7 @@ def test_a_time_taken_while_the_processor_was_slow_is_flagged() -> None:
 
 def test_every_sample_is_kept_with_least_median_and_processor_time() -> None:
     data = timing_variables(
-        ("n",), (3,), [[sample(1.0), sample(3.0), sample(2.0)], [sample(4.0)], []]
+        ("n",), np.arange(3), [[sample(1.0), sample(3.0), sample(2.0)], [sample(4.0)], []]
     )
     assert data["solve_time"].values[:2] == pytest.approx([0.75, 3.0])
     assert data["solve_time_median"].values[0] == pytest.approx(1.5)
@@ -83,21 +82,37 @@ def test_stored_times_are_not_taken_again_unless_asked(tmp_path: Path) -> None:
     assert taken == 1 + 2 * 2
 
 
-def test_the_longest_short_case_of_each_kind_is_run_untimed_before_all(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    clocked: list[object] = []
-    monkeypatch.setattr(timing, "time_once", lambda case: clocked.append(case) or sample(1.0))
+def test_the_longest_short_case_of_each_kind_is_run_untimed_before_all() -> None:
     expected = {"tiny": 0.01, "short": 0.1, "long": 9.0, "other": 0.02, "slow": 8.0}
     kinds = {"tiny": "a", "short": "a", "long": "a", "other": "b", "slow": "c"}
-    cases = {name: trouble.Trouble(float(number)) for number, name in enumerate(expected)}
+    clocked: list[str] = []
     taken: list[str] = []
-    timing.time_cases(
-        cases, dict.fromkeys(cases, 1), expected, kinds, lambda key, _: taken.append(key)
-    )
-    assert taken == list(cases)
-    assert set(clocked[:2]) == {cases["short"], cases["other"]}
-    assert clocked[2:] == list(cases.values())
+
+    def time_once(key: str) -> Sample:
+        clocked.append(key)
+        return sample(1.0)
+
+    once = dict.fromkeys(expected, 1)
+    time_cases(once, expected, kinds, time_once, lambda key, _: taken.append(key), pytest.fail)
+    assert taken == list(expected)
+    assert set(clocked[:2]) == {"short", "other"}
+    assert clocked[2:] == list(expected)
+
+
+def test_a_case_that_cannot_be_timed_is_given_up_and_the_others_are_timed() -> None:
+    failure = Failure("Killed", "Killed", "timing")
+    taken: list[str] = []
+    given_up: list[str] = []
+
+    def time_once(key: str) -> Sample | Failure:
+        return failure if key == "bad" else sample(1.0)
+
+    times = {"good": 2, "bad": 2}
+    time_cases(
+        times, dict.fromkeys(times, 9.0), dict.fromkeys(times, ""), time_once,
+        lambda key, _: taken.append(key), lambda key, _: given_up.append(key),
+    )  # fmt: skip
+    assert (taken, given_up) == (["good", "good"], ["bad"])
 
 
 def test_what_failed_is_not_timed(tmp_path: Path) -> None:

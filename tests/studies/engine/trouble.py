@@ -64,4 +64,6 @@ def study(numbers: object = range(20), log: str = "", seconds: float = 0.0) -> S
     return Study("trouble", "Twenty cases.", (axis,), scene_at, measures)
 
 
-RAISING_LINE = 1 + Path(__file__).read_text().split("\n").index("            raise ArithmeticError(SAYS)")
+RAISING_LINE = 1 + Path(__file__).read_text().split("\n").index(
+    "            raise ArithmeticError(SAYS)"
+)

@@ -15,8 +15,8 @@ def there_and_back(variables: dict[str, xr.Variable]) -> dict[str, xr.Variable]:
     writer, reader = VariableTypes(), VariableTypes()
     kinds, values = writer.encode(variables)
     kinds, values = json.loads(json.dumps([kinds, values]))
-    for kind in kinds:
-        reader.add(kind)
+    for name, kind in kinds.items():
+        reader.add(name, kind)
     return dict(reader.decode(values))
 
 
@@ -54,22 +54,31 @@ def test_any_array_comes_back_to_the_last_bit(values: Any) -> None:
     assert back.values.tobytes() == values.tobytes()
 
 
-def test_attributes_come_back_but_for_what_netcdf_cannot_hold() -> None:
+def test_attributes_come_back_with_their_types() -> None:
     flags = np.array([0, 1], dtype=np.int8)
-    attrs = {"flag_values": flags, "n": 3, "nothing": None, "truth": True, "more": {"a": 1}}
+    attrs = {"flag_values": flags, "n": 3, "x": 3.0, "words": ["a", "b"], "one": np.float32(0.1)}
     back = there_and_back({"a": xr.Variable((), 1.0, attrs)})["a"].attrs
     assert back["flag_values"].dtype == np.int8
     np.testing.assert_array_equal(back["flag_values"], flags)
-    assert (back["n"], back["nothing"], back["truth"], back["more"]) == (
-        3,
-        "None",
-        "True",
-        "{'a': 1}",
-    )
+    assert (back["n"], back["x"], back["words"]) == (3, 3.0, ["a", "b"])
+    assert isinstance(back["n"], int)
+    assert isinstance(back["x"], float)
+    assert back["one"] == np.float32(0.1)
 
 
-def test_what_is_the_same_of_many_is_written_once() -> None:
-    kinds = VariableTypes()
-    first, _ = kinds.encode({"a": xr.Variable((), 1.0, {"units": "m"})})
-    second, values = kinds.encode({"a": xr.Variable((), 2.0, {"units": "m"})})
-    assert (len(first), second, values) == (1, [], {"a": [0, 2.0]})
+def test_what_is_the_same_of_many_is_written_once_under_a_name_that_says_what_it_is() -> None:
+    types = VariableTypes()
+    first, values = types.encode({"a": xr.Variable((), 1.0, {"units": "m"})})
+    second, others = types.encode({"a": xr.Variable((), 2.0, {"units": "m"})})
+    (name,) = first
+    assert (second, values, others) == ({}, {"a": [name, 1.0]}, {"a": [name, 2.0]})
+    apart, _ = types.encode({"a": xr.Variable((), 2.0, {"units": "mm"})})
+    assert list(apart) != [name]
+    assert list(VariableTypes().encode({"b": xr.Variable((), 3.0, {"units": "m"})})[0]) == [name]
+
+
+def test_attributes_that_are_equal_as_numbers_but_of_other_types_are_told_apart() -> None:
+    types = VariableTypes()
+    encoded = {str(x): types.encode({"a": xr.Variable((), 1.0, {"x": x})})[1] for x in (1, 1.0)}
+    back = [type(types.decode(values)["a"].attrs["x"]) for values in encoded.values()]
+    assert back == [int, float]

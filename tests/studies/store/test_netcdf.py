@@ -9,7 +9,9 @@ from studies.model.axis import Axis
 from studies.model.case import Case
 from studies.model.outcome import CaseStatus, Failure, Outcome
 from studies.reference import line_contact
-from studies.store.netcdf import assemble, open_folder, read, replacing, write
+from studies.store.files.partial_file import replacing
+from studies.store.netcdf import open_folder, read, write
+from studies.store.table.assembly import assemble
 
 
 def test_a_file_stays_until_the_new_one_is_whole(tmp_path: Path) -> None:
@@ -72,7 +74,8 @@ def test_what_a_failed_case_lacks_is_missing_and_not_made_up() -> None:
         "count": xr.Variable((), np.uint8(3)),
         "field": xr.Variable(("m",), [1, 2]),
     }
-    dataset = assemble(AXES, *outcomes(one, None), {}, {})
+    cases, found = outcomes(one, None)
+    dataset = assemble(AXES, cases, found.get, {}, {})
     assert dataset["truth"].values[0] == 1
     assert np.isnan(dataset["truth"].values[1])
     assert np.isnan(dataset["count"].values[1])
@@ -80,7 +83,7 @@ def test_what_a_failed_case_lacks_is_missing_and_not_made_up() -> None:
     assert dataset["case_status"].values.tolist() == [1, 2]
 
 
-def test_what_does_not_fit_one_array_is_left_out_and_said() -> None:
+def test_what_is_not_like_the_others_is_left_out_and_said() -> None:
     first = {
         "y": xr.Variable(("y",), [0.0, 1.0]),
         "f": xr.Variable(("m",), [1.0]),
@@ -91,7 +94,11 @@ def test_what_does_not_fit_one_array_is_left_out_and_said() -> None:
         "f": xr.Variable(("m",), [1.0, 2.0]),
         "a": xr.Variable((), 2.0),
     }
-    dataset = assemble(AXES, *outcomes(first, second), {}, {})
+    cases, found = outcomes(first, second)
+    dataset = assemble(AXES, cases, found.get, {}, {})
     assert dataset["a"].values.tolist() == [1.0, 2.0]
     assert "y" not in dataset.coords
-    assert dataset.attrs["left_out"] == "not the same at every point: y, f"
+    assert dataset.attrs["left_out"] == (
+        "y, a coordinate that is not the same at every point; "
+        "f of 1 of 2 cases, which differs from the others' in dimensions, type or units"
+    )

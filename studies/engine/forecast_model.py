@@ -1,9 +1,8 @@
-"""What a case will cost, from what cases like it did cost.
+"""Predicts what a case will cost from what similar cases did cost.
 
-Per mode (all that is named: padding, solver, shapes) a quantity is taken to be ``c N log N`` for N cells,
-times iterations where it is the time of a solve, times a power of each number of the case, times
-a smooth factor: a Gaussian process on logarithms (Rasmussen & Williams (2006), eq. 2.42, with the
-coefficients of the powers integrated out).
+Cases that agree in everything but numbers (same padding, solver, kinds of shapes) form a mode. In each mode a
+quantity is ``N log N`` for N cells, if it is a time, times a power law of all numbers of the case
+(:class:`~contactstudy.planning.power_law.PowerLaw`).
 """
 
 from collections import defaultdict
@@ -14,16 +13,14 @@ from math import exp, log
 import numpy as np
 
 from contactstudy.domain.arrays import Array
+from contactstudy.planning.power_law import PowerLaw
 from studies.store.identity import DEFAULTS, Tree, text
 
-# Priors, in natural logarithms: any scale; powers of the order of one; a factor of 1.5 that changes where a
-# number changes four-fold; times that repeat within a tenth.
-SCALE, POWER, FACTOR, REACH, NOISE = 10.0, 1.0, 0.4, 1.5, 0.1
-UNLIKE = 1.0  # how far, in logarithms, one mode may be from another
-CALLS = 5e4  # what a small transform costs, in units of N log N: that of 80 x 80 cells
-LARGEST = 100.0  # of any logarithm: e100 is as good as without end
-CELLS = ".cells"  # what the numbers of a grid are called; without them, and without its like, nothing is known
-MOST = 300  # cases of a mode that are looked at, the last ones
+UNLIKE = 1.0  # standard deviation, in logarithms, between one mode and another
+CALLS = 5e4  # time of a small transform, in units of N log N: that of 80 x 80 cells
+LARGEST = 100.0  # limit of any logarithm, against overflow
+CELLS = ".cells"  # in the names of a grid's numbers; nothing is predicted across modes without them
+MOST = 300  # cases of a mode that are used, the last ones
 
 
 @dataclass(frozen=True)
@@ -36,7 +33,7 @@ class Observation:
 
 @dataclass(frozen=True)
 class Estimate:
-    """A positive number, right within ``factor`` two times out of three."""
+    """A positive number, right within ``factor`` in 19 of 20 cases."""
 
     value: float
     factor: float
@@ -49,75 +46,52 @@ class ForecastModel:
     observations: Sequence[Observation]
 
     def predict(self, quantity: str, trees: Sequence[Tree]) -> list[Estimate | None]:
-        """``quantity`` of each case; None where nothing at all is known of it.
-
-        ``solve`` is the product of the iterations and of the time that one takes.
-        """
-        if quantity == "solve" and any("iterations" in one.known for one in self.observations):
-            counts = self._estimates("iterations", trees)
-            each = self._estimates("each", trees)
-            return [
-                None if a is None or b is None else _product(a, b)
-                for a, b in zip(counts, each, strict=True)
-            ]
-        return self._estimates(quantity, trees)
-
-    def _estimates(self, quantity: str, trees: Sequence[Tree]) -> list[Estimate | None]:
+        """``quantity`` of each case; None where nothing comparable is stored."""
         by_mode: dict[str, list[tuple[Mapping[str, float], float]]] = defaultdict(list)
         for one in self.observations:
-            value = _value(one.known, quantity)
+            value = one.known.get(quantity, 0.0)
             if value > 0:
                 named, numbers = _described(one.tree)
                 by_mode[named].append((numbers, log(value) - _work(quantity, numbers)))
         everything = [row for rows in by_mode.values() for row in rows if _has_cells(row[0])]
-        asked: dict[tuple[str, ...], list[int]] = defaultdict(list)
+        groups: dict[tuple[str, ...], list[int]] = defaultdict(list)
         described = [_described(tree) for tree in trees]
         for place, (mode, numbers) in enumerate(described):
             if mode in by_mode:
-                asked[mode,].append(place)
+                groups[mode,].append(place)
             elif _has_cells(numbers):
-                # unlike anything known, and so alike to whatever has the same numbers
-                asked["", *sorted(numbers)].append(place)
+                # a new mode is predicted from all others that have the same numbers
+                groups["", *sorted(numbers)].append(place)
         found: list[Estimate | None] = [None] * len(trees)
-        for (mode, *_), places in asked.items():
+        for (mode, *_), places in groups.items():
             rows = by_mode.get(mode) or everything
             if not rows:
                 continue
-            noise = NOISE if mode in by_mode else UNLIKE
-            means, sds = _regress(rows[-MOST:], [described[place][1] for place in places], noise)
-            for place, mean, sd in zip(places, means, sds, strict=True):
-                work = _work(quantity, described[place][1])
+            means, deviations = _fitted(rows[-MOST:], [described[place][1] for place in places])
+            for place, mean, deviation in zip(places, means, deviations, strict=True):
+                logarithm = mean + _work(quantity, described[place][1])
+                spread = 2 * np.hypot(deviation, 0.0 if mode in by_mode else UNLIKE)
                 found[place] = Estimate(
-                    exp(np.clip(mean + work, -LARGEST, LARGEST)), exp(min(sd, LARGEST))
+                    exp(np.clip(logarithm, -LARGEST, LARGEST)), exp(min(spread, LARGEST))
                 )
         return found
 
 
 def total(estimates: Iterable[Estimate]) -> Estimate:
-    """The sum; what is wrong of one is taken to be wrong of all."""
+    """The sum; the errors of its parts are taken to be fully correlated."""
     each = list(estimates)
     value = sum(one.value for one in each)
     sd = sum(one.value * log(one.factor) for one in each) / value if value else 0.0
     return Estimate(value, exp(sd))
 
 
-def _product(a: Estimate, b: Estimate) -> Estimate:
-    return Estimate(a.value * b.value, exp(np.hypot(log(a.factor), log(b.factor))))
-
-
 def _has_cells(numbers: Mapping[str, float]) -> bool:
     return any(CELLS in name for name in numbers)
 
 
-def _value(known: Mapping[str, float], quantity: str) -> float:
-    if quantity == "each":
-        return known.get("solve", 0.0) / known.get("iterations", 1.0)
-    return known.get(quantity, 0.0)
-
-
 def _work(quantity: str, numbers: Mapping[str, float]) -> float:
     """The logarithm of N log N, and of the calls that any N takes, for what takes time so."""
-    if quantity not in ("case", "setup", "each", "solve"):
+    if quantity not in ("case", "setup", "solve"):
         return 0.0
     cells = sum(value for name, value in numbers.items() if CELLS in name)
     return log(exp(cells) * cells + CALLS) if cells > 0 else 0.0
@@ -153,35 +127,24 @@ def _walk(tree: Tree, path: str, names: list[str], numbers: dict[str, float]) ->
             return
         if value == np.inf:
             names.append(f"{path}=inf")
-        elif tree.lstrip("-").isdigit():  # a count may be none
+        elif tree.lstrip("-").isdigit():  # a count may be zero
             numbers[path] = log(value + 0.5)
-        elif value > 0:
+        elif value == 0:
+            names.append(f"{path}=0")
+        else:
             numbers[path] = log(value)
 
 
-def _regress(
-    rows: Sequence[tuple[Mapping[str, float], float]],
-    asked: Sequence[Mapping[str, float]],
-    noise: float,
+def _fitted(
+    rows: Sequence[tuple[Mapping[str, float], float]], wanted: Sequence[Mapping[str, float]]
 ) -> tuple[Array, Array]:
-    """Mean and standard deviation of the process at ``asked``, given its values at ``rows``."""
-    names = sorted(set.intersection(*(set(numbers) for numbers, _ in rows), *map(set, asked)))
-    x = np.array([[numbers[name] for name in names] for numbers, _ in rows])
-    z = np.array([[numbers[name] for name in names] for numbers in asked])
-    y = np.array([value for _, value in rows])
-    middle = x.mean(axis=0)
-    x, z = x - middle, z - middle
+    """Mean and standard deviation of the logarithm at ``wanted``, by the numbers that all have."""
+    names = sorted(set.intersection(*(set(numbers) for numbers, _ in rows), *map(set, wanted)))
 
-    def covariance(a: Array, b: Array) -> Array:
-        distance = ((a[:, None] - b[None]) ** 2).sum(axis=2)
-        smooth = FACTOR**2 * np.exp(-distance / (2 * REACH**2))
-        powers = POWER**2 * np.einsum("ik,jk->ij", a, b)
-        return np.asarray(SCALE**2 + powers + smooth)
+    def logarithms(all_numbers: Iterable[Mapping[str, float]]) -> Array:
+        return np.array([[numbers[name] for name in names] for numbers in all_numbers], ndmin=2)
 
-    known = covariance(x, x) + noise**2 * np.eye(len(x))
-    across = covariance(z, x)
-    solved = np.linalg.solve(known, np.column_stack([y - y.mean(), across.T]))
-    mean = y.mean() + across @ solved[:, 0]
-    own = SCALE**2 + POWER**2 * (z**2).sum(axis=1) + FACTOR**2
-    variance = own - np.einsum("ij,ji->i", across, solved[:, 1:]) + noise**2
-    return mean, np.sqrt(np.maximum(variance, noise**2))
+    law = PowerLaw.fit(
+        logarithms(numbers for numbers, _ in rows), np.array([value for _, value in rows])
+    )
+    return law.predict(logarithms(wanted))

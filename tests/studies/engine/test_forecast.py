@@ -27,34 +27,64 @@ STORED = [
 ]
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_stored_costs_that_were_held_out_are_predicted_within_a_factor_of_1_5(seed: int) -> None:
+def held_out(seed: int) -> list[tuple[float, float]]:
+    """Log error and stated log factor of set-up and solve of every stored case, each predicted from four fifths."""
     order = np.random.default_rng(seed).permutation(len(STORED))
-    errors = []
+    found = []
     for fold in range(5):
         held = [STORED[place] for place in order[fold::5]]
         model = ForecastModel([one for one in STORED if one not in held])
         trees = [one.tree for one in held]
-        both = zip(model.predict("setup", trees), model.predict("solve", trees), strict=True)
-        for one, (setup, solve) in zip(held, both, strict=True):
-            assert setup is not None
-            assert solve is not None
-            errors.append(
-                log((one.known["setup"] + one.known["solve"]) / (setup.value + solve.value))
-            )
-    assert np.quantile(np.abs(errors), 0.98) < log(1.5)
-    assert abs(np.mean(errors)) < log(1.1)
+        for quantity in ("setup", "solve"):
+            for one, guess in zip(held, model.predict(quantity, trees), strict=True):
+                assert guess is not None
+                found.append((log(one.known[quantity] / guess.value), log(guess.factor)))
+    return found
 
 
-def test_the_uncertainty_is_that_of_the_errors() -> None:
-    held, rest = STORED[::4], [one for number, one in enumerate(STORED) if number % 4]
-    found = ForecastModel(rest).predict("solve", [one.tree for one in held])
-    scaled = [
-        log(one.known["solve"] / guess.value) / log(guess.factor)
-        for one, guess in zip(held, found, strict=True)
-        if guess is not None
-    ]
-    assert 0.3 < np.sqrt(np.mean(np.square(scaled))) < 2
+@pytest.mark.parametrize("seed", range(3))
+def test_costs_that_were_held_out_are_predicted_within_a_factor_of_2(seed: int) -> None:
+    errors = np.array(held_out(seed))[:, 0]
+    assert np.mean(np.abs(errors) < log(2)) >= 0.95
+    assert abs(np.mean(errors)) < log(1.1)  # no bias
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_stated_factor_holds_in_nineteen_of_twenty_held_out_cases(seed: int) -> None:
+    errors, factors = np.array(held_out(seed)).T
+    # 290 predictions: the share has a standard error of 1.3 %
+    assert np.mean(np.abs(errors) <= factors) >= 0.95 - 2 * 0.013
+    assert np.median(factors) < log(2)  # and it is not simply wide
+
+
+def test_the_stated_factor_serves_for_grids_larger_than_any_stored() -> None:
+    def cells(one: Observation) -> int:
+        return int(one.tree["grid"]["cells"][0])
+
+    model = ForecastModel([one for one in STORED if cells(one) <= 64])
+    large = [one for one in STORED if cells(one) >= 192]
+    ratios = []
+    for quantity in ("setup", "solve"):
+        guesses = model.predict(quantity, [one.tree for one in large])
+        for one, guess in zip(large, guesses, strict=True):
+            assert guess is not None
+            ratios.append(abs(log(one.known[quantity] / guess.value)) / log(guess.factor))
+    # the factor is two standard deviations; nine and sixteen times the cells are an extrapolation
+    assert np.mean(np.array(ratios) <= 1) >= 0.8
+    assert max(ratios) <= 2
+
+
+def test_small_cases_that_worked_do_not_promise_the_time_of_a_large_one_that_failed() -> None:
+    """All that worked has one size: how the time grows with it is not known, and not said to be."""
+
+    def row(size: str, seconds: float) -> Observation:
+        return Observation({"": "Thing", "size": size}, {"case": seconds})
+
+    for sizes in (["2.5"] * 4, ["2.5", "2.5", "0.0", "0.0"]):
+        model = ForecastModel([row(size, 0.01 * (1 + 0.02 * k)) for k, size in enumerate(sizes)])
+        (guess,) = model.predict("case", [{"": "Thing", "size": "60.0"}])
+        assert guess is not None
+        assert 0.24 / guess.value < guess.factor  # 24 times as long, in proportion to the size
 
 
 @settings(deadline=None)
@@ -85,7 +115,7 @@ def test_a_case_that_counts_no_iterations_takes_one(tmp_path: Path) -> None:
     assert guess.value == pytest.approx(found.known["solve"])
 
 
-def test_a_mode_that_is_new_is_guessed_from_the_others_with_less_trust() -> None:
+def test_a_mode_that_is_new_is_estimated_from_the_others_with_a_larger_factor() -> None:
     others = [one for one in STORED if one.tree["padding"][""] != "ExactPeriodicity"]
     new = next(one.tree for one in STORED if one.tree["padding"][""] == "ExactPeriodicity")
     guess = ForecastModel(others).predict("setup", [new])[0]
@@ -115,7 +145,9 @@ def test_a_forecast_is_scored_by_what_was_taken() -> None:
     assert found["prediction_error_factor_median"] == pytest.approx(exp(log(2) / 2))
 
 
-def test_a_dry_run_foresees_and_leaves_nothing_and_a_run_keeps_its_score(tmp_path: Path) -> None:
+def test_a_dry_run_estimates_the_cost_and_leaves_nothing_and_a_run_keeps_its_score(
+    tmp_path: Path,
+) -> None:
     study = load("grid").override({"padding": "exact,zero", "grid": "16,24,32"})
     said: list[str] = []
     assert (

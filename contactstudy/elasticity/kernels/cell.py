@@ -94,7 +94,7 @@ def _close(x: Array, y: Array, half_x: Array, half_y: Array) -> Array:
     return result
 
 
-def _line(x: Array, y: Array, half: Array) -> Array:
+def line(x: Array, y: Array, half: Array) -> Array:
     """Integral of 1/r along a segment of half-length ``half``, ``x`` aside and ``y`` along its axis."""
     # Seen from outside the first form cancels, from inside the second.
     within = y < 2 * half
@@ -116,7 +116,7 @@ def _edges(x: Array, y: Array, half_x: Array, half_y: Array) -> Array:
             distance = u + outward * half_u
             # An edge seen from its own line has no share; any distance but zero stands in for it.
             aside = np.where(distance == 0, 1.0, np.abs(distance))
-            total += outward * distance * _line(aside, v, half_v)
+            total += outward * distance * line(aside, v, half_v)
     return total
 
 
@@ -124,7 +124,7 @@ def _lines(x: Array, y: Array, half_x: Array, half_y: Array, points: int) -> Arr
     """Gauss points across the cell, each a line along it."""
     total = np.zeros(x.shape)
     for node, weight in gauss(points):
-        total += weight * _line(x + node * half_x, y, half_y)
+        total += weight * line(x + node * half_x, y, half_y)
     return 2 * half_x * total
 
 

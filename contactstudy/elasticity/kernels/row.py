@@ -121,7 +121,7 @@ def _images(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> 
     terms = int(np.log(ROUNDING) / (2 * np.log(reach / (images + 1)))) + 1
     powers_x = _even_powers(x / period, half_x / period, images, terms)
     powers_y = _even_powers(y / period, np.array(half_y / period), images, terms).T
-    total += combined(powers_x, product(_further_images(images, terms), powers_y), total.shape)
+    total += combined(powers_x, product(further_images(images, terms), powers_y), total.shape)
     total -= 2 * np.log(2 * period)
     return total
 
@@ -139,7 +139,7 @@ def _even_powers(x: Array, half: Array, images: int, terms: int) -> Array:
 
 
 @cache
-def _further_images(images: int, terms: int) -> Array:
+def further_images(images: int, terms: int) -> Array:
     """Coefficients of ``x^2k y^2n`` in the sum of 1 / r over all images but the nearest, shape (k, n).
 
     Two that are m away on either side make ``2 sum_l r^2l P_2l(y / r) / m^(2l + 1)``, with l = k + n.

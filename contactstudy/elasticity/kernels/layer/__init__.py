@@ -1,0 +1,1 @@
+"""One bonded layer on a half-space: frequency response, image below the surface, and the rest."""

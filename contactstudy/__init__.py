@@ -67,6 +67,7 @@ if _TYPE_CHECKING:
     from contactstudy.io.scene_file import SceneFile, read_scene
     from contactstudy.io.scene_writer import write_scene
     from contactstudy.scene.load_history import LoadHistory, SineLoad
+    from contactstudy.scene.coated import CoatedHalfSpace
     from contactstudy.scene.stress import SubsurfaceStress
     from contactstudy.scene.viscoelastic import ViscoelasticHalfSpace
     from contactstudy.scene.wear import Wear
@@ -76,6 +77,7 @@ __all__ = [
     "BareProblem",
     "Body",
     "CircularSuperposition",
+    "CoatedHalfSpace",
     "Coefficients",
     "Compressive",
     "Constraint",
@@ -157,6 +159,7 @@ __all__ = [
 
 # Names whose modules a solve does not need: imported when they are first asked for.
 _LATER = {
+    "CoatedHalfSpace": "contactstudy.scene.coated",
     "Evolution": "contactstudy.evolution.evolution",
     "LoadHistory": "contactstudy.scene.load_history",
     "SceneFile": "contactstudy.io.scene_file",

@@ -22,8 +22,9 @@ from contactstudy.domain.padding import (
 )
 from contactstudy.domain.precision import Precision
 from contactstudy.domain.units import Metres, Number, Pascals
-from contactstudy.io.structuring import structured
+from contactstudy.io.structuring import NO_KIND, structured
 from contactstudy.planning.plan import Plan, plan
+from contactstudy.scene.coated import CoatedHalfSpace
 from contactstudy.scene.load import LineLoad
 from contactstudy.scene.outputs import Output
 from contactstudy.scene.scene import Scene
@@ -34,7 +35,7 @@ from contactstudy.scene.shapes.round import Cylinder, Sphere
 from contactstudy.scene.shapes.shape import Shape
 from contactstudy.scene.shapes.texture import Cosine, FlatBottomed, Parabolic, Profile, Texture
 from contactstudy.scene.shapes.waviness import Waviness
-from contactstudy.scene.solids import HalfSpace
+from contactstudy.scene.solids import Body, HalfSpace
 from contactstudy.scene.stress import SubsurfaceStress
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
 from contactstudy.scene.surfaces.missing_points import HarmonicFill, Missing, RefuseMissing
@@ -95,7 +96,7 @@ class Document:
     """The keys of a file."""
 
     load: LineLoad
-    solids: tuple[HalfSpace, HalfSpace]
+    solids: tuple[Body, Body]
     shapes: tuple[Shape, ...] = ()
     hardness: Pascals = inf
     outputs: tuple[Output, ...] = ()
@@ -142,7 +143,7 @@ KINDS: Mapping[Any, Mapping[str, type]] = {
         (Seam, (AsMeasured, Mirrored, Tapered)),
         (Solver, (PreconditionedCG, PolonskyKeer)),
     )
-}
+} | {Body: {"HalfSpace": HalfSpace, "CoatedHalfSpace": CoatedHalfSpace, NO_KIND: HalfSpace}}
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,8 @@ from contactstudy.domain.checks import InvalidInput, suggestion
 from contactstudy.domain.units import Unit
 from contactstudy.io.quantity import quantity
 
-# By the type that is wanted, what may be named as its kind.
+# By the type that is wanted, what may be named as its kind; NO_KIND names what a table without one is.
+NO_KIND = ""
 Kinds = Mapping[Any, Mapping[str, type]]
 Wanted = TypeVar("Wanted")
 
@@ -78,6 +79,9 @@ def _converter(kinds_of: Kinds) -> cattrs.Converter:
             value = {"kind": value}
         if not isinstance(value, Mapping):
             raise InvalidInput(f"it is {value!r}: give a table with a kind.")
+        without = kinds.pop(NO_KIND, None)
+        if without is not None and "kind" not in value:
+            return converter.structure(value, without)
         chosen = value.get("kind", next(iter(kinds)) if len(kinds) == 1 else None)
         if not isinstance(chosen, str) or chosen not in kinds:
             what = f"its kind is {chosen!r}" if "kind" in value else "it has no kind"

@@ -22,12 +22,15 @@ from contactstudy.problem.resultant import PrescribedLoad
 from contactstudy.scene.load import LineLoad
 from contactstudy.scene.outputs import Output
 from contactstudy.scene.shapes.shape import Shape
-from contactstudy.scene.solids import Body, contact_modulus, response
+from contactstudy.scene.solids import Body, Layered, contact_modulus, response
 from contactstudy.scene.source import ShapesSource, ends_along, sized
 
 if TYPE_CHECKING:
     from contactstudy.scene.load_history import ChangingLoad
     from contactstudy.scene.wear import Wear
+
+# The modulus of layered bodies and the half-width that follows from it settle to a per mille in so many steps.
+PASSES = 12
 
 
 @dataclass(frozen=True)
@@ -93,16 +96,24 @@ class Scene:
 
     @property
     def contact_modulus(self) -> float:
-        """E* [Pa] of both bodies together."""
+        """E* [Pa] of both bodies together; of a coated body, where its coating alone is felt."""
         return contact_modulus(self.solids)
 
     @property
     def hertz(self) -> HertzLine | None:
-        """The smooth line contact of the largest load, these bodies and the shapes' mean curvature, if curved."""
+        """The smooth line contact of the largest load, these bodies and the shapes' mean curvature, if curved.
+
+        Of coated bodies, the one whose modulus is theirs at its own half-width: an estimate within some per cent.
+        """
         curvature = sum(shape.curvature for shape in self.shapes)
         if curvature <= 0:
             return None
-        return HertzLine(self.load.largest, 1 / curvature, self.contact_modulus)
+        contact = HertzLine(self.load.largest, 1 / curvature, self.contact_modulus)
+        if any(isinstance(solid, Layered) for solid in self.solids):
+            for _ in range(PASSES):
+                modulus = contact_modulus(self.solids, contact.half_width)
+                contact = replace(contact, contact_modulus=modulus)
+        return contact
 
     def scales(self, grid: Grid) -> Scales:
         """Hertz's half-width and peak pressure, or the width and the mean pressure without a curved shape.
@@ -113,7 +124,7 @@ class Scene:
             length, pressure = hertz.half_width, hertz.peak_pressure
         else:
             length, pressure = grid.extent[0], self.load.largest / grid.extent[0]
-        gap = pressure * length / self.contact_modulus
+        gap = pressure * length / contact_modulus(self.solids, length)
         return Scales(length, 2.0 ** round(log2(pressure)), gap)
 
     def problem(self, grid: Grid, padding: Padding | Paddings) -> Problem:

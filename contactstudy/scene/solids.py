@@ -76,9 +76,26 @@ class HalfSpace:
         return {Displacement(datum): self.compliance / math.pi} if self.compliance else {}
 
 
-def contact_modulus(solids: tuple[Body, ...]) -> float:
-    """E* [Pa] of the bodies together: compliances add (Johnson 1985, eq. 4.3)."""
-    total = sum(solid.compliance for solid in solids)
+@runtime_checkable
+class Layered(Protocol):
+    """A body whose compliance depends on how wide the contact is."""
+
+    def compliance_at(self, half_width: float) -> float:
+        """What it adds to 1/E* [1/Pa] in a contact of ``half_width`` [m]."""
+        ...
+
+
+def contact_modulus(solids: tuple[Body, ...], half_width: float | None = None) -> float:
+    """E* [Pa] of the bodies together: compliances add (Johnson 1985, eq. 4.3).
+
+    ``half_width`` [m] is that of the contact, for bodies that are :class:`Layered`.
+    """
+    total = sum(
+        solid.compliance_at(half_width)
+        if half_width is not None and isinstance(solid, Layered)
+        else solid.compliance
+        for solid in solids
+    )
     if total == 0:
         raise InvalidInput(
             "Scene.solids are all rigid: give at least one body a finite Young's modulus."

@@ -136,9 +136,12 @@ def test_one_cell_along_gives_the_pressure_of_many_where_nothing_varies(
 HEAVY = (
     "SurfaceTopography",
     "cattrs",
+    "contactstudy.elasticity.coating",
+    "contactstudy.elasticity.kernels.layer",
     "contactstudy.elasticity.prony",
     "contactstudy.evolution",
     "contactstudy.io.dataset",
+    "contactstudy.scene.coated",
     "contactstudy.scene.load_history",
     "contactstudy.scene.stress",
     "contactstudy.scene.viscoelastic",

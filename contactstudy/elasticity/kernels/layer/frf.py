@@ -2,11 +2,12 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contactstudy.domain.arrays import Array
+Numbers = NDArray[np.inexact[Any]]
 
 # Below this the difference sinh k - k is summed as a series.
 SERIES_END = 1.0
@@ -64,9 +65,8 @@ class LayerResponse:
         """R has no pole in the right half-plane nearer to the real axis than this."""
         return 0.85 * min(1.0, self.shear_ratio ** (-1 / 3) if self.shear_ratio else 1.0)
 
-    def rest(self, k: Array | NDArray[np.complex128]) -> NDArray[np.inexact]:  # type: ignore[type-arg]
+    def rest(self, k: Numbers) -> Numbers:
         """R(k), written so that nothing cancels for small k or for very unlike materials."""
-        k = np.asarray(k)
         lam, kap, one_lam, one_kap = self._mismatch
         cross = lam * one_kap + kap * one_lam
         t, u = np.exp(-2 * k), -np.expm1(-2 * k)
@@ -89,7 +89,7 @@ class LayerResponse:
         return second, fourth, sixth
 
 
-def _sinh_square_less_square(k: NDArray[np.inexact]) -> NDArray[np.inexact]:  # type: ignore[type-arg]
+def _sinh_square_less_square(k: Numbers) -> Numbers:
     """``sinh(k)^2 - k^2`` for small k: ``sum (2 k)^(2 n) / (2 (2 n)!)`` from n = 2 on."""
     square = 4 * k * k
     term = square * square / 48

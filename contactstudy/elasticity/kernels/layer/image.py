@@ -15,7 +15,6 @@ from contactstudy.elasticity.kernels.row import (
     HANDOVER,
     REACH,
     ROUNDING,
-    combined,
     further_images,
     harmonics_along,
 )
@@ -90,9 +89,7 @@ def image_row(x: Array, y: Array, dx: float, dy: float, period: float, depth: fl
     return mean[:, None] + image_harmonics(across, along, dx, dy, period, depth)
 
 
-def image_harmonics(
-    x: Array, y: Array, dx: float, dy: float, period: float, depth: float
-) -> Array:
+def image_harmonics(x: Array, y: Array, dx: float, dy: float, period: float, depth: float) -> Array:
     """What of the row varies along y, shape (x, y); both flat, x from 0 on and y up to half a period."""
     result = np.zeros((x.size, y.size))
     if dy == period:
@@ -122,11 +119,11 @@ def _fourier(x: Array, y: Array, dx: float, dy: float, period: float, depth: flo
     inner = float(np.hypot(np.maximum(x - dx / 2, 0), depth).min()) / period
     count = int(np.ceil(FOURIER_TERMS * HANDOVER / inner))
     wave = 2 * np.pi / period * np.arange(1, count + 1)
-    across = sum(
-        4 * weight * k0(np.multiply.outer(np.hypot(x + node * dx / 2, depth), wave))
-        for node, weight in _points(x, dx / 2, depth)
-    )
-    return (dx * dy / period) * (across @ harmonics_along(y, dy / 2, period, count))
+    across = np.zeros((x.size, count))
+    for node, weight in _points(x, dx / 2, depth):
+        across += 4 * weight * k0(np.multiply.outer(np.hypot(x + node * dx / 2, depth), wave))
+    along = harmonics_along(y, dy / 2, period, count)
+    return np.asarray(across @ along * (dx * dy / period))
 
 
 def _images(x: Array, y: Array, dx: float, dy: float, period: float, depth: float) -> Array:
@@ -138,18 +135,20 @@ def _images(x: Array, y: Array, dx: float, dy: float, period: float, depth: floa
     for m in range(-images, images + 1):
         total += image_cell(x[:, None], y + m * period, dx, dy, depth)
     terms = int(np.log(ROUNDING) / (2 * np.log(reach / (images + 1)))) + 1
-    powers_x = sum(
-        weight
-        * np.vander(((x + node * dx / 2) ** 2 + depth**2) / period**2, terms, increasing=True)
-        for node, weight in gauss(terms)
-    )
-    powers_y = sum(
-        weight * np.vander(((y + node * dy / 2) / period) ** 2, terms, increasing=True)
-        for node, weight in gauss(terms)
-    )
+    powers_x = _even_powers(x, dx / 2, depth, period, terms)
+    powers_y = _even_powers(y, dy / 2, 0.0, period, terms)
     further = powers_x @ further_images(images, terms) @ powers_y.T - 2 * np.log(2 * period)
     further += log_mean(x, dx / 2, depth)[:, None]
     return np.asarray(total + further * (dx * dy / period))
+
+
+def _even_powers(x: Array, half: float, depth: float, period: float, terms: int) -> Array:
+    """``((x^2 + depth^2) / L^2)^k`` averaged over segments about each x, shape (x, k)."""
+    total = np.zeros((x.size, terms))
+    for node, weight in gauss(terms):
+        square = ((x + node * half) ** 2 + depth**2) / period**2
+        total += weight * np.vander(square, terms, increasing=True)
+    return total
 
 
 def image_lattice(
@@ -159,9 +158,7 @@ def image_lattice(
     if period > width:
         turned = y.reshape(-1, 1), x.reshape(1, -1)
         return image_lattice(*turned, dy, dx, period, width, depth).T
-    across, along = (
-        np.fmod(np.abs(a.ravel()), length) for a, length in ((x, width), (y, period))
-    )
+    across, along = (np.fmod(np.abs(a.ravel()), length) for a, length in ((x, width), (y, period)))
     across, along = np.minimum(across, width - across), np.minimum(along, period - along)
     total = -(dx * dy / period) * _log_mean_periodic(across, dx / 2, depth, width)[:, None]
     rows = int(np.ceil(FOURIER_END * period / width)) + 1
@@ -187,9 +184,7 @@ def log_mean(x: Array, half: float, depth: float) -> Array:
 
 
 def _log_integral(x: Array, depth: float) -> Array:
-    return np.asarray(
-        x * np.log(x * x + depth**2) - 2 * x + 2 * depth * np.arctan(x / depth)
-    )
+    return np.asarray(x * np.log(x * x + depth**2) - 2 * x + 2 * depth * np.arctan(x / depth))
 
 
 def _log_mean_periodic(x: Array, half: float, depth: float, width: float) -> Array:

@@ -69,10 +69,10 @@ def harmonics(
         return result
     if dx > 2 * END * period:  # beyond that, a cell adds nothing that varies
         end = END * period
-        for row in near:
-            left, right = max(x[row] - dx / 2, -end), min(x[row] + dx / 2, end)
+        for n in near.tolist():
+            left, right = max(x[n] - dx / 2, -end), min(x[n] + dx / 2, end)
             middle = np.array([abs(left + right) / 2])
-            result[row] = harmonics(response, thickness, middle, y, right - left, dy, period)[0]
+            result[n] = harmonics(response, thickness, middle, y, right - left, dy, period)[0]
         return result
     row = _Row(response, thickness, dx, dy, period)
     form = row.series if row.waves(float(x[near].max())) <= MOST_WAVES else row.images
@@ -99,7 +99,9 @@ class _Row:
         while first <= self._count:
             decay = DECAY * self.period / (2 * np.pi * first)
             felt = min(farthest, decay + self.dx / 2)
-            groups.append((first, min(2 * first, self._count + 1), felt, felt + self.dx / 2 + decay))
+            groups.append(
+                (first, min(2 * first, self._count + 1), felt, felt + self.dx / 2 + decay)
+            )
             first *= 2
         return groups
 

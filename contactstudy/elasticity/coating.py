@@ -1,0 +1,52 @@
+"""Influence coefficients of a coating: what a bonded layer adds to a half-space of its own material."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from contactstudy.domain.arrays import Array
+from contactstudy.elasticity.kernels.layer.frf import LayerResponse
+from contactstudy.elasticity.kernels.layer.image import image_cell, image_lattice, image_row
+from contactstudy.elasticity.kernels.layer.rest_cell import rest_cell
+from contactstudy.elasticity.kernels.layer.rest_lattice import rest_lattice
+from contactstudy.elasticity.kernels.layer.rest_row import rest_row
+
+
+@dataclass(frozen=True)
+class CoatingDisplacement:
+    """pi E1* times what a layer on a substrate adds to :class:`~contactstudy.elasticity.coefficients.Displacement`.
+
+    ``d0 I + J``: I a cell seen from two thicknesses below, in closed form, which far away turns the layer's
+    compliance into the substrate's, and J short-ranged. ``thickness`` [m]; ``datum`` [m] as there.
+    """
+
+    response: LayerResponse
+    thickness: float
+    datum: float
+    parity: ClassVar[tuple[int, int]] = (1, 1)
+
+    def turned(self) -> "CoatingDisplacement":
+        """Itself: the two axes are alike."""
+        return self
+
+    def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
+        """One cell."""
+        rest = rest_cell(self.response, self.thickness, x, y, dx, dy)
+        return rest + self.response.contrast * image_cell(x, y, dx, dy, 2 * self.thickness)
+
+    def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
+        """Infinitely many images along y."""
+        rest = rest_row(self.response, self.thickness, x, y, dx, dy, period)
+        shift = 2 * dx * dy / period * np.log(self.datum)
+        image = shift + image_row(x, y, dx, dy, period, 2 * self.thickness)
+        return np.asarray(rest + self.response.contrast * image)
+
+    def lattice(
+        self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
+    ) -> Array:
+        """Infinitely many images along both axes."""
+        extent = width, period
+        rest = rest_lattice(self.response, self.thickness, x, y, dx, dy, *extent)
+        image = image_lattice(x, y, dx, dy, *extent, 2 * self.thickness)
+        return np.asarray(rest + self.response.contrast * image)

@@ -1,0 +1,84 @@
+"""A body with a coating."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from contactstudy.domain.checks import InvalidInput, bearable, keep
+from contactstudy.domain.units import Metres
+from contactstudy.elasticity.coating import CoatingDisplacement
+from contactstudy.elasticity.coefficients import Coefficients, Displacement
+from contactstudy.elasticity.kernels.layer.frf import LayerResponse
+from contactstudy.scene.solids import HalfSpace
+
+# Up to this ratio of shear moduli the coefficients are verified.
+LARGEST_RATIO = 1e4
+# A contact of half-width a gives way like a wave of wave number WAVE / a, within some per cent.
+WAVE = 1.2
+
+
+@dataclass(frozen=True)
+class CoatedHalfSpace:
+    """A layer of one material bonded to a half-space of another.
+
+    ``coating`` and ``substrate`` as half-spaces of their materials, ``thickness`` [m] of the coating.
+    The bond neither slips nor opens. Raises :class:`~contactstudy.InvalidInput` for a rigid coating, one
+    more than 1e4 times as stiff as its substrate, or a thickness that is not above zero.
+    """
+
+    coating: HalfSpace
+    thickness: Metres
+    substrate: HalfSpace
+
+    def __post_init__(self) -> None:
+        for name in ("coating", "substrate"):
+            value = getattr(self, name)
+            if not isinstance(value, HalfSpace):
+                raise InvalidInput(f"CoatedHalfSpace.{name} is {value!r}: give a HalfSpace.")
+        remedy = "give a thickness above 0 m, or the substrate alone for none"
+        keep(self, thickness=bearable("CoatedHalfSpace.thickness", self.thickness, remedy))
+        if math.isinf(self.coating.youngs_modulus):
+            raise InvalidInput(
+                "CoatedHalfSpace.coating is rigid: give it a finite Young's modulus, or a rigid HalfSpace "
+                "as the body."
+            )
+        if (ratio := self._layer.shear_ratio) > LARGEST_RATIO:
+            raise InvalidInput(
+                f"CoatedHalfSpace.coating is {ratio:.3g} times as stiff as the substrate: give a ratio of "
+                f"shear moduli up to {LARGEST_RATIO:g}."
+            )
+
+    @property
+    def compliance(self) -> float:
+        """That of the coating alone [1/Pa]: of a contact far narrower than the coating is thick."""
+        return self.coating.compliance
+
+    def compliance_at(self, half_width: float) -> float:
+        """What the body adds to 1/E* [1/Pa] in a contact of ``half_width`` [m], within some per cent.
+
+        It lies between that of the coating, far below the thickness, and that of the substrate, far above.
+        """
+        if self.coating == self.substrate:
+            return self.compliance
+        k = WAVE * self.thickness / half_width
+        rest = float(np.real(self._layer.rest(np.array([k])))[0])
+        return self.compliance * (1 + self._layer.contrast * math.exp(-2 * k) + rest)
+
+    def response(self, datum: float) -> Mapping[Coefficients, float]:
+        """That of a half-space of the coating's material, and what the substrate below changes."""
+        alone = self.coating.response(datum)
+        if self.coating == self.substrate:
+            return alone
+        weight = alone[Displacement(datum)]
+        return {**alone, CoatingDisplacement(self._layer, self.thickness, datum): weight}
+
+    @property
+    def _layer(self) -> LayerResponse:
+        coating, substrate = (
+            solid.youngs_modulus / (2 * (1 + solid.poisson_ratio))
+            for solid in (self.coating, self.substrate)
+        )
+        ratios = self.coating.poisson_ratio, self.substrate.poisson_ratio
+        return LayerResponse(coating / substrate, *ratios)

@@ -1,0 +1,245 @@
+"""Coated bodies: limits, reference contacts, composition."""
+
+from dataclasses import replace
+from itertools import product
+from math import inf
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.elasticity.coefficients import kernel
+from contactstudy.elasticity.convolution import Convolution
+from contactstudy.scene.solids import response
+from tests.conftest import STEEL
+
+RIGID = cs.HalfSpace(inf, 0.3)
+DLC = cs.HalfSpace(250e9, 0.22)
+PADDINGS = {
+    "row": (cs.ZeroPadding(), cs.ExactPeriodicity()),
+    "lattice": (cs.ExactPeriodicity(), cs.ExactPeriodicity()),
+    "free": (cs.ZeroPadding(), cs.ZeroPadding()),
+    "window": (cs.ZeroPadding(), cs.DuplicatedPadding()),
+    "turned": (cs.ExactPeriodicity(), cs.Superposition(2)),
+}
+
+
+def coefficients(
+    body: cs.Body, grid: cs.Grid, paddings: cs.Paddings, datum: float = 1e-4
+) -> np.ndarray:
+    """Displacement under unit pressure on one cell, at all offsets."""
+    return np.asarray(
+        sum(weight * kernel(grid, paddings, one) for one, weight in body.response(datum).items())
+    )
+
+
+@pytest.mark.parametrize("padding", PADDINGS)
+@pytest.mark.parametrize("cells", [(24, 16), (6, 40)])
+def test_a_thin_coat_is_its_substrate_and_a_thick_one_its_own_material(
+    padding: str, cells: tuple[int, int]
+) -> None:
+    grid = cs.Grid(cells, (1.1e-3, 0.8e-3))
+    for coating, substrate in (
+        (DLC, STEEL),
+        (STEEL, DLC),
+        (STEEL, replace(STEEL, youngs_modulus=2e8)),
+    ):
+        body = cs.CoatedHalfSpace(coating, 1e-21, substrate)
+        thin = coefficients(body, grid, PADDINGS[padding])
+        bare = coefficients(substrate, grid, PADDINGS[padding])
+        # a film adds its membrane's share, (E1 / E2) h / dx < 1e-13, and the sums their rounding
+        assert np.abs(thin - bare).max() <= 1e-12 * np.abs(bare).max()
+        thick = coefficients(replace(body, thickness=1e9), grid, PADDINGS[padding])
+        alone = coefficients(coating, grid, PADDINGS[padding])
+        off = thick - alone
+        # all that is left of the substrate is a rigid shift, growing with ln h; on a lattice none
+        assert np.abs(off - off.mean()).max() <= 1e-10 * np.abs(alone).max()
+
+
+@pytest.mark.parametrize("padding", PADDINGS)
+def test_a_coat_of_the_substrates_material_is_no_coat(padding: str) -> None:
+    grid = cs.Grid((32, 16), (1e-3, 5e-4))
+    body = cs.CoatedHalfSpace(STEEL, 3e-5, STEEL)
+    assert body.response(1e-4) == STEEL.response(1e-4)
+    nearly = replace(body, coating=replace(STEEL, youngs_modulus=STEEL.youngs_modulus * (1 + 1e-9)))
+    np.testing.assert_allclose(
+        coefficients(nearly, grid, PADDINGS[padding]),
+        coefficients(STEEL, grid, PADDINGS[padding]),
+        atol=1e-8 * np.abs(coefficients(STEEL, grid, PADDINGS[padding])).max(),
+    )
+
+
+def test_bodies_that_are_alike_share_their_coefficients() -> None:
+    body = cs.CoatedHalfSpace(DLC, 2e-6, STEEL)
+    once, twice = body.response(1e-4), response((body, body), 1e-4)
+    assert list(twice) == list(once)
+    assert all(twice[one] == 2 * weight for one, weight in once.items())
+    other = response((body, replace(body, thickness=3e-6)), 1e-4)
+    assert len(other) == 3
+
+
+@pytest.mark.parametrize("padding", ["row", "lattice", "free"])
+def test_the_order_of_the_axes_does_not_matter(padding: str) -> None:
+    body = cs.CoatedHalfSpace(DLC, 2e-5, STEEL)
+    across, along = PADDINGS[padding]
+    grid, turned = cs.Grid((20, 12), (1e-3, 4e-4)), cs.Grid((12, 20), (4e-4, 1e-3))
+    one = coefficients(body, grid, (across, along))
+    other = coefficients(body, turned, (along, across)).T
+    np.testing.assert_allclose(one, other, atol=1e-13 * np.abs(one).max())
+
+
+# Rigid cylinder, nu = 0.3 in coat and substrate, E1* = R = 1: P / (E1* a^2 / R), p0 / (E1* a / R).
+# Source: Chebyshev collocation of the layered problem, residual 3e-12
+CYLINDERS = (
+    (4, 0.2, 0.750616102199, 0.477753453724),
+    (4, 1, 0.458102570999, 0.277768758153),
+    (1 / 4, 0.2, 0.800833019014, 0.509889180575),
+    (1 / 4, 1, 1.054900786815, 0.687575655250),
+)
+
+
+@pytest.mark.parametrize(("ratio", "wide", "load", "peak"), CYLINDERS)
+def test_a_rigid_cylinder_on_a_coat(ratio: float, wide: float, load: float, peak: float) -> None:
+    a, modulus = 1e-4, 2e9
+    coating = cs.HalfSpace(modulus * (1 - 0.3**2), 0.3)
+    substrate = replace(coating, youngs_modulus=coating.youngs_modulus / ratio)
+    body = cs.CoatedHalfSpace(coating, a / wide, substrate)
+    scene = cs.Scene(cs.LineLoad(load * modulus * a**2), (body, RIGID), (cs.Cylinder(1.0),))
+    off = []
+    for cells in (128, 512):
+        grid = cs.Grid((cells, 1), (2.4 * a, 1e-3))
+        solution = cs.solve(scene.problem(grid, cs.ExactPeriodicity()), tolerance=1e-10)
+        assert solution.status is cs.Status.CONVERGED
+        off.append(abs(solution.pressure.max() / (peak * modulus * a) - 1))
+    # second order in the cell: PEAK (dx / a)^2 with a factor below one, and 16 times less on cells a quarter as wide
+    assert off[1] <= (2.4 / 512) ** 2
+    assert off[1] <= off[0] / 8
+
+
+# Sphere on the same: P / (E1* a^3 / R), approach / (a^2 / R), pressure in the middle / (E1* a / R).
+# Source: a Fredholm equation of the second kind (Lebedev & Ufliand), to 1e-10
+SPHERES = (
+    (4, 0.5, 1.2448459252, 1.5105186787, 0.5922323634),
+    (4, 2, 0.6865234111, 1.4181927454, 0.2677152978),
+    (1 / 4, 0.5, 1.3801110660, 0.8268072130, 0.6603836616),
+)
+
+
+@pytest.mark.parametrize(("ratio", "wide", "load", "approach", "middle"), SPHERES)
+def test_a_rigid_sphere_on_a_coat(
+    ratio: float, wide: float, load: float, approach: float, middle: float
+) -> None:
+    """On the stiff coat that is thin the pressure is highest beside the middle, so the middle is compared."""
+    a, modulus, n = 1e-4, 2e9, 97
+    coating = cs.HalfSpace(modulus * (1 - 0.3**2), 0.3)
+    substrate = replace(coating, youngs_modulus=coating.youngs_modulus / ratio)
+    body = cs.CoatedHalfSpace(coating, a / wide, substrate)
+    extent = 2.3 * a
+    line = cs.LineLoad(load * modulus * a**3 / extent)
+    scene = cs.Scene(line, (body, RIGID), (cs.Sphere(1.0),))
+    problem = scene.problem(cs.Grid((n, n), (extent, extent)), PADDINGS["free"])
+    solution = cs.solve(problem)
+    # second order in the cell (dx / a = 0.024)
+    assert solution.approach / a**2 == pytest.approx(approach, rel=0.024**2)
+    assert solution.pressure[n // 2, n // 2] / (modulus * a) == pytest.approx(middle, rel=0.024**2)
+
+
+def test_a_uniform_contact_is_the_same_with_one_cell_along_and_with_many() -> None:
+    body = cs.CoatedHalfSpace(DLC, 2e-6, STEEL)
+    scene = cs.Scene(cs.LineLoad(1e5), (body, STEEL), (cs.Cylinder(0.01),))
+    width = 2.4 * scene.hertz.half_width
+    line, plane = (
+        cs.solve(
+            scene.problem(cs.Grid((128, cells), (width, 9e-5)), cs.ExactPeriodicity()),
+            tolerance=1e-12,
+        ).pressure
+        for cells in (1, 48)
+    )
+    np.testing.assert_allclose(plane, np.broadcast_to(line, plane.shape), atol=1e-9 * line.max())
+
+
+@pytest.mark.parametrize(
+    ("coating", "substrate"), [*product((DLC, cs.HalfSpace(3e9, 0.4)), (STEEL, RIGID))]
+)
+def test_coats_are_positive_definite_but_for_a_shift(
+    coating: cs.HalfSpace, substrate: cs.HalfSpace
+) -> None:
+    grid = cs.Grid((32, 32), (1e-4, 1e-4))
+    for thickness in (1e-8, 1e-6, 1e-5, 1e-3):
+        body = cs.CoatedHalfSpace(coating, thickness, substrate)
+        operator = cs.superposed(body.response(1e-4), grid, PADDINGS["lattice"])
+        assert isinstance(operator, Convolution)
+        assert operator.spectrum.ravel()[1:].min() > 0
+
+
+def test_a_rough_roller_with_a_coat_and_a_hardness_is_solved() -> None:
+    body = cs.CoatedHalfSpace(DLC, 2e-6, STEEL)
+    rough = cs.Roughness(2e-7, hurst=0.8, roll_off=6e-5, cut_off=1.2e-5)
+    scene = cs.Scene(cs.LineLoad(1e5), (body, STEEL), (cs.Cylinder(0.01), rough), hardness=3e9)
+    grid = cs.Grid((96, 64), (3e-4, 1.2e-4))
+    solution = cs.solve(scene.problem(grid, cs.ExactPeriodicity()))
+    assert solution.status is cs.Status.CONVERGED
+    assert solution.pressure.max() == 3e9
+    assert solution.pressure.sum() * grid.cell_area / grid.period == pytest.approx(1e5, rel=1e-9)
+
+
+def test_the_modulus_of_its_hertz_contact_lies_between_coat_and_substrate() -> None:
+    soft = replace(STEEL, youngs_modulus=20e9)
+    bounds = sorted(1 / one.compliance for one in (STEEL, soft))
+    found = []
+    for thickness in (1e-9, 1e-6, 1e-4, 1e-1):
+        body = cs.CoatedHalfSpace(STEEL, thickness, soft)
+        scene = cs.Scene(cs.LineLoad(1e5), (body, RIGID), (cs.Cylinder(0.01),))
+        found.append(scene.hertz.contact_modulus)
+    assert found == sorted(found)
+    assert found[0] == pytest.approx(bounds[0], rel=1e-3)
+    assert found[-1] == pytest.approx(bounds[1], rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "named"),
+    [
+        ({"thickness": 0.0}, "CoatedHalfSpace.thickness"),
+        ({"thickness": -1e-6}, "CoatedHalfSpace.thickness"),
+        ({"thickness": inf}, "CoatedHalfSpace.thickness"),
+        ({"coating": RIGID}, "CoatedHalfSpace.coating"),
+        ({"coating": 2e11}, "CoatedHalfSpace.coating"),
+        ({"substrate": "steel"}, "CoatedHalfSpace.substrate"),
+        ({"substrate": replace(STEEL, youngs_modulus=1e3)}, "CoatedHalfSpace.coating"),
+    ],
+)
+def test_a_coat_that_cannot_be_says_so(wrong: dict[str, object], named: str) -> None:
+    with pytest.raises(cs.InvalidInput, match=named):
+        replace(cs.CoatedHalfSpace(DLC, 2e-6, STEEL), **wrong)
+
+
+def test_stress_is_refused_in_a_coated_body_and_given_in_the_other() -> None:
+    body = cs.CoatedHalfSpace(DLC, 2e-6, STEEL)
+    below = cs.SubsurfaceStress(depths=(1e-5,))
+    with pytest.raises(cs.InvalidInput, match="CoatedHalfSpace"):
+        cs.Scene(cs.LineLoad(1e5), (body, STEEL), (cs.Cylinder(0.01),), outputs=(below,))
+    cs.Scene(
+        cs.LineLoad(1e5), (body, STEEL), (cs.Cylinder(0.01),), outputs=(replace(below, solid=1),)
+    )
+
+
+def test_a_coat_is_read_from_a_file_and_written_to_one(tmp_path: Path) -> None:
+    body = cs.CoatedHalfSpace(DLC, 2e-6, STEEL)
+    scene = cs.Scene(cs.LineLoad(1e5), (body, STEEL), (cs.Cylinder(0.01),))
+    path = tmp_path / "coated.toml"
+    cs.write_scene(scene, path)
+    assert cs.read_scene(path).scene == scene
+    path.write_text(
+        "load = { per_length = 1e5 }\n"
+        'shapes = [{ kind = "Cylinder", radius = "10 mm" }]\n'
+        "[[solids]]\n"
+        'kind = "CoatedHalfSpace"\n'
+        'thickness = "2 um"\n'
+        'coating = { youngs_modulus = "250 GPa", poisson_ratio = 0.22 }\n'
+        'substrate = { youngs_modulus = "210 GPa", poisson_ratio = 0.3 }\n'
+        "[[solids]]\n"
+        'youngs_modulus = "210 GPa"\n'
+        "poisson_ratio = 0.3\n"
+    )
+    assert cs.read_scene(path).scene == scene

@@ -66,8 +66,8 @@ if _TYPE_CHECKING:
     from contactstudy.io.dataset import to_dataset
     from contactstudy.io.scene_file import SceneFile, read_scene
     from contactstudy.io.scene_writer import write_scene
-    from contactstudy.scene.load_history import LoadHistory, SineLoad
     from contactstudy.scene.coated import CoatedHalfSpace
+    from contactstudy.scene.load_history import LoadHistory, SineLoad
     from contactstudy.scene.stress import SubsurfaceStress
     from contactstudy.scene.viscoelastic import ViscoelasticHalfSpace
     from contactstudy.scene.wear import Wear

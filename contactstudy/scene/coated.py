@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, bearable, keep
+from contactstudy.domain.checks import InvalidInput, in_range, set_fields
 from contactstudy.domain.units import Metres
 from contactstudy.elasticity.coating import CoatingDisplacement
 from contactstudy.elasticity.coefficients import Coefficients, Displacement
@@ -38,7 +38,7 @@ class CoatedHalfSpace:
             if not isinstance(value, HalfSpace):
                 raise InvalidInput(f"CoatedHalfSpace.{name} is {value!r}: give a HalfSpace.")
         remedy = "give a thickness above 0 m, or the substrate alone for none"
-        keep(self, thickness=bearable("CoatedHalfSpace.thickness", self.thickness, remedy))
+        set_fields(self, thickness=in_range("CoatedHalfSpace.thickness", self.thickness, remedy))
         if math.isinf(self.coating.youngs_modulus):
             raise InvalidInput(
                 "CoatedHalfSpace.coating is rigid: give it a finite Young's modulus, or a rigid HalfSpace "

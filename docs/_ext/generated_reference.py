@@ -1,0 +1,200 @@
+"""Reference pages made from the program itself: public names, keys of a scene file, studies, statuses."""
+
+import json
+from dataclasses import MISSING, fields
+from enum import Enum
+from inspect import getdoc, isclass
+from pathlib import Path
+from typing import Annotated, Any, get_args, get_origin, get_type_hints
+
+from sphinx.application import Sphinx
+
+import contactstudy as cs
+from contactstudy.domain.units import Unit
+from contactstudy.io.scene_file import KINDS, Document
+from studies.registry import BUILT_IN, OPTIONAL, load
+
+# Where a public name is documented, by the folder of its module; what is not listed here goes to the last.
+GROUPS = {
+    "scene": "What a scene is made of",
+    "evolution": "Histories and memory",
+    "domain": "Grids, paddings, checks",
+    "solvers": "Solving",
+    "accuracy": "Errors",
+    "planning": "Plans",
+    "io": "Files and datasets",
+    "problem": "The waist: problems, constraints, loads",
+    "elasticity": "Operators and influence coefficients",
+    "": "Other names",
+}
+
+
+def group_of(name: str) -> str:
+    """The folder of the module that defines a public name."""
+    module = cs._LATER.get(name) or ORIGINAL.get(name, "")
+    folder = (module.split(".") + ["", ""])[1]
+    return folder if folder in GROUPS else ""
+
+
+ORIGINAL: dict[str, str] = {}
+
+
+def _remember() -> None:
+    source = Path(cs.__file__).read_text()
+    import ast
+
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            for alias in node.names:
+                ORIGINAL[alias.asname or alias.name] = node.module
+
+
+def names() -> str:
+    """A page with every public name."""
+    _remember()
+    groups: dict[str, list[str]] = {}
+    for name in cs.__all__:
+        if name != "__version__":
+            groups.setdefault(group_of(name), []).append(name)
+    text = ["# Public names", "", "`import contactstudy as cs`. Everything is in SI units.", ""]
+    for group, title in GROUPS.items():
+        if group not in groups:
+            continue
+        text += [f"## {title}", ""]
+        for name in sorted(groups[group], key=str.lower):
+            thing = getattr(cs, name)
+            if isclass(thing):
+                directive = f".. autoclass:: contactstudy.{name}\n   :members:"
+                if issubclass(thing, Enum):
+                    directive += "\n   :undoc-members:"
+            elif callable(thing):
+                directive = f".. autofunction:: contactstudy.{name}"
+            elif getdoc(thing) and hasattr(thing, "__name__") and hasattr(thing, "__path__") is False and type(thing).__name__ == "module":
+                directive = f".. automodule:: contactstudy.{name}\n   :members:"
+            else:
+                directive = f".. autodata:: contactstudy.{name}\n   :no-value:"
+            text += ["```{eval-rst}", directive, "```", ""]
+    return "\n".join(text)
+
+
+def _type(wanted: Any) -> str:
+    """A type as a person writes it in a scene file."""
+    if get_origin(wanted) is Annotated:
+        unit = next(note for note in get_args(wanted) if isinstance(note, Unit))
+        return f"{unit.quantity} ({unit.symbol or 'no unit'})"
+    if wanted in KINDS:
+        return "a table with a `kind`: " + ", ".join(f"`{kind}`" for kind in KINDS[wanted])
+    if get_origin(wanted) is tuple:
+        several = [one for one in get_args(wanted) if one is not ...]
+        return "a list of: " + "; ".join(dict.fromkeys(_type(one) for one in several))
+    if isclass(wanted) and issubclass(wanted, Enum):
+        return "one of " + ", ".join(f'`"{one.name.lower()}"`' for one in wanted)
+    if args := [one for one in get_args(wanted) if one is not type(None)]:
+        return " or ".join(_type(one) for one in args)
+    return {int: "a whole number", float: "a number", str: "a text"}.get(
+        wanted, f"a table: `{getattr(wanted, '__name__', wanted)}`"
+    )
+
+
+def _table(kind: type) -> list[str]:
+    hints = get_type_hints(kind, include_extras=True)
+    rows = ["| key | value | default |", "|---|---|---|"]
+    for field in fields(kind):
+        if not field.init:
+            continue
+        if field.default is not MISSING:
+            default = f"`{field.default!r}`" if not isinstance(field.default, Enum) else f'`"{field.default.name.lower()}"`'
+        elif field.default_factory is not MISSING:
+            default = f"`{field.default_factory()!r}`"
+        else:
+            default = "required"
+        rows.append(f"| `{field.name}` | {_type(hints[field.name])} | {default} |".replace("\n", " "))
+    return rows
+
+
+def keys() -> str:
+    """A page with every key of a scene file."""
+    text = [
+        "# Keys of a scene file",
+        "",
+        'Numbers are in SI units; a text with a unit, such as `"10 mm"`, is converted. A table that may be of several '
+        "kinds says which by its key `kind`.",
+        "",
+        "## Top level",
+        "",
+        *_table(Document),
+    ]
+    done: set[type] = set()
+    plain = [one for hint in get_type_hints(Document).values() for one in _plain(hint)]
+    for kind in plain + [kind for kinds in KINDS.values() for kind in kinds.values()]:
+        if kind in done:
+            continue
+        done.add(kind)
+        name = next((n for kinds in KINDS.values() for n, k in kinds.items() if k is kind), kind.__name__)
+        first = (getdoc(kind) or "").split("\n\n")[0].replace("\n", " ")
+        text += ["", f"## `{name}`", "", first.replace("``", "`"), "", *(_table(kind) if fields(kind) else [])]
+    return "\n".join(text)
+
+
+def _plain(hint: Any) -> list[type]:
+    found = [hint, *get_args(hint)]
+    return [one for one in found if isclass(one) and hasattr(one, "__dataclass_fields__")]
+
+
+def studies(variables: Path) -> str:
+    """A page with every study, its axes and its variables."""
+    stored = json.loads(variables.read_text()) if variables.is_file() else {}
+    text = ["# Studies", "", "Every axis is an option of `contactstudy run`.", ""]
+    for name in [*BUILT_IN, *OPTIONAL]:
+        study = load(name)
+        text += [f"## `{name}`", "", study.title, "", "| axis | values | meaning |", "|---|---|---|"]
+        for axis in study.points:
+            values = ", ".join(str(value) for value in axis.values)
+            unit = f" [{axis.units}]" if getattr(axis, "units", "1") not in ("", "1") else ""
+            text.append(f"| `{axis.name}` | {values} | {axis.long_name}{unit} |")
+        if found := stored.get(name):
+            text += ["", "| variable | meaning | units |", "|---|---|---|"]
+            text += [f"| `{one}` | {meaning} | {units} |" for one, meaning, units in found]
+        text.append("")
+    return "\n".join(text)
+
+
+def statuses() -> str:
+    """A page with every status of a solution and of a case."""
+    text = ["# Statuses", "", "## Of a solution", "", "| status | meaning |", "|---|---|"]
+    text += [f"| `{one.name}` | {one.value} |" for one in cs.Status]
+    text += [
+        "",
+        "## Of a case in a sweep",
+        "",
+        "The variable's CF attributes `flag_values` and `flag_meanings` say the same in every file.",
+        "",
+    ]
+    from studies.model import outcome
+
+    for thing in vars(outcome).values():
+        if isclass(thing) and issubclass(thing, Enum) and thing.__module__ == outcome.__name__:
+            text += [(getdoc(thing) or "").split("\n")[0], ""]
+            text += [f"- `{one.name}` ({one.value})" for one in thing] + [""]
+    return "\n".join(text)
+
+
+def write(app: Sphinx) -> None:
+    """Write the pages where their text has changed."""
+    folder = Path(app.srcdir) / "reference"
+    pages = {
+        "names": names(),
+        "scene-file-keys": keys(),
+        "studies": studies(folder / "study-variables.json"),
+        "statuses": statuses(),
+    }
+    for name, text in pages.items():
+        path = folder / f"{name}.md"
+        if not path.is_file() or path.read_text() != text:
+            path.write_text(text)
+
+
+def setup(app: Sphinx) -> dict[str, object]:
+    """Write the pages before anything is read."""
+    app.connect("builder-inited", write)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}

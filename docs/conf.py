@@ -1,0 +1,66 @@
+"""Sphinx configuration: one command builds the site, ``sphinx-build -W -n docs docs/_build``."""
+
+import sys
+from pathlib import Path
+
+import contactstudy as cs
+
+sys.path.insert(0, str(Path(__file__).parent / "_ext"))
+
+# Public objects are documented under their public name.
+for _name in cs.__all__:
+    _object = getattr(cs, _name)
+    if getattr(_object, "__module__", "").startswith("contactstudy."):
+        _object.__module__ = "contactstudy"
+
+project = "contactstudy"
+author = "the contactstudy developers"
+copyright = author
+release = version = cs.__version__
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx_click",
+    "sphinx_copybutton",
+    "sphinx_gallery.gen_gallery",
+    "mathml",
+    "generated_reference",
+]
+source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
+exclude_patterns = ["_build", "_ext"]
+myst_enable_extensions = ["dollarmath", "deflist"]
+myst_heading_anchors = 3
+suppress_warnings = ["config.cache"]
+
+html_theme = "furo"
+html_title = f"contactstudy {release}"
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
+html_math_renderer = "mathml"
+html_show_sphinx = False
+
+autodoc_member_order = "bysource"
+autodoc_typehints = "signature"
+autodoc_typehints_format = "short"
+autodoc_preserve_defaults = True
+nitpicky = True
+# Names of other projects, whose inventories are not on this machine, and type parameters.
+nitpick_ignore_regex = [
+    (r"py:.*", r"(numpy|np|xr|xarray|matplotlib|os|typing|pathlib|collections|click|NDArray|Any|floating)(\..*)?"),
+    (r"py:.*", r"(Array|Self|Path|PathLike|Callable|Mapping|Unit|Annotated|Enum|Figure|Protocol|ArrayLike|DTypeLike)"),
+    (r"py:class", r"(float|int|str|bool|tuple|list|dict|range|object|None|enum\.Enum|ValueError|optional)"),
+    (r"py:.*", r"(Metres|Pascals|NewtonsPerMetre|Radians|Number|.*\.units\..*|Unit\(.*|symbol=.*|quantity=.*|example=.*)"),
+    (r"py:.*", r"(contactstudy|studies)\.[a-z_]+\..*"),
+]
+
+sphinx_gallery_conf = {
+    "examples_dirs": "../examples/gallery",
+    "gallery_dirs": "gallery",
+    "filename_pattern": r"plot_",
+    "within_subsection_order": "FileNameSortKey",
+    "remove_config_comments": True,
+    "show_signature": False,
+    "min_reported_time": 1e9,
+    "download_all_examples": False,
+    "matplotlib_animations": False,
+}

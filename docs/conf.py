@@ -46,10 +46,22 @@ autodoc_preserve_defaults = True
 nitpicky = True
 # Names of other projects, whose inventories are not on this machine, and type parameters.
 nitpick_ignore_regex = [
-    (r"py:.*", r"(numpy|np|xr|xarray|matplotlib|os|typing|pathlib|collections|click|NDArray|Any|floating)(\..*)?"),
-    (r"py:.*", r"(Array|Self|Path|PathLike|Callable|Mapping|Unit|Annotated|Enum|Figure|Protocol|ArrayLike|DTypeLike)"),
-    (r"py:class", r"(float|int|str|bool|tuple|list|dict|range|object|None|enum\.Enum|ValueError|optional)"),
-    (r"py:.*", r"(Metres|Pascals|NewtonsPerMetre|Radians|Number|.*\.units\..*|Unit\(.*|symbol=.*|quantity=.*|example=.*)"),
+    (
+        r"py:.*",
+        r"(numpy|np|xr|xarray|matplotlib|os|typing|pathlib|collections|click|NDArray|Any|floating)(\..*)?",
+    ),
+    (
+        r"py:.*",
+        r"(Array|Self|Path|PathLike|Callable|Mapping|Unit|Annotated|Enum|Figure|Protocol|ArrayLike|DTypeLike)",
+    ),
+    (
+        r"py:class",
+        r"(float|int|str|bool|tuple|list|dict|range|object|None|enum\.Enum|ValueError|optional)",
+    ),
+    (
+        r"py:.*",
+        r"(Metres|Pascals|NewtonsPerMetre|Radians|Number|.*\.units\..*|Unit\(.*|symbol=.*|quantity=.*|example=.*)",
+    ),
     (r"py:.*", r"(contactstudy|studies)\.[a-z_]+\..*"),
 ]
 

@@ -7,14 +7,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
-from contactstudy import InvalidInput
+from contactstudy import InvalidInput, NotDefined
 from contactstudy.domain.arrays import Array
 from studies.advice.pareto_front import pareto_front
 from studies.model.axis import one_of
 from studies.model.outcome import CaseStatus
+from studies.registry import BUILT_IN, OPTIONAL, load_drawing
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True)
@@ -34,7 +36,7 @@ class StudyAccessor:
     """
 
     def __init__(self, dataset: xr.Dataset) -> None:
-        self._dataset = dataset
+        self._dataset = dataset.map(_without_units, keep_attrs=True)
 
     @property
     def axes(self) -> tuple[str, ...]:
@@ -85,6 +87,15 @@ class StudyAccessor:
             )
         return good.loc[good["cost"].idxmin()]
 
+    def plot(self) -> "list[Figure]":
+        """The figures of the built-in study that the dataset was made by."""
+        name = self._dataset.attrs.get("study")
+        if name not in BUILT_IN | OPTIONAL:
+            raise NotDefined(
+                f"The dataset's attribute 'study' is {name!r}: only a dataset of a built-in study has figures."
+            )
+        return [one.figure for one in load_drawing(str(name)).figure(self._dataset)]
+
     def table(self, variables: Sequence[str] = ()) -> "pd.DataFrame":
         """A row for every point: the axes, and ``variables`` (all that have no other dimension)."""
         names = [self._variable(name).name for name in variables] or [
@@ -106,6 +117,12 @@ class StudyAccessor:
 
     def _variable(self, name: str) -> xr.DataArray:
         return self._dataset[one_of("variable", name, [str(n) for n in self._dataset.data_vars])]
+
+
+def _without_units(variable: xr.DataArray) -> xr.DataArray:
+    """Plain numbers of a variable that pint-xarray has quantified; stored units are kept as text."""
+    magnitude = getattr(variable.data, "magnitude", None)
+    return variable if magnitude is None else variable.copy(data=magnitude)
 
 
 def _slope(x: Array, y: Array) -> tuple[float, float]:

@@ -1,6 +1,7 @@
 """Reference pages made from the program itself: public names, keys of a scene file, studies, statuses."""
 
 import json
+import re
 from dataclasses import MISSING, fields
 from enum import Enum
 from inspect import getdoc, isclass
@@ -32,7 +33,7 @@ GROUPS = {
 def group_of(name: str) -> str:
     """The folder of the module that defines a public name."""
     module = cs._LATER.get(name) or ORIGINAL.get(name, "")
-    folder = (module.split(".") + ["", ""])[1]
+    folder = [*module.split("."), "", ""][1]
     return folder if folder in GROUPS else ""
 
 
@@ -69,7 +70,12 @@ def names() -> str:
                     directive += "\n   :undoc-members:"
             elif callable(thing):
                 directive = f".. autofunction:: contactstudy.{name}"
-            elif getdoc(thing) and hasattr(thing, "__name__") and hasattr(thing, "__path__") is False and type(thing).__name__ == "module":
+            elif (
+                getdoc(thing)
+                and hasattr(thing, "__name__")
+                and hasattr(thing, "__path__") is False
+                and type(thing).__name__ == "module"
+            ):
                 directive = f".. automodule:: contactstudy.{name}\n   :members:"
             else:
                 directive = f".. autodata:: contactstudy.{name}\n   :no-value:"
@@ -103,12 +109,23 @@ def _table(kind: type) -> list[str]:
         if not field.init:
             continue
         if field.default is not MISSING:
-            default = f"`{field.default!r}`" if not isinstance(field.default, Enum) else f'`"{field.default.name.lower()}"`'
+            default = (
+                f"`{field.default!r}`"
+                if not isinstance(field.default, Enum)
+                else f'`"{field.default.name.lower()}"`'
+            )
         elif field.default_factory is not MISSING:
-            default = f"`{field.default_factory()!r}`"
+            made = field.default_factory()
+            default = (
+                f"`{made!r}`"
+                if len(repr(made)) < 40
+                else f"`{type(made).__name__}` with its defaults"
+            )
         else:
             default = "required"
-        rows.append(f"| `{field.name}` | {_type(hints[field.name])} | {default} |".replace("\n", " "))
+        rows.append(
+            f"| `{field.name}` | {_type(hints[field.name])} | {default} |".replace("\n", " ")
+        )
     return rows
 
 
@@ -130,9 +147,18 @@ def keys() -> str:
         if kind in done:
             continue
         done.add(kind)
-        name = next((n for kinds in KINDS.values() for n, k in kinds.items() if k is kind), kind.__name__)
+        name = next(
+            (n for kinds in KINDS.values() for n, k in kinds.items() if k is kind), kind.__name__
+        )
         first = (getdoc(kind) or "").split("\n\n")[0].replace("\n", " ")
-        text += ["", f"## `{name}`", "", first.replace("``", "`"), "", *(_table(kind) if fields(kind) else [])]
+        text += [
+            "",
+            f"## `{name}`",
+            "",
+            first.replace("``", "`"),
+            "",
+            *(_table(kind) if fields(kind) else []),
+        ]
     return "\n".join(text)
 
 
@@ -147,7 +173,14 @@ def studies(variables: Path) -> str:
     text = ["# Studies", "", "Every axis is an option of `contactstudy run`.", ""]
     for name in [*BUILT_IN, *OPTIONAL]:
         study = load(name)
-        text += [f"## `{name}`", "", study.title, "", "| axis | values | meaning |", "|---|---|---|"]
+        text += [
+            f"## `{name}`",
+            "",
+            study.title,
+            "",
+            "| axis | values | meaning |",
+            "|---|---|---|",
+        ]
         for axis in study.points:
             values = ", ".join(str(value) for value in axis.values)
             unit = f" [{axis.units}]" if getattr(axis, "units", "1") not in ("", "1") else ""
@@ -194,7 +227,33 @@ def write(app: Sphinx) -> None:
             path.write_text(text)
 
 
+UNIT = re.compile(
+    r"~?(?:typing\.)?Annotated\[float, ~?contactstudy\.domain\.units\.Unit\([^()]*\)\]"
+)
+ARRAY = re.compile(
+    r"~?(?:numpy\.)?ndarray\[tuple\[~?(?:typing\.)?Any, \.\.\.\], ~?(?:numpy\.)?dtype\[~?(?:numpy\.)?floating\[~?(?:typing\.)?Any\]\]\]"
+)
+
+
+def shorten(
+    app: Sphinx,
+    what: str,
+    name: str,
+    obj: object,
+    options: object,
+    signature: str | None,
+    returns: str | None,
+) -> tuple[str | None, str | None]:
+    """Signatures as a person reads them: a quantity is a float, a field an Array; units are in the text."""
+
+    def short(text: str | None) -> str | None:
+        return text and ARRAY.sub("Array", UNIT.sub("float", text))
+
+    return short(signature), short(returns)
+
+
 def setup(app: Sphinx) -> dict[str, object]:
     """Write the pages before anything is read."""
     app.connect("builder-inited", write)
+    app.connect("autodoc-process-signature", shorten)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

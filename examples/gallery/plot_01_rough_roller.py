@@ -19,7 +19,12 @@ scene = cs.Scene(
         cs.Cylinder(radius=0.01),
         cs.LundbergProfile(amplitude=2.76e-7, end_drop=1.26e-6, length=length),
         cs.Roughness(
-            rms=5e-8, hurst=0.8, roll_off=1e-4, cut_off=1.5e-5, peklenik=0.5, extent=(length, length)
+            rms=5e-8,
+            hurst=0.8,
+            roll_off=1e-4,
+            cut_off=1.5e-5,
+            peklenik=0.5,
+            extent=(length, length),
         ),
     ),
 )

@@ -7,7 +7,6 @@ logarithmic profile removes it.
 """
 
 import matplotlib.pyplot as plt
-import numpy as np
 
 import contactstudy as cs
 
@@ -26,13 +25,17 @@ grid = cs.Grid(cells=(64, 256), extent=(3.2e-4, 1.05 * length))
 figure, ax = plt.subplots(layout="constrained")
 highest = {}
 for name, profile in profiles.items():
-    shapes = (cylinder, profile) if name == "straight" else (cylinder, profile, cs.FiniteLength(length))
+    shapes = (
+        (cylinder, profile) if name == "straight" else (cylinder, profile, cs.FiniteLength(length))
+    )
     scene = cs.Scene(cs.LineLoad(1e5 * length / grid.period), (steel, steel), shapes)
     solution = cs.solve(scene.problem(grid, cs.ZeroPadding()))
     middle = solution.pressure[grid.cells[0] // 2]
     highest[name] = solution.pressure.max() / smooth.hertz.peak_pressure
     ax.plot(grid.y * 1e3, middle / 1e6, label=name)
-ax.axhline(smooth.hertz.peak_pressure / 1e6, linestyle=":", color="black", label="Hertz, infinitely long")
+ax.axhline(
+    smooth.hertz.peak_pressure / 1e6, linestyle=":", color="black", label="Hertz, infinitely long"
+)
 ax.set(xlabel="along the roller [mm]", ylabel="pressure on the axis [MPa]")
 ax.legend()
 

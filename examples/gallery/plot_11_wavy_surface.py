@@ -28,7 +28,9 @@ for share in (0.1, 0.3, 0.6, 0.9):
     closed = cs.analytic.westergaard(share * complete, amplitude, wavelength, scene.contact_modulus)
     exact = closed.pressure(grid.x)
     errors.append(np.abs(solution.pressure[:, 0] - exact).sum() / exact.sum())
-    ax.plot(grid.x / wavelength, solution.pressure[:, 0] / complete, label=f"{share:.0%} of closing")
+    ax.plot(
+        grid.x / wavelength, solution.pressure[:, 0] / complete, label=f"{share:.0%} of closing"
+    )
     ax.plot(grid.x / wavelength, exact / complete, ":", color="black")
 ax.set(xlabel="across / wavelength", ylabel="pressure / closing pressure")
 ax.legend()

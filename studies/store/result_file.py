@@ -76,7 +76,10 @@ class ResultFile:
     def _attributes(self) -> dict[str, object]:
         first = next(iter(self.request.cases.values()))
         history = self.journal.contents.history
-        return {"title": one_line(self.study.title), "first_case": _shown(first)} | dict(self.provenance) | {
+        return dict(self.provenance) | {
+            "study": self.study.name,
+            "title": one_line(self.study.title),
+            "first_case": _shown(first),
             "history": "\n".join(history),
             "date_created": history[0].split()[0],
             "case_versions": ", ".join(f"{k} {v}" for k, v in self.request.context.items()),

@@ -52,7 +52,7 @@ nitpick_ignore_regex = [
     ),
     (
         r"py:.*",
-        r"(Array|Self|Path|PathLike|Callable|Mapping|Unit|Annotated|Enum|Figure|Protocol|ArrayLike|DTypeLike)",
+        r"(Array|Self|Path|PathLike|Callable|Mapping|Unit|Annotated|Enum|Figure|Protocol|ArrayLike|DTypeLike|ChangingLoad|tuple\[float)",
     ),
     (
         r"py:class",

@@ -16,7 +16,7 @@ from contactstudy.problem.problem import Problem
 from contactstudy.solvers.solution import Solution, Status
 
 # An approximate inverse is out by up to this factor where the padding is a short window.
-MARGIN = 1.5
+MARGIN = 2.0
 # What cells hide over the error of smooth edges: below SMOOTH that error is all there is, and no coarser solution
 # is needed; up to RESOLVED the pressure in L1 is in error by no more than so many times it. The error of the
 # highest pressure grows by so many times what they hide, up to half of that.
@@ -241,7 +241,7 @@ def _residual(solution: Solution) -> tuple[float, float]:
     scales, operator = problem.scales, problem.bare().operator
     pressure, gap = solution.pressure / scales.pressure, solution.gap / scales.gap
     free = problem.constraint.free(solution.pressure) > 0
-    closing = operator.approximate_inverse()[0](np.where(free, -gap, 0.0))
+    closing = operator.approximate_inverse()[0](np.where(free, -gap, 0.0), free.astype(np.float64))
     closing = np.where(free, closing - closing.mean(where=free) if free.any() else 0.0, 0.0)
     # of cells at a limit that should not be
     bound = violation(pressure, np.where(free, 0.0, -gap)) / operator.own

@@ -41,6 +41,10 @@ class BareProblem:
         """The admissible pressure nearest to ``trial``, in place."""
         return self.resultant.nearest(trial, self.constraint)
 
+    def levelled(self, trial: Array, cells: Array) -> Array:
+        """``trial`` cut off at the limits and made to carry the load by a shift of ``cells``, in place."""
+        return self.resultant.levelled(trial, cells, self.constraint)
+
     def residual(self, pressure: Array, gap: Gap) -> float:
         """The measure of :func:`~contactstudy.solve`: the largest of complementarity, penetration and load."""
         borne = float(pressure.sum())

@@ -52,6 +52,30 @@ class Compressive:
         """Shifted, then cut off."""
         return shifted(trial, total, inf)
 
+    def levelled(self, trial: Array, cells: Array, total: float) -> Array:
+        """Shifted in Newton's steps, each of which cuts off more: the sum is convex in the shift."""
+        if trial.max() > total:  # numbers of this size would drown the load
+            chosen = cells > 0
+            levelled = shifted(trial[chosen], total, inf)
+            trial[...] = 0
+            trial[chosen] = levelled
+            return trial
+        trial *= cells
+        self.clip(trial)
+        bearing = np.count_nonzero(trial)
+        while (excess := float(trial.sum()) - total) > 0:
+            trial -= excess / bearing
+            self.clip(trial)
+            before, bearing = bearing, np.count_nonzero(trial)
+            if bearing == before:
+                break
+        trial *= total / trial.sum()
+        return trial
+
+    def wrong(self, pressure: Array, overlap: Array) -> Array:
+        """Cells that penetrate."""
+        return np.greater(overlap, 0).astype(overlap.dtype)
+
     def residual(self, pressure: Array, gap: Gap, borne: float) -> float:
         """Complementarity and penetration."""
         return largest(inner(pressure, np.abs(gap.held)) / borne, gap.overlap.max())

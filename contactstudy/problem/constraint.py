@@ -51,6 +51,17 @@ class Constraint(Protocol):
         """The pressure of this set with the sum ``total`` that is nearest to ``trial``, in place."""
         ...
 
+    def levelled(self, trial: Array, cells: Array, total: float) -> Array:
+        """``trial`` cut off at the limits, its ``cells`` (1, others 0) shifted to the sum ``total``, in place.
+
+        Where these cells alone cannot, all cells carry it.
+        """
+        ...
+
+    def wrong(self, pressure: Array, overlap: Array) -> Array:
+        """1 for cells at a limit that should leave it by their ``overlap``, and 0 for the others."""
+        ...
+
     def residual(self, pressure: Array, gap: Gap, borne: float) -> float:
         """The larger of complementarity and penetration, in units of the gap scale.
 

@@ -86,6 +86,20 @@ class HardnessLimited:
         """Shifted, then cut off."""
         return shifted(trial, total, self.hardness)
 
+    def levelled(self, trial: Array, cells: Array, total: float) -> Array:
+        """Shifted, if these cells can make up for the others."""
+        self.clip(trial)
+        chosen = cells > 0
+        rest = total - float(trial[~chosen].sum())
+        if not 0 < rest < self.capacity(int(np.count_nonzero(chosen))):
+            return self.carrying(trial, total)
+        trial[chosen] = shifted(trial[chosen], rest, self.hardness)
+        return trial
+
+    def wrong(self, pressure: Array, overlap: Array) -> Array:
+        """Cells that penetrate without pressure, and that are open at the hardness."""
+        return (violation(pressure, overlap) > 0).astype(overlap.dtype)
+
     def residual(self, pressure: Array, gap: Gap, borne: float) -> float:
         """Complementarity of the free cells, penetration, and gaps that yielding cells leave open."""
         borne_free = inner(pressure, gap.free)

@@ -40,6 +40,9 @@ class Operator(Protocol):
         """The operator on a grid of larger cells, each a block of these."""
         ...
 
-    def approximate_inverse(self) -> tuple[Callable[[Array], Array], float]:
-        """A map from displacement to pressure, good enough to precondition with, and its work."""
+    def approximate_inverse(self) -> tuple[Callable[[Array, Array], Array], float]:
+        """A map from the displacement of some cells to the pressure on them, to precondition with, and its work.
+
+        It takes a displacement (x, y), zero elsewhere, and a field that is 1 in these cells and 0 elsewhere.
+        """
         ...

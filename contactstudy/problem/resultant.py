@@ -30,6 +30,10 @@ class Resultant(Protocol):
         """The admissible pressure nearest to ``trial``, in place: a step against the gap, made so, is downhill."""
         ...
 
+    def levelled(self, trial: Array, cells: Array, constraint: Constraint) -> Array:
+        """``trial`` cut off at the limits and made to meet this by a shift of ``cells``, in place."""
+        ...
+
     def error(self, borne: float) -> float:
         """How far a pressure whose sum is ``borne`` is from meeting it, dimensionless."""
         ...
@@ -60,6 +64,10 @@ class PrescribedLoad:
     def nearest(self, trial: Array, constraint: Constraint) -> Array:
         """Shifted to the load."""
         return constraint.nearest(trial, self.total)
+
+    def levelled(self, trial: Array, cells: Array, constraint: Constraint) -> Array:
+        """Shifted to the load."""
+        return constraint.levelled(trial, cells, self.total)
 
     def error(self, borne: float) -> float:
         """``|borne / total - 1|``."""

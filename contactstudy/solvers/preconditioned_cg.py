@@ -10,8 +10,11 @@ from contactstudy.problem.gap import Gap
 from contactstudy.solvers.iterate import Iterate, Stall
 from contactstudy.solvers.polonsky_keer import PolonskyKeer
 
-# A trial step is taken whole, zeros and all, from this share of the best step along its line on.
-WHOLE = 0.8
+# A trial step that meets a limit is taken whole where that lowers the energy: half the best step is less.
+WHOLE = 0.5
+# The preconditioner takes a contact to be stiffer than it is, not softer: a step is at most this many
+# times as long as it says. Nor shorter than this, or rounding could make it shorter and shorter.
+LONGEST, SHORTEST = 1.0, 0.1
 # On grids of so few cells an iteration costs the same however few they are: coarser ones save nothing.
 SMALL = 1024
 
@@ -20,20 +23,19 @@ SMALL = 1024
 class PreconditionedCG:
     """One convolution and one preconditioning per iteration.
 
-    The direction is the preconditioned gap of the cells in contact, made conjugate to the step before.
-    A trial pressure one step ahead is made admissible first: tension is cut off, cells that penetrate
-    get ``seed`` of the pressure that would close their gap alone, the load is balanced. Its convolution
-    then shows the whole line from here to there, on which the best point is known exactly; so every
-    step lowers the energy. Coarser grids give the start, down to ``coarse_tolerance``. Where
-    the residual has not halved in ``patience`` iterations, Polonsky & Keer's scheme goes on from there,
-    and the solution's note says so.
+    The direction is the preconditioned gap of the cells that bear pressure or should, those that
+    penetrate; where the same cells bear as before, it is made conjugate to the last step. A trial pressure
+    one step ahead is made admissible first: tension is cut off, and these cells are shifted to carry the load.
+    Its convolution then shows the whole line from here to there, on which the best point is known
+    exactly; so every step lowers the energy. Coarser grids give the start, down to
+    ``coarse_tolerance``. Where the residual has not halved in ``patience`` iterations, Polonsky & Keer's
+    scheme goes on from there, and the solution's note says so.
 
-    Source: preconditioner Vollebregt (2014); conjugacy Hestenes & Stiefel (1952), eq. 3:1; seeding and
-    the line search on the admissible step are of this package.
+    Source: active sets Hintermueller, Ito & Kunisch (2002), here with one step of the inner iteration to
+    each set; preconditioner Vollebregt (2014); conjugacy Hestenes & Stiefel (1952), eq. 3:1.
     """
 
     coarse_tolerance: float = 1e-4
-    seed: float = 0.1
     patience: int = 40
 
     def iterate(
@@ -98,6 +100,7 @@ class PreconditionedCG:
         gap: Gap | None = None
         last: _Step | None = None
         length = 1.0
+        cut = False
         own = operator.own
         stall = Stall(self.patience)
         iteration = 0
@@ -108,20 +111,22 @@ class PreconditionedCG:
             if done or stall.sees(left):
                 return Iterate(pressure, moved, gap.approach, left, iteration, work)
             iteration += 1
-            trial = _direction(gap, precondition(gap.held), last)
+            wrong = constraint.wrong(pressure, gap.overlap)
+            same = not cut and not wrong.any()
+            cells = np.add(gap.free, wrong, out=wrong)
+            unlevel = np.subtract(gap.held, gap.overlap)
+            unlevel *= cells
+            trial = _direction(unlevel, precondition(unlevel, cells), cells, last if same else None)
             work += 1 + its_work / operator.work
             trial *= length
             trial += pressure
             cut = constraint.cuts(trial)
-            # as if the limits were not there: a yielding cell thus stands above the hardness, and stays
-            # there when the rest is scaled down a little
-            trial += gap.overlap * (self.seed / own)
-            trial = problem.admit(trial)
+            trial = problem.levelled(trial, cells)
             step = np.subtract(trial, pressure, out=last.step if last else None)
             slope = gap.slope(step)
             if slope >= 0:
                 # balancing the load has turned the step uphill: that to the nearest pressure never is
-                cut, length = True, length / 4
+                cut, length = True, max(length / 4, SHORTEST)
                 np.subtract(gap.overlap, gap.held, out=trial)
                 trial /= own
                 trial += pressure
@@ -148,7 +153,7 @@ class PreconditionedCG:
                 moved += last.response
                 constraint.clip(pressure)
             del trial, ahead  # or they would stand through the next convolution
-            length *= min(max(best, 0.3), 3.0)
+            length = min(max(length * min(max(best, 0.3), 3.0), SHORTEST), LONGEST)
 
 
 @dataclass
@@ -166,29 +171,27 @@ class _Step:
         self.curvature *= factor**2
 
 
-def _direction(gap: Gap, closing: Array, last: _Step | None) -> Array:
-    """Against the preconditioned gap, ``closing``, and conjugate to the last step where that is downhill.
+def _direction(gap: Array, closing: Array, cells: Array, last: _Step | None) -> Array:
+    """Against the preconditioned ``gap``, ``closing``, and conjugate to the last step where that is downhill.
 
-    Zero in cells at a limit, and such that the load stays as it is. All sums are taken first, so that it
+    Zero outside ``cells``, and such that the load stays as it is. All sums are taken first, so that it
     is written once.
     """
-    closing *= gap.free
-    cells = gap.free.sum()
-    level = closing.sum() / cells
-    # a trial cut back to where it began has been no step
+    count = cells.sum()
+    level = closing.sum() / count
     if last is not None and last.curvature > 0:
         kept = (
-            inner(closing, last.response) - level * inner(gap.free, last.response)
+            inner(closing, last.response) - level * inner(cells, last.response)
         ) / last.curvature
-        if kept * inner(gap.held, last.step) < inner(gap.held, closing):
-            level -= kept * inner(gap.free, last.step) / cells
+        if kept * inner(gap, last.step) < inner(gap, closing):
+            level -= kept * inner(cells, last.step) / count
             direction = last.step * kept
             direction -= closing
             direction += level
-            direction *= gap.free
+            direction *= cells
             return np.asarray(direction)
     closing -= level
-    closing *= -gap.free
+    closing *= -cells
     return closing
 
 

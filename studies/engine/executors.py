@@ -10,8 +10,6 @@ from queue import SimpleQueue
 from typing import Protocol, Self
 
 import cloudpickle
-from dask.base import compute as compute_all
-from dask.delayed import delayed
 from threadpoolctl import threadpool_limits
 
 from contactstudy import InvalidInput
@@ -98,7 +96,7 @@ def _with_advice(outcome: Outcome) -> Outcome:
 
 @dataclass(frozen=True)
 class Processes:
-    """``workers`` processes on this machine, each driven by a thread of dask's."""
+    """``workers`` processes on this machine, each driven by a thread."""
 
     workers: int
 
@@ -140,10 +138,10 @@ class ProcessPool:
             WorkerSupervisor(payload) for _ in range(wanted - len(self._supervisors))
         ]
         shared = _SharedCases(cases)
-        # dask in a thread of its own: this one alone reports, and writes to the disk
-        with ThreadPoolExecutor(1) as conductor:
+        # the processes are driven from other threads: this one alone reports, and writes to the disk
+        with ThreadPoolExecutor(1) as coordinator:
             with stop.waking(shared.stop):
-                driving = conductor.submit(shared.drive, self._supervisors[:wanted])
+                driving = coordinator.submit(shared.drive, self._supervisors[:wanted])
                 try:
                     stop.check()
                     while (found := shared.found.get()) is not None:
@@ -151,7 +149,7 @@ class ProcessPool:
                             raise StopRun(stop.signal)
                         finished(*found)
                 except BaseException:
-                    # what they are at is for nobody, and the conductor waits for it
+                    # nobody will read what they compute now, and the coordinator would wait for it
                     self.end()
                     _finish_rest(shared, finished)
                     raise
@@ -186,8 +184,8 @@ class _SharedCases:
     def drive(self, supervisors: Sequence[WorkerSupervisor]) -> None:
         try:
             with ThreadPoolExecutor(max(len(supervisors), 1)) as pool:
-                tasks = [delayed(self._drive, pure=False)(one) for one in supervisors]
-                compute_all(*tasks, scheduler="threads", pool=pool)
+                for done in [pool.submit(self._drive, one) for one in supervisors]:
+                    done.result()
         finally:
             self.found.put(None)
 

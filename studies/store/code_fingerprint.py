@@ -18,14 +18,16 @@ import contactstudy
 from contactstudy import InvalidInput
 from studies.store.identity import canonical, text
 
-# What the numbers of a solve depend on.
+# Libraries that the numbers of a case depend on, and the folders of the core that cannot change a number.
 LIBRARIES = ("numpy", "scipy", "ducc0")
+NOT_NUMERICAL = ("io", "planning")
 
 
 @cache
 def versions() -> Mapping[str, str]:
-    """Version of the core and of the libraries it computes with, and a hash of the core's own files."""
-    found = {"contactstudy": contactstudy.__version__, "source": _source()}
+    """Version of the core and of the libraries it computes with, and a hash of the core's numerical code."""
+    core = Path(contactstudy.__file__).parent
+    found = {"contactstudy": contactstudy.__version__, "source": source_fingerprint(core)}
     for name in LIBRARIES:
         if importlib.util.find_spec(name):
             try:
@@ -35,10 +37,17 @@ def versions() -> Mapping[str, str]:
     return found
 
 
-def _source() -> str:
+def source_fingerprint(core: Path) -> str:
+    """A hash of the modules in the package ``core`` that can change a number.
+
+    Comments, docstrings and layout do not count.
+    """
     digest = hashlib.sha256()
-    for path in sorted(Path(contactstudy.__file__).parent.rglob("*.py")):
-        digest.update(path.read_bytes())
+    for path in sorted(core.rglob("*.py")):
+        name = path.relative_to(core)
+        if name.parts[0] not in NOT_NUMERICAL:
+            tree = _without_docstrings(ast.parse(path.read_text()))
+            digest.update(f"{name} {ast.dump(tree)}".encode())
     return digest.hexdigest()[:12]
 
 
@@ -73,7 +82,7 @@ def _follow(thing: object, seen: dict[int, str]) -> None:
     except (OSError, SyntaxError, TypeError):  # typed at a prompt, or a lambda amid a line
         seen[id(function)] = function.__code__.co_code.hex() + repr(function.__code__.co_names)
     else:
-        seen[id(function)] = ast.dump(_plain(source))
+        seen[id(function)] = ast.dump(_without_docstrings(source))
     for used in _used(function):
         _follow(used, seen)
 
@@ -90,9 +99,11 @@ def _methods(kind: type) -> Iterator[object]:
                 yield method.fget if isinstance(method, property) else method
 
 
-def _plain(tree: ast.Module) -> ast.Module:
+def _without_docstrings(tree: ast.Module) -> ast.Module:
     for node in ast.walk(tree):
-        if isinstance(node, ast.FunctionDef | ast.ClassDef) and ast.get_docstring(node):
+        if isinstance(node, ast.Module | ast.FunctionDef | ast.ClassDef) and ast.get_docstring(
+            node
+        ):
             node.body = node.body[1:] or [ast.Pass()]
     return tree
 

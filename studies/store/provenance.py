@@ -14,7 +14,7 @@ from pathlib import Path
 from contactstudy.elasticity.transforms import TRANSFORMS
 
 # what computes, and what stores
-PACKAGES = ("contactstudy", "numpy", "scipy", "xarray", "dask", "netCDF4")
+PACKAGES = ("contactstudy", "numpy", "scipy", "xarray", "netCDF4")
 
 
 def provenance() -> Mapping[str, str]:

@@ -155,5 +155,5 @@ def _alarm(seconds: float | None) -> Iterator[None]:
 
 
 def warm_up() -> None:
-    """Have xarray look for dask, which it does at its first variable and takes 0.3 s: no case's own time."""
+    """Make xarray look for optional packages, which takes 0.3 s at its first variable: not part of any case."""
     xr.Variable((), 0.0)

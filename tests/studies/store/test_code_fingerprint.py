@@ -1,10 +1,12 @@
+import shutil
 import textwrap
 from pathlib import Path
 
 import pytest
 
+import contactstudy
 from studies.registry import load
-from studies.store.code_fingerprint import measures_fingerprint
+from studies.store.code_fingerprint import measures_fingerprint, source_fingerprint
 
 FILE = '''
 """A study."""
@@ -92,3 +94,27 @@ def test_studies_measure_differently() -> None:
         for name in ("paper", "padding", "kernels", "speed")
     }
     assert len(found) == 4
+
+
+@pytest.mark.parametrize(
+    ("path", "old", "new", "effect"),
+    [
+        ("analytic.py", "\n\n", "\n\n# a remark\n", "same"),
+        ("analytic.py", '"""', '"""Otherwise worded. ', "same"),
+        ("analytic.py", "def ", "EXTRA = 1\n\n\ndef ", "other"),
+        ("domain/padding.py", "def ", "EXTRA = 1\n\n\ndef ", "other"),
+        ("io/dataset.py", "def ", "EXTRA = 1\n\n\ndef ", "same"),
+        ("planning/plan.py", "def ", "EXTRA = 1\n\n\ndef ", "same"),
+    ],
+)
+def test_only_core_code_that_can_change_a_number_counts(
+    path: str, old: str, new: str, effect: str, tmp_path: Path
+) -> None:
+    core = tmp_path / "core"
+    shutil.copytree(Path(contactstudy.__file__).parent, core)
+    before = source_fingerprint(core)
+    text = (core / path).read_text()
+    place = text.index(f"\n{old}") + 1 if old == "def " else text.index(old)
+    (core / path).write_text(text[:place] + text[place:].replace(old, new, 1))
+    found = "same" if source_fingerprint(core) == before else "other"
+    assert found == effect

@@ -37,6 +37,7 @@ GAP_EDGES, GAP_IMAGES, GAP_CHANGE = 0.1, 8.0, 2.0
 FEW = 5
 # Pressure at a roller's end over that in the cell before, from which it rises as at a sharp end.
 RISING = 1.1
+SHARP_EDGE = "a sharp edge or corner"
 # Beyond such an error of the whole, the highest pressure is not known either.
 LOST = 0.5
 
@@ -200,9 +201,9 @@ def _unbounded(
         return cells
     why = ""
     if inside.corner > SHARP:
-        why = "it lies at a sharp edge or corner, where it is infinite: round the edge, or ask for another quantity"
+        why = f"it lies at {SHARP_EDGE}, where it is infinite: round the edge, or ask for another quantity"
     elif sharp_end:
-        why = "it lies at the roller's sharp end, where it is infinite: give the roller a profile"
+        why = f"it lies at {SHARP_EDGE} of the roller, where it is infinite: give a profile"
     elif seen.peak_pressure >= UNBOUNDED:
         why = (
             f"it grew by {seen.peak_pressure:.0%} when the cells were halved: give more cells, unless the "

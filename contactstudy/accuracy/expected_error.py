@@ -69,10 +69,17 @@ class Contact:
         elif edges is Edges.CORRECTED and resolved:
             parts = cut.l1, CORRECTED * cell**2, CORRECTED_LEFT
         else:
-            # what correction leaves is there all the same
-            parts = cut.l1, l1_factor() * cell**1.5 + CORRECTED * cell**2, L1_LEFT
+            parts = cut.l1, smooth_l1(cell), L1_LEFT
         left = parts[2] * tolerance if tolerance <= SETTLED * cell**1.5 else inf
         return ErrorParts(parts[0], parts[1], left)
+
+
+def smooth_l1(cell: float) -> float:
+    """The L1 error of a smooth line contact at most, relative; ``cell`` in half-widths.
+
+    What correcting the edges would leave is there all the same.
+    """
+    return float(l1_factor() * cell**1.5 + CORRECTED * cell**2)
 
 
 def l1_factor() -> float:

@@ -9,13 +9,12 @@ import numpy as np
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Padding, Paddings, across_and_along
 from contactstudy.elasticity.convolution import convolution, padded_cells
+from contactstudy.problem.memory import solve_bytes
 
 # Influence coefficients, found in columns and rows by turns, cost less than in proportion to the cells.
 SETUP = 0.8
 # Iterations of a smooth and a rough contact, coarser grids included, and what one costs in convolutions.
 SMOOTH_ITERATIONS, ROUGH_ITERATIONS, ITERATION = 10, 20, 3.5
-# Arrays of the grid's size that a solve holds beside the transform pair.
-FIELDS = 16
 # What is timed, to say how long the rest will take.
 SAMPLE = 128
 
@@ -58,4 +57,4 @@ def padded(grid: Grid, padding: Padding | Paddings) -> int:
 
 def memory(grid: Grid, padding: Padding | Paddings) -> int:
     """Bytes that a solve holds at the most."""
-    return 8 * (FIELDS * prod(grid.cells) + 2 * padded(grid, padding))
+    return solve_bytes(grid, across_and_along(padding))

@@ -6,21 +6,23 @@ from math import acosh, erf, inf, lcm, log2, sqrt
 
 import numpy as np
 
+from contactstudy.accuracy.expected_error import l1_factor, smooth_l1
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import InvalidInput, positive
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import ExactPeriodicity, Padding, Paddings, ZeroPadding
 from contactstudy.scene.shapes.detail import Detail
 
-# Relative L1 errors of the pressure over (cell / length)^1.5: of the smooth line contact by its
-# half-width, measured; of a rough one by its finest wavelength, times its contact area's share to a
-# power, fitted to 9 %, 30 % and 80 % in contact.
-SMOOTH, ROUGH, AREA_POWER, RATE = 0.171, 0.35, -0.65, 1.5
+# Relative L1 error of the pressure of a rough contact over (cell / finest wavelength)^1.5, times its contact
+# area's share to a power: fitted to 9 %, 30 % and 80 % in contact.
+ROUGH, AREA_POWER, RATE = 0.35, -0.65, 1.5
 # Where nothing stands out of the surface, the contact ends at a half-width; some room beyond it.
 ROOM = 1.2
 # A period should hold so many of the longest wavelength, so that one surface stands for others.
 WAVES = 4
 COARSEST = 32
+# A contact wider than this share of the radius is not one of half-spaces.
+THIN = 0.1
 
 
 @dataclass(frozen=True)
@@ -70,6 +72,11 @@ class Needs:
         return max((d.longest for d in self.details), default=0.0)
 
     @property
+    def widest(self) -> float:
+        """The width over which all shapes are known [m]."""
+        return min((d.widest for d in self.details), default=inf)
+
+    @property
     def half_width(self) -> float:
         """Where Hertz's gap is as wide as the highest stands out, or what a hardness needs for the load."""
         hertz = self.hertz
@@ -99,23 +106,25 @@ class Needs:
 
     def error(self, cell: tuple[float, float]) -> float:
         """Relative L1 error of the pressure to expect of a cell (dx, dy) [m]."""
-        smooth = SMOOTH * (cell[0] / self.hertz.half_width) ** RATE
+        smooth = smooth_l1(cell[0] / self.hertz.half_width)
         steps = (size / wave for size, wave in zip(cell, self.finest, strict=True))
         return float(smooth + self.coefficient() * max(steps) ** RATE)
 
     def grid(self, error: float, period: float | None) -> Grid:
         """The coarsest grid that keeps to ``error``."""
-        width = 2 * ROOM * self.half_width
+        width = min(2 * ROOM * self.half_width, self.widest)
         length = self._period(period, width)
         # as if each source of error stood alone, then both brought down to the error asked for
-        step = self.hertz.half_width / SMOOTH ** (1 / RATE)
+        step = self.hertz.half_width / l1_factor() ** (1 / RATE)
         share = self.coefficient() ** (-1 / RATE)
         across = min(step, self.finest[0] * share)
         along = min(step if self.roller else inf, self.finest[1] * share)
-        down = (error / self.error((across, along))) ** (1 / RATE)
-        cells = _halvable(width / (across * down))
+        down = 1.0
+        for _ in range(4):  # the smooth part's second term falls faster than the rate
+            down *= (error / self.error((across * down, along * down))) ** (1 / RATE)
+        cells = halvable(width / (across * down))
         return Grid(
-            (cells, _halvable(length / (along * down)) if self.varies else 1), (width, length)
+            (cells, halvable(length / (along * down)) if self.varies else 1), (width, length)
         )
 
     def _period(self, period: float | None, width: float) -> float:
@@ -157,7 +166,7 @@ class Needs:
             )
         return f"The period {period:.4g} m holds what repeats along it a whole number of times."
 
-    def reasons(self, grid: Grid) -> tuple[str, ...]:
+    def reasons(self, grid: Grid, error: float) -> tuple[str, ...]:
         """Why the width, the cells, the dimension and the padding, a sentence each."""
         a = self.hertz.half_width
         width = (
@@ -166,7 +175,7 @@ class Needs:
         )
         cell = f"{grid.cells[0]} x {grid.cells[1]} cells: {a / grid.cell[0]:.3g} in a half-width"
         cell += f", {_in_waves(grid, self.finest):.3g} in the finest wavelength" * self.rough
-        cell += f", for an error of {self.error(grid.cell):.1g}."
+        cell += f", for an error of {error:.1g}."
         if not self.varies:
             dimension = (
                 "dimension 1: nothing varies along the length, so one cell stands for all of it."
@@ -189,10 +198,12 @@ class Needs:
     def warnings(self, grid: Grid) -> tuple[str, ...]:
         """What is wrong with ``grid``, a sentence each."""
         said = []
-        if grid.extent[0] < 2 * self.half_width:
+        hertz = self.hertz
+        if hertz.half_width > THIN * hertz.radius:
             said.append(
-                f"Grid.extent[0] is {grid.extent[0]:.4g} m: the contact may outgrow it, "
-                f"give a width of {2 * ROOM * self.half_width:.4g} m."
+                f"The half-width of Hertz is {hertz.half_width:.3g} m on a radius of {hertz.radius:.3g} m, too "
+                "large a share for half-spaces: give loads and radii in N/m and m, and "
+                "HalfSpace.youngs_modulus in Pa (steel has 210e9)."
             )
         for axis, (cell, wave) in enumerate(zip(grid.cell, self.finest, strict=True)):
             if cell > wave / 2:
@@ -230,7 +241,7 @@ def _common(lengths: set[float]) -> float:
     return common
 
 
-def _halvable(count: float) -> int:
+def halvable(count: float) -> int:
     """At least ``count`` cells, and at least as many as a coarse grid's, that halve again and again."""
     step = 2 ** max(0, int(log2(max(count, COARSEST) / COARSEST)))
     return int(np.ceil(max(count, COARSEST) / step) * step)

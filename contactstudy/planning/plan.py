@@ -1,13 +1,26 @@
 """Which grid and padding a scene calls for, and what that will cost, said before anything runs."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from math import inf
 
 from contactstudy.domain.checks import InvalidInput, NotDefined, positive
 from contactstudy.domain.grid import Grid
+from contactstudy.domain.machine import memory_size
 from contactstudy.domain.padding import Padding, Paddings
-from contactstudy.planning.cost import ROUGH_ITERATIONS, SMOOTH_ITERATIONS, memory, timed
-from contactstudy.planning.grid_requirements import Needs
+from contactstudy.planning.cost import SMOOTH_ITERATIONS, memory, timed
+from contactstudy.planning.grid_requirements import RATE, Needs, halvable
+from contactstudy.planning.pilot import Forecast, affordable, finer, forecast
 from contactstudy.scene.scene import Scene
+
+# Pilots show a grid that is too narrow or too coarse; each round mends it, the width by so much.
+ROUNDS, WIDER = 6, 1.5
+# A grid this many times more accurate than asked for is made coarser.
+WASTE = 3.0
+# Where pilots do not show the surface, the law of rough contacts, a mean over surfaces, counts so often.
+TRUSTED = 2.0
+# Of the machine's memory, what a plan may take.
+SHARE = 0.8
 
 
 @dataclass(frozen=True)
@@ -15,10 +28,10 @@ class Plan:
     """A ``grid`` and a ``padding`` for ``scene.problem(plan.grid, plan.padding)``, and what to expect of them.
 
     ``dimension`` is 1 where nothing varies along the length, else 2. ``error`` is the relative L1 error of
-    the pressure to expect, by the measured laws of the cell size; ``seconds`` on one thread of this
-    machine, from a transform timed just now, within a factor of some two; ``bytes`` at the most.
-    ``period_check`` says how the period suits the scene, ``reasons`` a sentence for each choice, and
-    ``warnings`` what is wrong with a grid that was given.
+    the pressure to expect: of a smooth contact by a law, else as small solutions on two coarse grids show it.
+    ``seconds`` on one thread of this machine, from what ran just now, within a factor of some two; ``bytes`` at the most. ``period_check`` says how the period suits the scene, ``reasons`` a sentence for
+    each choice, and ``warnings`` what is wrong with a grid that was given, or why the error asked for is
+    out of reach and which one is not.
     """
 
     grid: Grid
@@ -37,29 +50,119 @@ def plan(
 ) -> Plan:
     """A grid and a padding that solve ``scene`` to a relative L1 ``error`` of the pressure.
 
+    Takes small solutions of up to some ten thousand cells, unless the contact is smooth.
     ``period`` [m] is chosen where none is given. With a ``grid``, that one is kept, and the plan says
     what is wrong with it. Raises :class:`~contactstudy.InvalidInput` where a scene leaves open what a
     plan needs: without a curved shape there is no width of contact, without a roller's length no grid.
     """
     error = positive("plan.error", error, "give a relative error above 0, such as 1e-3")
     needs = needs_of(scene)
+    padding = needs.padding()
+    if grid is not None and period is not None and period != grid.period:
+        raise InvalidInput(f"plan.period is {period!r}: leave it out, since the grid has its own.")
+    given, limit = grid is not None, SHARE * memory_size()
     if grid is None:
         grid = needs.grid(error, period)
-    elif period is not None and period != grid.period:
-        raise InvalidInput(f"plan.period is {period!r}: leave it out, since the grid has its own.")
-    padding = needs.padding()
-    iterations = ROUGH_ITERATIONS if needs.rough else SMOOTH_ITERATIONS
+        grid, seen = _reaching(scene, needs, grid, error, limit)
+    else:
+        seen = expected(scene, needs, affordable(grid, padding, limit))
+    reached = seen.error_of(grid.cell)
     return Plan(
         grid=grid,
         padding=padding,
         dimension=1 if grid.cells[1] == 1 else 2,
-        error=needs.error(grid.cell),
-        seconds=timed(grid, padding).seconds(grid, padding, iterations),
+        error=reached,
+        seconds=seen.seconds,
         bytes=memory(grid, padding),
         period_check=needs.period_check(grid.period),
-        reasons=needs.reasons(grid),
-        warnings=needs.warnings(grid),
+        reasons=needs.reasons(grid, reached),
+        warnings=(
+            *needs.warnings(grid),
+            *_warnings(needs, seen, grid, limit, error=inf if given else error),
+        ),
     )
+
+
+def expected(scene: Scene, needs: Needs, grid: Grid) -> Forecast:
+    """What to expect of ``grid``: by the law of a smooth contact, else by pilots."""
+    padding = needs.padding()
+    if needs.smooth and scene.hardness > needs.hertz.peak_pressure:
+        seconds = timed(grid, padding).seconds(grid, padding, SMOOTH_ITERATIONS)
+        narrow = grid.extent[0] < 2 * needs.hertz.half_width
+        return Forecast(
+            grid, needs.error(grid.cell), RATE, cut_off=narrow, said="", seconds=seconds
+        )
+    try:
+        seen = forecast(scene, grid, padding)
+    except InvalidInput as error:  # such as a period that is no whole number of a shape's
+        return Forecast(grid, inf, RATE, cut_off=False, said=str(error), seconds=inf)
+    if seen.error == inf and not seen.cut_off:
+        return replace(seen, error=TRUSTED * needs.error(grid.cell), rate=RATE)
+    return seen
+
+
+def _reaching(
+    scene: Scene, needs: Needs, grid: Grid, error: float, limit: float
+) -> tuple[Grid, Forecast]:
+    """A grid that keeps to ``error``, or comes as near as the memory and the surface let it."""
+    padding, coarsened = needs.padding(), False
+    for _ in range(ROUNDS):
+        within = affordable(grid, padding, limit)
+        seen = expected(scene, needs, within)
+        if seen.cut_off and grid.extent[0] < needs.widest:
+            width = min(WIDER * grid.extent[0], needs.widest)
+            across = halvable(grid.cells[0] * width / grid.extent[0])
+            grid = Grid((across, grid.cells[1]), (width, grid.period))
+        elif seen.cut_off or error / WASTE <= seen.error <= error:
+            break
+        elif seen.error < error:
+            # the first guess was too careful, once
+            most = min(
+                wave / cell / 2 for wave, cell in zip(needs.finest, within.cell, strict=True)
+            )
+            fewer = finer(within, max((seen.error / error) ** (1 / seen.rate), 1 / most))
+            if coarsened or fewer.cells[0] >= within.cells[0]:
+                break
+            grid, coarsened = fewer, True
+        elif within != grid:
+            break
+        else:
+            grid = seen.grid_for(error)
+    return within, seen
+
+
+def _warnings(
+    needs: Needs, seen: Forecast, grid: Grid, limit: float, *, error: float
+) -> Iterator[str]:
+    """What stands between the grid and the ``error`` asked for, a sentence each."""
+    if seen.cut_off:
+        remedy = "give a width of "
+        width = WIDER * grid.extent[0]
+        if width > needs.widest:
+            remedy = (
+                f"the surface is known over {needs.widest:.4g} m only; give a smaller load, or "
+            )
+            remedy += "a surface as wide as "
+        yield f"Grid.extent[0] is {grid.extent[0]:.4g} m: the contact outgrows it, {remedy}{width:.4g} m."
+    needed = memory(grid, needs.padding())
+    if needed > limit:
+        yield (
+            f"Grid.cells is {grid.cells}: a solve needs {needed / 1e9:.3g} GB, and this machine has "
+            f"{limit / SHARE / 1e9:.3g} GB, give fewer cells."
+        )
+    reached = seen.error_of(grid.cell)
+    if error < reached < inf:
+        better = seen.grid_for(error)
+        bytes_of_better = memory(better, needs.padding())
+        why = (
+            f"that takes {better.cells[0]} x {better.cells[1]} cells and {bytes_of_better / 1e9:.3g} GB, and this "
+            f"machine has {limit / SHARE / 1e9:.3g} GB"
+            if bytes_of_better > limit
+            else "the error of this surface falls slowly"
+        )
+        yield f"plan.error is {error:.2g}: this grid reaches {reached:.2g}; {why}."
+    if seen.said:
+        yield seen.said
 
 
 def needs_of(scene: Scene) -> Needs:

@@ -17,6 +17,7 @@ from contactstudy.elasticity.convolution import superposed
 from contactstudy.problem.compressive import Compressive
 from contactstudy.problem.constraint import Constraint
 from contactstudy.problem.hardness_limited import HardnessLimited
+from contactstudy.problem.memory import refuse_too_large
 from contactstudy.problem.problem import Problem, Scales
 from contactstudy.problem.resultant import PrescribedLoad
 from contactstudy.scene.load import LineLoad
@@ -139,6 +140,7 @@ class Scene:
                 "grid, padding, times=...)."
             )
         paddings = across_and_along(padding)
+        refuse_too_large(grid, paddings)
         gap = np.zeros(grid.cells)
         for shape in self.shapes:
             gap += shape.gap(grid)

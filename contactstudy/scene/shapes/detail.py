@@ -11,7 +11,8 @@ class Detail:
     ``finest`` are its shortest wavelengths (across, along), infinite where it is smooth. ``repeat`` is the
     length after which it repeats, 0 where any will do; ``longest`` its longest wavelength along the length;
     ``roller`` the length of a roller that it ends or crowns, infinite where it has none of its own, 0
-    for other shapes. ``height`` is how far its highest stands above its mean; ``slope`` its rms slope.
+    for other shapes. ``height`` is how far its highest stands above its mean; ``slope`` its rms slope. ``widest`` is
+    the width over which the shape is known, infinite for most.
     """
 
     finest: tuple[float, float] = (inf, inf)
@@ -20,3 +21,4 @@ class Detail:
     roller: float = 0.0
     height: float = 0.0
     slope: float = 0.0
+    widest: float = inf

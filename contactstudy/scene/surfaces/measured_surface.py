@@ -139,6 +139,7 @@ class MeasuredSurface:
             repeat=period if along.any() else 0.0,
             height=float(heights.max() - heights.mean()),
             slope=float(np.sqrt((across**2).mean() + (along**2).mean())),
+            widest=extent[0],
         )
 
     def _complete(self) -> Array:

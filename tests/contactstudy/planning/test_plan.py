@@ -48,7 +48,8 @@ def test_a_planned_rough_contact_meets_its_error(share: float, line_contact: Lin
     means = fine.pressure.reshape(nx, 4, ny, 4).mean(axis=(1, 3))
     found = np.abs(coarse.pressure - means).sum() / means.sum()
     assert plan.dimension == 2
-    assert error / 4 < found < 2 * error
+    # the plan goes by a bound that is two to three times too large in the median
+    assert error / 10 < found < error
     assert coarse.status is cs.Status.CONVERGED  # the contact ends within the width
 
 
@@ -112,6 +113,7 @@ def test_what_is_wrong_with_a_grid_is_said_before_anything_runs(line_contact: Li
     assert cs.plan(scene, grid=good.grid).warnings == ()
     narrow = replace(good.grid, extent=(2 * a, good.grid.period))
     assert "outgrow" in " ".join(cs.plan(scene, grid=narrow).warnings)
+    assert cs.plan(scene, grid=narrow).error == inf
     short = replace(good.grid, extent=(good.grid.extent[0], 2 * a))
     assert "longest wavelength" in " ".join(cs.plan(scene, grid=short).warnings)
     coarse = replace(good.grid, cells=(16, 16))
@@ -139,3 +141,64 @@ def test_a_plan_that_cannot_be_made_says_what_it_lacks(line_contact: LineContact
 
     with pytest.raises(cs.InvalidInput, match="how fine it is"):
         cs.plan(with_shapes(line_contact, Bump()))
+
+
+def test_a_planned_texture_meets_its_error_whatever_its_lands(line_contact: LineContact) -> None:
+    a, gap = line_contact.hertz.half_width, line_contact.hertz.half_width**2 / 0.01 / 2
+    for share, profile in ((0.3, cs.Parabolic()), (0.9, cs.FlatBottomed()), (0.7, cs.Cosine())):
+        groove = cs.Groove(0.1 * gap, share * 0.4 * a, profile)
+        scene = with_shapes(line_contact, cs.Texture(groove, (0.4 * a, inf)))
+        plan = cs.plan(scene, error=0.03)
+        solution = cs.solve(scene.problem(plan.grid, plan.padding))
+        finer = cs.Grid((8 * plan.grid.cells[0], 1), plan.grid.extent)
+        true = cs.solve(scene.problem(finer, plan.padding), tolerance=1e-6).pressure
+        true = true.reshape(-1, 8).mean(axis=1)[:, None]
+        # 1.5 times in 95 of 100 cases, and never 3 times
+        assert np.abs(solution.pressure - true).sum() < 3 * 0.03 * true.sum()
+        sharp = any("sharp edge" in said for said in plan.warnings)
+        assert sharp == (not isinstance(profile, cs.Cosine))
+
+
+def test_a_strong_crown_is_planned_as_wide_as_its_contact(line_contact: LineContact) -> None:
+    a, gap = line_contact.hertz.half_width, line_contact.hertz.half_width**2 / 0.01
+    length = 12 * a
+    crown = cs.Crown.of_drop(200 * gap, length)
+    scene = with_shapes(line_contact, cs.FiniteLength(length), crown)
+    plan = cs.plan(scene, error=0.1)
+    solution = cs.solve(scene.problem(plan.grid, plan.padding), tolerance=1e-4)
+    assert solution.status is cs.Status.CONVERGED
+    assert plan.grid.extent[0] > 4 * a
+
+
+def test_a_plan_stays_on_the_measured_surface_and_in_the_memory(
+    line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    a = line_contact.hertz.half_width
+    heights = 3e-7 * np.random.default_rng(0).standard_normal((40, 24))
+    scene = with_shapes(line_contact, cs.MeasuredSurface(heights, extent=(2.4 * a, 1.4 * a)))
+    plan = cs.plan(scene, error=0.1)
+    assert plan.grid.extent[0] <= 2.4 * a * (1 + 1e-12)
+    narrow = with_shapes(line_contact, cs.MeasuredSurface(heights, extent=(1.5 * a, 1.4 * a)))
+    said = cs.plan(narrow, error=0.1)
+    assert said.error == inf
+    assert "known over" in " ".join(said.warnings)
+    monkeypatch.setattr("contactstudy.planning.plan.memory_size", lambda: 4e6)
+    wide = with_shapes(line_contact, cs.MeasuredSurface(heights / 10, extent=(6 * a, 3 * a)))
+    small = cs.plan(wide, error=1e-4)
+    assert small.bytes <= 4e6
+    assert small.error > 1e-4
+    assert "this machine has" in " ".join(small.warnings)
+
+
+def test_what_does_not_fit_in_memory_is_refused_before_it_is_made(
+    line_contact: LineContact,
+) -> None:
+    grid = cs.Grid((2**22, 2**22), (1e-3, 1e-3))
+    with pytest.raises(cs.InvalidInput, match=r"^Grid\.cells is .* GB and this machine has "):
+        line_contact.scene.problem(grid, cs.ExactPeriodicity())
+
+
+def test_a_modulus_in_gigapascals_is_noticed() -> None:
+    soft = cs.HalfSpace(youngs_modulus=210, poisson_ratio=0.3)
+    scene = cs.Scene(cs.LineLoad(1e5), (soft, soft), (cs.Cylinder(0.01),))
+    assert "in Pa" in " ".join(cs.plan(scene).warnings)

@@ -6,7 +6,7 @@ from math import inf
 
 from contactstudy.domain.checks import InvalidInput, NotDefined, positive
 from contactstudy.domain.grid import Grid
-from contactstudy.domain.machine import memory_size
+from contactstudy.domain.memory import available_bytes
 from contactstudy.domain.padding import Padding, Paddings
 from contactstudy.planning.cost import SMOOTH_ITERATIONS, memory, timed
 from contactstudy.planning.grid_requirements import RATE, Needs, halvable
@@ -60,7 +60,7 @@ def plan(
     padding = needs.padding()
     if grid is not None and period is not None and period != grid.period:
         raise InvalidInput(f"plan.period is {period!r}: leave it out, since the grid has its own.")
-    given, limit = grid is not None, SHARE * memory_size()
+    given, limit = grid is not None, SHARE * available_bytes()
     if grid is None:
         grid = needs.grid(error, period)
         grid, seen = _reaching(scene, needs, grid, error, limit)

@@ -4,7 +4,7 @@ from math import prod
 
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.grid import Grid
-from contactstudy.domain.machine import memory_size
+from contactstudy.domain.memory import available_bytes
 from contactstudy.domain.padding import Paddings
 from contactstudy.elasticity.convolution import padded_cells
 
@@ -19,9 +19,9 @@ def solve_bytes(grid: Grid, paddings: Paddings) -> int:
 
 def refuse_too_large(grid: Grid, paddings: Paddings) -> None:
     """Raise :class:`~contactstudy.InvalidInput` where this machine cannot hold the solve, before any array."""
-    needed, there = solve_bytes(grid, paddings), memory_size()
+    needed, there = solve_bytes(grid, paddings), available_bytes()
     if needed > there:
         raise InvalidInput(
             f"Grid.cells is {grid.cells!r}: a solve needs {needed / 1e9:.3g} GB and this machine has "
-            f"{there / 1e9:.3g} GB, give fewer cells."
+            f"{there / 1e9:.3g} GB left, give fewer cells."
         )

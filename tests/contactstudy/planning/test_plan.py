@@ -182,7 +182,7 @@ def test_a_plan_stays_on_the_measured_surface_and_in_the_memory(
     said = cs.plan(narrow, error=0.1)
     assert said.error == inf
     assert "known over" in " ".join(said.warnings)
-    monkeypatch.setattr("contactstudy.planning.plan.memory_size", lambda: 4e6)
+    monkeypatch.setattr("contactstudy.planning.plan.available_bytes", lambda: 4e6)
     wide = with_shapes(line_contact, cs.MeasuredSurface(heights / 10, extent=(6 * a, 3 * a)))
     small = cs.plan(wide, error=1e-4)
     assert small.bytes <= 4e6

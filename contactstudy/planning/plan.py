@@ -29,7 +29,8 @@ class Plan:
 
     ``dimension`` is 1 where nothing varies along the length, else 2. ``error`` is the relative L1 error of
     the pressure to expect: of a smooth contact by a law, else as small solutions on two coarse grids show it.
-    ``seconds`` on one thread of this machine, from what ran just now, within a factor of some two; ``bytes`` at the most. ``period_check`` says how the period suits the scene, ``reasons`` a sentence for
+    ``seconds`` on one thread of this machine, from what ran just now, within a factor of some two;
+    ``bytes`` at the most. ``period_check`` says how the period suits the scene, ``reasons`` a sentence for
     each choice, and ``warnings`` what is wrong with a grid that was given, or why the error asked for is
     out of reach and which one is not.
     """

@@ -5,7 +5,6 @@ imports no plotting library.
 """
 
 import importlib
-import importlib.util
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -15,6 +14,7 @@ from contactstudy import InvalidInput
 from contactstudy.domain.checks import suggestion
 from studies.model.drawing import Drawing, nothing
 from studies.model.study import Study
+from studies.study_file import module_in, module_name, study_in
 
 
 class Modules(NamedTuple):
@@ -65,20 +65,14 @@ def load(name: str) -> Study:
     if name.endswith(".py"):
         if Path(name).stem in BUILT_IN | OPTIONAL:
             raise InvalidInput(f"Study file {name!r} has the name of a built-in study: rename it.")
-        module = _from_file(Path(name))
-        for part in ("points", "scene_at", "measures", "figure"):
-            if not hasattr(module, part):
-                raise InvalidInput(
-                    f"Study {Path(name).stem!r} has no {part!r}: define it at the file's top level."
-                )
-        return _study(Path(name).stem, module)
+        return study_in(Path(name))
     return _study(name, importlib.import_module(_modules(name).definition))
 
 
 def load_drawing(name: str) -> Drawing:
     """How the study of that name, or the one in a Python file, is drawn."""
     if name.endswith(".py"):
-        module = sys.modules.get(_module_name(Path(name))) or _from_file(Path(name))
+        module = sys.modules.get(module_name(Path(name))) or module_in(Path(name))
     else:
         module = importlib.import_module(_modules(name).drawing)
     return Drawing(
@@ -92,28 +86,6 @@ def _modules(name: str) -> Modules:
         hint = suggestion(name, sorted(known))
         raise InvalidInput(f"Study {name!r} is not known: {hint}, or give a .py file.")
     return known[name]
-
-
-def _module_name(path: Path) -> str:
-    # prefixed, so that a file called time.py does not replace Python's module
-    return f"study_in_file_{path.stem}"
-
-
-def _from_file(path: Path) -> ModuleType:
-    name = _module_name(path)
-    spec = importlib.util.spec_from_file_location(name, path)
-    if not path.is_file() or spec is None or spec.loader is None:
-        raise InvalidInput(
-            f"Study file {str(path)!r} cannot be read: give the path of a Python file."
-        )
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    # worker processes cannot import this file: its functions are pickled by value
-    from cloudpickle import register_pickle_by_value
-
-    sys.modules[name] = module
-    register_pickle_by_value(module)
-    return module
 
 
 def _study(name: str, module: ModuleType) -> Study:

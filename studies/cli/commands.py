@@ -1,7 +1,8 @@
 """The ``contactstudy`` command."""
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import click
@@ -10,6 +11,9 @@ from contactstudy import InvalidInput, __version__
 from studies.cli.recommend import recommendation
 from studies.cli.scenes import plan, solve
 from studies.cli.study_help import StudyCommand
+from studies.model.axis import MOST_POINTS
+from studies.model.error_place import place_of
+from studies.model.plain_text import one_line
 from studies.registry import BUILT_IN, OPTIONAL, load, load_drawing
 
 # What runs is imported by the commands that run, and what draws by those that draw: help comes at once.
@@ -23,7 +27,7 @@ OUT = click.option(
 )
 WORKERS = click.option(
     "--workers",
-    type=click.IntRange(min=0),
+    type=click.IntRange(min=0, max=1024),
     default=2,
     show_default=True,
     help="Processes that share the cases; 0 for none but this one.",
@@ -109,6 +113,14 @@ def report(out: Path, workers: int, repeats: int) -> None:
     default="kept",
     help="Time all cases anew, though their times are stored.",
 )
+@click.option(
+    "--only",
+    "table",
+    flag_value="requested",
+    default="stored",
+    help="Let the file hold only what is asked for, not all that is stored of the study.",
+)
+@click.option("--yes", is_flag=True, help="Run even more than a million points.")
 @click.option("--dry-run", is_flag=True, help="Say what there is to compute and what it will take.")
 @click.pass_context
 def run(
@@ -123,7 +135,9 @@ def run(
     after_failure: str,
     fields: str,
     old_times: str,
-    dry_run: bool,  # noqa: FBT001 (click gives it by name)
+    table: str,
+    yes: bool,  # noqa: FBT001 (click gives it by name)
+    dry_run: bool,  # noqa: FBT001
 ) -> None:
     """Run STUDY, a built-in name or a .py file, over its axes or those given here.
 
@@ -134,7 +148,8 @@ def run(
     from studies.engine.run import run as run_study
     from studies.model.outcome import CaseStatus
 
-    chosen = load(study).override(_axes(context.args))
+    most = None if yes else MOST_POINTS
+    chosen = load(study).override(_axes(context.args), most=most)
     options = RunOptions(
         workers=workers,
         scheduler=scheduler,
@@ -144,19 +159,23 @@ def run(
         retry=frozenset(case_status for name in retry for case_status in RETRIES[name]),
         after_failure=after_failure,
         fields=fields,
+        table=table,
+        most_points=most,
     )
     if dry_run:
         estimate_cost(chosen, out, options=options, log=click.echo)
         return
     dataset = run_study(chosen, out, options=options, log=click.echo)
-    if not (dataset["case_status"] == CaseStatus.OK).any():
+    asked = dataset["case_status"].sel({axis.name: list(axis.values) for axis in chosen.points})
+    if not (asked == CaseStatus.OK).any():
         click.echo(f"{chosen.name}: no case gave numbers, so there is nothing to draw.", err=True)
         sys.exit(1)
-    if after_failure == "stop" and not (dataset["case_status"] == CaseStatus.OK).all():
+    if after_failure == "stop" and not (asked == CaseStatus.OK).all():
         sys.exit(1)
     from studies.report import page as reporting
 
-    reporting.draw(chosen, load_drawing(study), out)
+    with _drawing(chosen.name):
+        reporting.draw(chosen, load_drawing(study), out)
     click.echo(f"{chosen.name}: drew {out / chosen.name}")
 
 
@@ -172,10 +191,12 @@ def draw(study: tuple[str, ...], out: Path) -> None:
 
     for name in study:
         chosen = load(name)
-        reporting.draw(chosen, load_drawing(name), out)
+        with _drawing(chosen.name):
+            reporting.draw(chosen, load_drawing(name), out)
         click.echo(f"{name}: drew {out / chosen.name}")
     if not study:
-        click.echo(f"report: wrote {reporting.write(out)}")
+        with _drawing("report"):
+            click.echo(f"report: wrote {reporting.write(out)}")
 
 
 cli.add_command(plan)
@@ -191,6 +212,25 @@ def studies() -> None:
         click.echo(f"{name}: {study.title}")
         for axis in study.points:
             click.echo(f"    --{axis.name} {','.join(str(value) for value in axis.values)}")
+
+
+@contextmanager
+def _drawing(name: str) -> Iterator[None]:
+    """What a figure raises is said in a sentence: the numbers are stored, whatever is drawn of them."""
+    try:
+        yield
+    except InvalidInput:
+        raise
+    except OSError as error:
+        raise click.ClickException(
+            f"{name} cannot be drawn ({error.strerror or error}): make room or give another folder with --out, "
+            "and run draw."
+        ) from None
+    except Exception as error:  # noqa: BLE001 (a study file may do anything)
+        raise click.ClickException(
+            f"{name} cannot be drawn ({type(error).__name__}{place_of(error)}: {one_line(error, 300)}): what is "
+            "stored is not what the figure needs, or its code is wrong; mend it and run draw."
+        ) from None
 
 
 def _axes(arguments: list[str]) -> Mapping[str, str]:
@@ -228,3 +268,17 @@ def main() -> None:
             err=True,
         )
         sys.exit(130)
+    except BrokenPipeError:  # whoever read the output has enough
+        sys.stdout = None
+        sys.exit(141)
+    except OSError as error:
+        _say(f"{error.strerror or error}{f': {error.filename}' if error.filename else ''}")
+        sys.exit(1)
+    except MemoryError:
+        _say("there is not enough memory: ask for fewer cells, points or workers.")
+        sys.exit(1)
+
+
+def _say(text: str) -> None:
+    with suppress(OSError):
+        click.echo(f"contactstudy: {one_line(text)}", err=True)

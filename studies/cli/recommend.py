@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import asdict
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -67,7 +68,7 @@ def recommendation(
     limits = Limits(
         error=error,
         metric=METRICS[one_of("metric", metric, METRICS)],
-        memory=quantity("memory", _number(memory), BYTES),
+        memory=quantity("memory", _with_unit(memory), BYTES),
         seconds=quantity("seconds", _number(seconds), SECONDS),
     )
     if scene is None:
@@ -86,6 +87,14 @@ def recommendation(
     name = str(scene) if scene else f"smooth line contact, period {period:g} half-widths"
     for line in _report_lines(found, name, costs):
         click.echo(line)
+
+
+def _with_unit(text: str) -> str | float:
+    """Bytes, kilobytes or gigabytes: a bare number may mean any of them."""
+    number = _number(text)
+    if isinstance(number, float) and isfinite(number):
+        raise cs.InvalidInput(f"memory is {text!r}: give its unit too, such as 4GB or 500MB.")
+    return number
 
 
 def _number(text: str) -> str | float:

@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING
 
 import xarray as xr
 
+from contactstudy import InvalidInput
 from studies.model.finding import Finding, Table
+from studies.model.plain_text import name_problem, one_line
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -19,6 +21,13 @@ class CaptionedFigure:
     name: str
     figure: "Figure"
     caption: str
+
+    def __post_init__(self) -> None:
+        if name_problem(self.name) or self.name.startswith("."):
+            raise InvalidInput(
+                f"A figure has the name {one_line(repr(self.name), 60)}: give a plain file name without "
+                "extension, such as 'peak'."
+            )
 
 
 def nothing(dataset: xr.Dataset) -> tuple[()]:

@@ -12,6 +12,8 @@ from contactstudy import InvalidInput
 from contactstudy.domain.checks import suggestion
 from studies.model.axis import MOST_POINTS, Axis, Value, check_count, one_of
 from studies.model.case import Computation
+from studies.model.error_place import place_of
+from studies.model.plain_text import one_line
 
 Point = Mapping[str, Value]
 # Arguments: the computation and its result, of whatever types the study uses.
@@ -74,7 +76,16 @@ class Study:
         names = [axis.name for axis in self.points]
         for values in product(*(axis.values for axis in self.points)):
             point = dict(zip(names, values, strict=True))
-            yield point, self.scene_at(point)
+            try:
+                case = self.scene_at(point)
+            except InvalidInput:
+                raise
+            except Exception as error:  # noqa: BLE001 (a study file may do anything)
+                raise InvalidInput(
+                    f"scene_at of study {self.name!r} raises {type(error).__name__}{place_of(error, __file__)} at "
+                    f"{one_line(point, 200)}: {one_line(error, 300)}."
+                ) from None
+            yield point, case
 
     def cases(self) -> list[Computation]:
         """The case at every point, in the order of the axes (last one fastest)."""

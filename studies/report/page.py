@@ -10,6 +10,7 @@ import xarray as xr
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup, escape
 
+from studies.engine.progress import Progress
 from studies.model.drawing import CaptionedFigure, Drawing
 from studies.model.finding import Finding, Table
 from studies.model.study import Study
@@ -27,14 +28,21 @@ def draw(study: Study, drawing: Drawing, out: Path) -> Sequence[CaptionedFigure]
 
 
 def _save(figures: Sequence[CaptionedFigure], folder: Path) -> None:
-    for one in figures:
-        # lay the figure out once for both files: each file would do it again
-        if engine := one.figure.get_layout_engine():
-            engine.execute(one.figure)
-            one.figure.set_layout_engine("none")
-        for suffix in ("png", "pdf"):
-            with replacing(folder / f"{one.name}.{suffix}") as path:
-                one.figure.savefig(path)
+    progress = Progress(folder.name, "drawing", len(figures), "figure", lambda text: None)
+    with progress:
+        for one in figures:
+            _save_one(one, folder)
+            progress.add()
+
+
+def _save_one(one: CaptionedFigure, folder: Path) -> None:
+    # lay the figure out once for both files: each file would do it again
+    if engine := one.figure.get_layout_engine():
+        engine.execute(one.figure)
+        one.figure.set_layout_engine("none")
+    for suffix in ("png", "pdf"):
+        with replacing(folder / f"{one.name}.{suffix}") as path:
+            one.figure.savefig(path)
 
 
 def write(out: Path) -> Path:

@@ -157,6 +157,7 @@ class Journal:
         self._context, self._machine = context, machine
         self._synced = monotonic()
         self._run = ""
+        self._second_copies: list[bytes] = []
         self._close: Callable[[], object] = lambda: None
         self._read()
 
@@ -183,6 +184,7 @@ class Journal:
     ) -> None:
         try:
             if kind is None or not issubclass(kind, InvalidInput):
+                self._write_second_copies()
                 self.sync()
         finally:
             self._close()
@@ -236,6 +238,7 @@ class Journal:
             line["failure"] = asdict(outcome.failure)
         start = self._end
         size = self._write(line)
+        self._write_second_copies()
         self.contents.records[identity.key] = self._record(line, self._present, start, size)
         if outcome.seconds > TOGETHER / 2 or monotonic() - self._synced > TOGETHER:
             self.sync()
@@ -287,9 +290,16 @@ class Journal:
 
     def _write(self, line: Mapping[str, Any], copies: int = 1) -> int:
         raw = encoded(line)
-        for _ in range(copies):
-            self._write_bytes(raw)
+        self._write_bytes(raw)
+        if copies > 1:
+            self._second_copies.append(raw)
         return len(raw)
+
+    def _write_second_copies(self) -> None:
+        """Apart from the first, so that one hole in the file does not take both."""
+        while self._second_copies:
+            self._write_bytes(self._second_copies[0])
+            del self._second_copies[0]
 
     def _write_bytes(self, raw: bytes) -> None:
         try:
@@ -335,7 +345,8 @@ class Journal:
             ) from None
 
     def _take_all(self, file: Iterable[bytes]) -> None:
-        at, first, last, has_line = 0, b"", b"", False
+        at, first, has_line = 0, b"", False
+        seen: set[bytes] = set()
         runs: dict[str, Any] = {}
         unsure: list[str] = []
         for raw in file:
@@ -345,11 +356,11 @@ class Journal:
                 break  # torn
             if line is None:
                 self._damaged.append((at, len(raw)))
-            elif "run" not in line or raw != last:  # its second copy is not another run
+            elif "run" not in line or raw not in seen:  # its second copy is not another run
                 has_line = True
+                seen |= {raw} if "run" in line else set()
                 self._take(line, runs, at, len(raw), unsure)
             self._lacks_line_feed = not raw.endswith(b"\n")
-            last = raw
             at += len(raw)
         self._end = at
         for key in unsure:  # their kinds may have come after them

@@ -1,13 +1,9 @@
 """One case, computed and measured, or run once against the clock; whatever goes wrong is its outcome."""
 
 import signal
-import sysconfig
 import threading
-import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
-from functools import cache
-from pathlib import Path
 from time import perf_counter, process_time
 from types import FrameType
 from typing import NoReturn
@@ -17,6 +13,7 @@ import xarray as xr
 
 from studies.model import measured
 from studies.model.case import Computation
+from studies.model.error_place import place_of
 from studies.model.measured import measured_variables
 from studies.model.outcome import RESERVED_NAMES, CaseStatus, Failure, HasFields, Outcome, Work
 from studies.model.plain_text import one_line
@@ -104,7 +101,7 @@ def _reference_time() -> float:
 def failed(error: BaseException, stage: str, seconds: float) -> Outcome:
     """The outcome of a case that raised ``error``."""
     name = one_line(type(error).__name__, 100)
-    sentence = f"{name}{_place(error)}: {one_line(error)}"
+    sentence = f"{name}{place_of(error, __file__, measured.__file__)}: {one_line(error)}"
     return Outcome(CaseStatus.FAILED, {}, Failure(name, sentence, stage), seconds)
 
 
@@ -116,23 +113,6 @@ def timed_out(limit: float | None, stage: str, seconds: float) -> Outcome:
 def _late(limit: float | None, stage: str) -> Failure:
     sentence = f"TimeLimitError: not done after {limit:g} s; give more with --time-limit"
     return Failure("TimeLimitError", sentence, stage)
-
-
-def _place(error: BaseException) -> str:
-    """The function and line that raised: the innermost that is no library's, and not of these checks."""
-    frames = traceback.extract_tb(error.__traceback__, limit=-50)
-    ours = (*_libraries(), __file__, measured.__file__)
-    own = [frame for frame in frames if not frame.filename.startswith(ours)]
-    if not own:
-        return ""
-    place = own[-1]
-    return one_line(f" in {place.name} ({Path(place.filename).name}, line {place.lineno})", 300)
-
-
-@cache
-def _libraries() -> tuple[str, ...]:
-    paths = sysconfig.get_paths()
-    return paths["stdlib"], paths["purelib"], paths["platlib"], "<"
 
 
 @contextmanager

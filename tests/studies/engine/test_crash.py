@@ -76,7 +76,9 @@ def wait_for(log: Path, count: int) -> None:
 
 
 @pytest.mark.parametrize("workers", [0, 2])
-def test_a_kill_loses_at_most_one_case_a_worker(workers: int, start: Start, tmp_path: Path) -> None:
+def test_a_kill_loses_no_more_than_what_workers_have_in_hand(
+    workers: int, start: Start, tmp_path: Path
+) -> None:
     log = tmp_path / "log"
     first = start(log, workers, 30, 0.05)
     wait_for(log, 12)
@@ -91,9 +93,9 @@ def test_a_kill_loses_at_most_one_case_a_worker(workers: int, start: Start, tmp_
     study = trouble.study([n + 0.5 for n in range(30)], str(log))
     dataset = run(study, tmp_path, options=replace(ALONE, repeats=0), log=quiet)
     assert len(lines(log)) - begun < 30
-    # a case that was begun before and is computed again was one of those in hand
+    # a case that was begun before and is computed again was in the hands of a worker, or on its way from it
     twice = len(lines(log)) - len(set(lines(log)))
-    assert twice <= max(workers, 1)
+    assert twice <= max(2 * workers, 1)
     assert (dataset["case_status"] == CaseStatus.OK).all()
     np.testing.assert_array_equal(dataset["square"], dataset["number"] ** 2)
 

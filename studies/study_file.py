@@ -1,0 +1,121 @@
+"""A study in a Python file: read, and checked before anything runs."""
+
+import ast
+import importlib.util
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from types import ModuleType
+
+from contactstudy import InvalidInput
+from studies.model.axis import Axis
+from studies.model.plain_text import one_line
+from studies.model.study import Study
+
+NEEDED = ("points", "scene_at", "measures", "figure")
+FUNCTIONS = ("scene_at", "measures", "figure", "findings", "tables")
+
+
+def module_name(path: Path) -> str:
+    """What the module of a study file is called: a file called time.py does not replace Python's module."""
+    return f"study_in_file_{path.stem}"
+
+
+def module_in(path: Path) -> ModuleType:
+    """The module in ``path``, with the names that a study needs.
+
+    Raises :class:`~contactstudy.InvalidInput`, with file and line, for whatever is wrong with it.
+    """
+    try:
+        is_file = path.is_file()
+    except (OSError, ValueError):
+        is_file = False
+    name = module_name(path)
+    spec = importlib.util.spec_from_file_location(name, path) if is_file else None
+    if spec is None or spec.loader is None:
+        raise InvalidInput(
+            f"Study file {_short(path)} cannot be read: give the path of a Python file."
+        )
+    module = importlib.util.module_from_spec(spec)
+    with _blaming(path):
+        spec.loader.exec_module(module)
+    for part in NEEDED:
+        if not hasattr(module, part):
+            raise InvalidInput(
+                f"Study {path.stem!r} has no {part!r}: define it at the file's top level."
+            )
+    for part in FUNCTIONS:
+        if not callable(getattr(module, part, print)):
+            raise InvalidInput(f"{_where(path, part)}: {part} is no function: define it with def.")
+    given = module.points
+    if not isinstance(given, tuple | list) or not all(isinstance(one, Axis) for one in given):
+        raise InvalidInput(
+            f"{_where(path, 'points')}: points is {one_line(repr(given), 60)}: give a tuple of "
+            "studies.model.axis.Axis, such as (Axis('grid', (16, 32), 'cells'),)."
+        )
+    if not given:
+        raise InvalidInput(f"{_where(path, 'points')}: points is empty: give one axis or more.")
+    # worker processes cannot import this file: its functions are pickled by value
+    from cloudpickle import register_pickle_by_value
+
+    sys.modules[name] = module
+    register_pickle_by_value(module)
+    return module
+
+
+def study_in(path: Path) -> Study:
+    """The study in ``path``."""
+    module = module_in(path)
+    title = one_line((module.__doc__ or path.stem).strip().split("\n")[0], 300)
+    times = getattr(module, "times", "taken")
+    try:
+        return Study(
+            path.stem, title, tuple(module.points), module.scene_at, module.measures, times
+        )
+    except InvalidInput as error:
+        blamed = "times" if str(error).startswith("times") else "points"
+        raise InvalidInput(f"{_where(path, blamed)}: {error}") from None
+
+
+@contextmanager
+def _blaming(path: Path) -> Iterator[None]:
+    """What is raised while the file is read is said with its line."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # noqa: BLE001 (a file may do anything, also exit)
+        line: int | None = None
+        if isinstance(error, SyntaxError) and error.filename == str(path):
+            line, said = error.lineno, f"{type(error).__name__}: {error.msg}"
+        else:
+            trace = error.__traceback__
+            while trace is not None:
+                if trace.tb_frame.f_code.co_filename == str(path):
+                    line = trace.tb_lineno
+                trace = trace.tb_next
+            said = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+        said = str(error) if isinstance(error, InvalidInput) else one_line(said, 500)
+        at = "" if line is None else f", line {line}"
+        end = "" if said.endswith(".") else "."
+        raise InvalidInput(f"Study file {_short(path)}{at}: {said}{end}") from None
+
+
+def _where(path: Path, name: str) -> str:
+    """The file and the line that defines ``name``."""
+    with suppress(OSError, SyntaxError, ValueError):
+        for node in ast.parse(path.read_bytes()).body:
+            targets: list[ast.expr] = []
+            if isinstance(node, ast.Assign):
+                targets = node.targets
+            elif isinstance(node, ast.AnnAssign):
+                targets = [node.target]
+            named = {one.id for one in targets if isinstance(one, ast.Name)}
+            if name in named or getattr(node, "name", None) == name:
+                return f"Study file {_short(path)}, line {node.lineno}"
+    return f"Study file {_short(path)}"
+
+
+def _short(path: Path) -> str:
+    return repr(one_line(path, 100))

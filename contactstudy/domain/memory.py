@@ -4,8 +4,6 @@ import resource
 from contextlib import suppress
 from pathlib import Path
 
-from contactstudy.domain.checks import InvalidInput
-
 CGROUP = Path("/sys/fs/cgroup")
 
 
@@ -28,13 +26,3 @@ def available_bytes() -> float:
             pages = int(Path("/proc/self/statm").read_text().split()[0])
             found.append(float(soft - pages * resource.getpagesize()))
     return max(min(found), 0.0)
-
-
-def check_memory(what: str, needed: float) -> None:
-    """Raises :class:`~contactstudy.InvalidInput` where ``what`` needs more bytes than there are."""
-    there = available_bytes()
-    if needed > there:
-        raise InvalidInput(
-            f"{what} needs some {needed / 1e9:.3g} GB of memory, and there are {there / 1e9:.3g} GB: take "
-            "fewer cells."
-        )

@@ -62,12 +62,14 @@ if _TYPE_CHECKING:
     from contactstudy import kernels
     from contactstudy.evolution.evolution import Evolution
     from contactstudy.evolution.evolve import StepError, evolve
+    from contactstudy.evolution.rolling import SteadyRolling, solve_rolling
     from contactstudy.evolution.scheme import Scheme
     from contactstudy.io.dataset import to_dataset
     from contactstudy.io.scene_file import SceneFile, read_scene
     from contactstudy.io.scene_writer import write_scene
     from contactstudy.scene.coated import CoatedHalfSpace
     from contactstudy.scene.load_history import LoadHistory, SineLoad
+    from contactstudy.scene.rolling import Rolling
     from contactstudy.scene.stress import SubsurfaceStress
     from contactstudy.scene.viscoelastic import ViscoelasticHalfSpace
     from contactstudy.scene.wear import Wear
@@ -122,6 +124,7 @@ __all__ = [
     "RefuseMissing",
     "Resultant",
     "RmsSlope",
+    "Rolling",
     "Roughness",
     "Scales",
     "Scene",
@@ -133,6 +136,7 @@ __all__ = [
     "Solver",
     "Sphere",
     "Status",
+    "SteadyRolling",
     "StepError",
     "SubsurfaceStress",
     "Superposition",
@@ -152,6 +156,7 @@ __all__ = [
     "plan",
     "read_scene",
     "solve",
+    "solve_rolling",
     "superposed",
     "to_dataset",
     "write_scene",
@@ -162,9 +167,11 @@ _LATER = {
     "CoatedHalfSpace": "contactstudy.scene.coated",
     "Evolution": "contactstudy.evolution.evolution",
     "LoadHistory": "contactstudy.scene.load_history",
+    "Rolling": "contactstudy.scene.rolling",
     "SceneFile": "contactstudy.io.scene_file",
     "Scheme": "contactstudy.evolution.scheme",
     "SineLoad": "contactstudy.scene.load_history",
+    "SteadyRolling": "contactstudy.evolution.rolling",
     "StepError": "contactstudy.evolution.evolve",
     "SubsurfaceStress": "contactstudy.scene.stress",
     "ViscoelasticHalfSpace": "contactstudy.scene.viscoelastic",
@@ -172,6 +179,7 @@ _LATER = {
     "evolve": "contactstudy.evolution.evolve",
     "kernels": "contactstudy.kernels",
     "read_scene": "contactstudy.io.scene_file",
+    "solve_rolling": "contactstudy.evolution.rolling",
     "to_dataset": "contactstudy.io.dataset",
     "write_scene": "contactstudy.io.scene_writer",
 }

@@ -178,6 +178,19 @@ def superposed(
     return Convolution(half[_around(len(half), padded[0])], grid.cells, padded)
 
 
+def antisymmetric(
+    response: Mapping[Coefficients, float], grid: Grid, padding: Padding | Paddings
+) -> Convolution:
+    """The same for coefficients that are odd along one axis: a map that no solver takes, to be lagged."""
+    paddings = across_and_along(padding)
+    padded = padded_cells(grid, paddings)
+    around = sum(
+        weight * spread(kernel(grid, paddings, one), padded, one.parity)
+        for one, weight in response.items()
+    )
+    return Convolution(fft.rfft2(around), grid.cells, padded)
+
+
 def combined(operators: Iterable[tuple[float, Convolution]], own: float = 0.0) -> Convolution:
     """The sum of ``operators`` on one grid, each times its weight, and ``own`` [m/Pa] times the pressure itself.
 

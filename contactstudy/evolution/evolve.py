@@ -24,8 +24,8 @@ from contactstudy.evolution.walk import Walk
 from contactstudy.scene.load import LineLoad
 from contactstudy.scene.load_history import ChangingLoad, SuddenLoad
 from contactstudy.scene.scene import PosedScene, Scene
-from contactstudy.scene.solids import Body, HalfSpace, response
-from contactstudy.scene.viscoelastic import ViscoelasticHalfSpace
+from contactstudy.scene.solids import response
+from contactstudy.scene.viscoelastic import sudden
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from contactstudy.solvers.solve import Solver
 
@@ -73,16 +73,20 @@ def evolve(
         raise InvalidInput("evolve.times and evolve.error are None: give one of them, or both.")
     positive("evolve.tolerance", tolerance, "give a dimensionless tolerance above 0, such as 1e-8")
     whole("evolve.max_iterations", max_iterations, 0, "give a whole number of iterations from 0 on")
+    if scene.rolling is not None:
+        raise InvalidInput(
+            "Scene.rolling is steady, so it has no history: leave it out, or call contactstudy.solve_rolling."
+        )
     control = None if error is None else StepControl.of(error, tolerance)
     load = _load(scene, times)
     marks = schedule(load, times)
-    sudden = _sudden(scene, load)
-    problem = sudden.problem(grid, padding)
+    elastic = _sudden(scene, load)
+    problem = elastic.problem(grid, padding)
     datum = problem.scales.length
     march = March(
         problem=problem,
         load=load,
-        weights=dict(response(sudden.solids, datum)),
+        weights=dict(response(elastic.solids, datum)),
         memories=memories(scene, datum),
         scheme=scheme,
         options=SolverOptions(tolerance, max_iterations, solver, precision),
@@ -137,11 +141,5 @@ def _load(scene: Scene, times: ArrayLike | None) -> ChangingLoad:
 
 def _sudden(scene: Scene, load: ChangingLoad) -> Scene:
     """The elastic scene that ``scene`` is for a sudden load, under its largest."""
-
-    def elastic(body: Body) -> Body:
-        if isinstance(body, ViscoelasticHalfSpace):
-            return HalfSpace(body.youngs_modulus, body.poisson_ratio)
-        return body
-
-    first, second = map(elastic, scene.solids)
-    return replace(scene, load=LineLoad(load.largest), solids=(first, second), wear=None)
+    solids = sudden(scene.solids)
+    return replace(scene, load=LineLoad(load.largest), solids=solids, wear=None)

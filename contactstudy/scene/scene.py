@@ -28,6 +28,7 @@ from contactstudy.scene.source import ShapesSource, ends_along, sized
 
 if TYPE_CHECKING:
     from contactstudy.scene.load_history import ChangingLoad
+    from contactstudy.scene.rolling import Rolling
     from contactstudy.scene.wear import Wear
 
 # The modulus of layered bodies and the half-width that follows from it settle to a per mille in so many steps.
@@ -42,7 +43,7 @@ class Scene:
     the gap of the solution is negative by the depth of yielding. The default is infinite: no limit.
 
     The ``load`` may change in time, bodies may creep, ``wear`` may remove material: such a scene is solved
-    by :func:`~contactstudy.evolve`.
+    by :func:`~contactstudy.evolve`, one with ``rolling`` by :func:`~contactstudy.solve_rolling`.
 
     ``outputs`` are further results of the solution, such as subsurface stress.
     Raises :class:`~contactstudy.InvalidInput` unless ``solids`` are two bodies, not both rigid, and
@@ -55,6 +56,7 @@ class Scene:
     hardness: Pascals = inf
     outputs: tuple[Output, ...] = ()
     wear: "Wear | None" = None
+    rolling: "Rolling | None" = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.load, LineLoad):
@@ -66,6 +68,10 @@ class Scene:
             from contactstudy.scene.wear import Wear
 
             _typed("Scene.wear", self.wear, Wear, "give a Wear, or None")
+        if self.rolling is not None:
+            from contactstudy.scene.rolling import Rolling
+
+            _typed("Scene.rolling", self.rolling, Rolling, "give a Rolling, or None")
         for name, remedy in (
             ("solids", "give a tuple of two bodies, such as HalfSpace"),
             ("shapes", "give a tuple of shapes, such as (Cylinder(radius=0.01),)"),
@@ -134,6 +140,11 @@ class Scene:
         Raises :class:`~contactstudy.InvalidInput` for what is neither, and for a scene that changes in time.
         """
         _typed("grid", grid, Grid, "give a Grid")
+        if self.rolling is not None:
+            raise InvalidInput(
+                "Scene.rolling moves the contact, which takes more than one problem: call "
+                "contactstudy.solve_rolling(scene, grid, padding)."
+            )
         if (changing := self.changing) is not None:
             raise InvalidInput(
                 f"{changing} changes in time, so there is no single problem: call contactstudy.evolve(scene, "

@@ -15,6 +15,7 @@ from contactstudy.domain.checks import (
 from contactstudy.domain.units import Number, Pascals, Seconds
 from contactstudy.elasticity.coefficients import Coefficients, Displacement
 from contactstudy.elasticity.prony import Creep, creep
+from contactstudy.scene.solids import Body, HalfSpace
 
 
 @dataclass(frozen=True)
@@ -82,6 +83,19 @@ class ViscoelasticHalfSpace:
         return self.equilibrium_modulus + sum(modulus for modulus, _ in self.relaxation)
 
     @property
+    def sudden(self) -> HalfSpace:
+        """The elastic half-space that it is for a sudden load."""
+        return HalfSpace(self.youngs_modulus, self.poisson_ratio)
+
+    @property
     def creeps(self) -> bool:
         """Whether it has terms that relax."""
         return bool(self.relaxation)
+
+
+def sudden(solids: tuple[Body, Body]) -> tuple[Body, Body]:
+    """The bodies that ``solids`` are for a sudden load."""
+    first, second = (
+        body.sudden if isinstance(body, ViscoelasticHalfSpace) else body for body in solids
+    )
+    return first, second

@@ -1,0 +1,175 @@
+"""Steady rolling and sliding of viscoelastic contacts."""
+
+from dataclasses import replace
+from math import inf, pi
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.elasticity.coefficients import Coefficients, Displacement
+from contactstudy.elasticity.trailing import Trailing
+from tests.contactstudy.evolution.creeping import RIGID, SOLID, rolling_cylinder
+
+EXACT = cs.ExactPeriodicity()
+A, P = 0.1, 0.05  # Hertz's half-width and highest pressure for a sudden load
+
+
+def rolling(body: cs.ViscoelasticHalfSpace, speed: float) -> cs.Scene:
+    return rolling_cylinder(body, rolling=cs.Rolling(speed))
+
+
+@pytest.mark.parametrize(("cells", "shift"), [(100, 2e-4), (200, 6e-5)])
+def test_a_rolling_cylinder_has_its_known_shift_and_pressure(cells: int, shift: float) -> None:
+    """J1 / J0 = 1.5, v lambda = a: centroid 0.35338 a ahead, p_max = 0.7643 p_H, by two other solvers."""
+    found = cs.solve_rolling(rolling(SOLID, A), cs.Grid((cells, 1), (0.6, 1.0)), EXACT)
+    assert found.solution.status is cs.Status.CONVERGED
+    assert found.settled.change <= 1e-6
+    assert found.shift / A == pytest.approx(0.35338, abs=shift)
+    assert found.solution.pressure.max() / P == pytest.approx(0.7643, abs=2e-4)
+    # the heights are a parabola, whose central difference is its slope
+    assert found.resistance == pytest.approx(found.shift, rel=1e-12)
+
+
+@pytest.mark.parametrize(("speed", "peak"), [(0.0, 1 / 2.5**0.5), (inf, 1.0)])
+def test_at_no_speed_and_at_an_infinite_one_the_bodies_are_elastic(
+    speed: float, peak: float
+) -> None:
+    grid = cs.Grid((128, 1), (0.6, 1.0))
+    found = cs.solve_rolling(rolling(SOLID, speed), grid, EXACT)
+    assert found.settled.passes == 1
+    modulus = 1.0 if speed else 0.4
+    scene = replace(rolling_cylinder(SOLID), solids=(cs.HalfSpace(modulus, 0.0), RIGID))
+    elastic = cs.solve(scene.problem(grid, EXACT))
+    np.testing.assert_allclose(
+        found.solution.pressure, elastic.pressure, atol=1e-6 * elastic.pressure.max()
+    )
+    assert found.solution.pressure.max() / P == pytest.approx(peak, rel=1e-3)
+    assert abs(found.shift) < 1e-6 * A
+
+
+@pytest.mark.parametrize("speed", [1e-6, 1e6])
+def test_very_slow_and_very_fast_come_near_them(speed: float) -> None:
+    grid = cs.Grid((128, 1), (0.6, 1.0))
+    limit = cs.solve_rolling(rolling(SOLID, 0.0 if speed < 1 else inf), grid, EXACT)
+    found = cs.solve_rolling(rolling(SOLID, speed), grid, EXACT)
+    # v lambda / a is 1e-5, or its inverse
+    wrong = np.abs(found.solution.pressure - limit.solution.pressure).sum()
+    assert wrong / limit.solution.pressure.sum() < 1e-4
+
+
+def test_a_soft_body_far_from_elastic_settles_by_mixing() -> None:
+    """J1 / J0 = 9, where a plain lag diverges."""
+    body = cs.ViscoelasticHalfSpace(0.1, 0.0, ((0.9, 0.1),))
+    found = cs.solve_rolling(rolling(body, A), cs.Grid((200, 1), (1.0, 1.0)), EXACT, change=1e-8)
+    assert found.solution.status is cs.Status.CONVERGED
+    assert found.settled.passes < 60
+
+
+@pytest.mark.parametrize("speed", [0.02, 0.3, 4.0])
+def test_a_wave_in_full_contact_slides_against_the_complex_modulus(speed: float) -> None:
+    """``p = q A / 2 E*(i q v)`` of a wave of height A: its size, and its lead over the heights.
+
+    To (q dx)^2 / 24 and a few of it for the mean over cells: 64 to a wave.
+    """
+    grid = cs.Grid((64, 1), (1.0, 1.0))
+    body = cs.ViscoelasticHalfSpace(0.3, 0.0, ((0.5, 0.4), (0.2, 3.0)))
+    q, height = 2 * pi, 1e-3
+    scene = cs.Scene(
+        cs.LineLoad(1.0),
+        (body, RIGID),
+        (cs.Waviness(height, across=1.0, along=1e9),),
+        rolling=cs.Rolling(speed),
+    )
+    found = cs.solve_rolling(scene, grid, (EXACT, EXACT), tolerance=1e-11, change=1e-9)
+    wave = 2 * (np.exp(-1j * q * grid.x) @ found.solution.pressure[:, 0]) / 64
+    gap = 2 * (np.exp(-1j * q * grid.x) @ scene.shapes[0].gap(grid)[:, 0]) / 64
+    turn = 1j * q * speed
+    modulus = 0.3 + sum(e * turn * tau / (1 + turn * tau) for e, tau in body.relaxation)
+    # what stands out presses, and pressure runs ahead of it, in the direction of motion
+    expected = -q / 2 * np.conj(modulus) * gap
+    assert abs(wave / expected - 1) < 4 * (q / 64) ** 2 / 24
+
+
+@pytest.mark.parametrize("length", [0.01, 0.3, 20.0])
+@pytest.mark.parametrize("name", ["cell", "row", "lattice"])
+def test_trailing_coefficients_are_their_integral(name: str, length: float) -> None:
+    """By differences: ``V - length dV/dx = K`` for what trails, at distances where K is smooth."""
+    inner: Coefficients = Displacement(1.0)
+    dx, dy, period, width = 0.01, 0.3, 0.9, 1.0
+    x, y = np.arange(41) * dx, np.array([0.0, 0.3])
+    more = {"cell": (), "row": (period,), "lattice": (width, period)}[name]
+    even, odd = (
+        getattr(Trailing(inner, length, sign), name)(x[:, None], y, dx, dy, *more)
+        for sign in (1, -1)
+    )
+    exact = getattr(inner, name)(x[:, None], y, dx, dy, *more)
+
+    def slope(values: np.ndarray) -> np.ndarray:
+        """Of sixth order, in the middle of the points."""
+        one, two, three = (
+            values[3 + n : -3 + n or None] - values[3 - n : -3 - n] for n in (1, 2, 3)
+        )
+        return (45 * one - 9 * two + three) / (60 * dx)
+
+    for total, sign in ((even + odd, 1), (even - odd, -1)):
+        # V(-x) is the same forwards: its slope has the other sign
+        left = total[3:-3] - sign * length * slope(total)
+        far = slice(12, None)
+        np.testing.assert_allclose(left[far], exact[3:-3][far], atol=3e-6 * exact.max())
+
+
+def test_an_odd_trail_is_odd_in_every_padding() -> None:
+    """The map that is lagged: antisymmetric, so a pressure does no work on its own lagged displacement."""
+    from contactstudy.elasticity.convolution import antisymmetric
+
+    generator = np.random.default_rng(0)
+    grid = cs.Grid((24, 12), (1.0, 0.6))
+    odd = {Trailing(Displacement(0.1), 0.2, -1): 1.0}
+    for padding in (
+        (cs.ZeroPadding(), cs.ZeroPadding()),
+        EXACT,
+        (EXACT, EXACT),
+        (cs.CircularSuperposition(1), EXACT),
+        (EXACT, cs.ZeroPadding()),
+    ):
+        lagged = antisymmetric(odd, grid, padding)
+        one, other = generator.random((2, 24, 12))
+        scale = np.abs(lagged(one)).max() * other.sum()
+        assert abs((lagged(one) * other + lagged(other) * one).sum()) < 1e-11 * scale
+
+
+def test_a_wavy_rolling_contact_is_as_periodic_as_its_waves() -> None:
+    scene = rolling(SOLID, A)
+    scene = replace(scene, shapes=(*scene.shapes, cs.Waviness(1e-3, across=0.15, along=0.3)))
+    once, twice = (
+        cs.solve_rolling(scene, cs.Grid((48, 8 * count), (0.6, 0.3 * count)), EXACT).solution
+        for count in (1, 2)
+    )
+    np.testing.assert_allclose(
+        once.pressure, np.roll(twice.pressure, 4, axis=1)[:, :8], atol=1e-4 * once.pressure.max()
+    )
+
+
+@pytest.mark.parametrize(
+    ("changes", "match"),
+    [
+        ({"rolling": None}, r"^Scene\.rolling is None"),
+        ({"wear": cs.Wear(1.0, 1.0)}, r"^Scene\.wear changes in time"),
+        ({"load": cs.SineLoad(1.0, 0.1, 1.0)}, r"^Scene\.load changes in time"),
+        ({"solids": (cs.ViscoelasticHalfSpace(0.0, 0.3, ((1.0, 1.0),)), RIGID)}, "is a fluid"),
+    ],
+    ids=["no rolling", "wear", "load", "fluid"],
+)
+def test_what_does_not_roll_steadily_is_refused(changes: dict[str, object], match: str) -> None:
+    scene = replace(rolling(SOLID, A), **changes)  # type: ignore[arg-type]
+    with pytest.raises(cs.InvalidInput, match=match):
+        cs.solve_rolling(scene, cs.Grid((16, 1), (0.6, 1.0)), EXACT)
+
+
+def test_a_rolling_scene_has_no_single_problem_and_no_history() -> None:
+    scene, grid = rolling(SOLID, A), cs.Grid((16, 1), (0.6, 1.0))
+    with pytest.raises(cs.InvalidInput, match=r"call contactstudy\.solve_rolling"):
+        scene.problem(grid, EXACT)
+    with pytest.raises(cs.InvalidInput, match=r"call contactstudy\.solve_rolling"):
+        cs.evolve(scene, grid, EXACT, times=[0.0, 1.0])

@@ -17,6 +17,8 @@ from contactstudy.scene.scene import Scene
 ROUNDS, WIDER = 6, 1.5
 # A grid this many times more accurate than asked for is made coarser.
 WASTE = 3.0
+# Of the error asked for, what the cells may take; the rest is the solver's.
+ALMOST = 0.95
 # Where pilots do not show the surface, the law of rough contacts, a mean over surfaces, counts so often.
 TRUSTED = 2.0
 # Of the machine's memory, what a plan may take.
@@ -63,8 +65,8 @@ def plan(
         raise InvalidInput(f"plan.period is {period!r}: leave it out, since the grid has its own.")
     given, limit = grid is not None, SHARE * available_bytes()
     if grid is None:
-        grid = needs.grid(error, period)
-        grid, seen = _reaching(scene, needs, grid, error, limit)
+        seen = reaching(scene, needs, error, period, limit)
+        grid = seen.grid
     else:
         seen = expected(scene, needs, affordable(grid, padding, limit))
     reached = seen.error_of(grid.cell)
@@ -102,10 +104,14 @@ def expected(scene: Scene, needs: Needs, grid: Grid) -> Forecast:
     return seen
 
 
-def _reaching(
-    scene: Scene, needs: Needs, grid: Grid, error: float, limit: float
-) -> tuple[Grid, Forecast]:
-    """A grid that keeps to ``error``, or comes as near as the memory and the surface let it."""
+def reaching(
+    scene: Scene, needs: Needs, error: float, period: float | None, limit: float
+) -> Forecast:
+    """What to expect of a grid that keeps to ``error``, or comes as near as ``limit`` bytes and the surface let it.
+
+    ``period`` [m] is chosen where none is given.
+    """
+    grid = needs.grid(error, period)
     padding, coarsened = needs.padding(), False
     for _ in range(ROUNDS):
         within = affordable(grid, padding, limit)
@@ -114,9 +120,9 @@ def _reaching(
             width = min(WIDER * grid.extent[0], needs.widest)
             across = halvable(grid.cells[0] * width / grid.extent[0])
             grid = Grid((across, grid.cells[1]), (width, grid.period))
-        elif seen.cut_off or error / WASTE <= seen.error <= error:
+        elif seen.cut_off or error / WASTE <= seen.error <= ALMOST * error:
             break
-        elif seen.error < error:
+        elif seen.error <= ALMOST * error:
             # the first guess was too careful, once
             most = min(
                 wave / cell / 2 for wave, cell in zip(needs.finest, within.cell, strict=True)
@@ -128,8 +134,8 @@ def _reaching(
         elif within != grid:
             break
         else:
-            grid = seen.grid_for(error)
-    return within, seen
+            grid = seen.grid_for(ALMOST * error)
+    return seen
 
 
 def _warnings(

@@ -9,10 +9,12 @@ from contactstudy.accuracy.estimate import ErrorParts
 from contactstudy.accuracy.expected_error import L1_LEFT, Contact, Edges, Metric
 from contactstudy.accuracy.truncation import expected_truncation
 from contactstudy.domain.checks import positive
+from contactstudy.domain.memory import available_bytes
 from contactstudy.domain.padding import Paddings
 from contactstudy.planning.cost import ROUGH_ITERATIONS, SMOOTH_ITERATIONS, memory
 from contactstudy.planning.grid_requirements import ROOM, Needs
-from contactstudy.planning.plan import needs_of
+from contactstudy.planning.pilot import Forecast
+from contactstudy.planning.plan import SHARE, needs_of, reaching
 from studies.advice.cost_model import CostModel, mode_of
 from studies.reference.line_contact import COUNTS_IMAGES, LINE, PADDINGS, padding_at
 
@@ -21,8 +23,6 @@ ACROSS = tuple(part * 2**k for k in range(16) for part in (32, 40, 48, 56))
 IMAGES = (1, 2, 3, 4, 6, 8, 12, 20, 30, 50, 80, 120, 200)
 TOLERANCES = tuple(10.0**-k for k in range(4, 12))
 LARGEST = 2**26  # cells
-# The law of rough contacts is a mean over surfaces: half of them are worse, and hardly any twice as bad.
-TRUSTED = 2.0
 # From this tolerance on the solver knows which cells of a rough contact touch.
 SETTLED = 1e-5
 # Of the error asked for, what the cells of a rough contact may take; the rest is left to the images.
@@ -121,17 +121,26 @@ class SmoothContact:
 
 @dataclass(frozen=True)
 class RoughContact:
-    """A contact with roughness, a roller's ends or a hardness, by what its scene asks of a grid."""
+    """A contact with roughness, a roller's ends or a hardness: what its scene asks of a grid, and its plan."""
 
     needs: Needs
-    period: float | None
+    planned: Forecast
     tolerances: tuple[float, ...] = TOLERANCES
     iterations: float = field(default=ROUGH_ITERATIONS, init=False)
 
     def ways(self, limits: Limits) -> Iterator[tuple[cs.Grid, cs.Padding | Paddings, Edges]]:
-        """Grids as fine as several shares of the error call for, with every padding that fits."""
-        for share in SHARES:
-            grid = self.needs.grid(limits.error * share / TRUSTED, self.period)
+        """The grid of the plan and some coarser and finer, with every padding that fits."""
+        grids = [self.planned.grid]
+        if 0 < self.planned.error < inf:
+            others = (self.planned.grid_for(limits.error * share) for share in SHARES)
+            # a coarser grid than the plan's would have been the plan's, if it met the error
+            grids += [
+                grid
+                for grid in others
+                if grid.cells[0] > self.planned.grid.cells[0]
+                or self.planned.error_of(grid.cell) > limits.error
+            ]
+        for grid in grids:
             if self.needs.roller or not self.needs.varies:
                 yield grid, self.needs.padding(), Edges.AS_SOLVED
                 continue
@@ -152,27 +161,29 @@ class RoughContact:
         if not isinstance(padding, tuple):
             cut = expected_truncation(self.needs.half_width, grid, padding).l1
         left = L1_LEFT * tolerance if tolerance <= SETTLED else inf
-        return ErrorParts(cut, TRUSTED * self.needs.error(grid.cell), left)
+        return ErrorParts(cut, self.planned.error_of(grid.cell), left)
 
 
 def contact_of(
-    scene: cs.Scene, period: float | None, metric: Metric
+    scene: cs.Scene, period: float | None, limits: Limits
 ) -> SmoothContact | RoughContact:
     """What a recommendation must know of ``scene``; ``period`` [m] is chosen where none is given.
 
-    Raises :class:`~contactstudy.InvalidInput` where no plan can be made of the scene (see
-    :func:`~contactstudy.plan`), and for a rough one unless the metric is L1.
+    One that is not smooth is planned for the error of ``limits``, so that both give the same grid. Raises
+    :class:`~contactstudy.InvalidInput` where no plan can be made of the scene (see :func:`~contactstudy.plan`),
+    and for a rough one unless the metric is L1.
     """
     needs = needs_of(scene)
     if needs.smooth and scene.hardness > needs.hertz.peak_pressure:
         a = needs.hertz.half_width
         return SmoothContact(a, period or 2 * ROOM * a)
-    if metric is not Metric.L1:
+    if limits.metric is not Metric.L1:
         raise cs.InvalidInput(
-            f"metric is {metric.name.lower()!r}: give l1, the only error with a law where a contact is not "
-            "smooth."
+            f"metric is {limits.metric.name.lower()!r}: give l1, the only error with a law where a contact is "
+            "not smooth."
         )
-    return RoughContact(needs, period)
+    most = min(limits.memory, SHARE * available_bytes())
+    return RoughContact(needs, reaching(scene, needs, limits.error, period, most))
 
 
 def recommend(

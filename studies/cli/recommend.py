@@ -73,19 +73,19 @@ def recommendation(
     )
     if scene is None:
         period = positive("period", period, "give a period above 0 half-widths")
-        contact = contact_of(SCENE, period * HERTZ.half_width, limits.metric)
+        contact = contact_of(SCENE, period * HERTZ.half_width, limits)
     else:
         described = cs.read_scene(scene)
         length = described.grid.period if described.grid else described.wish.period
-        contact = contact_of(described.scene, length, limits.metric)
+        contact = contact_of(described.scene, length, limits)
     stored = out / "pareto.nc"
     costs = cost_model(read(stored) if stored.is_file() else None, cpu())
     found = recommend(contact, limits, costs)
     if as_json:
-        click.echo(json.dumps(_fields(found, costs)))
+        click.echo(json.dumps(_fields(found, scene, costs)))
         return
     name = str(scene) if scene else f"smooth line contact, period {period:g} half-widths"
-    for line in _report_lines(found, name, costs):
+    for line in _report_lines(found, name, scene, costs):
         click.echo(line)
 
 
@@ -109,7 +109,7 @@ def _source(costs: "CostModel") -> str:
     return "fitted to the times in pareto.nc" if costs.fits else "from a small case timed just now"
 
 
-def _fields(found: "Recommendation", costs: "CostModel") -> dict[str, Any]:
+def _fields(found: "Recommendation", scene: Path | None, costs: "CostModel") -> dict[str, Any]:
     limits = found.limits
     return {
         "asked": {
@@ -124,18 +124,19 @@ def _fields(found: "Recommendation", costs: "CostModel") -> dict[str, Any]:
         "meets": found.meets,
         "affordable": found.affordable,
         "seconds_from": _source(costs),
-        "best": _setting(found.best),
-        "runner_up": _setting(found.runner_up) if found.runner_up else None,
+        "best": _setting(found.best, scene),
+        "runner_up": _setting(found.runner_up, scene) if found.runner_up else None,
     }
 
 
-def _setting(setting: "Setting") -> dict[str, Any]:
+def _setting(setting: "Setting", scene: Path | None) -> dict[str, Any]:
     return {
         "mode": setting.mode,
         "padding": repr(setting.padding),
         "grid": asdict(setting.grid),
         "tolerance": setting.tolerance,
         "edges": setting.edges.value,
+        "python": python(setting, scene),
         "error": setting.error.total,
         "error_parts": asdict(setting.error),
         "seconds": setting.seconds,
@@ -143,7 +144,9 @@ def _setting(setting: "Setting") -> dict[str, Any]:
     }
 
 
-def _report_lines(found: "Recommendation", name: str, costs: "CostModel") -> list[str]:
+def _report_lines(
+    found: "Recommendation", name: str, scene: Path | None, costs: "CostModel"
+) -> list[str]:
     limits = found.limits
     request = f"{limits.metric.value} to {limits.error:.2g}"
     if limits.memory < float("inf"):
@@ -163,7 +166,30 @@ def _report_lines(found: "Recommendation", name: str, costs: "CostModel") -> lis
             f"  {second}: {_setting_text(found.runner_up)}",
             f"    {_cost_text(found.runner_up)}",
         ]
-    return [*lines, f"  seconds are {_source(costs)}"]
+    lines.append(f"  seconds are {_source(costs)}")
+    return [*lines, "  in Python:", *(f"    {line}" for line in python(found.best, scene))]
+
+
+def python(setting: "Setting", scene: Path | None) -> list[str]:
+    """Lines of Python that solve the contact in the file ``scene`` so; without one, that of the sweeps."""
+    where = "from studies.reference.line_contact import SCENE as scene"
+    if scene is not None:
+        where = f"scene = cs.read_scene({str(scene)!r}).scene"
+    paddings = setting.padding if isinstance(setting.padding, tuple) else (setting.padding,)
+    named = ", ".join(f"cs.{padding!r}" for padding in paddings)
+    padding = f"({named})" if len(paddings) > 1 else named
+    lines = [
+        "import contactstudy as cs",
+        where,
+        f"grid = cs.Grid({setting.grid.cells!r}, {setting.grid.extent!r})",
+        f"problem = scene.problem(grid, {padding})",
+        f"solution = cs.solve(problem, tolerance={setting.tolerance!r})",
+        "pressure = solution.pressure",
+    ]
+    if setting.edges is Edges.CORRECTED:
+        lines[1:1] = ["from contactstudy.accuracy.contact_edge import corrected_pressure"]
+        lines[-1] = "pressure = corrected_pressure(solution.pressure)"
+    return lines
 
 
 def _setting_text(setting: "Setting") -> str:

@@ -68,9 +68,11 @@ def test_a_recommended_setting_of_a_rough_contact_meets_its_error() -> None:
     for seed, error in ((1, 0.2), (2, 0.1)):
         shape = cs.Roughness(0.6 * gap, hurst=0.8, roll_off=1.2 * a, cut_off=0.4 * a, seed=seed)
         scene = replace(SCENE, shapes=(*SCENE.shapes, shape))
-        contact = contact_of(scene, 2.4 * a, Metric.L1)
+        contact = contact_of(scene, 2.4 * a, Limits(error))
         assert isinstance(contact, RoughContact)
         best = recommend(contact, Limits(error), MODEL).best
+        # the same question to a plan has the same answer
+        assert best.grid == cs.plan(scene, error=error, period=2.4 * a).grid
         nx, ny = best.grid.cells
         finer = cs.Grid((4 * nx, 4 * ny), best.grid.extent)
         coarse = cs.solve(scene.problem(best.grid, best.padding), tolerance=best.tolerance)

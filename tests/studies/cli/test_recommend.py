@@ -95,3 +95,15 @@ def test_bad_arguments_are_one_sentence(words: list[str], sentence: str) -> None
     assert isinstance(result.exception, cs.InvalidInput)
     assert sentence in str(result.exception)
     assert "\n" not in str(result.exception)
+
+
+@pytest.mark.parametrize("scene", [None, "roller.toml"])
+def test_the_lines_of_python_run_as_they_stand(scene: str | None) -> None:
+    words = () if scene is None else (str(EXAMPLES / scene),)
+    best = fields("--error", "0.02", *words)["best"]
+    known: dict[str, object] = {}
+    exec("\n".join(best["python"]), known)  # type: ignore[call-overload]
+    solution = known["solution"]
+    assert isinstance(solution, cs.Solution)
+    assert list(solution.pressure.shape) == best["grid"]["cells"]  # type: ignore[index]
+    assert isinstance(known["pressure"], np.ndarray)

@@ -1,10 +1,18 @@
-"""A smooth line contact that many tests share."""
+"""A smooth line contact that many tests share, and random examples that are the same on every machine."""
 
+import os
 from dataclasses import dataclass
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 import contactstudy as cs
+
+# No clock decides. HYPOTHESIS_PROFILE=random looks for new examples.
+steady = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.register_profile("random", steady, derandomize=False)
+settings.register_profile("steady", steady, derandomize=True)
+settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "steady"))
 
 STEEL = cs.HalfSpace(youngs_modulus=210e9, poisson_ratio=0.3)
 

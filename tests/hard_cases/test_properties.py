@@ -13,9 +13,7 @@ from studies.reference.dense_solver import answer, stated_error
 from studies.reference.hard_case import PADDINGS, SOLVERS, bumpy, grid, noise
 from studies.reference.line_contact import SCENE
 
-EXAMPLES = settings(
-    max_examples=int(os.environ.get("HARD_EXAMPLES", "100")), deadline=None, derandomize=True
-)
+EXAMPLES = settings(max_examples=int(os.environ.get("HARD_EXAMPLES", "100")))
 TOLERANCE = 1e-10
 
 

@@ -101,7 +101,7 @@ def test_units_do_not_change_the_answer(
     assert scaled.approach / metre == pytest.approx(plain.approach, rel=1e-10)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(
     load=st.floats(1e2, 1e7),
     modulus=st.floats(1e6, 1e12),

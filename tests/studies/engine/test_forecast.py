@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from studies.engine.forecast import Forecast, forecast, observations, score
@@ -87,7 +87,6 @@ def test_small_cases_that_worked_do_not_promise_the_time_of_a_large_one_that_fai
         assert 0.24 / guess.value < guess.factor  # 24 times as long, in proportion to the size
 
 
-@settings(deadline=None)
 @given(power=st.floats(0.5, 2.5), scale=st.floats(1e-6, 1e-2))
 def test_a_power_is_found_and_uncertainty_grows_with_distance(power: float, scale: float) -> None:
     def row(size: float) -> Observation:

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from studies.store.lines.encoding import VariableTypes
@@ -20,7 +20,6 @@ def there_and_back(variables: dict[str, xr.Variable]) -> dict[str, xr.Variable]:
     return dict(reader.decode(values))
 
 
-@settings(deadline=None)  # the first variable of a process takes long
 @given(st.floats())
 def test_a_number_comes_back_to_the_last_bit(value: float) -> None:
     back = there_and_back({"a": xr.Variable((), value)})["a"].values.item()

@@ -3,7 +3,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import contactstudy as cs
@@ -27,7 +27,6 @@ def test_numbers_that_differ_in_rounding_are_one_case() -> None:
     assert name(-0.0) == name(0.0)
 
 
-@settings(deadline=None)
 @given(st.floats(1e-300, 1e300))
 def test_rounding_does_not_matter_and_a_millionth_does(value: float) -> None:
     assert (

@@ -239,7 +239,7 @@ def test_lattice_is_made_of_sparser_lattices(dx: float, dy: float, times: int) -
     assert_allclose(sparse, dense, rtol=EXACT, atol=EXACT * dx * dy)
 
 
-@settings(deadline=None, max_examples=20)
+@settings(max_examples=20)
 @given(offsets, offsets, lengths, fractions, lengths, st.floats(1e-6, 1e6))
 def test_lattice_scales_but_for_its_logarithm(
     x: float, y: float, dx: float, share: float, period: float, scale: float

@@ -7,6 +7,7 @@ change that makes them run ten times as long as any of them should has been noti
 
 import argparse
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -67,11 +68,14 @@ def _ended(tests: list[str], copy: Path) -> str:
     environment = os.environ | {"PYTHONPATH": str(copy), "PYTHONDONTWRITEBYTECODE": "1"}
     try:
         done = subprocess.run(
-            command, cwd=copy, env=environment, capture_output=True, timeout=60 * MINUTES
+            command, cwd=copy, env=environment, capture_output=True, text=True, timeout=60 * MINUTES
         )
     except subprocess.TimeoutExpired:
         return "timed out"
-    return SURVIVED if done.returncode in (0, 5) else "killed"  # 5: no tests in there
+    if done.returncode in (0, 5):  # 5: no tests in there
+        return SURVIVED
+    failed = re.search(r"^(?:FAILED|ERROR) (\S+)", done.stdout, flags=re.MULTILINE)
+    return f"killed by {failed[1]}" if failed else "killed"
 
 
 def main() -> None:
@@ -80,7 +84,9 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=70)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", default="", help="modules whose path begins so")
-    parser.add_argument("--wide", action="store_true", help="run the tests of the whole package too")
+    parser.add_argument(
+        "--wide", action="store_true", help="run the tests of the whole package too"
+    )
     parser.add_argument("--list", action="store_true", help="list the changes and run nothing")
     asked = parser.parse_args()
     mutations = chosen(ROOT, asked.count, asked.seed, asked.only)
@@ -96,7 +102,7 @@ def main() -> None:
         for mutation in mutations:
             ended = fate(mutation, copy, wide=asked.wide)
             survivors += [mutation] if ended == SURVIVED else []
-            print(f"{ended:9}", mutation, flush=True)
+            print(f"{mutation}: {ended}", flush=True)
     killed = len(mutations) - len(survivors)
     print(f"{killed} of {len(mutations)} changes were noticed; these were not:")
     print(*survivors, sep="\n")

@@ -87,12 +87,13 @@ def _blaming(path: Path) -> Iterator[None]:
         raise
     except BaseException as error:  # noqa: BLE001 (a file may do anything, also exit)
         line: int | None = None
-        if isinstance(error, SyntaxError) and error.filename == str(path):
+        own = str(path.absolute())
+        if isinstance(error, SyntaxError) and error.filename == own:
             line, said = error.lineno, f"{type(error).__name__}: {error.msg}"
         else:
             trace = error.__traceback__
             while trace is not None:
-                if trace.tb_frame.f_code.co_filename == str(path):
+                if trace.tb_frame.f_code.co_filename == own:
                     line = trace.tb_lineno
                 trace = trace.tb_next
             said = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__

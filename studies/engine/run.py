@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import xarray as xr
 
 from studies.engine.forecast import Forecast, describe_score, fit_model, forecast, score
-from studies.engine.forecast_model import mode
+from studies.engine.forecast_model import ForecastModel, mode
 from studies.engine.options import RunOptions
 from studies.engine.progress import Progress
 from studies.engine.stop import Stop, end_like
@@ -130,12 +130,13 @@ class _Run:
         self.journal.start(self.file.provenance, axes)
         if self.options.table == "stored":
             self.file.table = stored_table(self.study, self.request, self.journal.contents)
-        self.file.write()
+        if missing:
+            self.file.write()
         doing = "solving"
         try:
             self._solve(missing)
             self._score(predicted, missing)
-            if self._times_missing():
+            if missing and self._times_missing():
                 self.file.write()
             doing = "timing"
             self._time()
@@ -203,6 +204,8 @@ class _Run:
     def _forecast(self, missing: Sequence[str]) -> Forecast:
         trees = {name: self.request.identities[name].tree for name in missing}
         counts = self._times_missing() | dict.fromkeys(missing, self._repeats)
+        if not counts and not missing:
+            return forecast(ForecastModel([]), {}, {})
         timed = {name: (self.request.identities[name].tree, n) for name, n in counts.items()}
         return forecast(fit_model(self.folder, machine()), trees, timed)
 

@@ -10,6 +10,7 @@ import xarray as xr
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup, escape
 
+from contactstudy import InvalidInput
 from studies.engine.progress import Progress
 from studies.model.drawing import CaptionedFigure, Drawing
 from studies.model.finding import Finding, Table
@@ -28,6 +29,13 @@ def draw(study: Study, drawing: Drawing, out: Path) -> Sequence[CaptionedFigure]
 
 
 def _save(figures: Sequence[CaptionedFigure], folder: Path) -> None:
+    given: object = figures
+    is_row = isinstance(given, list | tuple)
+    if not is_row or not all(isinstance(one, CaptionedFigure) for one in figures):
+        raise InvalidInput(
+            f"figure of {folder.name!r} gives no studies.model.drawing.CaptionedFigure: return a tuple of them, or "
+            "() for none."
+        )
     progress = Progress(folder.name, "drawing", len(figures), "figure", lambda text: None)
     with progress:
         for one in figures:

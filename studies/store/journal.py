@@ -5,6 +5,7 @@ import weakref
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
+from functools import cached_property
 from itertools import chain, count
 from pathlib import Path
 from time import monotonic
@@ -33,6 +34,11 @@ class CaseIdentity:
     key: str
     tree: Tree
     point: Mapping[str, str]
+
+    @cached_property
+    def tree_hash(self) -> int:
+        """A hash of the whole tree, defaults included, in this process."""
+        return hash(text(self.tree))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -75,7 +81,7 @@ class Record:
 
     def is_of(self, identity: CaseIdentity) -> bool:
         """Whether it is of this very case, the values that are at their defaults included."""
-        return self.tree_hash == hash(text(identity.tree)) or not differences(
+        return self.tree_hash == identity.tree_hash or not differences(
             self.identity.tree, identity.tree
         )
 

@@ -1,0 +1,11 @@
+"""Campaigns: many kills, much damage, much nonsense. A few of each by default, all of them with
+``CONTACTSTUDY_CAMPAIGNS=whole python -m pytest tests/campaigns``."""
+
+import os
+
+IS_WHOLE = os.environ.get("CONTACTSTUDY_CAMPAIGNS") == "whole"
+
+
+def share(whole: int, thin: int) -> int:
+    """How many of a campaign are tried."""
+    return whole if IS_WHOLE else thin

@@ -1,0 +1,154 @@
+"""A damaged journal gives back what is whole in it, bit for bit, and nothing else."""
+
+import random
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from contactstudy import InvalidInput
+from studies.engine.options import RunOptions
+from studies.engine.run import run
+from studies.model.outcome import CaseStatus
+from studies.store.journal import Journal
+from studies.store.provenance import machine
+from studies.store.request import Request
+from tests.campaigns.conftest import share
+from tests.campaigns.victim import Kill, study
+from tests.studies.conftest import quiet
+
+NUMBERS = range(12)
+ALONE = RunOptions(workers=0, repeats=1)
+Said = dict[str, object]
+
+
+def plain(tmp_path: Path) -> Kill:
+    (tmp_path / "events").mkdir(exist_ok=True)
+    return Kill(str(tmp_path / "events"), "nobody", 0, "never", 0)
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> tuple[bytes, Request]:
+    folder = tmp_path_factory.mktemp("whole")
+    sweep = study(plain(folder), NUMBERS)
+    run(sweep, folder, options=ALONE, log=quiet)
+    return (folder / "victim.journal.jsonl").read_bytes(), Request.of(sweep)
+
+
+def content(path: Path, request: Request) -> Said:
+    """All that a journal says of its cases."""
+    records = Journal(path, request.context, machine()).contents.records
+    return {
+        key: (
+            record.case_status,
+            dict(record.identity.point),
+            [
+                (name, v.dims, v.dtype.str, v.values.tolist(), dict(v.attrs))
+                for name, v in record.outcome.variables.items()
+            ],
+        )
+        for key, record in records.items()
+    }
+
+
+def damages(raw: bytes) -> Iterator[bytes]:
+    rng = random.Random(7)
+    lines = raw.splitlines(keepends=True)
+    for _ in range(share(whole=5000, thin=150)):
+        flipped = bytearray(raw)
+        flipped[rng.randrange(len(raw))] ^= 1 << rng.randrange(8)
+        yield bytes(flipped)
+    for _ in range(share(whole=500, thin=20)):
+        at, size = rng.randrange(len(raw)), rng.randrange(1, 400)
+        yield raw[:at] + rng.randbytes(size) + raw[at + size :]
+        yield raw[:at] + raw[at + size :]
+        yield raw[:at]
+        number = rng.randrange(len(lines))
+        zeros = b"\0" * (len(lines[number]) - 1) + b"\n"
+        yield b"".join([*lines[:number], zeros, *lines[number + 1 :]])
+        odd = rng.choice(
+            [b"5\n", b"[]\n", b"\n", b'{"case":[]}\n', b'{"run":{}}\n', b"[" * 9999 + b"\n"]
+        )
+        yield b"".join([*lines[:number], odd, *lines[number:]])
+        yield b"".join(rng.sample(lines, len(lines)))
+
+
+def test_no_damage_makes_a_wrong_value(whole: tuple[bytes, Request], tmp_path: Path) -> None:
+    raw, request = whole
+    path = tmp_path / "victim.journal.jsonl"
+    path.write_bytes(raw)
+    right = content(path, request)
+    assert len(right) == len(NUMBERS)
+    found: Said = {}
+    for damaged in damages(raw):
+        path.write_bytes(damaged)
+        with suppress(InvalidInput):  # nothing of it is a journal
+            found = content(path, request)
+        assert found.items() <= right.items()
+
+
+def test_a_flipped_bit_costs_one_case_at_most(whole: tuple[bytes, Request], tmp_path: Path) -> None:
+    raw, request = whole
+    path = tmp_path / "victim.journal.jsonl"
+    rng = random.Random(8)
+    for _ in range(share(whole=2000, thin=60)):
+        flipped = bytearray(raw)
+        flipped[rng.randrange(len(raw))] ^= 1 << rng.randrange(8)
+        path.write_bytes(bytes(flipped))
+        # a line feed that is flipped, or made, joins or parts two lines
+        assert len(content(path, request)) >= len(NUMBERS) - 2
+
+
+def test_a_run_sets_damage_aside_says_so_and_computes_it_anew(tmp_path: Path) -> None:
+    sweep = study(plain(tmp_path), NUMBERS)
+    before = run(sweep, tmp_path, options=ALONE, log=quiet)
+    path = tmp_path / "victim.journal.jsonl"
+    raw = path.read_bytes()
+    place = raw.index(b'"status":"ok"')
+    damaged = raw[:place] + b'"status":"OK"' + raw[place + 13 :]
+    path.write_bytes(damaged)
+    said: list[str] = []
+    after = run(sweep, tmp_path, options=ALONE, log=said.append)
+    assert any("1 damaged lines of the journal are set aside in" in line for line in said)
+    assert any("11 cases are stored, 1 to compute" in line for line in said)
+    assert b'"status":"OK"' in (tmp_path / "victim.journal.jsonl.damaged").read_bytes()
+    np.testing.assert_array_equal(before["square"], after["square"])
+    said.clear()
+    run(sweep, tmp_path, options=ALONE, log=said.append)
+    assert not any("damaged" in line for line in said)
+
+
+def test_a_journal_without_checksums_is_set_aside_in_a_sentence(tmp_path: Path) -> None:
+    path = tmp_path / "victim.journal.jsonl"
+    old = '{"run":{"context":{},"machine":"","provenance":{"history":""}}}\n{"kind":[[],"<f8",[],{}]}\n'
+    path.write_text(old)
+    said: list[str] = []
+    dataset = run(study(plain(tmp_path), [1, 2]), tmp_path, options=ALONE, log=said.append)
+    assert any("older format without checksums; it is set aside as" in line for line in said)
+    assert (tmp_path / "victim.journal.jsonl.format1").read_text() == old
+    assert (dataset["case_status"] == CaseStatus.OK).all()
+
+
+@pytest.mark.parametrize(
+    "foreign", ["precious without newline", "a\nb\n", "\0" * 100, "{}\n", "[1]\n"]
+)
+def test_a_file_that_is_no_journal_is_left_as_it_is(foreign: str, tmp_path: Path) -> None:
+    path = tmp_path / "victim.journal.jsonl"
+    path.write_text(foreign)
+    with pytest.raises(InvalidInput, match="is not a journal of this program: move the file away"):
+        run(study(plain(tmp_path), [1]), tmp_path, options=ALONE, log=quiet)
+    assert path.read_text() == foreign
+
+
+@pytest.mark.parametrize("name", ["victim.journal.jsonl", ".victim.lock"])
+def test_a_link_is_not_followed(name: str, tmp_path: Path) -> None:
+    victim = tmp_path / "precious"
+    victim.write_text("precious")
+    folder = tmp_path / "out"
+    folder.mkdir()
+    (folder / name).symlink_to(victim)
+    with pytest.raises(InvalidInput, match="it is a symbolic link, which is not followed"):
+        run(study(plain(tmp_path), [1]), folder, options=ALONE, log=quiet)
+    assert victim.read_text() == "precious"

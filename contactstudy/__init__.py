@@ -68,6 +68,7 @@ if _TYPE_CHECKING:
     from contactstudy.io.scene_file import SceneFile, read_scene
     from contactstudy.io.scene_writer import write_scene
     from contactstudy.scene.coated import CoatedHalfSpace
+    from contactstudy.scene.friction import PartialSlip, Sliding
     from contactstudy.scene.load_history import LoadHistory, SineLoad
     from contactstudy.scene.rolling import Rolling
     from contactstudy.scene.stress import SubsurfaceStress
@@ -115,6 +116,7 @@ __all__ = [
     "Padding",
     "Paddings",
     "Parabolic",
+    "PartialSlip",
     "Plan",
     "PolonskyKeer",
     "Precision",
@@ -132,6 +134,7 @@ __all__ = [
     "Scheme",
     "Shape",
     "SineLoad",
+    "Sliding",
     "Solution",
     "Solver",
     "Sphere",
@@ -165,6 +168,8 @@ __all__ = [
 # Names whose modules a solve does not need: imported when they are first asked for.
 _LATER = {
     "CoatedHalfSpace": "contactstudy.scene.coated",
+    "PartialSlip": "contactstudy.scene.friction",
+    "Sliding": "contactstudy.scene.friction",
     "Evolution": "contactstudy.evolution.evolution",
     "LoadHistory": "contactstudy.scene.load_history",
     "Rolling": "contactstudy.scene.rolling",

@@ -10,8 +10,9 @@ from contactstudy.accuracy.estimate import ErrorEstimate
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.version import VERSION
 from contactstudy.io.scene_writer import scene_text
+from contactstudy.problem.derived import Sheared
 from contactstudy.scene.scene import PosedScene
-from contactstudy.solvers.solution import Solution, Status
+from contactstudy.solvers.solution import Solution, Status, Traction
 
 X = {"units": "m", "axis": "X", "long_name": "position across the contact"}
 Y = {"units": "m", "axis": "Y", "long_name": "position along the contact"}
@@ -61,11 +62,30 @@ def to_dataset(solution: Solution, error: ErrorEstimate | None = None) -> xr.Dat
     dataset["status"] = _status(solution.status)
     if isinstance(solution.problem.description, PosedScene):
         dataset.attrs["scene"] = scene_attribute(solution.problem.description)
+    traction = solution.traction
+    if traction is not None:
+        dataset = dataset.assign(_sheared(traction))
     for output in solution.problem.outputs:
+        if traction is not None and isinstance(output, Sheared):
+            output = output.under(traction.shear)
         for name, one in output.fields(solution.pressure).items():
             labels = {"units": one.units, "long_name": one.long_name, **one.attributes}
             dataset[name] = one.dimensions, one.values, labels
     return dataset if error is None else _with(dataset, error)
+
+
+def _sheared(traction: Traction) -> dict[str, xr.Variable]:
+    """Shear by its two components, and where it sticks."""
+    across, along = traction.shear
+    named = {
+        "shear_x": (across, "Pa", "shear across the contact, on the first body"),
+        "shear_y": (along, "Pa", "shear along the contact, on the first body"),
+        "stick": (traction.stick.astype(np.int8), "1", "1 where the bodies stick, 0 elsewhere"),
+    }
+    return {
+        name: xr.Variable(("x", "y"), values, {"units": units, "long_name": long_name})
+        for name, (values, units, long_name) in named.items()
+    }
 
 
 def _of_scene(source: object) -> Mapping[str, tuple[float, str, str]]:

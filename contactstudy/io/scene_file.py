@@ -25,6 +25,7 @@ from contactstudy.domain.units import Metres, Number, Pascals
 from contactstudy.io.structuring import NO_KIND, structured
 from contactstudy.planning.plan import Plan, plan
 from contactstudy.scene.coated import CoatedHalfSpace
+from contactstudy.scene.friction import Friction, PartialSlip, Sliding
 from contactstudy.scene.load import LineLoad
 from contactstudy.scene.outputs import Output
 from contactstudy.scene.scene import Scene
@@ -100,6 +101,7 @@ class Document:
     shapes: tuple[Shape, ...] = ()
     hardness: Pascals = inf
     outputs: tuple[Output, ...] = ()
+    friction: Friction | None = None
     grid: Grid | None = None
     padding: Padding | None = None
     padding_across: Padding | None = None
@@ -137,6 +139,7 @@ KINDS: Mapping[Any, Mapping[str, type]] = {
                 ExactPeriodicity,
             ),
         ),
+        (Friction, (Sliding, PartialSlip)),
         (Output, (SubsurfaceStress,)),
         (Profile, (Parabolic, Cosine, FlatBottomed)),
         (Missing, (RefuseMissing, HarmonicFill)),
@@ -180,7 +183,7 @@ class SceneFile:
 def read_scene(path: str | PathLike[str]) -> SceneFile:
     """The scene in a TOML file.
 
-    Tables ``load``, ``solids`` (two), ``shapes`` and ``outputs`` (each with its ``kind``), ``grid``,
+    Tables ``load``, ``solids`` (two), ``shapes`` and ``outputs`` (each with its ``kind``), ``friction``, ``grid``,
     ``padding``, ``plan`` and ``solve``, and the key ``hardness``, take the fields of the values of these
     names. Raises :class:`~contactstudy.InvalidInput`, which names the key, for anything else.
     """
@@ -205,7 +208,14 @@ def _scene_file(document: Document, folder: Path) -> SceneFile:
         shape.read(folder) if isinstance(shape, MeasuredFile) else shape
         for shape in document.shapes
     )
-    scene = Scene(document.load, document.solids, shapes, document.hardness, document.outputs)
+    scene = Scene(
+        document.load,
+        document.solids,
+        shapes,
+        document.hardness,
+        document.outputs,
+        friction=document.friction,
+    )
     padding: Padding | Paddings | None = document.padding
     if document.padding_across is not None:
         if document.padding is None:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 from numpy.typing import NDArray
 
@@ -28,4 +28,13 @@ class Derived(Protocol):
 
     def fields(self, pressure: Array) -> Mapping[str, Field]:
         """Fields by name, under ``pressure`` (x, y) [Pa]."""
+        ...
+
+
+@runtime_checkable
+class Sheared(Protocol):
+    """What follows from shear on the surface as well."""
+
+    def under(self, shear: Array) -> Derived:
+        """The same under ``shear`` (component, x, y) [Pa] on the first body."""
         ...

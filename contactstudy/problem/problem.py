@@ -1,7 +1,7 @@
 """The contact problem in SI units: a gap, an operator, a constraint, a resultant."""
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 from contactstudy.domain.arrays import Array
 from contactstudy.domain.grid import Grid
@@ -45,6 +45,14 @@ class Source(Protocol):
         ...
 
 
+class FrictionLaw(Protocol):
+    """What adds shear to the pressure of a problem."""
+
+    def solved(self, problem: "Problem", repeat: Any) -> Any:
+        """The Solution of ``problem`` with its shear; ``repeat`` solves problems without friction."""
+        ...
+
+
 @dataclass(frozen=True, eq=False)
 class Problem:
     """Find p with ``gap = undeformed_gap + operator(p) - approach >= 0`` and ``p gap = 0``.
@@ -55,7 +63,8 @@ class Problem:
     across, that contact should not reach, because the surface goes on beyond them, and ``open_ends`` those
     counted along; ``source`` makes the problem again on another grid; ``paddings`` (across, along)
     are those of the operator, where it has any; ``outputs`` are found from the solution when
-    it is labelled; ``description`` is what the problem was made from, such as a scene on a grid.
+    it is labelled; ``description`` is what the problem was made from, such as a scene on a grid. ``friction``
+    adds shear to a solution.
     """
 
     grid: Grid
@@ -70,6 +79,7 @@ class Problem:
     paddings: Paddings | None = None
     outputs: tuple[Derived, ...] = ()
     description: object = None
+    friction: FrictionLaw | None = None
 
     @property
     def datum(self) -> float:

@@ -27,6 +27,7 @@ from contactstudy.scene.solids import Body, Layered, contact_modulus, response
 from contactstudy.scene.source import ShapesSource, ends_along, sized
 
 if TYPE_CHECKING:
+    from contactstudy.scene.friction import Friction
     from contactstudy.scene.load_history import ChangingLoad
     from contactstudy.scene.rolling import Rolling
     from contactstudy.scene.wear import Wear
@@ -43,7 +44,8 @@ class Scene:
     the gap of the solution is negative by the depth of yielding. The default is infinite: no limit.
 
     The ``load`` may change in time, bodies may creep, ``wear`` may remove material: such a scene is solved
-    by :func:`~contactstudy.evolve`, one with ``rolling`` by :func:`~contactstudy.solve_rolling`.
+    by :func:`~contactstudy.evolve`, one with ``rolling`` by :func:`~contactstudy.solve_rolling`. ``friction`` adds
+    shear to the pressure.
 
     ``outputs`` are further results of the solution, such as subsurface stress.
     Raises :class:`~contactstudy.InvalidInput` unless ``solids`` are two bodies, not both rigid, and
@@ -57,6 +59,7 @@ class Scene:
     outputs: tuple[Output, ...] = ()
     wear: "Wear | None" = None
     rolling: "Rolling | None" = None
+    friction: "Friction | None" = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.load, LineLoad):
@@ -100,6 +103,12 @@ class Scene:
                     f"Scene.outputs[{number}] is {output!r}, the second of its kind: give one."
                 )
             output.check(self.solids)
+        if self.friction is not None:
+            from contactstudy.scene.friction import Friction
+
+            remedy = "give a friction, such as Sliding(coefficient=0.1), or None"
+            _instance("Scene.friction", self.friction, Friction, remedy)
+            self.friction.check(self)
 
     @property
     def contact_modulus(self) -> float:
@@ -169,6 +178,9 @@ class Scene:
             source=self._source(grid, padding),
             outputs=tuple(output.of(self.solids, grid, paddings) for output in self.outputs),
             description=PosedScene(self, grid, padding),
+            friction=None
+            if self.friction is None
+            else self.friction.law(self, gap, grid, paddings, scales.length),
         )
 
     @property

@@ -1,7 +1,7 @@
 """Subsurface stress under the pressure of a contact, at the depths asked for."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isinf
 
 import numpy as np
@@ -73,21 +73,28 @@ class SubsurfaceStress:
         """The stress of these bodies on ``grid``."""
         body = solids[self.solid]
         assert isinstance(body, Homogeneous)
-        return StressBelow(grid, paddings, body.poisson_ratio, self.depths)
+        return StressBelow(grid, paddings, body.poisson_ratio, self.depths, 1 - 2 * self.solid)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class StressBelow:
     """The linear map from pressure to stress on one grid, with the images that ``paddings`` see.
 
     Padded and summed like the displacement; where a window of images ends on a pair of cells just as far
-    on one side as on the other, either side counts half.
+    on one side as on the other, either side counts half. ``side`` is 1 for the first body and -1 for the
+    second.
     """
 
     grid: Grid
     paddings: Paddings
     poisson_ratio: float
     depths: tuple[float, ...]
+    side: int = 1
+    shear: Array | None = None
+
+    def under(self, shear: Array) -> "StressBelow":
+        """The same with ``shear`` (component, x, y) on the first body, and its reaction on the second."""
+        return replace(self, shear=self.side * shear)
 
     def __call__(self, pressure: Array) -> Array:
         """Stress (component, z, x, y) in the unit of ``pressure`` (x, y)."""
@@ -95,11 +102,24 @@ class StressBelow:
             raise InvalidInput(
                 f"pressure has the shape {pressure.shape}: give it {self.grid.cells}."
             )
+        stress = self._due(COMPONENTS, pressure)
+        if self.shear is not None:
+            # Cerruti's, for those who name a friction
+            from contactstudy.elasticity.kernels import traction
+
+            families = traction.CERRUTI_ACROSS, traction.CERRUTI_ALONG
+            for family, component in zip(families, self.shear, strict=True):
+                if component.any():
+                    stress += self._due(family, component)
+        return stress
+
+    def _due(self, family: Mapping[str, Component], pressure: Array) -> Array:
+        """Stress due to one component of what acts on the surface."""
         padded = padded_cells(self.grid, self.paddings)
         pressed = TRANSFORMS.forward(pressure, padded, _room(padded))
         room = _room(padded)
         stress = np.empty((len(COMPONENTS), len(self.depths), *self.grid.cells))
-        for number, component in enumerate(COMPONENTS.values()):
+        for number, component in enumerate(family[name] for name in COMPONENTS):
             for level, depth in enumerate(self.depths):
                 coefficients = StressCoefficients(component, depth, self.poisson_ratio)
                 known = kernel(self.grid, self.paddings, coefficients)
@@ -137,8 +157,7 @@ class StressCoefficients:
 
     def turned(self) -> "StressCoefficients":
         """The component that takes its place when the axes are exchanged."""
-        turned = COMPONENTS[self.component.turned]
-        return StressCoefficients(turned, self.depth, self.poisson_ratio)
+        return StressCoefficients(self.component.exchanged(), self.depth, self.poisson_ratio)
 
     def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
         """One cell."""

@@ -5,7 +5,11 @@ from enum import Enum
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from contactstudy.domain.arrays import Array
+from contactstudy.domain.checks import NotDefined
 from contactstudy.problem.problem import Problem
 
 if TYPE_CHECKING:
@@ -48,6 +52,19 @@ class Status(Enum):
 
 
 @dataclass(frozen=True, eq=False)
+class Traction:
+    """Shear on the first body: ``shear`` (component, x, y) [Pa] along x and y, ``stick`` (x, y) where it sticks.
+
+    ``method`` in words, and the ``passes`` it took.
+    """
+
+    shear: Array
+    stick: NDArray[np.bool_]
+    method: str
+    passes: int
+
+
+@dataclass(frozen=True, eq=False)
 class Solution:
     """Fields of shape (x, y): ``pressure`` [Pa], ``displacement`` [m], ``gap`` [m].
 
@@ -55,7 +72,7 @@ class Solution:
     shows what the solver left over. ``approach`` [m] is counted from the same datum as the
     displacement. ``residual`` is dimensionless (see :func:`~contactstudy.solve`); ``convolutions``
     counts transform pairs of the full grid, smaller ones in proportion. ``note`` is empty, or says how
-    the solver went on after a stall.
+    the solver went on after a stall. ``traction`` is the shear of a scene with friction, None without.
     """
 
     problem: Problem
@@ -68,6 +85,28 @@ class Solution:
     convolutions: float
     residual: float
     note: str = ""
+    traction: Traction | None = None
+
+    @property
+    def shear(self) -> Array:
+        """Shear on the first body (component, x, y) [Pa], along x and y.
+
+        Raises :class:`~contactstudy.NotDefined` without friction.
+        """
+        return self._traction.shear
+
+    @property
+    def stick(self) -> NDArray[np.bool_]:
+        """Which cells (x, y) in contact stick; :class:`~contactstudy.NotDefined` without friction."""
+        return self._traction.stick
+
+    @property
+    def _traction(self) -> Traction:
+        if self.traction is None:
+            raise NotDefined(
+                "This solution has no shear: give Scene.friction, such as Sliding(coefficient=0.1)."
+            )
+        return self.traction
 
     def __repr__(self) -> str:
         nx, ny = self.pressure.shape

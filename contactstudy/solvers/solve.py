@@ -1,5 +1,7 @@
 """Problem -> Solution."""
 
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from math import inf
 from typing import Protocol, runtime_checkable
 
@@ -39,6 +41,16 @@ class Solver(Protocol):
         ...
 
 
+@dataclass(frozen=True)
+class Repeat:
+    """How a friction law has problems solved: with the options of the solve that it is part of."""
+
+    solve: Callable[[Problem, Array | None], Solution]
+    start: Array | None
+    tolerance: float
+    max_iterations: int
+
+
 def solve(
     problem: Problem | Posable,
     *,
@@ -68,6 +80,22 @@ def solve(
         raise InvalidInput(f"solve.problem is {problem!r}: give scene.problem(grid, padding).")
     if start is not None:
         start = _finite_pressure(start, problem)
+    if problem.friction is not None:
+
+        def again(other: Problem, from_pressure: Array | None) -> Solution:
+            return solve(
+                replace(other, friction=None),
+                tolerance=tolerance,
+                max_iterations=max_iterations,
+                solver=solver,
+                precision=precision,
+                start=from_pressure,
+            )
+
+        found: Solution = problem.friction.solved(
+            problem, Repeat(again, start, tolerance, max_iterations)
+        )
+        return replace(found, problem=problem)
     if not problem.resultant.is_met_by(problem.constraint, problem.undeformed_gap.size):
         return _without_pressure(problem)
     if start is not None:

@@ -4,8 +4,8 @@ Coefficients are stress over pressure, for one component at a time, tension posi
 along, z into the body, whose surface is free of shear.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -30,7 +30,7 @@ class Component:
     ``point`` is 2 pi times the stress under a unit force at the origin, ``corner`` its integral over x
     and y; ``plane`` is pi times the stress in plane strain, from the angle and the pole of
     :class:`Strip`. ``parity`` is 1 for what is even across and along, -1 for what is odd; ``turned``
-    names the component with the axes exchanged.
+    names the component with the axes exchanged, among those of its ``family``, by default ``COMPONENTS``.
     """
 
     name: str
@@ -39,17 +39,52 @@ class Component:
     corner: Field
     plane: "Callable[[Strip, float], Array | float]"
     turned: str
+    family: "Mapping[str, Component] | None" = field(default=None, compare=False, repr=False)
+
+    def exchanged(self) -> "Component":
+        """The component with the axes exchanged."""
+        return (COMPONENTS if self.family is None else self.family)[self.turned]
 
 
 @dataclass(frozen=True, eq=False)
 class Strip:
     """What a loaded strip, endless along y, is seen by (Johnson 1985, sect. 2.5(a)).
 
-    ``angle`` it subtends; ``pole = z / (a + i z) - z / (b + i z)``, its edges at offsets a and b.
+    ``angle`` it subtends; ``pole = z / (a + i z) - z / (b + i z)``, its edges at offsets a and b. ``edges`` are
+    its offset, the depth, its width and the period across, None for a strip by itself.
     """
 
     angle: Array
     pole: NDArray[np.complex128]
+    edges: tuple[Array, float, float, float | None]
+
+    @property
+    def logarithm(self) -> Array:
+        """``ln |a + i z| - ln |b + i z|``; of strips with a period, that of ``2 sin(pi (a + i z) / W)``."""
+        x, z, dx, width = self.edges
+        if width is None:
+            return np.asarray(np.log1p(2 * x * dx / ((x - dx / 2) ** 2 + z * z)) / 2)
+        # |2 sin(u + i v)|^2 = 4 (sin(u)^2 + sinh(v)^2); both edges sink into rounding alike
+        deep = np.sinh(min(np.pi * z / width, 300.0)) ** 2
+        ends = (np.sin(np.pi * (x + side * dx / 2) / width) ** 2 + deep for side in (1, -1))
+        return np.asarray(np.log(np.divide(*ends)) / 2)
+
+    @property
+    def sides(self) -> Array:
+        """``|a| - |b|``, the integral of the sign of the offset; with a period, of a sawtooth without mean."""
+        x, _, dx, width = self.edges
+        ends = [x + side * dx / 2 for side in (1, -1)]
+        if width is None:
+            return np.asarray(np.abs(ends[0]) - np.abs(ends[1]))
+        from_middle = [end - width * np.round(end / width) for end in ends]
+        tops = [np.abs(end) - end**2 / width for end in from_middle]
+        return np.asarray(tops[0] - tops[1])
+
+    @property
+    def breadth(self) -> float:
+        """Its width; 0 with a period, where the mean is left out."""
+        _, _, dx, width = self.edges
+        return dx if width is None else 0.0
 
 
 def _angle(x: Array, y: Array, z: float, r: Array) -> Array:
@@ -215,4 +250,5 @@ def strip(x: Array, z: float, dx: float) -> Strip:
     # by the product of both distances, where their difference would cancel
     product = (x - dx / 2) * (x + dx / 2) - z * z + 2j * z * x
     angle = np.arctan2(z * dx, np.real(product) + 2 * z * z)
-    return Strip(angle, np.asarray(-z * dx / product, dtype=np.complex128))
+    pole = np.asarray(-z * dx / product, dtype=np.complex128)
+    return Strip(angle, pole, (x, z, dx, None))

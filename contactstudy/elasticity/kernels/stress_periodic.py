@@ -10,7 +10,6 @@ from scipy.linalg import eigh_tridiagonal
 from contactstudy.domain.arrays import Array
 from contactstudy.elasticity.kernels.cell import gauss
 from contactstudy.elasticity.kernels.stress_cell import (
-    COMPONENTS,
     Component,
     Strip,
     sign,
@@ -162,7 +161,7 @@ def stress_cell_doubly_periodic(
     x = np.asarray(x, dtype=np.float64).reshape(-1, 1)
     y = np.asarray(y, dtype=np.float64).reshape(1, -1)
     if period > width:  # the rows that die out sooner
-        turned = COMPONENTS[component.turned]
+        turned = component.exchanged()
         arguments = y.T, x.T, z, dy, dx, period, width, poisson_ratio
         return stress_cell_doubly_periodic(turned, *arguments).T
     x = x - width * np.round(x / width)
@@ -204,4 +203,4 @@ def _strips(x: Array, z: float, dx: float, width: float) -> Strip:
     # cosh(depth) (cos(cell) - cos(twice)) + ..., by products where the difference would cancel
     angle = np.arctan2(np.sin(cell) * np.sinh(depth), edges * np.cosh(depth) + fading)
     pole = edges - fading + 1j * np.sin(twice) * np.sinh(depth)
-    return Strip(angle, -2 * np.pi * z / width * np.sin(cell) / pole)
+    return Strip(angle, -2 * np.pi * z / width * np.sin(cell) / pole, (x, z, dx, width))

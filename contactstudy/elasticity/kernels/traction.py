@@ -1,0 +1,158 @@
+"""What a rectangular cell under uniform shear does to an elastic half-space: displacement and stress.
+
+The same kind of :class:`~contactstudy.elasticity.kernels.stress_cell.Component` as the stress under pressure, so
+that rows and lattices of cells are summed by the same functions. x runs across, y along, z into the body.
+"""
+
+import numpy as np
+
+from contactstudy.domain.arrays import Array
+from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, Component, Field, Strip
+
+
+def _swapped(field: Field) -> Field:
+    return lambda x, y, z, r, nu: field(y, x, z, r, nu)
+
+
+def _asinh(y: Array, x: Array, z: float) -> Array:
+    """Integral of 1/r along y."""
+    return np.asarray(np.arcsinh(y / np.sqrt(x * x + z * z)))
+
+
+def _harmonic_point(x: Array, y: Array, z: float, r: Array) -> Array:
+    """``-(d/dx)(d/dy)^2 (z ln(r + z) - r)``."""
+    s = r + z
+    return np.asarray((-1 + y * y / (r * r) + 2 * y * y / (r * s)) * x / (r * s * s))
+
+
+def _xx_point(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
+    s = r + z
+    third = (-3 + x * x / (r * r) + 2 * x * x / (r * s)) * x / (r * s * s)
+    return np.asarray((1 - 2 * nu) * (x / r**3 + third) - 3 * x**3 / r**5)
+
+
+def _xx_corner(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
+    own = x * x * y / ((x * x + z * z) * r) + 2 * _asinh(y, x, z)
+    return np.asarray(own - (1 - 2 * nu) * y / (r + z))
+
+
+def _yy_point(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
+    lateral = x / r**3 + _harmonic_point(x, y, z, r)
+    return np.asarray((1 - 2 * nu) * lateral - 3 * x * y * y / r**5)
+
+
+def _yy_corner(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
+    line = _asinh(y, x, z)
+    return np.asarray(line - y / r - (1 - 2 * nu) * (line - y / (r + z)))
+
+
+def _xy_point(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
+    lateral = _harmonic_point(y, x, z, r)
+    return np.asarray((1 - 2 * nu) * lateral - 3 * x * x * y / r**5)
+
+
+def _xy_corner(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
+    return np.asarray(_asinh(x, y, z) - x / r + (1 - 2 * nu) * x / (r + z))
+
+
+def _incompressible(field: Field) -> Field:
+    """As for a Poisson's ratio of a half: under shear these do not depend on it."""
+    return lambda x, y, z, r, nu: field(x, y, z, r, 0.5)
+
+
+def _zero(strip: Strip, nu: float) -> float:
+    return 0.0
+
+
+_NORMAL = COMPONENTS
+# Stress under unit shear along x, and along y. Source: Cerruti, by way of Johnson (1985), eqs. 3.75 and 2.24
+CERRUTI_ACROSS: dict[str, Component] = {}
+CERRUTI_ALONG: dict[str, Component] = {}
+for _name, _parity, _point, _corner, _plane, _other in (
+    ("xx", (-1, 1), _xx_point, _xx_corner, lambda s, nu: s.pole.imag - 2 * s.logarithm, _zero),
+    ("yy", (-1, 1), _yy_point, _yy_corner, lambda s, nu: -2 * nu * s.logarithm, _zero),
+    ("zz", (-1, 1), _NORMAL["xz"].point, _NORMAL["xz"].corner, _NORMAL["xz"].plane, _zero),
+    (
+        "yz",
+        (-1, -1),
+        _incompressible(_NORMAL["xy"].point),
+        _incompressible(_NORMAL["xy"].corner),
+        _zero,
+        _zero,
+    ),
+    (
+        "xz",
+        (1, 1),
+        _incompressible(_NORMAL["xx"].point),
+        _incompressible(_NORMAL["xx"].corner),
+        _NORMAL["xx"].plane,
+        # of shear along the strip: antiplane
+        lambda s, nu: -s.angle,
+    ),
+    ("xy", (1, -1), _xy_point, _xy_corner, _zero, lambda s, nu: -s.logarithm),
+):
+    _turned = _NORMAL[_name].turned
+    CERRUTI_ACROSS[_name] = Component(
+        f"{_name} by shear across", _parity, _point, _corner, _plane, _turned, CERRUTI_ALONG
+    )
+    CERRUTI_ALONG[_turned] = Component(
+        f"{_turned} by shear along",
+        (_parity[1], _parity[0]),
+        _swapped(_point),
+        _swapped(_corner),
+        _other,
+        _name,
+        CERRUTI_ACROSS,
+    )
+
+
+def _half_log(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
+    """Integral of ``x / r^2`` over x and y, but for what has no difference of corners."""
+    return np.asarray(y * np.log(r) + np.abs(x) * np.arctan2(y, np.abs(x)))
+
+
+def _moment(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
+    """Integral of ``x^2 / r^3``."""
+    return np.asarray(y * np.arcsinh(x / np.where(y == 0, 1.0, np.abs(y))))
+
+
+# 2 pi times these are integrals over the cell of fields on the surface, z = 0: x / r^2 and y / r^2, the normal
+# displacement under shear (Johnson 1985, eq. 3.75c), x^2 / r^3 and x y / r^3, what Poisson's ratio adds to the
+# displacement along the surface (eqs. 3.75a, b). y^2 / r^3 is what the second leaves of 1 / r.
+SURFACE: dict[str, Component] = {}
+SURFACE["x"] = Component(
+    "x / r^2",
+    (-1, 1),
+    lambda x, y, z, r, nu: x / (r * r),
+    _half_log,
+    lambda strip, nu: np.pi / 2 * strip.sides,
+    "y",
+    SURFACE,
+)
+SURFACE["y"] = Component(
+    "y / r^2",
+    (1, -1),
+    lambda x, y, z, r, nu: y / (r * r),
+    _swapped(_half_log),
+    _zero,
+    "x",
+    SURFACE,
+)
+SURFACE["xx"] = Component(
+    "x^2 / r^3",
+    (1, 1),
+    lambda x, y, z, r, nu: x * x / r**3,
+    _moment,
+    lambda strip, nu: strip.breadth,
+    "yy",
+    SURFACE,
+)
+SURFACE["xy"] = Component(
+    "x y / r^3",
+    (-1, -1),
+    lambda x, y, z, r, nu: x * y / r**3,
+    lambda x, y, z, r, nu: -r,
+    _zero,
+    "xy",
+    SURFACE,
+)

@@ -1,0 +1,155 @@
+"""From shear on the surface to displacement: coefficients that are odd, and of two components."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contactstudy.domain.arrays import Array
+from contactstudy.domain.grid import Grid
+from contactstudy.domain.padding import Paddings
+from contactstudy.elasticity.coefficients import Coefficients, Displacement, kernel
+from contactstudy.elasticity.convolution import padded_cells, spread
+from contactstudy.elasticity.kernels.stress_cell import stress_cell
+from contactstudy.elasticity.kernels.stress_periodic import (
+    stress_cell_doubly_periodic,
+    stress_cell_periodic,
+)
+from contactstudy.elasticity.kernels.traction import SURFACE
+from contactstudy.elasticity.transforms import TRANSFORMS, Waves
+
+
+@dataclass(frozen=True)
+class SurfaceField:
+    """A field of :data:`~contactstudy.elasticity.kernels.traction.SURFACE` integrated over a cell, or "yy".
+
+    ``datum`` [m] as in :class:`~contactstudy.elasticity.coefficients.Displacement`, for "yy".
+    """
+
+    name: str
+    datum: float
+
+    @property
+    def parity(self) -> tuple[int, int]:
+        """Odd along each axis that the name has once."""
+        even_x, even_y = (-1 if self.name.count(axis) % 2 else 1 for axis in "xy")
+        return even_x, even_y
+
+    def turned(self) -> "SurfaceField":
+        """With x and y exchanged."""
+        return SurfaceField("".join(sorted(self.name.translate({120: 121, 121: 120}))), self.datum)
+
+    def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
+        """One cell."""
+        if self.name == "yy":
+            return self._of_all.cell(x, y, dx, dy) - self._other.cell(x, y, dx, dy)
+        return 2 * np.pi * stress_cell(SURFACE[self.name], x, y, 0.0, dx, dy, 0.0)
+
+    def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
+        """Infinitely many images along y."""
+        cell = dx, dy, period
+        if self.name == "yy":
+            return self._of_all.row(x, y, *cell) - self._other.row(x, y, *cell)
+        return 2 * np.pi * stress_cell_periodic(SURFACE[self.name], x, y, 0.0, *cell, 0.0)
+
+    def lattice(
+        self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
+    ) -> Array:
+        """Infinitely many images along both axes."""
+        cell = dx, dy, width, period
+        if self.name == "yy" or (self.name == "xx" and period > width):
+            if self.name == "yy" and period > width:
+                turned = y.reshape(-1, 1), x.reshape(1, -1)
+                return self.turned().lattice(*turned, dy, dx, period, width).T
+            other = self._other.lattice(x, y, *cell)
+            return np.asarray(self._of_all.lattice(x, y, *cell) - other)
+        return 2 * np.pi * stress_cell_doubly_periodic(SURFACE[self.name], x, y, 0.0, *cell, 0.0)
+
+    @property
+    def _of_all(self) -> Displacement:
+        return Displacement(self.datum)
+
+    @property
+    def _other(self) -> "SurfaceField":
+        return SurfaceField("yy" if self.name == "xx" else "xx", self.datum)
+
+
+@dataclass(frozen=True, eq=False)
+class Correlated:
+    """A convolution with coefficients of any parity; fields (x, y)."""
+
+    spectrum: Waves
+    cells: tuple[int, int]
+    padded: tuple[int, int]
+
+    def __call__(self, field: Array) -> Array:
+        """The field convolved."""
+        waves = transformed(field, self.padded)
+        waves *= self.spectrum
+        return TRANSFORMS.backward(waves, self.cells, self.padded)
+
+
+def correlated(coefficients: Coefficients, grid: Grid, paddings: Paddings) -> Correlated:
+    """The convolution with ``coefficients`` on ``grid``."""
+    padded = padded_cells(grid, paddings)
+    around = spread(kernel(grid, paddings, coefficients), padded, coefficients.parity)
+    return Correlated(transformed(around, padded), grid.cells, padded)
+
+
+def transformed(field: Array, padded: tuple[int, int]) -> Waves:
+    """Waves of ``field`` in an array of their own."""
+    room = np.empty((padded[0], padded[1] // 2 + 1), dtype=np.complex128)
+    return TRANSFORMS.forward(field, padded, room)
+
+
+@dataclass(frozen=True, eq=False)
+class ShearResponse:
+    """Displacement along the surface [m] under shear [Pa], both (component, x, y): symmetric and positive.
+
+    ``u_x = (c / pi) sum of [1 / r + n x^2 / r^3] q_x + n (x y / r^3) q_y`` over bodies, c their compliance and
+    ``n = nu / (1 - nu)``. Source: Johnson (1985), eqs. 3.75a, b.
+    """
+
+    xx: Correlated
+    yy: Correlated
+    xy: Correlated
+
+    def __call__(self, shear: Array) -> Array:
+        """Four transforms of the padded grid."""
+        padded, cells = self.xx.padded, self.xx.cells
+        x, y = (transformed(component, padded) for component in shear)
+        across = self.xx.spectrum * x + self.xy.spectrum * y
+        along = self.xy.spectrum * x + self.yy.spectrum * y
+        return np.stack([TRANSFORMS.backward(one, cells, padded) for one in (across, along)])
+
+    @property
+    def largest(self) -> float:
+        """No smaller than the largest displacement over shear, in the mean square, but for a rigid shift."""
+        sums = np.maximum(np.abs(self.xx.spectrum), np.abs(self.yy.spectrum))
+        return float((sums + np.abs(self.xy.spectrum)).max())
+
+
+def shear_response(
+    bodies: tuple[tuple[float, float], ...], grid: Grid, paddings: Paddings, datum: float
+) -> ShearResponse:
+    """The response of ``bodies``, each by its compliance (1 - nu^2) / E [1/Pa] and Poisson's ratio."""
+    whole = sum(compliance for compliance, _ in bodies) / np.pi
+    part = sum(compliance * nu / (1 - nu) for compliance, nu in bodies) / np.pi
+    spectra = {
+        name: correlated(one, grid, paddings).spectrum
+        for name, one in (
+            ("all", Displacement(datum)),
+            ("xx", SurfaceField("xx", datum)),
+            ("xy", SurfaceField("xy", datum)),
+        )
+    }
+    padded = padded_cells(grid, paddings)
+    return ShearResponse(
+        *(
+            Correlated(spectrum, grid.cells, padded)
+            for spectrum in (
+                whole * spectra["all"] + part * spectra["xx"],
+                (whole + part) * spectra["all"] - part * spectra["xx"],
+                part * spectra["xy"],
+            )
+        )
+    )

@@ -1,0 +1,263 @@
+"""Friction: full sliding and partial slip against closed forms and against each other."""
+
+from dataclasses import replace
+from math import acos, pi, sin, sqrt, tan
+from math import inf as infinite
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.elasticity.tangential import shear_response
+from contactstudy.scene.friction import dundurs
+from contactstudy.solvers.partial_slip import CoulombDisks, Superposed, _nearest
+from tests.conftest import STEEL
+
+RIGID = cs.HalfSpace(infinite, 0.3)
+CYLINDER = (cs.Cylinder(radius=0.01),)
+ROUGH = (*CYLINDER, cs.Roughness(4e-7, hurst=0.8, roll_off=1e-4, cut_off=2.5e-5))
+LOAD = cs.LineLoad(1e5)
+
+
+def scene(friction: object, **other: object) -> cs.Scene:
+    return replace(cs.Scene(LOAD, (STEEL, STEEL), CYLINDER, friction=friction), **other)
+
+
+def solved(one: cs.Scene, cells: tuple[int, int] = (128, 1), **options: object) -> cs.Solution:
+    grid = cs.Grid(cells, (2.6 * one.hertz.half_width, 3e-4))
+    return cs.solve(one.problem(grid, cs.ExactPeriodicity()), **options)
+
+
+@pytest.mark.parametrize("coefficient", [0.0, 0.2, 0.7])
+def test_like_bodies_slide_under_the_pressure_of_bodies_that_do_not(coefficient: float) -> None:
+    without = solved(scene(None), (128, 16))
+    sliding = solved(scene(cs.Sliding(coefficient)), (128, 16))
+    np.testing.assert_array_equal(sliding.pressure, without.pressure)
+    np.testing.assert_array_equal(sliding.shear[0], coefficient * without.pressure)
+    assert not sliding.shear[1].any()
+    assert not sliding.stick.any()
+    assert sliding.iterations == without.iterations
+    assert sliding.traction.passes == 1
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("product", [0.05, 0.3])
+def test_unlike_bodies_slide_as_in_closed_form(product: float, sign: int) -> None:
+    """``cot(pi s) = -beta mu``: half-width, middle and centroid of the contact (Johnson 1985, sect. 8.2)."""
+    elastic = cs.HalfSpace(1e9, 0.0)
+    solids = (elastic, RIGID) if sign > 0 else (RIGID, elastic)
+    assert dundurs(solids) == sign * 0.5
+    one = scene(cs.Sliding(2 * product), solids=solids, load=cs.LineLoad(1e4))
+    share = acos(-product / sqrt(1 + product**2)) / pi
+    assert 1 / tan(pi * share) == pytest.approx(-product)
+    a0, cells = one.hertz.half_width, 800
+    half = a0 / (2 * sqrt(share * (1 - share)))
+    grid = cs.Grid((cells, 1), (2.8 * a0, 1e-3))
+    solution = cs.solve(one.problem(grid, cs.ExactPeriodicity()), tolerance=1e-9)
+    assert solution.status is cs.Status.CONVERGED
+    assert 1 < solution.traction.passes <= 30
+    pressure = solution.pressure[:, 0]
+    touching = grid.x[pressure > 0]
+    dx = grid.cell[0]
+    assert np.ptp(touching) / 2 == pytest.approx(half, abs=dx)
+    assert touching[[0, -1]].mean() == pytest.approx(-sign * half * (2 * share - 1), abs=dx)
+    centroid = -half * (2 * share - 1) * 4 / 3
+    # second order in the cell, with some factor below one
+    found = sign * (grid.x * pressure).sum() / pressure.sum()
+    assert found == pytest.approx(centroid, abs=(dx / a0) ** 2 * a0)
+    # p = E* sin(pi s) (half / 2 R) (1 - t)^s (1 + t)^(1 - s)
+    t = (sign * grid.x + half * (2 * share - 1)) / half
+    within = np.clip(1 - np.abs(t), 0, None) > 0
+    shape = np.where(within, (1 - np.where(within, t, 0)) ** share, 0)
+    shape *= (1 + np.where(within, t, 0)) ** (1 - share)
+    exact = one.contact_modulus * sin(pi * share) * half / 0.02 * shape
+    # the edges' rate, 1.5
+    assert np.abs(pressure - exact).sum() <= (dx / half) ** 1.5 * exact.sum()
+
+
+def test_unlike_bodies_slide_alike_with_one_cell_along_and_many() -> None:
+    one = scene(cs.Sliding(0.6), solids=(cs.HalfSpace(1e9, 0.0), RIGID))
+    line, plane = (solved(one, (64, cells), tolerance=1e-11).pressure for cells in (1, 24))
+    np.testing.assert_allclose(plane, np.broadcast_to(line, plane.shape), atol=1e-8 * line.max())
+
+
+@pytest.mark.parametrize("share", [0.1, 0.5, 0.9])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_partial_slip_of_a_cylinder_is_cattaneos(share: float, sign: int) -> None:
+    """Stick for ``|x| < a sqrt(1 - Q / mu P)``, shear in the middle ``mu p0 (1 - sqrt(1 - Q / mu P))``."""
+    mu = 0.3
+    one = scene(cs.PartialSlip(mu, sign * share * mu * 1e5))
+    solution = solved(one, (601, 1), tolerance=1e-10)
+    hertz, dx = one.hertz, solution.problem.grid.cell[0]
+    assert solution.traction.method == "Ciavarella-Jaeger"
+    stick = solution.stick.sum() * dx / 2
+    assert stick == pytest.approx(hertz.half_width * sqrt(1 - share), abs=dx)
+    middle = sign * mu * hertz.peak_pressure * (1 - sqrt(1 - share))
+    # second order in the cell of either contact, the narrower one counts
+    narrow = dx / (hertz.half_width * sqrt(1 - share))
+    assert solution.shear[0][300, 0] == pytest.approx(
+        middle, abs=mu * hertz.peak_pressure * narrow**2
+    )
+    carried = solution.shear[0].sum() * dx
+    assert carried == pytest.approx(sign * share * mu * 1e5, rel=1e-12)
+
+
+@pytest.mark.parametrize("padding", [cs.ExactPeriodicity(), (cs.ZeroPadding(), cs.ZeroPadding())])
+def test_without_poissons_ratio_disks_give_the_superposition(padding: cs.Padding) -> None:
+    """Two methods: two normal contacts, and the convex problem of two components."""
+    cork = replace(STEEL, poisson_ratio=0.0)
+    one = scene(cs.PartialSlip(0.3, 1.2e4), solids=(cork, cork), shapes=ROUGH)
+    grid = cs.Grid((48, 48), (3e-4, 3e-4))
+    problem = one.problem(grid, padding)
+    assert isinstance(problem.friction, Superposed)
+    bodies = ((cork.compliance, 0.0),) * 2
+    response = shear_response(bodies, grid, problem.paddings, 1e-4)
+    disks = replace(problem, friction=CoulombDisks(0.3, problem.friction.share, response))
+    one_way, other_way = (cs.solve(each, tolerance=1e-9) for each in (problem, disks))
+    # the solver's tolerance, times how much a narrow spot's traction answers to a gap: measured below 30
+    assert np.abs(other_way.shear - one_way.shear).sum() <= 1e-6 * one_way.shear.sum()
+
+
+def test_disks_meet_every_condition_of_coulombs_law() -> None:
+    """With Poisson's ratio, in three dimensions: within the disk no slip, on its rim slip against the shear."""
+    mu = 0.25
+    one = scene(cs.PartialSlip(mu, -1.4e4), shapes=ROUGH)
+    grid = cs.Grid((48, 48), (3e-4, 3e-4))
+    problem = one.problem(grid, cs.ExactPeriodicity())
+    assert isinstance(problem.friction, CoulombDisks)
+    solution = cs.solve(problem, tolerance=1e-9)
+    shear, size = solution.shear, np.hypot(*solution.shear)
+    radius = mu * solution.pressure
+    assert (size <= radius * (1 + 1e-12)).all()
+    assert shear.sum(axis=(1, 2)) * grid.cell_area / grid.period == pytest.approx(
+        [-1.4e4, 0], abs=1e-5
+    )
+    assert np.abs(shear[1]).max() > 0.03 * size.max()
+    moved = problem.friction.response(shear)
+    stick = solution.stick
+    slip = moved - moved[:, stick].mean(axis=1)[:, None, None]
+    scale = mu * problem.scales.gap
+    assert np.abs(slip[:, stick]).max() <= 1e-5 * scale
+    sliding = (solution.pressure > 0) & ~stick
+    against = -(slip * shear).sum(axis=0)[sliding] / size[sliding]
+    aside = (slip[0] * shear[1] - slip[1] * shear[0])[sliding] / size[sliding]
+    assert against.min() >= -1e-5 * scale
+    assert np.abs(aside).max() <= 1e-5 * scale
+
+
+def test_a_gap_that_does_not_vary_takes_the_superposition_and_disks_agree() -> None:
+    one = scene(cs.PartialSlip(0.3, 1.5e4))
+    grid = cs.Grid((96, 1), (2.6 * one.hertz.half_width, 1e-3))
+    problem = one.problem(grid, cs.ExactPeriodicity())
+    response = shear_response(((STEEL.compliance, 0.3),) * 2, grid, problem.paddings, 1e-4)
+    disks = replace(problem, friction=CoulombDisks(0.3, 0.5, response))
+    both = [cs.solve(each, tolerance=1e-10).shear for each in (problem, disks)]
+    np.testing.assert_allclose(both[1], both[0], atol=1e-7 * both[0].max())
+
+
+def test_the_nearest_field_on_disks_is_nearest() -> None:
+    chance = np.random.default_rng(3)
+    radius = chance.uniform(0, 1, (9, 7)) * (chance.uniform(size=(9, 7)) > 0.3)
+    trial = chance.normal(size=(2, 9, 7))
+    for share in (0.01, 0.6, 0.999):
+        total = np.array([share * radius.sum(), 0.0])
+        found = _nearest(trial, radius, total)
+        assert (np.hypot(*found) <= radius * (1 + 1e-14)).all()
+        assert found.sum(axis=(1, 2)) == pytest.approx(total, abs=1e-9)
+        # no admissible direction comes nearer: others of the same sum, on their disks
+        for _ in range(20):
+            other = _nearest(chance.normal(size=(2, 9, 7)), radius, total)
+            assert ((trial - found) * (other - found)).sum() <= 1e-7
+
+
+# Highest von Mises stress over Hertz's pressure under full sliding, nu = 0.3: closed form of the line contact
+MISES = ((0.0, 0.55751), (0.2, 0.58999), (0.3, 0.66663), (0.4, 0.81584))
+
+
+@pytest.mark.parametrize(("coefficient", "wanted"), MISES)
+def test_stress_under_a_sliding_cylinder_is_as_in_closed_form(
+    coefficient: float, wanted: float
+) -> None:
+    a = scene(None).hertz.half_width
+    depths = tuple(a * z for z in (1e-6, 0.3, 0.4, 0.5, 0.6, 0.65, 0.7, 0.75))
+    below = cs.SubsurfaceStress(depths)
+    one = scene(cs.Sliding(coefficient), outputs=(below,))
+    solution = solved(one, (1201, 1), tolerance=1e-9)
+    dataset = solution.to_dataset()
+    peak = one.hertz.peak_pressure
+    # in cells of a / 460 and between depths 0.05 a apart: the maximum is flat to their square
+    assert float(dataset.von_mises.max()) / peak == pytest.approx(wanted, abs=2e-3)
+    surface = dataset.stress.sel(component="xx").isel(z=0, y=0) / peak
+    x = dataset.x / a
+    inside = np.abs(x) < 0.9
+    exact = -np.sqrt(1 - x[inside] ** 2) - 2 * coefficient * x[inside]
+    np.testing.assert_allclose(surface[inside], exact, atol=2e-3)
+    shear = dataset.stress.sel(component="xz").isel(z=0, y=0)[inside] / peak
+    np.testing.assert_allclose(shear, -coefficient * np.sqrt(1 - x[inside] ** 2), atol=1e-3)
+
+
+def test_the_second_body_feels_the_reaction() -> None:
+    stresses = []
+    for solid in (0, 1):
+        below = cs.SubsurfaceStress((2e-5,), solid=solid)
+        stresses.append(
+            solved(scene(cs.Sliding(0.3), outputs=(below,)), (64, 1)).to_dataset().stress
+        )
+    np.testing.assert_allclose(
+        stresses[0].sel(component="xx").values, stresses[1].sel(component="xx").values[:, ::-1]
+    )
+
+
+def test_a_solution_without_friction_has_no_shear() -> None:
+    plain = solved(scene(None))
+    for name in ("shear", "stick"):
+        with pytest.raises(cs.NotDefined, match=r"Scene\.friction"):
+            getattr(plain, name)
+    assert "shear_x" not in plain.to_dataset()
+    labelled = solved(scene(cs.PartialSlip(0.3, 1e4))).to_dataset()
+    assert set(labelled.variables) >= {"shear_x", "shear_y", "stick"}
+
+
+@pytest.mark.parametrize(
+    ("friction", "other", "named"),
+    [
+        (cs.PartialSlip(0.3, 3e4), {}, "PartialSlip.tangential"),
+        (cs.PartialSlip(0.3, 1e4), {"hardness": 1e9}, "Scene.hardness"),
+        (cs.PartialSlip(0.3, 1e4), {"solids": (STEEL, RIGID)}, "unlike in shear"),
+        (
+            cs.PartialSlip(0.3, 1e4),
+            {"solids": (cs.CoatedHalfSpace(STEEL, 1e-6, RIGID),) * 2},
+            "CoatedHalfSpace",
+        ),
+        (cs.Sliding(0.3), {"solids": (cs.CoatedHalfSpace(STEEL, 1e-6, RIGID), STEEL)}, "coated"),
+        (0.3, {}, "Scene.friction"),
+        (cs.Sliding, {}, "Scene.friction"),
+    ],
+)
+def test_what_is_not_defined_together_says_so(
+    friction: object, other: dict[str, object], named: str
+) -> None:
+    with pytest.raises(cs.InvalidInput, match=named):
+        scene(friction, **other)
+
+
+@pytest.mark.parametrize("wrong", [-0.1, 1.0, 3.0, float("nan"), "0.3", True])
+def test_a_coefficient_that_cannot_be_says_so(wrong: object) -> None:
+    for kind in (lambda one: cs.Sliding(one), lambda one: cs.PartialSlip(one, 1.0)):
+        with pytest.raises(cs.InvalidInput, match="coefficient"):
+            kind(wrong)
+
+
+def test_equal_coated_bodies_slide_alike_with_a_hardness_and_roughness() -> None:
+    coated = cs.CoatedHalfSpace(cs.HalfSpace(250e9, 0.22), 2e-6, STEEL)
+    one = scene(cs.Sliding(0.2), solids=(coated, coated), shapes=ROUGH, hardness=3e9)
+    sliding, without = solved(one, (64, 32)), solved(replace(one, friction=None), (64, 32))
+    np.testing.assert_array_equal(sliding.pressure, without.pressure)
+
+
+@pytest.mark.parametrize("friction", [cs.Sliding(0.12), cs.PartialSlip(0.3, -2e3)])
+def test_friction_is_read_from_a_file_and_written_to_one(friction: object, tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    cs.write_scene(scene(friction), path)
+    assert cs.read_scene(path).scene == scene(friction)

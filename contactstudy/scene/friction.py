@@ -59,6 +59,11 @@ class Contact(Protocol):
         ...
 
     @property
+    def rolling(self) -> object | None:
+        """Whether it rolls."""
+        ...
+
+    @property
     def changing(self) -> str | None:
         """A field that changes in time."""
         ...
@@ -224,4 +229,9 @@ def _check_still(scene: Contact, name: str) -> None:
         raise InvalidInput(
             f"{changing} changes in time beside {name}: shear in a contact that changes is not defined here, "
             "leave one of both out."
+        )
+    if scene.rolling is not None:
+        raise InvalidInput(
+            f"Scene.rolling is {scene.rolling!r} beside {name}: rolling with friction is not defined here, leave "
+            "one of both out."
         )

@@ -35,8 +35,8 @@ SHARP = 0.02
 GAP_EDGES, GAP_IMAGES, GAP_CHANGE = 0.1, 8.0, 2.0
 # A spot of so few cells across is not what the law of a smooth edge is about.
 FEW = 5
-# Pressure at a roller's end over that in the cell before, from which it rises as at a sharp end.
-RISING = 1.1
+# Pressure at a roller's end, over the highest, from which the peak at that end may become the highest.
+AT_END = 0.5
 SHARP_EDGE = "a sharp edge or corner"
 # Beyond such an error of the whole, the highest pressure is not known either.
 LOST = 0.5
@@ -125,11 +125,19 @@ def _cells(solution: Solution, coarse: Solution | None) -> _Cells:
     if solution.status is Status.CONTACT_AT_EDGE:
         said = "No bound: the contact is cut off at the edge of the grid, give Grid.extent a larger one."
         return _Cells(inf, inf, inf, inf, (said,))
+    if unseen := _unseen(problem):
+        return _Cells(inf, inf, inf, inf, (unseen,))
     inside = subcell(problem, pressure)
     if inside is None:
         said = (
             "No bound by the cells: Problem.source does not say the heights on other grids, so nothing is "
             "known of them between the cell centres; make the problem from a Scene."
+        )
+        return _Cells(inf, inf, inf, inf, (said,))
+    if inside.stands_out:
+        said = (
+            "No bound by the cells: between their centres the surface stands out by more than the contact "
+            "presses it in; give more cells, or the shape a `detail` that names its finest length."
         )
         return _Cells(inf, inf, inf, inf, (said,))
     yields, sharp_end = _at_hardness(solution), _at_sharp_end(problem, pressure)
@@ -186,24 +194,13 @@ def _unbounded(
     cells: _Cells, problem: Problem, inside: Subcell, seen: Change, *, sharp_end: bool, exact: bool
 ) -> _Cells:
     """``cells`` with infinity where no bound can be given, and the reasons."""
-    assert problem.source is not None
-    for axis, (cell, finest) in enumerate(
-        zip(problem.grid.cell, problem.source.finest, strict=True)
-    ):
-        if cell > finest * (1 + 1e-9) and problem.grid.cells[axis] > 1:
-            count = int(np.ceil(2 * problem.grid.extent[axis] / finest))
-            said = (
-                f"No bound by the cells: Grid.cells[{axis}] is {problem.grid.cells[axis]}, whose cells of "
-                f"{cell:.4g} m do not show lengths of {finest:.4g} m, give {count} or more."
-            )
-            return _Cells(inf, inf, inf, inf, (said,))
     if exact:
         return cells
     why = ""
     if inside.corner > SHARP:
         why = f"it lies at {SHARP_EDGE}, where it is infinite: round the edge, or ask for another quantity"
     elif sharp_end:
-        why = f"it lies at {SHARP_EDGE} of the roller, where it is infinite: give a profile"
+        why = "the roller bears pressure up to its sharp end, where it is infinite: give a profile that drops more"
     elif seen.peak_pressure >= UNBOUNDED:
         why = (
             f"it grew by {seen.peak_pressure:.0%} when the cells were halved: give more cells, unless the "
@@ -218,6 +215,19 @@ def _unbounded(
     )
 
 
+def _unseen(problem: Problem) -> str:
+    """Why the cells are too large for a length that a shape names; empty where they are not."""
+    finest = problem.source.finest if problem.source is not None else (inf, inf)
+    for axis, (cell, length) in enumerate(zip(problem.grid.cell, finest, strict=True)):
+        if cell > length * (1 + 1e-9) and problem.grid.cells[axis] > 1:
+            count = int(np.ceil(2 * problem.grid.extent[axis] / length))
+            return (
+                f"No bound by the cells: Grid.cells[{axis}] is {problem.grid.cells[axis]}, whose cells of "
+                f"{cell:.4g} m do not show lengths of {length:.4g} m, give {count} or more."
+            )
+    return ""
+
+
 def _at_hardness(solution: Solution) -> bool:
     """Whether the highest pressure is a limit of the constraint, which finer cells have too."""
     pressure = solution.pressure
@@ -226,14 +236,13 @@ def _at_hardness(solution: Solution) -> bool:
 
 
 def _at_sharp_end(problem: Problem, pressure: np.ndarray) -> bool:
-    """Whether the pressure rises at an end of the roller, to the order of the highest."""
-    if problem.source is None or not problem.source.ends_along or pressure.shape[1] < 3:
+    """Whether an end of the roller bears pressure of the order of the highest.
+
+    There it is infinite in the limit of small cells, though coarse cells may not show a rise.
+    """
+    if problem.source is None or not problem.source.ends_along:
         return False
-    ends = ((pressure[:, 0], pressure[:, 1]), (pressure[:, -1], pressure[:, -2]))
-    return any(
-        bool(last.max() > max(RISING * beside.max(), LOST * pressure.max()))
-        for last, beside in ends
-    )
+    return bool(max(pressure[:, 0].max(), pressure[:, -1].max()) > AT_END * pressure.max())
 
 
 def _residual(solution: Solution) -> tuple[float, float]:

@@ -11,8 +11,8 @@ from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.grid import Grid
 from contactstudy.problem.problem import Problem
 
-# Points in a cell, along one axis at a time.
-POINTS = 4
+# Points in a cell, along one axis at a time: where the shapes name their scales, and where one does not.
+POINTS, DENSE = 4, 48
 # Lines that are looked at: all of so many, of more every fourth.
 LINES, SPARSE = 64, 4
 # A corner has so much of the bend of three cells between two neighbouring points; a smooth surface a sixth.
@@ -26,11 +26,13 @@ class Subcell:
     A cell hides what a cubic through the centres misses, by the pressure that would flatten it, at most
     the highest there. A corner that points out of the body by a slope S raises the pressure by
     ``E* S / (2 pi) ln 2`` each time the cell is halved, and so without end; ``corner`` is the largest such
-    rise in the contact over the highest pressure.
+    rise in the contact over the highest pressure. ``stands_out``: whether a shape that names no
+    scales stands out of a cell so far that it would carry all of the pressure there, and more.
     """
 
     uncertain: float
     corner: float
+    stands_out: bool
 
 
 def subcell(problem: Problem, pressure: Array) -> Subcell | None:
@@ -42,11 +44,12 @@ def subcell(problem: Problem, pressure: Array) -> Subcell | None:
     if source is None or problem.paddings is None:
         return None
     beside = _with_neighbours(pressure, problem)
-    hidden, corner = np.zeros_like(pressure), 0.0
+    points_each = POINTS if source.names_scales else DENSE
+    hidden, standing, corner = np.zeros_like(pressure), np.zeros_like(pressure), 0.0
     for axis, padding in enumerate(problem.paddings):
         if grid.cells[axis] < 4:
             continue
-        lines, inside = _lines(grid.cells, axis, 1), _lines(grid.cells, axis, POINTS)
+        lines, inside = _lines(grid.cells, axis, 1), _lines(grid.cells, axis, points_each)
         try:
             centres, points = (source.gap(Grid(cells, grid.extent)) for cells in (lines, inside))
         except InvalidInput:
@@ -54,20 +57,25 @@ def subcell(problem: Problem, pressure: Array) -> Subcell | None:
         if points.shape[axis] == 1:
             continue
         modulus = _modulus(problem, axis)
-        missed, edge = (
+        missed, stands, edge = (
             np.broadcast_to(np.moveaxis(field, 0, axis), lines)
             for field in _along(
                 np.moveaxis(centres, axis, 0),
                 np.moveaxis(points, axis, 0),
                 grid.cell[axis],
+                points_each,
                 wraps=padding.wraps,
             )
         )
+        if not source.names_scales:
+            standing += on_cells(stands * (modulus / grid.cell[axis]), grid.cells)
         hidden += on_cells(missed * (modulus / grid.cell[axis]), grid.cells)
         sharp = np.where(on_cells(beside, lines) > 0, edge, 0.0)
         corner = max(corner, float(sharp.max()) * modulus * log(2) / (2 * pi))
     hides = np.minimum(hidden, beside)
-    return Subcell(float(hides.sum() / pressure.sum()), corner / float(pressure.max()))
+    borne = pressure.sum()
+    stands_out = bool((standing > beside)[beside > 0].any())
+    return Subcell(float(hides.sum() / borne), corner / float(pressure.max()), stands_out)
 
 
 def _lines(cells: tuple[int, int], axis: int, points: int) -> tuple[int, int]:
@@ -100,9 +108,14 @@ def _modulus(problem: Problem, axis: int) -> float:
     return 2 * problem.grid.cell[axis] / (pi * moved)
 
 
-def _along(centres: Array, inside: Array, step: float, *, wraps: bool) -> tuple[Array, Array]:
-    """What a cubic through the ``centres`` misses in each cell [m], and the slope of its sharpest corner."""
-    count, points = len(centres), POINTS
+def _along(
+    centres: Array, inside: Array, step: float, points: int, *, wraps: bool
+) -> tuple[Array, Array, Array]:
+    """What a cubic through the ``centres`` misses in each cell [m], that which stands out, and the sharpest corner.
+
+    The corner is given by its slope.
+    """
+    count = len(centres)
     mode = "wrap" if wraps else "edge"
     padded = np.pad(centres, ((2, 2), (0, 0)), mode=mode)  # type: ignore[call-overload]
     if not wraps:
@@ -111,6 +124,11 @@ def _along(centres: Array, inside: Array, step: float, *, wraps: bool) -> tuple[
                 ends[ghost] = np.tensordot([4, -6, 4, -1], ends[ghost + 1 : ghost + 5], 1)
     heights = inside.reshape(count, points, -1)
     missed = np.zeros_like(heights[:, 0])
+    # above the centres of a cell and of both beside it: a step between two of them hides no height
+    highest = np.minimum.reduce(
+        [padded[1 : 1 + count], padded[2 : 2 + count], padded[3 : 3 + count]]
+    )
+    stands = np.maximum(highest - heights.min(axis=1), 0)
     for point in range(points):
         place = (point + 0.5) / points - 0.5
         nodes = range(-1, 3) if place > 0 else range(-2, 2)
@@ -129,4 +147,4 @@ def _along(centres: Array, inside: Array, step: float, *, wraps: bool) -> tuple[
     own = bends.reshape(count, points, -1).sum(axis=1)
     three = own + np.roll(own, 1, axis=0) + np.roll(own, -1, axis=0)
     strongest = pairs.reshape(count, points, -1).max(axis=1)
-    return missed, np.where(strongest > CORNER * three, strongest, 0.0)
+    return missed, stands, np.where(strongest > CORNER * three, strongest, 0.0)

@@ -32,6 +32,11 @@ class Source(Protocol):
         ...
 
     @property
+    def names_scales(self) -> bool:
+        """Whether ``finest`` is known of every shape."""
+        ...
+
+    @property
     def ends_along(self) -> bool:
         """Whether a body ends along the length, so that contact may reach the ends of the grid."""
         ...

@@ -30,6 +30,11 @@ class ShapesSource:
             min((one.finest[1] for one in details), default=inf),
         )
 
+    @property
+    def names_scales(self) -> bool:
+        """Whether every shape has a ``detail``."""
+        return all(hasattr(shape, "detail") for shape in self.shapes)
+
     def gap(self, grid: Grid) -> Array:
         """The sum of all shapes, no larger than it must be."""
         total: Array = sum((shape.gap(grid) for shape in self.shapes), start=grid.x[:, None] * 0)

@@ -16,7 +16,7 @@ METRICS = {
     "pressure_l1_estimate": ("pressure_error_l1", "pressure in L1"),
 }
 CAUSES = {"truncation": "images", "discretisation": "cells", "residual": "solver"}
-LARGE = 5  # times the true error: what an estimate is in the median not to exceed
+LARGE = 5  # times the true error: limit for the median estimate
 
 
 def sweeps_with_estimates(stored: Mapping[str, xr.Dataset]) -> Mapping[str, xr.Dataset]:
@@ -60,9 +60,9 @@ def figure(stored: Mapping[str, xr.Dataset]) -> CaptionedFigure:
     return CaptionedFigure(
         "estimates",
         fig,
-        "Estimated against true error of every distinct case of the sweeps, the true one from Hertz. A mark on "
-        "or above the line is an error that its estimate bounds. Marks far above it are cases where two "
-        "errors happen to cancel, which nothing can know beforehand.",
+        "Estimated error against true error (from Hertz) for every distinct case of the sweeps. At marks on "
+        "or above the line the estimate bounds the error. Marks far above the line are cases in which two "
+        "errors happen to cancel; no estimate can predict this.",
     )
 
 
@@ -87,8 +87,8 @@ def table(stored: Mapping[str, xr.Dataset]) -> Table:
                 )
             )
     return Table(
-        "Error estimates beside true errors: the share of cases where the estimate is the larger, how many "
-        "times larger it is in the median and at most in nine cases of ten, and what it is made of.",
+        "Error estimates compared with true errors: the share of cases in which the estimate bounds the error, "
+        "the median and the 90 % quantile of estimate over error, and the causes of the estimate.",
         (
             "error of the", "padding", "cases", "bounded", "median ratio", "90 % below",
             *(f"share of {cause}" for cause in CAUSES.values()),
@@ -107,9 +107,9 @@ def finding(stored: Mapping[str, xr.Dataset]) -> Finding:
         for (_, label), ratio in zip(METRICS.values(), ratios, strict=True)
     )
     return Finding(
-        f"A solution knows its own error: the estimate bounds the true one in {100 * min(bounded):.0f} % of "
+        f"The error estimate bounds the true error in {100 * min(bounded):.0f} % of "
         f"{max(ratio.sizes['case'] for ratio in ratios)} cases.",
-        f"In the median it exceeds the error of the {facts}. It is found from the solution alone, split by "
-        "cause into images left out, cells, and the solver's residual.",
-        "How far to trust an answer?",
+        f"Its median exceeds the error of the {facts}. It is computed from the solution alone and split by "
+        "cause: truncated images, cells, and the solver's residual.",
+        "How reliable is an error estimate?",
     )

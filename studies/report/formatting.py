@@ -1,10 +1,12 @@
-"""Numbers, settings and axes in the words of captions, legends and tables."""
+"""Text of captions, legends and tables: numbers, settings, powers, and its two marks."""
 
+import re
 from collections.abc import Iterable
 from typing import SupportsFloat
 
 import numpy as np
 import xarray as xr
+from markupsafe import Markup, escape
 
 from studies.reference.line_contact import padding_label
 
@@ -23,14 +25,12 @@ def select_evenly(values: Iterable[float], most: int = 3) -> list[float]:
 
 
 def percent(value: SupportsFloat) -> str:
-    """A share as a person writes it: two digits, in per cent."""
+    """A share in per cent, with two significant digits; the space before the sign does not break."""
     share = 100 * abs(float(value))
-    if not np.isfinite(share) or share == 0:
-        return "0 %" if share == 0 else "not known"
-    if share >= 10:
-        return f"{share:.0f} %"
-    digits = max(0, 1 - int(np.floor(np.log10(share))))
-    return f"{share:.{digits}f} %" if digits < 7 else f"{share:.1e} %"
+    if not np.isfinite(share):
+        return "not known"
+    digits = 0 if share == 0 else max(0, 1 - int(np.floor(np.log10(share))))
+    return (f"{share:.{digits}f}" if digits < 7 else f"{share:.1e}") + "\u00a0%"
 
 
 def paddings(dataset: xr.Dataset) -> list[str]:
@@ -41,4 +41,27 @@ def paddings(dataset: xr.Dataset) -> list[str]:
 def variation_text(dataset: xr.Dataset) -> str:
     """How much the pressure of one setting varies along the length."""
     variation = float(dataset["length_variation"])
-    return f"{percent(variation)} of p_H" if variation > 1e-12 else "nothing but rounding"
+    return f"{percent(variation)} of p_{{H}}" if variation > 1e-12 else "rounding only"
+
+
+MARK = re.compile(r"([_^])\{([^{}]*)\}")  # p_{H} is an index, N^{-1.5} a power
+
+
+def power(base: str, exponent: float, digits: int = 2) -> str:
+    """``base`` to the power of ``exponent``, with the mark for a power."""
+    return f"{base}^{{{exponent:.{digits}f}}}".replace("-", "−")
+
+
+def marked(text: str) -> Markup:
+    """``text`` as HTML, with its marks for indices and powers as tags."""
+
+    def tag(mark: re.Match[str]) -> str:
+        name = "sub" if mark[1] == "_" else "sup"
+        return f"<{name}>{mark[2]}</{name}>"
+
+    return Markup(MARK.sub(tag, str(escape(text))))
+
+
+def plain(text: str) -> str:
+    """``text`` without marks, for what cannot show them."""
+    return MARK.sub(r"\1\2", text)

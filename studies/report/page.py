@@ -1,14 +1,12 @@
 """Stored studies -> figures -> one self-contained page."""
 
 import base64
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import xarray as xr
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
-from markupsafe import Markup, escape
 
 from contactstudy import InvalidInput
 from studies.engine.progress import Progress
@@ -17,6 +15,7 @@ from studies.model.finding import Finding, Table
 from studies.model.study import Study
 from studies.registry import BUILT_IN, load, load_drawing
 from studies.report import estimate_validation
+from studies.report.formatting import marked, plain
 from studies.store.files.partial_file import replacing
 from studies.store.netcdf import read
 
@@ -72,7 +71,7 @@ def write(out: Path) -> Path:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters["formulas"] = formulas
+    environment.filters.update(marked=marked, plain=plain)
     page = environment.get_template("page.html").render(
         chapters=chapters,
         answers=_answers(chapters),
@@ -82,19 +81,6 @@ def write(out: Path) -> Path:
     with replacing(path) as partial:
         partial.write_text(page, encoding="utf-8")
     return path
-
-
-def formulas(text: str) -> Markup:
-    """``text`` with its indices and powers, written p_H, N^2, N^(-3/2) and 7.9e-06, set as such."""
-    style_over_images = re.sub(r"\b([a-zA-Z])_([a-zA-Z])\b", r"\1<sub>\2</sub>", str(escape(text)))
-    style_over_images = re.sub(
-        r"\^(?:\(([^()]*)\)|(-?\d+(?:\.\d+)?))", r"<sup>\1\2</sup>", style_over_images
-    )
-    style_over_images = re.sub(r"(?<![\w.])-(?=\d)", "−", style_over_images)
-    style_over_images = re.sub(r"(?<![\w.])1e-0?(\d+)\b", r"10<sup>−\1</sup>", style_over_images)
-    style_over_images = re.sub(r"(?<=\d)e-0?(\d+)\b", r"·10<sup>−\1</sup>", style_over_images)
-    # a number and its unit stay on one line
-    return Markup(re.sub(r"(?<=\d) (?=(?:%|a|s)(?!\w))", "\u00a0", style_over_images))
 
 
 @dataclass(frozen=True, eq=False)

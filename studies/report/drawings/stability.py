@@ -73,7 +73,7 @@ def ends_of(dataset: xr.Dataset, case: str) -> str:
 
 
 def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
-    """Whether every case came out right or said why not, where all were asked."""
+    """Whether every case ended within its stated error or with a status that explains why not."""
     return (_hard_cases(dataset),) if dataset.sizes["case"] == len(CASES) else ()
 
 
@@ -82,16 +82,16 @@ def _hard_cases(dataset: xr.Dataset) -> Finding:
     right, said, wrong, _ = counts
     ended = dataset["verdict"] == VERDICTS.index("within_stated_error")
     share = (dataset["pressure_error"] / dataset["stated_error"]).where(ended)
-    claim = "Hard cases end in a right answer within a stated error, or in a sentence that says why not."
+    claim = "Hard cases end with an error within the stated one, or with a status that explains why there is no answer."
     if wrong:
-        claim = "Some hard cases end neither right nor in a sentence that says why not."
+        claim = "Some hard cases end neither within the stated error nor with a status that explains why."
     return Finding(
         claim,
-        f"{dataset.sizes['case']} contacts with something hard about them were solved with "
-        f"{dataset.sizes['padding']} paddings and {dataset.sizes['solver']} solvers, where that makes sense: "
-        f"{right} solves are right within the error stated for them, {said} say why there is no answer, "
-        f"{wrong} do neither. The error is on the median {percent(share.median())} of the one stated, and at "
-        f"most {percent(share.max())}.",
+        f"{dataset.sizes['case']} difficult contacts were solved with {dataset.sizes['padding']} paddings and "
+        f"{dataset.sizes['solver']} solvers, where the combination applies: {right} solves have an error within "
+        f"the one stated for them, {said} end with a status that explains why there is no answer, and {wrong} do "
+        f"neither. The median error is {percent(share.median())} of the stated error, the largest "
+        f"{percent(share.max())}.",
         "Is it stable?",
     )
 
@@ -107,14 +107,13 @@ def tables(dataset: xr.Dataset) -> tuple[Table, ...]:
             f"{float(one[which].where(right).max()):.0e}" if right.any() else "none"
             for which in ("pressure_error", "stated_error")
         )
-        worst = VERDICTS[int(applies["verdict"].max())]
+        worst = VERDICTS[int(applies["verdict"].max())].replace("_", " ")
         hard = CASES[name].hard if name in CASES else ""
         rows.append((name, hard, ends_of(dataset, name), error, stated, worst))
     table = Table(
-        "Hard cases: how each ended over all paddings and both solvers; the largest error of the pressure over "
-        "its highest, and the largest error stated. The verdict is the worst of all solves: right within the "
-        "error stated, or said by a status.",
-        ("case", "what is hard", "how it ended", "error", "stated error", "verdict"),
+        "Hard cases, over all paddings and both solvers: the statuses, the largest error of the pressure "
+        "relative to its maximum, the largest stated error, and the worst verdict of all solves.",
+        ("case", "difficulty", "statuses", "error", "stated error", "verdict"),
         tuple(rows),
     )
     return (table,)

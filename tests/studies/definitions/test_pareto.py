@@ -68,4 +68,4 @@ def test_only_exact_periodicity_buys_the_fifth_digit(swept: xr.Dataset) -> None:
     assert np.isfinite(bought["exact", "0.6 a"][3])
     assert not np.isfinite(bought["circular", "0.6 a"][3])
     assert bought[LINE, "any"][3] < bought["exact", "2.4 a"][3]
-    assert "100 %" in recommendation_check(swept)[0]
+    assert "100\xa0%" in recommendation_check(swept)[0]

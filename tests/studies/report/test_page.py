@@ -13,7 +13,7 @@ from studies.model.finding import Finding, Table
 from studies.model.study import Study
 from studies.registry import BUILT_IN, load, load_drawing
 from studies.report import page as report
-from studies.report.formatting import percent
+from studies.report.formatting import marked, percent, plain, power
 from studies.report.style import panels
 from tests.studies.conftest import quiet
 
@@ -95,7 +95,7 @@ def test_report_has_a_summary_then_every_study_in_order(out: Path) -> None:
         for section in sections
     ] == [*BUILT_IN, "estimate_validation"]
     request = re.findall(r'class="question">(.*?)<', summary)
-    assert request[:4] == ["Which padding?", "What does it cost?", "What n?", "What period?"]
+    assert request[:4] == ["Which padding?", "What does it cost?", "Which n?", "Which period?"]
     first = request.index("The paper&#39;s first claim")
     assert request[first + 1] == "The paper&#39;s second claim"
     for name in BUILT_IN:
@@ -120,7 +120,7 @@ def test_a_study_slots_in_with_what_it_says(
     assert '<h2 id="speed">Something new</h2>' in text
     assert text.count("A &lt; B") == 2  # in the summary, and in its section
     assert re.findall(r'<dt class="question">(.*?)</dt>', text) == ["Which is it?", "Speed"]
-    assert '<td class="number" data-value="1 %">1\xa0%</td>' in text
+    assert '<td class="number" data-value="1 %">1 %</td>' in text
     assert 'id="estimate_validation"' not in text  # nothing stored has an estimate
 
 
@@ -140,12 +140,12 @@ def test_figures_can_be_drawn_of_one_mode_at_one_point(
 @pytest.mark.parametrize(
     ("share", "text"),
     [
-        (0.0, "0 %"),
-        (-0.0192, "1.9 %"),
-        (0.167, "17 %"),
-        (8.5e-6, "0.00085 %"),
-        (5.27, "527 %"),
-        (1e-12, "1.0e-10 %"),
+        (0.0, "0\xa0%"),
+        (-0.0192, "1.9\xa0%"),
+        (0.167, "17\xa0%"),
+        (8.5e-6, "0.00085\xa0%"),
+        (5.27, "527\xa0%"),
+        (1e-12, "1.0e-10\xa0%"),
         (float("nan"), "not known"),
     ],
 )
@@ -154,16 +154,22 @@ def test_shares_are_written_with_two_digits(share: float, text: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "markup"),
+    ("text", "html", "unmarked"),
     [
-        ("1.9 % of p_H at 2.4 a", "1.9\xa0% of p<sub>H</sub> at 2.4\xa0a"),
-        ("N^(-3/2) & N^1.7", "N<sup>−3/2</sup> &amp; N<sup>1.7</sup>"),
-        ("2.1e-06 % to 1e-13", "2.1·10<sup>−6</sup> % to 10<sup>−13</sup>"),
-        ("preconditioned_cg, 2021-02", "preconditioned_cg, 2021-02"),
+        ("2 of p_{H}", "2 of p<sub>H</sub>", "2 of p_H"),
+        ("N^{−3/2} & N^{1.7}", "N<sup>−3/2</sup> &amp; N<sup>1.7</sup>", "N^−3/2 & N^1.7"),
+        ("solver_tolerance, p_H, N^2", "solver_tolerance, p_H, N^2", "solver_tolerance, p_H, N^2"),
     ],
 )
-def test_indices_and_powers_are_set_as_such(text: str, markup: str) -> None:
-    assert report.formulas(text) == markup
+def test_marks_are_set_as_indices_and_powers_and_nothing_else_is(
+    text: str, html: str, unmarked: str
+) -> None:
+    assert marked(text) == html
+    assert plain(text) == unmarked
+
+
+def test_a_power_is_marked() -> None:
+    assert power("N", -1.5, 1) == "N^{−1.5}"
 
 
 def test_a_figure_is_laid_out_once_for_both_files(out: Path, tmp_path: Path) -> None:

@@ -55,18 +55,18 @@ def _numbers(ax: Axes, place: Array, values: Array, form: str) -> None:
 def _caption(dataset: xr.Dataset) -> str:
     cells = int(dataset["grid"])
     words = (
-        f"What each effect costs: every scene has the effects above it and one more. {cells} x {cells // 4} "
-        f"cells over {WIDTH:g} a x {PERIOD:g} a, {cells} x 1 for the first, exact periodicity, a residual of "
-        "1e-8, one thread. Time and memory are those of set-up, solve and outputs together."
+        f"Cost of each effect: every scene has all effects above it and one more. {cells} x {cells // 4} "
+        f"cells over {WIDTH:g} a x {PERIOD:g} a ({cells} x 1 for the first), exact periodicity, a residual of "
+        "1e-8, one thread. Time and memory include set-up, solve and outputs."
     )
     both = ["smooth, 1-D", "smooth, 2-D"]
     if set(both) <= set(dataset["effect"].values.tolist()):
         time = total_time(dataset).sel(effect=both).values
         words += (
-            " Where nothing varies along the length, one cell along it gives the same pressure in "
-            f"{percent(time[0] / time[1])} of the time. Heights add up in one field, so that no shape asks "
-            "for more memory or longer transforms: what it costs is iterations. Stress adds none of these, "
-            "but coefficients and transforms of its own, "
-            "one for each of six components at each depth (here one)."
+            " If nothing varies along the length, one cell along it gives the same pressure in "
+            f"{percent(time[0] / time[1])} of the time. All heights are added to one field, so no shape needs "
+            "more memory or longer transforms: a shape costs iterations. Stress adds no iterations, "
+            "but it needs influence coefficients and transforms of its own, "
+            "one for each of six components at each depth (here one depth)."
         )
     return words

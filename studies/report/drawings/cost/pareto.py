@@ -40,13 +40,13 @@ def _fronts(dataset: xr.Dataset) -> CaptionedFigure:
     return CaptionedFigure(
         "front",
         fig,
-        "Accuracy against wall time on one thread: every mode, n, grid, tolerance and solver; filled with the "
-        "preconditioned solver, open with Polonsky & Keer's. Black joins the settings that nothing beats "
-        "on both counts, dashed those that nothing beats with cells along the length, for a contact that "
-        "varies there; grey bars reach to the slowest repeat. “line” is exact periodicity with one cell for a "
-        "length along which nothing varies. Points high above the rest stopped at a tolerance of 1e-4, before "
-        "they knew which cells touch. Below, the edge law has taken the edge's own error off, at the cost of a "
-        "few operations a cell; a window's own error stays.",
+        "Accuracy against wall time on one thread, for every mode, n, grid, tolerance and solver. Filled marks: "
+        "preconditioned solver; open marks: Polonsky & Keer. The solid black line is the Pareto front of all "
+        "settings; the dashed line is the front of settings with cells along the length, for contacts that vary "
+        "there. Grey bars extend to the slowest repeat. “line” is exact periodicity with one cell along a "
+        "length on which nothing varies. Points far above the others stopped at a tolerance of 1e-4, before "
+        "the contact set was found. In the lower row the edge law removes the discretisation error of the "
+        "contact edge, for a few operations per cell; the truncation error of a window remains.",
     )
 
 
@@ -96,18 +96,17 @@ def _decades(dataset: xr.Dataset) -> CaptionedFigure:
                     asked, *own.spread[:, chosen], color=style["color"], alpha=0.2, lw=0
                 )
         ax.invert_xaxis()
-        ax.set(title=f"of the {metric}", xlabel="error asked for")
+        ax.set(title=f"of the {metric}", xlabel="requested error")
         least = every.where(np.array([int(np.argmin(every.error))]))
         words.append(f"{metric} {percent(least.error[0])} ({least.name(0)})")
-    axes[0].set_ylabel("least wall time that meets it [s]")
+    axes[0].set_ylabel("shortest wall time that reaches it [s]")
     add_legend(fig)
     return CaptionedFigure(
         "decades",
         fig,
-        f"What each decade of accuracy costs, by mode, at L = {period:g} a: the cheapest stored setting that "
-        "meets the error asked for, corrected or not, with the spread of its "
-        "repeats; an error with a sign may by chance undo another's. A line ends where no stored setting "
-        f"of the mode is more accurate: a truncated window at its own error, the others at the finest grid. "
-        "Least errors: "
-        f"{'; '.join(words)}.",
+        f"Cost of each decade of accuracy by mode, at L = {period:g} a: the cheapest stored setting that "
+        "reaches the requested error, corrected or not, with the spread of its "
+        "repeats. Errors with a sign may cancel by chance. A line ends where no stored setting "
+        "of the mode is more accurate: for a truncated window this is its truncation error, for the others the "
+        f"error of the finest grid. Smallest errors: {'; '.join(words)}.",
     )

@@ -1,4 +1,4 @@
-"""Which modes pay, where, and what each decade of accuracy costs: what a stored ``pareto`` says."""
+"""Findings of the study `pareto`: which modes are worth using, and the cost of each decade of accuracy."""
 
 from collections.abc import Iterable
 
@@ -17,25 +17,25 @@ L1 = METRICS["pressure in L1"]
 
 
 def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
-    """Which modes are never worth using, and whether recommendations keep what they promise."""
+    """Which modes are never worth using, and how good the recommendations are."""
     if not covers(dataset, {"duplicated", "superposed", "circular", "exact"}):
         return ()
     return (
-        Finding(*dominated_modes(dataset), "What is never worth using?"),
-        Finding(*recommendation_check(dataset), "Can a recommendation be trusted?"),
+        Finding(*dominated_modes(dataset), "Which paddings are never worth using?"),
+        Finding(*recommendation_check(dataset), "How reliable is a recommendation?"),
     )
 
 
 def tables(dataset: xr.Dataset) -> tuple[Table, ...]:
-    """The least time in which each mode meets each decade of the L1 error, at every period."""
+    """The shortest time in which each mode reaches each decade of the L1 error, at every period."""
     rows = []
     for (mode, period), seconds in decades(dataset).items():
         times = (f"{second:.2g}" if np.isfinite(second) else "none" for second in seconds)
         rows.append((mode, period, *times))
     table = Table(
-        "What each decade costs: the least time [s] on one thread in which each mode meets an L1 error of the "
-        "pressure, its edges corrected or not, over all n, grids, tolerances and solvers of the study. "
-        "“line” is exact periodicity with one cell along a length where nothing varies.",
+        "Cost of each decade: the shortest time [s] on one thread in which each mode reaches an L1 error of the "
+        "pressure, with or without edge correction, over all n, grids, tolerances and solvers of the study. "
+        "“line” is exact periodicity with one cell along a length on which nothing varies.",
         ("padding", "period", *(f"error {target:.0e}" for target in DECADES)),
         tuple(rows),
     )
@@ -80,23 +80,27 @@ def dominated_modes(dataset: xr.Dataset) -> tuple[str, str]:
         if mode in never:
             least, error = max(places.values())
             slower = least < 1 / 1.05
-            took = f"takes {1 / least:.2g} times as long as" if slower else "is no quicker than"
+            took = f"takes {1 / least:.2g} times as long as" if slower else "is no faster than"
             said.append(
-                f"{mode} padding at its best {took} another mode that is as accurate (at an error of "
+                f"{mode} padding, at its best, {took} another mode of the same accuracy (at an error of "
                 f"{percent(error)})"
             )
         elif np.isfinite(most[mode]):
             least = min(error for _, error in paying.values())
             said.append(
-                f"{mode} saves up to a factor of {most[mode]:.2g}, at L = {_join_periods(paying)} a, with errors from "
-                f"{percent(least)} on"
+                f"{mode} saves up to a factor of {most[mode]:.2g}, at L = {_join_periods(paying)} a, for errors of "
+                f"{percent(least)} and above"
             )
         else:
             only = [period for period, best in places.items() if not np.isfinite(best[0])]
             said.append(
                 f"{mode} is the only one at the smallest errors at L = {_join_periods(only)} a"
             )
-    claim = f"Never worth using: {_join_and(never)}." if never else "Every mode pays somewhere."
+    claim = (
+        f"Never worth using: {_join_and(never)}."
+        if never
+        else "Every mode is worth using somewhere."
+    )
     lined = settings(dataset.isel(period=-1), *L1)
     if LINE in paddings(dataset):
         line, others = (lined.where((lined.modes == LINE) == is_line) for is_line in (True, False))
@@ -105,14 +109,16 @@ def dominated_modes(dataset: xr.Dataset) -> tuple[str, str]:
         assert own is not None
         assert same is not None
         said.append(
-            "where nothing varies along the length one cell there is "
+            "if nothing varies along the length, one cell along it is "
             f"{float(others.cost[same] / line.cost[own]):.0f} times faster, for an error of {percent(target)}"
         )
     return claim, (
-        "Over every n, grid, tolerance and solver, by wall time against the L1 error of the "
-        "pressure, corrected or not: " + "; ".join(said) + ". The set-up decides at loose errors, "
-        "where a grid is coarse and a solve takes milliseconds: two images are soon summed."
-        + " A window centred on the domain needs twice the transform and errs along the length as well."
+        "Over every n, grid, tolerance and solver, wall time against the L1 error of the "
+        "pressure, corrected or not: "
+        + "; ".join(said)
+        + ". At large errors the grid is coarse, a solve takes "
+        "milliseconds and the set-up dominates, so a sum of two images is cheap."
+        + " A window centred on the domain needs twice the transform and also errs along the length."
         * ("superposed" in never)
     )
 
@@ -127,13 +133,13 @@ def recommendation_check(dataset: xr.Dataset) -> tuple[str, str]:
         )
     )  # fmt: skip
     return (
-        f"A recommended setting met the error asked for in {percent(met)} of {len(found.error)} cases.",
-        "Targets, metrics and periods by turns, the times of each period predicted from those of the "
-        f"others. In {percent(near)} of the cases no stored setting whose error could be foreseen to "
-        f"meet the target is over 1.3 times faster than the recommended; the worst is "
-        f"{float(np.max(found.slower)):.2g}. Counting those that met it because their contact edge "
-        f"happened to fall well in its cell, it is {percent(lucky)}, and the median "
-        f"{float(np.nanmedian(found.slower_than_luck)):.2g}: that is what certainty costs.",
+        f"A recommended setting met the requested error in {percent(met)} of {len(found.error)} cases.",
+        "For every target, metric and period in turn, the times of one period were predicted from those of the "
+        f"others. In {percent(near)} of the cases no stored setting whose estimated error meets the target is "
+        f"more than 1.3 times faster than the recommended one; the worst factor is "
+        f"{float(np.max(found.slower)):.2g}. If settings count that met the target only because their contact "
+        f"edge fell favourably within its cell, the share is {percent(lucky)} and the median factor "
+        f"{float(np.nanmedian(found.slower_than_luck)):.2g}: this is the price of a reliable estimate.",
     )
 
 

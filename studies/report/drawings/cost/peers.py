@@ -37,11 +37,11 @@ def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
         CaptionedFigure(
             "peers",
             fig,
-            f"Time in all on one thread. At {int(dataset['grid'][-1])} cells: "
+            f"Total time on one thread. At {int(dataset['grid'][-1])} cells: "
             + "; ".join(facts)
             + ". "
-            "The difference is the largest from the converged solution for cells of constant pressure; on "
-            "periodic surfaces the others hold the pressure to be a sum of waves, which is another "
+            "The difference is the largest one from the converged solution for cells of constant pressure. On "
+            "periodic surfaces the other programs represent the pressure as a sum of waves, which is another "
             "discretisation and not an error.",
         ),
     )

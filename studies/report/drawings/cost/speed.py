@@ -7,6 +7,7 @@ from studies.definitions.cost.speed import SOLVERS
 from studies.model.drawing import CaptionedFigure
 from studies.model.finding import Finding
 from studies.model.outcome import CaseStatus
+from studies.report.formatting import power
 from studies.report.style import LAW_STYLE, add_legend, panels
 
 TITLES = {"preconditioned_cg": "preconditioned CG", "polonsky_keer": "Polonsky & Keer"}
@@ -53,7 +54,7 @@ def _caption(dataset: xr.Dataset) -> str:
                 ]
                 for s in dataset["surface"].values
             ]
-            growth = f", growing like N^{min(rates):.1f} to N^{max(rates):.1f}"
+            growth = f", growing like {power('N', min(rates), 1)} to {power('N', max(rates), 1)}"
         facts.append(
             f"{TITLES[solver]}: {int(one['iterations'].min())} to "
             f"{int(one['iterations'].max())} iterations, {float(one['solve_time'].min()):.2g} to "
@@ -61,10 +62,8 @@ def _caption(dataset: xr.Dataset) -> str:
             f"{float(one['memory'].max()):.0f} fields of memory"
         )
     return (
-        "Cost of a solve with exact periodicity to a residual of 1e-8, on one thread; set-up is not "
-        f"counted. At {int(finest['grid'])} x {int(finest['grid'])} cells, "
-        + "; ".join(facts)
-        + "."
+        "Cost of a solve with exact periodicity to a residual of 1e-8, on one thread, without "
+        f"set-up. At {int(finest['grid'])} x {int(finest['grid'])} cells, " + "; ".join(facts) + "."
     )
 
 
@@ -77,7 +76,7 @@ def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     new, old = (finest.sel(solver=name) for name in ("preconditioned_cg", "polonsky_keer"))
     facts = "; ".join(
         f"{surface}: "
-        + " beside ".join(
+        + " against ".join(
             f"{int(one['iterations'])} iterations in {float(one['solve_time']):.2g} s"
             for one in (solver.sel(surface=surface) for solver in (new, old))
         )
@@ -87,8 +86,8 @@ def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     return (
         Finding(
             f"Preconditioned conjugate gradients: {float(ratio.min()):.1f} to {float(ratio.max()):.1f} times "
-            "faster than Polonsky & Keer's scheme.",
-            f"At {int(finest['grid'])} x {int(finest['grid'])} cells, beside Polonsky & Keer's: {facts}.",
+            "faster than the scheme of Polonsky & Keer.",
+            f"At {int(finest['grid'])} x {int(finest['grid'])} cells, against Polonsky & Keer: {facts}.",
             "Which solver?",
         ),
     )

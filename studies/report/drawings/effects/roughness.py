@@ -45,15 +45,15 @@ def _shift(dataset: xr.Dataset) -> CaptionedFigure:
     rough = dataset.isel(rms=-1)
     facts = "; ".join(
         f"lay {float(lay):g}: area {float(one['contact_area'].mean()):.2f}, highest pressure "
-        f"{float(one['peak_pressure'].mean()):.1f} p_H"
+        f"{float(one['peak_pressure'].mean()):.1f} p_{{H}}"
         for lay, one in rough.groupby("peklenik")
     )
     return CaptionedFigure(
         "shift",
         fig,
-        "What roughness does to a line contact, exactly periodic; lines are the mean of the surfaces, "
-        "bands their span. Heights over a²/(2R), lay as the correlation length across the contact over that "
-        "along it (below 1 the lay runs along the length), H the Hurst exponent. The effective half-width "
+        "Effect of roughness on a line contact with exact periodicity; lines are the mean over the surfaces, "
+        "bands their range. Heights are relative to a²/(2R). Lay is the correlation length across the contact over "
+        "that along it (below 1 the lay runs along the length), H the Hurst exponent. The effective half-width "
         "is that of Hertz's pressure with the same second moment; the spread is the standard deviation of "
         f"the load along the length over its mean. At an rms of {float(rough['rms']):g}: {facts}.",
     )
@@ -74,17 +74,17 @@ def _paddings(dataset: xr.Dataset) -> CaptionedFigure:
         if variable == "pressure_error_l1":
             shift = dataset["smooth_difference"].sel(padding="exact")
             style = {"color": "black", "linestyle": "--"}
-            _over_rms(ax, shift.where(shift.rms > 0), "shift by the roughness itself", **style)
+            _over_rms(ax, shift.where(shift.rms > 0), "effect of the roughness itself", **style)
         ax.set(ylabel=label, yscale="log")
     add_legend(fig)
     return CaptionedFigure(
         "paddings",
         fig,
-        "Error of each padding against exact periodicity on the same surface and grid; lines are the "
-        "median over lays, Hurst exponents and seeds, bands their span. "
-        f"L = {float(dataset['period']):g} a. The dashed line is how far the pressure moves from the smooth "
-        "contact's because of the roughness: a padding is good enough where its error is well below. The "
-        "largest error grows with the roughness, since asperities that barely touch come and go.",
+        "Error of each padding relative to exact periodicity on the same surface and grid; lines are the "
+        "median over lays, Hurst exponents and seeds, bands their range. "
+        f"L = {float(dataset['period']):g} a. The dashed line is the difference between the rough and the smooth "
+        "contact's pressure: a padding is accurate enough if its error is well below this line. The "
+        "largest error grows with the roughness, since asperities in light contact appear and disappear.",
     )
 
 
@@ -105,11 +105,11 @@ def _law(dataset: xr.Dataset) -> CaptionedFigure:
     return CaptionedFigure(
         "law",
         fig,
-        "A window that reaches D to each side makes the cylinder more curved by a²/(4D²), which lessens the "
-        "half-width by a²/(8D²): left, the error found over that. Right, what is left of the L1 error when "
-        "the answer is held against exact periodicity on a cylinder of just that curvature with the same "
-        "roughness. Little is left of circular windows; superposition errs along the length as well, since "
-        "its window does not move with the observer, and of that the law knows nothing.",
+        "A window that reaches D to each side makes the cylinder more curved by a²/(4D²), which reduces the "
+        "half-width by a²/(8D²). Left: the error found, divided by this law. Right: the share of the L1 error that "
+        "remains when the solution is compared with exact periodicity on a cylinder of this curvature with the "
+        "same roughness. Little remains for circular windows. Superposition also errs along the length, since "
+        "its window does not move with the observer; the law does not include this.",
     )
 
 
@@ -158,7 +158,7 @@ def _rough_surfaces(dataset: xr.Dataset) -> Finding:
             f"rough with {label}"
         )
         cells.append(
-            f"{percent(before['pressure_error_max'])} to {percent(after['pressure_error_max'])} of p_H"
+            f"{percent(before['pressure_error_max'])} to {percent(after['pressure_error_max'])} of p_{{H}}"
         )
         highest.append(
             f"{percent(before['highest_pressure_error'])} to {percent(after['highest_pressure_error'])}"
@@ -172,20 +172,18 @@ def _rough_surfaces(dataset: xr.Dataset) -> Finding:
         float(limit) for limit in (min(r.min() for r in ratios), max(r.max() for r in ratios))
     )
     shift = middle["smooth_difference"].sel(padding="exact").isel(rms=1)
-    systematic = (
-        "; unlike that, a window's error has one sign on every surface, and no mean removes it"
-    )
+    systematic = "; unlike that difference, the error of a window has one sign on every surface and does not average out"
     return Finding(
-        "On a rough surface a padding errs as on a smooth one: a²/(8D²) holds for the contact as a whole, "
-        "not for its single cells.",
+        "On a rough surface a padding has the same error as on a smooth one: a²/(8D²) holds for the contact as a "
+        "whole, but not for single cells.",
         f"At L = {float(here['period']):g} a the L1 error of the pressure is {' and '.join(moved)}, at an "
         f"rms height of {most:g} a²/(2R). The effective half-width is too small by {low:.2f} to "
         f"{high:.2f} times a²/(8D²), on every surface. The reason: a window that reaches D makes the cylinder "
-        "more curved by a²/(4D²), whatever lies on it. Held against exact periodicity on a cylinder of "
-        f"that curvature, {' and '.join(left)} of those L1 errors are left. What roughness changes is where "
-        f"the error sits: the largest of any cell grows from {' and from '.join(cells)}, since "
-        "asperities that barely touch come and go, while that of the highest pressure, now under an asperity, "
-        f"falls from {' and from '.join(highest)}. Roughness itself moves the pressure by "
+        "more curved by a²/(4D²), whatever its roughness. Compared with exact periodicity on a cylinder of "
+        f"that curvature, {' and '.join(left)} of those L1 errors remain. Roughness changes where "
+        f"the error is located: the largest error of any cell grows from {' and from '.join(cells)}, since "
+        "asperities in light contact appear and disappear, while the error of the highest pressure, which is now "
+        f"under an asperity, falls from {' and from '.join(highest)}. Roughness itself changes the pressure by "
         f"{percent(shift)} (L1) at an rms of {float(shift['rms']):g}{systematic if low > 0 else ''}.",
-        "Does roughness change that?",
+        "Does roughness change the error of a padding?",
     )

@@ -8,7 +8,7 @@ from contactstudy.analytic import truncation_error
 from studies.model.drawing import CaptionedFigure
 from studies.model.finding import Finding
 from studies.reference.line_contact import WIDTH, covers, padding_at, total_time
-from studies.report.formatting import paddings, percent, setting_label
+from studies.report.formatting import paddings, percent, power, setting_label
 from studies.report.style import LAW_STYLE, add_legend, padding_style, panels
 
 PANELS = {
@@ -74,12 +74,12 @@ def _caption(chosen: xr.Dataset) -> str:
     error = chosen["pressure_error_l1"].sel(padding="exact").values
     rate = np.polyfit(np.log(cells), np.log(error), 1)[0]
     return (
-        f"Error against the number of cells N. With exact periodicity the L1 error falls like N^({rate:.2f}); "
-        "the largest error sits in the cells that hold the contact edge, jumps with where the edge falls in "
-        "its cell, and falls like N^(-1.5) once the discrete edge law has taken it off; by that law the "
-        "half-width is known to the cell cubed. A truncated window has an error of its own, which no "
-        "grid removes: its curves level off, for the peak pressure near the law for its reach. Without "
-        "neighbours the pressure at the two ends of the length grows with every refinement."
+        "Error against the number of cells N. With exact periodicity the L1 error falls like "
+        f"{power('N', rate)}. The largest error is located in the cells that contain the contact edge; it "
+        "depends on the position of the edge within its cell, and falls like N^{−1.5} once the discrete edge law "
+        "removes it. By that law the half-width is known to the third power of the cell. A truncated window has a "
+        "truncation error that no grid removes: its curves level off, for the peak pressure near the law for its "
+        "reach. Without neighbours the pressure at the two ends of the length grows with every refinement."
     )
 
 
@@ -100,14 +100,14 @@ def _which_grid(dataset: xr.Dataset) -> Finding:
     first, last = exact.isel(grid=0), exact.isel(grid=-1)
     seconds = [float(total_time(one)) for one in (first, last)]
     return Finding(
-        f"{_enough(exact)} cells across 2.4 a for 0.1 %: with the images out of the way, the grid is all that "
-        "is left to pay for.",
-        f"The L1 error of the pressure falls like N^({rates[0]:.2f}), from "
+        f"{_enough(exact)} cells across 2.4 a for 0.1 %: with exact periodicity the grid is the only source of "
+        "error.",
+        f"The L1 error of the pressure falls like {power('N', rates[0])}, from "
         f"{percent(first['pressure_error_l1'])} at {cells[0]} cells across in {seconds[0]:.1g} s to "
         f"{percent(last['pressure_error_l1'])} at {cells[-1]} in {seconds[1]:.2g} s. The largest "
-        f"error, in the cells that hold the contact edge, falls like N^({rates[1]:.2f}) only, by leaps: it "
-        f"is {percent(last['pressure_error_max'])} of p_H at {cells[-1]}.",
-        "What grid?",
+        f"error, in the cells that contain the contact edge, falls only like {power('N', rates[1])} and not "
+        f"monotonically: it is {percent(last['pressure_error_max'])} of p_{{H}} at {cells[-1]}.",
+        "Which grid?",
     )
 
 

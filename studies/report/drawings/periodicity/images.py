@@ -39,8 +39,8 @@ def _peak(dataset: xr.Dataset) -> CaptionedFigure:
 def _peak_caption(dataset: xr.Dataset, periods: list[float]) -> str:
     words = (
         "Peak-pressure error against the number of superposed periods. It falls like the square of the "
-        "window's reach until the grid's own error, that of exact periodicity, shows; where the two are "
-        "of one size they may cancel, since truncation raises the peak and the grid may lower it. "
+        "window's reach, down to the discretisation error, which is that of exact periodicity. Where both are "
+        "of similar size they may cancel, since truncation raises the peak and the grid may lower it. "
     )
     if not {"superposed", "duplicated"} <= set(paddings(dataset)):
         return words
@@ -54,7 +54,9 @@ def _peak_caption(dataset: xr.Dataset, periods: list[float]) -> str:
         if better.size:
             facts.append(f"at L = {period:g} a from n = {better[0]} on ({percent(duplicated)})")
     return words + (
-        "Superposition beats duplicated padding " + ", ".join(facts) + "." if facts else ""
+        "Superposition is more accurate than duplicated padding " + ", ".join(facts) + "."
+        if facts
+        else ""
     )
 
 
@@ -75,11 +77,11 @@ def _variation(dataset: xr.Dataset) -> CaptionedFigure:
     return CaptionedFigure(
         "length_variation",
         fig,
-        "A uniform cylinder comes out uneven along its length under superposition, because the window of "
-        "images is centred on the domain and not on the observer. The difference a lopsided window makes "
-        "falls with the square of its reach. Circular superposition, duplicated padding and exact "
-        "periodicity move with the observer: "
-        "every observer sees the same, and nothing varies but by rounding.",
+        "With superposition the pressure of a uniform cylinder varies along its length, because the window of "
+        "images is centred on the domain and not on the observer. The error of this asymmetric window "
+        "falls with the square of its reach. With circular superposition, duplicated padding and exact "
+        "periodicity the window moves with the observer: all observers see the same, and the pressure varies "
+        "only by rounding.",
     )
 
 
@@ -100,15 +102,15 @@ def _what_n(dataset: xr.Dataset) -> Finding:
         meets = (errors.sel(padding="circular", period=period) <= TARGET).values
         enough = np.flatnonzero(np.minimum.accumulate(meets[::-1])[::-1])
         said = (
-            f"n = {int(dataset['images'][enough[0]])}" if enough.size else "more n than are stored"
+            f"n = {int(dataset['images'][enough[0]])}" if enough.size else "a larger n than stored"
         )
         facts.append(f"{said} at L = {period:g} a")
     exact = errors.sel(padding="exact").max()
     return Finding(
-        "No n to choose: exact periodicity counts every image. A window of n images errs by a²/(8(n + ½)²L²).",
-        f"For {percent(TARGET)} of the peak pressure circular superposition wants {', '.join(facts)} (of the n "
-        f"that are stored); exact periodicity is within {percent(exact)} at all of them.",
-        "What n?",
+        "No n is needed: exact periodicity sums all images. The error of a window of n images is a²/(8(n + ½)²L²).",
+        f"For {percent(TARGET)} of the peak pressure circular superposition needs {', '.join(facts)} (of the "
+        f"stored n); the error of exact periodicity is at most {percent(exact)} at all of them.",
+        "Which n?",
     )
 
 
@@ -117,14 +119,14 @@ def _six_images(dataset: xr.Dataset) -> Finding:
     copied, six = here.sel(padding="duplicated", images=6), here.sel(padding="superposed", images=6)
     ratio = abs(float(copied["peak_pressure_error"] / six["peak_pressure_error"]))
     return Finding(
-        "“n ≥ 6 gives very similar results to duplicated padding”: the numbers say otherwise.",
-        f"At L = 2.4 a the peak pressure, as a mean along the length, is off by "
-        f"{percent(copied['peak_pressure_error'])} with duplicated padding and by "
+        "“n ≥ 6 gives very similar results to duplicated padding”: the computed errors differ.",
+        f"At L = 2.4 a the error of the peak pressure (mean along the length) is "
+        f"{percent(copied['peak_pressure_error'])} with duplicated padding and "
         f"{percent(six['peak_pressure_error'])} with n = 6, a factor of {ratio:.0f}: a copy of the pressure "
-        "reaches one period to each side, as n = ½ would. Superposition errs in another way, along the "
-        f"length: with n = 6 the pressure of a uniform cylinder varies by {variation_text(six)} and is nowhere "
-        f"higher than p_H by more than {percent(six['highest_pressure_error'])}; with duplicated padding it "
-        f"varies by {variation_text(copied)}. In a plot of the pressure such as the paper's Fig. 5 little of "
-        "this meets the eye.",
+        "reaches one period to each side, as n = ½ would. Superposition has another error, along the "
+        f"length: with n = 6 the pressure of a uniform cylinder varies by {variation_text(six)} and exceeds "
+        f"p_{{H}} nowhere by more than {percent(six['highest_pressure_error'])}; with duplicated padding it "
+        f"varies by {variation_text(copied)}. In a plot of the pressure such as the paper's Fig. 5 these "
+        "differences are hardly visible.",
         "The paper's first claim",
     )

@@ -33,13 +33,12 @@ def _errors(dataset: xr.Dataset) -> CaptionedFigure:
     return CaptionedFigure(
         "error",
         fig,
-        "Far from a line load the influence coefficients follow -(2 dx dy/L) ln r. Shown is the largest error "
-        "of that ln r among the coefficients a convolution uses, a rigid shift of all of them taken off. "
-        "A window that moves with the "
-        "observer (circular) errs by the curvature of what it leaves out; one fixed to the domain "
-        "(superposed) errs as well by leaving out more on one side than on the other. Exact periodicity "
-        "is the reference here; the project's tests hold it to 1e-13 against computations with fifty digits. "
-        "In the law x is the width of the domain, 2.4 a.",
+        "Far from a line load the influence coefficients follow -(2 dx dy/L) ln r. The figure shows the largest "
+        "error of this ln r among the coefficients used in a convolution, without the part that is a rigid shift "
+        "of all of them. A window that moves with the observer (circular) errs by the curvature of what it "
+        "truncates; a window fixed to the domain (superposed) also truncates more on one side than on the "
+        "other. Exact periodicity is the reference; the project's tests compare it to 1e-13 with computations in "
+        "fifty digits. In the law x is the width of the domain, 2.4 a.",
     )
 
 
@@ -62,7 +61,7 @@ def _times(dataset: xr.Dataset) -> CaptionedFigure:
     return CaptionedFigure(
         "build_time",
         fig,
-        f"Time to build the operator, coefficients and transform, for {int(here['grid'])} x "
-        f"{int(here['grid'])} cells and L = {float(here['period']):g} a. From a few images on a sum costs in "
-        f"proportion to their number; exact periodicity has no number to choose.{words}",
+        f"Time to build the operator (coefficients and transform) for {int(here['grid'])} x "
+        f"{int(here['grid'])} cells and L = {float(here['period']):g} a. Beyond a few images the cost of a sum "
+        f"is proportional to their number; exact periodicity has no such number.{words}",
     )

@@ -60,11 +60,11 @@ def _reach(dataset: xr.Dataset) -> CaptionedFigure:
     return CaptionedFigure(
         "reach",
         fig,
-        "Peak-pressure error of every setting against how far to each side a point sees pressure "
-        "(D = L/2 without neighbours, L duplicated, (n + ½)L superposed). What is not seen costs "
-        "a²/(8D²) once D exceeds about 3a, whichever way the images are counted. Zero padding follows no such "
-        "law, since its pressure ends with the domain. Only exact periodicity is left with the error of "
-        "the grid alone.",
+        "Peak-pressure error of every setting against its reach, the distance to each side within which a point "
+        "sees pressure (D = L/2 without neighbours, L duplicated, (n + ½)L superposed). The truncated part "
+        "causes an error of a²/(8D²) once D exceeds about 3a, for every kind of window. Zero padding does not "
+        "follow this law, since its pressure ends with the domain. Exact periodicity has the discretisation "
+        "error alone.",
     )
 
 
@@ -77,7 +77,7 @@ def _price(dataset: xr.Dataset) -> CaptionedFigure:
         cost, error, labels = (points[name].values for name in ("cost", "error", "padding"))
         front = pareto_front(cost, error)
         shade: dict[str, Any] = {"color": "black", "alpha": 0.12, "linewidth": 7}
-        ax.loglog(cost[front], error[front], label="what nothing beats", **shade)
+        ax.loglog(cost[front], error[front], label="Pareto front", **shade)
         for name in paddings(dataset):
             own = np.flatnonzero(labels == name)
             line = own[pareto_front(cost[own], error[own])]
@@ -95,9 +95,9 @@ def _price(dataset: xr.Dataset) -> CaptionedFigure:
     return CaptionedFigure(
         "price",
         fig,
-        "The price of accuracy: L1 error of the pressure against wall time on one thread. Each line joins the "
-        "settings of one padding, over all n and grids, that none of its own beats on both counts; the small "
-        "marks are the others. Those of one window lie in a row: no finer grid removes what it leaves out. "
+        "Price of accuracy: L1 error of the pressure against wall time on one thread. Each line is the Pareto "
+        "front of the settings of one padding, over all n and grids; the small marks are its other settings. "
+        "Settings of one window lie in a row: a finer grid does not remove the truncation error. "
         "The most accurate settings: " + "; ".join(words) + ".",
     )
 
@@ -128,11 +128,11 @@ def _which_padding(dataset: xr.Dataset) -> Finding:
         for one in others
     )
     return Finding(
-        "Use exact periodicity: no choice of n, no error of its own, at every period.",
-        f"At {int(here['grid'])} x {int(here['grid'])} cells and L = {float(here['period']):g} a its "
-        f"peak pressure is off by {percent(exact['peak_pressure_error'])}, which is the grid's error, and "
-        f"varies along the length by {variation_text(exact)}. It took {float(total_time(exact)):.2g} s. "
-        f"The others, error of the peak pressure and time: {costs}.",
+        "Use exact periodicity: it has no n to choose and no truncation error, at any period.",
+        f"At {int(here['grid'])} x {int(here['grid'])} cells and L = {float(here['period']):g} a the error of its "
+        f"peak pressure is {percent(exact['peak_pressure_error'])}, which is the discretisation error; the pressure "
+        f"varies along the length by {variation_text(exact)}; the time is {float(total_time(exact)):.2g} s. "
+        f"Error of the peak pressure and time of the others: {costs}.",
         "Which padding?",
     )
 
@@ -148,13 +148,13 @@ def _what_it_costs(dataset: xr.Dataset) -> Finding:
     dearer = ""
     if error[-1] < error[0]:
         growth = 10 ** (np.log(cost[-1] / cost[0]) / np.log(error[0] / error[-1]))
-        dearer = f", and a tenth of an error {growth:.0f} times its time"
+        dearer = f", and one tenth of the error takes {growth:.0f} times as long"
     return Finding(
         f"With exact periodicity an L1 error of {percent(error[-1])} costs {cost[-1]:.2g} s on one "
         f"thread{dearer}.",
-        f"Measured: {'; '.join(steps)}. The L1 error falls like N^(-3/2) and an iteration takes N² "
-        "operations, but for logarithms, so that on large grids a tenth of the error wants 10^(4/3) ≈ 22 times "
-        "the time; on small ones less, since much of theirs is a set-up that hardly grows.",
+        f"Measured: {'; '.join(steps)}. The L1 error falls like N^{{−3/2}} and an iteration takes N² log N "
+        "operations, so that on large grids one tenth of the error takes 10^{4/3} ≈ 22 times as long; on small "
+        "grids it takes less, since much of the time is set-up, which hardly grows.",
         "What does it cost?",
     )
 
@@ -175,14 +175,14 @@ def price_table(dataset: xr.Dataset) -> Table:
             meets = front[error[front] <= target]
             if not meets.size:
                 best = points.isel(point=front[-1])
-                said = f"none stored; the best is {setting_label(best)}"
+                said = f"none stored; the most accurate is {setting_label(best)}"
             else:
                 best = points.isel(point=meets[0])
                 said = setting_label(best)
             numbers = (str(int(best["grid"])), percent(best["error"]), f"{float(best['cost']):.2g}")
             rows.append((f"{period:g} a", percent(target), said, *numbers))
     return Table(
-        "What accuracy costs: the cheapest stored setting whose L1 pressure error meets each target.",
-        ("period", "L1 error asked", "cheapest padding", "cells across", "reached", "time [s]"),
+        "Cost of accuracy: the cheapest stored setting whose L1 pressure error is at most the target.",
+        ("period", "target L1 error", "cheapest padding", "cells across", "reached", "time [s]"),
         tuple(rows),
     )

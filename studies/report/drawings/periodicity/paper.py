@@ -38,8 +38,8 @@ def _displacement(dataset: xr.Dataset) -> CaptionedFigure:
     axes[0].set_ylabel("displacement / Hertz's at the centre")
     add_legend(fig)
     said = {
-        "zero": "it lies on Hertz's solution of one contact alone, since it knows no neighbours.",
-        "duplicated": "it adds the neighbours, and along the length bends the curve as well as lifting it.",
+        "zero": "it agrees with Hertz's solution of a single contact, since it has no neighbours.",
+        "duplicated": "the neighbours raise the curve, and along the length they also bend it.",
     }
     words = []
     for name in shown:
@@ -98,10 +98,10 @@ def _pressure(dataset: xr.Dataset) -> CaptionedFigure:
     return CaptionedFigure(
         "pressure",
         fig,
-        "The paper's Fig. 5. Pressure across the line contact in the middle of the length, and its error; "
-        "there the bands span the values along the length (zero padding's, with its ends, would fill the "
-        "picture), on a scale that is linear within 0.1 % and logarithmic beyond. "
-        f"The largest error of any cell, over p_H: {facts}.",
+        "The paper's Fig. 5. Left: pressure across the line contact in the middle of the length. Right: its error; "
+        "bands show the range along the length (omitted for zero padding, whose ends would fill the "
+        "panel), on a scale that is linear within 0.1 % and logarithmic beyond. "
+        f"Largest error of any cell, over p_{{H}}: {facts}.",
     )
 
 
@@ -137,11 +137,11 @@ def accuracy_table(dataset: xr.Dataset) -> Table:
                 )
             )
     return Table(
-        "A smooth line contact on the paper's grid, 128 x 128 cells over 2.4 a x 2.4 a, against Hertz. "
-        "Pressures over p_H: the peak as the mean along the length beside the axis, the highest anywhere, "
-        "the largest error of any cell. That error sits at the contact edge and jumps with where the edge "
-        "falls in its cell, so on one grid a truncated window may come out ahead by chance. "
-        "Times on one thread.",
+        "A smooth line contact on the paper's grid, 128 x 128 cells over 2.4 a x 2.4 a, compared with Hertz. "
+        "Pressures over p_{H}: the peak as the mean along the length next to the axis, the highest anywhere, "
+        "the largest error of any cell. The largest error is located at the contact edge and depends on the "
+        "position of the edge within its cell, so on a single grid a truncated window may have a smaller error by "
+        "chance. Times on one thread.",
         (
             "padding", "peak error",
             "highest pressure", "largest error", "variation along length", "half-width error",

@@ -65,12 +65,12 @@ def _what_period(dataset: xr.Dataset) -> Finding:
     copied, exact = (abs(here.sel(padding=name)) for name in ("duplicated", "exact"))
     worst = copied.idxmax("period")
     return Finding(
-        "Any, with exact periodicity: take the surface's own, and no longer.",
+        "With exact periodicity any period is accurate: use that of the surface, and no longer one.",
         f"A smooth cylinder may have a period of {float(here['period'].min()):g} a, or a single row of cells, "
-        f"with an error of {percent(exact.max())}; duplicated padding is off by {percent(copied.max())} at "
-        f"L = {float(worst):g} a. A longer period costs cells in proportion and brings a smooth contact "
-        "nothing; a rough one it brings more of the surface.",
-        "What period?",
+        f"with an error of {percent(exact.max())}; the error of duplicated padding is {percent(copied.max())} at "
+        f"L = {float(worst):g} a. The number of cells is proportional to the period. A longer period does not make a "
+        "smooth contact more accurate; for a rough contact it includes more of the surface.",
+        "Which period?",
     )
 
 
@@ -84,10 +84,10 @@ def _any_period(dataset: xr.Dataset) -> Finding:
     )
     exact = here["peak_pressure_error"].sel(padding="exact")
     return Finding(
-        "“Independent of the domain extent in the length direction”: true of exact periodicity alone.",
+        "“Independent of the domain extent in the length direction”: true only for exact periodicity.",
         f"Between L = {short:g} a and L = {long:g} a the peak-pressure error goes {facts}; "
-        f"with exact periodicity it moves by {percent(exact.max() - exact.min())}. "
-        "A window that reaches D to each side leaves a²/(8D²), so a period of a few half-widths is "
-        "not long enough for a truncated one.",
+        f"with exact periodicity it changes by {percent(exact.max() - exact.min())}. "
+        "A window that reaches D to each side has an error of a²/(8D²), so a period of a few half-widths is "
+        "too short for a truncated window.",
         "The paper's second claim",
     )

@@ -29,8 +29,8 @@ def test_the_n_that_meets_a_target_is_the_least_from_which_on_all_do(tmp_path: P
     sweep = swept("images", tmp_path, padding="circular,exact", images="0:9", period="2.4")
     (said,) = images.findings(sweep)
     # a²/(8(n + 1/2)²L²) is 1e-3 at n + 1/2 = 4.66
-    assert said.question == "What n?"
-    assert "wants n = 5 at L = 2.4 a" in said.measured
+    assert said.question == "Which n?"
+    assert "needs n = 5 at L = 2.4 a" in said.measured
 
 
 def test_the_table_shows_what_is_stored(tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ from contactstudy.domain.arrays import Array
 from studies.advice.pareto_front import pareto_front
 from studies.model.axis import one_of
 from studies.model.outcome import CaseStatus
+from studies.reference.line_contact import total_time
 from studies.registry import BUILT_IN, OPTIONAL, load_drawing
 
 if TYPE_CHECKING:
@@ -46,8 +47,11 @@ class StudyAccessor:
     @property
     def cost(self) -> xr.DataArray:
         """Wall time of set-up and solve [s]."""
-        time = self._dataset["setup_time"] + self._dataset["solve_time"]
-        return time.assign_attrs(units="s", long_name="wall time, set-up and solve").rename("cost")
+        return (
+            total_time(self._dataset)
+            .assign_attrs(units="s", long_name="wall time, set-up and solve")
+            .rename("cost")
+        )
 
     def order(self, error: str, axis: str, **at: object) -> Order:
         """The order of convergence of ``error`` along a numeric ``axis``, at one value of the others.

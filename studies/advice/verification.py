@@ -9,7 +9,7 @@ from contactstudy.accuracy.expected_error import Edges, Metric
 from contactstudy.domain.arrays import Array
 from studies.advice.cost_model import cost_model
 from studies.advice.recommendation import Limits, Setting, SmoothContact, candidates, choose
-from studies.advice.settings_table import METRICS, Settings, settings
+from studies.advice.settings_table import STORED_ERRORS, Settings, settings
 from studies.reference.line_contact import COUNTS_IMAGES, HERTZ, LINE
 
 TARGETS = 10.0 ** np.arange(-1, -6.1, -0.5)
@@ -52,7 +52,7 @@ def verify(dataset: xr.Dataset) -> Verification:
             )
             here = dataset.sel(period=period, padding=list(chosen))
             for metric in Metric:
-                names = METRICS[WHAT[metric]]
+                names = STORED_ERRORS[WHAT[metric]]
                 every = settings(here, *names)
                 own = {Edges.AS_SOLVED: names[0], Edges.CORRECTED: names[-1]}
                 treated = {edges: settings(here, name) for edges, name in own.items()}

@@ -11,7 +11,7 @@ from studies.report.formatting import paddings
 from studies.report.style import LAW_STYLE, add_legend, padding_style, panels
 
 # estimate, error, and the name of what both are of
-METRICS = {
+ESTIMATES = {
     "highest_pressure_estimate": ("highest_pressure_error", "highest pressure"),
     "pressure_l1_estimate": ("pressure_error_l1", "pressure in L1"),
 }
@@ -21,13 +21,13 @@ LARGE = 5  # times the true error: limit for the median estimate
 
 def sweeps_with_estimates(stored: Mapping[str, xr.Dataset]) -> Mapping[str, xr.Dataset]:
     """The sweeps that hold both an estimate and a true error, by name."""
-    wanted = {"padding"} | set(METRICS) | {error for error, _ in METRICS.values()}
+    wanted = {"padding"} | set(ESTIMATES) | {error for error, _ in ESTIMATES.values()}
     return {name: dataset for name, dataset in stored.items() if wanted <= set(dataset.variables)}
 
 
 def cases(stored: Mapping[str, xr.Dataset], estimate: str) -> xr.Dataset:
     """Every distinct case as a flat list of ``error``, ``estimate``, its parts and ``padding``."""
-    error, _ = METRICS[estimate]
+    error, _ = ESTIMATES[estimate]
     parts = [f"{estimate}_{cause}" for cause in CAUSES]
     rows: dict[tuple[object, ...], None] = {}  # a set that keeps its order
     for dataset in stored.values():
@@ -45,8 +45,8 @@ def cases(stored: Mapping[str, xr.Dataset], estimate: str) -> xr.Dataset:
 
 def figure(stored: Mapping[str, xr.Dataset]) -> CaptionedFigure:
     """Estimate against true error, a panel for each metric."""
-    fig, axes = panels(len(METRICS), width=4.4, height=3.8)
-    for ax, (estimate, (_, label)) in zip(axes, METRICS.items(), strict=True):
+    fig, axes = panels(len(ESTIMATES), width=4.4, height=3.8)
+    for ax, (estimate, (_, label)) in zip(axes, ESTIMATES.items(), strict=True):
         flat = cases(stored, estimate)
         for name in dict.fromkeys(flat["padding"].values.tolist()):
             own = flat.where(flat["padding"] == name, drop=True)
@@ -69,7 +69,7 @@ def figure(stored: Mapping[str, xr.Dataset]) -> CaptionedFigure:
 def table(stored: Mapping[str, xr.Dataset]) -> Table:
     """How often an estimate bounds its error, how large it is beside it, and what it is made of."""
     rows = []
-    for estimate, (_, label) in METRICS.items():
+    for estimate, (_, label) in ESTIMATES.items():
         flat = cases(stored, estimate)
         for name in dict.fromkeys(flat["padding"].values.tolist()):
             own = flat.where(flat["padding"] == name, drop=True)
@@ -99,12 +99,12 @@ def table(stored: Mapping[str, xr.Dataset]) -> Table:
 
 def finding(stored: Mapping[str, xr.Dataset]) -> Finding:
     """How far the estimates can be trusted."""
-    flats = [cases(stored, estimate) for estimate in METRICS]
+    flats = [cases(stored, estimate) for estimate in ESTIMATES]
     ratios = [flat["estimate"] / flat["error"] for flat in flats]
     bounded = [float((ratio >= 1).mean()) for ratio in ratios]
     facts = " and ".join(
         f"{label} by a factor of {float(ratio.median()):.2g}"
-        for (_, label), ratio in zip(METRICS.values(), ratios, strict=True)
+        for (_, label), ratio in zip(ESTIMATES.values(), ratios, strict=True)
     )
     return Finding(
         f"The error estimate bounds the true error in {100 * min(bounded):.0f} % of "

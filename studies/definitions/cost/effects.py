@@ -11,10 +11,9 @@ from contactstudy.domain.checks import whole
 from studies.model.axis import Axis, one_of
 from studies.model.case import Case, number
 from studies.model.study import Point
-from studies.reference.line_contact import HERTZ, SCENE
+from studies.reference.line_contact import FLATTENING, HERTZ, SCENE
 
 A, P_H = HERTZ.half_width, HERTZ.peak_pressure
-FLATTENING = A**2 / (2 * HERTZ.radius)
 WIDTH, PERIOD = 3.6, 0.9  # half-widths: square cells, a quarter as many along as across
 
 

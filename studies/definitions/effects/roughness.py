@@ -13,12 +13,9 @@ from contactstudy.domain.checks import divides, non_negative, positive, whole
 from studies.model.axis import Axis
 from studies.model.case import Case
 from studies.model.study import Point
-from studies.reference.line_contact import HERTZ, PADDINGS, SCENE, padding_at
+from studies.reference.line_contact import FLATTENING, HERTZ, PADDINGS, SCENE, l1_error, padding_at
 
 A, P_H = HERTZ.half_width, HERTZ.peak_pressure
-FLATTENING = A**2 / (
-    2 * HERTZ.radius
-)  # [m], the cylinder's height over the width of Hertz's contact
 # The surface repeats after 3.2 a across and 2.4 a along, on every grid and period. That holds four of
 # its longest waves along with the strongest lay below; the finest are five cells of the grid below.
 WIDTH, LENGTH = 3.2, 2.4
@@ -109,7 +106,11 @@ def measures(case: Comparison, solution: cs.Solution) -> Mapping[str, xr.Variabl
         rows.append(
             _answers(found.pressure, smooth, exact.grid)
             | _errors(found.pressure, solution.pressure, exact.grid)
-            | {"curved_difference": _l1(found.pressure, curved.pressure)}
+            | {
+                "curved_difference": l1_error(
+                    found.pressure, curved.pressure, curved.pressure.sum()
+                )
+            }
         )
         # without images the length is cut off, which is what is compared here
         whole_width = not found.pressure[list(found.problem.open_edges)].any()
@@ -151,21 +152,17 @@ def _answers(pressure: Array, smooth: Array, grid: cs.Grid) -> dict[str, float]:
         "contact_extent": float(touched.max() + grid.cell[0] / 2) / A,
         "peak_pressure": float(pressure.max()) / P_H,
         "load_spread": float(load.std() / load.mean()),
-        "smooth_difference": _l1(pressure, np.broadcast_to(smooth, pressure.shape)),
+        "smooth_difference": l1_error(pressure, smooth, smooth.sum() * grid.cells[1]),
     }
 
 
 def _errors(pressure: Array, exact: Array, grid: cs.Grid) -> dict[str, float]:
     return {
-        "pressure_error_l1": _l1(pressure, exact),
+        "pressure_error_l1": l1_error(pressure, exact, exact.sum()),
         "half_width_error": _half_width(pressure, grid) / _half_width(exact, grid) - 1,
         "highest_pressure_error": float(pressure.max() / exact.max()) - 1,
         "pressure_error_max": float(np.abs(pressure - exact).max()) / P_H,
     }
-
-
-def _l1(pressure: Array, reference: Array) -> float:
-    return float(np.abs(pressure - reference).sum() / reference.sum())
 
 
 def _half_width(pressure: Array, grid: cs.Grid) -> float:

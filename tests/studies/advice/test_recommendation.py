@@ -19,7 +19,7 @@ from studies.advice.recommendation import (
     contact_of,
     recommend,
 )
-from studies.advice.settings_table import METRICS
+from studies.advice.settings_table import STORED_ERRORS
 from studies.advice.verification import WHAT, verify
 from studies.definitions.cost import pareto
 from studies.engine.run import run
@@ -45,7 +45,7 @@ def true_error(metric: Metric, found: Recommendation) -> float:
     best = found.best
     case = Case(SCENE, best.grid, best.padding, tolerance=best.tolerance)
     measured = pareto.measures(case, case.run(case.prepare()))
-    names = METRICS[WHAT[metric]]
+    names = STORED_ERRORS[WHAT[metric]]
     name = names[-1] if best.edges is Edges.CORRECTED else names[0]
     return abs(float(measured[name]))
 

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 import contactstudy as cs
-from studies.engine import timing
+from studies.engine.workers import compute as timing
 from studies.model.case import Operator
 from studies.model.timing_samples import timing_variables
 from studies.reference.line_contact import HERTZ

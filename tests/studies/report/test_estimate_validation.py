@@ -14,7 +14,7 @@ def made_up() -> xr.Dataset:
     error = np.array([[-0.1, -0.1], [0.02, 0.01]])
     estimate = np.array([[0.2, 0.2], [0.01, 0.04]])
     data = {}
-    for name, (truth, _) in estimate_validation.METRICS.items():
+    for name, (truth, _) in estimate_validation.ESTIMATES.items():
         data[truth], data[name] = error, estimate
         data |= {f"{name}_{cause}": estimate / 3 for cause in estimate_validation.CAUSES}
     dims = ("padding", "images")
@@ -33,7 +33,7 @@ def test_an_estimate_below_its_error_shows_in_the_claim(made_up: xr.Dataset) -> 
 
 
 def test_only_sweeps_with_an_estimate_are_compared(small_run: Path, made_up: xr.Dataset) -> None:
-    bare = made_up.drop_vars(list(estimate_validation.METRICS))
+    bare = made_up.drop_vars(list(estimate_validation.ESTIMATES))
     sweep = read(small_run / "padding.nc")
     assert list(estimate_validation.sweeps_with_estimates({"bare": bare, "padding": sweep})) == [
         "padding"

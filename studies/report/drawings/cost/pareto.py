@@ -7,7 +7,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from studies.advice.pareto_front import pareto_front
-from studies.advice.settings_table import METRICS, Settings, settings
+from studies.advice.settings_table import STORED_ERRORS, Settings, settings
 from studies.model.drawing import CaptionedFigure
 from studies.reference.line_contact import LINE
 from studies.report.drawings.cost.pareto_findings import findings, tables
@@ -79,9 +79,9 @@ def _decades(dataset: xr.Dataset) -> CaptionedFigure:
         len(select_evenly(dataset["period"].values)) // 2
     ]
     here = dataset.sel(period=period)
-    fig, axes = panels(len(METRICS), share="y")
+    fig, axes = panels(len(STORED_ERRORS), share="y")
     words = []
-    for ax, (metric, errors) in zip(axes, METRICS.items(), strict=True):
+    for ax, (metric, errors) in zip(axes, STORED_ERRORS.items(), strict=True):
         every = settings(here, *errors)
         targets = 10.0 ** np.arange(-1, np.floor(np.log10(every.error.min())) - 1, -0.02)
         for name in paddings(dataset):

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 import xarray as xr
 
-from studies.advice.settings_table import METRICS, NOISE, settings
+from studies.advice.settings_table import NOISE, STORED_ERRORS, settings
 from studies.advice.verification import verify
 from studies.model.finding import Finding, Table
 from studies.reference.line_contact import LINE, covers
@@ -13,7 +13,7 @@ from studies.report.formatting import paddings, percent
 
 DECADES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5)
 # A peak's or a half-width's error has a sign: that of the images may by chance undo that of the cells.
-L1 = METRICS["pressure in L1"]
+L1 = STORED_ERRORS["pressure in L1"]
 
 
 def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:

@@ -71,7 +71,7 @@ def test_times_are_seconds_of_set_up_and_solve(monkeypatch: pytest.MonkeyPatch) 
     sample = timing.time_once(Clockwork())  # type: ignore[arg-type]
     assert (sample.setup, sample.solve) == (2.0, 5.0)
     assert (sample.setup_cpu, sample.solve_cpu) == (1.5, 3.75)
-    found = timing_variables((), (), [[sample]])
+    found = timing_variables((), np.asarray(0), [[sample]])
     assert (float(found["setup_time"]), float(found["solve_time"])) == (2.0, 5.0)
     assert {found[name].attrs["units"] for name in ("setup_time", "solve_time")} == {"s"}
 

@@ -52,6 +52,7 @@ from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
 from contactstudy.scene.surfaces.missing_points import HarmonicFill, RefuseMissing
 from contactstudy.scene.surfaces.seam import AsMeasured, Mirrored, Tapered
 from contactstudy.scene.surfaces.trend import Trend
+from contactstudy.scene.surfaces.window import Window
 from contactstudy.solvers.iterate import Iterate
 from contactstudy.solvers.polonsky_keer import PolonskyKeer
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
@@ -149,6 +150,7 @@ __all__ = [
     "ViscoelasticHalfSpace",
     "Waviness",
     "Wear",
+    "Window",
     "ZeroPadding",
     "__version__",
     "analytic",

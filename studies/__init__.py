@@ -1,1 +1,59 @@
-"""The study layer: drives contactstudy, and is never imported by it."""
+"""Studies: many contacts, swept, stored, timed and drawn."""
+
+from importlib import import_module as _import_module
+from typing import TYPE_CHECKING as _TYPE_CHECKING
+
+if _TYPE_CHECKING:
+    from contactstudy.io.figure import panels
+    from studies.engine.options import RunOptions
+    from studies.engine.run import run
+    from studies.model.axis import Axis
+    from studies.model.case import Case, Operator
+    from studies.model.drawing import CaptionedFigure, Drawing
+    from studies.model.estimate import error_estimates
+    from studies.model.finding import Finding, Table
+    from studies.model.study import Study
+    from studies.registry import load
+
+# Each name where it stands; nothing is imported before it is asked for.
+_PUBLIC = {
+    "Axis": "studies.model.axis",
+    "CaptionedFigure": "studies.model.drawing",
+    "Case": "studies.model.case",
+    "Drawing": "studies.model.drawing",
+    "Finding": "studies.model.finding",
+    "Operator": "studies.model.case",
+    "RunOptions": "studies.engine.options",
+    "Study": "studies.model.study",
+    "Table": "studies.model.finding",
+    "error_estimates": "studies.model.estimate",
+    "load": "studies.registry",
+    "panels": "contactstudy.io.figure",
+    "run": "studies.engine.run",
+}
+
+__all__ = [
+    "Axis",
+    "CaptionedFigure",
+    "Case",
+    "Drawing",
+    "Finding",
+    "Operator",
+    "RunOptions",
+    "Study",
+    "Table",
+    "error_estimates",
+    "load",
+    "panels",
+    "run",
+]
+
+
+def __getattr__(name: str) -> object:
+    if name not in _PUBLIC:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(_import_module(_PUBLIC[name]), name)
+
+
+def __dir__() -> list[str]:
+    return [*__all__, "__doc__"]

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 from contactstudy import InvalidInput
 from contactstudy.domain.checks import suggestion
+from studies.model.axis import one_of
 from studies.model.drawing import Drawing, nothing
 from studies.model.study import Study
 from studies.study_file import module_in, module_name, study_in
@@ -60,7 +61,7 @@ OPTIONAL = {
 def load(name: str) -> Study:
     """The built-in study of that name, or the one in a Python file.
 
-    Raises :class:`~contactstudy.InvalidInput` if there is none, or if a file lacks one of its four names.
+    Raises :class:`~contactstudy.InvalidInput` if there is none, or if a file lacks one of its names.
     """
     if name.endswith(".py"):
         if Path(name).stem in BUILT_IN | OPTIONAL:
@@ -69,15 +70,29 @@ def load(name: str) -> Study:
     return _study(name, importlib.import_module(_modules(name).definition))
 
 
-def load_drawing(name: str) -> Drawing:
-    """How the study of that name, or the one in a Python file, is drawn."""
+def load_drawing(name: str, figures: str = "curves") -> Drawing:
+    """How the study of that name, or the one in a Python file, is drawn.
+
+    A scene, and a file without a figure of its own, have the default ``figures``: "curves" or "maps".
+    """
+    if name.endswith(".toml"):
+        return default_drawing(figures)
     if name.endswith(".py"):
         module = sys.modules.get(module_name(Path(name))) or module_in(Path(name))
+        if not hasattr(module, "figure"):
+            return default_drawing(figures)
     else:
         module = importlib.import_module(_modules(name).drawing)
     return Drawing(
         module.figure, getattr(module, "findings", nothing), getattr(module, "tables", nothing)
     )
+
+
+def default_drawing(figures: str = "curves") -> Drawing:
+    """Figures that are chosen by what was varied."""
+    # by name: pages draw what is registered here
+    drawn = importlib.import_module("studies.report.default_drawing").FIGURES
+    return Drawing(drawn[one_of("figures", figures, drawn)])
 
 
 def _modules(name: str) -> Modules:

@@ -13,7 +13,7 @@ from studies.model.axis import Axis
 from studies.model.plain_text import one_line
 from studies.model.study import Study
 
-NEEDED = ("points", "scene_at", "measures", "figure")
+NEEDED = ("points", "scene_at", "measures")
 FUNCTIONS = ("scene_at", "measures", "figure", "findings", "tables")
 
 
@@ -48,11 +48,13 @@ def module_in(path: Path) -> ModuleType:
     for part in FUNCTIONS:
         if not callable(getattr(module, part, print)):
             raise InvalidInput(f"{_where(path, part)}: {part} is no function: define it with def.")
+    if isinstance(module.points, Axis):
+        vars(module)["points"] = (module.points,)
     given = module.points
     if not isinstance(given, tuple | list) or not all(isinstance(one, Axis) for one in given):
         raise InvalidInput(
             f"{_where(path, 'points')}: points is {one_line(repr(given), 60)}: give a tuple of "
-            "studies.model.axis.Axis, such as (Axis('grid', (16, 32), 'cells'),)."
+            "studies.Axis, such as (Axis('grid', (16, 32), 'cells'),)."
         )
     if not given:
         raise InvalidInput(f"{_where(path, 'points')}: points is empty: give one axis or more.")

@@ -42,6 +42,7 @@ from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
 from contactstudy.scene.surfaces.missing_points import HarmonicFill, Missing, RefuseMissing
 from contactstudy.scene.surfaces.seam import AsMeasured, Mirrored, Seam, Tapered
 from contactstudy.scene.surfaces.trend import Trend
+from contactstudy.scene.surfaces.window import Window
 from contactstudy.solvers.polonsky_keer import PolonskyKeer
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from contactstudy.solvers.solution import Solution
@@ -64,6 +65,7 @@ class MeasuredFile:
     trend: Trend = Trend.PLANE
     seam: Seam = field(default_factory=Tapered)
     turn: Turn = Turn.NONE
+    window: Window | None = None
 
     def read(self, folder: Path) -> MeasuredSurface:
         """The surface."""
@@ -71,6 +73,7 @@ class MeasuredFile:
         if not path.is_file():
             raise InvalidInput(f"MeasuredSurface.file is {self.file!r}: give a file that is there.")
         surface = MeasuredSurface.read(path, missing=self.missing, trend=self.trend, seam=self.seam)
+        surface = surface if self.window is None else surface.cut(self.window)
         return surface.turned() if self.turn is Turn.QUARTER else surface
 
 
@@ -198,12 +201,13 @@ def read_scene(path: str | PathLike[str]) -> SceneFile:
         raise InvalidInput(f"{path} is not valid TOML: {error}.") from error
     document = structured(raw, Document, KINDS, str(path))
     try:
-        return _scene_file(document, path.parent)
+        return scene_file_of(document, path.parent)
     except InvalidInput as error:
         raise InvalidInput(f"{path}: {error}") from error
 
 
-def _scene_file(document: Document, folder: Path) -> SceneFile:
+def scene_file_of(document: Document, folder: Path = Path()) -> SceneFile:
+    """``document`` with its measured surfaces read, from paths that start at ``folder``."""
     shapes = tuple(
         shape.read(folder) if isinstance(shape, MeasuredFile) else shape
         for shape in document.shapes

@@ -116,6 +116,8 @@ def _measured(surface: MeasuredSurface, number: int, beside: Path | None) -> dic
         table["file"] = surface.file
         if surface.is_turned:
             table["turn"] = "quarter"
+        if surface.window is not None:
+            table["window"] = _fields(surface.window, f"Scene.shapes[{number}].window")
     elif beside is None:
         table["file"] = f"heights with the digest {surface.digest}, not stored"
     else:

@@ -175,7 +175,7 @@ class Scene:
             paddings=paddings,
             open_edges=(0, -1) if _is_free(paddings[0]) else (),
             open_ends=self._open_ends(gap, grid, paddings[1]),
-            source=self._source(grid, padding),
+            source=self.source_on(grid, padding),
             outputs=tuple(output.of(self.solids, grid, paddings) for output in self.outputs),
             description=PosedScene(self, grid, padding),
             friction=None
@@ -200,7 +200,7 @@ class Scene:
         varies = bool((gap != gap[:, :1]).any())
         return (0, -1) if varies and _is_free(along) and not ends_along(self.shapes, grid) else ()
 
-    def _source(self, grid: Grid, padding: Padding | Paddings) -> ShapesSource:
+    def source_on(self, grid: Grid, padding: Padding | Paddings) -> ShapesSource:
         """Of the same scene on other grids than ``grid``."""
         scene = replace(self, shapes=sized(self.shapes, grid))
         ended = ends_along(self.shapes, grid)

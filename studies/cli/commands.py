@@ -11,6 +11,7 @@ from contactstudy import InvalidInput, __version__
 from studies.cli.recommend import recommendation
 from studies.cli.scenes import plan, solve
 from studies.cli.study_help import StudyCommand
+from studies.cli.vary import FIGURES, VARY, load_scene_study
 from studies.model.axis import MOST_POINTS
 from studies.model.error_place import place_of
 from studies.model.plain_text import one_line
@@ -121,6 +122,8 @@ def report(out: Path, workers: int, repeats: int) -> None:
     help="Let the file hold only what is asked for, not all that is stored of the study.",
 )
 @click.option("--yes", is_flag=True, help="Run even more than a million points.")
+@VARY
+@FIGURES
 @click.option("--dry-run", is_flag=True, help="Say what there is to compute and what it will take.")
 @click.pass_context
 def run(
@@ -136,10 +139,12 @@ def run(
     fields: str,
     old_times: str,
     table: str,
+    vary: tuple[str, ...],
+    figures: str,
     yes: bool,  # noqa: FBT001 (click gives it by name)
     dry_run: bool,  # noqa: FBT001
 ) -> None:
-    """Run STUDY, a built-in name or a .py file, over its axes or those given here.
+    """Run STUDY, a built-in name, a .py file or a scene in a .toml file, over its axes or those given here.
 
     What is stored in the folder is not computed again.
     """
@@ -149,7 +154,9 @@ def run(
     from studies.model.outcome import CaseStatus
 
     most = None if yes else MOST_POINTS
-    chosen = load(study).override(_axes(context.args), most=most)
+    chosen = load_scene_study(study, vary, context.args) or load(study).override(
+        _axes(context.args), most=most
+    )
     options = RunOptions(
         workers=workers,
         scheduler=scheduler,
@@ -175,7 +182,7 @@ def run(
     from studies.report import page as reporting
 
     with _drawing(chosen.name):
-        reporting.draw(chosen, load_drawing(study), out)
+        reporting.draw(chosen, load_drawing(study, figures), out)
     click.echo(f"{chosen.name}: drew {out / chosen.name}")
 
 

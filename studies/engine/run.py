@@ -119,6 +119,8 @@ class _Run:
         for note in self.journal.notes:
             self.log(note)
         self.log(f"{len(self.request.keys)} points, {len(cases)} distinct cases")
+        for note in self.study.notes:
+            self.log(note)
         missing = self._missing()
         if len(missing) < len(cases):
             self.log(f"{len(cases) - len(missing)} cases are stored, {len(missing)} to compute")
@@ -167,7 +169,7 @@ class _Run:
 
     def estimate_cost(self) -> Forecast:
         """What there is to compute, and what it will take; nothing is computed or written."""
-        for note in self.journal.notes:
+        for note in (*self.journal.notes, *self.study.notes):
             self.log(note)
         cases, missing = self.request.cases, self._missing()
         predicted = self._forecast(missing)

@@ -1,7 +1,8 @@
 """What a study computes: its axes, the computation at each point, and what is measured there."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from importlib import import_module
 from itertools import product
 from math import prod
 from typing import Any
@@ -28,6 +29,8 @@ class Study:
     :class:`~studies.model.case.Case`; bad values raise :class:`~contactstudy.InvalidInput`.
     ``measures(case, result)``: named variables, scalar or with dimensions of their own; a variable
     named like its dimension is its coordinate. ``times``: "taken" if the cases are timed, else "none".
+    ``notes`` are what there is to say about all points, such as on which grid; they are kept with the results, as
+    are ``attributes``.
     """
 
     name: str
@@ -36,6 +39,8 @@ class Study:
     scene_at: Callable[[Point], Computation]
     measures: Measures
     times: str = "taken"
+    notes: tuple[str, ...] = ()
+    attributes: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         one_of("times", self.times, ("taken", "none"))
@@ -54,6 +59,22 @@ class Study:
     def check_size(self, most: int | None) -> None:
         """Raises :class:`~contactstudy.InvalidInput` for more points than ``most``, or than memory holds."""
         check_count(f"Study {self.name!r}", self.size, "points", most)
+
+    @classmethod
+    def of(
+        cls, scene: Any, vary: Mapping[str, object], *, name: str | None = None, folder: Any = None
+    ) -> "Study":
+        """The study of a ``scene``, or of one in a file, over other values of its fields.
+
+        ``vary`` has paths in a scene file, such as ``load.per_length``, and their values, as a sequence or as a
+        text such as ``"50:400:8 N/mm"``. Files of surfaces start at ``folder``. What every contact is measured by
+        is chosen; random surfaces and the grid are the same at all points where they can be.
+        Raises :class:`~contactstudy.InvalidInput` for a field that is not there and values it cannot have.
+        """
+        # by name: scenes stand on the model, not the model on scenes
+        study_of = import_module("studies.scene_study.study_of").study_of
+        study: Study = study_of(scene, vary, name=name, folder=folder)
+        return study
 
     def override(
         self, axes: Mapping[str, str | Iterable[Value]], *, most: int | None = MOST_POINTS

@@ -76,7 +76,8 @@ class ResultFile:
     def _attributes(self) -> dict[str, object]:
         first = next(iter(self.request.cases.values()))
         history = self.journal.contents.history
-        return dict(self.provenance) | {
+        said = {"notes": "\n".join(self.study.notes)} if self.study.notes else {}
+        return said | dict(self.study.attributes) | dict(self.provenance) | {
             "study": self.study.name,
             "title": one_line(self.study.title),
             "first_case": _shown(first),

@@ -19,6 +19,7 @@ from contactstudy.scene.surfaces.missing_points import Missing, RefuseMissing
 from contactstudy.scene.surfaces.resampling import cell_means
 from contactstudy.scene.surfaces.seam import AsMeasured, Seam, Tapered
 from contactstudy.scene.surfaces.trend import Trend
+from contactstudy.scene.surfaces.window import Window
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,7 @@ class MeasuredSurface:
     seam: Seam = field(default_factory=AsMeasured)
     file: str | None = field(default=None, compare=False, repr=False)
     is_turned: bool = field(default=False, compare=False, repr=False)
+    window: Window | None = field(default=None, compare=False, repr=False)
     digest: str = field(init=False)
 
     def __post_init__(self) -> None:
@@ -100,6 +102,20 @@ class MeasuredSurface:
     def write(self, path: str | PathLike[str]) -> None:
         """Write the heights to a netCDF file that :meth:`read` reads."""
         measurement.write(self.heights, self.extent, path)
+
+    def cut(self, window: Window) -> Self:
+        """A window of this surface: fewer points, from the same file."""
+        points = window.of(self.heights)
+        extent = self.extent
+        if extent is not None:
+            sides = [
+                one * n / m
+                for one, n, m in zip(extent, points.shape, self.heights.shape, strict=True)
+            ]
+            extent = sides[0], sides[1]
+        # a window of a window, or of a surface that was turned, is none that a file can name
+        file = None if self.window or self.is_turned else self.file
+        return replace(self, heights=points, extent=extent, file=file, window=window)
 
     def turned(self) -> Self:
         """This surface turned by a quarter, so that what ran along the length runs across it."""

@@ -1,0 +1,63 @@
+"""``contactstudy run SCENE.toml --vary FIELD=VALUES``."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from contactstudy import InvalidInput
+
+if TYPE_CHECKING:
+    from studies.model.study import Study
+
+EXAMPLE = '--vary "load.per_length=50 N/mm,100 N/mm"'
+
+VARY = click.option(
+    "--vary",
+    multiple=True,
+    metavar="FIELD=VALUES",
+    help="A field of the scene file and its values, such as load.per_length=50:400:8 N/mm (8 values), "
+    "50:400:8:log N/mm (in equal ratios), shapes.1.rms=0.1 um,0.2 um or surfaces=measured/*.x3p.",
+)
+FIGURES = click.option(
+    "--figures",
+    type=click.Choice(["curves", "maps"]),
+    default="curves",
+    show_default=True,
+    help="How two varied fields are drawn; for a scene, and a study without a figure of its own.",
+)
+
+
+def load_scene_study(name: str, vary: Sequence[str], others: Sequence[str]) -> "Study | None":
+    """The study of the scene in the file ``name``; None where that is no scene file.
+
+    Raises :class:`~contactstudy.InvalidInput` for what cannot be varied.
+    """
+    if not name.endswith(".toml"):
+        if vary:
+            raise InvalidInput(
+                f"--vary is for a scene in a .toml file, and {name!r} is a study: give its axes as options, "
+                f"which contactstudy run {name} --help lists."
+            )
+        return None
+    if others:
+        raise InvalidInput(f"Argument {others[0]!r} is not expected: write {EXAMPLE}.")
+    if not vary:
+        raise InvalidInput(
+            f"{name} is run without anything to vary: give {EXAMPLE}, or use contactstudy solve {name}."
+        )
+    fields: dict[str, object] = {}
+    for one in vary:
+        field, equals, values = one.partition("=")
+        field = field.strip()
+        if not equals or not field or not values.strip():
+            raise InvalidInput(
+                f"--vary is {one!r}: give a field and its values, such as {EXAMPLE}."
+            )
+        if field in fields:
+            raise InvalidInput(f"--vary names {field} twice: write all its values in one list.")
+        fields[field] = values.strip()
+    from studies.model.study import Study
+
+    return Study.of(Path(name), fields)

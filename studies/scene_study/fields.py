@@ -1,0 +1,184 @@
+"""The fields of a scene file by their paths, such as ``shapes.1.rms``: their types, and other values for them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, is_dataclass, replace
+from types import NoneType, UnionType
+from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
+
+from contactstudy import InvalidInput, MeasuredSurface
+from contactstudy.domain.checks import suggestion
+from contactstudy.domain.units import Unit
+from contactstudy.io.scene_file import Document, MeasuredFile, SceneFile
+
+Path = tuple[str, ...]
+
+# Short names for what is varied most.
+SHORT: Mapping[str, str] = {
+    "n": "padding.images",
+    "images": "padding.images",
+    "period": "plan.period",
+    "error": "plan.error",
+    "tolerance": "solve.tolerance",
+    "solver": "solve.solver",
+    "precision": "solve.precision",
+    "max_iterations": "solve.max_iterations",
+}
+# Of a measured surface, what a file says and the surface itself has made use of.
+OF_FILE = ("file", "turn", "window")
+
+
+@dataclass(frozen=True)
+class Field:
+    """A field by its ``path`` in a scene file, and the type that is wanted there."""
+
+    path: Path
+    wanted: Any
+
+    @property
+    def name(self) -> str:
+        """As a person writes it."""
+        return ".".join(self.path)
+
+    @property
+    def unit(self) -> str:
+        """The symbol of its SI unit, or nothing."""
+        for one in (self.wanted, *get_args(self.wanted)):
+            for note in getattr(one, "__metadata__", ()):
+                if isinstance(note, Unit):
+                    return note.symbol
+        return ""
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether whole numbers are wanted."""
+        return self.wanted is int
+
+
+def document_of(described: SceneFile) -> Document:
+    """All that a scene file says, as one value."""
+    scene = described.scene
+    across, along = (
+        described.padding if isinstance(described.padding, tuple) else (None, described.padding)
+    )
+    said = {
+        one.name: getattr(scene, one.name) for one in fields(Document) if hasattr(scene, one.name)
+    }
+    others = {"grid": described.grid, "padding": along, "padding_across": across}
+    return Document(**(said | others), plan=described.wish, solve=described.settings)
+
+
+def find(document: Document, name: str) -> Field:
+    """The field that a person calls ``name``.
+
+    A path, a short name such as ``tolerance``, or the name of a field that one shape alone has. Raises
+    :class:`~contactstudy.InvalidInput` for a name that is no field, and says what there is.
+    """
+    if name in SHORT and not (name == "period" and document.grid is not None):
+        return _at(document, tuple(SHORT[name].split(".")))
+    if name == "period":
+        return _at(document, ("grid", "extent", "1"))
+    path = tuple(name.split("."))
+    known = [one.name for one in fields(Document)]
+    if path[0] in known:
+        return _at(document, path)
+    owners = [
+        str(number) for number, shape in enumerate(document.shapes) if path[0] in _names(shape)
+    ]
+    if len(owners) == 1:
+        return _at(document, ("shapes", owners[0], *path))
+    if owners:
+        several = ", ".join(f"shapes.{number}.{name}" for number in owners)
+        raise InvalidInput(f"Field {name!r} is one of several shapes: give one of {several}.")
+    hint = suggestion(path[0], sorted([*known, *SHORT]))
+    raise InvalidInput(
+        f"Field {name!r} is not in the scene: {hint}, or a path such as load.per_length or "
+        f"shapes.0.{_example(document)}."
+    )
+
+
+def _example(document: Document) -> str:
+    return _names(document.shapes[0])[0] if document.shapes else "radius"
+
+
+def _at(document: Document, path: Path) -> Field:
+    value: Any = document
+    wanted: Any = Document
+    for depth, part in enumerate(path):
+        before = ".".join(path[:depth])
+        if value is None or isinstance(value, str):
+            raise InvalidInput(
+                f"Field {'.'.join(path)!r} needs {before}, which the scene leaves open: give {before} in the file."
+            )
+        if isinstance(value, tuple | list):
+            if not part.isdigit() or int(part) >= len(value):
+                listed = ", ".join(
+                    f"{number} {type(one).__name__ if is_dataclass(one) else one}"
+                    for number, one in enumerate(value)
+                )
+                raise InvalidInput(
+                    f"Field {'.'.join(path)!r} has {part!r} for an entry of {before}: give one of "
+                    f"{listed or 'none, for there are none'}."
+                )
+            wanted = _entry(wanted, int(part))
+            value = value[int(part)]
+        elif is_dataclass(value):
+            names = _names(value)
+            if part not in names:
+                raise InvalidInput(
+                    f"Field {'.'.join(path)!r} is not in the scene: {before + ' has no ' if before else ''}"
+                    f"{part!r}, {suggestion(part, names)}."
+                )
+            kind: type = MeasuredFile if _is_of_file(value, part) else type(value)
+            wanted = get_type_hints(kind, include_extras=True)[part]
+            value = None if _is_of_file(value, part) else getattr(value, part)
+        else:
+            raise InvalidInput(
+                f"Field {'.'.join(path)!r} goes beyond {before}, which is {value!r}: give {before}."
+            )
+    return Field(path, wanted)
+
+
+def _is_of_file(value: object, part: str) -> bool:
+    return isinstance(value, MeasuredSurface) and part in OF_FILE
+
+
+def _names(value: Any) -> list[str]:
+    names = [one.name for one in fields(value) if one.init]
+    if isinstance(value, MeasuredSurface):
+        return [*OF_FILE, "missing", "trend", "seam", "extent"]
+    return names
+
+
+def _entry(wanted: Any, number: int) -> Any:
+    """The type of one entry of a tuple, which may be one of several types that are wanted."""
+    for one in (wanted, *(get_args(wanted) if get_origin(wanted) in (Union, UnionType) else ())):
+        if get_origin(one) is tuple:
+            entries = get_args(one)
+            return entries[0] if entries[-1] is ... else entries[number]
+    return wanted
+
+
+def replaced(value: Any, path: Sequence[str], new: object) -> Any:
+    """``value`` with ``new`` at ``path``."""
+    if not path:
+        return new
+    first, rest = path[0], path[1:]
+    if isinstance(value, tuple | list):
+        number = int(first)
+        return tuple(
+            replaced(one, rest, new) if place == number else one for place, one in enumerate(value)
+        )
+    return replace(value, **{first: replaced(getattr(value, first), rest, new)})
+
+
+def without_none(wanted: Any) -> Any:
+    """``wanted`` without the None that stands for leaving it open."""
+    if get_origin(wanted) in (Union, UnionType):
+        left = tuple(one for one in get_args(wanted) if one is not NoneType)
+        return left[0] if len(left) == 1 else Union[left]  # noqa: UP007 (made at run time)
+    return wanted
+
+
+def is_number(wanted: Any) -> bool:
+    """Whether a number with a unit is wanted."""
+    return get_origin(wanted) is Annotated

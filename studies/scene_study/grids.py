@@ -1,0 +1,137 @@
+"""The grids of a sweep: one for all points where one can hold them, and each rough surface fixed on it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import contactstudy as cs
+from contactstudy import InvalidInput, MeasuredSurface, Roughness
+from contactstudy.io.scene_file import SceneFile
+from contactstudy.planning.grid_requirements import halvable
+from contactstudy.planning.plan import needs_of
+
+
+@dataclass(frozen=True)
+class Posed:
+    """A scene on the grid and with the padding that it is solved on."""
+
+    scene: cs.Scene
+    grid: cs.Grid
+    padding: cs.Padding | cs.Paddings
+
+
+def posed(points: Sequence[SceneFile]) -> tuple[list[Posed], tuple[str, ...]]:
+    """Every point on its grid, and what there is to say about the grids.
+
+    Points whose file says the same of the grid and of the plan share a grid: the width of the widest, the
+    cells of the finest. Random surfaces without an extent get that of the widest grid, so that each is
+    the same surface at all points. Raises :class:`~contactstudy.InvalidInput` where a surface does not
+    fit its grid.
+    """
+    groups: dict[object, list[int]] = {}
+    for number, point in enumerate(points):
+        asked = point.wish if point.grid is None else None
+        groups.setdefault((asked, point.grid), []).append(number)
+    grids: dict[int, cs.Grid] = {}
+    notes: list[str] = []
+    for numbers in groups.values():
+        chosen, said = _shared([points[number] for number in numbers])
+        grids.update(zip(numbers, chosen, strict=True))
+        notes += said
+    extent, said = _extent([grids[number] for number in range(len(points))])
+    if any(
+        isinstance(shape, Roughness) and shape.extent is None
+        for p in points
+        for shape in p.scene.shapes
+    ):
+        notes += said
+    found = [_on(point, grids[number], extent) for number, point in enumerate(points)]
+    return found, tuple(dict.fromkeys(notes))
+
+
+def _on(point: SceneFile, grid: cs.Grid, extent: tuple[float, float] | None) -> Posed:
+    shapes = tuple(
+        replace(shape, extent=extent)
+        if isinstance(shape, Roughness) and shape.extent is None and extent is not None
+        else shape
+        for shape in point.scene.shapes
+    )
+    for number, shape in enumerate(shapes):
+        if (
+            isinstance(shape, MeasuredSurface)
+            and shape.extent is not None
+            and grid.extent[0] > shape.extent[0] * (1 + 1e-9)
+        ):
+            raise InvalidInput(
+                f"Scene.shapes[{number}] is {shape.extent[0]:.4g} m wide, and the grid "
+                f"{grid.extent[0]:.4g} m: give a grid no wider than the surface."
+            )
+    padding = point.padding or needs_of(point.scene).padding()
+    return Posed(replace(point.scene, shapes=shapes), grid, padding)
+
+
+def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
+    """One grid for all ``points``, or one for each where no period suits all."""
+    first = points[0]
+    if first.grid is not None:
+        return [first.grid] * len(points), [
+            f"grid {_text(first.grid)}, given, for {_counted(points)}"
+        ]
+    needs = [needs_of(point.scene) for point in points]
+    planned = [
+        one.grid(point.wish.error, point.wish.period)
+        for one, point in zip(needs, points, strict=True)
+    ]
+    width = max(grid.extent[0] for grid in planned)
+    periods = {grid.period for grid in planned}
+    measured = [
+        shape for point in points for shape in point.scene.shapes
+        if isinstance(shape, MeasuredSurface) and shape.extent is not None
+    ]  # fmt: skip
+    notes = []
+    narrowest = min((shape.extent[0] for shape in measured if shape.extent), default=width)
+    if narrowest < width:
+        notes.append(
+            f"the contact may become {width:.4g} m wide, but a measured surface is {narrowest:.4g} m wide, which "
+            "the grid takes: where contact reaches its edge, the outcome says so"
+        )
+        width = narrowest
+    # of a longer measured surface a grid shows the middle
+    period = min(periods) if measured else max(periods)
+    fits = (
+        len(periods) == 1
+        or measured
+        or all(": give" not in one.period_check(period) for one in needs)
+    )
+    if not fits:
+        said = f"no period suits all of {_counted(points)}, so that each has a grid of its own"
+        return planned, [said, *notes]
+    cells = (
+        halvable(width / min(grid.cell[0] for grid in planned)),
+        max(1, *(halvable(period / grid.cell[1]) if grid.cells[1] > 1 else 1 for grid in planned)),
+    )
+    grid = cs.Grid(cells, (width, period))
+    said = f"grid {_text(grid)}, planned once for {_counted(points)}"
+    return [grid] * len(points), [said, *notes]
+
+
+def _extent(grids: Sequence[cs.Grid]) -> tuple[tuple[float, float] | None, list[str]]:
+    """The extent of random surfaces that name none; None where the periods differ."""
+    width, period = max(grid.extent[0] for grid in grids), min(grid.period for grid in grids)
+    whole = all(abs(grid.period / period - round(grid.period / period)) < 1e-9 for grid in grids)
+    if not whole:
+        said = (
+            "random surfaces differ from grid to grid, since the periods of the grids have no common part: give "
+            "Roughness an extent whose length divides all periods for one surface"
+        )
+        return None, [said]
+    return (width, period), [
+        f"random surfaces are fixed at {width:.4g} m x {period:.4g} m for all points"
+    ]
+
+
+def _text(grid: cs.Grid) -> str:
+    return f"{grid.cells[0]} x {grid.cells[1]} cells over {grid.extent[0]:.4g} m x {grid.extent[1]:.4g} m"
+
+
+def _counted(points: Sequence[SceneFile]) -> str:
+    return f"{len(points)} points" if len(points) > 1 else "1 point"

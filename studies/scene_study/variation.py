@@ -1,0 +1,270 @@
+"""One varied field: its values, and the axis that they make."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, fields, is_dataclass, replace
+from glob import glob, has_magic
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import contactstudy as cs
+from contactstudy import InvalidInput, MeasuredSurface, Window
+from contactstudy.io.scene_file import KINDS, Document, Turn
+from contactstudy.io.structuring import structured
+from studies.model.axis import Axis, Value
+from studies.scene_study.fields import Field, document_of, find, replaced, without_none
+from studies.scene_study.values import parse_values
+
+SURFACES, WINDOWS = "surfaces", "windows"
+# What a whole path is called on an axis; others by their words, joined.
+LONG_NAMES = {"load.per_length": "load per length"}
+
+
+@dataclass(frozen=True, eq=False)
+class Variation:
+    """An ``axis`` and, for each of its values, what stands at ``field`` of the scene file."""
+
+    axis: Axis
+    field: Field
+    values: Mapping[Value, Any]
+
+    @property
+    def is_load(self) -> bool:
+        """Whether it is the load, along which contacts are neighbours."""
+        return self.field.path[0] == "load"
+
+    def apply(self, document: Document, value: Value) -> Document:
+        """``document`` with one of the values."""
+        path, new = self.field.path, self.values[value]
+        try:
+            if path[0] == "shapes" and path[-1] in ("file", "turn", "window"):
+                return _with_surface(document, path, new)
+            changed: Document = replaced(document, path, new)
+        except InvalidInput as error:
+            raise InvalidInput(f"{self.field.name} = {value!r}: {error}") from None
+        return changed
+
+
+def variation(described: "cs.SceneFile", name: str, given: object, folder: Path) -> Variation:
+    """The field that a person calls ``name``, over the values ``given``: text as on a command line, or a sequence.
+
+    Paths of surfaces start at ``folder``. Raises :class:`~contactstudy.InvalidInput`.
+    """
+    document = document_of(described)
+    if name == SURFACES:
+        return _surfaces(document, given, folder)
+    if name == WINDOWS:
+        return _windows(document, given)
+    field = find(document, name)
+    if field.path[-1] == "file":
+        return _surfaces(document, given, folder, field)
+    raw = (
+        parse_values(name, given, whole=field.is_whole)
+        if isinstance(given, str)
+        else _listed(name, given)
+    )
+    values: dict[Value, Any] = {}
+    for one in raw:
+        made = _made(field, one)
+        values.setdefault(_label(made, one), made)
+    # an infinite value, such as a rigid body's modulus, has no place on a scale: such values are names
+    if all(isinstance(label, int | float) and np.isfinite(label) for label in values):
+        if any(isinstance(label, float) for label in values):
+            values = {_snapped(label): made for label, made in values.items()}
+        values = dict(sorted(values.items()))
+    else:
+        values = {
+            label if isinstance(label, str) else f"{label:.12g}": made
+            for label, made in values.items()
+        }
+    return Variation(_axis(document, field, tuple(values)), field, values)
+
+
+def _listed(name: str, given: object) -> list[object]:
+    if isinstance(given, Mapping) or not isinstance(given, Iterable):
+        raise InvalidInput(
+            f"vary[{name!r}] is {given!r}: give a list of values, or a text with commas."
+        )
+    raw = [one.item() if isinstance(one, np.generic) else one for one in given]
+    if not raw:
+        raise InvalidInput(f"vary[{name!r}] has no values: give one or more.")
+    return raw
+
+
+def _made(field: Field, raw: object) -> Any:
+    """``raw`` as the type that stands at ``field``."""
+    if is_dataclass(raw) or (isinstance(raw, tuple) and raw and is_dataclass(raw[0])):
+        return raw  # from Python, where it is what it is; the scene checks it
+    if isinstance(raw, tuple):
+        raw = list(raw)
+    wanted = without_none(field.wanted)
+    try:
+        return structured({"value": raw}, _Holder.of(wanted), KINDS, field.name).value
+    except InvalidInput as error:
+        sentence = str(error).replace(f"{field.name}: value: ", f"{field.name}: ")
+        if is_dataclass(wanted) and not isinstance(raw, dict):
+            names = [one.name for one in fields(wanted)]
+            sentence = (
+                f"{field.name}: it is {raw!r}: give a field of it, "
+                f"{' or '.join(f'{field.name}.{one}' for one in names)}."
+            )
+        raise InvalidInput(sentence) from None
+
+
+class _Holder:
+    """A dataclass with one field of a type that is known at run time."""
+
+    @staticmethod
+    def of(wanted: Any) -> Any:
+        from dataclasses import make_dataclass
+
+        return make_dataclass("Value", [("value", wanted)], frozen=True)
+
+
+def _label(made: Any, raw: object) -> Value:
+    """What stands on the axis: numbers and names as they are, kinds by their name, others as they were written."""
+    if isinstance(made, int | float | str) and not isinstance(made, bool):
+        return made
+    if isinstance(raw, str):
+        return raw
+    if is_dataclass(made):
+        return repr(made)
+    return str(raw)
+
+
+def _snapped(value: Value) -> float:
+    return float(f"{float(value):.15g}")
+
+
+def _axis(document: Document, field: Field, values: tuple[Value, ...]) -> Axis:
+    units = field.unit.replace("N/m", "N m-1") or "1"
+    return Axis(
+        "_".join(field.path), values, LONG_NAMES.get(field.name, _long_name(document, field)), units
+    )
+
+
+def _long_name(document: Document, field: Field) -> str:
+    owner: Any = document
+    for part in field.path[:-1]:
+        if is_dataclass(owner) and hasattr(owner, part):
+            owner = getattr(owner, part)
+        elif isinstance(owner, tuple) and part.isdigit():
+            owner = owner[int(part)]
+    last = field.path[-1].replace("_", " ")
+    if field.path[0] == "shapes" and len(field.path) > 2:
+        return f"{last} of {type(document.shapes[int(field.path[1])]).__name__}"
+    return f"{last} of {field.path[-2]}" if len(field.path) > 1 else last
+
+
+def _only_surface(document: Document, what: str) -> str:
+    places = [
+        str(number)
+        for number, shape in enumerate(document.shapes)
+        if isinstance(shape, MeasuredSurface)
+    ]
+    if len(places) != 1:
+        raise InvalidInput(
+            f"{what} are varied, but the scene has {len(places)} shapes of the kind MeasuredSurface: give it one"
+            + (f", or vary one by its path, such as shapes.{places[0]}.file." if places else ".")
+        )
+    return places[0]
+
+
+def _surfaces(
+    document: Document, given: object, folder: Path, field: Field | None = None
+) -> Variation:
+    """Surfaces as an axis: files by name or pattern, topographies, arrays with sizes; each by its name."""
+    field = field or Field(("shapes", _only_surface(document, "surfaces"), "file"), str)
+    kept = document.shapes[int(field.path[1])]
+    assert isinstance(kept, MeasuredSurface)
+    items = given.split(",") if isinstance(given, str) else given
+    if not isinstance(items, Iterable):
+        items = [items]
+    values: dict[Value, Any] = {}
+    for number, item in enumerate(_found(items, folder)):
+        surface = _surface(item, kept)
+        name = Path(item).name if isinstance(item, str | Path) else getattr(item, "name", None)
+        name = str(name or (Path(surface.file).name if surface.file else f"surface {number}"))
+        if name in values:
+            name = str(item) if isinstance(item, str | Path) else f"{name} ({number})"
+        values[name] = surface
+    if not values:
+        raise InvalidInput("surfaces has no values: give one or more.")
+    axis = Axis("surface", tuple(values), "measured surface")
+    return Variation(axis, field, values)
+
+
+def _found(items: Iterable[Any], folder: Path) -> list[Any]:
+    found: list[Any] = []
+    for item in items:
+        if not isinstance(item, str | Path):
+            # a container of SurfaceTopography's has several
+            found += (
+                list(item)
+                if hasattr(item, "__iter__")
+                and not hasattr(item, "dims")
+                and not hasattr(item, "heights")
+                else [item]
+            )
+            continue
+        pattern = str(item).strip()
+        # as the shell has it, then beside the scene
+        places = [Path(pattern), folder / pattern]
+        if has_magic(pattern):
+            # not Path.glob, which has no absolute patterns
+            lists = (sorted(glob(str(one))) for one in places)  # noqa: PTH207
+            matched = next((one for one in lists if one), [])
+        else:
+            matched = [str(one) for one in places if one.is_file()][:1]
+        if not matched:
+            raise InvalidInput(
+                f"surfaces has {pattern!r}, which no file matches: give files that are there."
+            )
+        found += matched
+    return found
+
+
+def _surface(item: Any, kept: MeasuredSurface) -> MeasuredSurface:
+    """``item`` treated like the surface that the scene has."""
+    if isinstance(item, MeasuredSurface):
+        return item
+    if isinstance(item, str | Path):
+        surface = MeasuredSurface.read(item, missing=kept.missing, trend=kept.trend, seam=kept.seam)
+    else:
+        surface = MeasuredSurface(item, missing=kept.missing, trend=kept.trend, seam=kept.seam)
+    surface = surface if kept.window is None else surface.cut(kept.window)
+    return surface.turned() if kept.is_turned else surface
+
+
+def _windows(document: Document, given: object) -> Variation:
+    """Equal windows as an axis, ``2x6`` across and along."""
+    field = Field(("shapes", _only_surface(document, "windows"), "window"), Window)
+    text = (
+        given if isinstance(given, str) else "x".join(str(one) for one in _listed(WINDOWS, given))
+    )
+    parts = text.replace(" ", "").split("x")
+    if len(parts) != 2 or not all(part.isdigit() for part in parts):
+        raise InvalidInput(f"windows is {text!r}: give how many across and along, such as 2x6.")
+    tiles = int(parts[0]), int(parts[1])
+    count = tiles[0] * tiles[1]
+    values: dict[Value, Any] = {number: Window(tiles, number) for number in range(count)}
+    if not values:
+        raise InvalidInput(f"windows is {text!r}: give at least 1x1.")
+    long_name = f"window of the surface, {tiles[0]} across and {tiles[1]} along it"
+    return Variation(Axis("window", tuple(values), long_name), field, values)
+
+
+def _with_surface(document: Document, path: tuple[str, ...], new: Any) -> Document:
+    """``document`` with the surface, a window of it, or turned."""
+    number = int(path[1])
+    shape = document.shapes[number]
+    assert isinstance(shape, MeasuredSurface)
+    if path[-1] == "file":
+        surface = new
+    elif path[-1] == "window":
+        surface = shape.cut(new)
+    else:
+        surface = shape.turned() if (new is Turn.QUARTER) != shape.is_turned else shape
+    shapes = tuple(surface if place == number else one for place, one in enumerate(document.shapes))
+    return replace(document, shapes=shapes)

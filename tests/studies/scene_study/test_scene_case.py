@@ -1,0 +1,133 @@
+"""Warm starts change what a solve costs, and nothing that it says beyond its tolerance."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import contactstudy as cs
+import studies
+from studies.engine.run import run
+from studies.scene_study.measures import measures
+from studies.scene_study.scene_case import SceneCase
+
+LOADS = "20:100:9 N/mm"
+
+
+def quiet(_: str) -> None:
+    """For ``log``."""
+
+
+def solved(path: Path, out: Path, loads: str = LOADS) -> xr.Dataset:
+    return run(studies.Study.of(path, {"load.per_length": loads}), out, workers=0, log=quiet)
+
+
+def test_a_path_gives_the_numbers_of_single_solves(rough: Path) -> None:
+    for case in studies.Study.of(rough, {"load.per_length": LOADS}).cases():
+        assert isinstance(case, SceneCase)
+        on_path = case.run(case.prepare()).solution
+        alone = cs.solve(case.scene.problem(case.grid, case.padding))
+        assert on_path.status is alone.status is cs.Status.CONVERGED
+        # two residuals of 1e-8, of pressures that differ by no more than a hundred times that in the mean
+        change = np.abs(on_path.pressure - alone.pressure).sum() / alone.pressure.sum()
+        assert change < 1e-6
+
+
+def test_a_path_needs_fewer_convolutions_than_single_solves(rough: Path) -> None:
+    cases = studies.Study.of(rough, {"load.per_length": "20:100:20 N/mm"}).cases()
+    warm = sum(case.run(case.prepare()).solution.convolutions for case in cases)
+    cold = sum(
+        cs.solve(case.scene.problem(case.grid, case.padding)).convolutions
+        for case in cases
+        if isinstance(case, SceneCase)
+    )
+    assert warm < cold
+
+
+def test_approach_and_stiffness_are_those_of_hertz(smooth: Path) -> None:
+    study = studies.Study.of(smooth, {"load.per_length": "50:100:3 N/mm", "plan.error": [1e-4]})
+    for case in study.cases():
+        assert isinstance(case, SceneCase)
+        hertz = case.scene.hertz
+        assert hertz is not None
+        assert case.datum is not None
+        found = measures(case, case.run(case.prepare()))
+        modulus, load = np.pi * hertz.contact_modulus, hertz.load_per_length
+        # Johnson (1985), eq. 4.45 counted from the datum: both bodies move by the logarithm of the distance
+        turns = np.log(2 * case.datum / hertz.half_width)
+        approach = load / modulus * (2 * turns + 1)
+        stiffness = modulus / (2 * turns)
+        # the grid's error is 1e-4 in L1; the mean of half a cell's error in the half-width stays below 1 %
+        assert float(found["approach"].values) == pytest.approx(approach, rel=1e-2)
+        assert float(found["stiffness"].values) == pytest.approx(stiffness, rel=1e-2)
+        area = 2 * hertz.half_width * case.grid.period
+        assert float(found["contact_area"].values) == pytest.approx(area, rel=2 / 32)
+        assert float(found["mean_pressure"].values) == pytest.approx(
+            load * case.grid.period / float(found["contact_area"].values), rel=1e-12
+        )
+
+
+def test_stiffness_is_the_slope_of_the_load_over_the_approach(rough: Path) -> None:
+    # no cell changes sides between loads this near, but for a few: differences of 1e-3 in the load
+    study = studies.Study.of(rough, {"load.per_length": [9.99e4, 1e5, 1.001e5]})
+    found = [measures(case, case.run(case.prepare())) for case in study.cases()]
+    load, approach = ([float(one[name].values) for one in found] for name in ("load", "approach"))
+    slope = (load[2] - load[0]) / (approach[2] - approach[0])
+    # the slope of a rough contact jumps with each cell that comes in, some 1 in 100 of those there are
+    assert float(found[1]["stiffness"].values) == pytest.approx(slope, rel=3e-2)
+
+
+def test_every_contact_is_measured_without_asking(rough: Path, tmp_path: Path) -> None:
+    dataset = solved(rough, tmp_path)
+    assert dataset["load_per_length"].attrs["units"] == "N m-1"
+    names = (
+        "load contact_area contact_share contact_perimeter peak_pressure mean_pressure approach stiffness "
+        "mean_gap wall_time solver_status iterations residual pressure_l1_estimate case_status"
+    )
+    for name in names.split():
+        assert dataset[name].dims == ("load_per_length",), name
+        assert "long_name" in dataset[name].attrs, name
+    # more load, more contact, nearer bodies
+    assert (dataset["contact_area"].diff("load_per_length") > 0).all()
+    assert (dataset["approach"].diff("load_per_length") > 0).all()
+    assert (dataset["mean_gap"].diff("load_per_length") < 0).all()
+    share = dataset["contact_area"] / (0.48e-3 * _width(dataset))
+    np.testing.assert_allclose(dataset["contact_share"], share, rtol=1e-3)
+    assert "planned once" in dataset.attrs["notes"]
+    assert "per_length" in dataset.attrs["scene"]
+
+
+def _width(dataset: xr.Dataset) -> float:
+    """Of the grid, as the notes say it, to four digits."""
+    return float(dataset.attrs["notes"].split(" over ")[1].split(" m ")[0])
+
+
+def test_points_that_are_stored_are_not_solved_again(rough: Path, tmp_path: Path) -> None:
+    rough.write_text(
+        rough.read_text() + '\n[grid]\ncells = [32, 32]\nextent = ["0.5 mm", "0.48 mm"]\n'
+    )
+    solved(rough, tmp_path, "20 N/mm,60 N/mm")
+    said: list[str] = []
+    study = studies.Study.of(rough, {"load.per_length": "20 N/mm,60 N/mm,90 N/mm"})
+    run(study, tmp_path, workers=0, log=said.append)
+    assert any("2 cases are stored, 1 to compute" in one for one in said)
+
+
+def test_stress_is_recorded_where_a_scene_names_it(smooth: Path, tmp_path: Path) -> None:
+    text = '[[outputs]]\nkind = "SubsurfaceStress"\ndepths = ["40 um", "80 um", "120 um"]\n[plan]'
+    smooth.write_text(smooth.read_text().replace("[plan]", text))
+    dataset = solved(smooth, tmp_path, "100 N/mm,200 N/mm")
+    # 0.56 of the peak pressure at 0.786 half-widths of 105 um (Johnson 1985, fig. 4.2), the nearest depth named
+    assert float(dataset["von_mises_max_depth"][0]) == 80e-6
+    ratio = float((dataset["von_mises_max"] / dataset["peak_pressure"])[0])
+    assert ratio == pytest.approx(0.557, abs=0.01)
+
+
+def test_fields_of_every_case_are_kept_on_request(smooth: Path, tmp_path: Path) -> None:
+    study = studies.Study.of(smooth, {"load.per_length": "50 N/mm,100 N/mm"})
+    options = studies.RunOptions(workers=0, fields="kept")
+    dataset = run(study, tmp_path, options=options, log=quiet)
+    for key in dataset["case_key"].values:
+        group = xr.load_dataset(tmp_path / "smooth.nc", group=f"fields/case_{key}")
+        assert {"pressure", "gap", "x", "y"} <= set(group.variables)

@@ -1,5 +1,6 @@
 """Twenty cases, sixteen of them good; without a contact, so that only the running of them takes time."""
 
+import math
 import os
 import signal
 import time
@@ -19,12 +20,16 @@ SAYS = "this one"
 
 @dataclass(frozen=True)
 class Trouble:
-    """A number to square, which may go wrong; ``log`` gets a line for each time it is computed."""
+    """A number to square, which may go wrong; ``log`` gets a line for each time it is computed.
+
+    Numbers from ``hangs_from`` on never come to an end.
+    """
 
     number: float
     offset: float = 0.0
     log: str = field(default="", compare=False)
     seconds: float = field(default=0.0, compare=False)
+    hangs_from: float = field(default=math.inf, compare=False)
 
     def prepare(self) -> float:
         return self.number
@@ -37,7 +42,7 @@ class Trouble:
             time.sleep(self.seconds)
         if prepared == RAISES:
             raise ArithmeticError(SAYS)
-        if prepared == HANGS:
+        if prepared == HANGS or prepared >= self.hangs_from:
             time.sleep(1000)
         if prepared == DIES:
             os.kill(os.getpid(), signal.SIGKILL)
@@ -56,9 +61,11 @@ def measures(case: Trouble, result: float) -> Mapping[str, xr.Variable | float]:
     }
 
 
-def study(numbers: object = range(20), log: str = "", seconds: float = 0.0) -> Study:
+def study(
+    numbers: object = range(20), log: str = "", seconds: float = 0.0, hangs_from: float = math.inf
+) -> Study:
     def scene_at(point: Point) -> Trouble:
-        return Trouble(float(point["number"]), log=log, seconds=seconds)
+        return Trouble(float(point["number"]), log=log, seconds=seconds, hangs_from=hangs_from)
 
     axis = Axis("number", tuple(float(n) for n in numbers), "what is squared")  # type: ignore[attr-defined]
     return Study("trouble", "Twenty cases.", (axis,), scene_at, measures)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING as _TYPE_CHECKING
 from contactstudy import analytic
 from contactstudy.accuracy.estimate import ErrorEstimate, ErrorParts, error_estimate
 from contactstudy.domain.checks import InvalidInput, NotDefined
+from contactstudy.domain.device import Cpu
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import (
     CircularSuperposition,
@@ -87,6 +88,7 @@ __all__ = [
     "Constraint",
     "Convolution",
     "Cosine",
+    "Cpu",
     "Crown",
     "Cylinder",
     "Detail",

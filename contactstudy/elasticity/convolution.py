@@ -13,6 +13,7 @@ from contactstudy.domain.checks import InvalidInput, positive
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Padding, Paddings, across_and_along
 from contactstudy.domain.precision import Precision
+from contactstudy.domain.rows import in_blocks
 from contactstudy.elasticity.coefficients import Coefficients, Displacement, kernel
 from contactstudy.elasticity.extension import Extension
 from contactstudy.elasticity.transforms import TRANSFORMS, Waves
@@ -39,7 +40,7 @@ class Convolution:
         if pressure.shape != self.cells:
             raise InvalidInput(f"pressure has the shape {pressure.shape}: give it {self.cells}.")
         waves = TRANSFORMS.forward(pressure, self.padded, self._room(self.padded))
-        waves *= self.spectrum
+        _scale(waves, self.spectrum)
         return TRANSFORMS.backward(waves, self.cells, self.padded)
 
     @cached_property
@@ -135,11 +136,18 @@ class Convolution:
             extension = Extension(contact, elongation)
             field = extension(displacement)
             waves = TRANSFORMS.forward(field, self.cells, self._room(self.cells))
-            waves *= inverse
+            _scale(waves, inverse)
             field = TRANSFORMS.backward(waves, self.cells, self.cells)
             return extension.transposed(field)
 
         return apply, float(nx * ny)
+
+
+def _scale(waves: Waves, factors: Array) -> None:
+    def some(rows: slice) -> None:
+        waves[rows] *= factors[rows]
+
+    in_blocks(some, waves.shape)
 
 
 def convolution(

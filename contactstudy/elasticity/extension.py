@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from contactstudy.domain.arrays import Array
+from contactstudy.domain.rows import in_blocks
 
 # The weight of a block is this times the sum of the weights of its parts, and at most 1: for blocks made
 # of 2 x 2 parts and of 2. An island of one cell thus loses weight a little faster than its capacity falls.
@@ -16,44 +17,91 @@ LONGER = 2**0.5
 
 @dataclass(frozen=True, eq=False)
 class _Level:
-    """Parts of blocks: their weights, the rest to 1, and one over the sum of weights in each block.
+    """Parts of blocks: their weights, and one over the sum of weights in each block.
 
-    Two parts along each of some axes make a block; the last part of an odd number is a block alone.
+    Two parts along each of some axes make a block; the last part of an odd number is a block alone. All
+    maps work through blocks of rows.
     """
 
     weight: Array
-    rest: Array
     inverse: Array
     axes: tuple[int, ...]
 
     def mean(self, parts: Array) -> Array:
         """Of ``parts``, times their weights already, over blocks."""
-        for axis in self.axes:
-            parts = _summed(parts, axis)
-        parts *= self.inverse
-        return parts
+        means = np.empty_like(self.inverse)
 
-    def mean_transposed(self, blocks: Array) -> Array:
-        """The transpose of :meth:`mean`, and the weights."""
+        def some(rows: slice) -> None:
+            out = self._blocks(rows)
+            np.multiply(_summed(parts[rows], self.axes), self.inverse[out], out=means[out])
+
+        in_blocks(some, parts.shape)
+        return means
+
+    def gathered_means(self, blocks: Array, pressure: Array) -> Array:
+        """The transpose of :meth:`mean`, and of what parts keep of the ``pressure``, in place of that."""
         blocks *= self.inverse
-        for axis in self.axes:
-            blocks = _repeated(blocks, axis, self.weight.shape[axis])
-        blocks *= self.weight
+
+        def some(rows: slice) -> None:
+            own = pressure[rows]
+            own += _repeated(blocks[self._blocks(rows)], self.axes, own.shape)
+            own *= self.weight[rows]
+
+        in_blocks(some, pressure.shape)
+        return pressure
+
+    def filled(self, blocks: Array, held: Array) -> Array:
+        """``held``, and what parts lack of weight from ``blocks``, linear between their middles."""
+        field = np.empty_like(held)
+
+        def some(rows: slice) -> None:
+            near = blocks
+            if 0 in self.axes:
+                out = self._blocks(rows)
+                near = blocks[np.arange(out.start - 1, out.stop + 1) % len(blocks)]
+                near = _interpolated(near, 0, 2 * len(near))[2:-2][: rows.stop - rows.start]
+            else:
+                near = blocks[rows]
+            if 1 in self.axes:
+                near = _interpolated(near, 1, held.shape[1])
+            np.subtract(1, self.weight[rows], out=field[rows])
+            field[rows] *= near
+            field[rows] += held[rows]
+
+        in_blocks(some, held.shape)
+        return field
+
+    def spilled(self, pressure: Array) -> Array:
+        """What the transpose of :meth:`filled` gives to the blocks."""
+        blocks = np.empty_like(self.inverse)
+        count = len(pressure)
+
+        def some(rows: slice) -> None:
+            out = self._blocks(rows)
+            if 0 in self.axes:
+                index = np.arange(2 * out.start - 1, 2 * out.stop + 1) % (2 * len(blocks))
+                inside = np.minimum(index, count - 1)
+                parts = 1 - self.weight[inside]
+                parts *= pressure[inside]
+                parts[index >= count] = 0  # the part that an odd number lacks
+                first, second = parts[1:-1:2], parts[2::2][: out.stop - out.start]
+                summed = first + second
+                summed *= 0.75
+                first, second = parts[0:-2:2], parts[3::2]
+                other = first + second
+                other *= 0.25
+                summed += other
+            else:
+                summed = 1 - self.weight[rows]
+                summed *= pressure[rows]
+            blocks[out] = _gathered(summed) if 1 in self.axes else summed
+
+        in_blocks(some, pressure.shape)
         return blocks
 
-    def filled(self, blocks: Array) -> Array:
-        """What parts take from their blocks: a field linear between the middles, times the rest."""
-        for axis in self.axes:
-            blocks = _interpolated(blocks, axis, self.weight.shape[axis])
-        blocks *= self.rest
-        return blocks
-
-    def filled_transposed(self, parts: Array) -> Array:
-        """The transpose of :meth:`filled`."""
-        parts = parts * self.rest
-        for axis in reversed(self.axes):
-            parts = _gathered(parts, axis)
-        return parts
+    def _blocks(self, rows: slice) -> slice:
+        """The rows of blocks that these rows of parts make."""
+        return slice(rows.start // 2, -(-rows.stop // 2)) if 0 in self.axes else rows
 
 
 class Extension:
@@ -73,37 +121,49 @@ class Extension:
         self._levels: list[_Level] = []
         weight = contact
         while max(weight.shape) > 1:
-            axes = _axes(weight.shape, elongation)
-            total = weight
-            for axis in axes:
-                total = _summed(total, axis)
-            inverse = np.divide(1, total, out=np.zeros_like(total), where=total > 0)
-            self._levels.append(_Level(weight, 1 - weight, inverse, axes))
-            total *= IN_SQUARES if len(axes) == 2 else IN_STRIPS
-            weight = np.minimum(total, 1, out=total)
-            elongation *= 2.0 ** (axes.count(1) - axes.count(0))
+            level, weight = _coarser(weight, _axes(weight.shape, elongation))
+            self._levels.append(level)
+            elongation *= 2.0 ** (level.axes.count(1) - level.axes.count(0))
 
     def __call__(self, displacement: Array) -> Array:
         """``displacement`` (x, y), which is zero outside the contact, extended."""
         held, field = [displacement], displacement
-        for level, next_level in pairwise(self._levels):
-            held.append(level.mean(held[-1]) * next_level.weight)
+        for level, coarser in pairwise(self._levels):
+            held.append(level.mean(held[-1]))
+            held[-1] *= coarser.weight
         for number, level in enumerate(reversed(self._levels)):
             field = level.mean(held[-1]) if number == 0 else field
-            field = level.filled(field)
-            field += held.pop()
+            field = level.filled(field, held.pop())
         return field
 
     def transposed(self, pressure: Array) -> Array:
-        """The transposed map: a ``pressure`` (x, y) on all cells, gathered to those of the contact."""
-        held = []
+        """The transposed map: a ``pressure`` (x, y) on all cells gathered to those of the contact, in place."""
+        spilled = []
         for level in self._levels:
-            held.append(level.weight * pressure)
-            pressure = level.filled_transposed(pressure)
+            spilled.append(pressure)
+            pressure = level.spilled(pressure)
         for level in reversed(self._levels):
-            pressure = level.mean_transposed(pressure)
-            pressure += held.pop()
+            pressure = level.gathered_means(pressure, spilled.pop())
         return pressure
+
+
+def _coarser(weight: Array, axes: tuple[int, ...]) -> tuple[_Level, Array]:
+    """The parts with these weights, and the weights of the blocks they make."""
+    shape = [-(-n // 2) if axis in axes else n for axis, n in enumerate(weight.shape)]
+    blocks, inverse = (np.empty(shape, dtype=weight.dtype) for _ in range(2))
+    level = _Level(weight, inverse, axes)
+    factor = IN_SQUARES if len(axes) == 2 else IN_STRIPS
+
+    def some(rows: slice) -> None:
+        out = level._blocks(rows)
+        total = _summed(weight[rows], axes)
+        # no weight at all is no part of any mean
+        np.divide(1, np.where(total > 0, total, np.inf), out=inverse[out])
+        total *= factor
+        np.minimum(total, 1, out=blocks[out])
+
+    in_blocks(some, weight.shape)
+    return level, blocks
 
 
 def _axes(shape: tuple[int, ...], elongation: float) -> tuple[int, ...]:
@@ -113,30 +173,24 @@ def _axes(shape: tuple[int, ...], elongation: float) -> tuple[int, ...]:
     return (0,) * across + (1,) * along
 
 
-def _pairs(field: Array, axis: int) -> tuple[Array, Array]:
-    """The first and the second of each pair, of which there may be one fewer."""
-    return (field[0::2], field[1::2]) if axis == 0 else (field[:, 0::2], field[:, 1::2])
-
-
-def _head(field: Array, like: Array, axis: int) -> Array:
-    """As much of ``field`` as there is of ``like``."""
-    return field[: len(like)] if axis == 0 else field[:, : like.shape[1]]
-
-
-def _summed(field: Array, axis: int) -> Array:
-    first, second = _pairs(field, axis)
-    blocks = first.copy()
-    _head(blocks, second, axis)[...] += second
-    return blocks
-
-
-def _repeated(blocks: Array, axis: int, count: int) -> Array:
-    """The transpose of :func:`_summed`."""
-    parts = _longer(blocks, axis, count)
-    first, second = _pairs(parts, axis)
-    first[...] = blocks
-    second[...] = _head(blocks, second, axis)
+def _summed(parts: Array, axes: tuple[int, ...]) -> Array:
+    for axis in axes:
+        first, second = _pairs(parts, axis)
+        sums = first.copy()
+        _head(sums, second, axis)[...] += second
+        parts = sums
     return parts
+
+
+def _repeated(blocks: Array, axes: tuple[int, ...], shape: tuple[int, ...]) -> Array:
+    """The transpose of :func:`_summed`."""
+    for axis in axes:
+        parts = _longer(blocks, axis, shape[axis])
+        first, second = _pairs(parts, axis)
+        first[...] = blocks
+        second[...] = _head(blocks, second, axis)
+        blocks = parts
+    return blocks
 
 
 def _interpolated(blocks: Array, axis: int, count: int) -> Array:
@@ -150,17 +204,27 @@ def _interpolated(blocks: Array, axis: int, count: int) -> Array:
     return parts
 
 
-def _gathered(parts: Array, axis: int) -> Array:
-    """The transpose of :func:`_interpolated`."""
-    first, short = _pairs(parts, axis)
+def _gathered(parts: Array) -> Array:
+    """The transpose of :func:`_interpolated` along y."""
+    first, short = _pairs(parts, 1)
     second = np.zeros_like(first)
-    _head(second, short, axis)[...] = short
+    _head(second, short, 1)[...] = short
     blocks = first + second
     blocks *= 0.75
     second *= 0.25
-    blocks += np.roll(second, 1, axis)
-    blocks += np.roll(0.25 * first, -1, axis)
+    blocks += np.roll(second, 1, 1)
+    blocks += np.roll(0.25 * first, -1, 1)
     return blocks
+
+
+def _pairs(field: Array, axis: int) -> tuple[Array, Array]:
+    """The first and the second of each pair, of which there may be one fewer."""
+    return (field[0::2], field[1::2]) if axis == 0 else (field[:, 0::2], field[:, 1::2])
+
+
+def _head(field: Array, like: Array, axis: int) -> Array:
+    """As much of ``field`` as there is of ``like``."""
+    return field[: len(like)] if axis == 0 else field[:, : like.shape[1]]
 
 
 def _longer(blocks: Array, axis: int, count: int) -> Array:

@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from contactstudy.domain.arrays import Array
+from contactstudy.domain.device import device
 
 Waves = NDArray[np.complexfloating[Any, Any]]
 
 
 class Transforms(Protocol):
-    """A pair of transforms on one thread; ``work`` may be overwritten by either."""
+    """A pair of transforms on the threads of the device; ``work`` may be overwritten by either."""
 
     def forward(self, field: Array, padded: tuple[int, int], work: Waves) -> Waves:
         """Waves (px, py // 2 + 1) of ``field`` (nx, ny), padded with zeros."""
@@ -36,13 +37,17 @@ class SciPy:
 
     def forward(self, field: Array, padded: tuple[int, int], work: Waves) -> Waves:
         """Along y on the rows that hold pressure, then along x."""
-        rows = fft.rfft(field, padded[1], axis=1)
-        return np.asarray(fft.fft(rows, padded[0], axis=0, overwrite_x=True))
+        threads = device().threads
+        rows = fft.rfft(field, padded[1], axis=1, workers=threads)
+        return np.asarray(fft.fft(rows, padded[0], axis=0, overwrite_x=True, workers=threads))
 
     def backward(self, waves: Waves, cells: tuple[int, int], padded: tuple[int, int]) -> Array:
         """Along x, then along y on the rows that are wanted."""
-        rows = fft.ifft(waves, axis=0, overwrite_x=True)[: cells[0]]
-        return np.asarray(fft.irfft(rows, padded[1], axis=1, overwrite_x=True)[:, : cells[1]])
+        threads = device().threads
+        rows = fft.ifft(waves, axis=0, overwrite_x=True, workers=threads)[: cells[0]]
+        return np.asarray(
+            fft.irfft(rows, padded[1], axis=1, overwrite_x=True, workers=threads)[:, : cells[1]]
+        )
 
 
 class Ducc:
@@ -62,19 +67,21 @@ class Ducc:
                 wide = np.zeros((nx, padded[1]), dtype=field.dtype)
                 wide[:, :ny] = field
                 field = wide
-            self._fft.r2c(field, axes=(1,), out=work[:nx], nthreads=1)
+            self._fft.r2c(field, axes=(1,), out=work[:nx], nthreads=device().threads)
         work[nx:] = 0
-        self._fft.c2c(work, axes=(0,), out=work, nthreads=1)
+        self._fft.c2c(work, axes=(0,), out=work, nthreads=device().threads)
         return work
 
     def backward(self, waves: Waves, cells: tuple[int, int], padded: tuple[int, int]) -> Array:
         """Along x, then along y on the rows that are wanted."""
-        self._fft.c2c(waves, axes=(0,), forward=False, inorm=2, out=waves, nthreads=1)
+        self._fft.c2c(
+            waves, axes=(0,), forward=False, inorm=2, out=waves, nthreads=device().threads
+        )
         rows = waves[: cells[0]]
         if padded[1] == 1:
             return rows.real.copy()
         field = self._fft.c2r(
-            rows, axes=(1,), lastsize=padded[1], forward=False, inorm=2, nthreads=1
+            rows, axes=(1,), lastsize=padded[1], forward=False, inorm=2, nthreads=device().threads
         )
         return np.asarray(field[:, : cells[1]])
 

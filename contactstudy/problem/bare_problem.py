@@ -5,7 +5,8 @@ from math import inf
 
 import numpy as np
 
-from contactstudy.domain.arrays import Array
+from contactstudy.domain.arrays import Array, inner, total
+from contactstudy.domain.rows import in_blocks
 from contactstudy.problem.constraint import Constraint
 from contactstudy.problem.gap import Gap, largest
 from contactstudy.problem.operator import Operator
@@ -47,23 +48,42 @@ class BareProblem:
 
     def residual(self, pressure: Array, gap: Gap) -> float:
         """The measure of :func:`~contactstudy.solve`: the largest of complementarity, penetration and load."""
-        borne = float(pressure.sum())
+        borne = total(pressure)
         return largest(self.constraint.residual(pressure, gap, borne), self.resultant.error(borne))
 
     def gap(self, pressure: Array, displacement: Array, into: Gap | None = None) -> Gap:
         """The gap under ``pressure`` and the ``displacement`` it makes, ``into`` the fields of another."""
-        constraint = self.constraint
-        free = constraint.free(pressure, into.free if into else None)
-        whole = np.add(self.undeformed_gap, displacement, out=into.overlap if into else None)
-        approach = constraint.approach(pressure, whole, free)
-        whole -= approach
-        held = np.multiply(whole, free, out=into.held if into else None)
-        return Gap(free, held, np.subtract(held, whole, out=whole), approach)
+        free, held, overlap = (
+            (into.free, into.held, into.overlap)
+            if into
+            else [np.empty_like(pressure) for _ in range(3)]
+        )
+
+        def add(rows: slice) -> tuple[float, float]:
+            self.constraint.free(pressure[rows], free[rows])
+            np.add(self.undeformed_gap[rows], displacement[rows], out=overlap[rows])
+            return inner(overlap[rows], free[rows]), float(free[rows].sum())
+
+        height, cells = map(sum, zip(*in_blocks(add, pressure.shape), strict=True))
+        approach = height / cells if cells else self.constraint.approach(pressure, overlap, free)
+
+        def split(rows: slice) -> None:
+            whole = overlap[rows]
+            whole -= approach
+            np.multiply(whole, free[rows], out=held[rows])
+            np.subtract(held[rows], whole, out=whole)
+
+        in_blocks(split, pressure.shape)
+        return Gap(free, held, overlap, approach)
 
     def rounding(self, displacement: Array) -> float:
         """What rounding leaves uncertain of a gap under ``displacement``: no residual means less."""
-        largest = max(float(displacement.max()), -float(displacement.min()))
-        return float(ROUNDINGS * np.finfo(displacement.dtype).eps * largest)
+
+        def highest(rows: slice) -> float:
+            return max(float(displacement[rows].max()), -float(displacement[rows].min()))
+
+        height = largest(*in_blocks(highest, displacement.shape))
+        return float(ROUNDINGS * np.finfo(displacement.dtype).eps * height)
 
     def ends(self, residual: float, displacement: Array, tolerance: float) -> bool:
         """Whether no iteration can improve on ``residual``, or none needs to."""

@@ -6,6 +6,7 @@ from math import inf
 import numpy as np
 
 from contactstudy.domain.arrays import Array, inner, mean_over
+from contactstudy.domain.rows import in_blocks
 from contactstudy.problem.constraint import shifted
 from contactstudy.problem.gap import Gap, largest
 
@@ -54,22 +55,32 @@ class Compressive:
 
     def levelled(self, trial: Array, cells: Array, total: float) -> Array:
         """Shifted in Newton's steps, each of which cuts off more: the sum is convex in the shift."""
-        if trial.max() > total:  # numbers of this size would drown the load
+
+        def lower(rows: slice, shift: float, chosen: Array | None) -> tuple[float, float, int]:
+            some = trial[rows]
+            if chosen is not None:
+                some *= chosen[rows]
+            some -= shift
+            np.maximum(some, 0, out=some)
+            return float(some.max()), float(some.sum()), int(np.count_nonzero(some))
+
+        def lowered(shift: float, chosen: Array | None = None) -> tuple[float, float, int]:
+            found = in_blocks(lambda rows: lower(rows, shift, chosen), trial.shape)
+            most, sums, counts = zip(*found, strict=True)
+            return max(most), sum(sums), sum(counts)
+
+        highest, borne, bearing = lowered(0.0, cells)
+        if highest > total:  # numbers of this size would drown the load
             chosen = cells > 0
-            levelled = shifted(trial[chosen], total, inf)
-            trial[...] = 0
-            trial[chosen] = levelled
+            trial[chosen] = shifted(trial[chosen], total, inf)
             return trial
-        trial *= cells
-        self.clip(trial)
-        bearing = np.count_nonzero(trial)
-        while (excess := float(trial.sum()) - total) > 0:
-            trial -= excess / bearing
-            self.clip(trial)
-            before, bearing = bearing, np.count_nonzero(trial)
+        while borne > total:
+            before = bearing
+            _, borne, bearing = lowered((borne - total) / bearing)
             if bearing == before:
                 break
-        trial *= total / trial.sum()
+        if abs(borne / total - 1) > 16 * np.finfo(trial.dtype).eps:
+            trial *= total / borne
         return trial
 
     def wrong(self, pressure: Array, overlap: Array) -> Array:
@@ -78,4 +89,10 @@ class Compressive:
 
     def residual(self, pressure: Array, gap: Gap, borne: float) -> float:
         """Complementarity and penetration."""
-        return largest(inner(pressure, np.abs(gap.held)) / borne, gap.overlap.max())
+
+        def measure(rows: slice) -> tuple[float, float]:
+            moment = inner(pressure[rows], np.abs(gap.held[rows]))
+            return moment, float(gap.overlap[rows].max())
+
+        moments, deepest = zip(*in_blocks(measure, pressure.shape), strict=True)
+        return largest(sum(moments) / borne, *deepest)

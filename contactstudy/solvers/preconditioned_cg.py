@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contactstudy.domain.arrays import Array, inner
+from contactstudy.domain.arrays import Array, inner, total
+from contactstudy.domain.rows import in_blocks
 from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.problem.gap import Gap
 from contactstudy.solvers.iterate import Iterate, Stall
@@ -111,19 +112,15 @@ class PreconditionedCG:
             if done or stall.sees(left):
                 return Iterate(pressure, moved, gap.approach, left, iteration, work)
             iteration += 1
-            wrong = constraint.wrong(pressure, gap.overlap)
-            same = not cut and not wrong.any()
-            cells = np.add(gap.free, wrong, out=wrong)
-            unlevel = np.subtract(gap.held, gap.overlap)
-            unlevel *= cells
-            trial = _direction(unlevel, precondition(unlevel, cells), cells, last if same else None)
+            cells, unlevel, wrong = _bearing(problem, pressure, gap)
+            same = not cut and not wrong
+            direction = _direction(
+                unlevel, precondition(unlevel, cells), cells, last if same else None
+            )
             work += 1 + its_work / operator.work
-            trial *= length
-            trial += pressure
-            cut = constraint.cuts(trial)
+            trial, cut = _trial(problem, pressure, direction, length)
             trial = problem.levelled(trial, cells)
-            step = np.subtract(trial, pressure, out=last.step if last else None)
-            slope = gap.slope(step)
+            step, slope = _difference(trial, pressure, gap, last.step if last else None)
             if slope >= 0:
                 # balancing the load has turned the step uphill: that to the nearest pressure never is
                 cut, length = True, max(length / 4, SHORTEST)
@@ -134,8 +131,7 @@ class PreconditionedCG:
                 np.subtract(trial, pressure, out=step)
                 slope = gap.slope(step)
             ahead = operator(trial)
-            response = np.subtract(ahead, moved, out=last.response if last else None)
-            curvature = inner(step, response)
+            response, curvature = _response(ahead, moved, step, last.response if last else None)
             best = -slope / curvature if curvature > 0 else 0.0
             if cut:
                 # zeros are left where tension was; beyond the whole they would turn to tension
@@ -177,22 +173,75 @@ def _direction(gap: Array, closing: Array, cells: Array, last: _Step | None) -> 
     Zero outside ``cells``, and such that the load stays as it is. All sums are taken first, so that it
     is written once.
     """
-    count = cells.sum()
-    level = closing.sum() / count
+    count = total(cells)
+    level, kept = total(closing) / count, 0.0
     if last is not None and last.curvature > 0:
-        kept = (
+        share = (
             inner(closing, last.response) - level * inner(cells, last.response)
         ) / last.curvature
-        if kept * inner(gap, last.step) < inner(gap, closing):
+        if share * inner(gap, last.step) < inner(gap, closing):
+            kept = share
             level -= kept * inner(cells, last.step) / count
-            direction = last.step * kept
-            direction -= closing
-            direction += level
-            direction *= cells
-            return np.asarray(direction)
-    closing -= level
-    closing *= -cells
+
+    def some(rows: slice) -> None:
+        direction = closing[rows]
+        np.subtract(level, direction, out=direction)
+        if kept and last is not None:
+            direction += kept * last.step[rows]
+        direction *= cells[rows]
+
+    in_blocks(some, closing.shape)
     return closing
+
+
+def _bearing(problem: BareProblem, pressure: Array, gap: Gap) -> tuple[Array, Array, bool]:
+    """Cells that bear pressure or should (1, others 0), their gap, and whether any of them does not yet."""
+    cells, unlevel = np.empty_like(pressure), np.empty_like(pressure)
+
+    def some(rows: slice) -> bool:
+        wrong = problem.constraint.wrong(pressure[rows], gap.overlap[rows])
+        np.add(gap.free[rows], wrong, out=cells[rows])
+        np.subtract(gap.held[rows], gap.overlap[rows], out=unlevel[rows])
+        unlevel[rows] *= cells[rows]
+        return bool(wrong.any())
+
+    return cells, unlevel, any(in_blocks(some, pressure.shape))
+
+
+def _trial(
+    problem: BareProblem, pressure: Array, direction: Array, length: float
+) -> tuple[Array, bool]:
+    """The pressure one step ahead, in place of the ``direction``, and whether a limit cuts it."""
+
+    def some(rows: slice) -> bool:
+        ahead = direction[rows]
+        ahead *= length
+        ahead += pressure[rows]
+        return problem.constraint.cuts(ahead)
+
+    return direction, any(in_blocks(some, pressure.shape))
+
+
+def _difference(trial: Array, pressure: Array, gap: Gap, out: Array | None) -> tuple[Array, float]:
+    """The step to ``trial``, and how fast the energy grows along it."""
+    step = np.empty_like(trial) if out is None else out
+
+    def some(rows: slice) -> float:
+        np.subtract(trial[rows], pressure[rows], out=step[rows])
+        return inner(gap.held[rows], step[rows]) - inner(gap.overlap[rows], step[rows])
+
+    return step, sum(in_blocks(some, trial.shape))
+
+
+def _response(ahead: Array, moved: Array, step: Array, out: Array | None) -> tuple[Array, float]:
+    """The change of displacement along a ``step``, and its work on it."""
+    response = np.empty_like(ahead) if out is None else out
+
+    def some(rows: slice) -> float:
+        np.subtract(ahead[rows], moved[rows], out=response[rows])
+        return inner(step[rows], response[rows])
+
+    return response, sum(in_blocks(some, ahead.shape))
 
 
 def _ahead(pressure: Array, step: Array, factor: float, out: Array) -> Array:

@@ -9,6 +9,7 @@ import numpy as np
 
 from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import InvalidInput, positive, whole
+from contactstudy.domain.device import Cpu, using
 from contactstudy.domain.precision import Precision
 from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.problem.problem import Problem
@@ -59,6 +60,7 @@ def solve(
     solver: Solver = PreconditionedCG(),  # noqa: B008 (a frozen value)
     precision: Precision | str = Precision.DOUBLE,
     start: Array | None = None,
+    on: Cpu = Cpu(),  # noqa: B008 (a frozen value)
 ) -> Solution:
     """Solve ``problem`` and say how far the answer can be trusted; a scene is planned first.
 
@@ -67,7 +69,8 @@ def solve(
     ``|sum(p) / total - 1|``, is at most ``tolerance``. Under a hardness, cells that yield count by the
     gap they leave open, and complementarity is that of the others. ``start`` (x, y) [Pa] is the
     pressure to go on from, such as that of a like scene or of a solution stopped early: cut off at its
-    limits and scaled to the load, and without it found on coarser grids. Numerical outcomes are a
+    limits and scaled to the load, and without it found on coarser grids. ``on`` is the device,
+    ``Cpu(threads=2)`` for two cores: the answer is the same to rounding. Numerical outcomes are a
     :class:`~contactstudy.Status`; only a tolerance that is not above zero, a negative limit or a start
     that is no pressure raises :class:`~contactstudy.InvalidInput`.
     """
@@ -100,7 +103,7 @@ def solve(
         return _without_pressure(problem)
     if start is not None:
         start = _admitted(start, problem, precision)
-    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+    with using(on), np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         bare = problem.bare(precision)
         last = solver.iterate(bare, tolerance=tolerance, max_iterations=max_iterations, start=start)
     scales = problem.scales

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.device import Cpu
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import (
     CircularSuperposition,
@@ -167,8 +168,11 @@ class SceneFile:
         period = None if self.grid else self.wish.period
         return plan(self.scene, error=self.wish.error, period=period, grid=self.grid)
 
-    def solve(self, planned: Plan | None = None) -> Solution:
-        """Solve on the grid and with the padding of the file, or those of the plan, made if not given."""
+    def solve(self, planned: Plan | None = None, *, on: Cpu = Cpu()) -> Solution:  # noqa: B008 (frozen)
+        """Solve on the grid and with the padding of the file, or those of the plan, made if not given.
+
+        ``on`` is the device, as for :func:`~contactstudy.solve`.
+        """
         grid, padding = self.grid, self.padding
         if grid is None or padding is None:
             planned = planned or self.plan()
@@ -180,6 +184,7 @@ class SceneFile:
             max_iterations=settings.max_iterations,
             solver=settings.solver,
             precision=settings.precision,
+            on=on,
         )
 
 

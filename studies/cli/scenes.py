@@ -1,6 +1,7 @@
 """The commands for one scene in a file: ``contactstudy plan`` and ``contactstudy solve``."""
 
 import json
+import os
 import sys
 from dataclasses import asdict
 from pathlib import Path
@@ -48,7 +49,12 @@ def plan(scene: Path, as_json: bool) -> None:  # noqa: FBT001 (click's own way)
     show_default=True,
     help="Folder for the netCDF file and the picture.",
 )
-def solve(scene: Path, out: Path) -> None:
+@click.option(
+    "--threads",
+    type=click.IntRange(min=1),
+    help="Threads to solve on.  [default: the cores there are]",
+)
+def solve(scene: Path, out: Path, threads: int | None) -> None:
     """Solve the scene in the TOML file SCENE; write its fields as netCDF and a picture of them.
 
     The exit code is 0 where the solution converged, else 1: what there is is written all the same.
@@ -69,7 +75,7 @@ def solve(scene: Path, out: Path) -> None:
                 err=True,
             )
     start = perf_counter()
-    solution = described.solve(planned)
+    solution = described.solve(planned, on=cs.Cpu(threads or _cores()))
     seconds = perf_counter() - start
     estimate = cs.error_estimate(solution)
     dataset = cs.to_dataset(solution, estimate)
@@ -110,3 +116,10 @@ def solve(scene: Path, out: Path) -> None:
     click.echo(f"  wrote {path} and {path.with_suffix('.png')}")
     if solution.status is not cs.Status.CONVERGED:
         sys.exit(1)
+
+
+def _cores() -> int:
+    """The cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1

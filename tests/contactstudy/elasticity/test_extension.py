@@ -2,7 +2,9 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.domain import rows
 from contactstudy.domain.arrays import Array
+from contactstudy.domain.device import using
 from contactstudy.elasticity.extension import Extension
 
 CASES = [
@@ -43,11 +45,28 @@ def test_the_transposed_map_is_the_transpose(shape: tuple[int, int], elongation:
     contact = island(shape)
     extension = Extension(contact, elongation)
     known, pressure = np.random.default_rng(7).standard_normal((2, *shape))
-    gathered = extension.transposed(pressure)
+    gathered = extension.transposed(pressure.copy())
     np.testing.assert_array_equal(gathered * (1 - contact), 0)
     work = np.abs(pressure).sum() * np.abs(known).max()
     difference = np.vdot(extension(known * contact), pressure) - np.vdot(known, gathered)
     assert abs(difference) < 1e-15 * pressure.size * work
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+@pytest.mark.parametrize(("shape", "elongation"), CASES, ids=str)
+def test_blocks_of_rows_give_what_the_whole_gives(
+    shape: tuple[int, int], elongation: float, threads: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    contact = island(shape)
+    known, pressure = np.random.default_rng(7).standard_normal((2, *shape))
+    known *= contact
+    whole = Extension(contact, elongation)
+    expected = whole(known), whole.transposed(pressure.copy())
+    monkeypatch.setattr(rows, "BLOCK", 8)
+    with using(cs.Cpu(threads)):
+        extension = Extension(contact, elongation)
+        np.testing.assert_array_equal(extension(known), expected[0])
+        np.testing.assert_array_equal(extension.transposed(pressure.copy()), expected[1])
 
 
 def stiffness_ratios(cells: int, contact: Array, seen: Array) -> Array:

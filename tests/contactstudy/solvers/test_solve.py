@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import contactstudy as cs
+from contactstudy.domain import rows
 from tests.conftest import STEEL, LineContact
 
 PADDINGS = [
@@ -293,3 +294,29 @@ def test_a_start_that_is_no_pressure_is_refused(
     problem = line_contact.scene.problem(line_contact.grid((16, 8), 1.2), cs.ExactPeriodicity())
     with pytest.raises(cs.InvalidInput, match=rf"^solve\.start {message}"):
         cs.solve(problem, start=start)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("precision", list(cs.Precision))
+def test_threads_give_the_same_answer(
+    precision: cs.Precision, line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(rows, "BLOCK", 256)
+    a = line_contact.hertz.half_width
+    rough = cs.Roughness(rms=1e-2 * a, hurst=0.8, roll_off=a, cut_off=0.2 * a, seed=1)
+    scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, rough))
+    posed = scene.problem(line_contact.grid((64, 48), 2.4, 4.8), cs.ExactPeriodicity())
+    tolerance = 1e-10 if precision is cs.Precision.DOUBLE else 1e-5
+    one, two = (
+        cs.solve(posed, tolerance=tolerance, precision=precision, on=cs.Cpu(threads))
+        for threads in (1, 2)
+    )
+    assert two.residual <= tolerance
+    # another rounding of the transforms, times the operator's condition, up to 64 waves across
+    difference = np.abs(one.pressure - two.pressure).max() / posed.scales.pressure
+    assert difference < 64 * tolerance * 10
+
+
+def test_solve_on_what_is_no_device_is_refused(line_contact: LineContact) -> None:
+    posed = line_contact.scene.problem(line_contact.grid(8, 2.4), cs.ExactPeriodicity())
+    with pytest.raises(cs.InvalidInput, match=r"^solve\.on is 2: give Cpu\(threads=2\)"):
+        cs.solve(posed, on=2)  # type: ignore[arg-type]

@@ -1,0 +1,69 @@
+import threading
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.domain import rows
+from contactstudy.domain.arrays import inner, total
+from contactstudy.domain.device import using
+from contactstudy.domain.rows import in_blocks
+
+SHAPES = [(1, 1), (7, 3), (64, 64), (1001, 1), (2, 500)]
+
+
+@pytest.fixture(autouse=True)
+def small_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(rows, "BLOCK", 64)
+
+
+@pytest.mark.parametrize("threads", [1, 2, 5])
+@pytest.mark.parametrize("shape", SHAPES, ids=str)
+def test_blocks_cover_all_rows_once_and_in_order(shape: tuple[int, int], threads: int) -> None:
+    with using(cs.Cpu(threads)):
+        blocks = in_blocks(lambda block: block, shape)
+    assert [row for block in blocks for row in range(block.start, block.stop)] == [*range(shape[0])]
+    assert all(block.start % 2 == 0 for block in blocks)
+
+
+@pytest.mark.parametrize("shape", SHAPES, ids=str)
+def test_sums_are_the_same_to_the_last_bit_on_any_number_of_threads(shape: tuple[int, int]) -> None:
+    a, b = np.random.default_rng(1).standard_normal((2, *shape))
+    sums = set()
+    for threads in (1, 2, 3):
+        with using(cs.Cpu(threads)):
+            sums.add((inner(a, b), total(a)))
+    assert len(sums) == 1
+    # rounding of as many products
+    assert sums.pop()[0] == pytest.approx((a * b).sum(), abs=a.size * 1e-15)
+
+
+def test_blocks_of_blocks_wait_for_no_thread() -> None:
+    """A block that is itself worked through in blocks must not need a thread that waits for it."""
+    with using(cs.Cpu(2)):
+        nested = in_blocks(
+            lambda _: sum(in_blocks(lambda each: each.stop - each.start, (99, 9))), (99, 9)
+        )
+    assert set(nested) == {99}
+
+
+def test_what_a_block_raises_is_raised() -> None:
+    def refuse(block: slice) -> None:
+        if block.stop == 100:
+            raise ZeroDivisionError
+
+    with using(cs.Cpu(2)), pytest.raises(ZeroDivisionError):
+        in_blocks(refuse, (100, 9))
+
+
+def test_one_thread_starts_no_other() -> None:
+    names = in_blocks(lambda _: threading.current_thread().name, (100, 9))
+    assert set(names) == {threading.current_thread().name}
+
+
+@pytest.mark.parametrize("threads", [0, -1, 1.5, True, None])
+def test_no_thread_is_refused(threads: object) -> None:
+    with pytest.raises(
+        cs.InvalidInput, match=r"^Cpu\.threads is .*: give a whole number of threads"
+    ):
+        cs.Cpu(threads)  # type: ignore[arg-type]

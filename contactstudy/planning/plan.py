@@ -7,11 +7,12 @@ from math import inf
 from contactstudy.domain.checks import InvalidInput, NotDefined, positive
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.memory import available_bytes
-from contactstudy.domain.padding import Padding, Paddings
+from contactstudy.domain.padding import Padding, Paddings, across_and_along
 from contactstudy.planning.cost import SMOOTH_ITERATIONS, memory, timed
 from contactstudy.planning.grid_requirements import RATE, Needs, halvable
 from contactstudy.planning.pilot import Forecast, affordable, finer, forecast
 from contactstudy.scene.scene import Scene
+from contactstudy.scene.solids import Layered
 
 # Pilots show a grid that is too narrow or too coarse; each round mends it, the width by so much.
 ROUNDS, WIDER = 6, 1.5
@@ -186,4 +187,11 @@ def needs_of(scene: Scene) -> Needs:
                 "`detail`, or choose the grid yourself."
             )
     details = tuple(shape.detail for shape in scene.shapes if hasattr(shape, "detail"))
-    return Needs(scene.hertz, details, scene.hardness)
+    coats = tuple(solid for solid in scene.solids if isinstance(solid, Layered))
+    needs = Needs(scene.hertz, details, scene.hardness, coats)
+    if scene.friction is None:
+        return needs
+    said = scene.friction.said(
+        scene, varies=needs.varies, paddings=across_and_along(needs.padding())
+    )
+    return replace(needs, shear=said)

@@ -1,7 +1,7 @@
 """Friction between the bodies: Coulomb's law, sliding everywhere or sticking in part."""
 
 from dataclasses import dataclass
-from math import inf, isinf
+from math import inf, isinf, log
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -83,6 +83,10 @@ class Friction(Protocol):
         """The same for this scene on a grid."""
         ...
 
+    def said(self, scene: Contact, *, varies: bool, paddings: Paddings) -> str:
+        """How it is solved and why, in a sentence; ``varies`` along the length or not."""
+        ...
+
 
 @dataclass(frozen=True)
 class Sliding:
@@ -114,6 +118,19 @@ class Sliding:
         weight = beta / (np.pi * scene.contact_modulus)
         coupling = Correlated(field.spectrum * weight, field.cells, field.padded)
         return FullSliding(self.coefficient, coupling)
+
+    def said(self, scene: Contact, *, varies: bool, paddings: Paddings) -> str:
+        """One solve where the bodies are alike in shear, else a sequence of them."""
+        beta = dundurs(scene.solids)
+        if abs(beta) <= ALIKE or self.coefficient == 0:
+            return (
+                "friction: full sliding of bodies that are alike in shear, so the pressure is that without "
+                "friction, in one solve."
+            )
+        return (
+            f"friction: full sliding of unlike bodies (Dundurs' beta {beta:.3g}), solved again with the shear of "
+            f"the last pass until it stays, of the order of {_passes(abs(beta) * self.coefficient)} passes."
+        )
 
 
 @dataclass(frozen=True)
@@ -180,6 +197,18 @@ class PartialSlip:
         response = shear_response(bodies, grid, paddings, datum)
         return CoulombDisks(self.coefficient, share, response)
 
+    def said(self, scene: Contact, *, varies: bool, paddings: Paddings) -> str:
+        """Two normal contacts where they are exact, else the problem of two components."""
+        if self.superposes(scene, varies=varies, paddings=paddings):
+            return (
+                "friction: partial slip by Ciavarella and Jaeger's superposition, two solves, which is exact as "
+                + ("Poisson's ratio is 0." if varies else "nothing varies along the length.")
+            )
+        return (
+            "friction: partial slip for both components of shear, for something varies along the length and "
+            "Poisson's ratio is not 0; some hundred iterations of four transforms each beside the normal solve."
+        )
+
     @staticmethod
     def superposes(scene: Contact, *, varies: bool, paddings: Paddings) -> bool:
         """Whether two normal contacts make up the shear exactly."""
@@ -213,6 +242,11 @@ def dundurs(solids: tuple[Body, ...]) -> float:
         for shear in (solid.youngs_modulus / (2 * (1 + solid.poisson_ratio)),)
     )
     return float((soft1 - soft2) / (2 * (hard1 + hard2)))
+
+
+def _passes(product: float) -> int:
+    """Passes to a tolerance of 1e-8, of which each leaves the product of beta and mu, or a little more."""
+    return max(2, round(log(1e-8) / log(min(1.1 * product, 0.9))))
 
 
 def _coefficient(name: str, value: object, *, zero: bool) -> float:

@@ -80,6 +80,21 @@ class HalfSpace:
 class Layered(Protocol):
     """A body whose compliance depends on how wide the contact is."""
 
+    @property
+    def thickness(self) -> float:
+        """Of its coating [m]."""
+        ...
+
+    @property
+    def substrate(self) -> HalfSpace:
+        """What its coating is on."""
+        ...
+
+    @property
+    def compliance(self) -> float:
+        """That of its coating alone [1/Pa]."""
+        ...
+
     def compliance_at(self, half_width: float) -> float:
         """What it adds to 1/E* [1/Pa] in a contact of ``half_width`` [m]."""
         ...

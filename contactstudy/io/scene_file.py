@@ -202,7 +202,7 @@ def read_scene(path: str | PathLike[str]) -> SceneFile:
         raise InvalidInput(
             f"{path} cannot be read ({error}): give a TOML file in UTF-8."
         ) from error
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
+    except (ValueError, RecursionError) as error:  # also a number of thousands of digits
         raise InvalidInput(f"{path} is not valid TOML: {error}.") from error
     document = structured(raw, Document, KINDS, str(path))
     try:

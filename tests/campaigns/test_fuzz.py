@@ -1,0 +1,267 @@
+"""Nonsense at the command line, in scene files and in study files: a sentence and an exit code, nothing else."""
+
+import contextlib
+import io
+import random
+import resource
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from studies.cli import commands
+from tests.campaigns.conftest import share
+
+ROOT = Path(__file__).parents[2]
+ODD = [
+    "1e400",
+    "-1e400",
+    "nan",
+    "inf",
+    "-inf",
+    "１",
+    "１２",
+    "-0",
+    "0",
+    "1e-320",
+    "5e-324",
+    "0:1e12",
+    "0:1000000000000",
+    "0:99999999",
+    "::",
+    "1:",
+    ",",
+    ",,",
+    "1,,2",
+    "a",
+    "1,a",
+    "0x10",
+    "1_000",
+    "1e3",
+    "1:0",
+    "0:10:0",
+    "0:10:-1",
+    "0:10:2:3",
+    "𝟙",
+    "٣",
+    "'",
+    "--",
+    "-",
+    "1;2",
+    "None",
+    "True",
+    "[1,2]",
+    "1.5",
+    "-1",
+    "1e308",
+    "2e9",
+    "4294967296",
+    "½",
+    "-5:5",
+    "1j",
+    "%s",
+    "$(id)",
+    "../..",
+    "é",
+    "9223372036854775808",
+    "0:5:1000000000000",
+]
+ODD += ["", " ", "\t", "\n", "9" * 5000, "9" * 400, "a" * 300, "x\0y", "\udcff", " 1 "]
+SCENE_ODD = [
+    "1e400",
+    "nan",
+    "-inf",
+    "inf",
+    "-0.0",
+    "5e-324",
+    "1e308",
+    "-1",
+    "0",
+    "''",
+    "'１mm'",
+    "'1e400m'",
+    "true",
+    "[]",
+    "{}",
+    "[1,2]",
+    "[[1]]",
+    "'nanm'",
+    "1979-05-27",
+    "99999999999999999999",
+    "'9e99999mm'",
+    "'10parsec'",
+    "'10degC'",
+    "'1e-400m'",
+    "'0x10m'",
+    "1e-61",
+    "1e61",
+    "'<script>'",
+    "[1000000,1000000]",
+    "[2,1]",
+    "[3000000000,1]",
+    "[0,0]",
+    "[-1,2]",
+    "[1.5,2]",
+    '["1",2]',
+    "'infm'",
+    "1" * 5000,
+    "[" * 3000,
+]
+STUDY = '''"""Plain numbers."""
+
+from dataclasses import dataclass
+
+import xarray as xr
+
+from studies.model.axis import Axis
+from studies.model.drawing import CaptionedFigure
+
+points = (Axis("number", (0, 1, 2), "a number"),)
+times = "none"
+
+
+@dataclass(frozen=True)
+class Number:
+    number: int
+
+    def prepare(self):
+        return self.number
+
+    def run(self, prepared):
+        return prepared**2
+
+    def record(self, result):
+        return {}
+
+
+def scene_at(point):
+    return Number(int(point["number"]))
+
+
+def measures(case, result):
+    return {"square": float(result), "row": xr.Variable(("k",), [1.0, result], {"units": "1"})}
+
+
+def figure(dataset):
+    return ()
+'''
+
+
+@pytest.fixture(autouse=True)
+def _bounded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """What takes all memory fails at 8 GB, and relative paths are the test's own."""
+    limits = resource.getrlimit(resource.RLIMIT_AS)
+    monkeypatch.chdir(tmp_path)
+    resource.setrlimit(resource.RLIMIT_AS, (8 << 30, limits[1]))
+    yield
+    resource.setrlimit(resource.RLIMIT_AS, limits)
+
+
+def answer(*words: str) -> tuple[int, str, str]:
+    """Exit code, output and error; whatever else is raised fails the test."""
+    out, err = io.StringIO(), io.StringIO()
+    code: object = 0
+    with (
+        pytest.MonkeyPatch.context() as patch,
+        contextlib.redirect_stdout(out),
+        contextlib.redirect_stderr(err),
+    ):
+        patch.setattr(sys, "argv", ["contactstudy", *words])
+        try:
+            commands.main()
+        except SystemExit as end:
+            code = end.code
+    assert isinstance(code, int | None), code
+    return code or 0, out.getvalue(), err.getvalue()
+
+
+def check(code: int, said: str, words: object) -> None:
+    assert code in (0, 1, 2), (code, words)
+    assert "Traceback" not in said, words
+    assert not code or said.strip(), words
+
+
+def command_lines(rng: random.Random) -> list[str]:
+    axis = rng.choice(["period", "grid", "images", "padding", "perod"])
+    option = rng.choice(
+        [
+            "--workers",
+            "--repeats",
+            "--time-limit",
+            "--retry",
+            "--scheduler",
+            "--out",
+            "--only",
+            "--yes",
+        ]
+    )
+    odd = rng.choice(ODD)
+    small = ["--period=2.4", "--grid=16", "--images=0"]
+    return rng.choice(
+        [
+            ["run", "padding", "--dry-run", "--out", "cf", f"--{axis}={odd}"],
+            ["run", "padding", "--dry-run", *small, option, odd],
+            [
+                "recommend",
+                rng.choice(["--error", "--memory", "--seconds", "--period", "--metric"]),
+                odd,
+            ],
+            [rng.choice(["run", "draw", "plan", "solve", "studies", "nope", odd]), odd],
+            ["draw", "padding", "--out", odd],
+            ["run", odd, "--dry-run"],
+            ["plan", odd],
+        ]
+    )
+
+
+def test_no_command_line_ends_in_a_traceback() -> None:
+    rng = random.Random(11)
+    for _ in range(share(whole=1000, thin=25)):
+        words = command_lines(rng)
+        code, out, err = answer(*words)
+        check(code, out + err, words)
+
+
+def mangled(text: str, rng: random.Random, odd: list[str]) -> str:
+    """``text`` with a value, a line or a few characters changed."""
+    lines = text.split("\n")
+    at = rng.randrange(len(lines))
+    match rng.randrange(5):
+        case 0 | 1:
+            valued = [place for place, line in enumerate(lines) if "=" in line]
+            at = rng.choice(valued)
+            lines[at] = lines[at].split("=")[0] + "= " + rng.choice(odd)
+        case 2:
+            del lines[at]
+        case 3:
+            lines.insert(rng.randrange(len(lines)), lines[at])
+        case 4:
+            letters = list(text)
+            for _ in range(rng.randrange(1, 4)):
+                letters[rng.randrange(len(letters))] = chr(
+                    rng.choice([0, 10, 34, 39, 40, 61, 91, 93, 48, 0x661, 255, 0x1F600])
+                )
+            return "".join(letters)
+    return "\n".join(lines)
+
+
+def test_no_scene_file_ends_in_a_traceback() -> None:
+    rng = random.Random(12)
+    scenes = [path.read_text() for path in sorted((ROOT / "examples").rglob("*.toml"))]
+    for _ in range(share(whole=1000, thin=12)):
+        text = mangled(rng.choice(scenes), rng, SCENE_ODD)
+        Path("scene.toml").write_bytes(text.encode("utf-8", "surrogatepass"))
+        code, out, err = answer("plan", "scene.toml")
+        check(code, out + err, text)
+
+
+def test_no_study_file_ends_in_a_traceback() -> None:
+    rng = random.Random(13)
+    for number in range(share(whole=1000, thin=20)):
+        text = mangled(STUDY, rng, ["None", "()", "5", "'a'", "[1]", "(1, 'a')", "print", "1/0"])
+        path = Path(f"study{number}.py")
+        path.write_bytes(text.encode("utf-8", "surrogatepass"))
+        words = ["run", str(path), "--out", f"out{number}", "--workers", "0"]
+        code, out, err = answer(*words)
+        check(code, out + err, text)

@@ -1,0 +1,169 @@
+"""A case may start processes: none of them answers for a case."""
+
+import ctypes
+import multiprocessing
+import os
+import subprocess
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from studies.engine.options import RunOptions
+from studies.engine.run import run
+from studies.model.axis import Axis
+from studies.model.outcome import CaseStatus
+from studies.model.study import Point, Study
+from tests.studies.conftest import quiet
+
+NUMBERS = 30
+FORKING = 5
+
+
+def fork() -> None:
+    os.fork()
+
+
+def fork_twice() -> None:
+    os.fork()
+    os.fork()
+
+
+def fork_of_c() -> None:
+    ctypes.CDLL(None).fork()
+
+
+def fork_and_raise() -> None:
+    if os.fork() == 0:
+        raise ValueError("the child")
+
+
+def fork_and_exit() -> None:
+    if os.fork() == 0:
+        sys.exit(0)
+
+
+def fork_in_a_session_of_its_own() -> None:
+    if os.fork() == 0:
+        os.setsid()
+
+
+def joined_process() -> None:
+    process = multiprocessing.get_context("fork").Process(target=print)
+    process.start()
+    process.join()
+
+
+def left_behind() -> None:
+    subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE)
+
+
+FORKS = {
+    one.__name__: one
+    for one in (
+        fork, fork_twice, fork_of_c, fork_and_raise, fork_and_exit, fork_in_a_session_of_its_own,
+        joined_process, left_behind,
+    )
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Forking:
+    number: int
+    how: str
+    where: str
+
+    def _may_fork(self, where: str) -> None:
+        if self.number == FORKING and self.where == where:
+            FORKS[self.how]()
+
+    def prepare(self) -> int:
+        self._may_fork("prepare")
+        return self.number
+
+    def run(self, prepared: int) -> int:
+        self._may_fork("run")
+        return prepared**2
+
+    def record(self, result: int) -> Mapping[str, xr.Variable]:
+        return {}
+
+
+def measures(case: Forking, result: int) -> Mapping[str, xr.Variable | float]:
+    case._may_fork("measure")
+    return {"square": float(result), "own": float(case.number)}
+
+
+def study(how: str, where: str) -> Study:
+    def scene_at(point: Point) -> Forking:
+        return Forking(int(point["number"]), how, where)
+
+    axis = Axis("number", tuple(range(NUMBERS)), "what is squared")
+    return Study("forking", "Cases, one of which forks.", (axis,), scene_at, measures, "none")
+
+
+@pytest.mark.parametrize(
+    ("how", "where", "workers"),
+    [(how, "run", 1) for how in FORKS]
+    + [("fork", "prepare", 2), ("fork", "measure", 1), ("fork_of_c", "measure", 2)],
+)
+def test_no_point_holds_the_number_of_another(
+    how: str, where: str, workers: int, tmp_path: Path
+) -> None:
+    options = RunOptions(workers=workers, repeats=0)
+    dataset = run(study(how, where), tmp_path, options=options, log=quiet)
+    good = dataset["case_status"] == CaseStatus.OK
+    others = dataset["number"] != FORKING
+    assert (good | ~others).all()
+    for name, expected in (("own", dataset["number"]), ("square", dataset["number"] ** 2)):
+        np.testing.assert_array_equal(dataset[name].where(good, expected), expected)
+
+
+SCRIPT = """
+import sys
+from pathlib import Path
+from studies.engine.options import RunOptions
+from studies.engine.run import run
+from tests.studies.engine.test_forks import study
+run(study(sys.argv[1], "run"), Path(sys.argv[2]), options=RunOptions(workers=0, repeats=0))
+"""
+
+
+@pytest.mark.parametrize("how", ["fork", "fork_of_c", "fork_and_raise"])
+def test_a_case_that_forks_without_workers_does_not_make_two_runs(how: str, tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", SCRIPT, how, str(tmp_path)],
+        cwd=Path(__file__).parents[3], capture_output=True, text=True,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("wrote") == 1
+    dataset = xr.load_dataset(tmp_path / "forking.nc")
+    np.testing.assert_array_equal(dataset["own"], dataset["number"])
+    lines = (tmp_path / "forking.journal.jsonl").read_bytes().splitlines()
+    assert sum(b'"case":' in line[:40] for line in lines) == NUMBERS
+
+
+def test_an_answer_of_another_case_is_an_error_of_that_case() -> None:
+    import socket
+
+    from studies.engine.workers.channel import Address, Channel, ForgedError, new_key
+
+    right = Address(3, os.getpid(), new_key())
+
+    def received(sent: Address) -> bytes:
+        ours, theirs = map(Channel, socket.socketpair())
+        theirs.send(sent, b"a number")
+        return ours.receive(right)
+
+    for wrong in (
+        replace(right, case=4),
+        replace(right, process=right.process + 1),
+        replace(right, key=new_key()),
+    ):
+        with pytest.raises(ForgedError):
+            received(wrong)
+    assert received(right) == b"a number"

@@ -1,0 +1,133 @@
+"""What is measured comes back from netCDF as it was, or is refused as that case."""
+
+import datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from contactstudy import InvalidInput
+from studies.model.measured import NotANumberError, measured_variables
+from studies.store.netcdf import read, write
+
+AXES = frozenset({"number"})
+
+
+def scalar(**attrs: Any) -> xr.Variable:
+    return xr.Variable((), 1.0, attrs)
+
+
+@pytest.mark.parametrize(
+    "measured",
+    [
+        {"q": 1 + 2j},
+        {"q": np.array([1j])[0]},
+        {"q": np.datetime64("2020-01-01", "ns")},
+        {"q": np.timedelta64(5, "s")},
+        {"q": None},
+        {"q": object()},
+        {"q": [1, 2]},
+        {"q": np.arange(3.0)},
+        {"q": {}},
+        {"q": {1}},
+        {"q": b"abc"},
+        {"q": 10**30},
+        {"q": np.uint64(2**64 - 1)},
+        {"q": -(2**53) - 1},
+        {"q": np.longdouble(1) / 3},
+        {"q": np.ma.masked_array([1.0, 2.0], [0, 1])},
+        {"q": "lone \udcff surrogate"},
+        {"q": "NUL \0 inside"},
+        {"q": "NUL at the end\0"},
+        {"q": xr.Variable((), "NUL at the end\0")},
+        {"q": xr.Variable(("k",), ["a", "\udcff"])},
+        {"q": xr.Variable(("k",), np.array(["a", 1], dtype=object))},
+        {"a/b": 1.0},
+        {"": 1.0},
+        {" a": 1.0},
+        {"a ": 1.0},
+        {"a\n": 1.0},
+        {"o\u0308": 1.0},  # a letter and its accent, which netCDF would join
+        {5: 1.0},
+        {"q" * 300: 1.0},
+        {"number": 1.0},
+        {"case_status": 1.0},
+        {"q": xr.Variable(("number",), [1.0])},
+        {"q": xr.Variable(("a/b",), [1.0])},
+        {"q": xr.Variable(("",), [1.0])},
+        {"q": xr.Variable(("k",), [1.0]), "p": xr.Variable(("k",), [1.0, 2.0])},
+        {"k": 1.0, "q": xr.Variable(("k",), [1.0])},
+        {"q": scalar(scale_factor=2.0)},
+        {"q": scalar(add_offset=2.0)},
+        {"q": scalar(_FillValue=1.0)},
+        {"q": scalar(missing_value=1.0)},
+        {"q": scalar(_Unsigned="true")},
+        {"q": scalar(dtype="x")},
+        {"q": scalar(coordinates="number")},
+        {"q": scalar(units="days since 2000-01-01")},
+        {"q": scalar(units="seconds")},
+        {"q": scalar(units=5)},
+        {"q": scalar(note=None)},
+        {"q": scalar(note=True)},
+        {"q": scalar(note=np.bool_(1))},
+        {"q": scalar(note=datetime.date(2020, 1, 1))},
+        {"q": scalar(note=object())},
+        {"q": scalar(note={"a": 1})},
+        {"q": scalar(note=[1, None])},
+        {"q": scalar(note=["a", 1])},
+        {"q": scalar(note=[[1, 2], [3, 4]])},
+        {"q": scalar(note=1j)},
+        {"q": scalar(note=10**30)},
+        {"q": scalar(note="\udcff")},
+        {"q": scalar(note="a\0b")},
+        {"q": scalar(**{"a/b": 1})},
+        [1, 2],
+        1.0,
+        np.arange(3.0),
+        None,
+    ],
+)
+def test_what_netcdf_would_change_or_refuse_is_refused_in_one_sentence(measured: Any) -> None:
+    with pytest.raises(InvalidInput, match=r"^measures [^\n]*: [^\n]*\.$"):
+        measured_variables(measured, AXES | {"case_status"})
+
+
+@pytest.mark.parametrize("value", [np.nan, np.float32("nan"), xr.Variable(("k",), [1.0, np.nan])])
+def test_nan_is_an_error_of_its_own(value: Any) -> None:
+    with pytest.raises(NotANumberError, match=r"^q is nan$"):
+        measured_variables({"q": value}, AXES)
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        1,
+        -0.0,
+        np.inf,
+        True,
+        2**53,
+        "",
+        "größer\n✓",
+        np.float16(0.1),
+        np.float32(0.1),
+        np.int8(-3),
+        xr.DataArray([1.0, 2.0], dims="k"),
+        xr.Variable(("k",), np.arange(3, dtype=">f8")),
+        xr.Variable(("k",), ["a", "bcd"]),
+        xr.Variable(("k", "m"), np.asfortranarray(np.arange(6.0).reshape(2, 3))),
+        scalar(units="1/m", n=3, x=0.1, word="a", row=np.array([1, 2], dtype=np.int8)),
+        scalar(words=["a", "b"]),
+    ],
+)
+def test_what_is_accepted_comes_back_from_netcdf_as_it_was(value: Any, tmp_path: Path) -> None:
+    measured = measured_variables({"q": value}, AXES)["q"]
+    write(xr.Dataset({"q": measured}), tmp_path / "q.nc")
+    back = read(tmp_path / "q.nc")["q"].variable
+    given = value.variable if isinstance(value, xr.DataArray) else value
+    plain = given.values if isinstance(given, xr.Variable) else np.asarray(given)
+    np.testing.assert_array_equal(back.values.astype(plain.dtype), plain)
+    assert back.dims == measured.dims
+    for name, attribute in measured.attrs.items():
+        np.testing.assert_array_equal(back.attrs[name], attribute)

@@ -1,0 +1,75 @@
+"""What is wrong with a study file is said before anything runs, with file and line."""
+
+from pathlib import Path
+
+import pytest
+
+from contactstudy import InvalidInput
+from studies.registry import load
+from studies.store.request import Request
+
+GOOD = '''"""Plain numbers."""
+from dataclasses import dataclass
+from studies.model.axis import Axis
+points = (Axis("number", (1, 2), "a number"),)
+@dataclass(frozen=True)
+class Number:
+    number: int
+    def prepare(self): return self.number
+    def run(self, prepared): return prepared
+    def record(self, result): return {}
+def scene_at(point):
+    return Number(point["number"])
+def measures(case, result): return {}
+def figure(dataset): return ()
+'''
+AXIS = 'Axis("number", (1, 2), "a number"),'
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("(" + AXIS + ")", "None", r"line 4: points is None: give a tuple of .*Axis"),
+        (AXIS, "", r"line 4: points is empty"),
+        (AXIS, AXIS + AXIS, r"line 4: Study '\w+' has two axes 'number'"),
+        ("(1, 2)", "(1, 1)", r"line 4: Axis 'number' has the value 1 twice"),
+        ("(1, 2)", "(1, 'a')", r"line 4: Axis 'number' has values \(1, 'a'\)"),
+        ("(1, 2)", "()", r"line 4: Axis 'number' has values \(\)"),
+        ("(1, 2)", "(1.0, float('nan'))", r"line 4: Axis 'number' has the value nan"),
+        ('Axis("number"', 'Axis("a/b"', r"line 4: Axis name 'a/b': netCDF takes '/'"),
+        ("import Axis", "import Axes", r"line 3: ImportError: cannot import name 'Axes'"),
+        ("class Number:", "class Number", r"line 6: SyntaxError: expected ':'"),
+        ("def figure", "1 / 0\ndef figure", r"line 14: ZeroDivisionError: division by zero"),
+        ("def figure", "raise SystemExit(3)\ndef figure", r"line 14: SystemExit: 3"),
+        (
+            "def measures(case, result): return {}",
+            "measures = 5",
+            r"line 13: measures is no function",
+        ),
+        ("def figure", "times = 'some'\ndef figure", r"line 14: times is 'some'"),
+    ],
+)
+def test_a_mistake_is_said_with_its_line(old: str, new: str, said: str, tmp_path: Path) -> None:
+    path = tmp_path / "mine.py"
+    assert old in GOOD
+    path.write_text(GOOD.replace(old, new))
+    with pytest.raises(InvalidInput, match=rf"^Study file '.*mine\.py', {said}"):
+        load(str(path))
+
+
+@pytest.mark.parametrize(
+    ("body", "said"),
+    [
+        (
+            "raise KeyError('x')",
+            r"raises KeyError in scene_at \(mine\.py, line 12\) at .*'number': 1",
+        ),
+        ("return None", r"gives None at .*: return a studies\.model\.case\.Case"),
+        ("return [1]", r"gives \[1\] at"),
+    ],
+)
+def test_a_scene_that_is_none_is_said_with_its_point(body: str, said: str, tmp_path: Path) -> None:
+    path = tmp_path / "mine.py"
+    path.write_text(GOOD.replace('return Number(point["number"])', body))
+    with pytest.raises(InvalidInput, match=said):
+        Request.of(load(str(path)))

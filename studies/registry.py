@@ -52,6 +52,7 @@ BUILT_IN = {
     "effects": Modules("studies.definitions.cost.effects", "studies.report.drawings.cost.effects"),
     "pareto": Modules("studies.definitions.cost.pareto", "studies.report.drawings.cost.pareto"),
     "stability": Modules("studies.definitions.stability", "studies.report.drawings.stability"),
+    "accuracy": Modules("studies.definitions.accuracy", "studies.report.drawings.accuracy"),
 }
 OPTIONAL = {
     "peers": Modules("studies.definitions.cost.peers", "studies.report.drawings.cost.peers"),

@@ -21,7 +21,7 @@ MARGIN = 2.0
 # is needed; up to RESOLVED the pressure in L1 is in error by no more than so many times it. The error of the
 # highest pressure grows by so many times what they hide, up to half of that.
 SMOOTH, RESOLVED = 0.25, 2.0
-L1_RESOLVED, PEAK_RESOLVED = 1.6, 2.5
+L1_RESOLVED, PEAK_RESOLVED = 1.6, 2.0
 # Error over the change from cells of twice the size, and over the share of the load whose cells hide heights:
 # at most, over nearly all surfaces of the accuracy matrix. Two pressures of one load differ by 2 at most.
 CHANGE, AREA_CHANGE, HIDDEN, LARGEST = 1.4, 1.25, 0.5, 2.0
@@ -29,10 +29,10 @@ CHANGE, AREA_CHANGE, HIDDEN, LARGEST = 1.4, 1.25, 0.5, 2.0
 # whose rise shrinks like the root of the cell has 2.4 times as much to come.
 UNBOUNDED, RISE, FALL = 0.2, 2.5, 1.5
 # A corner may add so much of the highest pressure at each halving before it counts as sharp.
-SHARP = 0.02
+SHARP = 0.01
 # The mean gap is that much less in error by smooth edges than the pressure, and more by images left out; its
 # own change from cells of twice the size counts so much.
-GAP_EDGES, GAP_IMAGES, GAP_CHANGE = 0.1, 8.0, 2.0
+GAP_EDGES, GAP_IMAGES, GAP_CHANGE = 0.5, 8.0, 3.0
 # A spot of so few cells across is not what the law of a smooth edge is about.
 FEW = 5
 # Pressure at a roller's end, over the highest, from which the peak at that end may become the highest.
@@ -141,10 +141,12 @@ def _cells(solution: Solution, coarse: Solution | None) -> _Cells:
         )
         return _Cells(inf, inf, inf, inf, (said,))
     yields, sharp_end = _at_hardness(solution), _at_sharp_end(problem, pressure)
-    regular = not (yields or sharp_end) and _spot(pressure, wraps) >= FEW
+    at_end = problem.source is not None and problem.source.ends_along
+    at_end = at_end and bool(pressure[:, [0, -1]].any())
+    regular = not (yields or at_end) and _spot(pressure, wraps) >= FEW
     if regular and inside.uncertain <= SMOOTH * l1 and inside.corner <= SHARP:
         peak *= 1 + PEAK_RESOLVED * inside.uncertain / l1 if l1 else 1.0
-        return _Cells(peak, l1, area, GAP_EDGES * l1)
+        return _with_area_warning(_Cells(peak, l1, area, GAP_EDGES * l1))
     coarse = coarse or coarse_solution(problem)
     if coarse is None or coarse.status in (Status.NOT_FINITE, Status.NO_ADMISSIBLE_PRESSURE):
         said = "No bound by the cells: there is no solution on cells of twice the size to compare with."
@@ -162,10 +164,20 @@ def _cells(solution: Solution, coarse: Solution | None) -> _Cells:
     both = _Cells(
         0.0 if yields else max(peak, peak_seen),
         min(LARGEST, max(l1, l1_seen)),
-        max(area, _lost(AREA_CHANGE * seen.contact_area)),
-        max(GAP_EDGES * l1, GAP_CHANGE * seen.mean_gap),
+        max(area, _lost(AREA_CHANGE * seen.contact_area), HIDDEN / 2 * inside.uncertain),
+        max(GAP_CHANGE * seen.mean_gap, GAP_EDGES / 2 * l1),
     )
-    return _unbounded(both, problem, inside, seen, sharp_end=sharp_end, exact=yields or peak_known)
+    return _with_area_warning(
+        _unbounded(both, problem, inside, seen, sharp_end=sharp_end, exact=yields or peak_known)
+    )
+
+
+def _with_area_warning(cells: _Cells) -> _Cells:
+    """``cells``, with a reason where the contact area alone has no bound."""
+    if cells.contact_area < inf or cells.l1 == inf:
+        return cells
+    said = "No bound for the contact area: the spots are one or two cells wide, give more cells."
+    return replace(cells, warnings=(*cells.warnings, said))
 
 
 def _lost(share: float) -> float:

@@ -16,7 +16,7 @@ POINTS, DENSE = 4, 48
 # Lines that are looked at: all of so many, of more every fourth.
 LINES, SPARSE = 64, 4
 # A corner has so much of the bend of three cells between two neighbouring points; a smooth surface a sixth.
-CORNER = 0.8
+CORNER = 0.7
 
 
 @dataclass(frozen=True)
@@ -147,4 +147,6 @@ def _along(
     own = bends.reshape(count, points, -1).sum(axis=1)
     three = own + np.roll(own, 1, axis=0) + np.roll(own, -1, axis=0)
     strongest = pairs.reshape(count, points, -1).max(axis=1)
-    return missed, stands, np.where(strongest > CORNER * three, strongest, 0.0)
+    # what a smooth bend of these cells has between two points
+    smooth = (three - strongest) * (2 / (3 * points - 2))
+    return missed, stands, np.where(strongest > CORNER * three, strongest - smooth, 0.0)

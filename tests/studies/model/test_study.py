@@ -66,7 +66,7 @@ def test_a_study_without_one_of_its_names_is_refused(study_file: Path, part: str
         ("paddin", "did you mean 'padding'"),
         (
             "xyz",
-            "choose from effects, grid, images, kernels, padding, paper, pareto, peers, period, "
+            "choose from accuracy, effects, grid, images, kernels, padding, paper, pareto, peers, period, "
             "roughness, speed, stability",
         ),
         ("nowhere.py", "cannot be read"),

@@ -11,6 +11,7 @@ from studies.engine.run import run
 from studies.model.drawing import CaptionedFigure, Drawing
 from studies.model.finding import Finding, Table
 from studies.model.study import Study
+from studies.reference.accuracy.matrix import matrix
 from studies.registry import BUILT_IN, load, load_drawing
 from studies.report import page as report
 from studies.report.formatting import marked, percent, plain, power
@@ -20,6 +21,8 @@ from tests.studies.conftest import quiet
 FEW = {"grid": "16,24", "period": "0.6,2.4", "solver_tolerance": "1e-6"}
 # a rough surface has a length of its own, and waves that a grid must show
 ROUGH = {"rms": "0,0.1", "peklenik": "1", "hurst": "0.8", "seed": "1", "grid": "80"}
+# of the accuracy cases every fortieth
+SOME = {"case": ",".join(list(matrix())[::40])}
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +31,7 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for name in BUILT_IN:
         study = load(name)
         axes = {axis.name: FEW[axis.name] for axis in study.points if axis.name in FEW}
-        few = study.override(ROUGH if name == "roughness" else axes)
+        few = study.override({"roughness": ROUGH, "accuracy": SOME}.get(name, axes))
         run(few, folder, workers=0, repeats=1, log=quiet)
     report.write(folder)
     return folder

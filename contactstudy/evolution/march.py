@@ -66,6 +66,10 @@ class March:
         states = tuple(memory.start(shape) for memory in self.memories)
         return Instant(time, 0.0, np.zeros(shape), states)
 
+    def at_rest(self) -> Solution:
+        """The bodies as they just touch, before the first load."""
+        return _unloaded(self.problem)
+
     def jump(self, instant: Instant, load: float) -> tuple[Instant, list[Solution]]:
         """To another ``load`` [N/m] at once."""
         step = Step(instant.time, instant.time, (instant.load, load), load)

@@ -190,7 +190,7 @@ class Walk:
     def _record(self) -> None:
         solution = self.solution
         if solution is None:  # before the first load
-            return
+            solution = self.march.at_rest()
         fields = {
             name: field
             for memory, state in zip(self.march.memories, self.main.states, strict=True)

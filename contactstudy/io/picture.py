@@ -37,7 +37,7 @@ def picture(solved: xr.Dataset) -> Figure:
     return figure
 
 
-def _scaled(values: xr.DataArray, units: tuple[tuple[float, str], ...]) -> tuple[float, str]:
+def scaled(values: xr.DataArray, units: tuple[tuple[float, str], ...]) -> tuple[float, str]:
     """The largest unit below the largest value."""
     largest = float(np.abs(values).max())
     fitting = [(size, name) for size, name in units if largest >= size] or [units[0]]
@@ -46,9 +46,9 @@ def _scaled(values: xr.DataArray, units: tuple[tuple[float, str], ...]) -> tuple
 
 def _map(ax: Axes, solved: xr.Dataset) -> None:
     pressure = solved["pressure"]
-    length, metres = _scaled(solved["y"], LENGTHS)
-    width, across = _scaled(solved["x"], LENGTHS)
-    size, pascals = _scaled(pressure, PRESSURES)
+    length, metres = scaled(solved["y"], LENGTHS)
+    width, across = scaled(solved["x"], LENGTHS)
+    size, pascals = scaled(pressure, PRESSURES)
     mesh = ax.pcolormesh(
         solved["y"] / length,
         solved["x"] / width,
@@ -63,8 +63,8 @@ def _map(ax: Axes, solved: xr.Dataset) -> None:
 
 
 def _along(ax: Axes, solved: xr.Dataset) -> None:
-    length, metres = _scaled(solved["y"], LENGTHS)
-    size, pascals = _scaled(solved["pressure"], PRESSURES)
+    length, metres = scaled(solved["y"], LENGTHS)
+    size, pascals = scaled(solved["pressure"], PRESSURES)
     axis = np.abs(solved["x"]) <= np.abs(solved["x"]).min() * (1 + 1e-9)
     middle = solved["pressure"].where(axis, drop=True).mean("x")
     ax.plot(solved["y"] / length, middle / size, label="in the middle", **PRESSURE)
@@ -74,8 +74,8 @@ def _along(ax: Axes, solved: xr.Dataset) -> None:
 
 
 def _across(ax: Axes, solved: xr.Dataset) -> None:
-    width, metres = _scaled(solved["x"], LENGTHS)
-    size, pascals = _scaled(solved["pressure"], PRESSURES)
+    width, metres = scaled(solved["x"], LENGTHS)
+    size, pascals = scaled(solved["pressure"], PRESSURES)
     x, pressure = solved["x"] / width, solved["pressure"] / size
     style = PRESSURE
     if solved.sizes["y"] > 1:
@@ -92,18 +92,18 @@ def _across(ax: Axes, solved: xr.Dataset) -> None:
 
 
 def _gap(ax: Axes, solved: xr.Dataset) -> None:
-    width, metres = _scaled(solved["x"], LENGTHS)
+    width, metres = scaled(solved["x"], LENGTHS)
     middle = solved.isel(y=solved.sizes["y"] // 2)
-    size, height = _scaled(middle["gap"], ((1e-9, "nm"), *LENGTHS))
+    size, height = scaled(middle["gap"], ((1e-9, "nm"), *LENGTHS))
     ax.plot(solved["x"] / width, middle["gap"] / size, **GAP)
     ax.set(xlabel=f"across [{metres}]", ylabel=f"gap [{height}]", title="gap in the middle")
 
 
 def _stress(ax: Axes, solved: xr.Dataset) -> None:
     middle = solved["von_mises"].isel(y=solved.sizes["y"] // 2)
-    width, across = _scaled(solved["x"], LENGTHS)
-    depth, metres = _scaled(solved["z"], LENGTHS)
-    size, pascals = _scaled(middle, PRESSURES)
+    width, across = scaled(solved["x"], LENGTHS)
+    depth, metres = scaled(solved["z"], LENGTHS)
+    size, pascals = scaled(middle, PRESSURES)
     if middle.sizes["z"] == 1:
         ax.plot(solved["x"] / width, middle.isel(z=0) / size, **STRESS)
         ax.set(xlabel=f"across [{across}]", ylabel=f"von Mises [{pascals}]")

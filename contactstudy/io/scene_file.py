@@ -1,15 +1,16 @@
 """A scene in a TOML file: numbers in SI units, or texts with a unit such as "10 mm"."""
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
+from importlib import import_module
 from math import inf
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.checks import InvalidInput, whole
 from contactstudy.domain.device import Cpu
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import (
@@ -22,13 +23,15 @@ from contactstudy.domain.padding import (
     ZeroPadding,
 )
 from contactstudy.domain.precision import Precision
-from contactstudy.domain.units import Metres, Number, Pascals
+from contactstudy.domain.units import Metres, Number, Pascals, Seconds
 from contactstudy.io.structuring import NO_KIND, structured
 from contactstudy.planning.plan import Plan, plan
 from contactstudy.scene.coated import CoatedHalfSpace
 from contactstudy.scene.friction import Friction, PartialSlip, Sliding
 from contactstudy.scene.load import LineLoad
+from contactstudy.scene.load_history import ChangingLoad, LoadHistory, SineLoad
 from contactstudy.scene.outputs import Output
+from contactstudy.scene.rolling import Rolling
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.crown import Crown, LundbergProfile
 from contactstudy.scene.shapes.finite_length import FiniteLength
@@ -44,10 +47,16 @@ from contactstudy.scene.surfaces.missing_points import HarmonicFill, Missing, Re
 from contactstudy.scene.surfaces.seam import AsMeasured, Mirrored, Seam, Tapered
 from contactstudy.scene.surfaces.trend import Trend
 from contactstudy.scene.surfaces.window import Window
+from contactstudy.scene.viscoelastic import ViscoelasticHalfSpace
+from contactstudy.scene.wear import Wear
 from contactstudy.solvers.polonsky_keer import PolonskyKeer
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from contactstudy.solvers.solution import Solution
 from contactstudy.solvers.solve import Solver, solve
+
+if TYPE_CHECKING:
+    from contactstudy.evolution.evolution import Evolution
+    from contactstudy.evolution.rolling import SteadyRolling
 
 
 class Turn(Enum):
@@ -97,15 +106,46 @@ class Settings:
 
 
 @dataclass(frozen=True)
+class TimeSteps:
+    """The instants of a contact that changes in time: ``times``, or so many ``instants`` evenly up to ``end``.
+
+    With an ``error``, steps between them are chosen for it.
+    """
+
+    times: tuple[Seconds, ...] = ()
+    end: Seconds | None = None
+    instants: int = 41
+    error: Number | None = None
+
+    def of(self, load: LineLoad | ChangingLoad) -> list[float] | None:
+        """The times, up to the end of ``load`` where none is given; None where the error alone says."""
+        if self.times:
+            return list(self.times)
+        end = self.end if self.end is not None else getattr(load, "end", None)
+        if end is None:
+            raise InvalidInput(
+                "evolve has no end, nor has the load: give evolve.end or evolve.times [s]."
+            )
+        if self.end is None and self.error is not None:
+            return None
+        whole("evolve.instants", self.instants, 2, "give at least 2 instants")
+        start = getattr(load, "start", 0.0)
+        return [start + (end - start) * n / (self.instants - 1) for n in range(self.instants)]
+
+
+@dataclass(frozen=True)
 class Document:
     """The keys of a file."""
 
-    load: LineLoad
+    load: ChangingLoad
     solids: tuple[Body, Body]
     shapes: tuple[Shape, ...] = ()
     hardness: Pascals = inf
     outputs: tuple[Output, ...] = ()
     friction: Friction | None = None
+    wear: Wear | None = None
+    rolling: Rolling | None = None
+    evolve: TimeSteps = field(default_factory=TimeSteps)
     grid: Grid | None = None
     padding: Padding | None = None
     padding_across: Padding | None = None
@@ -150,7 +190,20 @@ KINDS: Mapping[Any, Mapping[str, type]] = {
         (Seam, (AsMeasured, Mirrored, Tapered)),
         (Solver, (PreconditionedCG, PolonskyKeer)),
     )
-} | {Body: {"HalfSpace": HalfSpace, "CoatedHalfSpace": CoatedHalfSpace, NO_KIND: HalfSpace}}
+} | {
+    Body: {
+        "HalfSpace": HalfSpace,
+        "CoatedHalfSpace": CoatedHalfSpace,
+        "ViscoelasticHalfSpace": ViscoelasticHalfSpace,
+        NO_KIND: HalfSpace,
+    },
+    ChangingLoad: {
+        "LineLoad": LineLoad,
+        "LoadHistory": LoadHistory,
+        "SineLoad": SineLoad,
+        NO_KIND: LineLoad,
+    },
+}
 
 
 @dataclass(frozen=True)
@@ -162,6 +215,7 @@ class SceneFile:
     settings: Settings
     grid: Grid | None = None
     padding: Padding | Paddings | None = None
+    time_steps: TimeSteps = field(default_factory=TimeSteps)
 
     def plan(self) -> Plan:
         """The plan for this scene, on the file's grid if it has one."""
@@ -173,27 +227,60 @@ class SceneFile:
 
         ``on`` is the device, as for :func:`~contactstudy.solve`.
         """
+        return solve(self.scene.problem(*self._where(planned)), on=on, **self._options)
+
+    def evolve(
+        self,
+        planned: Plan | None = None,
+        *,
+        folder: str | PathLike[str] | None = None,
+        progress: Callable[[float, float], None] | None = None,
+    ) -> "Evolution":
+        """The same for a scene that changes in time, at the instants of the file."""
+        # by name: only scenes that change in time need it
+        evolve = import_module("contactstudy.evolution.evolve").evolve
+        found: Evolution = evolve(
+            self.scene,
+            *self._where(planned),
+            times=self.time_steps.of(self.scene.load),
+            error=self.time_steps.error,
+            folder=folder,
+            progress=progress,
+            **self._options,
+        )
+        return found
+
+    def roll(self, planned: Plan | None = None) -> "SteadyRolling":
+        """The same for a scene that rolls steadily."""
+        roll = import_module("contactstudy.evolution.rolling").solve_rolling
+        found: SteadyRolling = roll(self.scene, *self._where(planned), **self._options)
+        return found
+
+    def _where(self, planned: Plan | None) -> tuple[Grid, Padding | Paddings]:
         grid, padding = self.grid, self.padding
         if grid is None or padding is None:
             planned = planned or self.plan()
             grid, padding = planned.grid, padding or planned.padding
+        return grid, padding
+
+    @property
+    def _options(self) -> dict[str, Any]:
         settings = self.settings
-        return solve(
-            self.scene.problem(grid, padding),
-            tolerance=settings.tolerance,
-            max_iterations=settings.max_iterations,
-            solver=settings.solver,
-            precision=settings.precision,
-            on=on,
-        )
+        return {
+            "tolerance": settings.tolerance,
+            "max_iterations": settings.max_iterations,
+            "solver": settings.solver,
+            "precision": settings.precision,
+        }
 
 
 def read_scene(path: str | PathLike[str]) -> SceneFile:
     """The scene in a TOML file.
 
-    Tables ``load``, ``solids`` (two), ``shapes`` and ``outputs`` (each with its ``kind``), ``friction``, ``grid``,
-    ``padding``, ``plan`` and ``solve``, and the key ``hardness``, take the fields of the values of these
-    names. Raises :class:`~contactstudy.InvalidInput`, which names the key, for anything else.
+    Tables ``load``, ``solids`` (two), ``shapes`` and ``outputs`` (each with its ``kind``), ``friction``,
+    ``wear``, ``rolling``, ``grid``, ``padding``, ``plan``, ``solve`` and ``evolve``, and the key ``hardness``,
+    take the fields of the values of these names. Raises :class:`~contactstudy.InvalidInput`, which names the
+    key, for anything else.
     """
     path = Path(path)
     try:
@@ -224,6 +311,8 @@ def scene_file_of(document: Document, folder: Path = Path()) -> SceneFile:
         document.hardness,
         document.outputs,
         friction=document.friction,
+        wear=document.wear,
+        rolling=document.rolling,
     )
     padding: Padding | Paddings | None = document.padding
     if document.padding_across is not None:
@@ -232,4 +321,4 @@ def scene_file_of(document: Document, folder: Path = Path()) -> SceneFile:
                 "padding_across is given without padding: give the one along the length too."
             )
         padding = document.padding_across, document.padding
-    return SceneFile(scene, document.plan, document.solve, document.grid, padding)
+    return SceneFile(scene, document.plan, document.solve, document.grid, padding, document.evolve)

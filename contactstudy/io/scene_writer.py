@@ -32,7 +32,11 @@ def write_scene(described: "Scene | SceneFile", path: str | PathLike[str]) -> No
         text = scene_text(described, beside=path)
     else:
         others = {"grid": described.grid, **_paddings(described.padding)}
-        settings = {"plan": described.wish, "solve": described.settings}
+        settings = {
+            "plan": described.wish,
+            "solve": described.settings,
+            "evolve": described.time_steps,
+        }
         text = _text(described.scene, others | settings, path)
     try:
         path.write_text(text, encoding="utf-8")

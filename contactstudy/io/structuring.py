@@ -63,6 +63,9 @@ def _converter(kinds_of: Kinds) -> cattrs.Converter:
             raise InvalidInput(f"it is {value!r}: give a list.")
         if others != [...] and len(value) != 1 + len(others):
             raise InvalidInput(f"it has {len(value)} entries: give {1 + len(others)}.")
+        if others != [...] and len({each, *others}) > 1:
+            kinds = zip(value, (each, *others), strict=True)
+            return tuple(converter.structure(one, kind) for one, kind in kinds)
         listed: Any = list.__class_getitem__(each)
         return tuple(converter.structure(value, listed))
 

@@ -2,7 +2,8 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from math import inf
+from importlib import import_module
+from math import inf, prod
 
 from contactstudy.domain.checks import InvalidInput, NotDefined, positive
 from contactstudy.domain.grid import Grid
@@ -35,7 +36,7 @@ class Plan:
     ``seconds`` on one thread of this machine, from what ran just now, within a factor of some two;
     ``bytes`` at the most. ``period_check`` says how the period suits the scene, ``reasons`` a sentence for
     each choice, and ``warnings`` what is wrong with a grid that was given, or why the error asked for is
-    out of reach and which one is not.
+    out of reach and which one is not. ``steps`` are the solves of a scene that changes in time or rolls.
     """
 
     grid: Grid
@@ -47,6 +48,7 @@ class Plan:
     period_check: str
     reasons: tuple[str, ...]
     warnings: tuple[str, ...] = ()
+    steps: int = 1
 
 
 def plan(
@@ -60,6 +62,8 @@ def plan(
     plan needs: without a curved shape there is no width of contact, without a roller's length no grid.
     """
     error = positive("plan.error", error, "give a relative error above 0, such as 1e-3")
+    if scene.changing is not None or scene.rolling is not None:
+        return _plan_in_time(scene, error=error, period=period, grid=grid)
     needs = needs_of(scene)
     padding = needs.padding()
     if grid is not None and period is not None and period != grid.period:
@@ -84,6 +88,28 @@ def plan(
             *needs.warnings(grid),
             *_warnings(needs, seen, grid, limit, error=inf if given else error),
         ),
+    )
+
+
+def _plan_in_time(scene: Scene, *, error: float, period: float | None, grid: Grid | None) -> Plan:
+    """Of a scene that changes in time: wide enough for its widest contact, fine enough for its narrowest."""
+    # by name: only scenes that change in time need it
+    extremes = import_module("contactstudy.planning.in_time").extremes(scene, error)
+    if grid is not None:
+        found = plan(extremes.narrow, error=error, period=period, grid=grid)
+    else:
+        narrow = plan(extremes.narrow, error=error, period=period)
+        width = max(narrow.grid.extent[0], extremes.width)
+        across = halvable(narrow.grid.cells[0] * width / narrow.grid.extent[0])
+        wide = Grid((across, narrow.grid.cells[1]), (width, narrow.grid.period))
+        found = plan(extremes.narrow, error=error, grid=wide)
+    # a warm start takes no coarser grids and fewer iterations
+    return replace(
+        found,
+        seconds=found.seconds * extremes.steps,
+        bytes=found.bytes + 8 * extremes.fields * prod(found.grid.cells),
+        reasons=(*found.reasons, *extremes.reasons),
+        steps=extremes.steps,
     )
 
 

@@ -40,6 +40,18 @@ def plan(scene: Path, as_json: bool) -> None:  # noqa: FBT001 (click's own way)
         click.echo(f"  mind: {warning}")
 
 
+def _solution(described: cs.SceneFile, planned: cs.Plan | None, on: cs.Cpu) -> cs.Solution:
+    """Of one problem, or of a contact that rolls."""
+    if described.scene.rolling is None:
+        return described.solve(planned, on=on)
+    rolled = described.roll(planned)
+    click.echo(
+        f"rolling: {rolled.settled.passes} passes to a change of {rolled.settled.change:.1e}; centroid "
+        f"{rolled.shift:.4g} m ahead, resistance {rolled.resistance:.4g} of the load"
+    )
+    return rolled.solution
+
+
 @click.command()
 @SCENE
 @click.option(
@@ -74,8 +86,13 @@ def solve(scene: Path, out: Path, threads: int | None) -> None:
                 f"{planned.bytes / 1e9:.2g} GB",
                 err=True,
             )
+    if described.scene.rolling is None and described.scene.changing is not None:
+        from studies.cli.evolving import evolve
+
+        evolve(scene, described, planned, folder)
+        return
     start = perf_counter()
-    solution = described.solve(planned, on=cs.Cpu(threads or _cores()))
+    solution = _solution(described, planned, cs.Cpu(threads or _cores()))
     seconds = perf_counter() - start
     estimate = cs.error_estimate(solution)
     dataset = cs.to_dataset(solution, estimate)

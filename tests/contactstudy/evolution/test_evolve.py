@@ -235,3 +235,11 @@ def test_a_sine_load_is_zero_where_it_would_pull() -> None:
     sums = [load.mean(a, b) * (b - a) for a, b in pairwise(marks)]
     by_points = (values[1:] + values[:-1]).sum() / 2 * (times[1] - times[0])
     assert sum(sums) == pytest.approx(by_points, rel=1e-6)
+
+
+def test_before_the_first_load_the_bodies_just_touch() -> None:
+    found = ended(cs.LoadHistory((0.0, 1.0), (0.0, LOAD)), times=[0.0, 1.0])
+    assert found.times.tolist() == [0.0, 1.0]
+    assert found.frames[0].pressure.max() == 0
+    assert found.frames[0].gap.min() == 0
+    assert found.status is cs.Status.CONVERGED

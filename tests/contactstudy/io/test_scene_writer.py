@@ -109,3 +109,27 @@ def test_a_shape_of_ones_own_is_refused_by_name(tmp_path: Path) -> None:
 def test_a_folder_that_is_not_there_is_said(tmp_path: Path) -> None:
     with pytest.raises(cs.InvalidInput, match="cannot be written"):
         cs.write_scene(scene(cs.Cylinder(0.01)), tmp_path / "nowhere" / "scene.toml")
+
+
+RUBBER = cs.ViscoelasticHalfSpace(1e6, 0.4, ((1.5e6, 1.0), (5e5, 0.1)))
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"load": cs.LoadHistory((0.0, 0.0, 2.0), (0.0, 1e4, 1e4))},
+        {"load": cs.SineLoad(1e3, 5e2, frequency=2.0, phase=0.1)},
+        {"solids": (RUBBER, STEEL)},
+        {"wear": cs.Wear(1e-17, 0.1, body=1)},
+        {"solids": (RUBBER, STEEL), "rolling": cs.Rolling(2.0)},
+    ],
+    ids=["history", "sine", "creep", "wear", "rolling"],
+)
+def test_every_effect_in_time_reads_back(changes: dict[str, object], tmp_path: Path) -> None:
+    written = replace(scene(cs.Cylinder(0.01)), **changes)  # type: ignore[arg-type]
+    described = read_back(written, tmp_path)
+    assert described.scene == written
+    steps = replace(described.time_steps, end=2.0, instants=3, error=1e-2)
+    found = read_back(replace(described, time_steps=steps), tmp_path)
+    assert found.time_steps == steps
+    assert steps.of(written.load) == [0.0, 1.0, 2.0]

@@ -103,3 +103,27 @@ def test_a_scene_that_cannot_be_read_leaves_nothing_behind(command: str, tmp_pat
     assert isinstance(result.exception, cs.InvalidInput)
     assert "none.toml cannot be read" in str(result.exception)
     assert not out.exists()
+
+
+def test_the_rubber_example_is_marched_and_leaves_no_march_behind(tmp_path: Path) -> None:
+    dataset = solved("rubber", tmp_path)
+    assert dataset.sizes["time"] == 21
+    assert not (tmp_path / "rubber.march").exists()
+    # worn volume per length: k v int P dt = 1e-10 / Pa 0.1 m/s (0.5 + 3) s 500 N/m
+    worn = float(dataset["worn_depth"].isel(time=-1).mean("y").sum("x"))
+    cell = float(dataset["x"][1] - dataset["x"][0])
+    assert worn * cell == pytest.approx(1e-10 * 0.1 * 3.5 * 500, rel=1e-9)
+    assert (np.diff(dataset["contact_area"].values[6:]) >= 0).all()
+
+
+def test_a_rolling_scene_says_its_shift_and_resistance(tmp_path: Path) -> None:
+    text = (EXAMPLES / "rubber.toml").read_text(encoding="utf-8")
+    _, _, rest = text.partition("[[solids]]")
+    rest = rest.partition("[wear]")[0]
+    load = '[load]\nper_length = "500 N/m"\n[rolling]\nspeed = "10 mm/s"\n[plan]\nerror = 0.01\n'
+    path = tmp_path / "rolling.toml"
+    path.write_text(f"{load}[[solids]]{rest}", encoding="utf-8")
+    result = run("solve", str(path), "--out", str(tmp_path / "out"))
+    assert result.exit_code == 0, result.output
+    assert "resistance" in result.output
+    assert "CONVERGED" in result.output

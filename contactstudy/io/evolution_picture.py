@@ -1,0 +1,100 @@
+"""The picture of a contact that changed in time: profiles, a map over time, numbers against time."""
+
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from contactstudy.io.figure import SETTINGS, panels
+from contactstudy.io.picture import LENGTHS, PRESSURES, scaled
+
+# Profiles are drawn of so many instants.
+PROFILES = 6
+
+
+def evolution_picture(evolved: xr.Dataset) -> Figure:
+    """``evolved``, as ``Evolution.to_dataset`` labels it; nothing else is needed."""
+    worn = "worn_depth" in evolved
+    drawn = [_profiles, _map, _numbers, _errors] + [_worn] * worn
+    with mpl.rc_context(SETTINGS):
+        figure, axes = panels(len(drawn), columns=2, width=4.6, height=3.4)
+        for draw, ax in zip(drawn, axes, strict=True):
+            draw(ax, evolved)
+    return figure
+
+
+def _lines(ax: Axes, evolved: xr.Dataset, name: str, scale: tuple[float, str]) -> None:
+    """``name`` across the middle of the length at some instants, the later the brighter."""
+    middle = evolved[name].isel(y=evolved.sizes["y"] // 2)
+    length, metres = scaled(evolved["x"], LENGTHS)
+    chosen = np.unique(np.linspace(0, evolved.sizes["time"] - 1, PROFILES).round().astype(int))
+    colors: Any = mpl.colormaps["viridis"](np.linspace(0, 0.9, len(chosen)))
+    for number, color in zip(chosen, colors, strict=True):
+        one = middle.isel(time=number)
+        label = f"{float(one['time']):.3g} s"
+        ax.plot(evolved["x"] / length, one / scale[0], color=color, label=label)
+    ax.set(xlabel=f"across [{metres}]", ylabel=f"{evolved[name].attrs['long_name']} [{scale[1]}]")
+    ax.legend()
+
+
+def _profiles(ax: Axes, evolved: xr.Dataset) -> None:
+    _lines(ax, evolved, "pressure", scaled(evolved["pressure"], PRESSURES))
+
+
+def _worn(ax: Axes, evolved: xr.Dataset) -> None:
+    _lines(ax, evolved, "worn_depth", scaled(evolved["worn_depth"], LENGTHS))
+
+
+def _map(ax: Axes, evolved: xr.Dataset) -> None:
+    """The mean pressure along the length over time and width."""
+    pressure = evolved["pressure"].mean("y")
+    size, pascals = scaled(pressure, PRESSURES)
+    length, metres = scaled(evolved["x"], LENGTHS)
+    # an instant given twice is a jump: the map has room for one
+    time = evolved["time"].values
+    kept = np.append(np.diff(time) > 0, [True])
+    mesh = ax.pcolormesh(
+        time[kept],
+        evolved["x"] / length,
+        (pressure / size).values[kept].T,
+        cmap="viridis",
+        shading="nearest" if kept.sum() > 1 else "auto",
+        rasterized=True,
+    )
+    ax.set(xlabel="time [s]", ylabel=f"across [{metres}]", title=f"mean pressure [{pascals}]")
+    ax.figure.colorbar(mesh, ax=ax)
+
+
+def _numbers(ax: Axes, evolved: xr.Dataset) -> None:
+    """Load, highest pressure and contact area over their largest values."""
+    for name, color in (
+        ("load", "#595959"),
+        ("highest_pressure", "#0072B2"),
+        ("contact_area", "#009E73"),
+    ):
+        values = evolved[name]
+        largest = float(values.max()) or 1.0
+        units = values.attrs["units"]
+        label = f"{values.attrs['long_name']} over {largest:.3g} {units}"
+        ax.plot(evolved["time"], values / largest, color=color, label=label)
+    ax.set(xlabel="time [s]", ylabel="over the largest value")
+    ax.set_ylim(bottom=0)
+    ax.legend()
+
+
+def _errors(ax: Axes, evolved: xr.Dataset) -> None:
+    """The errors by the steps and by the cells, where they are known and not zero."""
+    for name, color in (("step_error", "#D55E00"), ("grid_error", "#0072B2")):
+        values = evolved[name].values
+        shown = np.isfinite(values) & (values > 0)
+        if shown.any():
+            label = evolved[name].attrs["long_name"]
+            ax.semilogy(
+                evolved["time"].values[shown], values[shown], ".-", color=color, label=label
+            )
+    ax.set(xlabel="time [s]", ylabel="relative error")
+    if ax.get_legend_handles_labels()[0]:
+        ax.legend()

@@ -1,5 +1,6 @@
 """Closed-form solutions, under their authors' names."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,6 +8,9 @@ from numpy.typing import ArrayLike
 
 from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import positive, set_fields
+
+# Points of a quadrature over time, and halvings of a time.
+GAUSS, BISECTIONS = 60, 60
 
 
 @dataclass(frozen=True)
@@ -62,6 +66,54 @@ class HertzLine:
         share = (z**2 + n**2) / root
         xx, zz = 2 * z - m * (1 + share), -m * (1 - share)
         return self.peak_pressure * np.stack([xx, zz, -n * (m**2 - z**2) / root])
+
+
+@dataclass(frozen=True)
+class LeeRadok:
+    """Lee & Radok's (1960) line contact under a load that is applied suddenly and held, in plane strain.
+
+    ``load_per_length`` W [N/m], ``radius`` R [m]. The bodies together relax as ``E*(t) = equilibrium +
+    sum(E_i exp(-t / tau_i))`` [Pa], with ``relaxation`` the pairs (E_i, tau_i [s]), and creep as ``creep(t)`` [1/Pa].
+    """
+
+    load_per_length: float
+    radius: float
+    equilibrium: float
+    relaxation: tuple[tuple[float, float], ...]
+    creep: Callable[[Array], Array]
+
+    def half_width(self, time: ArrayLike) -> Array:
+        """``a = sqrt(4 W R creep(t) / pi)`` [m]."""
+        creep = self.creep(np.asarray(time, dtype=np.float64))
+        return np.asarray(np.sqrt(4 * self.load_per_length * self.radius * creep / np.pi))
+
+    def pressure(self, x: ArrayLike, time: float) -> Array:
+        """``1 / (2 R) int E*(t - s) d sqrt(a(s)^2 - x^2)`` [Pa] at ``x`` [m] and one ``time`` [s]."""
+        x = np.abs(np.asarray(x, dtype=np.float64))
+        inside = x < self.half_width(time)
+        place = np.where(inside, x, 0.0)[..., None]
+        # by parts, then Gauss in the root of the time in contact: the integrand is smooth in it
+        nodes, weights = np.polynomial.legendre.leggauss(GAUSS)
+        joined = self._joined(place, time)
+        span = np.sqrt(time - joined)
+        root = span * (nodes + 1) / 2
+        since = joined + root**2
+        slope = sum(e / tau * np.exp(-(time - since) / tau) for e, tau in self.relaxation)
+        depth = np.sqrt(np.maximum(self.half_width(since) ** 2 - place**2, 0))
+        relaxed = (depth * slope * root * weights * span).sum(axis=-1)
+        now = np.sqrt(self.half_width(time) ** 2 - place[..., 0] ** 2)
+        sudden = self.equilibrium + sum(e for e, _ in self.relaxation)
+        return np.where(inside, (sudden * now - relaxed) / (2 * self.radius), 0.0)
+
+    def _joined(self, x: Array, time: float) -> Array:
+        """When the contact reached ``x``, by halving down to rounding."""
+        low = np.zeros_like(x)
+        high = np.where(x > self.half_width(0.0), time, 0.0)
+        for _ in range(BISECTIONS):
+            middle = (low + high) / 2
+            before = self.half_width(middle) < x
+            low, high = np.where(before, middle, low), np.where(before, high, middle)
+        return high
 
 
 @dataclass(frozen=True)

@@ -49,6 +49,8 @@ BUILT_IN = {
     "roughness": Modules(
         "studies.definitions.effects.roughness", "studies.report.drawings.effects.roughness"
     ),
+    "creep": Modules("studies.definitions.effects.creep", "studies.report.drawings.effects.creep"),
+    "wear": Modules("studies.definitions.effects.wear", "studies.report.drawings.effects.wear"),
     "effects": Modules("studies.definitions.cost.effects", "studies.report.drawings.cost.effects"),
     "pareto": Modules("studies.definitions.cost.pareto", "studies.report.drawings.cost.pareto"),
     "stability": Modules("studies.definitions.stability", "studies.report.drawings.stability"),

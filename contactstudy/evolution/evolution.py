@@ -86,6 +86,11 @@ class Evolution:
         return sum(frame.convolutions for frame in self.frames)
 
     @property
+    def residual(self) -> float:
+        """The largest of the recorded solves."""
+        return max(frame.residual for frame in self.frames)
+
+    @property
     def step_error(self) -> float:
         """The largest estimated relative L1 error of the pressure from the steps in time."""
         return max(frame.step_error for frame in self.frames)

@@ -8,8 +8,9 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.domain.checks import whole
+from studies.definitions.evolution_case import EvolutionCase
 from studies.model.axis import Axis, one_of
-from studies.model.case import Case, number
+from studies.model.case import Case, Computation, number
 from studies.model.study import Point
 from studies.reference.line_contact import FLATTENING, HERTZ, SCENE
 
@@ -41,8 +42,15 @@ SCENES: dict[str, cs.Scene] = {
     "stress": STRESSED,
 }
 
+# Effects in time, each alone on the wavy cylinder: a sudden load and one step after it.
+RUBBER = cs.ViscoelasticHalfSpace(0.4 * 210e9, 0.3, ((0.6 * 210e9, 1.0),))
+IN_TIME: dict[str, cs.Scene] = {
+    "one step of creep": replace(WAVY, solids=(RUBBER, RUBBER)),
+    "one step of wear": replace(WAVY, wear=cs.Wear(0.01 * A / SCENE.contact_modulus, 1.0)),
+}
+
 points = (
-    Axis("effect", tuple(SCENES), "effect added last"),
+    Axis("effect", (*SCENES, *IN_TIME), "effect added last"),
     Axis("grid", (512,), "cells across the width"),
 )
 
@@ -69,16 +77,27 @@ class SolveWithOutputs:
         return self.case.record(result)
 
 
-def scene_at(point: Point) -> SolveWithOutputs:
-    """A line contact, exactly periodic, with all effects up to the one named."""
-    effect = one_of("effect", point["effect"], SCENES)
+@dataclass(frozen=True)
+class LastStep(EvolutionCase):
+    """A march of which the last step is recorded."""
+
+    def record(self, result: cs.Evolution) -> Mapping[str, xr.Variable]:
+        """The solver's numbers of the last step."""
+        return super().record(replace(result, frames=result.frames[-1:]))
+
+
+def scene_at(point: Point) -> SolveWithOutputs | LastStep:
+    """A line contact, exactly periodic, with all effects up to the one named, or one step of one in time."""
+    effect = one_of("effect", point["effect"], SCENES | IN_TIME)
     cells = whole("grid", point["grid"], 4, "give at least 4 cells across the width")
     along = 1 if effect == "smooth, 1-D" else cells // 4
     grid = cs.Grid(cells=(cells, along), extent=(WIDTH * A, PERIOD * A))
+    if effect in IN_TIME:
+        return LastStep(IN_TIME[effect], grid, cs.ExactPeriodicity(), (0.0, 0.2), step_error="NONE")
     return SolveWithOutputs(Case(SCENES[effect], grid, cs.ExactPeriodicity()))
 
 
-def measures(case: SolveWithOutputs, result: cs.Solution) -> Mapping[str, xr.Variable]:
+def measures(case: Computation, result: cs.Solution | cs.Evolution) -> Mapping[str, xr.Variable]:
     """The most memory that is held at once."""
     tracemalloc.start()
     try:
@@ -86,8 +105,9 @@ def measures(case: SolveWithOutputs, result: cs.Solution) -> Mapping[str, xr.Var
         peak = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
+    pressure = result.pressure if isinstance(result, cs.Solution) else result.frames[-1].pressure
     label = {"units": "MB", "long_name": "peak memory of set-up, solve and outputs"}
     return {
         "memory": xr.Variable((), peak / 1e6, label),
-        "contact_share": number(float((result.pressure > 0).mean()), "share of cells in contact"),
+        "contact_share": number(float((pressure > 0).mean()), "share of cells in contact"),
     }

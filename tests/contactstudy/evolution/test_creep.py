@@ -31,7 +31,7 @@ def width_of(frame: cs.Evolution, number: int = -1) -> float:
 
 def test_a_held_load_spreads_as_lee_and_radok_have_it() -> None:
     """Reference: p0(2) = 0.031855429, a(2) = 0.151558473, by the closed form and an independent march."""
-    assert half_width(SOLID.creep, 2.0) == pytest.approx(0.151558473, rel=1e-8)
+    assert half_width(SOLID, 2.0) == pytest.approx(0.151558473, rel=1e-8)
     assert held_pressure(SOLID, 2.0, np.zeros(1))[0] == pytest.approx(0.031855429, rel=1e-7)
     grid = line(400)
     found = cs.evolve(
@@ -79,7 +79,7 @@ def test_a_contact_falls_back_at_a_sudden_unloading_as_ting_has_it() -> None:
     before, after = found.frames[-2:]
     assert (before.load, after.load) == (LOAD, 0.4 * LOAD)
     assert before.time == after.time == 1.0
-    assert width_of(found, -2) == pytest.approx(half_width(SOLID.creep, 1.0), abs=grid.cell[0])
+    assert width_of(found, -2) == pytest.approx(half_width(SOLID, 1.0), abs=grid.cell[0])
     assert width_of(found) == pytest.approx(0.094359465, abs=grid.cell[0])
 
 
@@ -208,4 +208,4 @@ def test_unloaded_bodies_recover_and_touch() -> None:
 
 
 def test_the_edge_of_a_held_contact_is_that_of_its_creep() -> None:
-    assert half_width(SOLID.creep, 0.0) == pytest.approx(sqrt(4 * LOAD / pi))
+    assert half_width(SOLID, 0.0) == pytest.approx(sqrt(4 * LOAD / pi))

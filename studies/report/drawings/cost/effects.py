@@ -5,7 +5,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from contactstudy.domain.arrays import Array
-from studies.definitions.cost.effects import PERIOD, WIDTH
+from studies.definitions.cost.effects import IN_TIME, PERIOD, WIDTH
 from studies.model.drawing import CaptionedFigure
 from studies.reference.line_contact import total_time
 from studies.report.formatting import percent
@@ -38,7 +38,7 @@ def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     ):
         ax.set_xlabel(label)
         ax.grid(visible=False, axis="y")
-    labels = [name if name.startswith("smooth") else f"+ {name}" for name in names]
+    labels = [name if name.startswith(("smooth", "one step")) else f"+ {name}" for name in names]
     axes[0].set_yticks(place, labels)
     axes[0].invert_yaxis()
     add_legend(fig)
@@ -68,5 +68,11 @@ def _caption(dataset: xr.Dataset) -> str:
             "more memory or longer transforms: a shape costs iterations. Stress adds no iterations, "
             "but it needs influence coefficients and transforms of its own, "
             "one for each of six components at each depth (here one depth)."
+        )
+    if set(IN_TIME) & set(dataset["effect"].values.tolist()):
+        words += (
+            " The last rows are alone on the wavy cylinder, a sudden load and one step in time: iterations and "
+            "transform pairs are those of the step, which starts from the pressure before, while time "
+            "and memory count both. A step adds at most one convolution to a solve."
         )
     return words

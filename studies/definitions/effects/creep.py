@@ -1,0 +1,80 @@
+"""A viscoelastic contact under a load that is held: what accuracy in time costs."""
+
+from collections.abc import Mapping
+from math import inf, pi
+
+import numpy as np
+import xarray as xr
+
+import contactstudy as cs
+from contactstudy.domain.checks import whole
+from studies.definitions.evolution_case import EvolutionCase
+from studies.model.axis import Axis
+from studies.model.case import number
+from studies.model.study import Point
+
+# In units of the half-width of a sudden load, of E* of a sudden load and of the time of creep, a tenth each.
+RADIUS, HALF_WIDTH, END = 1.0, 0.1, 2.0
+LOAD = pi * HALF_WIDTH**2 / (4 * RADIUS)
+# Creep 1 + 1.5 (1 - exp(-t)).
+BODY = cs.ViscoelasticHalfSpace(0.4, 0.0, ((0.6, 0.4),))
+SCENE = cs.Scene(cs.LineLoad(LOAD), (BODY, cs.HalfSpace(inf, 0.3)), (cs.Cylinder(RADIUS),))
+CLOSED = cs.analytic.LeeRadok(LOAD, RADIUS, 0.4, ((0.6, 0.4),), BODY.creep)
+WIDTH = 0.36
+RECORDS = 10
+
+points = (
+    Axis("steps", (10, 20, 40, 80, 160), "steps over two times of creep"),
+    Axis("grid", (64, 256), "cells across the width"),
+)
+
+# transform pairs tell the cost, so that nothing is timed
+times = "none"
+
+
+def scene_at(point: Point) -> EvolutionCase:
+    """The load held, with steps of one length."""
+    steps = whole("steps", point["steps"], 2, "give at least 2 steps")
+    cells = whole("grid", point["grid"], 4, "give at least 4 cells across the width")
+    times = tuple(np.linspace(0, END, steps + 1).tolist())
+    grid = cs.Grid((cells, 1), (WIDTH, 1.0))
+    return EvolutionCase(SCENE, grid, cs.ExactPeriodicity(), times)
+
+
+def measures(case: EvolutionCase, result: cs.Evolution) -> Mapping[str, xr.Variable]:
+    """Half-width and highest pressure over time, and errors against the closed form."""
+    x = case.grid.x
+    # away from the first step, which follows a jump; a whole number of records of every number of steps
+    places = np.unique(np.linspace(0, len(result.frames) - 1, RECORDS + 1).round().astype(int))
+    frames = [result.frames[place] for place in places]
+    time = np.linspace(0, END, RECORDS + 1)
+    padded = (0, RECORDS + 1 - len(frames))
+
+    def series(values: list[float], long_name: str) -> xr.Variable:
+        filled = np.pad(np.array(values, dtype=float), padded, constant_values=np.nan)
+        return xr.Variable("time", filled, {"units": "1", "long_name": long_name})
+
+    wrong = []
+    for frame in frames[1:]:
+        exact = CLOSED.pressure(x, frame.time)
+        wrong.append(float(np.abs(frame.pressure[:, 0] - exact).sum() / exact.sum()))
+    cell = case.grid.cell[0]
+    return {
+        "time": xr.Variable("time", time, {"units": "1", "long_name": "time over that of creep"}),
+        "half_width": series(
+            [np.count_nonzero(frame.pressure) * cell / 2 / HALF_WIDTH for frame in frames],
+            "half-width over that of a sudden load",
+        ),
+        "highest_pressure": series(
+            [frame.highest_pressure / (HALF_WIDTH / 2) for frame in frames],
+            "highest pressure over that of a sudden load",
+        ),
+        "pressure_error_l1": number(max(wrong), "largest relative L1 error of the pressure"),
+        "last_error_l1": number(wrong[-1], "relative L1 error of the pressure at the end"),
+        "step_error": number(
+            max(frame.step_error for frame in frames[1:]), "estimated L1 error by the steps"
+        ),
+        "grid_error": number(
+            max(frame.grid_error for frame in frames[1:]), "estimated L1 error by the cells"
+        ),
+    }

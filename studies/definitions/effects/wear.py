@@ -1,0 +1,95 @@
+"""A cylinder that wears to twice its half-width and more: implicit and explicit steps, error against cost."""
+
+from collections.abc import Mapping
+from functools import cache
+from math import inf, pi
+
+import numpy as np
+import xarray as xr
+
+import contactstudy as cs
+from contactstudy.domain.arrays import Array
+from contactstudy.domain.checks import whole
+from studies.definitions.evolution_case import EvolutionCase
+from studies.model.axis import Axis, one_of
+from studies.model.case import number
+from studies.model.study import Point
+
+RADIUS, HALF_WIDTH = 1.0, 0.1
+LOAD = pi * HALF_WIDTH**2 / (4 * RADIUS)
+# Of the worn flat of a rigid cylinder, a^3 = 3/2 R k P s, at the end.
+WORN = 2.0
+DISTANCE = (WORN * HALF_WIDTH) ** 3 / (1.5 * RADIUS * LOAD)
+SCENE = cs.Scene(
+    cs.LineLoad(LOAD),
+    (cs.HalfSpace(1.0, 0.0), cs.HalfSpace(inf, 0.3)),
+    (cs.Cylinder(RADIUS),),
+    wear=cs.Wear(1.0, 1.0),
+)
+WIDTH = 0.5
+SCHEMES = {"implicit": "IMPLICIT", "two-stage": "TWO_STAGE", "explicit": "EXPLICIT"}
+RECORDS = 8
+FINE = 512
+
+points = (
+    Axis("scheme", tuple(SCHEMES), "scheme"),
+    Axis("steps", (8, 16, 32, 64, 128), "steps over the distance"),
+    Axis("grid", (64,), "cells across the width"),
+)
+
+# solves tell the cost, so that nothing is timed
+times = "none"
+
+
+def scene_at(point: Point) -> EvolutionCase:
+    """Steps of one length, from the unworn cylinder on."""
+    scheme = one_of("scheme", point["scheme"], SCHEMES)
+    steps = whole("steps", point["steps"], 2, "give at least 2 steps")
+    cells = whole("grid", point["grid"], 4, "give at least 4 cells across the width")
+    return _case(cells, steps, SCHEMES[scheme])
+
+
+def _case(cells: int, steps: int, scheme: str) -> EvolutionCase:
+    times = tuple(np.linspace(0, DISTANCE, steps + 1).tolist())
+    grid = cs.Grid((cells, 1), (WIDTH, 1.0))
+    return EvolutionCase(
+        SCENE, grid, cs.ExactPeriodicity(), times, scheme=scheme, step_error="NONE"
+    )
+
+
+@cache
+def _fine(cells: int) -> Array:
+    """The pressure at the end of a march with many short steps."""
+    case = _case(cells, FINE, "TWO_STAGE")
+    return case.run(None).frames[-1].pressure
+
+
+def measures(case: EvolutionCase, result: cs.Evolution) -> Mapping[str, xr.Variable]:
+    """Half-width over distance, the volume, and the error against a march with many short steps."""
+    frames = result.frames
+    places = np.linspace(0, len(frames) - 1, RECORDS + 1).round().astype(int)
+    cell = case.grid.cell[0]
+    widths = [np.count_nonzero(frames[n].pressure) * cell / 2 / HALF_WIDTH for n in places]
+    fine = _fine(case.grid.cells[0])
+    last = frames[-1]
+    volume = float(last.fields["worn_depth"].values.sum()) * cell
+    share = np.linspace(0, 1, RECORDS + 1)
+    wrong = np.abs(last.pressure - fine).sum() / fine.sum()
+    return {
+        "distance": xr.Variable(
+            "distance", share, {"units": "1", "long_name": "distance over the whole"}
+        ),
+        "half_width": xr.Variable(
+            "distance", np.array(widths), {"units": "1", "long_name": "half-width over Hertz's"}
+        ),
+        "pressure_error_l1": number(float(wrong), "relative L1 error of the pressure at the end"),
+        "volume_error": number(
+            abs(volume / (LOAD * DISTANCE) - 1), "relative error of the worn volume"
+        ),
+        "highest_pressure": number(
+            last.highest_pressure / (HALF_WIDTH / 2), "highest pressure over Hertz's at the end"
+        ),
+        "longest_explicit": number(
+            1.484 * cell * (len(frames) - 1) / DISTANCE, "longest explicit step over this one"
+        ),
+    }

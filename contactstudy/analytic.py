@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike
 from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import positive, set_fields
 
-# Points of a quadrature over time, and halvings of a time.
-GAUSS, BISECTIONS = 60, 60
+# Points in a panel of a quadrature over time, panels to each end, and halvings of a time.
+GAUSS, PANELS, BISECTIONS = 10, 16, 60
 
 
 @dataclass(frozen=True)
@@ -92,15 +92,17 @@ class LeeRadok:
         x = np.abs(np.asarray(x, dtype=np.float64))
         inside = x < self.half_width(time)
         place = np.where(inside, x, 0.0)[..., None]
-        # by parts, then Gauss in the root of the time in contact: the integrand is smooth in it
-        nodes, weights = np.polynomial.legendre.leggauss(GAUSS)
+        # by parts; in the root of the time in contact the integrand has no root, and panels that shrink
+        # towards both ends see times of relaxation much shorter than the whole
+        nodes, weights = _graded()
         joined = self._joined(place, time)
         span = np.sqrt(time - joined)
-        root = span * (nodes + 1) / 2
+        root = span * nodes
         since = joined + root**2
-        slope = sum(e / tau * np.exp(-(time - since) / tau) for e, tau in self.relaxation)
+        ago = span**2 * (1 - nodes) * (1 + nodes)
+        slope = sum(e / tau * np.exp(-ago / tau) for e, tau in self.relaxation)
         depth = np.sqrt(np.maximum(self.half_width(since) ** 2 - place**2, 0))
-        relaxed = (depth * slope * root * weights * span).sum(axis=-1)
+        relaxed = (depth * slope * 2 * root * weights * span).sum(axis=-1)
         now = np.sqrt(self.half_width(time) ** 2 - place[..., 0] ** 2)
         sudden = self.equilibrium + sum(e for e, _ in self.relaxation)
         return np.where(inside, (sudden * now - relaxed) / (2 * self.radius), 0.0)
@@ -212,6 +214,15 @@ class Westergaard:
             return np.asarray(mean + closing * np.cos(2 * angle))
         inside = np.clip(mean / closing - np.sin(angle) ** 2, 0, None)
         return np.asarray(2 * closing * np.abs(np.cos(angle)) * np.sqrt(inside))
+
+
+def _graded() -> tuple[Array, Array]:
+    """Gauss points and weights from 0 to 1, in panels that halve towards both ends."""
+    halves = 0.5 ** np.arange(PANELS, 0, -1.0)
+    edges = np.concatenate([[0.0], halves, 1 - halves[-2::-1], [1.0]])
+    points, gauss = np.polynomial.legendre.leggauss(GAUSS)
+    sizes = np.diff(edges)[:, None]
+    return (edges[:-1, None] + sizes * (points + 1) / 2).ravel(), (sizes * gauss / 2).ravel()
 
 
 def _keep_positive(instance: object, function: str, **fields: str) -> None:

@@ -77,6 +77,8 @@ def evolve(
         raise InvalidInput(
             "Scene.rolling is steady, so it has no history: leave it out, or call contactstudy.solve_rolling."
         )
+    if scene.friction is not None:
+        raise InvalidInput("Scene.friction has no history here: leave it out.")
     control = None if error is None else StepControl.of(error, tolerance)
     load = _load(scene, times)
     marks = schedule(load, times)

@@ -77,6 +77,8 @@ def solve_rolling(
     """
     if scene.rolling is None:
         raise InvalidInput("Scene.rolling is None: give a Rolling(speed=...).")
+    if scene.friction is not None:
+        raise InvalidInput("Scene.friction is not known in rolling: leave it out.")
     if scene.wear is not None or not isinstance(scene.load, LineLoad):
         field = "Scene.load" if scene.wear is None else "Scene.wear"
         raise InvalidInput(f"{field} changes in time beside Scene.rolling: leave one of them out.")

@@ -88,15 +88,21 @@ class Walk:
             return self._one_step(mark)
         return self._pairs_of_steps(mark)
 
-    def _one_step(self, mark: Mark) -> "_Outcome":
-        """To ``mark`` at once; the companion takes every other step."""
-        odd = self.behind.time == self.main.time
+    def _one_step(self, mark: Mark) -> _Outcome:
+        """To ``mark`` at once; the companion takes every other step.
+
+        A single step that has no other beside it is taken in halves, or the companion would be no different.
+        """
+        together = self.behind.time == self.main.time
+        last = mark.breaks or mark is self.marks[-1] or mark.records == 2
+        if self.companion and together and last:
+            half = (self.main.time + mark.time) / 2
+            self.main, _ = self._advance(self.main, half, self.march.load.at(half))
         self.main, self.solution = self._advance(self.main, mark.time, mark.before)
         if not np.isfinite(self.solution.residual):
             self._end(self.solution)
             return _Outcome.NO_SOLUTION
-        last = mark.breaks or mark is self.marks[-1] or mark.records == 2
-        if self.companion and (last or not odd):
+        if self.companion and (last or not together):
             self.behind, _ = self._advance(self.behind, mark.time, mark.before)
             self.found = self._difference(self.main, self.behind)
             self._settle()

@@ -243,3 +243,15 @@ def test_before_the_first_load_the_bodies_just_touch() -> None:
     assert found.frames[0].pressure.max() == 0
     assert found.frames[0].gap.min() == 0
     assert found.status is cs.Status.CONVERGED
+
+
+@pytest.mark.parametrize("intervals", [1, 2, 3, 4, 5])
+def test_the_error_of_given_steps_is_bounded_for_any_number_of_them(intervals: int) -> None:
+    """Against 400 steps; a single step, too, is compared with two."""
+    scene = rolling_cylinder(SOLID)
+    exact = cs.evolve(
+        scene, GRID, EXACT, times=np.linspace(0, 1, 401), step_error=cs.StepError.NONE
+    ).frames[-1]
+    found = cs.evolve(scene, GRID, EXACT, times=np.linspace(0, 1, intervals + 1)).frames[-1]
+    wrong = np.abs(found.pressure - exact.pressure).sum() / exact.pressure.sum()
+    assert wrong <= found.step_error < 0.1

@@ -139,7 +139,7 @@ def reaching(
     ``period`` [m] is chosen where none is given.
     """
     grid = needs.grid(error, period)
-    padding, coarsened = needs.padding(), False
+    padding, refined = needs.padding(), False
     for _ in range(ROUNDS):
         within = affordable(grid, padding, limit)
         seen = expected(scene, needs, within)
@@ -150,18 +150,18 @@ def reaching(
         elif seen.cut_off or error / WASTE <= seen.error <= ALMOST * error:
             break
         elif seen.error <= ALMOST * error:
-            # the first guess was too careful, once
+            # the first guess was too careful
             most = min(
                 wave / cell / 2 for wave, cell in zip(needs.finest, within.cell, strict=True)
             )
             fewer = finer(within, max((seen.error / error) ** (1 / seen.rate), 1 / most))
-            if coarsened or fewer.cells[0] >= within.cells[0]:
+            if refined or fewer.cells[0] >= within.cells[0]:
                 break
-            grid, coarsened = fewer, True
+            grid = fewer
         elif within != grid:
             break
         else:
-            grid = seen.grid_for(ALMOST * error)
+            grid, refined = seen.grid_for(ALMOST * error), True
     return seen
 
 

@@ -9,7 +9,7 @@ from contactstudy.domain.arrays import Array
 
 # Prior widths, all of natural logarithms: any scale, exponents and curvatures of ordinary size, and the spread that
 # is assumed where too little was measured, which counts as so many measurements.
-SCALE, EXPONENT, CURVATURE = 10.0, 1.0, 0.1
+SCALE, EXPONENT, CURVATURE = 10.0, 0.6, 0.1
 SPREAD, MEASUREMENTS = log(1.25), 2
 PASSES = 3  # of spread and fit; the spread settles within a percent
 
@@ -19,7 +19,7 @@ class PowerLaw:
     """``log y = c0 + sum_k (p_k u_k + q_k u_k^2)`` with ``u`` the logarithms of what ``y`` depends on.
 
     Least squares with a weak prior on every coefficient (ridge regression), which decides where the
-    measurements do not: an exponent of something that did not vary is zero, give or take one. The curvature
+    measurements do not: an exponent of something that did not vary is zero, give or take 0.6. The curvature
     is small; it follows sums such as ``a + b N``.
     """
 

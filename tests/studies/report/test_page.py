@@ -84,9 +84,9 @@ def test_report_examines_the_two_claims_with_measured_numbers(out: Path) -> None
     text = (out / "report.html").read_text()
     assert "n ≥ 6 gives very similar results" in text
     assert "Independent of the domain extent" in text
-    assert "On a rough surface a padding errs as on a smooth one" in text
+    assert "On a rough surface a padding has the same error as on a smooth one" in text
     # at 128 cells, from the paper's own setting
-    for shown in ("1.9 %", "17 %", "0.050 %", "31 %", "527 %"):
+    for shown in ("1.9\xa0%", "17\xa0%", "0.050\xa0%", "31\xa0%", "527\xa0%"):
         assert shown in text
 
 
@@ -97,10 +97,10 @@ def test_report_has_a_summary_then_every_study_in_order(out: Path) -> None:
         re.search('aria-labelledby="(.*?)"', section)[1]  # type: ignore[index]
         for section in sections
     ] == [*BUILT_IN, "estimate_validation"]
-    request = re.findall(r'class="question">(.*?)<', summary)
-    assert request[:4] == ["Which padding?", "What does it cost?", "Which n?", "Which period?"]
-    first = request.index("The paper&#39;s first claim")
-    assert request[first + 1] == "The paper&#39;s second claim"
+    questions = re.findall(r'class="question">(.*?)<', summary)
+    assert questions[:4] == ["Which padding?", "What does it cost?", "Which n?", "Which period?"]
+    first = questions.index("The paper&#39;s first claim")
+    assert questions[first + 1] == "The paper&#39;s second claim"
     for name in BUILT_IN:
         assert f'href="#{name}"' in contents
         assert f'href="{name}.nc"' in text

@@ -31,21 +31,21 @@ WORKERS = click.option(
     type=click.IntRange(min=0, max=1024),
     default=2,
     show_default=True,
-    help="Processes that share the cases; 0 for none but this one.",
+    help="Worker processes; 0 computes in this process alone.",
 )
 REPEATS = click.option(
     "--repeats",
     type=click.IntRange(min=1),
     default=2,
     show_default=True,
-    help="Timed runs of each case, alone on one thread; the least counts.",
+    help="Timed runs of each case, one at a time on one thread; the minimum is used.",
 )
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__)
 def cli() -> None:
-    """Rough line contacts, periodic along their length: how accurate, and at what cost."""
+    """Rough line contacts, periodic along their length: accuracy and cost."""
 
 
 @cli.command()
@@ -53,7 +53,7 @@ def cli() -> None:
 @WORKERS
 @REPEATS
 def report(out: Path, workers: int, repeats: int) -> None:
-    """Run every study that needs nothing but this project, and write report.html."""
+    """Run all studies of the report and write report.html."""
     from studies.engine.executors import ProcessPool
     from studies.engine.options import RunOptions
     from studies.engine.run import run as run_study
@@ -80,19 +80,19 @@ def report(out: Path, workers: int, repeats: int) -> None:
 @click.option(
     "--scheduler",
     metavar="ADDRESS",
-    help="dask scheduler whose workers share the cases, such as tcp://127.0.0.1:8786, in place of --workers.",
+    help="dask scheduler whose workers compute the cases, such as tcp://127.0.0.1:8786, instead of --workers.",
 )
 @click.option(
     "--time-limit",
     type=click.FloatRange(min=0, min_open=True),
     metavar="SECONDS",
-    help="Longest time of one case, after which it is given up.  [default: none]",
+    help="Longest time of one case; a longer case is stopped.  [default: none]",
 )
 @click.option(
     "--retry",
     type=click.Choice(["failed", "timeout", "killed"]),
     multiple=True,
-    help="Compute again what failed (in any way), timed out, or was killed.",
+    help="Compute again the cases that failed (in any way), timed out, or were killed.",
 )
 @click.option(
     "--fail-fast",
@@ -105,26 +105,30 @@ def report(out: Path, workers: int, repeats: int) -> None:
     "--fields",
     flag_value="kept",
     default="none",
-    help="Keep the pressure and gap of every case, as groups of the netCDF file.",
+    help="Store the pressure and gap of every case, as groups of the netCDF file.",
 )
 @click.option(
     "--retime",
     "old_times",
     flag_value="dropped",
     default="kept",
-    help="Time all cases anew, though their times are stored.",
+    help="Time all cases again, even if their times are stored.",
 )
 @click.option(
     "--only",
     "table",
     flag_value="requested",
     default="stored",
-    help="Let the file hold only what is asked for, not all that is stored of the study.",
+    help="Write only the requested points to the file, not all stored points of the study.",
 )
 @click.option("--yes", is_flag=True, help="Run even more than a million points.")
 @VARY
 @FIGURES
-@click.option("--dry-run", is_flag=True, help="Say what there is to compute and what it will take.")
+@click.option(
+    "--dry-run",
+    is_flag=True,
+    help="Print the number of cases and their estimated cost; compute nothing.",
+)
 @click.pass_context
 def run(
     context: click.Context,
@@ -190,7 +194,7 @@ def run(
 @click.argument("study", nargs=-1)
 @OUT
 def draw(study: tuple[str, ...], out: Path) -> None:
-    """Draw again from the netCDF files in the folder: the figures of STUDY, or all and the report.
+    """Draw the figures of STUDY, or all figures and the report, from the netCDF files in the folder.
 
     STUDY is a built-in name or a .py file. Nothing is solved.
     """
@@ -223,7 +227,7 @@ def studies() -> None:
 
 @contextmanager
 def _drawing(name: str) -> Iterator[None]:
-    """What a figure raises is said in a sentence: the numbers are stored, whatever is drawn of them."""
+    """Report an error of a figure in one sentence: the numbers are stored already."""
     try:
         yield
     except InvalidInput:

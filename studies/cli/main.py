@@ -1,4 +1,4 @@
-"""Where the command starts: light, so that Ctrl-C is answered from the first moment on."""
+"""Entry point of the command; it imports little, so that Ctrl-C works from the start."""
 
 import sys
 
@@ -10,4 +10,4 @@ def main() -> None:
 
         run()
     except KeyboardInterrupt:
-        sys.exit("contactstudy: stopped before it began.")
+        sys.exit("contactstudy: stopped before the command started.")

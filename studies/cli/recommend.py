@@ -25,17 +25,22 @@ METRICS = {metric.name.lower(): metric for metric in Metric}
 @click.command("recommend")
 @click.argument("scene", type=click.Path(path_type=Path), required=False)
 @click.option(
-    "--error", type=float, default=1e-3, show_default=True, help="Relative error asked for."
+    "--error", type=float, default=1e-3, show_default=True, help="Requested relative error."
 )
-@click.option("--metric", default="l1", show_default=True, help=f"Of what: {', '.join(METRICS)}.")
-@click.option("--memory", default="inf", help="Memory at most, such as 4GB.")
-@click.option("--seconds", default="inf", help="Time at most, such as 10 or 2min.")
+@click.option(
+    "--metric",
+    default="l1",
+    show_default=True,
+    help=f"Quantity the error is of: {', '.join(METRICS)}.",
+)
+@click.option("--memory", default="inf", help="Memory limit, such as 4GB.")
+@click.option("--seconds", default="inf", help="Time limit, such as 10 or 2min.")
 @click.option(
     "--period",
     type=float,
     default=2.4,
     show_default=True,
-    help="Period in half-widths, where no SCENE is given.",
+    help="Period in half-widths, if no SCENE is given.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object, for scripts.")
 @click.option(
@@ -43,7 +48,7 @@ METRICS = {metric.name.lower(): metric for metric in Metric}
     type=click.Path(path_type=Path),
     default=Path("outputs"),
     show_default=True,
-    help="Folder in which pareto.nc holds times of this machine; without it a small case is timed.",
+    help="Folder with pareto.nc, measured on this machine; without it a small case is timed.",
 )
 def recommendation(
     scene: Path | None,
@@ -55,7 +60,7 @@ def recommendation(
     as_json: bool,  # noqa: FBT001 (click's own way)
     out: Path,
 ) -> None:
-    """Say the cheapest setting that meets an error, for the contact in the TOML file SCENE.
+    """Recommend the cheapest setting that meets an error, for the contact in the TOML file SCENE.
 
     Without SCENE it is the smooth line contact of the sweeps.
     """
@@ -106,7 +111,7 @@ def _number(text: str) -> str | float:
 
 
 def _source(costs: "CostModel") -> str:
-    return "fitted to the times in pareto.nc" if costs.fits else "from a small case timed just now"
+    return "fitted to the times in pareto.nc" if costs.fits else "measured on a small case now"
 
 
 def _fields(found: "Recommendation", scene: Path | None, costs: "CostModel") -> dict[str, Any]:
@@ -157,9 +162,9 @@ def _report_lines(
     if found.meets:
         first, second = "use", "runner-up"
     elif found.affordable:
-        first, second = "no setting meets it; the most accurate there is", "next"
+        first, second = "no setting meets the requested error; the most accurate setting", "next"
     else:
-        first, second = "nothing fits into that time and memory; the quickest there is", "next"
+        first, second = "no setting fits the time and memory limits; the fastest setting", "next"
     lines += [f"  {first}: {_setting_text(found.best)}", f"    {_cost_text(found.best)}"]
     if found.runner_up is not None:
         lines += [
@@ -206,7 +211,7 @@ def _setting_text(setting: "Setting") -> str:
 def _cost_text(setting: "Setting") -> str:
     parts = setting.error
     return (
-        f"error at most some {parts.total:.2g} (images {parts.truncation:.1g}, cells "
+        f"estimated error <= {parts.total:.2g} (images {parts.truncation:.1g}, cells "
         f"{parts.discretisation:.1g}, solver {parts.residual:.1g}), {setting.seconds:.2g} s on one thread, "
         f"{setting.bytes / 1e6:.3g} MB"
     )

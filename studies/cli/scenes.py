@@ -13,7 +13,7 @@ import numpy as np
 import contactstudy as cs
 
 SCENE = click.argument("scene", type=click.Path(path_type=Path))
-# A plan for longer or larger than this is said before it runs.
+# A plan that takes longer or more memory than this is announced before it runs.
 LONG, LARGE = 60.0, 4e9
 
 
@@ -21,7 +21,7 @@ LONG, LARGE = 60.0, 4e9
 @SCENE
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object, for scripts.")
 def plan(scene: Path, as_json: bool) -> None:  # noqa: FBT001 (click's own way)
-    """Say which grid and padding the scene in the TOML file SCENE calls for, and what it will cost."""
+    """Print the grid and padding that the scene in the TOML file SCENE needs, and its estimated cost."""
     planned = cs.read_scene(scene).plan()
     if as_json:
         fields = asdict(planned) | {"padding": repr(planned.padding)}
@@ -33,11 +33,11 @@ def plan(scene: Path, as_json: bool) -> None:  # noqa: FBT001 (click's own way)
         click.echo(f"  {reason}")
     click.echo(f"  period: {planned.period_check}")
     click.echo(
-        f"  expected: error {planned.error:.1g}, some {planned.seconds:.2g} s on one thread, "
+        f"  estimated: error {planned.error:.1g}, {planned.seconds:.2g} s on one thread, "
         f"{planned.bytes / 1e6:.3g} MB"
     )
     for warning in planned.warnings:
-        click.echo(f"  mind: {warning}")
+        click.echo(f"  warning: {warning}")
 
 
 def _solution(described: cs.SceneFile, planned: cs.Plan | None, on: cs.Cpu) -> cs.Solution:
@@ -69,7 +69,7 @@ def _solution(described: cs.SceneFile, planned: cs.Plan | None, on: cs.Cpu) -> c
 def solve(scene: Path, out: Path, threads: int | None) -> None:
     """Solve the scene in the TOML file SCENE; write its fields as netCDF and a picture of them.
 
-    The exit code is 0 where the solution converged, else 1: what there is is written all the same.
+    The exit code is 0 if the solution converged, else 1; the result is written in both cases.
     """
     from studies.store.files.partial_file import replacing
     from studies.store.netcdf import open_folder, write
@@ -79,10 +79,10 @@ def solve(scene: Path, out: Path, threads: int | None) -> None:
     planned = None if described.scene.hertz is None else described.plan()
     if planned is not None:
         for warning in planned.warnings:
-            click.echo(f"{scene}: mind: {warning}", err=True)
+            click.echo(f"{scene}: warning: {warning}", err=True)
         if planned.seconds > LONG or planned.bytes > LARGE:
             click.echo(
-                f"{scene}: expected to take some {planned.seconds:.2g} s and "
+                f"{scene}: estimated cost: {planned.seconds:.2g} s and "
                 f"{planned.bytes / 1e9:.2g} GB",
                 err=True,
             )
@@ -125,7 +125,7 @@ def solve(scene: Path, out: Path, threads: int | None) -> None:
         ("mean gap", estimate.mean_gap),
     ):
         click.echo(
-            f"  error of the {what} at most some {parts.total:.1g}: images {parts.truncation:.1g}, "
+            f"  estimated error of the {what} <= {parts.total:.1g}: images {parts.truncation:.1g}, "
             f"cells {parts.discretisation:.1g}, solver {parts.residual:.1g}"
         )
     for warning in estimate.warnings:

@@ -1,4 +1,4 @@
-"""Help on a command that knows the study it is asked about."""
+"""Help text of a command, with the axes of its study."""
 
 import click
 
@@ -13,7 +13,7 @@ class StudyCommand(click.Command):
     """A command with an argument ``study``, whose help lists the axes of the study given."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """As any command does; but help, which is answered before all arguments, knows the study."""
+        """Parse as usual; remember the study first, since help is printed before other arguments are parsed."""
         given, _, _ = self.make_parser(ctx).parse_args(list(args))
         ctx.meta[STUDY] = given.get("study")
         return super().parse_args(ctx, args)

@@ -59,8 +59,8 @@ def test_units_of_memory_and_time_are_read() -> None:
 
 def test_what_cannot_be_had_is_said_with_the_best_there_is() -> None:
     few = run("--error", "1e-12", "--metric", "peak_pressure", "--memory", "1 MB").output
-    assert "no setting meets it; the most accurate there is" in few
-    assert "nothing fits" in run("--seconds", "1 ns").output
+    assert "no setting meets the requested error; the most accurate setting" in few
+    assert "no setting fits" in run("--seconds", "1 ns").output
 
 
 def test_a_scene_in_a_file_is_recommended_a_grid() -> None:

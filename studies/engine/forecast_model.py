@@ -20,6 +20,7 @@ UNLIKE = 1.0  # standard deviation, in logarithms, between one mode and another
 CALLS = 5e4  # time of a small transform, in units of N log N: that of 80 x 80 cells
 LARGEST = 100.0  # limit of any logarithm, against overflow
 CELLS = ".cells"  # in the names of a grid's numbers; nothing is predicted across modes without them
+DIGITS = "tolerance"  # a number whose digits, not whose size, cost time
 MOST = 300  # cases of a mode that are used, the last ones
 
 
@@ -131,6 +132,8 @@ def _walk(tree: Tree, path: str, names: list[str], numbers: dict[str, float]) ->
             numbers[path] = log(value + 0.5)
         elif value == 0:
             names.append(f"{path}=0")
+        elif path.endswith(DIGITS) and value < 1:
+            numbers[path] = log(-log(value))
         else:
             numbers[path] = log(value)
 

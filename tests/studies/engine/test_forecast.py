@@ -114,6 +114,30 @@ def test_a_case_that_counts_no_iterations_takes_one(tmp_path: Path) -> None:
     assert guess.value == pytest.approx(found.known["solve"])
 
 
+def test_a_tolerance_costs_by_its_digits() -> None:
+    """A linearly converging solver: time in proportion to the digits of its tolerance."""
+
+    def row(tolerance: str, seconds: float) -> Observation:
+        return Observation({"": "Case", "tolerance": tolerance}, {"solve": seconds})
+
+    digits = [2, 3, 4, 6, 8]
+    model = ForecastModel([row(f"1e-{n:02d}", 0.01 * n) for n in digits])
+    looser, unseen = (
+        model.predict("solve", [{"": "Case", "tolerance": tolerance}])[0]
+        for tolerance in ("1e-05", "1e-12")
+    )
+    assert looser is not None
+    assert unseen is not None
+    assert 0.05 / looser.factor < looser.value < 0.05 * looser.factor
+    assert 0.12 / unseen.factor < unseen.value < 0.12 * unseen.factor
+    assert unseen.factor < 2
+    # a tolerance that never varied is not taken for a size that grew ten thousandfold
+    one = ForecastModel([row("1e-08", 0.08)] * 8)
+    (guess,) = one.predict("solve", [{"": "Case", "tolerance": "0.0001"}])
+    assert guess is not None
+    assert guess.factor < 4
+
+
 def test_a_mode_that_is_new_is_estimated_from_the_others_with_a_larger_factor() -> None:
     others = [one for one in STORED if one.tree["padding"][""] != "ExactPeriodicity"]
     new = next(one.tree for one in STORED if one.tree["padding"][""] == "ExactPeriodicity")

@@ -21,6 +21,7 @@ COPIED = ("contactstudy", "studies", "tests", "docs", "examples", "README.md", "
 # Modules whose numbers are seen by the tests of others first.
 NEXT = {
     "contactstudy/domain": ("tests/contactstudy/scene", "tests/contactstudy/elasticity"),
+    "contactstudy/scene": ("tests/contactstudy/planning/test_grid_requirements.py",),
     "contactstudy/problem": ("tests/contactstudy/solvers", "tests/hard_cases/test_material.py"),
     "contactstudy/solvers": ("tests/contactstudy/problem", "tests/hard_cases/test_solver.py"),
     "contactstudy/elasticity": ("tests/contactstudy/domain/test_padding.py",),

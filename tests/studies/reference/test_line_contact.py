@@ -6,7 +6,7 @@ from math import pi
 import numpy as np
 import pytest
 
-from studies.reference.line_contact import HERTZ, SCENE, WIDTH, measures, scene_at
+from studies.reference.line_contact import FLATTENING, HERTZ, SCENE, WIDTH, measures, scene_at
 
 CELLS = 96
 POINT = {"padding": "exact", "images": 0, "period": 2.4, "grid": CELLS}
@@ -32,6 +32,8 @@ def test_the_scene_is_hertz_s_with_the_numbers_of_the_paper() -> None:
     assert HERTZ.peak_pressure == pytest.approx(2 * 1e5 / (pi * half_width), rel=1e-12)
     assert CASE.grid.extent == pytest.approx((2.4 * half_width, 2.4 * half_width), rel=1e-12)
     assert CASE.grid.cells == (CELLS, CELLS)
+    # the cylinder's height a half-width from its axis
+    assert pytest.approx(half_width**2 / (2 * 0.01), rel=1e-12) == FLATTENING
 
 
 def test_the_true_pressure_has_no_error_but_that_of_its_samples() -> None:

@@ -44,6 +44,7 @@ def test_the_table_shows_what_is_stored(tmp_path: Path) -> None:
         (("1.9 %", "0 %", "540 %"), "number"),
         (("0.6 a", "2.4 a"), "number"),
         (("-0.1", "< 1e-12"), "number"),
+        (("5 %", "7"), "number"),
         (("exact", "2 copies"), "text"),
         ((), "number"),
     ],

@@ -97,7 +97,7 @@ def measures(case: Case, solution: cs.Solution) -> Mapping[str, xr.Variable]:
             "largest pressure error over Hertz peak pressure, with the edge's own error taken off",
         ),
         "pressure_error_l1": number(
-            l1_error(solution.pressure, hertz.pressure(grid.x)[:, None], load_on(grid)),
+            l1_error(solution.pressure, hertz.pressure(grid.x)[:, None], load_on(grid, hertz)),
             "relative L1 error of the pressure",
         ),
         "half_width_error": number(float(edge - 1), "relative error of the contact half-width"),
@@ -117,9 +117,9 @@ def l1_error(pressure: Array, reference: Array, total: float) -> float:
     return float(np.abs(pressure - reference).sum() / total)
 
 
-def load_on(grid: cs.Grid) -> float:
-    """The load of :data:`SCENE` on one period over the area of a cell [Pa]."""
-    return HERTZ.load_per_length * grid.period / grid.cell_area
+def load_on(grid: cs.Grid, hertz: cs.analytic.HertzLine = HERTZ) -> float:
+    """The load of a line contact, :data:`SCENE` by default, on one period over the area of a cell [Pa]."""
+    return hertz.load_per_length * grid.period / grid.cell_area
 
 
 def covers(dataset: xr.Dataset, names: set[str], **values: set[float]) -> bool:

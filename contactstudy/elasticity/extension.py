@@ -79,11 +79,16 @@ class _Level:
         def some(rows: slice) -> None:
             out = self._blocks(rows)
             if 0 in self.axes:
-                index = np.arange(2 * out.start - 1, 2 * out.stop + 1) % (2 * len(blocks))
-                inside = np.minimum(index, count - 1)
-                parts = 1 - self.weight[inside]
-                parts *= pressure[inside]
-                parts[index >= count] = 0  # the part that an odd number lacks
+                begin, end = 2 * out.start - 1, 2 * out.stop + 1
+                if 0 <= begin and end <= count:
+                    parts = 1 - self.weight[begin:end]
+                    parts *= pressure[begin:end]
+                else:
+                    index = np.arange(begin, end) % (2 * len(blocks))
+                    inside = np.minimum(index, count - 1)
+                    parts = 1 - self.weight[inside]
+                    parts *= pressure[inside]
+                    parts[index >= count] = 0  # the part that an odd number lacks
                 first, second = parts[1:-1:2], parts[2::2][: out.stop - out.start]
                 summed = first + second
                 summed *= 0.75
@@ -196,24 +201,30 @@ def _repeated(blocks: Array, axes: tuple[int, ...], shape: tuple[int, ...]) -> A
 def _interpolated(blocks: Array, axis: int, count: int) -> Array:
     """Linear between the middles of blocks, once round."""
     parts = _longer(blocks, axis, count)
-    first, second = _pairs(parts, axis)
-    near, far = 0.75 * blocks, 0.25 * blocks
-    np.add(near, np.roll(far, 1, axis), out=first)
-    near += np.roll(far, -1, axis)
-    second[...] = _head(near, second, axis)
+    along = [0.75 * blocks, 0.25 * blocks, *_pairs(parts, axis)]
+    near, far, first, second = along if axis else [field.T for field in along]
+    np.add(near[:, 1:], far[:, :-1], out=first[:, 1:])
+    np.add(near[:, 0], far[:, -1], out=first[:, 0])
+    last = near.shape[1] - 1
+    np.add(near[:, :last], far[:, 1:], out=second[:, :last])
+    if second.shape[1] > last:
+        np.add(near[:, last], far[:, 0], out=second[:, last])
     return parts
 
 
 def _gathered(parts: Array) -> Array:
     """The transpose of :func:`_interpolated` along y."""
-    first, short = _pairs(parts, 1)
-    second = np.zeros_like(first)
-    _head(second, short, 1)[...] = short
-    blocks = first + second
+    first, second = _pairs(parts, 1)
+    blocks = first.copy()
+    _head(blocks, second, 1)[...] += second
     blocks *= 0.75
-    second *= 0.25
-    blocks += np.roll(second, 1, 1)
-    blocks += np.roll(0.25 * first, -1, 1)
+    before, after = 0.25 * second, 0.25 * first
+    last = blocks.shape[1] - 1
+    blocks[:, 1:] += before[:, :last]
+    if before.shape[1] > last:
+        blocks[:, 0] += before[:, last]
+    blocks[:, :last] += after[:, 1:]
+    blocks[:, last] += after[:, 0]
     return blocks
 
 

@@ -134,11 +134,11 @@ class Convolution:
 
         def apply(displacement: Array, contact: Array) -> Array:
             extension = Extension(contact, elongation)
-            field = extension(displacement)
-            waves = TRANSFORMS.forward(field, self.cells, self._room(self.cells))
+            whole = extension(displacement)
+            waves = TRANSFORMS.forward(whole, self.cells, self._room(self.cells))
+            del whole  # or it would stand beside what comes back
             _scale(waves, inverse)
-            field = TRANSFORMS.backward(waves, self.cells, self.cells)
-            return extension.transposed(field)
+            return extension.transposed(TRANSFORMS.backward(waves, self.cells, self.cells))
 
         return apply, float(nx * ny)
 

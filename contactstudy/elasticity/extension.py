@@ -80,7 +80,7 @@ class _Level:
             out = self._blocks(rows)
             if 0 in self.axes:
                 begin, end = 2 * out.start - 1, 2 * out.stop + 1
-                if 0 <= begin and end <= count:
+                if begin >= 0 and end <= count:
                     parts = 1 - self.weight[begin:end]
                     parts *= pressure[begin:end]
                 else:

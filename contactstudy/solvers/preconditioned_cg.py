@@ -120,6 +120,7 @@ class PreconditionedCG:
             work += 1 + its_work / operator.work
             trial, cut = _trial(problem, pressure, direction, length)
             trial = problem.levelled(trial, cells)
+            del direction, cells, unlevel  # or they would stand through the next convolution
             step, slope = _difference(trial, pressure, gap, last.step if last else None)
             if slope >= 0:
                 # balancing the load has turned the step uphill: that to the nearest pressure never is

@@ -78,6 +78,7 @@ class _Level:
 
         def some(rows: slice) -> None:
             out = self._blocks(rows)
+            summed: Array
             if 0 in self.axes:
                 begin, end = 2 * out.start - 1, 2 * out.stop + 1
                 if begin >= 0 and end <= count:

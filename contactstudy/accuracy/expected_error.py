@@ -74,11 +74,16 @@ class Contact:
         return ErrorParts(parts[0], parts[1], left)
 
 
+COARSEST = 1e100  # half-widths: beyond any cell whose square is a number
+
+
 def smooth_l1(cell: float) -> float:
     """The L1 error of a smooth line contact at most, relative; ``cell`` in half-widths.
 
     What correcting the edges would leave is there all the same.
     """
+    if cell > COARSEST:
+        return inf
     return float(l1_factor() * cell**1.5 + CORRECTED * cell**2)
 
 

@@ -127,7 +127,10 @@ class Needs:
         along = min(step if self.roller else inf, self.finest[1] * share)
         down = 1.0
         for _ in range(4):  # the smooth part's second term falls faster than the rate
-            down *= (error / self.error((across * down, along * down))) ** (1 / RATE)
+            expected = self.error((across * down, along * down))
+            if not 0 < expected < inf:  # beyond any grid: what it takes is said by whoever makes it
+                break
+            down *= (error / expected) ** (1 / RATE)
         cells = halvable(width / (across * down))
         return Grid(
             (cells, halvable(length / (along * down)) if self.varies else 1), (width, length)

@@ -66,6 +66,7 @@ if _TYPE_CHECKING:
     from contactstudy.evolution.evolve import StepError, evolve
     from contactstudy.evolution.rolling import SteadyRolling, solve_rolling
     from contactstudy.evolution.scheme import Scheme
+    from contactstudy.io.compare import Comparison, compare
     from contactstudy.io.dataset import to_dataset
     from contactstudy.io.scene_file import SceneFile, read_scene
     from contactstudy.io.scene_writer import write_scene
@@ -84,6 +85,7 @@ __all__ = [
     "CircularSuperposition",
     "CoatedHalfSpace",
     "Coefficients",
+    "Comparison",
     "Compressive",
     "Constraint",
     "Convolution",
@@ -156,6 +158,7 @@ __all__ = [
     "ZeroPadding",
     "__version__",
     "analytic",
+    "compare",
     "convolution",
     "error_estimate",
     "evolve",
@@ -171,6 +174,8 @@ __all__ = [
 
 # Names whose modules a solve does not need: imported when they are first asked for.
 _LATER = {
+    "Comparison": "contactstudy.io.compare",
+    "compare": "contactstudy.io.compare",
     "CoatedHalfSpace": "contactstudy.scene.coated",
     "PartialSlip": "contactstudy.scene.friction",
     "Sliding": "contactstudy.scene.friction",

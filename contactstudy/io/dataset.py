@@ -1,7 +1,10 @@
 """Solution -> labelled xarray.Dataset."""
 
+import shlex
+import sys
 from collections.abc import Mapping
 from dataclasses import asdict
+from datetime import UTC, datetime
 
 import numpy as np
 import xarray as xr
@@ -12,6 +15,7 @@ from contactstudy.domain.version import VERSION
 from contactstudy.io.scene_writer import scene_text
 from contactstudy.problem.derived import Sheared
 from contactstudy.scene.scene import PosedScene
+from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
 from contactstudy.solvers.solution import Solution, Status, Traction
 
 X = {"units": "m", "axis": "X", "long_name": "position across the contact"}
@@ -43,6 +47,7 @@ def to_dataset(solution: Solution, error: ErrorEstimate | None = None) -> xr.Dat
             "Conventions": "CF-1.11",
             "title": "line contact",
             "source": f"contactstudy {VERSION}",
+            "history": f"{datetime.now(UTC).isoformat(timespec='seconds')} {shlex.join(sys.argv)}",
         },
     )
     numbers = {
@@ -61,6 +66,7 @@ def to_dataset(solution: Solution, error: ErrorEstimate | None = None) -> xr.Dat
         dataset[name] = (), value, {"units": units, "long_name": long_name}
     dataset["status"] = _status(solution.status)
     if isinstance(solution.problem.description, PosedScene):
+        dataset.attrs.update(_measured(solution.problem.description))
         dataset.attrs["scene"] = scene_attribute(solution.problem.description)
     traction = solution.traction
     if traction is not None:
@@ -101,6 +107,16 @@ def _of_scene(source: object) -> Mapping[str, tuple[float, str, str]]:
             "highest pressure of Hertz's line contact",
         )
     return found
+
+
+def _measured(source: PosedScene) -> Mapping[str, str]:
+    """The files of measured surfaces, and the digests of their heights."""
+    found = [
+        f"shapes[{number}]: {shape.file or 'no file'}, digest {shape.digest}"
+        for number, shape in enumerate(source.scene.shapes)
+        if isinstance(shape, MeasuredSurface)
+    ]
+    return {"measured_surfaces": "\n".join(found)} if found else {}
 
 
 def _status(status: Status) -> xr.Variable:

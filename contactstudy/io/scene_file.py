@@ -10,6 +10,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import InvalidInput, whole
 from contactstudy.domain.device import Cpu
 from contactstudy.domain.grid import Grid
@@ -26,6 +27,7 @@ from contactstudy.domain.precision import Precision
 from contactstudy.domain.units import Metres, Number, Pascals, Seconds
 from contactstudy.io.structuring import NO_KIND, structured
 from contactstudy.planning.plan import Plan, plan
+from contactstudy.problem.problem import Problem
 from contactstudy.scene.coated import CoatedHalfSpace
 from contactstudy.scene.friction import Friction, PartialSlip, Sliding
 from contactstudy.scene.load import LineLoad
@@ -211,8 +213,8 @@ class SceneFile:
     """A scene with what its file says of grid, padding and solver; what it leaves open is planned."""
 
     scene: Scene
-    wish: Wish
-    settings: Settings
+    wish: Wish = field(default_factory=Wish)
+    settings: Settings = field(default_factory=Settings)
     grid: Grid | None = None
     padding: Padding | Paddings | None = None
     time_steps: TimeSteps = field(default_factory=TimeSteps)
@@ -222,12 +224,22 @@ class SceneFile:
         period = None if self.grid else self.wish.period
         return plan(self.scene, error=self.wish.error, period=period, grid=self.grid)
 
-    def solve(self, planned: Plan | None = None, *, on: Cpu = Cpu()) -> Solution:  # noqa: B008 (frozen)
-        """Solve on the grid and with the padding of the file, or those of the plan, made if not given.
+    def problem(self, planned: Plan | None = None) -> Problem:
+        """The problem on the grid and with the padding of the file, or those of the plan, made if not given."""
+        return self.scene.problem(*self._where(planned))
+
+    def solve(
+        self,
+        planned: Plan | None = None,
+        *,
+        start: Array | None = None,
+        on: Cpu = Cpu(),  # noqa: B008 (frozen)
+    ) -> Solution:
+        """Solve :meth:`problem` with the options of the file, from the pressure ``start`` (x, y) [Pa] if given.
 
         ``on`` is the device, as for :func:`~contactstudy.solve`.
         """
-        return solve(self.scene.problem(*self._where(planned)), on=on, **self._options)
+        return solve(self.problem(planned), start=start, on=on, **self._options)
 
     def evolve(
         self,

@@ -8,8 +8,10 @@ from pathlib import Path
 import click
 
 from contactstudy import InvalidInput, __version__
+from studies.cli.compare import compare
 from studies.cli.recommend import recommendation
 from studies.cli.scenes import plan, solve
+from studies.cli.show import show
 from studies.cli.study_help import StudyCommand
 from studies.cli.vary import FIGURES, VARY, load_scene_study
 from studies.model.axis import MOST_POINTS
@@ -210,7 +212,9 @@ def draw(study: tuple[str, ...], out: Path) -> None:
             click.echo(f"report: wrote {reporting.write(out)}")
 
 
+cli.add_command(compare)
 cli.add_command(plan)
+cli.add_command(show)
 cli.add_command(solve)
 cli.add_command(recommendation)
 

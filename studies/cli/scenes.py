@@ -3,7 +3,7 @@
 import json
 import os
 import sys
-from dataclasses import asdict
+from dataclasses import asdict, fields, replace
 from pathlib import Path
 from time import perf_counter
 
@@ -40,10 +40,8 @@ def plan(scene: Path, as_json: bool) -> None:  # noqa: FBT001 (click's own way)
         click.echo(f"  warning: {warning}")
 
 
-def _solution(described: cs.SceneFile, planned: cs.Plan | None, on: cs.Cpu) -> cs.Solution:
-    """Of one problem, or of a contact that rolls."""
-    if described.scene.rolling is None:
-        return described.solve(planned, on=on)
+def _rolled(described: cs.SceneFile, planned: cs.Plan | None) -> cs.Solution:
+    """Of a contact that rolls."""
     rolled = described.roll(planned)
     click.echo(
         f"rolling: {rolled.settled.passes} passes to a change of {rolled.settled.change:.1e}; centroid "
@@ -66,13 +64,19 @@ def _solution(described: cs.SceneFile, planned: cs.Plan | None, on: cs.Cpu) -> c
     type=click.IntRange(min=1),
     help="Threads to solve on.  [default: the cores there are]",
 )
-def solve(scene: Path, out: Path, threads: int | None) -> None:
+@click.option(
+    "--start",
+    type=click.Path(path_type=Path),
+    help="A file with a pressure to go on from, such as one that a stopped solve left.",
+)
+def solve(scene: Path, out: Path, threads: int | None, start: Path | None) -> None:
     """Solve the scene in the TOML file SCENE; write its fields as netCDF and a picture of them.
 
     The exit code is 0 if the solution converged, else 1; the result is written in both cases.
     """
     from studies.store.files.partial_file import replacing
     from studies.store.netcdf import open_folder, write
+    from studies.store.provenance import provenance
 
     described = cs.read_scene(scene)
     folder = open_folder(out)
@@ -91,11 +95,18 @@ def solve(scene: Path, out: Path, threads: int | None) -> None:
 
         evolve(scene, described, planned, folder)
         return
-    start = perf_counter()
-    solution = _solution(described, planned, cs.Cpu(threads or _cores()))
-    seconds = perf_counter() - start
+    begin = perf_counter()
+    on = cs.Cpu(threads or _cores())
+    if described.scene.rolling is not None:
+        if start is not None:
+            raise cs.InvalidInput("--start is for a scene that does not roll: leave it out.")
+        solution = _rolled(described, planned)
+    else:
+        solution = _solved(described, planned, start, scene, folder, on)
+    seconds = perf_counter() - begin
     estimate = cs.error_estimate(solution)
     dataset = cs.to_dataset(solution, estimate)
+    dataset.attrs.update(provenance())
     path = folder / f"{scene.stem}.nc"
     write(dataset, path)
     from contactstudy.io.picture import picture
@@ -140,3 +151,47 @@ def _cores() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
+
+
+def _solved(
+    described: cs.SceneFile,
+    planned: cs.Plan | None,
+    start: Path | None,
+    scene: Path,
+    folder: Path,
+    on: cs.Cpu,
+) -> cs.Solution:
+    """The solution, with a bar on the way; where it is stopped, the pressure so far is written."""
+    import xarray as xr
+
+    from contactstudy.io.dataset import X, Y
+    from contactstudy.solvers.watched import Watched
+    from studies.cli.progress import pressure_in, progress, stopped
+    from studies.store.netcdf import write
+
+    begin = None if start is None else pressure_in(start)
+    settings = described.settings
+    with progress(str(scene), settings.tolerance) as seen:
+        watched = replace(settings, solver=Watched(seen.see, settings.solver))
+        problem = described.problem(planned)
+        try:
+            solution = cs.solve(
+                problem,
+                start=begin,
+                on=on,
+                **{one.name: getattr(watched, one.name) for one in fields(watched)},
+            )
+        except KeyboardInterrupt:
+            if seen.pressure is None:
+                raise
+            grid = problem.grid
+            like = xr.Dataset(coords={"x": ("x", grid.x, X), "y": ("y", grid.y, Y)})
+            path = folder / f"{scene.stem}.stopped.nc"
+            write(stopped(seen, problem.scales.pressure, like), path)
+            click.echo(
+                f"contactstudy: stopped at a residual of {seen.residual:.1e} after {seen.iterations} iterations; "
+                f"go on with contactstudy solve {scene} --start {path}",
+                err=True,
+            )
+            sys.exit(130)
+    return solution

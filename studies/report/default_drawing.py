@@ -1,6 +1,7 @@
 """Figures of any study, chosen by what was varied: curves for one axis, families for two, maps on request."""
 
 from collections.abc import Sequence
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -191,7 +192,7 @@ def _label(values: xr.DataArray, unit: str) -> str:
     name = (
         str(values.attrs.get("long_name", values.name)).split(", counted")[0].split(", d load")[0]
     )
-    return f"{name} [{unit}]" if unit else name
+    return fill(f"{name} [{unit}]" if unit else name, 30)
 
 
 def _named(values: xr.DataArray) -> str:

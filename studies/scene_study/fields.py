@@ -63,7 +63,8 @@ def document_of(described: SceneFile) -> Document:
     said = {
         one.name: getattr(scene, one.name) for one in fields(Document) if hasattr(scene, one.name)
     }
-    others = {"grid": described.grid, "padding": along, "padding_across": across}
+    others: dict[str, Any] = {"grid": described.grid, "padding": along, "padding_across": across}
+    others["evolve"] = described.time_steps
     return Document(**(said | others), plan=described.wish, solve=described.settings)
 
 

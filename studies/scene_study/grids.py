@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import contactstudy as cs
 from contactstudy import InvalidInput, MeasuredSurface, Roughness
+from contactstudy.domain.checks import divides
 from contactstudy.io.scene_file import SceneFile
 from contactstudy.planning.grid_requirements import halvable
 from contactstudy.planning.plan import needs_of
@@ -56,17 +57,26 @@ def _on(point: SceneFile, grid: cs.Grid, extent: tuple[float, float] | None) -> 
         for shape in point.scene.shapes
     )
     for number, shape in enumerate(shapes):
-        if (
-            isinstance(shape, MeasuredSurface)
-            and shape.extent is not None
-            and grid.extent[0] > shape.extent[0] * (1 + 1e-9)
-        ):
-            raise InvalidInput(
-                f"Scene.shapes[{number}] is {shape.extent[0]:.4g} m wide, and the grid "
-                f"{grid.extent[0]:.4g} m: give a grid no wider than the surface."
-            )
+        _check(f"Scene.shapes[{number}]", shape, grid)
     padding = point.padding or needs_of(point.scene).padding()
     return Posed(replace(point.scene, shapes=shapes), grid, padding)
+
+
+def _check(name: str, shape: object, grid: cs.Grid) -> None:
+    """Whether ``grid`` can hold a surface that has a size of its own, before anything is solved."""
+    if isinstance(shape, Roughness) and shape.extent is not None and shape.rms:
+        divides(f"{name}.extent[1]", shape.extent[1], grid.period)
+    if not isinstance(shape, MeasuredSurface) or shape.extent is None:
+        return
+    width, length = shape.extent
+    if grid.extent[0] > width * (1 + 1e-9):
+        raise InvalidInput(
+            f"{name} is {width:.4g} m wide, and the grid {grid.extent[0]:.4g} m: give a grid no wider than "
+            "the surface."
+        )
+    period = shape.seam.lengths * length
+    if grid.period > period * (1 + 1e-9) and grid.cells[1] > 1:
+        divides(f"The period of {name}", period, grid.period)
 
 
 def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:

@@ -7,7 +7,7 @@ from os import PathLike
 from pathlib import Path
 
 from contactstudy import InvalidInput, Scene
-from contactstudy.io.scene_file import SceneFile, Settings, Wish, read_scene, scene_file_of
+from contactstudy.io.scene_file import SceneFile, read_scene, scene_file_of
 from contactstudy.io.scene_writer import scene_text
 from studies.model.axis import Value, check_count
 from studies.model.study import Point, Study
@@ -102,7 +102,7 @@ class _SceneAt:
 
 def _read(scene: Scene | SceneFile | str | PathLike[str]) -> tuple[SceneFile, Path]:
     if isinstance(scene, Scene):
-        return SceneFile(scene, Wish(), Settings()), Path()
+        return SceneFile(scene), Path()
     if isinstance(scene, SceneFile):
         return scene, Path()
     if isinstance(scene, str | PathLike):

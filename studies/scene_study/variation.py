@@ -103,6 +103,8 @@ def _made(field: Field, raw: object) -> Any:
         return structured({"value": raw}, _Holder.of(wanted), KINDS, field.name).value
     except InvalidInput as error:
         sentence = str(error).replace(f"{field.name}: value: ", f"{field.name}: ")
+        if field.name == "load" and not isinstance(raw, dict):
+            sentence = f"load: it is {raw!r}: vary load.per_length, or give tables with a kind."
         if is_dataclass(wanted) and not isinstance(raw, dict):
             names = [one.name for one in fields(wanted)]
             sentence = (

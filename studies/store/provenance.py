@@ -1,5 +1,6 @@
 """Where numbers came from: versions, revision, machine, command, time."""
 
+import json
 import os
 import platform
 import shlex
@@ -8,7 +9,7 @@ import sys
 from collections.abc import Mapping
 from datetime import UTC, datetime
 from functools import cache
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, distribution, version
 from pathlib import Path
 
 from contactstudy.elasticity.transforms import TRANSFORMS
@@ -42,8 +43,14 @@ def machine() -> str:
 
 @cache
 def _revision() -> str:
-    """The commit this code stands at, with a mark where files differ from it."""
-    here = Path(__file__).parent
+    """The commit this code stands at, with a mark where files differ from it.
+
+    That of the program's own checkout, or what was installed from one: not that of a repository which
+    the environment happens to lie in.
+    """
+    here = Path(__file__).parents[2]
+    if not (here / ".git").exists():
+        return _installed()
     try:
         command = [
             "git",
@@ -59,6 +66,16 @@ def _revision() -> str:
     except (OSError, subprocess.SubprocessError):
         return "unknown (not a git checkout)"
     return done.stdout.strip()
+
+
+def _installed() -> str:
+    """What the installer noted of the commit, if it took the program from one."""
+    try:
+        noted = distribution("contactstudy").read_text("direct_url.json")
+        commit = json.loads(noted or "{}").get("vcs_info", {}).get("commit_id")
+    except (PackageNotFoundError, ValueError):
+        commit = None
+    return str(commit or "unknown (not a git checkout)")
 
 
 def cpu() -> str:

@@ -1,0 +1,60 @@
+"""What changed from one run of a study to another."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from contactstudy import InvalidInput
+
+# Times differ from run to run; what a solver says of itself is in its tolerance.
+LEFT_OUT = ("_time", "residual", "iterations", "convolutions", "_estimate_residual")
+
+
+def changes(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
+    """A sentence for every measure of two stored studies that changed, the largest change first.
+
+    Points are compared that both have. Raises :class:`~contactstudy.InvalidInput` for studies of other axes.
+    """
+    axes = [str(name) for name in first["case_status"].dims]
+    others = [str(name) for name in second["case_status"].dims]
+    if set(axes) != set(others):
+        raise InvalidInput(
+            f"The studies have the axes {axes} and {others}: compare two runs of one study."
+        )
+    a, b = xr.align(first, second, join="inner")
+    points = int(np.prod([a.sizes[axis] for axis in axes], dtype=int))
+    said = [
+        f"{points} points in both, of {first['case_status'].size} and {second['case_status'].size}"
+    ]
+    if not points:
+        return said
+    found = []
+    for name in sorted({str(n) for n in a.data_vars} & {str(n) for n in b.data_vars}):
+        if (
+            any(part in name for part in LEFT_OUT)
+            or a[name].dtype.kind != "f"
+            or b[name].dtype.kind != "f"
+        ):
+            continue
+        if set(a[name].dims) != set(axes):
+            continue
+        before, after = (one[name].transpose(*axes).values for one in (a, b))
+        change = np.abs(after - before)
+        if not np.nan_to_num(change).any():
+            continue
+        scale = float(np.nanmax(np.abs(before)))
+        place = np.unravel_index(int(np.nanargmax(change)), change.shape)
+        at = {axis: a[axis].values[k] for axis, k in zip(axes, place, strict=True)}
+        x, y = float(before[place]), float(after[place])
+        where = ", ".join(f"{axis} {value}" for axis, value in at.items())
+        relative = abs(y - x) / scale if scale else np.inf
+        found.append(
+            (relative, f"{name}: from {x:.6g} to {y:.6g} at {where}, {relative:.2g} of the largest")
+        )
+    for status in ("case_status", "solver_status"):
+        if status in a and status in b:
+            differ = int((a[status].values != b[status].transpose(*a[status].dims).values).sum())
+            said += [f"{status} differs at {differ} of {points} points"] * bool(differ)
+    said += [sentence for _, sentence in sorted(found, key=lambda one: -one[0])]
+    return said if len(said) > 1 else [*said, "no measure differs"]

@@ -1,0 +1,75 @@
+"""Two contacts on two grids: their difference is exact for pressures that are constant in each cell."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import contactstudy as cs
+
+
+def contact(
+    pressure: Any, width: float = 1.0, period: float = 1.0, approach: float = 0.0
+) -> xr.Dataset:
+    values = np.asarray(pressure, dtype=float)
+    grid = cs.Grid(values.shape, (width, period))  # type: ignore[arg-type]
+    return xr.Dataset(
+        {"pressure": (("x", "y"), values), "approach": ((), approach)},
+        {"x": ("x", grid.x), "y": ("y", grid.y)},
+    )
+
+
+def test_a_contact_does_not_differ_from_itself() -> None:
+    one = contact([[0, 1], [2, 3]])
+    found = cs.compare(one, one)
+    assert (found.l1, found.peak_pressure, found.contact_area, found.load) == (0, 0, 0, 0)
+
+
+def test_differences_are_those_computed_by_hand() -> None:
+    # thirds and halves of the width: sixths. a: 3 3 0 0 0 0 | b: 4 4 4 0 0 0, over cells of 1/6
+    a, b = contact([[3], [0], [0]], approach=1.0), contact([[4], [0]], approach=1.5)
+    found = cs.compare(a, b)
+    assert found.l1 == pytest.approx((1 + 1 + 4) / (3 + 3))
+    assert found.peak_pressure == pytest.approx(4 / 3 - 1)
+    assert found.contact_area == pytest.approx(3 / 2 - 1)
+    assert found.load == pytest.approx(12 / 6 - 1)
+    assert found.approach == pytest.approx(0.5)
+    assert found.largest == pytest.approx(4)
+    assert -1 / 6 < found.at[0] < 0  # between a third and a half of the width, from its left end
+
+
+def test_beyond_a_narrower_grid_there_is_no_pressure() -> None:
+    wide, narrow = contact([[1], [1], [1], [1]], width=2.0), contact([[1], [1]])
+    assert cs.compare(wide, narrow).l1 == pytest.approx(0.5)
+    assert cs.compare(narrow, wide).l1 == pytest.approx(1.0)
+
+
+def test_one_cell_along_stands_for_any_period() -> None:
+    line, plane = contact([[1], [2]], period=0.3), contact([[1, 1, 1], [2, 2, 2]], period=2.0)
+    assert cs.compare(line, plane).l1 == 0
+    assert cs.compare(plane, line).l1 == 0
+
+
+def test_two_periods_and_other_data_are_refused() -> None:
+    with pytest.raises(cs.InvalidInput, match="one period"):
+        cs.compare(contact([[1, 1], [1, 1]]), contact([[1, 1], [1, 1]], period=2.0))
+    with pytest.raises(cs.InvalidInput, match="without a pressure"):
+        cs.compare(contact([[1], [1]]), xr.Dataset())
+    with pytest.raises(cs.InvalidInput, match="carries a load"):
+        cs.compare(contact([[0], [0]]), contact([[1], [1]]))
+
+
+def test_grids_of_one_scene_differ_by_no_more_than_the_estimate_says(line_contact: Any) -> None:
+    scene = line_contact.scene
+    coarse, fine = (
+        cs.solve(scene.problem(line_contact.grid((n, 1), 1.2), cs.ExactPeriodicity()))
+        for n in (64, 512)
+    )
+    found = cs.compare(fine, coarse)
+    # the coarse one's estimate, against cell means, and what the means of its cells leave out: below half a
+    # cell of 2.4/64 half-widths of the steepest pressure, 2 / (pi a) of the load per length
+    assert found.l1 < cs.error_estimate(coarse).l1.total + 2 * (2.4 / 64)
+    assert abs(found.load) < 1e-7  # both carry the load, to their residual
+    assert "pressure in L1" in str(found)
+    assert len(found.plot().axes) == 1

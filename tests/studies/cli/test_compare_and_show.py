@@ -1,0 +1,180 @@
+"""What is stored is compared and drawn from its file alone."""
+
+import signal
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+
+import contactstudy as cs
+from contactstudy.solvers.watched import Watched
+from studies.cli.commands import cli
+from tests.studies.scene_study.conftest import ROUGH, SMOOTH
+
+
+def said(*words: object, code: int = 0) -> str:
+    result = CliRunner().invoke(cli, [str(word) for word in words])
+    if result.exception is not None and not isinstance(result.exception, SystemExit):
+        raise result.exception
+    assert result.exit_code == code, result.output
+    return result.output
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two solutions and a study."""
+    path = tmp_path_factory.mktemp("shown")
+    (path / "smooth.toml").write_text(SMOOTH)
+    (path / "heavy.toml").write_text(SMOOTH.replace("100 N/mm", "110 N/mm"))
+    (path / "rough.toml").write_text(ROUGH)
+    for name in ("smooth", "heavy", "rough"):
+        said("solve", path / f"{name}.toml", "--out", path / "out")
+    vary = ["--vary", "load.per_length=50 N/mm,100 N/mm", "--vary", "radius=10 mm,20 mm"]
+    said("run", path / "smooth.toml", *vary, "--out", path / "study", "--workers", 0)
+    return path
+
+
+def test_a_solution_says_where_it_came_from(folder: Path) -> None:
+    attributes = xr.load_dataset(folder / "out" / "smooth.nc").attrs
+    assert f"contactstudy {cs.__version__}" in attributes["source"]
+    assert attributes["history"][:2] == "20"
+    scene = folder / "again.toml"
+    scene.write_text(attributes["scene"])
+    assert cs.read_scene(scene).scene == cs.read_scene(folder / "smooth.toml").scene
+
+
+def test_solutions_of_several_loads_open_as_one_dataset(folder: Path) -> None:
+    paths = [folder / "out" / f"{name}.nc" for name in ("smooth", "heavy")]
+    both = xr.concat(
+        [
+            xr.load_dataset(path)[["load_per_length", "status", "hertz_half_width"]]
+            for path in paths
+        ],
+        "load",
+    )
+    np.testing.assert_allclose(both["load_per_length"], [1e5, 1.1e5])
+    assert both["hertz_half_width"][0] < both["hertz_half_width"][1]
+
+
+def test_two_solutions_are_compared(folder: Path) -> None:
+    words = folder / "out" / "smooth.nc", folder / "out" / "heavy.nc"
+    text = said("compare", *words, "--out", folder / "compared")
+    assert "load: +0.1 of it" in text
+    assert (folder / "compared" / "smooth-heavy.png").is_file()
+
+
+def test_two_runs_of_a_study_are_compared(folder: Path) -> None:
+    study = folder / "study" / "smooth.nc"
+    changed = folder / "changed.nc"
+    dataset = xr.load_dataset(study)
+    assert "no measure differs" in said("compare", study, study)
+    dataset["peak_pressure"][0, 1] *= 1.5
+    dataset.to_netcdf(changed)
+    text = said("compare", study, changed)
+    assert "peak_pressure: from" in text
+    assert "4 points in both" in text
+    assert "contact_area" not in text
+
+
+def test_what_is_not_of_one_kind_is_not_compared(folder: Path) -> None:
+    with pytest.raises(cs.InvalidInput, match="not of one kind"):
+        said("compare", folder / "out" / "smooth.nc", folder / "study" / "smooth.nc")
+
+
+@pytest.mark.parametrize("name", ["smooth", "rough"])
+def test_a_solution_is_drawn_in_every_format(folder: Path, tmp_path: Path, name: str) -> None:
+    said("show", folder / "out" / f"{name}.nc", "--out", tmp_path, "--format", "png,pdf,svg,vtk")
+    assert {path.name for path in tmp_path.iterdir()} == {
+        f"{name}.{suffix}" for suffix in ("png", "pdf", "svg", "vtr")
+    }
+    text = (tmp_path / f"{name}.vtr").read_bytes()
+    assert b"RectilinearGrid" in text
+    assert b"pressure" in text
+
+
+def test_a_study_is_drawn_as_curves_or_maps(folder: Path, tmp_path: Path) -> None:
+    study = folder / "study" / "smooth.nc"
+    said("show", study, "--out", tmp_path)
+    said("show", study, "--out", tmp_path, "--figures", "maps")
+    assert {path.name for path in tmp_path.iterdir()} == {"smooth-curves.png", "smooth-maps.png"}
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["out/smooth.nc", "--format", "jpeg"], "png, pdf, svg, vtk"),
+        (["study/smooth.nc", "--format", "vtk"], "fields of a solution"),
+        (["nowhere.nc"], "cannot be read"),
+    ],
+)
+def test_what_cannot_be_shown_is_answered_in_a_sentence(
+    folder: Path, words: list[str], message: str
+) -> None:
+    with pytest.raises(cs.InvalidInput, match=message):
+        said("show", folder / words[0], *words[1:])
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ([], "without anything to vary"),
+        (["--vary", "load.per_length"], "a field and its values"),
+        (["--vary", "load.per_length="], "a field and its values"),
+        (["--vary", "radius=1 mm", "--vary", "radius=2 mm"], "twice"),
+        (["--vary", "radius=1 mm", "--vary", "shapes.0.radius=2 mm"], "twice"),
+        (["--vary", "radiuss=1 mm"], "is not in the scene"),
+        (["--vary", "radius=1 kg"], "a length"),
+        (["--vary", "radius=1 mm,"], "lacks a value"),
+        (["--vary", "padding={kind="], "close its brackets"),
+        (["--radius", "1 mm", "--vary", "radius=1 mm"], "--vary"),
+        (["--vary", "surfaces=*.x3p"], "MeasuredSurface"),
+    ],
+)
+def test_ten_mistakes_with_vary_are_answered_in_a_sentence(
+    folder: Path, words: list[str], message: str
+) -> None:
+    with pytest.raises(cs.InvalidInput, match=message):
+        said("run", folder / "smooth.toml", *words, "--out", folder / "mistakes")
+
+
+def test_vary_is_for_scenes(folder: Path) -> None:
+    with pytest.raises(cs.InvalidInput, match="is a study"):
+        said("run", "padding", "--vary", "radius=1 mm", "--out", folder / "mistakes")
+
+
+def test_a_solve_that_is_stopped_leaves_its_pressure_and_goes_on_from_it(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = xr.load_dataset(folder / "out" / "rough.nc")
+    seen: list[float] = []
+    before = Watched.iterate
+
+    def stops(self: Watched, *arguments: object, **named: object) -> object:
+        def see(residual: float, pressure: np.ndarray) -> None:
+            self.see(residual, pressure)
+            seen.append(residual)
+            if len(seen) == 8:
+                signal.raise_signal(signal.SIGINT)
+
+        return before(Watched(see, self.solver), *arguments, **named)  # type: ignore[arg-type]
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Watched, "iterate", stops)
+        said("solve", folder / "rough.toml", "--out", folder / "halt", code=130)
+    left = folder / "halt" / "rough.stopped.nc"
+    halted = xr.load_dataset(left)
+    assert float(halted["residual"]) == seen[-1]
+    said("solve", folder / "rough.toml", "--out", folder / "halt", "--start", left)
+    ended = xr.load_dataset(folder / "halt" / "rough.nc")
+    assert int(ended["iterations"]) < int(whole["iterations"])
+    # two solves to a residual of 1e-8
+    assert float(abs(ended["pressure"] - whole["pressure"]).sum() / whole["pressure"].sum()) < 1e-6
+
+
+def test_a_start_that_is_none_is_refused(folder: Path) -> None:
+    with pytest.raises(cs.InvalidInput, match="no pressure"):
+        said("solve", folder / "smooth.toml", "--start", folder / "study" / "smooth.nc")
+    with pytest.raises(cs.InvalidInput, match="shape"):
+        said("solve", folder / "smooth.toml", "--start", folder / "out" / "rough.nc")

@@ -51,6 +51,12 @@ BUILT_IN = {
     ),
     "creep": Modules("studies.definitions.effects.creep", "studies.report.drawings.effects.creep"),
     "wear": Modules("studies.definitions.effects.wear", "studies.report.drawings.effects.wear"),
+    "coating": Modules(
+        "studies.definitions.effects.coating", "studies.report.drawings.effects.coating"
+    ),
+    "friction": Modules(
+        "studies.definitions.effects.friction", "studies.report.drawings.effects.friction"
+    ),
     "effects": Modules("studies.definitions.cost.effects", "studies.report.drawings.cost.effects"),
     "pareto": Modules("studies.definitions.cost.pareto", "studies.report.drawings.cost.pareto"),
     "stability": Modules("studies.definitions.stability", "studies.report.drawings.stability"),

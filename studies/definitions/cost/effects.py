@@ -9,10 +9,13 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.domain.checks import whole
 from studies.definitions.evolution_case import EvolutionCase
+from contactstudy.problem.derived import Sheared
+from contactstudy.scene.coated import CoatedHalfSpace
+from contactstudy.scene.friction import Sliding
 from studies.model.axis import Axis, one_of
 from studies.model.case import Case, Computation, number
 from studies.model.study import Point
-from studies.reference.line_contact import FLATTENING, HERTZ, SCENE
+from studies.reference.line_contact import FLATTENING, HERTZ, SCENE, STEEL
 
 A, P_H = HERTZ.half_width, HERTZ.peak_pressure
 WIDTH, PERIOD = 3.6, 0.9  # half-widths: square cells, a quarter as many along as across
@@ -28,18 +31,30 @@ ROUGH = _with(
     TEXTURED,
     cs.Roughness(0.1 * FLATTENING, hurst=0.8, roll_off=0.225 * A, cut_off=0.06 * A, seed=1),
 )
-YIELDING = replace(ROUGH, hardness=2.5 * P_H)
-# The greatest shear of the smooth contact lies at 0.786 a.
-STRESSED = replace(YIELDING, outputs=(cs.SubsurfaceStress(depths=(0.786 * A,)),))
-# Each has what those before it have, and one effect more; the smooth one is solved in both dimensions.
+COATED = replace(
+    ROUGH,
+    solids=(
+        CoatedHalfSpace(cs.HalfSpace(250e9, 0.22), 0.03 * A, STEEL),
+        STEEL,
+    ),
+)
+YIELDING = replace(COATED, hardness=2.5 * P_H)
+# The greatest shear of the smooth contact lies at 0.786 a; in the body without a coating.
+STRESSED = replace(YIELDING, outputs=(cs.SubsurfaceStress(depths=(0.786 * A,), solid=1),))
+# How a coated body couples shear and pressure is not known.
+SLIDING = replace(STRESSED, solids=ROUGH.solids, friction=Sliding(0.1))
+# Each has what those before it have, and one effect more, but the one that slides has no coating; the
+# smooth one is solved in both dimensions.
 SCENES: dict[str, cs.Scene] = {
     "smooth, 1-D": SCENE,
     "smooth, 2-D": SCENE,
     "waviness": WAVY,
     "texture": TEXTURED,
     "roughness": ROUGH,
+    "coating": COATED,
     "hardness": YIELDING,
     "stress": STRESSED,
+    "sliding, no coating": SLIDING,
 }
 
 # Effects in time, each alone on the wavy cylinder: a sudden load and one step after it.
@@ -69,6 +84,8 @@ class SolveWithOutputs:
         """The solve, then the outputs."""
         solution = self.case.run(prepared)
         for output in prepared.outputs:
+            if solution.traction is not None and isinstance(output, Sheared):
+                output = output.under(solution.shear)
             output.fields(solution.pressure)
         return solution
 

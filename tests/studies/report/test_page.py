@@ -23,6 +23,13 @@ FEW = {"grid": "16,24", "period": "0.6,2.4", "solver_tolerance": "1e-6"}
 ROUGH = {"rms": "0,0.1", "peklenik": "1", "hurst": "0.8", "seed": "1", "grid": "80"}
 # of the accuracy cases every fortieth
 SOME = {"case": ",".join(list(matrix())[::40])}
+# these have axes of their own
+OWN = {
+    "roughness": ROUGH,
+    "accuracy": SOME,
+    "coating": {"ratio": "0.25,4", "thickness": "0.1,1,10", "grid": "64"},
+    "friction": {"poisson_ratio": "0,0.3", "grid": "65", "rough_grid": "24"},
+}
 
 
 @pytest.fixture(scope="module")
@@ -31,7 +38,7 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for name in BUILT_IN:
         study = load(name)
         axes = {axis.name: FEW[axis.name] for axis in study.points if axis.name in FEW}
-        few = study.override({"roughness": ROUGH, "accuracy": SOME}.get(name, axes))
+        few = study.override(OWN.get(name, axes))
         run(few, folder, workers=0, repeats=1, log=quiet)
     report.write(folder)
     return folder

@@ -55,7 +55,8 @@ def _numbers(ax: Axes, place: Array, values: Array, form: str) -> None:
 def _caption(dataset: xr.Dataset) -> str:
     cells = int(dataset["grid"])
     words = (
-        f"Cost of each effect: every scene has all effects above it and one more. {cells} x {cells // 4} "
+        f"Cost of each effect: every scene has all effects above it and one more, but the sliding one has no "
+        f"coating. {cells} x {cells // 4} "
         f"cells over {WIDTH:g} a x {PERIOD:g} a ({cells} x 1 for the first), exact periodicity, a residual of "
         "1e-8, one thread. Time and memory include set-up, solve and outputs."
     )
@@ -67,7 +68,8 @@ def _caption(dataset: xr.Dataset) -> str:
             f"{percent(time[0] / time[1])} of the time. All heights are added to one field, so no shape needs "
             "more memory or longer transforms: a shape costs iterations. Stress adds no iterations, "
             "but it needs influence coefficients and transforms of its own, "
-            "one for each of six components at each depth (here one depth)."
+            "one for each of six components at each depth (here one depth), and as many again under shear. A coating "
+            "costs set-up alone."
         )
     if set(IN_TIME) & set(dataset["effect"].values.tolist()):
         words += (

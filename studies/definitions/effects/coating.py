@@ -1,0 +1,225 @@
+"""Coated bodies: what a layer's thickness and stiffness do to a line contact and below it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from math import inf, sqrt
+from typing import ClassVar
+
+import numpy as np
+import xarray as xr
+
+import contactstudy as cs
+from contactstudy.accuracy.contact_edge import half_widths
+from contactstudy.domain.arrays import Array
+from contactstudy.domain.checks import positive, whole
+from contactstudy.elasticity.coating import CoatingDisplacement
+from contactstudy.elasticity.kernels.layer.image import image_cell, image_lattice, image_row
+from contactstudy.scene.coated import CoatedHalfSpace
+from contactstudy.scene.solids import response
+from studies.model.axis import Axis
+from studies.model.case import Case, number
+from studies.model.study import Point
+from studies.reference.line_contact import STEEL
+
+RIGID = cs.HalfSpace(inf, 0.3)
+LOAD, RADIUS = 1e5, 0.01
+# On the substrate alone.
+HERTZ = cs.analytic.hertz_line(LOAD, RADIUS, 1 / STEEL.compliance)
+A, P_H = HERTZ.half_width, HERTZ.peak_pressure
+# Beyond the wider of the contacts on either material.
+ROOM = 1.3
+
+points = (
+    Axis(
+        "ratio", (0.25, 0.5, 2.0, 4.0), "Young's modulus of the coating over that of the substrate"
+    ),
+    Axis(
+        "thickness",
+        (0.03, 0.1, 0.3, 1.0, 3.0, 10.0),
+        "thickness of the coating over the Hertz half-width on the substrate",
+    ),
+    Axis("grid", (512,), "cells across the width"),
+)
+
+# A rigid cylinder, nu = 0.3 in both: ratio, half-width over thickness, P / (E1* a^2 / R), p0 / (E1* a / R).
+# Source: Chebyshev collocation of the layered problem, residual 3e-12.
+REFERENCE = (
+    (4.0, 0.2, 0.750616102199, 0.477753453724),
+    (4.0, 1.0, 0.458102570999, 0.277768758153),
+    (0.25, 0.2, 0.800833019014, 0.509889180575),
+    (0.25, 1.0, 1.054900786815, 0.687575655250),
+)
+
+
+def coated(ratio: float, thickness: float) -> CoatedHalfSpace:
+    """Steel with a coating ``ratio`` times as stiff; ``thickness`` [m]."""
+    coating = cs.HalfSpace(ratio * STEEL.youngs_modulus, STEEL.poisson_ratio)
+    return CoatedHalfSpace(coating, thickness, STEEL)
+
+
+def scene_at(point: Point) -> Case:
+    """A rigid cylinder on coated steel, in plane strain."""
+    ratio = positive("ratio", point["ratio"], "give a ratio of moduli above 0")
+    thickness = positive("thickness", point["thickness"], "give a thickness above 0 half-widths")
+    cells = whole("grid", point["grid"], 32, "give at least 32 cells across the width")
+    solids = coated(ratio, thickness * A), RIGID
+    scene = cs.Scene(cs.LineLoad(LOAD), solids, (cs.Cylinder(RADIUS),))
+    width = 2 * ROOM * A * max(1.0, 1 / sqrt(ratio))
+    return Case(scene, cs.Grid((cells, 1), (width, width)), cs.ExactPeriodicity())
+
+
+def measures(case: Case, solution: cs.Solution) -> Mapping[str, xr.Variable]:
+    """The contact, the stress at the interface, the error of the image alone and that of known contacts."""
+    body = case.scene.solids[0]
+    assert isinstance(body, CoatedHalfSpace)
+    pressure, x = solution.pressure, case.grid.x
+    ratio = body.coating.youngs_modulus / body.substrate.youngs_modulus
+    shear, tension = interface(body, pressure[:, 0], case.grid.cell[0])
+    highest = float(pressure.max())
+    alone = _image_alone(case, body)
+    without = np.abs(alone.pressure - pressure).sum() / pressure.sum()
+    edges = half_widths(pressure, x)
+    return {
+        "half_width": number(float(edges[0]) / A, "half-width over Hertz's on the substrate"),
+        "peak_pressure": number(highest / P_H, "highest pressure over Hertz's on the substrate"),
+        "interface_shear": number(
+            shear / highest, "largest shear at the interface over the highest pressure"
+        ),
+        "interface_tension": number(
+            tension / highest,
+            "largest tension in the coating at the interface over the highest pressure",
+        ),
+        "image_error": number(
+            float(without), "L1 error of the pressure with the image at 2 h alone"
+        ),
+        "reference_error": number(
+            _reference_error(ratio, case.grid.cells[0]),
+            "largest relative error of the highest pressure of known contacts; nan where none is known",
+        ),
+    }
+
+
+@dataclass(frozen=True)
+class ImageAlone:
+    """What is left of a coating's coefficients without their short-ranged rest: the image two thicknesses below."""
+
+    whole: CoatingDisplacement
+    parity: ClassVar[tuple[int, int]] = (1, 1)
+
+    @property
+    def _depth(self) -> float:
+        return 2 * self.whole.thickness
+
+    def turned(self) -> "ImageAlone":
+        """Itself."""
+        return self
+
+    def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
+        """One cell."""
+        return self.whole.response.contrast * image_cell(x, y, dx, dy, self._depth)
+
+    def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
+        """Infinitely many images along y, counted from any datum."""
+        return self.whole.response.contrast * image_row(x, y, dx, dy, period, self._depth)
+
+    def lattice(
+        self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
+    ) -> Array:
+        """Infinitely many images along both axes."""
+        extent = width, period
+        return self.whole.response.contrast * image_lattice(x, y, dx, dy, *extent, self._depth)
+
+
+def _image_alone(case: Case, body: CoatedHalfSpace) -> cs.Solution:
+    problem = case.prepare()
+    terms = {
+        ImageAlone(one) if isinstance(one, CoatingDisplacement) else one: weight
+        for one, weight in response((body, RIGID), problem.scales.length).items()
+    }
+    operator = cs.superposed(terms, case.grid, case.padding)
+    return case.run(replace(problem, operator=operator))
+
+
+def _reference_error(ratio: float, cells: int) -> float:
+    found = []
+    for known, wide, load, peak in REFERENCE:
+        if known != ratio:
+            continue
+        half_width = A
+        body = coated(ratio, half_width / wide)
+        modulus = 1 / body.coating.compliance
+        line = cs.LineLoad(load * modulus * half_width**2 / RADIUS)
+        scene = cs.Scene(line, (body, RIGID), (cs.Cylinder(RADIUS),))
+        grid = cs.Grid((cells, 1), (2.4 * half_width, half_width))
+        solution = cs.solve(scene.problem(grid, cs.ExactPeriodicity()))
+        found.append(abs(solution.pressure.max() / (peak * modulus * half_width / RADIUS) - 1))
+    return float(max(found, default=np.nan))
+
+
+# Widths of the grid in the period that stress at the interface is found on: it errs by (a / period)^2.
+PADDED = 32
+
+
+def interface(body: CoatedHalfSpace, pressure: Array, step: float) -> tuple[float, float]:
+    """Largest shear and tension [Pa] in the coating at the interface, in plane strain.
+
+    By the layered problem itself, wave by wave: Airy functions in the layer and below it, and six
+    conditions (Burmister 1945), not by the coefficients that the contact was solved with.
+    """
+    count = PADDED * pressure.size
+    waves = np.fft.rfft(pressure, count)
+    q = 2 * np.pi / (count * step) * np.arange(waves.size)
+    k = q[1:] * body.thickness
+    inside = k < 40
+    shear, along = np.zeros(waves.size), np.zeros(waves.size)
+    shear[1:][inside], along[1:][inside] = _at_interface(body, k[inside])
+    # the surface goes on beyond the load, so the longest wave is the limit of long ones, and not confined
+    along[0] = 2 * along[1] - along[2]
+    # s_xz is odd where the pressure is even
+    return (
+        float(np.abs(np.fft.irfft(1j * shear * waves, count)).max()),
+        float(np.fft.irfft(along * waves, count).max()),
+    )
+
+
+def _at_interface(body: CoatedHalfSpace, k: Array) -> tuple[Array, Array]:
+    """s_xz and s_xx in the layer at depth h under unit pressure ``cos(q x)``, k = q h; unit wave number."""
+    ratio = body.coating.youngs_modulus / body.substrate.youngs_modulus
+    ratio *= (1 + body.substrate.poisson_ratio) / (1 + body.coating.poisson_ratio)
+    zero, one = np.zeros_like(k), np.ones_like(k)
+    fade = np.exp(-k)
+
+    def falling(z: Array, e: Array) -> list[list[Array]]:
+        """phi and three derivatives of ``exp(-z)`` and ``z exp(-z)``, e the exponential."""
+        return [[e, -e, e, -e], [z * e, (1 - z) * e, (z - 2) * e, (3 - z) * e]]
+
+    def rising(z: Array, e: Array) -> list[list[Array]]:
+        return [[e, e, e, e], [z * e, (1 + z) * e, (z + 2) * e, (3 + z) * e]]
+
+    top = falling(zero, one) + rising(zero, fade)
+    bottom = falling(k, fade) + rising(k, one)
+    below = falling(zero, one)
+
+    def rows(d: list[Array], weight: float, nu: float) -> list[Array]:
+        return [
+            d[0],
+            d[1],
+            weight * ((1 - nu) * d[2] + nu * d[0]),
+            weight * ((1 - nu) * d[3] - (2 - nu) * d[1]),
+        ]
+
+    system = np.zeros((k.size, 6, 6))
+    nus = body.coating.poisson_ratio, body.substrate.poisson_ratio
+    for column, (above, at_bottom) in enumerate(zip(top, bottom, strict=True)):
+        system[:, 0, column], system[:, 1, column] = above[0], above[1]
+        for row, value in enumerate(rows(at_bottom, 1.0, nus[0])):
+            system[:, 2 + row, column] = value
+    for column, derivatives in enumerate(below):
+        for row, value in enumerate(rows(derivatives, ratio, nus[1])):
+            system[:, 2 + row, 4 + column] = -value
+    right = np.zeros((k.size, 6, 1))
+    right[:, 0] = 1.0
+    strength = np.linalg.solve(system, right)[:, :, 0]
+    shear = sum(strength[:, n] * bottom[n][1] for n in range(4))
+    along = sum(strength[:, n] * bottom[n][2] for n in range(4))
+    return np.asarray(shear), np.asarray(along)

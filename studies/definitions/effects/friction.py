@@ -1,0 +1,137 @@
+"""Friction: stress under a sliding contact, the zone that sticks, and how far a superposition holds."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+import xarray as xr
+
+import contactstudy as cs
+from contactstudy.domain.arrays import Array
+from contactstudy.domain.checks import finite, whole
+from contactstudy.scene.friction import PartialSlip
+from contactstudy.scene.stress import StressBelow, von_mises
+from contactstudy.solvers.partial_slip import Superposed
+from studies.model.axis import Axis
+from studies.model.case import Case, number
+from studies.model.study import Point
+from studies.reference.line_contact import HERTZ, SCENE, STEEL
+
+A, P_H = HERTZ.half_width, HERTZ.peak_pressure
+COEFFICIENTS = (0.0, 0.1, 0.2, 0.25, 0.3, 0.4)
+DEPTHS = (1e-6, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.65, 0.7, 0.75, 0.8, 0.9)
+SHARES = (0.1, 0.3, 0.5, 0.7, 0.9)
+MU = 0.3
+
+points = (
+    Axis("poisson_ratio", (0.0, 0.15, 0.3, 0.45), "Poisson's ratio of both bodies"),
+    Axis("grid", (401,), "cells across the line contact"),
+    Axis("rough_grid", (48,), "cells along each axis of the rough contact and the sphere"),
+)
+
+
+@dataclass(frozen=True)
+class Rough(Case):
+    """A case with the cells of the rough contact beside it."""
+
+    cells_rough: int = 48
+
+
+def scene_at(point: Point) -> Case:
+    """The sweeps' line contact between bodies of this Poisson's ratio and one contact modulus."""
+    ratio = finite("poisson_ratio", point["poisson_ratio"], "give a ratio from 0 to 0.5")
+    cells = whole("grid", point["grid"], 32, "give at least 32 cells across the width")
+    whole("rough_grid", point["rough_grid"], 16, "give at least 16 cells along each axis")
+    modulus = (1 - ratio**2) / STEEL.compliance
+    solid = cs.HalfSpace(modulus, ratio)
+    scene = replace(SCENE, solids=(solid, solid))
+    grid = cs.Grid((cells, 1), (2.6 * A, A))
+    # the second grid's cells stand in the name of what is computed
+    return Rough(scene, grid, cs.ExactPeriodicity(), cells_rough=int(point["rough_grid"]))
+
+
+def measures(case: Rough, solution: cs.Solution) -> Mapping[str, xr.Variable]:
+    """Von Mises' stress over the coefficient, sticking zones over the tangential force, and one error."""
+    highest, depth = _stress(case, solution.pressure)
+    hertz = case.scene.hertz
+    assert hertz is not None
+    stick, mindlin = [], []
+    for share in SHARES:
+        slip = PartialSlip(MU, share * MU * case.scene.load.largest)
+        found = replace(case, scene=replace(case.scene, friction=slip))
+        held = cs.solve(found.prepare()).stick.sum() * case.grid.cell[0] / 2
+        stick.append(float(held) / hertz.half_width)
+        mindlin.append(_sphere(case, share))
+    error, across = _superposition(case)
+    return {
+        "coefficient": _along("coefficient", COEFFICIENTS, "coefficient of friction"),
+        "von_mises": _along(
+            "coefficient", highest, "highest von Mises stress over Hertz's pressure"
+        ),
+        "depth": _along("coefficient", depth, "its depth over the half-width"),
+        "share": _along("share", SHARES, "tangential force over the largest that friction bears"),
+        "stick": _along("share", stick, "half-width of the zone that sticks over that in contact"),
+        "stick_sphere": _along(
+            "share", mindlin, "radius of the zone that sticks under a sphere over that in contact"
+        ),
+        "superposition_error": number(
+            error, "relative L1 error of Ciavarella-Jaeger's shear on a rough contact"
+        ),
+        "shear_aside": number(across, "largest shear across the force over the largest shear"),
+    }
+
+
+def _along(dimension: str, values: object, long_name: str) -> xr.Variable:
+    return xr.Variable((dimension,), np.asarray(values), {"units": "1", "long_name": long_name})
+
+
+def _stress(case: Rough, pressure: Array) -> tuple[list[float], list[float]]:
+    """Under pressure and the shear of full sliding: linear in the coefficient."""
+    solid = case.scene.solids[0]
+    assert isinstance(solid, cs.HalfSpace)
+    below = StressBelow(
+        case.grid,
+        (cs.ZeroPadding(), cs.ExactPeriodicity()),
+        solid.poisson_ratio,
+        tuple(z * A for z in DEPTHS),
+    )
+    pressed = below(pressure)
+    sheared = below.under(np.stack([pressure, np.zeros_like(pressure)]))(pressure) - pressed
+    highest, depth = [], []
+    for mu in COEFFICIENTS:
+        equivalent = von_mises(pressed + mu * sheared).max(axis=(1, 2))
+        highest.append(float(equivalent.max()) / P_H)
+        depth.append(DEPTHS[int(equivalent.argmax())])
+    return highest, depth
+
+
+def _sphere(case: Rough, share: float) -> float:
+    """Radius of what sticks under a sphere over that in contact, as those of circles of like area."""
+    width = 2.5 * A
+    n = case.cells_rough
+    modulus = case.scene.contact_modulus
+    radius = HERTZ.radius
+    force = 4 / 3 * modulus * A**3 / radius
+    slip = PartialSlip(MU, share * MU * force / width)
+    scene = cs.Scene(
+        cs.LineLoad(force / width), case.scene.solids, (cs.Sphere(radius),), friction=slip
+    )
+    free = cs.ZeroPadding(), cs.ZeroPadding()
+    found = cs.solve(scene.problem(cs.Grid((n, n), (width, width)), free), tolerance=1e-6)
+    return float(np.sqrt(found.stick.sum() / (found.pressure > 0).sum()))
+
+
+def _superposition(case: Rough) -> tuple[float, float]:
+    """What two normal contacts miss of the shear on a rough surface under half the largest force."""
+    rough = cs.Roughness(
+        0.3 * A**2 / (2 * HERTZ.radius), hurst=0.8, roll_off=0.8 * A, cut_off=0.2 * A, seed=1
+    )
+    slip = PartialSlip(MU, 0.5 * MU * case.scene.load.largest)
+    scene = replace(case.scene, shapes=(*case.scene.shapes, rough), friction=slip)
+    n = case.cells_rough
+    problem = scene.problem(cs.Grid((n, n), (3.2 * A, 3.2 * A)), cs.ExactPeriodicity())
+    exact = cs.solve(problem, tolerance=1e-6)
+    quick = cs.solve(replace(problem, friction=Superposed(MU, 0.5)), tolerance=1e-6)
+    size = np.abs(exact.shear)
+    error = np.abs(exact.shear - quick.shear).sum() / size.sum()
+    return float(error), float(size[1].max() / size.max())

@@ -1,0 +1,76 @@
+"""The studies of coatings and of friction: what they measure, pinned by closed forms."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.scene.coated import CoatedHalfSpace
+from contactstudy.scene.stress import StressBelow
+from studies.definitions.effects.coating import A, coated, interface
+from studies.engine.run import run
+from studies.reference.line_contact import STEEL
+from studies.registry import load, load_drawing
+from studies.report import page as report
+from tests.studies.conftest import quiet
+
+
+def test_stress_at_the_interface_of_like_materials_is_that_of_a_half_space() -> None:
+    """Under Hertz's pressure the largest shear, half-way down to half a half-width, is a quarter of the highest."""
+    grid = cs.Grid((400, 1), (4e-4, 1.0))
+    x = grid.x / 1e-4
+    pressure = np.sqrt(np.maximum(1 - x**2, 0))
+    body = CoatedHalfSpace(STEEL, 0.5e-4, STEEL)
+    shear, tension = interface(body, pressure, grid.cell[0])
+    # the period is 128 half-widths: its square is the error
+    assert shear == pytest.approx(0.25, abs=1e-3)
+    below = StressBelow(grid, (cs.ZeroPadding(), cs.ExactPeriodicity()), 0.3, (0.5e-4,))
+    along = below(pressure[:, None])[0, 0, :, 0]
+    assert tension == pytest.approx(max(along.max(), 0), abs=1e-3)
+
+
+def test_a_stiff_coating_is_in_tension_at_its_interface_and_a_soft_one_is_not() -> None:
+    x = np.linspace(-2, 2, 400, endpoint=False) + 0.005
+    pressure = np.sqrt(np.maximum(1 - x**2, 0))
+    step = 0.01 * A
+    stiff, soft = (interface(coated(ratio, A), pressure, step)[1] for ratio in (4, 0.25))
+    assert stiff > 0.3
+    assert soft < 0.05
+
+
+def test_coatings_are_measured_and_drawn(tmp_path: Path) -> None:
+    study = load("coating").override({"ratio": "4", "thickness": "1e-4,1,1e3", "grid": "128"})
+    dataset = run(study, tmp_path, workers=0, repeats=1, log=quiet)
+    one = dataset.isel(ratio=0, grid=0)
+    # the substrate's Hertz contact, and that of the coating: half as wide, twice as high
+    assert one["half_width"].isel(thickness=0) == pytest.approx(1, rel=1e-2)
+    assert one["half_width"].isel(thickness=2) == pytest.approx(0.5, rel=1e-2)
+    assert one["peak_pressure"].isel(thickness=2) == pytest.approx(2, rel=1e-2)
+    assert one["image_error"].isel(thickness=1) > 0.05
+    # second order in the cell
+    assert one["reference_error"].max() < (2.4 / 128) ** 2
+    drawing = load_drawing("coating")
+    (finding,) = drawing.findings(dataset)
+    assert "image" in finding.claim
+    report.draw(study, drawing, tmp_path)
+    assert (tmp_path / "coating" / "coating.png").is_file()
+
+
+def test_friction_is_measured_and_drawn(tmp_path: Path) -> None:
+    study = load("friction").override({"poisson_ratio": "0,0.3", "grid": "201", "rough_grid": "32"})
+    dataset = run(study, tmp_path, workers=0, repeats=1, log=quiet)
+    cork, steel = (dataset.isel(poisson_ratio=n, grid=0, rough_grid=0) for n in (0, 1))
+    for coefficient, wanted in ((0.0, 0.55751), (0.2, 0.58999), (0.4, 0.81584)):
+        found = float(steel["von_mises"].sel(coefficient=coefficient))
+        assert found == pytest.approx(wanted, abs=5e-3)
+    assert steel["depth"].sel(coefficient=0.3) < 0.01
+    np.testing.assert_allclose(steel["stick"], np.sqrt(1 - steel["share"]), atol=2.6 / 201)
+    np.testing.assert_allclose(cork["stick_sphere"], np.cbrt(1 - cork["share"]), atol=2.5 / 32)
+    assert cork["superposition_error"] < 1e-3
+    assert steel["superposition_error"] > 0.02
+    drawing = load_drawing("friction")
+    (finding,) = drawing.findings(dataset)
+    assert "Cattaneo" in finding.claim
+    report.draw(study, drawing, tmp_path)
+    assert (tmp_path / "friction" / "friction.png").is_file()

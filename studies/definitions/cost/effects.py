@@ -8,10 +8,10 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.domain.checks import whole
-from studies.definitions.evolution_case import EvolutionCase
 from contactstudy.problem.derived import Sheared
 from contactstudy.scene.coated import CoatedHalfSpace
 from contactstudy.scene.friction import Sliding
+from studies.definitions.evolution_case import EvolutionCase
 from studies.model.axis import Axis, one_of
 from studies.model.case import Case, Computation, number
 from studies.model.study import Point

@@ -183,7 +183,22 @@ def contact_of(
             "not smooth."
         )
     most = min(limits.memory, SHARE * available_bytes())
-    return RoughContact(needs, reaching(scene, needs, limits.error, period, most))
+    planned = reaching(scene, needs, limits.error, period, most)
+    if planned.error == inf:
+        raise cs.NotDefined(
+            f"Scene has no grid whose error can be said: {_obstacle(needs, planned)}"
+        )
+    return RoughContact(needs, planned)
+
+
+def _obstacle(needs: Needs, planned: Forecast) -> str:
+    """Why no error can be said, in a sentence."""
+    if planned.cut_off:
+        return (
+            f"the contact outgrows the measured surface, which is {needs.widest:.4g} m wide; give a smaller "
+            "load or a wider surface."
+        )
+    return planned.said or "small solutions do not show the surface; give a shape with a `detail`."
 
 
 def recommend(

@@ -81,6 +81,15 @@ def test_a_recommended_setting_of_a_rough_contact_meets_its_error() -> None:
         assert np.abs(coarse.pressure - means).sum() / means.sum() <= error
 
 
+def test_a_surface_narrower_than_its_contact_has_no_recommendation() -> None:
+    a = HERTZ.half_width
+    heights = 1e-8 * np.random.default_rng(0).standard_normal((24, 16))
+    surface = cs.MeasuredSurface(heights, extent=(1.5 * a, a))
+    scene = replace(SCENE, shapes=(*SCENE.shapes, surface))
+    with pytest.raises(cs.NotDefined, match="outgrows the measured surface"):
+        contact_of(scene, None, Limits(0.1))
+
+
 def model_times(case: Case) -> tuple[float, float]:
     assert not isinstance(case.padding, tuple)
     cells, points = np.prod(case.grid.cells), padded(case.grid, case.padding)

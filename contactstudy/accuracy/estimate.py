@@ -87,7 +87,7 @@ def error_estimate(solution: Solution, *, coarse: Solution | None = None) -> Err
 
     Where heights and edges are smooth, from the solution itself; else the same contact is solved once more on
     cells of twice the size, its heights sampled anew, and the heights are looked at inside the cells. That
-    costs a fifth to two thirds of a solve of a few hundred cells a side. ``coarse`` is that solution, where it is at hand (see
+    costs a fifth to two thirds of a solve of a few hundred cells a side. ``coarse`` is that solution, where at hand (see
     :func:`~contactstudy.accuracy.coarser.coarse_solution`). Infinite, with the reason in ``warnings``, where no
     bound can be given: no solution, a contact cut off, a sharp edge's pressure, heights finer than the cells.
     Raises :class:`~contactstudy.NotDefined` where the problem does not say its paddings, or no law is

@@ -27,7 +27,8 @@ def solved(name: str, out: Path) -> xr.Dataset:
 
 def test_the_smooth_example_is_hertz(tmp_path: Path) -> None:
     dataset = solved("smooth", tmp_path)
-    assert dataset.sizes == {"x": 656, "y": 1, "cause": 3}
+    assert dataset.sizes["y"] == 1
+    assert dataset.sizes["cause"] == 3
     peak = float(dataset["pressure"].max())
     # sqrt(W E* / (pi R)) of 100 N/mm, 10 mm, steel on steel
     assert peak == pytest.approx(np.sqrt(1e5 * 210e9 / 1.82 / np.pi / 0.01), rel=2e-5)

@@ -41,3 +41,11 @@ def test_a_bad_grid_is_refused_in_one_sentence(
     assert sentence.startswith(f"{field} is {value}: give ")
     assert sentence.endswith(".")
     assert "\n" not in sentence
+
+
+def test_cells_may_be_a_billion_times_as_long_as_wide_and_no_longer() -> None:
+    for extent in ((2.0, 0.9e9), (0.9e9 * 2, 1.0)):
+        assert cs.Grid(cells=(2, 1), extent=extent).extent == extent
+    for extent in ((2.0, 1.1e9), (1.1e9 * 2, 1.0)):
+        with pytest.raises(cs.InvalidInput, match=r"^Grid\.extent is .* times as"):
+            cs.Grid(cells=(2, 1), extent=extent)

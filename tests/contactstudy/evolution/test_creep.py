@@ -209,3 +209,19 @@ def test_unloaded_bodies_recover_and_touch() -> None:
 
 def test_the_edge_of_a_held_contact_is_that_of_its_creep() -> None:
     assert half_width(SOLID, 0.0) == pytest.approx(sqrt(4 * LOAD / pi))
+
+
+def test_a_coated_body_may_stand_beside_one_that_creeps() -> None:
+    """A coat of the body's own material is no coat: two kinds of coefficients add up to what one gives."""
+    steel = cs.HalfSpace(4.0, 0.3)
+    coated = cs.CoatedHalfSpace(steel, 0.02, steel)
+    times = [0.0, 0.5, 1.0]
+    with_coat, without = (
+        cs.evolve(
+            replace(rolling_cylinder(SOLID), solids=(SOLID, body)), line(96), EXACT, times=times
+        )
+        for body in (coated, steel)
+    )
+    np.testing.assert_allclose(
+        with_coat.pressure, without.pressure, atol=1e-5 * without.pressure.max()
+    )

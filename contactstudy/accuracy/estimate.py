@@ -163,7 +163,7 @@ def _cells(solution: Solution, coarse: Solution | None) -> _Cells:
         peak_seen = min(peak_seen, (1 + PEAK_RESOLVED * hides) * peak)
     both = _Cells(
         0.0 if yields else max(peak, peak_seen),
-        min(LARGEST, max(l1, l1_seen)),
+        LARGEST if _all_alone(pressure) else min(LARGEST, max(l1, l1_seen)),
         max(area, _lost(AREA_CHANGE * seen.contact_area), HIDDEN / 2 * inside.uncertain),
         max(GAP_CHANGE * seen.mean_gap, GAP_EDGES / 2 * l1),
     )
@@ -178,6 +178,14 @@ def _with_area_warning(cells: _Cells) -> _Cells:
         return cells
     said = "No bound for the contact area: the spots are one or two cells wide, give more cells."
     return replace(cells, warnings=(*cells.warnings, said))
+
+
+def _all_alone(pressure: np.ndarray) -> bool:
+    """Whether along an axis no two touching cells are neighbours, so that nothing is known inside them."""
+    touching = pressure > 0
+    return any(
+        len(along) > 1 and not (along[1:] & along[:-1]).any() for along in (touching, touching.T)
+    )
 
 
 def _lost(share: float) -> float:

@@ -168,3 +168,12 @@ def test_a_problem_without_paddings_is_refused(line_contact: LineContact) -> Non
     solution = cs.solve(replace(problem, paddings=None))
     with pytest.raises(cs.InvalidInput, match=r"^Problem\.paddings is None: "):
         cs.error_estimate(solution)
+
+
+def test_a_contact_inside_one_cell_is_known_to_nothing(line_contact: LineContact) -> None:
+    """Two pressures of one load differ by 2 at most, which is all there is to say."""
+    grid = line_contact.grid((33, 1), 1.0, width=33 * 4.0)
+    estimate = cs.error_estimate(cs.solve(line_contact.scene.problem(grid, EXACT)))
+    assert estimate.l1.discretisation == 2
+    assert estimate.peak_pressure.total == estimate.contact_area.total == math.inf
+    assert estimate.warnings

@@ -22,7 +22,8 @@ LONG, LARGE = 60.0, 4e9
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object, for scripts.")
 def plan(scene: Path, as_json: bool) -> None:  # noqa: FBT001 (click's own way)
     """Print the grid and padding that the scene in the TOML file SCENE needs, and its estimated cost."""
-    planned = cs.read_scene(scene).plan()
+    described = cs.read_scene(scene)
+    planned = described.plan()
     if as_json:
         fields = asdict(planned) | {"padding": repr(planned.padding)}
         click.echo(json.dumps(fields))
@@ -38,6 +39,13 @@ def plan(scene: Path, as_json: bool) -> None:  # noqa: FBT001 (click's own way)
     )
     for warning in planned.warnings:
         click.echo(f"  warning: {warning}")
+    for number, shape in enumerate(described.scene.shapes):
+        if isinstance(shape, cs.Roughness) and shape.extent is None and shape.rms:
+            width, length = planned.grid.extent
+            click.echo(
+                f"  note: shapes[{number}] takes its extent from the grid, so that a grid of another width or "
+                f"period is another surface: give it extent = [{width:.6g}, {length:.6g}] to keep this one"
+            )
 
 
 def _rolled(described: cs.SceneFile, planned: cs.Plan | None) -> cs.Solution:

@@ -139,6 +139,11 @@ def test_ten_mistakes_with_vary_are_answered_in_a_sentence(
         said("run", folder / "smooth.toml", *words, "--out", folder / "mistakes")
 
 
+def test_a_plan_says_where_a_surface_is_that_of_its_grid(folder: Path) -> None:
+    assert "shapes[1] takes its extent from the grid" in said("plan", folder / "rough.toml")
+    assert "extent" not in said("plan", folder / "smooth.toml")
+
+
 def test_vary_is_for_scenes(folder: Path) -> None:
     with pytest.raises(cs.InvalidInput, match="is a study"):
         said("run", "padding", "--vary", "radius=1 mm", "--out", folder / "mistakes")

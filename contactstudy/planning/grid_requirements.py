@@ -6,6 +6,7 @@ from math import acosh, erf, inf, lcm, log2, sqrt
 
 import numpy as np
 
+from contactstudy.accuracy.estimate import IN_COAT, STIFF_COAT
 from contactstudy.accuracy.expected_error import l1_factor, smooth_l1
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import InvalidInput, positive
@@ -22,9 +23,6 @@ ROOM = 1.2
 # A period should hold so many of the longest wavelength, so that one surface stands for others.
 WAVES = 4
 COARSEST = 32
-# Under a coat stiffer than its substrate by more than this, pressure rises at the edges over a share of the
-# thickness: with fewer cells in it, error estimates were up to three times too low (ratios up to 300).
-STIFF, IN_COAT = 2.0, 8
 # A contact wider than this share of the radius is not one of half-spaces.
 THIN = 0.1
 
@@ -222,11 +220,11 @@ class Needs:
         said = []
         for coat in self.coats:
             stiffer = coat.substrate.compliance / coat.compliance
-            if stiffer > STIFF and grid.cell[0] > coat.thickness / IN_COAT:
+            if stiffer > STIFF_COAT and grid.cell[0] > coat.thickness / IN_COAT:
                 said.append(
                     f"Grid.cells[0] is {grid.cells[0]}: {coat.thickness / grid.cell[0]:.2g} cells in a coat "
-                    f"{stiffer:.3g} times as stiff as its substrate, so that errors may be three times what is "
-                    f"expected here, give {int(np.ceil(IN_COAT * grid.extent[0] / coat.thickness))} for a bound."
+                    f"{stiffer:.3g} times as stiff as its substrate, where little is known of the error, give "
+                    f"{int(np.ceil(IN_COAT * grid.extent[0] / coat.thickness))} for a bound."
                 )
         hertz = self.hertz
         if hertz.half_width > THIN * hertz.radius:

@@ -1,5 +1,6 @@
 """How far a job is: a bar in a terminal, a line now and then elsewhere."""
 
+import os
 import sys
 from collections.abc import Callable
 from contextlib import suppress
@@ -23,7 +24,7 @@ class Progress:
         self._bar: tqdm[None] | None = None
         if total and _is_terminal():
             self._bar = tqdm(
-                total=total, desc=f"{name}: {what}", unit=f" {unit}", dynamic_ncols=True
+                total=total, desc=f"{name}: {what}", unit=unit, ncols=_columns(), nrows=24
             )
 
     def __enter__(self) -> Self:
@@ -54,3 +55,10 @@ def _is_terminal() -> bool:
     with suppress(AttributeError, ValueError):  # there may be no standard error, or a closed one
         return sys.stderr.isatty()
     return False
+
+
+def _columns() -> int:
+    """The terminal's width; one that does not know its own is taken to be 80 wide."""
+    with suppress(OSError, ValueError, AttributeError):
+        return os.get_terminal_size(sys.stderr.fileno()).columns or 80
+    return 80

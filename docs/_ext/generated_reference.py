@@ -1,5 +1,6 @@
 """Reference pages made from the program itself: public names, keys of a scene file, studies, statuses."""
 
+import ast
 import json
 import re
 from dataclasses import MISSING, fields
@@ -31,28 +32,21 @@ GROUPS = {
 
 
 def group_of(name: str) -> str:
-    """The folder of the module that defines a public name."""
-    module = cs._LATER.get(name) or ORIGINAL.get(name, "")
-    folder = [*module.split("."), "", ""][1]
+    """The folder of the module that defines a public name, from the list of public names."""
+    folder = (MODULES.get(name, "") + ".").split(".")[0]
     return folder if folder in GROUPS else ""
 
 
-ORIGINAL: dict[str, str] = {}
-
-
-def _remember() -> None:
-    source = Path(cs.__file__).read_text()
-    import ast
-
-    for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.ImportFrom) and node.module:
-            for alias in node.names:
-                ORIGINAL[alias.asname or alias.name] = node.module
+MODULES = {
+    alias.name: node.module or ""
+    for node in ast.walk(ast.parse(Path(cs.__file__).with_suffix(".pyi").read_text()))
+    if isinstance(node, ast.ImportFrom)
+    for alias in node.names
+}
 
 
 def names() -> str:
     """A page with every public name."""
-    _remember()
     groups: dict[str, list[str]] = {}
     for name in cs.__all__:
         if name != "__version__":

@@ -143,18 +143,21 @@ class MeasuredSurface:
         heights = self._complete()
         extent = self.extent or heights.shape
         steps = extent[0] / self.heights.shape[0], extent[1] / self.heights.shape[1]
-        across, along = (
-            np.diff(heights, axis=axis) / step if heights.shape[axis] > 1 else np.zeros(1)
-            for axis, step in enumerate(steps)
-        )
+        with np.errstate(over="ignore", invalid="ignore"):  # a solve says what such heights come to
+            across, along = (
+                np.diff(heights, axis=axis) / step if heights.shape[axis] > 1 else np.zeros(1)
+                for axis, step in enumerate(steps)
+            )
+            slope = float(np.sqrt((across**2).mean() + (along**2).mean()))
+            height = float(heights.max() - heights.mean())
         if self.extent is None:  # cell for cell: sizes are the grid's
-            return Detail(height=float(heights.max() - heights.mean()))
+            return Detail(height=height)
         period = self.seam.lengths * extent[1]
         return Detail(
             finest=(2 * steps[0], 2 * steps[1] if along.any() else inf),
             repeat=period if along.any() else 0.0,
-            height=float(heights.max() - heights.mean()),
-            slope=float(np.sqrt((across**2).mean() + (along**2).mean())),
+            height=height,
+            slope=slope,
             widest=extent[0],
         )
 

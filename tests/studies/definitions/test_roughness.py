@@ -123,7 +123,7 @@ def test_the_default_grid_and_period_show_every_surface() -> None:
         # what is resolved is resolved by three cells in the finest wavelength or more
         for cell, finest in zip(case.grid.cell, case.scene.shapes[-1].detail.finest, strict=True):
             assert finest / cell >= 3 or case.scene.shapes[-1].detail.height == 0
-        assert np.isfinite(plan.error)
+        assert plan.error < float("inf")
         assert ": give" not in plan.period_check
         assert not [said for said in plan.warnings if "Grid.cells" in said]
     assert pytest.approx(4 * 2 * ROLL_OFF) == LENGTH  # four waves along, twice as long by the lay

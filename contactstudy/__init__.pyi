@@ -33,10 +33,12 @@ from .problem.hardness_limited import HardnessLimited
 from .problem.operator import Operator
 from .problem.problem import Problem, Scales
 from .problem.resultant import PrescribedLoad, Resultant
-from .scene.coated import CoatedHalfSpace
+from .scene.bodies.coated import CoatedHalfSpace
+from .scene.bodies.solids import Body, HalfSpace
+from .scene.bodies.viscoelastic import ViscoelasticHalfSpace
 from .scene.friction import PartialSlip, Sliding
-from .scene.load import LineLoad
-from .scene.load_history import LoadHistory, SineLoad
+from .scene.loads.load import LineLoad
+from .scene.loads.load_history import LoadHistory, SineLoad
 from .scene.outputs import Output
 from .scene.rolling import Rolling
 from .scene.scene import Scene
@@ -48,14 +50,12 @@ from .scene.shapes.round import Cylinder, Sphere
 from .scene.shapes.shape import Shape
 from .scene.shapes.texture import Cosine, Dimple, FlatBottomed, Groove, Parabolic, Texture
 from .scene.shapes.waviness import Waviness
-from .scene.solids import Body, HalfSpace
 from .scene.stress import SubsurfaceStress
 from .scene.surfaces.measured_surface import MeasuredSurface
 from .scene.surfaces.missing_points import HarmonicFill, RefuseMissing
 from .scene.surfaces.seam import AsMeasured, Mirrored, Tapered
 from .scene.surfaces.trend import Trend
 from .scene.surfaces.window import Window
-from .scene.viscoelastic import ViscoelasticHalfSpace
 from .scene.wear import Wear
 from .solvers.iterate import Iterate
 from .solvers.polonsky_keer import PolonskyKeer

@@ -4,7 +4,7 @@ from importlib import import_module as _import_module
 from typing import TYPE_CHECKING as _TYPE_CHECKING
 
 if _TYPE_CHECKING:
-    from contactstudy.io.figure import panels
+    from contactstudy.io.pictures.figure import panels
     from studies.engine.options import RunOptions
     from studies.engine.run import run
     from studies.model.axis import Axis
@@ -28,7 +28,7 @@ _PUBLIC = {
     "Table": "studies.model.finding",
     "error_estimates": "studies.model.estimate",
     "load": "studies.registry",
-    "panels": "contactstudy.io.figure",
+    "panels": "contactstudy.io.pictures.figure",
     "run": "studies.engine.run",
 }
 

@@ -13,8 +13,8 @@ from contactstudy.accuracy.truncation import truncation
 from contactstudy.domain.checks import NotDefined
 from contactstudy.problem.gap import violation
 from contactstudy.problem.problem import Problem
+from contactstudy.scene.bodies.solids import Layered
 from contactstudy.scene.scene import PosedScene
-from contactstudy.scene.solids import Layered
 from contactstudy.solvers.solution import Solution, Status
 
 # An approximate inverse is out by up to this factor where the padding is a short window.

@@ -16,16 +16,16 @@ from contactstudy.domain.precision import Precision
 from contactstudy.evolution.checkpoint import Checkpoint
 from contactstudy.evolution.evolution import Evolution
 from contactstudy.evolution.march import March, SolverOptions
-from contactstudy.evolution.memories import memories
+from contactstudy.evolution.memories.of_scene import memories
 from contactstudy.evolution.schedule import schedule
 from contactstudy.evolution.scheme import Scheme
 from contactstudy.evolution.step_control import StepControl
 from contactstudy.evolution.walk import Walk
-from contactstudy.scene.load import LineLoad
-from contactstudy.scene.load_history import ChangingLoad, SuddenLoad
+from contactstudy.scene.bodies.solids import response
+from contactstudy.scene.bodies.viscoelastic import sudden
+from contactstudy.scene.loads.load import LineLoad
+from contactstudy.scene.loads.load_history import ChangingLoad, SuddenLoad
 from contactstudy.scene.scene import PosedScene, Scene
-from contactstudy.scene.solids import response
-from contactstudy.scene.viscoelastic import sudden
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from contactstudy.solvers.solve import Solver
 

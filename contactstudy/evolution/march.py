@@ -13,11 +13,11 @@ from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.precision import Precision
 from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.convolution import Convolution, combined, superposed
-from contactstudy.evolution.memory import Contribution, Memory, State, Step
+from contactstudy.evolution.memories.memory import Contribution, Memory, State, Step
 from contactstudy.evolution.scheme import Scheme
 from contactstudy.problem.problem import Problem, Scales
 from contactstudy.problem.resultant import PrescribedLoad
-from contactstudy.scene.load_history import ChangingLoad
+from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import Solver, solve
 

@@ -15,10 +15,10 @@ from contactstudy.domain.precision import Precision
 from contactstudy.elasticity.coefficients import Coefficients, Displacement
 from contactstudy.elasticity.convolution import antisymmetric, superposed
 from contactstudy.elasticity.trailing import Trailing
-from contactstudy.scene.load import LineLoad
+from contactstudy.scene.bodies.solids import response
+from contactstudy.scene.bodies.viscoelastic import ViscoelasticHalfSpace, sudden
+from contactstudy.scene.loads.load import LineLoad
 from contactstudy.scene.scene import PosedScene, Scene
-from contactstudy.scene.solids import response
-from contactstudy.scene.viscoelastic import ViscoelasticHalfSpace, sudden
 from contactstudy.solvers.lagged import Settled, solve_lagged
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from contactstudy.solvers.solution import Solution

@@ -18,7 +18,7 @@ class Scheme(Enum):
     TWO_STAGE = ((STAGE, 0.0), (1 - STAGE, (1 - 2 * STAGE) / (1 - STAGE)))
     #: First order, stable however long the step, one solve.
     IMPLICIT = ((1.0, 0.0),)
-    #: First order, unstable beyond :func:`~contactstudy.evolution.wear_memory.explicit_limit`: for comparison.
+    #: First order, unstable beyond :func:`~contactstudy.evolution.memories.wear.explicit_limit`: for comparison.
     EXPLICIT = ((1.0, 1.0),)
 
     @property

@@ -50,7 +50,7 @@ class Comparison:
     def plot(self) -> "Figure":
         """The difference as a map, and both pressures across the place where it is largest."""
         # by name, and when it is wanted: a picture stands on what it shows
-        figure: Figure = import_module("contactstudy.io.compare_picture").compare_picture(self)
+        figure: Figure = import_module("contactstudy.io.pictures.comparison").compare_picture(self)
         return figure
 
 

@@ -6,12 +6,12 @@ from io import BytesIO
 
 import numpy as np
 
-from contactstudy.io.picture import picture
+from contactstudy.io.pictures.contact import picture
 from contactstudy.solvers.solution import Solution
 
 
 def html(solution: Solution) -> str:
-    """A table of the numbers that are looked at first, and :func:`~contactstudy.io.picture.picture`."""
+    """A table of the numbers that are looked at first, and :func:`~contactstudy.io.pictures.contact.picture`."""
     nx, ny = solution.pressure.shape
     rows = {
         "status": str(solution.status),

@@ -28,10 +28,12 @@ from contactstudy.domain.units import Metres, Number, Pascals, Seconds
 from contactstudy.io.structuring import NO_KIND, structured
 from contactstudy.planning.plan import Plan, plan
 from contactstudy.problem.problem import Problem
-from contactstudy.scene.coated import CoatedHalfSpace
+from contactstudy.scene.bodies.coated import CoatedHalfSpace
+from contactstudy.scene.bodies.solids import Body, HalfSpace
+from contactstudy.scene.bodies.viscoelastic import ViscoelasticHalfSpace
 from contactstudy.scene.friction import Friction, PartialSlip, Sliding
-from contactstudy.scene.load import LineLoad
-from contactstudy.scene.load_history import ChangingLoad, LoadHistory, SineLoad
+from contactstudy.scene.loads.load import LineLoad
+from contactstudy.scene.loads.load_history import ChangingLoad, LoadHistory, SineLoad
 from contactstudy.scene.outputs import Output
 from contactstudy.scene.rolling import Rolling
 from contactstudy.scene.scene import Scene
@@ -42,14 +44,12 @@ from contactstudy.scene.shapes.round import Cylinder, Sphere
 from contactstudy.scene.shapes.shape import Shape
 from contactstudy.scene.shapes.texture import Cosine, FlatBottomed, Parabolic, Profile, Texture
 from contactstudy.scene.shapes.waviness import Waviness
-from contactstudy.scene.solids import Body, HalfSpace
 from contactstudy.scene.stress import SubsurfaceStress
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
 from contactstudy.scene.surfaces.missing_points import HarmonicFill, Missing, RefuseMissing
 from contactstudy.scene.surfaces.seam import AsMeasured, Mirrored, Seam, Tapered
 from contactstudy.scene.surfaces.trend import Trend
 from contactstudy.scene.surfaces.window import Window
-from contactstudy.scene.viscoelastic import ViscoelasticHalfSpace
 from contactstudy.scene.wear import Wear
 from contactstudy.solvers.polonsky_keer import PolonskyKeer
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
@@ -90,7 +90,7 @@ class MeasuredFile:
 
 
 @dataclass(frozen=True)
-class Wish:
+class PlanSettings:
     """What a plan must meet, where the file names no grid."""
 
     error: Number = 1e-3
@@ -98,7 +98,7 @@ class Wish:
 
 
 @dataclass(frozen=True)
-class Settings:
+class SolverSettings:
     """The solver's."""
 
     tolerance: Number = 1e-8
@@ -151,8 +151,8 @@ class Document:
     grid: Grid | None = None
     padding: Padding | None = None
     padding_across: Padding | None = None
-    plan: Wish = field(default_factory=Wish)
-    solve: Settings = field(default_factory=Settings)
+    plan: PlanSettings = field(default_factory=PlanSettings)
+    solve: SolverSettings = field(default_factory=SolverSettings)
 
 
 # Types that stand for others in a file.
@@ -213,16 +213,16 @@ class SceneFile:
     """A scene with what its file says of grid, padding and solver; what it leaves open is planned."""
 
     scene: Scene
-    wish: Wish = field(default_factory=Wish)
-    settings: Settings = field(default_factory=Settings)
+    plan_settings: PlanSettings = field(default_factory=PlanSettings)
+    settings: SolverSettings = field(default_factory=SolverSettings)
     grid: Grid | None = None
     padding: Padding | Paddings | None = None
     time_steps: TimeSteps = field(default_factory=TimeSteps)
 
     def plan(self) -> Plan:
         """The plan for this scene, on the file's grid if it has one."""
-        period = None if self.grid else self.wish.period
-        return plan(self.scene, error=self.wish.error, period=period, grid=self.grid)
+        period = None if self.grid else self.plan_settings.period
+        return plan(self.scene, error=self.plan_settings.error, period=period, grid=self.grid)
 
     def problem(self, planned: Plan | None = None) -> Problem:
         """The problem on the grid and with the padding of the file, or those of the plan, made if not given."""

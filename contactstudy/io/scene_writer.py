@@ -33,7 +33,7 @@ def write_scene(described: "Scene | SceneFile", path: str | PathLike[str]) -> No
     else:
         others = {"grid": described.grid, **_paddings(described.padding)}
         settings = {
-            "plan": described.wish,
+            "plan": described.plan_settings,
             "solve": described.settings,
             "evolve": described.time_steps,
         }

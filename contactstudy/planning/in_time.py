@@ -6,11 +6,11 @@ from math import inf, log10, pi, sqrt
 import numpy as np
 
 from contactstudy.planning.grid_requirements import ROOM
-from contactstudy.scene.load import LineLoad
-from contactstudy.scene.load_history import ChangingLoad
+from contactstudy.scene.bodies.solids import Body
+from contactstudy.scene.bodies.viscoelastic import ViscoelasticHalfSpace, sudden
+from contactstudy.scene.loads.load import LineLoad
+from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.scene import Scene
-from contactstudy.scene.solids import Body
-from contactstudy.scene.viscoelastic import ViscoelasticHalfSpace, sudden
 
 # Solves of a march, with its companion and what is rejected, for an error of 1: of a held load, by the power CREEP_RATE
 # and for each decade of relaxation times; of wear, which is of first order, by the number of times the contact

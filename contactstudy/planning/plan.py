@@ -12,8 +12,8 @@ from contactstudy.domain.padding import Padding, Paddings, across_and_along
 from contactstudy.planning.cost import SMOOTH_ITERATIONS, memory, timed
 from contactstudy.planning.grid_requirements import RATE, Needs, halvable
 from contactstudy.planning.pilot import Forecast, affordable, finer, forecast
+from contactstudy.scene.bodies.solids import Layered
 from contactstudy.scene.scene import Scene
-from contactstudy.scene.solids import Layered
 
 # Pilots show a grid that is too narrow or too coarse; each round mends it, the width by so much.
 ROUNDS, WIDER = 6, 1.5

@@ -53,28 +53,30 @@ class BareProblem:
 
     def gap(self, pressure: Array, displacement: Array, into: Gap | None = None) -> Gap:
         """The gap under ``pressure`` and the ``displacement`` it makes, ``into`` the fields of another."""
-        free, held, overlap = (
-            (into.free, into.held, into.overlap)
+        free, contact_gap, penetration = (
+            (into.free, into.contact_gap, into.penetration)
             if into
             else [np.empty_like(pressure) for _ in range(3)]
         )
 
         def add(rows: slice) -> tuple[float, float]:
             self.constraint.free(pressure[rows], free[rows])
-            np.add(self.undeformed_gap[rows], displacement[rows], out=overlap[rows])
-            return inner(overlap[rows], free[rows]), float(free[rows].sum())
+            np.add(self.undeformed_gap[rows], displacement[rows], out=penetration[rows])
+            return inner(penetration[rows], free[rows]), float(free[rows].sum())
 
         height, cells = map(sum, zip(*in_blocks(add, pressure.shape), strict=True))
-        approach = height / cells if cells else self.constraint.approach(pressure, overlap, free)
+        approach = (
+            height / cells if cells else self.constraint.approach(pressure, penetration, free)
+        )
 
         def split(rows: slice) -> None:
-            whole = overlap[rows]
+            whole = penetration[rows]
             whole -= approach
-            np.multiply(whole, free[rows], out=held[rows])
-            np.subtract(held[rows], whole, out=whole)
+            np.multiply(whole, free[rows], out=contact_gap[rows])
+            np.subtract(contact_gap[rows], whole, out=whole)
 
         in_blocks(split, pressure.shape)
-        return Gap(free, held, overlap, approach)
+        return Gap(free, contact_gap, penetration, approach)
 
     def rounding(self, displacement: Array) -> float:
         """What rounding leaves uncertain of a gap under ``displacement``: no residual means less."""

@@ -83,16 +83,16 @@ class Compressive:
             trial *= total / borne
         return trial
 
-    def wrong(self, pressure: Array, overlap: Array) -> Array:
+    def wrong(self, pressure: Array, penetration: Array) -> Array:
         """Cells that penetrate."""
-        return np.greater(overlap, 0).astype(overlap.dtype)
+        return np.greater(penetration, 0).astype(penetration.dtype)
 
     def residual(self, pressure: Array, gap: Gap, borne: float) -> float:
         """Complementarity and penetration."""
 
         def measure(rows: slice) -> tuple[float, float]:
-            moment = inner(pressure[rows], np.abs(gap.held[rows]))
-            return moment, float(gap.overlap[rows].max())
+            moment = inner(pressure[rows], np.abs(gap.contact_gap[rows]))
+            return moment, float(gap.penetration[rows].max())
 
         moments, deepest = zip(*in_blocks(measure, pressure.shape), strict=True)
         return largest(sum(moments) / borne, *deepest)

@@ -58,8 +58,8 @@ class Constraint(Protocol):
         """
         ...
 
-    def wrong(self, pressure: Array, overlap: Array) -> Array:
-        """1 for cells at a limit that should leave it by their ``overlap``, and 0 for the others."""
+    def wrong(self, pressure: Array, penetration: Array) -> Array:
+        """1 for cells at a limit that should leave it by their ``penetration``, and 0 for the others."""
         ...
 
     def residual(self, pressure: Array, gap: Gap, borne: float) -> float:

@@ -11,25 +11,25 @@ from contactstudy.domain.arrays import Array, inner
 class Gap:
     """Fields (x, y) and their level, all in units of the gap scale.
 
-    ``free`` is 1 in cells whose pressure is at no limit and 0 in the others. ``held`` is the gap of those,
-    which should be zero, ``overlap`` the depth of penetration of the others (below zero where they are
+    ``free`` is 1 in cells whose pressure is at no limit and 0 in the others. ``contact_gap`` is the gap of those,
+    which should be zero, ``penetration`` the depth of penetration of the others (below zero where they are
     apart); each is zero where the other belongs. Both count from the ``approach``, which is such that
-    ``held`` has no mean.
+    ``contact_gap`` has no mean.
     """
 
     free: Array
-    held: Array
-    overlap: Array
+    contact_gap: Array
+    penetration: Array
     approach: float
 
     def slope(self, step: Array) -> float:
         """How fast the energy grows along a ``step`` of the pressure."""
-        return inner(self.held, step) - inner(self.overlap, step)
+        return inner(self.contact_gap, step) - inner(self.penetration, step)
 
 
-def violation(pressure: Array, overlap: Array) -> Array:
+def violation(pressure: Array, penetration: Array) -> Array:
     """How far cells at a limit violate it: penetration where p = 0, an open gap where they yield."""
-    return np.maximum(np.where(pressure == 0, overlap, -overlap), 0)
+    return np.maximum(np.where(pressure == 0, penetration, -penetration), 0)
 
 
 def largest(*measures: float) -> float:

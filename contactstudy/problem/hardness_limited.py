@@ -96,12 +96,14 @@ class HardnessLimited:
         trial[chosen] = shifted(trial[chosen], rest, self.hardness)
         return trial
 
-    def wrong(self, pressure: Array, overlap: Array) -> Array:
+    def wrong(self, pressure: Array, penetration: Array) -> Array:
         """Cells that penetrate without pressure, and that are open at the hardness."""
-        return (violation(pressure, overlap) > 0).astype(overlap.dtype)
+        return (violation(pressure, penetration) > 0).astype(penetration.dtype)
 
     def residual(self, pressure: Array, gap: Gap, borne: float) -> float:
         """Complementarity of the free cells, penetration, and gaps that yielding cells leave open."""
         borne_free = inner(pressure, gap.free)
-        complementarity = inner(pressure, np.abs(gap.held)) / borne_free if borne_free > 0 else 0.0
-        return largest(complementarity, violation(pressure, gap.overlap).max())
+        complementarity = (
+            inner(pressure, np.abs(gap.contact_gap)) / borne_free if borne_free > 0 else 0.0
+        )
+        return largest(complementarity, violation(pressure, gap.penetration).max())

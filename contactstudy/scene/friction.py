@@ -18,7 +18,7 @@ from contactstudy.elasticity.tangential import (
     shear_response,
 )
 from contactstudy.problem.problem import FrictionLaw
-from contactstudy.scene.solids import Body, HalfSpace
+from contactstudy.scene.bodies.solids import Body, HalfSpace
 from contactstudy.solvers.partial_slip import CoulombDisks, Superposed
 from contactstudy.solvers.sliding import FullSliding
 

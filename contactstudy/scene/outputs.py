@@ -5,7 +5,7 @@ from typing import Protocol, runtime_checkable
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Paddings
 from contactstudy.problem.derived import Derived
-from contactstudy.scene.solids import Body
+from contactstudy.scene.bodies.solids import Body
 
 
 @runtime_checkable

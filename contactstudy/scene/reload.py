@@ -5,7 +5,7 @@ from dataclasses import replace
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.problem.problem import Problem
 from contactstudy.problem.resultant import PrescribedLoad
-from contactstudy.scene.load import LineLoad
+from contactstudy.scene.loads.load import LineLoad
 from contactstudy.scene.scene import PosedScene
 
 

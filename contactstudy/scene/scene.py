@@ -20,15 +20,15 @@ from contactstudy.problem.hardness_limited import HardnessLimited
 from contactstudy.problem.memory import refuse_too_large
 from contactstudy.problem.problem import Problem, Scales
 from contactstudy.problem.resultant import PrescribedLoad
-from contactstudy.scene.load import LineLoad
+from contactstudy.scene.bodies.solids import Body, Layered, contact_modulus, response
+from contactstudy.scene.loads.load import LineLoad
 from contactstudy.scene.outputs import Output
 from contactstudy.scene.shapes.shape import Shape
-from contactstudy.scene.solids import Body, Layered, contact_modulus, response
 from contactstudy.scene.source import ShapesSource, ends_along, sized
 
 if TYPE_CHECKING:
     from contactstudy.scene.friction import Friction
-    from contactstudy.scene.load_history import ChangingLoad
+    from contactstudy.scene.loads.load_history import ChangingLoad
     from contactstudy.scene.rolling import Rolling
     from contactstudy.scene.wear import Wear
 
@@ -63,7 +63,7 @@ class Scene:
 
     def __post_init__(self) -> None:
         if not isinstance(self.load, LineLoad):
-            from contactstudy.scene.load_history import ChangingLoad
+            from contactstudy.scene.loads.load_history import ChangingLoad
 
             remedy = "give a LineLoad, or one that changes in time, such as a LoadHistory"
             _instance("Scene.load", self.load, ChangingLoad, remedy)

@@ -20,7 +20,7 @@ from contactstudy.elasticity.kernels.stress_periodic import (
 )
 from contactstudy.elasticity.transforms import TRANSFORMS, Waves
 from contactstudy.problem.derived import Field
-from contactstudy.scene.solids import Body, Homogeneous
+from contactstudy.scene.bodies.solids import Body, Homogeneous
 
 Z = {"axis": "Z", "positive": "down"}
 

@@ -44,19 +44,19 @@ class PolonskyKeer:
                 convolutions = 2.0 * iteration + 1
                 return Iterate(pressure, moved, gap.approach, left, iteration, convolutions)
             iteration += 1
-            steepness = inner(gap.held, gap.held)
+            steepness = inner(gap.contact_gap, gap.contact_gap)
             kept = conjugate * steepness / previous if previous > 0 else 0.0
-            direction = gap.held + kept * direction * gap.free
+            direction = gap.contact_gap + kept * direction * gap.free
             previous = steepness
-            if inner(gap.held, direction) <= 0:  # the contact has changed: conjugacy is lost
-                direction = gap.held
+            if inner(gap.contact_gap, direction) <= 0:  # the contact has changed: conjugacy is lost
+                direction = gap.contact_gap
             response = problem.operator(direction)
             response -= mean_over(gap.free, response)
             curvature = inner(response, direction)
             # a single cell in contact is level with itself: the others then close their own gaps
-            step = inner(gap.held, direction) / curvature if curvature > 0 else 1 / own
+            step = inner(gap.contact_gap, direction) / curvature if curvature > 0 else 1 / own
             before, pressure = pressure, constraint.clip(pressure - step * direction)
-            whole = gap.held - gap.overlap
+            whole = gap.contact_gap - gap.penetration
             bound = 1 - constraint.free(pressure)
             trial = np.maximum(pressure - step * whole * bound, 0)
             conjugate = 1.0 if (trial == pressure).all() else 0.0

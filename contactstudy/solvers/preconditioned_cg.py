@@ -125,7 +125,7 @@ class PreconditionedCG:
             if slope >= 0:
                 # balancing the load has turned the step uphill: that to the nearest pressure never is
                 cut, length = True, max(length / 4, SHORTEST)
-                np.subtract(gap.overlap, gap.held, out=trial)
+                np.subtract(gap.penetration, gap.contact_gap, out=trial)
                 trial /= own
                 trial += pressure
                 trial = problem.nearest(trial)
@@ -139,7 +139,7 @@ class PreconditionedCG:
                 taken = 1.0 if best > WHOLE else best
             else:
                 # nor beyond it to just where a cell meets a limit: rounding would say which of many did
-                meets = best > 1 and constraint.cuts(_ahead(pressure, step, best, gap.held))
+                meets = best > 1 and constraint.cuts(_ahead(pressure, step, best, gap.contact_gap))
                 taken = 1.0 if meets else best
             last = _Step(step, response, curvature)
             if taken == 1:
@@ -200,9 +200,9 @@ def _bearing(problem: BareProblem, pressure: Array, gap: Gap) -> tuple[Array, Ar
     cells, unlevel = np.empty_like(pressure), np.empty_like(pressure)
 
     def some(rows: slice) -> bool:
-        wrong = problem.constraint.wrong(pressure[rows], gap.overlap[rows])
+        wrong = problem.constraint.wrong(pressure[rows], gap.penetration[rows])
         np.add(gap.free[rows], wrong, out=cells[rows])
-        np.subtract(gap.held[rows], gap.overlap[rows], out=unlevel[rows])
+        np.subtract(gap.contact_gap[rows], gap.penetration[rows], out=unlevel[rows])
         unlevel[rows] *= cells[rows]
         return bool(wrong.any())
 
@@ -229,7 +229,7 @@ def _difference(trial: Array, pressure: Array, gap: Gap, out: Array | None) -> t
 
     def some(rows: slice) -> float:
         np.subtract(trial[rows], pressure[rows], out=step[rows])
-        return inner(gap.held[rows], step[rows]) - inner(gap.overlap[rows], step[rows])
+        return inner(gap.contact_gap[rows], step[rows]) - inner(gap.penetration[rows], step[rows])
 
     return step, sum(in_blocks(some, trial.shape))
 

@@ -125,7 +125,7 @@ class Solution:
 
     def plot(self) -> "Figure":
         """A picture of pressure, gap and stress, as a matplotlib figure."""
-        figure: Figure = _presentation("picture").picture(self.to_dataset())
+        figure: Figure = _presentation("pictures.contact").picture(self.to_dataset())
         return figure
 
 

@@ -81,7 +81,7 @@ def recommendation(
         contact = contact_of(SCENE, period * HERTZ.half_width, limits)
     else:
         described = cs.read_scene(scene)
-        length = described.grid.period if described.grid else described.wish.period
+        length = described.grid.period if described.grid else described.plan_settings.period
         contact = contact_of(described.scene, length, limits)
     stored = out / "pareto.nc"
     costs = cost_model(read(stored) if stored.is_file() else None, cpu())

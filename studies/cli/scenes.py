@@ -117,7 +117,7 @@ def solve(scene: Path, out: Path, threads: int | None, start: Path | None) -> No
     dataset.attrs.update(provenance())
     path = folder / f"{scene.stem}.nc"
     write(dataset, path)
-    from contactstudy.io.picture import picture
+    from contactstudy.io.pictures.contact import picture
 
     if np.isfinite(solution.pressure).all():
         figure = picture(dataset)

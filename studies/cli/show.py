@@ -43,7 +43,7 @@ def show(file: Path, out: Path | None, formats: str, figures: str) -> None:
     dataset = read(file)
     folder = open_folder(out or file.parent)
     if "pressure" in dataset and dataset["pressure"].dims == ("x", "y"):
-        from contactstudy.io.picture import picture
+        from contactstudy.io.pictures.contact import picture
 
         drawn = {file.stem: picture(dataset)} if set(chosen) - {"vtk"} else {}
         if "vtk" in chosen:

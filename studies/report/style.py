@@ -6,7 +6,7 @@ from typing import Any
 import matplotlib as mpl
 import matplotlib.style
 
-from contactstudy.io.figure import LAW_STYLE, SETTINGS, add_legend, panels
+from contactstudy.io.pictures.figure import LAW_STYLE, SETTINGS, add_legend, panels
 from studies.reference.line_contact import COUNTS_IMAGES
 
 __all__ = [

@@ -65,7 +65,7 @@ def document_of(described: SceneFile) -> Document:
     }
     others: dict[str, Any] = {"grid": described.grid, "padding": along, "padding_across": across}
     others["evolve"] = described.time_steps
-    return Document(**(said | others), plan=described.wish, solve=described.settings)
+    return Document(**(said | others), plan=described.plan_settings, solve=described.settings)
 
 
 def find(document: Document, name: str) -> Field:

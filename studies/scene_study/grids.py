@@ -30,7 +30,7 @@ def posed(points: Sequence[SceneFile]) -> tuple[list[Posed], tuple[str, ...]]:
     """
     groups: dict[object, list[int]] = {}
     for number, point in enumerate(points):
-        asked = point.wish if point.grid is None else None
+        asked = point.plan_settings if point.grid is None else None
         groups.setdefault((asked, point.grid), []).append(number)
     grids: dict[int, cs.Grid] = {}
     notes: list[str] = []
@@ -88,7 +88,7 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
         ]
     needs = [needs_of(point.scene) for point in points]
     planned = [
-        one.grid(point.wish.error, point.wish.period)
+        one.grid(point.plan_settings.error, point.plan_settings.period)
         for one, point in zip(needs, points, strict=True)
     ]
     width = max(grid.extent[0] for grid in planned)

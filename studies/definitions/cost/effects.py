@@ -9,7 +9,7 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.domain.checks import whole
 from contactstudy.problem.derived import Sheared
-from contactstudy.scene.coated import CoatedHalfSpace
+from contactstudy.scene.bodies.coated import CoatedHalfSpace
 from contactstudy.scene.friction import Sliding
 from studies.definitions.evolution_case import EvolutionCase
 from studies.model.axis import Axis, one_of

@@ -103,8 +103,8 @@ def test_what_a_file_leaves_open_is_planned(tmp_path: Path) -> None:
     assert planned.dimension == 1
     assert planned.error <= 1e-4
     assert found.solve().problem.grid == planned.grid
-    coarser = replace(found.wish, error=1e-2)
-    assert replace(found, wish=coarser).plan().grid.cells[0] < planned.grid.cells[0]
+    coarser = replace(found.plan_settings, error=1e-2)
+    assert replace(found, plan_settings=coarser).plan().grid.cells[0] < planned.grid.cells[0]
 
 
 def test_either_axis_has_its_padding(tmp_path: Path) -> None:

@@ -73,7 +73,9 @@ def test_outputs_solver_and_plan_read_back(tmp_path: Path) -> None:
         solver=cs.PolonskyKeer(patience=7),
         precision=cs.Precision.SINGLE,
     )
-    described = replace(described, settings=settings, wish=replace(described.wish, error=2e-3))
+    described = replace(
+        described, settings=settings, plan_settings=replace(described.plan_settings, error=2e-3)
+    )
     found = read_back(described, tmp_path)
     for one in fields(cs.SceneFile):
         assert getattr(found, one.name) == getattr(described, one.name), one.name

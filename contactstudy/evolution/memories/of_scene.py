@@ -3,11 +3,11 @@
 from math import pi
 
 from contactstudy.elasticity.coefficients import Displacement
-from contactstudy.evolution.creep_memory import CreepMemory
-from contactstudy.evolution.memory import Memory
-from contactstudy.evolution.wear_memory import WearMemory
+from contactstudy.evolution.memories.creep import CreepMemory
+from contactstudy.evolution.memories.memory import Memory
+from contactstudy.evolution.memories.wear import WearMemory
+from contactstudy.scene.bodies.viscoelastic import ViscoelasticHalfSpace
 from contactstudy.scene.scene import Scene
-from contactstudy.scene.viscoelastic import ViscoelasticHalfSpace
 
 
 def memories(scene: Scene, datum: float) -> tuple[Memory, ...]:

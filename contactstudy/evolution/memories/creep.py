@@ -10,7 +10,7 @@ import numpy as np
 from contactstudy.domain.arrays import Array
 from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.prony import Creep
-from contactstudy.evolution.memory import Contribution, State, Step
+from contactstudy.evolution.memories.memory import Contribution, State, Step
 from contactstudy.problem.derived import Field
 
 

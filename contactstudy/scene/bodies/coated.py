@@ -11,7 +11,7 @@ from contactstudy.domain.units import Metres
 from contactstudy.elasticity.coating import CoatingDisplacement
 from contactstudy.elasticity.coefficients import Coefficients, Displacement
 from contactstudy.elasticity.kernels.layer.frf import LayerResponse
-from contactstudy.scene.solids import HalfSpace
+from contactstudy.scene.bodies.solids import HalfSpace
 
 # Up to this ratio of shear moduli the coefficients are verified.
 LARGEST_RATIO = 1e4

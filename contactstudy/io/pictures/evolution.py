@@ -8,8 +8,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from contactstudy.io.figure import SETTINGS, panels
-from contactstudy.io.picture import LENGTHS, PRESSURES, scaled
+from contactstudy.io.pictures.contact import LENGTHS, PRESSURES, scaled
+from contactstudy.io.pictures.figure import SETTINGS, panels
 
 # Profiles are drawn of so many instants.
 PROFILES = 6

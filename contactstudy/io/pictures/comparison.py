@@ -5,8 +5,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from contactstudy.io.compare import Comparison
-from contactstudy.io.figure import SETTINGS, add_legend, panels
-from contactstudy.io.picture import LENGTHS, PRESSURES, scaled
+from contactstudy.io.pictures.contact import LENGTHS, PRESSURES, scaled
+from contactstudy.io.pictures.figure import SETTINGS, add_legend, panels
 
 
 def compare_picture(found: Comparison) -> Figure:

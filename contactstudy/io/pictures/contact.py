@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from contactstudy.io.figure import LAW_STYLE, SETTINGS, add_legend, panels
+from contactstudy.io.pictures.figure import LAW_STYLE, SETTINGS, add_legend, panels
 
 # Lengths are drawn in the unit in which the numbers on the axes are shortest.
 LENGTHS = ((1e-6, "µm"), (1e-3, "mm"), (1.0, "m"))

@@ -15,7 +15,7 @@ from contactstudy.domain.checks import (
 from contactstudy.domain.units import Number, Pascals, Seconds
 from contactstudy.elasticity.coefficients import Coefficients, Displacement
 from contactstudy.elasticity.prony import Creep, creep
-from contactstudy.scene.solids import Body, HalfSpace
+from contactstudy.scene.bodies.solids import Body, HalfSpace
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,1 @@
+"""Pictures of solutions, comparisons and evolutions, in one style. May import `io.dataset` and below."""

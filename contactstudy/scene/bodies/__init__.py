@@ -1,0 +1,1 @@
+"""The bodies: half-spaces, coated and viscoelastic ones. May import `elasticity` and `domain`."""

@@ -1,0 +1,1 @@
+"""Loads, constant or changing in time. May import `domain`."""

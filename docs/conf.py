@@ -52,7 +52,7 @@ nitpick_ignore_regex = [
     ),
     (
         r"py:.*",
-        r"(Array|Self|Path|PathLike|Callable|Mapping|Unit|Annotated|Enum|Figure|Protocol|ArrayLike|DTypeLike|ChangingLoad|tuple\[float)",
+        r"(Array|Self|Path|PathLike|Callable|Mapping|Unit|Annotated|Enum|Figure|Protocol|ArrayLike|DTypeLike|ChangingLoad|Friction|tuple\[float)",
     ),
     (
         r"py:class",
@@ -63,6 +63,7 @@ nitpick_ignore_regex = [
         r"(Metres|Pascals|NewtonsPerMetre|Radians|Number|.*\.units\..*|Unit\(.*|symbol=.*|quantity=.*|example=.*)",
     ),
     (r"py:.*", r"(contactstudy|studies)\.[a-z_]+\..*"),
+    (r"py:.*", r".*\|.*"),
 ]
 
 sphinx_gallery_conf = {

@@ -246,8 +246,14 @@ def shorten(
     return short(signature), short(returns)
 
 
+def escape(app: Sphinx, context: object, lines: list[str]) -> None:
+    """Asterisks in the help of options are file patterns, not emphasis."""
+    lines[:] = [line.replace("/*.", "/\\*.") for line in lines]
+
+
 def setup(app: Sphinx) -> dict[str, object]:
     """Write the pages before anything is read."""
     app.connect("builder-inited", write)
     app.connect("autodoc-process-signature", shorten)
+    app.connect("sphinx-click-process-options", escape)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

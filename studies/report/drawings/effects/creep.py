@@ -6,7 +6,7 @@ import xarray as xr
 from studies.definitions.effects.creep import CLOSED, END, HALF_WIDTH
 from studies.model.drawing import CaptionedFigure
 from studies.model.finding import Finding
-from studies.report.formatting import percent
+from studies.report.formatting import percent, power
 from studies.report.style import LAW_STYLE, add_legend, panels
 
 COLORS = ("#E69F00", "#009E73", "#0072B2", "#D55E00", "#CC79A7")
@@ -69,7 +69,7 @@ def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     )
     return (
         Finding(
-            f"The error by the steps falls like N^({rate:.2f}), so a digit in time costs "
+            f"The error by the steps falls like {power('N', rate)}, so a digit in time costs "
             f"{10 ** (-1 / rate):.2g} times as many solves.",
             f"With {int(last['steps'])} steps and {int(last['grid'])} cells the pressure is known to "
             f"{percent(last['pressure_error_l1'])} at every instant, in {float(last['convolutions']):.0f} "

@@ -65,7 +65,7 @@ def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     return (
         Finding(
             "Friction brings the highest stress to the surface at a coefficient of about 0.3; sticking zones are "
-            "those of Cattaneo, but the superposition that gives them errs on rough surfaces.",
+            "those of Cattaneo, but the superposition that gives them is inexact on rough surfaces.",
             f"At nu = 0.3 the highest von Mises stress is {float(low):.3f} p_H without friction and "
             f"{float(most):.3f} p_H at a coefficient of {float(most['coefficient']):g}; it lies at the surface from "
             f"{float(surface.min()):g} on. A cylinder sticks over a zone within {off:.3f} half-widths of "

@@ -14,8 +14,6 @@ from functools import cache
 from math import gamma
 
 import numpy as np
-from scipy import fft
-from scipy.special import zeta
 
 from contactstudy.domain.arrays import Array
 from contactstudy.elasticity.kernels.cell import gauss
@@ -32,6 +30,8 @@ TERMS, SAMPLES = 400, 4096
 @cache
 def modes(count: int) -> Array:
     """Pressure of each mode in the cells 0, 1 ... inward from the edge, shape (count, MODES)."""
+    from scipy import fft  # as heavy as all else together
+
     angle = np.pi * (np.arange(SAMPLES) + 0.5) / SAMPLES
     # ln e(z) is half the cepstrum, and the other half belongs to 1 / z
     log = -fft.dct(_log_symbol(angle))[:TERMS] / (2 * SAMPLES)
@@ -141,6 +141,8 @@ def _edge_renderings() -> tuple[Array, Array, Array, Array]:
 def _log_symbol(angle: Array) -> Array:
     """``ln(|1 - z| K / pi)`` at ``z = exp(i angle)``, zero at one."""
     share = angle / (2 * np.pi)
+    from scipy.special import zeta  # likewise
+
     alternating = sum((zeta(2, u / 2) - zeta(2, (u + 1) / 2)) / 4 for u in (share, 1 - share))
     return np.asarray(np.log(np.sin(angle / 2) ** 2 * alternating / np.pi**2))
 

@@ -7,11 +7,11 @@ solutions whose edges fall all over a cell, on 20 to 2048 cells.
 """
 
 from dataclasses import dataclass
-from enum import Enum
 from math import inf, pi, sqrt
 
 from contactstudy.accuracy.edge_law import worst_edge_error
 from contactstudy.accuracy.estimate import ErrorParts
+from contactstudy.accuracy.metric import Edges, Metric
 from contactstudy.accuracy.truncation import expected_truncation
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Padding
@@ -27,21 +27,6 @@ RESOLVED = 24
 # which takes one of at most SETTLED (dx / a)^1.5.
 PEAK_LEFT, L1_LEFT, CORRECTED_LEFT, HALF_WIDTH_LEFT = 8, 20, 80, 60
 SETTLED = 1e-3
-
-
-class Metric(Enum):
-    """What of a solution is to be accurate."""
-
-    PEAK_PRESSURE = "highest pressure"
-    L1 = "pressure in L1"
-    HALF_WIDTH = "half-width"
-
-
-class Edges(Enum):
-    """Which pressure counts: as the cells have it, or :func:`~contactstudy.accuracy.contact_edge.corrected_pressure`."""
-
-    AS_SOLVED = "as solved"
-    CORRECTED = "corrected"
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,6 @@ from decimal import Decimal
 from functools import cache
 from typing import Any
 
-import pint
-
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.units import Unit
 
@@ -35,6 +33,8 @@ def quantity(field: str, value: object, unit: Unit) -> float:
         raise InvalidInput(f"{field} is {value!r}: {remedy}.")
     if not found[2] and found[1].endswith("inf"):  # infinite in any unit
         return float(found[1])
+    from pint import PintError  # heavier than all else here
+
     registry = _registry()
     try:
         read = registry.Quantity(
@@ -42,7 +42,7 @@ def quantity(field: str, value: object, unit: Unit) -> float:
         )
         return float(read.to(unit.symbol).magnitude)
     except (
-        pint.PintError,
+        PintError,
         ArithmeticError,
         LookupError,
         ValueError,
@@ -54,5 +54,7 @@ def quantity(field: str, value: object, unit: Unit) -> float:
 
 @cache
 def _registry() -> Any:
+    from pint import UnitRegistry
+
     # in decimals, so that 30 um is exactly the float 3e-5 m
-    return pint.UnitRegistry(non_int_type=Decimal)
+    return UnitRegistry(non_int_type=Decimal)

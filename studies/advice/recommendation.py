@@ -6,7 +6,8 @@ from math import inf, isfinite, prod
 
 import contactstudy as cs
 from contactstudy.accuracy.estimate import ErrorParts
-from contactstudy.accuracy.expected_error import L1_LEFT, Contact, Edges, Metric
+from contactstudy.accuracy.expected_error import L1_LEFT, Contact
+from contactstudy.accuracy.metric import Edges, Metric
 from contactstudy.accuracy.truncation import expected_truncation
 from contactstudy.domain.checks import positive
 from contactstudy.domain.memory import available_bytes

@@ -1,5 +1,7 @@
 """What ``contactstudy solve`` does with a scene that changes in time."""
 
+from __future__ import annotations
+
 import shutil
 import sys
 from pathlib import Path

@@ -1,5 +1,7 @@
 """The command ``contactstudy recommend``."""
 
+from __future__ import annotations
+
 import json
 from dataclasses import asdict
 from math import isfinite
@@ -9,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import contactstudy as cs
-from contactstudy.accuracy.expected_error import Edges, Metric
+from contactstudy.accuracy.metric import Edges, Metric
 from contactstudy.domain.checks import positive
 from contactstudy.domain.units import BYTES, SECONDS
 from contactstudy.io.quantity import quantity
@@ -110,11 +112,11 @@ def _number(text: str) -> str | float:
         return text
 
 
-def _source(costs: "CostModel") -> str:
+def _source(costs: CostModel) -> str:
     return "fitted to the times in pareto.nc" if costs.fits else "measured on a small case now"
 
 
-def _fields(found: "Recommendation", scene: Path | None, costs: "CostModel") -> dict[str, Any]:
+def _fields(found: Recommendation, scene: Path | None, costs: CostModel) -> dict[str, Any]:
     limits = found.limits
     return {
         "asked": {
@@ -134,7 +136,7 @@ def _fields(found: "Recommendation", scene: Path | None, costs: "CostModel") -> 
     }
 
 
-def _setting(setting: "Setting", scene: Path | None) -> dict[str, Any]:
+def _setting(setting: Setting, scene: Path | None) -> dict[str, Any]:
     return {
         "mode": setting.mode,
         "padding": repr(setting.padding),
@@ -150,7 +152,7 @@ def _setting(setting: "Setting", scene: Path | None) -> dict[str, Any]:
 
 
 def _report_lines(
-    found: "Recommendation", name: str, scene: Path | None, costs: "CostModel"
+    found: Recommendation, name: str, scene: Path | None, costs: CostModel
 ) -> list[str]:
     limits = found.limits
     request = f"{limits.metric.value} to {limits.error:.2g}"
@@ -175,7 +177,7 @@ def _report_lines(
     return [*lines, "  in Python:", *(f"    {line}" for line in python(found.best, scene))]
 
 
-def python(setting: "Setting", scene: Path | None) -> list[str]:
+def python(setting: Setting, scene: Path | None) -> list[str]:
     """Lines of Python that solve the contact in the file ``scene`` so; without one, that of the sweeps."""
     where = "from studies.reference.line_contact import SCENE as scene"
     if scene is not None:
@@ -197,7 +199,7 @@ def python(setting: "Setting", scene: Path | None) -> list[str]:
     return lines
 
 
-def _setting_text(setting: "Setting") -> str:
+def _setting_text(setting: Setting) -> str:
     cells, extent = setting.grid.cells, setting.grid.extent
     mode = {"line": "exact, one cell along the length", "free": "zero padding along both axes"}
     named = mode.get(setting.mode, setting.mode)
@@ -208,7 +210,7 @@ def _setting_text(setting: "Setting") -> str:
     return text + ", pressure corrected at its edges" * (setting.edges is Edges.CORRECTED)
 
 
-def _cost_text(setting: "Setting") -> str:
+def _cost_text(setting: Setting) -> str:
     parts = setting.error
     return (
         f"estimated error <= {parts.total:.2g} (images {parts.truncation:.1g}, cells "

@@ -1,5 +1,7 @@
 """The commands for one scene in a file: ``contactstudy plan`` and ``contactstudy solve``."""
 
+from __future__ import annotations
+
 import json
 import os
 import sys

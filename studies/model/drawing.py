@@ -1,16 +1,17 @@
 """How a study is drawn: figures with captions, findings and tables, all from its stored Dataset."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
-
-import xarray as xr
 
 from contactstudy import InvalidInput
 from studies.model.finding import Finding, Table
 from studies.model.plain_text import name_problem, one_line
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.figure import Figure
 
 
@@ -19,7 +20,7 @@ class CaptionedFigure:
     """A figure with its file name and the caption that goes under it."""
 
     name: str
-    figure: "Figure"
+    figure: Figure
     caption: str
 
     def __post_init__(self) -> None:

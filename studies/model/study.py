@@ -1,24 +1,28 @@
 """What a study computes: its axes, the computation at each point, and what is measured there."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from importlib import import_module
 from itertools import product
 from math import prod
-from typing import Any
-
-import xarray as xr
+from typing import TYPE_CHECKING, Any
 
 from contactstudy import InvalidInput
 from contactstudy.domain.checks import suggestion
 from studies.model.axis import MOST_POINTS, Axis, Value, check_count, one_of
-from studies.model.case import Computation
 from studies.model.error_place import place_of
 from studies.model.plain_text import one_line
 
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from studies.model.case import Computation
+
 Point = Mapping[str, Value]
 # Arguments: the computation and its result, of whatever types the study uses.
-Measures = Callable[[Any, Any], Mapping[str, xr.Variable]]
+Measures = Callable[[Any, Any], "Mapping[str, xr.Variable]"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +67,7 @@ class Study:
     @classmethod
     def of(
         cls, scene: Any, vary: Mapping[str, object], *, name: str | None = None, folder: Any = None
-    ) -> "Study":
+    ) -> Study:
         """The study of a ``scene``, or of one in a file, over other values of its fields.
 
         ``vary`` has paths in a scene file, such as ``load.per_length``, and their values, as a sequence or as a
@@ -78,7 +82,7 @@ class Study:
 
     def override(
         self, axes: Mapping[str, str | Iterable[Value]], *, most: int | None = MOST_POINTS
-    ) -> "Study":
+    ) -> Study:
         """This study over other values of some of its axes, at ``most`` so many of each."""
         known = {axis.name: axis for axis in self.points}
         for name in axes:

@@ -5,11 +5,13 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
+import xarray as xr
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from studies.engine.run import run
 from studies.model.drawing import CaptionedFigure, Drawing
 from studies.model.finding import Finding, Table
+from studies.model.outcome import CaseStatus
 from studies.model.study import Study
 from studies.reference.accuracy.matrix import matrix
 from studies.registry import BUILT_IN, load, load_drawing
@@ -27,7 +29,7 @@ SOME = {"case": ",".join(list(matrix())[::40])}
 OWN = {
     "roughness": ROUGH,
     "accuracy": SOME,
-    "coating": {"ratio": "0.25,4", "thickness": "0.1,1,10", "grid": "64"},
+    "coating": {"ratio": "0.25,2,4", "thickness": "0.1,1,10", "grid": "64"},
     "friction": {"poisson_ratio": "0,0.3", "grid": "65", "rough_grid": "24"},
 }
 
@@ -42,6 +44,12 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
         run(few, folder, workers=0, repeats=1, log=quiet)
     report.write(folder)
     return folder
+
+
+def test_every_case_of_the_report_has_its_numbers(out: Path) -> None:
+    for name in BUILT_IN:
+        with xr.open_dataset(out / f"{name}.nc", decode_times=False) as dataset:
+            assert (dataset["case_status"] == CaseStatus.OK).all(), name
 
 
 class Page(HTMLParser):

@@ -1,6 +1,7 @@
 """A smooth line contact that many tests share, and random examples that are the same on every machine."""
 
 import os
+import signal
 from dataclasses import dataclass
 
 import pytest
@@ -13,6 +14,10 @@ steady = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.register_profile("random", steady, derandomize=False)
 settings.register_profile("steady", steady, derandomize=True)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "steady"))
+
+# A shell without job control starts what runs in the background deaf to Ctrl-C, and its children with it.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 STEEL = cs.HalfSpace(youngs_modulus=210e9, poisson_ratio=0.3)
 

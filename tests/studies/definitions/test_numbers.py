@@ -28,7 +28,7 @@ class Hoard:
 
     def run(self, prepared: None) -> np.ndarray:
         """All of it, then a little."""
-        return np.ones(self.contact_gap, dtype=np.int8)[:1].copy()
+        return np.ones(self.held, dtype=np.int8)[:1].copy()
 
 
 # one cell of four

@@ -3,11 +3,10 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import numpy as np
 import xarray as xr
 
 import contactstudy as cs
-from studies.model.case import flags, number
+from studies.model.case import number, solver_status
 
 
 @dataclass(frozen=True)
@@ -41,11 +40,8 @@ class EvolutionCase:
 
     def record(self, result: cs.Evolution) -> Mapping[str, xr.Variable]:
         """The solver's own numbers, of all steps."""
-        statuses = list(cs.Status)
-        meanings = [status.name.lower() for status in statuses]
-        index = np.asarray(statuses.index(result.status))
         return {
-            "solver_status": flags((), index, meanings, "how the worst step ended"),
+            "solver_status": solver_status(result.status, "how the worst step ended"),
             "iterations": number(result.iterations, "solver iterations of all steps"),
             "convolutions": number(result.convolutions, "transform pairs of the full grid"),
             "residual": number(result.residual, "largest residual"),

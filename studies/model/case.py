@@ -58,11 +58,8 @@ class Case:
 
     def record(self, result: cs.Solution) -> Mapping[str, xr.Variable]:
         """The solver's own numbers, and its status as CF flags."""
-        statuses = list(cs.Status)
-        meanings = [status.name.lower() for status in statuses]
-        index = np.asarray(statuses.index(result.status))
         return {
-            "solver_status": flags((), index, meanings, "how the solver ended"),
+            "solver_status": solver_status(result.status, "how the solver ended"),
             "iterations": number(result.iterations, "solver iterations"),
             "convolutions": number(result.convolutions, "transform pairs of the full grid"),
             "residual": number(result.residual, "residual of the solver"),
@@ -95,6 +92,13 @@ class Operator:
     def record(self, result: cs.Convolution) -> Mapping[str, xr.Variable]:
         """The size of what is transformed."""
         return {"padded_cells": number(int(np.prod(result.padded)), "cells of the padded grid")}
+
+
+def solver_status(status: cs.Status, long_name: str) -> xr.Variable:
+    """The status of a solution as a CF flag."""
+    statuses = list(cs.Status)
+    meanings = [one.name.lower() for one in statuses]
+    return flags((), np.asarray(statuses.index(status)), meanings, long_name)
 
 
 def number(value: float, long_name: str) -> xr.Variable:

@@ -92,7 +92,7 @@ class SceneCase(Case):
 
     @property
     def datum(self) -> float | None:
-        """Where the approach counts from [m]: half the grid's width, where neighbours without end leave it open."""
+        """Where the approach counts from [m]: half the grid's width, where infinitely many images leave it open."""
         across, along = (
             self.padding if isinstance(self.padding, tuple) else (cs.ZeroPadding(), self.padding)
         )

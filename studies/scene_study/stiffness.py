@@ -5,7 +5,7 @@ import numpy as np
 import contactstudy as cs
 from contactstudy.domain.arrays import Array, inner
 
-# The stiffness errs by the square of what the iteration errs, relative to it.
+# The error of the stiffness is the square of the relative error of the iteration.
 RESIDUAL = 3e-2
 MOST = 60
 

@@ -1,7 +1,8 @@
 """Studies: many contacts, swept, stored, timed and drawn."""
 
-from importlib import import_module as _import_module
 from typing import TYPE_CHECKING as _TYPE_CHECKING
+
+from contactstudy.domain.imports import import_for as _import_for
 
 if _TYPE_CHECKING:
     from contactstudy.io.pictures.figure import panels
@@ -52,7 +53,7 @@ __all__ = [
 def __getattr__(name: str) -> object:
     if name not in _PUBLIC:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(_import_module(_PUBLIC[name]), name)
+    return getattr(_import_for(f"{__name__}.{name}", _PUBLIC[name]), name)
 
 
 def __dir__() -> list[str]:

@@ -1,13 +1,13 @@
 """What a march gives back: frames, and how they were found."""
 
 from dataclasses import dataclass
-from importlib import import_module
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contactstudy.domain.arrays import Array
 from contactstudy.domain.grid import Grid
+from contactstudy.domain.imports import import_for
 from contactstudy.evolution.frame import Frame
 from contactstudy.evolution.march import worst
 from contactstudy.problem.derived import Derived
@@ -120,7 +120,6 @@ class Evolution:
     def to_dataset(self) -> "xr.Dataset":
         """Fields over (time, x, y), numbers over (time,), with units, long names, and where they came from."""
         # by name: a Dataset stands on evolutions, not evolutions on Datasets
-        made: xr.Dataset = import_module("contactstudy.io.evolution_dataset").evolution_dataset(
-            self
-        )
+        labelled = import_for("Evolution.to_dataset", "contactstudy.io.evolution_dataset")
+        made: xr.Dataset = labelled.evolution_dataset(self)
         return made

@@ -1,7 +1,6 @@
 """Two contacts on two grids: by how much they differ, and where."""
 
 from dataclasses import dataclass
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -9,6 +8,7 @@ import xarray as xr
 
 from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.imports import import_for
 from contactstudy.solvers.solution import Solution
 
 if TYPE_CHECKING:
@@ -50,7 +50,8 @@ class Comparison:
     def plot(self) -> "Figure":
         """The difference as a map, and both pressures across the place where it is largest."""
         # by name, and when it is wanted: a picture stands on what it shows
-        figure: Figure = import_module("contactstudy.io.pictures.comparison").compare_picture(self)
+        drawing = import_for("Comparison.plot", "contactstudy.io.pictures.comparison")
+        figure: Figure = drawing.compare_picture(self)
         return figure
 
 

@@ -6,12 +6,11 @@ from io import BytesIO
 
 import numpy as np
 
-from contactstudy.io.pictures.contact import picture
 from contactstudy.solvers.solution import Solution
 
 
 def html(solution: Solution) -> str:
-    """A table of the numbers that are looked at first, and :func:`~contactstudy.io.pictures.contact.picture`."""
+    """A table of the numbers that are looked at first, and :func:`~contactstudy.Solution.plot`."""
     nx, ny = solution.pressure.shape
     rows = {
         "status": str(solution.status),
@@ -27,10 +26,17 @@ def html(solution: Solution) -> str:
         f"<tr><th style='text-align:left'>{name}</th><td style='text-align:left'>{escape(text)}</td></tr>"
         for name, text in rows.items()
     )
-    drawn = ""
-    if np.isfinite(solution.pressure).all():
-        file = BytesIO()
-        picture(solution.to_dataset()).savefig(file, format="png", dpi=60)
-        data = b64encode(file.getvalue()).decode()
-        drawn = f"<img alt='pressure and gap of the contact' src='data:image/png;base64,{data}'>"
-    return f"<table>{cells}</table>{drawn}"
+    return f"<table>{cells}</table>{_picture(solution)}"
+
+
+def _picture(solution: Solution) -> str:
+    """An image; nothing where there are no numbers to draw, or no library that draws."""
+    if not np.isfinite(solution.pressure).all():
+        return ""
+    file = BytesIO()
+    try:
+        solution.plot().savefig(file, format="png", dpi=60)
+    except ModuleNotFoundError:
+        return ""
+    data = b64encode(file.getvalue()).decode()
+    return f"<img alt='pressure and gap of the contact' src='data:image/png;base64,{data}'>"

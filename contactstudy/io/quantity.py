@@ -6,6 +6,7 @@ from functools import cache
 from typing import Any
 
 from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.imports import import_for
 from contactstudy.domain.units import Unit
 
 NUMBER = re.compile(r"\s*([-+]?(?:inf|(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?))\s*(.*?)\s*")
@@ -33,8 +34,7 @@ def quantity(field: str, value: object, unit: Unit) -> float:
         raise InvalidInput(f"{field} is {value!r}: {remedy}.")
     if not found[2] and found[1].endswith("inf"):  # infinite in any unit
         return float(found[1])
-    from pint import PintError  # heavier than all else here
-
+    pint = import_for("a unit", "pint")  # heavier than all else here
     registry = _registry()
     try:
         read = registry.Quantity(
@@ -42,7 +42,7 @@ def quantity(field: str, value: object, unit: Unit) -> float:
         )
         return float(read.to(unit.symbol).magnitude)
     except (
-        PintError,
+        pint.PintError,
         ArithmeticError,
         LookupError,
         ValueError,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.grid import Grid
+from contactstudy.domain.imports import import_for
 from contactstudy.domain.padding import Padding, Paddings
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
@@ -67,8 +68,7 @@ def _paddings(padding: Padding | Paddings | None) -> dict[str, object]:
 
 
 def _text(scene: Scene, others: Mapping[str, object], beside: Path | None) -> str:
-    import tomli_w  # for those who write
-
+    tomli_w = import_for("contactstudy.write_scene", "tomli_w")
     table = _fields(scene, "Scene")
     if scene.shapes:
         table["shapes"] = [
@@ -78,7 +78,7 @@ def _text(scene: Scene, others: Mapping[str, object], beside: Path | None) -> st
             for number, shape in enumerate(scene.shapes)
         ]
     table |= {name: _plain(value, name) for name, value in others.items() if value is not None}
-    return tomli_w.dumps(table)
+    return str(tomli_w.dumps(table))
 
 
 def _fields(value: Any, name: str) -> dict[str, Any]:

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from enum import Enum
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 
 from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import NotDefined
+from contactstudy.domain.imports import import_for
 from contactstudy.problem.problem import Problem
 
 if TYPE_CHECKING:
@@ -116,19 +116,23 @@ class Solution:
         )
 
     def _repr_html_(self) -> str:
-        return str(_presentation("html").html(self))
+        return str(_presentation("a table in a notebook", "html").html(self))
 
     def to_dataset(self, *, error: Any = None) -> "xr.Dataset":
         """The fields, labelled: see :func:`~contactstudy.to_dataset`; ``error`` is an ErrorEstimate or None."""
-        dataset: xr.Dataset = _presentation("dataset").to_dataset(self, error)
+        dataset: xr.Dataset = _presentation("Solution.to_dataset", "dataset").to_dataset(
+            self, error
+        )
         return dataset
 
     def plot(self) -> "Figure":
         """A picture of pressure, gap and stress, as a matplotlib figure."""
-        figure: Figure = _presentation("pictures.contact").picture(self.to_dataset())
+        figure: Figure = _presentation("Solution.plot", "pictures.contact").picture(
+            self.to_dataset()
+        )
         return figure
 
 
-def _presentation(module: str) -> Any:
+def _presentation(use: str, module: str) -> Any:
     """A module of ``contactstudy.io``, found when it is needed: a solve needs no labels and no pictures."""
-    return import_module(f"contactstudy.io.{module}")
+    return import_for(use, f"contactstudy.io.{module}")

@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from contactstudy import InvalidInput, __version__
+from contactstudy.domain.imports import missing_package
 from studies.cli.compare import compare
 from studies.cli.recommend import recommendation
 from studies.cli.scenes import plan, solve
@@ -286,6 +287,9 @@ def main() -> None:
     except BrokenPipeError:  # whoever read the output has enough
         sys.stdout = None
         sys.exit(141)
+    except ModuleNotFoundError as missing:
+        _say(str(missing_package("this command", missing)))
+        sys.exit(1)
     except OSError as error:
         _say(f"{error.strerror or error}{f': {error.filename}' if error.filename else ''}")
         sys.exit(1)

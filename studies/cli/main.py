@@ -2,6 +2,8 @@
 
 import sys
 
+from contactstudy.domain.imports import missing_package
+
 
 def main() -> None:
     """Import the rest and run it."""
@@ -9,5 +11,7 @@ def main() -> None:
         from studies.cli.commands import main as run
 
         run()
+    except ModuleNotFoundError as missing:
+        sys.exit(f"contactstudy: {missing_package('the command', missing)}")
     except KeyboardInterrupt:
         sys.exit("contactstudy: stopped before the command started.")

@@ -7,6 +7,7 @@ import click
 import numpy as np
 
 from contactstudy import InvalidInput
+from contactstudy.domain.imports import import_for
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -71,12 +72,7 @@ def show(file: Path, out: Path | None, formats: str, figures: str) -> None:
 
 def _vtk(dataset: "xr.Dataset", stem: Path) -> str:
     """Pressure and gap over the cells as a rectilinear grid; stress, if there is any, as points in depth."""
-    try:
-        from pyevtk.hl import gridToVTK
-    except ModuleNotFoundError:
-        raise InvalidInput(
-            "--format vtk needs the library pyevtk: pip install 'contactstudy[vtk]'."
-        ) from None
+    write = import_for("--format vtk", "pyevtk.hl").gridToVTK
     edges = [_edges(dataset[axis].values) for axis in ("x", "y")]
     # its cells lie between edges: one thin layer, so that the map is seen from above
     cells = {
@@ -86,13 +82,13 @@ def _vtk(dataset: "xr.Dataset", stem: Path) -> str:
     }
     flat = np.array([0.0, min(np.diff(edge).min() for edge in edges)])
     # the library adds the ending
-    path = gridToVTK(str(stem), edges[0], edges[1], flat, cellData=cells)
+    path = write(str(stem), edges[0], edges[1], flat, cellData=cells)
     if "von_mises" in dataset:
         values = np.ascontiguousarray(dataset["von_mises"].transpose("x", "y", "z").values)
         depths = -dataset["z"].values
         axes = [np.ascontiguousarray(dataset[axis].values, dtype=float) for axis in ("x", "y")]
         order = np.argsort(depths)
-        gridToVTK(
+        write(
             f"{stem}-stress", axes[0], axes[1], np.ascontiguousarray(depths[order]),
             pointData={"von_mises": np.ascontiguousarray(values[:, :, order])},
         )  # fmt: skip

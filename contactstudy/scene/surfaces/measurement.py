@@ -9,6 +9,7 @@ import numpy as np
 
 from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.imports import import_for
 
 # Points and their sizes (x, y) [m], if they have any.
 Measurement = tuple[Array, tuple[float, float] | None]
@@ -41,18 +42,13 @@ def read(path: str | PathLike[str]) -> Measurement:
     """
     if Path(path).suffix == ".nc" and (ours := _written(path)) is not None:
         return ours
-    try:
-        with warnings.catch_warnings():
-            # that there is no MPI, for which nobody asked
-            warnings.simplefilter("ignore", ImportWarning)
-            from SurfaceTopography import Exceptions, open_topography
-    except ModuleNotFoundError as missing:
-        raise ModuleNotFoundError(
-            "measured files are read by SurfaceTopography: pip install 'contactstudy[measured]'"
-        ) from missing
+    with warnings.catch_warnings():
+        # that there is no MPI, for which nobody asked
+        warnings.simplefilter("ignore", ImportWarning)
+        topography = import_for("MeasuredSurface.read", "SurfaceTopography")
     name = fspath(path)
     try:
-        with open_topography(name) as file:
+        with topography.open_topography(name) as file:
             channel = file.default_channel
             if channel.dim != 2:
                 raise InvalidInput(f"path is {name!r}: give a file of a surface, not of a profile.")
@@ -62,7 +58,7 @@ def read(path: str | PathLike[str]) -> Measurement:
                     "heights and extent in m."
                 )
             return _topography(f"path {name!r}", channel.topography())
-    except Exceptions.ReadFileError as unreadable:
+    except topography.Exceptions.ReadFileError as unreadable:
         raise InvalidInput(
             f"path is {name!r}: give a file in a format that SurfaceTopography reads ({unreadable})."
         ) from unreadable
@@ -83,8 +79,7 @@ def _topography(field: str, surface: Any) -> Measurement:
 
 def write(points: Array, extent: tuple[float, float] | None, path: str | PathLike[str]) -> None:
     """Points [m] as the variable ``heights`` (x, y) of a netCDF file, with coordinates if they have sizes."""
-    import xarray as xr
-
+    xr = import_for("MeasuredSurface.write", "xarray")
     coords = {}
     if extent is not None:
         for name, size, count in zip(("x", "y"), extent, points.shape, strict=True):
@@ -96,8 +91,7 @@ def write(points: Array, extent: tuple[float, float] | None, path: str | PathLik
 
 def _written(path: str | PathLike[str]) -> Measurement | None:
     """What :func:`write` wrote; None where the file is of another kind."""
-    import xarray as xr
-
+    xr = import_for("MeasuredSurface.read of a .nc file", "xarray")
     try:
         with xr.open_dataset(path) as dataset:
             return _labelled(dataset["heights"].load())

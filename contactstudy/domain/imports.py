@@ -1,0 +1,68 @@
+"""Imports on first use: of public names, and of packages that only some of them need."""
+
+import ast
+import sys
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+OWN = ("contactstudy", "studies")
+# what pip installs, where that is not the package's own name
+INSTALLS = {
+    "SurfaceTopography": "'contactstudy[measured]'",
+    "click": "contactstudy",  # the command needs more than this one
+    "distributed": "'contactstudy[cluster]'",
+    "pyevtk": "'contactstudy[vtk]'",
+    "tomli_w": "tomli-w",
+}
+
+
+class MissingPackageError(ModuleNotFoundError):
+    """A package that is not installed, in one sentence: what needs it, and what to install."""
+
+
+def import_for(use: str, module: str) -> Any:
+    """``module``, imported for ``use``.
+
+    Raises :class:`MissingPackageError` where a package is not installed.
+    """
+    try:
+        return import_module(module)
+    except ModuleNotFoundError as missing:
+        raise missing_package(use, missing) from missing
+
+
+def missing_package(use: str, missing: ModuleNotFoundError) -> ModuleNotFoundError:
+    """``missing`` in a sentence that names the ``use``; as it is where it has one, or is a module of this program."""
+    package = (missing.name or "").partition(".")[0]
+    if package in ("", *OWN) or isinstance(missing, MissingPackageError):
+        return missing
+    install = INSTALLS.get(package, package)
+    return MissingPackageError(
+        f"{use} needs {package}, which is not installed: pip install {install}.", name=missing.name
+    )
+
+
+def names_on_first_use(
+    package: str, file: str
+) -> tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]:
+    """``__getattr__``, ``__dir__`` and ``__all__`` of ``package``, from the imports of the stub beside its ``file``."""
+    stub = ast.parse(Path(file).with_suffix(".pyi").read_text(encoding="utf-8"))
+    places: dict[str, tuple[str, str]] = {}
+    for statement in stub.body:
+        if isinstance(statement, ast.ImportFrom):
+            module = f"{package}.{statement.module}" if statement.module else package
+            places |= {alias.name: (module, alias.name) for alias in statement.names}
+
+    def find(name: str) -> Any:
+        if name not in places:
+            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+        use, (module, attribute) = f"{package}.{name}", places[name]
+        found = import_for(use, use if module == package else module)
+        value = found if module == package else getattr(found, attribute)
+        setattr(sys.modules[package], name, value)
+        return value
+
+    names = sorted(places)
+    return find, names.copy, names

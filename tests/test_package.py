@@ -4,6 +4,8 @@ import re
 import tomllib
 from pathlib import Path
 
+import contactstudy as cs
+
 ROOT = Path(__file__).parent.parent
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 
@@ -19,3 +21,34 @@ def test_the_page_on_installing_says_what_each_dependency_and_extra_is_for() -> 
     assert wanted <= named
     peers = {name for name in PROJECT["optional-dependencies"] if name.startswith("peer-")}
     assert set(PROJECT["optional-dependencies"]) - peers <= named
+
+
+def test_links_and_pictures_of_the_readme_show_on_a_package_index() -> None:
+    """There the README stands alone: each is absolute, or a heading of its own; the project's own are there."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    headings = {
+        re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-")
+        for heading in re.findall(r"^#+ (.*)$", text, flags=re.MULTILINE)
+    }
+    found = re.findall(r"(!?)\[[^\]]*\]\(([^)\s]+)\)", text)
+    assert {"!", ""} == {mark for mark, _ in found}
+    for mark, link in found:
+        if link.startswith("#"):
+            assert link[1:] in headings, link
+            continue
+        assert link.startswith("https://"), link
+        if link.startswith(PROJECT["urls"]["Repository"]):
+            kind = "raw" if mark else "blob"
+            path = link.removeprefix(f"{PROJECT['urls']['Repository']}/{kind}/main/")
+            assert (ROOT / path).is_file(), link
+    for link in PROJECT["urls"].values():
+        path = link.removeprefix(PROJECT["urls"]["Repository"]).removeprefix("/blob/main/")
+        assert (ROOT / path).exists(), link
+
+
+def test_the_citation_is_of_this_version_and_this_place() -> None:
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    fields = dict(re.findall(r"^([\w-]+): *([^#\n]*?) *(?:#.*)?$", citation, flags=re.MULTILINE))
+    assert fields["version"] == PROJECT["version"] == cs.__version__
+    assert fields["repository-code"] == PROJECT["urls"]["Repository"]
+    assert fields["license"] == PROJECT["license"]

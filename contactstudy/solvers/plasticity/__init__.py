@@ -1,0 +1,1 @@
+"""Contact and plastic strain, found together. May import `solve` and below."""

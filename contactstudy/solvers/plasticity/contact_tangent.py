@@ -1,0 +1,64 @@
+"""How the pressure of a contact answers to a small change of its gap, as long as the same cells bear."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from contactstudy.domain.arrays import Array, inner, total
+from contactstudy.problem.bare_problem import BareProblem
+from contactstudy.problem.problem import Scales
+
+# A loose answer takes Newton's method no more iterations than an exact one.
+TOLERANCE = 1e-2
+LONGEST = 200
+
+
+@dataclass(frozen=True, eq=False)
+class ContactTangent:
+    """``-dp/dgap`` under a fixed load: ``Pi = K^-1 - K^-1 1 1^T K^-1 / (1^T K^-1 1)`` on the cells that bear.
+
+    Found by conjugate gradients, preconditioned as the contact is.
+    """
+
+    bare: BareProblem
+    scales: Scales
+    cells: Array
+
+    def __call__(self, gap: Array) -> Array:
+        """``Pi gap`` (x, y) [Pa] of a change of the gap (x, y) [m]."""
+        count = total(self.cells)
+        if count < 2:
+            return np.zeros_like(gap)
+        real = self.bare.undeformed_gap.dtype
+        rest = self._level(((gap / self.scales.gap) * self.cells).astype(real), count)
+        found = np.zeros_like(rest)
+        closing = self._closing(rest, count)
+        product = inner(rest, closing)
+        direction, enough = closing, TOLERANCE**2 * product
+        for _ in range(LONGEST):
+            if not product > enough:
+                break
+            response = self._level(self.bare.operator(direction) * self.cells, count)
+            curvature = inner(direction, response)
+            if not curvature > 0:
+                break
+            step = product / curvature
+            found += step * direction
+            rest -= step * response
+            closing = self._closing(rest, count)
+            last, product = product, inner(rest, closing)
+            direction = closing + (product / last) * direction
+        return np.asarray(found * self.scales.pressure, dtype=np.float64)
+
+    def _closing(self, rest: Array, count: float) -> Array:
+        return self._level(self._precondition(rest, self.cells) * self.cells, count)
+
+    def _level(self, field: Array, count: float) -> Array:
+        """Without its mean over the cells that bear."""
+        return np.asarray((field - total(field) / count) * self.cells)
+
+    @cached_property
+    def _precondition(self) -> Callable[[Array, Array], Array]:
+        return self.bare.operator.approximate_inverse()[0]

@@ -25,17 +25,20 @@ extensions = [
     "sphinx_gallery.gen_gallery",
     "mathml",
     "generated_reference",
+    "accessible_pages",
 ]
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
-exclude_patterns = ["_build", "_ext"]
+exclude_patterns = ["_build", "_ext", "_templates"]
 myst_enable_extensions = ["dollarmath", "deflist"]
 myst_heading_anchors = 3
 suppress_warnings = ["config.cache"]
 
 html_theme = "furo"
 html_title = f"contactstudy {release}"
+templates_path = ["_templates"]
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
+html_js_files = ["site.js"]
 html_math_renderer = "mathml"
 html_show_sphinx = False
 
@@ -75,5 +78,6 @@ sphinx_gallery_conf = {
     "show_signature": False,
     "min_reported_time": 1e9,
     "download_all_examples": False,
-    "matplotlib_animations": False,
+    "image_scrapers": ("gallery_figures.scrape",),
+    "write_computation_times": False,
 }

@@ -32,7 +32,6 @@ SAID = re.compile(r"^print\(.*\)  # (.*)$", flags=re.MULTILINE)
 def somewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The project's examples in a folder that may be written to."""
     shutil.copytree(ROOT / "examples", tmp_path / "examples")
-    (tmp_path / "outputs").mkdir()
     monkeypatch.chdir(tmp_path)
 
 
@@ -71,7 +70,7 @@ def test_pages_link_to_what_is_there() -> None:
 
 
 def test_own_study_keeps_the_law_it_shows() -> None:
-    text = (ROOT / "docs/own-study.md").read_text()
+    text = (ROOT / "docs/how-to/own-study.md").read_text()
     block = next(block for _, block in BLOCK.findall(text) if "points =" in block)
     Path("radius.py").write_text(block)
     own = load("radius.py").override({"radius": "0.01,0.02,0.04"})

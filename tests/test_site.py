@@ -1,0 +1,34 @@
+"""The check of the documentation's pages, which its build runs, finds what it is for."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent.parent / "docs" / "_ext"))
+from page_problems import problems
+
+GOOD = '<h1 id="top">T</h1><h2>U</h2><img src="a.png" alt="A curve."><a href="#top">t</a><a href="https://x.org/y">o</a>'
+
+
+@pytest.mark.parametrize(
+    ("added", "found"),
+    [
+        ("", None),
+        ('<img src="b.png">', "without a text"),
+        ('<img src="a.png" alt=" ">', "without a text"),
+        ('<a href="other.html#here">o</a>', None),
+        ('<a href="other.html#there">o</a>', "anchor that does not exist"),
+        ('<a href="#missing">o</a>', "anchor that does not exist"),
+        ('<a href="gone.html">o</a>', "file that does not exist"),
+        ("<h4>V</h4>", "a heading of level 4 follows one of level 2"),
+    ],
+)
+def test_a_problem_of_a_page_is_found(tmp_path: Path, added: str, found: str | None) -> None:
+    (tmp_path / "a.png").touch()
+    (tmp_path / "b.png").touch()
+    (tmp_path / "other.html").write_text('<h1 id="here">O</h1>')
+    (tmp_path / "page.html").write_text(GOOD + added)
+    messages = problems(tmp_path)
+    assert len(messages) == (found is not None)
+    assert all(found in message for message in messages)

@@ -1,13 +1,14 @@
 """The array type of the solver, in either precision, and its products."""
 
-from typing import Any
+from math import prod
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contactstudy.domain.device import arrays
+from contactstudy.domain.namespace import Array
 from contactstudy.domain.rows import in_blocks
 
-Array = NDArray[np.floating[Any]]
+__all__ = ["Array", "inner", "mean_over", "product", "total"]
 
 
 # Up to this many cells BLAS starts no threads, and single precision needs no sums by rows.
@@ -20,18 +21,19 @@ def inner(a: Array, b: Array) -> float:
     Row by row: BLAS would start threads for a whole large field, and on a busy machine they
     cost a hundred times what they save.
     """
-    return sum(in_blocks(lambda rows: _inner(a[rows], b[rows]), a.shape))
+    return sum(in_blocks(lambda rows: _inner(a[rows, :], b[rows, :]), a.shape))
 
 
 def _inner(a: Array, b: Array) -> float:
-    if a.size <= SMALL:
-        return float(np.dot(a.ravel(), b.ravel()))
-    return float(np.matmul(a[:, None, :], b[:, :, None]).sum())
+    xp = arrays()
+    if prod(a.shape) <= SMALL:
+        return float(xp.vecdot(xp.reshape(a, (-1,)), xp.reshape(b, (-1,))))
+    return float(xp.sum(xp.vecdot(a, b)))
 
 
 def total(field: Array) -> float:
     """Sum over a field (x, y)."""
-    return sum(in_blocks(lambda rows: float(field[rows].sum()), field.shape))
+    return sum(in_blocks(lambda rows: float(arrays().sum(field[rows, :])), field.shape))
 
 
 def mean_over(cells: Array, field: Array) -> float:
@@ -40,5 +42,5 @@ def mean_over(cells: Array, field: Array) -> float:
 
 
 def product(a: Array, b: Array) -> Array:
-    """The matrix product, row by row for the same reason."""
+    """The matrix product of numpy arrays, row by row for the same reason."""
     return np.asarray(np.matmul(a[:, None], b)[:, 0])

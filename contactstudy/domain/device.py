@@ -1,11 +1,35 @@
-"""Where a problem is solved: on cores of this machine."""
+"""Where a problem is solved: on cores of this machine, or wherever an array library keeps its arrays."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
+from typing import Any, Protocol, cast
+
+import numpy as np
+from numpy.typing import NDArray
 
 from contactstudy.domain.checks import InvalidInput, set_fields, whole
+from contactstudy.domain.namespace import Namespace
+
+Numbers = NDArray[Any]
+
+
+class Device(Protocol):
+    """An array library that follows the array API standard, and the way to its arrays and back."""
+
+    @property
+    def arrays(self) -> Namespace:
+        """The functions of the library."""
+        ...
+
+    def put(self, field: Numbers) -> Numbers:
+        """A numpy array there."""
+        ...
+
+    def take(self, field: Numbers) -> Numbers:
+        """An array of the library as a numpy array here."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -18,20 +42,63 @@ class Cpu:
         threads = whole("Cpu.threads", self.threads, 1, "give a whole number of threads from 1 on")
         set_fields(self, threads=threads)
 
+    @property
+    def arrays(self) -> Namespace:
+        """numpy."""
+        return _NUMPY
 
+    def put(self, field: Numbers) -> Numbers:
+        """The same array."""
+        return field
+
+    def take(self, field: Numbers) -> Numbers:
+        """The same array."""
+        return field
+
+
+@dataclass(frozen=True)
+class Library:
+    """Any library of the array API standard (2024.12) whose arrays are on this machine's processor.
+
+    ``arrays`` is its namespace. Its arrays can be changed in place, and slices of them are views.
+    """
+
+    arrays: Namespace
+
+    def put(self, field: Numbers) -> Numbers:
+        """A copy of a numpy array."""
+        return cast(Numbers, self.arrays.asarray(field, copy=True))
+
+    def take(self, field: Numbers) -> Numbers:
+        """A copy as a numpy array."""
+        return np.array(np.from_dlpack(field))
+
+
+_NUMPY = cast(Namespace, np)
 ONE_THREAD = Cpu()
-_DEVICE: ContextVar[Cpu] = ContextVar("device", default=ONE_THREAD)
+_DEVICE: ContextVar[Device] = ContextVar("device", default=ONE_THREAD)
 
 
-def device() -> Cpu:
+def device() -> Device:
     """The device that the solve around this call was given."""
     return _DEVICE.get()
 
 
+def arrays() -> Namespace:
+    """The functions of its array library."""
+    return _DEVICE.get().arrays
+
+
+def threads() -> int:
+    """How many threads share the work on numpy's arrays."""
+    chosen = _DEVICE.get()
+    return chosen.threads if isinstance(chosen, Cpu) else 1
+
+
 @contextmanager
-def using(chosen: Cpu) -> Iterator[None]:
+def using(chosen: Device) -> Iterator[None]:
     """Work on the ``chosen`` device."""
-    if not isinstance(chosen, Cpu):
+    if isinstance(chosen, type) or not isinstance(chosen, Cpu | Library):
         raise InvalidInput(f"solve.on is {chosen!r}: give Cpu(threads=2), or leave it out.")
     token = _DEVICE.set(chosen)
     try:

@@ -9,6 +9,7 @@ from typing import TypeVar
 import numpy as np
 
 from contactstudy.domain.device import Cpu, device, using
+from contactstudy.domain.namespace import Array
 
 T = TypeVar("T")
 
@@ -20,14 +21,15 @@ def in_blocks(work: Callable[[slice], T], shape: tuple[int, ...]) -> list[T]:
     """What ``work`` makes of every block of rows of a field with that shape, in order.
 
     All blocks but the last have an even number of rows. They do not depend on the number of threads, so that
-    sums over blocks do not either.
+    sums over blocks do not either. On a device that is no :class:`Cpu` there is one block.
     """
     rows, columns = shape
     step = max(2, BLOCK // columns // 2 * 2)
-    if rows <= step:
+    chosen = device()
+    if rows <= step or not isinstance(chosen, Cpu):
         return [work(slice(0, rows))]
     blocks = [slice(begin, min(begin + step, rows)) for begin in range(0, rows, step)]
-    threads = min(device().threads, len(blocks))
+    threads = min(chosen.threads, len(blocks))
     if threads == 1:
         return [work(block) for block in blocks]
     size = -(-len(blocks) // threads)
@@ -40,6 +42,16 @@ def in_blocks(work: Callable[[slice], T], shape: tuple[int, ...]) -> list[T]:
     for one in rest:
         done += one.result()
     return done
+
+
+def change(field: Array, changed: Callable[[Array], Array]) -> Array:
+    """``field``, block by block in place of itself as it is ``changed``."""
+
+    def some(rows: slice) -> None:
+        field[rows, :] = changed(field[rows, :])
+
+    in_blocks(some, field.shape)
+    return field
 
 
 def _worked(work: Callable[[slice], T], blocks: list[slice]) -> list[T]:

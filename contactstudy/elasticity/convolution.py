@@ -10,13 +10,14 @@ from scipy import fft
 
 from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import InvalidInput, positive
+from contactstudy.domain.device import Cpu, arrays, device
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Padding, Paddings, across_and_along
 from contactstudy.domain.precision import Precision
 from contactstudy.domain.rows import in_blocks
 from contactstudy.elasticity.coefficients import Coefficients, Displacement, kernel
 from contactstudy.elasticity.extension import Extension
-from contactstudy.elasticity.transforms import TRANSFORMS, Waves
+from contactstudy.elasticity.transforms import Waves, transforms
 
 # Axes of fewer cells than this are not coarsened: a coarser grid would no longer see the contact.
 COARSEST = 32
@@ -39,16 +40,22 @@ class Convolution:
         """Displacement [m] under ``pressure`` [Pa], both (x, y)."""
         if pressure.shape != self.cells:
             raise InvalidInput(f"pressure has the shape {pressure.shape}: give it {self.cells}.")
-        waves = TRANSFORMS.forward(pressure, self.padded, self._room(self.padded))
+        pair = transforms()
+        waves = pair.forward(pressure, self.padded, self._room(self.padded))
         _scale(waves, self.spectrum)
-        return TRANSFORMS.backward(waves, self.cells, self.padded)
+        return pair.backward(waves, self.cells, self.padded)
 
     @cached_property
     def _kept(self) -> local:
         return local()
 
-    def _room(self, shape: tuple[int, int]) -> Waves:
-        """The work array of this thread; allocating a large array costs as much as a transform."""
+    def _room(self, shape: tuple[int, int]) -> Waves | None:
+        """The work array of this thread; allocating a large array costs as much as a transform.
+
+        None where a library keeps the memory it has had itself.
+        """
+        if not isinstance(device(), Cpu):
+            return None
         kept = self._kept.__dict__
         if "waves" not in kept:
             waves = self.padded[0] * (self.padded[1] // 2 + 1)
@@ -73,17 +80,17 @@ class Convolution:
         It is the mean of the spectrum without its first entry, the rigid shift. With infinitely many images that
         entry may have any sign, and in a cell far wider than the datum it would make the sum negative.
         """
-        py = self.padded[1]
-        stored_once = self.spectrum[:, 0].sum()
+        xp, py = arrays(), self.padded[1]
+        stored_once = xp.sum(self.spectrum[:, 0])
         if py % 2 == 0 and py > 1:
-            stored_once += self.spectrum[:, -1].sum()
-        total = 2 * self.spectrum.sum() - stored_once - self.spectrum[0, 0]
+            stored_once += xp.sum(self.spectrum[:, -1])
+        total = 2 * xp.sum(self.spectrum) - stored_once - self.spectrum[0, 0]
         return float(total / self.work)
 
     def scaled(self, factor: float, precision: Precision) -> "Convolution":
-        """This operator times ``factor``, in ``precision``."""
+        """This operator times ``factor``, in ``precision``, on the device in use."""
         spectrum = np.multiply(self.spectrum, factor, dtype=self.spectrum.dtype)
-        return replace(self, spectrum=spectrum.astype(precision.real, copy=False))
+        return replace(self, spectrum=device().put(spectrum.astype(precision.real, copy=False)))
 
     @property
     def blocks(self) -> tuple[int, int]:
@@ -101,15 +108,16 @@ class Convolution:
         cells fold the upper half of the frequencies onto the lower.
         """
         spectrum, (px, py), (across, along) = self.spectrum, self.padded, self.blocks
+        xp, put = arrays(), device().put
         if across == 2:
-            weighted = spectrum * np.cos(np.pi * np.arange(px) / px)[:, None] ** 2
-            spectrum = weighted[: px // 2] + weighted[px // 2 :]
+            weighted = spectrum * put(np.cos(np.pi * np.arange(px) / px)[:, None] ** 2)
+            spectrum = weighted[: px // 2, :] + weighted[px // 2 :, :]
         if along == 2:
-            weighted = spectrum * np.cos(np.pi * np.arange(py // 2 + 1) / py) ** 2
+            weighted = spectrum * put(np.cos(np.pi * np.arange(py // 2 + 1) / py) ** 2)
             kept = py // 4 + 1
-            spectrum = weighted[:, :kept] + weighted[:, ::-1][:, :kept]
+            spectrum = weighted[:, :kept] + xp.flip(weighted, axis=1)[:, :kept]
         cells = self.cells[0] // across, self.cells[1] // along
-        spectrum = spectrum.astype(self.spectrum.dtype, copy=False)
+        spectrum = xp.astype(spectrum, self.spectrum.dtype, copy=False)
         return Convolution(spectrum, cells, (px // across, py // along))
 
     def approximate_inverse(self) -> tuple[Callable[[Array, Array], Array], float]:
@@ -120,32 +128,35 @@ class Convolution:
         stiff: by more with every halving of the cells. The mean over the grid is mapped to zero.
         Source: Vollebregt (2014), eq. 20, there on the padded grid and with zeros outside the contact.
         """
+        xp, put = arrays(), device().put
         (nx, ny), (px, py) = self.cells, self.padded
         across = np.round(np.arange(nx) * (px / nx)).astype(int) % px
         along = np.minimum(np.round(np.arange(ny // 2 + 1) * (py / ny)).astype(int), py // 2)
-        sampled = self.spectrum[np.ix_(across, along)]
+        sampled = xp.take(xp.take(self.spectrum, put(across), axis=0), put(along), axis=1)
         # a window of images may make a coefficient zero or negative; that of the half-space is positive
-        sampled = np.maximum(sampled, 1e-3 * np.abs(sampled[1:]).min(initial=np.abs(sampled).max()))
+        sizes = xp.abs(sampled)
+        smallest = float(xp.min(sizes[1:, :])) if nx > 1 else float(xp.max(sizes))
+        sampled = xp.maximum(sampled, 1e-3 * smallest)
         inverse = 1 / sampled
         inverse[0, 0] = 0.0
 
         # displacements fall like wave numbers grow, so that the shortest waves tell the cell's sides
-        elongation = float(sampled[0, -1] / sampled[nx // 2, 0])
+        elongation = float(sampled[0, -1]) / float(sampled[nx // 2, 0])
 
         def apply(displacement: Array, contact: Array) -> Array:
-            extension = Extension(contact, elongation)
+            pair, extension = transforms(), Extension(contact, elongation)
             whole = extension(displacement)
-            waves = TRANSFORMS.forward(whole, self.cells, self._room(self.cells))
+            waves = pair.forward(whole, self.cells, self._room(self.cells))
             del whole  # or it would stand beside what comes back
             _scale(waves, inverse)
-            return extension.transposed(TRANSFORMS.backward(waves, self.cells, self.cells))
+            return extension.transposed(pair.backward(waves, self.cells, self.cells))
 
         return apply, float(nx * ny)
 
 
 def _scale(waves: Waves, factors: Array) -> None:
     def some(rows: slice) -> None:
-        waves[rows] *= factors[rows]
+        waves[rows, :] *= factors[rows, :]
 
     in_blocks(some, waves.shape)
 

@@ -2,10 +2,10 @@
 
 from dataclasses import dataclass
 from itertools import pairwise
-
-import numpy as np
+from math import inf
 
 from contactstudy.domain.arrays import Array
+from contactstudy.domain.device import arrays
 from contactstudy.domain.rows import in_blocks
 
 # The weight of a block is this times the sum of the weights of its parts, and at most 1: for blocks made
@@ -29,11 +29,11 @@ class _Level:
 
     def mean(self, parts: Array) -> Array:
         """Of ``parts``, times their weights already, over blocks."""
-        means = np.empty_like(self.inverse)
+        means = arrays().empty_like(self.inverse)
 
         def some(rows: slice) -> None:
             out = self._blocks(rows)
-            np.multiply(_summed(parts[rows], self.axes), self.inverse[out], out=means[out])
+            means[out, :] = _summed(parts[rows, :], self.axes) * self.inverse[out, :]
 
         in_blocks(some, parts.shape)
         return means
@@ -43,64 +43,58 @@ class _Level:
         blocks *= self.inverse
 
         def some(rows: slice) -> None:
-            own = pressure[rows]
-            own += _repeated(blocks[self._blocks(rows)], self.axes, own.shape)
-            own *= self.weight[rows]
+            own = pressure[rows, :]
+            whole = own + _repeated(blocks[self._blocks(rows), :], self.axes, own.shape)
+            pressure[rows, :] = whole * self.weight[rows, :]
 
         in_blocks(some, pressure.shape)
         return pressure
 
     def filled(self, blocks: Array, held: Array) -> Array:
         """``held``, and what parts lack of weight from ``blocks``, linear between their middles."""
-        field = np.empty_like(held)
+        xp = arrays()
+        field = xp.empty_like(held)
 
         def some(rows: slice) -> None:
-            near = blocks
             if 0 in self.axes:
-                out = self._blocks(rows)
-                near = blocks[np.arange(out.start - 1, out.stop + 1) % len(blocks)]
-                near = _interpolated(near, 0, 2 * len(near))[2:-2][: rows.stop - rows.start]
+                out, count = self._blocks(rows), blocks.shape[0]
+                near = xp.take(blocks, xp.arange(out.start - 1, out.stop + 1) % count, axis=0)
+                near = _interpolated(near, 0, 2 * near.shape[0])
+                near = near[2 : 2 + rows.stop - rows.start, :]
             else:
-                near = blocks[rows]
+                near = blocks[rows, :]
             if 1 in self.axes:
                 near = _interpolated(near, 1, held.shape[1])
-            np.subtract(1, self.weight[rows], out=field[rows])
-            field[rows] *= near
-            field[rows] += held[rows]
+            field[rows, :] = (1 - self.weight[rows, :]) * near + held[rows, :]
 
         in_blocks(some, held.shape)
         return field
 
     def spilled(self, pressure: Array) -> Array:
         """What the transpose of :meth:`filled` gives to the blocks."""
-        blocks = np.empty_like(self.inverse)
-        count = len(pressure)
+        xp = arrays()
+        blocks = xp.empty_like(self.inverse)
+        count = pressure.shape[0]
 
         def some(rows: slice) -> None:
-            out = self._blocks(rows)
-            summed: Array
-            if 0 in self.axes:
+            if 0 not in self.axes:
+                summed = (1 - self.weight[rows, :]) * pressure[rows, :]
+            else:
+                out = self._blocks(rows)
                 begin, end = 2 * out.start - 1, 2 * out.stop + 1
                 if begin >= 0 and end <= count:
-                    parts = 1 - self.weight[begin:end]
-                    parts *= pressure[begin:end]
+                    parts = (1 - self.weight[begin:end, :]) * pressure[begin:end, :]
                 else:
-                    index = np.arange(begin, end) % (2 * len(blocks))
-                    inside = np.minimum(index, count - 1)
-                    parts = 1 - self.weight[inside]
-                    parts *= pressure[inside]
-                    parts[index >= count] = 0  # the part that an odd number lacks
-                first, second = parts[1:-1:2], parts[2::2][: out.stop - out.start]
-                summed = first + second
-                summed *= 0.75
-                first, second = parts[0:-2:2], parts[3::2]
-                other = first + second
-                other *= 0.25
-                summed += other
-            else:
-                summed = 1 - self.weight[rows]
-                summed *= pressure[rows]
-            blocks[out] = _gathered(summed) if 1 in self.axes else summed
+                    index = xp.arange(begin, end) % (2 * blocks.shape[0])
+                    # an odd number lacks the last part
+                    index, there = xp.where(index < count, index, 0), index < count
+                    parts = (1 - xp.take(self.weight, index, axis=0)) * xp.take(
+                        pressure, index, axis=0
+                    )
+                    parts *= xp.astype(there, parts.dtype)[:, None]
+                near = parts[1:-1:2, :] + parts[2:-1:2, :]
+                summed = 0.75 * near + 0.25 * (parts[0:-2:2, :] + parts[3::2, :])
+            blocks[self._blocks(rows), :] = _gathered(summed) if 1 in self.axes else summed
 
         in_blocks(some, pressure.shape)
         return blocks
@@ -155,18 +149,18 @@ class Extension:
 
 def _coarser(weight: Array, axes: tuple[int, ...]) -> tuple[_Level, Array]:
     """The parts with these weights, and the weights of the blocks they make."""
-    shape = [-(-n // 2) if axis in axes else n for axis, n in enumerate(weight.shape)]
-    blocks, inverse = (np.empty(shape, dtype=weight.dtype) for _ in range(2))
+    xp = arrays()
+    shape = tuple(-(-n // 2) if axis in axes else n for axis, n in enumerate(weight.shape))
+    blocks, inverse = (xp.empty(shape, dtype=weight.dtype) for _ in range(2))
     level = _Level(weight, inverse, axes)
     factor = IN_SQUARES if len(axes) == 2 else IN_STRIPS
 
     def some(rows: slice) -> None:
         out = level._blocks(rows)
-        total = _summed(weight[rows], axes)
+        total = _summed(weight[rows, :], axes)
         # no weight at all is no part of any mean
-        np.divide(1, np.where(total > 0, total, np.inf), out=inverse[out])
-        total *= factor
-        np.minimum(total, 1, out=blocks[out])
+        inverse[out, :] = 1 / xp.where(total > 0, total, inf)
+        blocks[out, :] = xp.minimum(factor * total, 1)
 
     in_blocks(some, weight.shape)
     return level, blocks
@@ -182,9 +176,12 @@ def _axes(shape: tuple[int, ...], elongation: float) -> tuple[int, ...]:
 def _summed(parts: Array, axes: tuple[int, ...]) -> Array:
     for axis in axes:
         first, second = _pairs(parts, axis)
-        sums = first.copy()
-        _head(sums, second, axis)[...] += second
-        parts = sums
+        if first.shape == second.shape:
+            parts = first + second
+        else:
+            parts = arrays().asarray(first, copy=True)
+            head = _head(parts, second, axis)
+            head += second
     return parts
 
 
@@ -204,41 +201,39 @@ def _interpolated(blocks: Array, axis: int, count: int) -> Array:
     parts = _longer(blocks, axis, count)
     along = [0.75 * blocks, 0.25 * blocks, *_pairs(parts, axis)]
     near, far, first, second = along if axis else [field.T for field in along]
-    np.add(near[:, 1:], far[:, :-1], out=first[:, 1:])
-    np.add(near[:, 0], far[:, -1], out=first[:, 0])
+    first[:, 1:] = near[:, 1:] + far[:, :-1]
+    first[:, :1] = near[:, :1] + far[:, -1:]
     last = near.shape[1] - 1
-    np.add(near[:, :last], far[:, 1:], out=second[:, :last])
+    second[:, :last] = near[:, :last] + far[:, 1:]
     if second.shape[1] > last:
-        np.add(near[:, last], far[:, 0], out=second[:, last])
+        second[:, last:] = near[:, last:] + far[:, :1]
     return parts
 
 
 def _gathered(parts: Array) -> Array:
     """The transpose of :func:`_interpolated` along y."""
     first, second = _pairs(parts, 1)
-    blocks = first.copy()
-    _head(blocks, second, 1)[...] += second
-    blocks *= 0.75
+    blocks = 0.75 * _summed(parts, (1,))
     before, after = 0.25 * second, 0.25 * first
     last = blocks.shape[1] - 1
     blocks[:, 1:] += before[:, :last]
     if before.shape[1] > last:
-        blocks[:, 0] += before[:, last]
+        blocks[:, :1] += before[:, last:]
     blocks[:, :last] += after[:, 1:]
-    blocks[:, last] += after[:, 0]
+    blocks[:, last:] += after[:, :1]
     return blocks
 
 
 def _pairs(field: Array, axis: int) -> tuple[Array, Array]:
     """The first and the second of each pair, of which there may be one fewer."""
-    return (field[0::2], field[1::2]) if axis == 0 else (field[:, 0::2], field[:, 1::2])
+    return (field[0::2, :], field[1::2, :]) if axis == 0 else (field[:, 0::2], field[:, 1::2])
 
 
 def _head(field: Array, like: Array, axis: int) -> Array:
     """As much of ``field`` as there is of ``like``."""
-    return field[: len(like)] if axis == 0 else field[:, : like.shape[1]]
+    return field[: like.shape[0], :] if axis == 0 else field[:, : like.shape[1]]
 
 
 def _longer(blocks: Array, axis: int, count: int) -> Array:
     shape = (count, blocks.shape[1]) if axis == 0 else (blocks.shape[0], count)
-    return np.empty(shape, dtype=blocks.dtype)
+    return arrays().empty(shape, dtype=blocks.dtype)

@@ -15,15 +15,15 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from contactstudy.domain.arrays import Array
-from contactstudy.domain.device import device
+from contactstudy.domain.device import Cpu, arrays, device, threads
 
 Waves = NDArray[np.complexfloating[Any, Any]]
 
 
 class Transforms(Protocol):
-    """A pair of transforms on the threads of the device; ``work`` may be overwritten by either."""
+    """A pair of transforms; both may overwrite ``work``, an array for the waves, where the library takes one."""
 
-    def forward(self, field: Array, padded: tuple[int, int], work: Waves) -> Waves:
+    def forward(self, field: Array, padded: tuple[int, int], work: Waves | None) -> Waves:
         """Waves (px, py // 2 + 1) of ``field`` (nx, ny), padded with zeros."""
         ...
 
@@ -32,34 +32,53 @@ class Transforms(Protocol):
         ...
 
 
-class SciPy:
-    """scipy.fft."""
+class Standard:
+    """The transforms of the device's array library."""
 
-    def forward(self, field: Array, padded: tuple[int, int], work: Waves) -> Waves:
+    def forward(self, field: Array, padded: tuple[int, int], work: Waves | None) -> Waves:
         """Along y on the rows that hold pressure, then along x."""
-        threads = device().threads
-        rows = fft.rfft(field, padded[1], axis=1, workers=threads)
-        return np.asarray(fft.fft(rows, padded[0], axis=0, overwrite_x=True, workers=threads))
+        fft = arrays().fft
+        waves: Waves = fft.fft(fft.rfft(field, n=padded[1], axis=1), n=padded[0], axis=0)
+        return waves
 
     def backward(self, waves: Waves, cells: tuple[int, int], padded: tuple[int, int]) -> Array:
         """Along x, then along y on the rows that are wanted."""
-        threads = device().threads
-        rows = fft.ifft(waves, axis=0, overwrite_x=True, workers=threads)[: cells[0]]
+        fft = arrays().fft
+        rows = fft.ifft(waves, axis=0)[: cells[0], :]
+        field: Array = fft.irfft(rows, n=padded[1], axis=1)[:, : cells[1]]
+        return field
+
+
+class SciPy:
+    """scipy.fft, on the threads of the device."""
+
+    def forward(self, field: Array, padded: tuple[int, int], work: Waves | None) -> Waves:
+        """Along y on the rows that hold pressure, then along x."""
+        workers = threads()
+        rows = fft.rfft(field, padded[1], axis=1, workers=workers)
+        return np.asarray(fft.fft(rows, padded[0], axis=0, overwrite_x=True, workers=workers))
+
+    def backward(self, waves: Waves, cells: tuple[int, int], padded: tuple[int, int]) -> Array:
+        """Along x, then along y on the rows that are wanted."""
+        workers = threads()
+        rows = fft.ifft(waves, axis=0, overwrite_x=True, workers=workers)[: cells[0]]
         return np.asarray(
-            fft.irfft(rows, padded[1], axis=1, overwrite_x=True, workers=threads)[:, : cells[1]]
+            fft.irfft(rows, padded[1], axis=1, overwrite_x=True, workers=workers)[:, : cells[1]]
         )
 
 
 class Ducc:
-    """ducc0.fft, into the work array."""
+    """ducc0.fft, on the threads of the device, into the work array."""
 
     def __init__(self) -> None:
         # no stubs, and not there for everybody
         self._fft: Any = import_module("ducc0").fft
 
-    def forward(self, field: Array, padded: tuple[int, int], work: Waves) -> Waves:
+    def forward(self, field: Array, padded: tuple[int, int], work: Waves | None) -> Waves:
         """Along y on the rows that hold pressure, then along x."""
         nx, ny = field.shape
+        if work is None:
+            work = np.empty((padded[0], padded[1] // 2 + 1), dtype=np.result_type(field, 1j))
         if padded[1] == 1:  # one cell along is its own wave
             work[:nx] = field
         else:
@@ -67,23 +86,27 @@ class Ducc:
                 wide = np.zeros((nx, padded[1]), dtype=field.dtype)
                 wide[:, :ny] = field
                 field = wide
-            self._fft.r2c(field, axes=(1,), out=work[:nx], nthreads=device().threads)
+            self._fft.r2c(field, axes=(1,), out=work[:nx], nthreads=threads())
         work[nx:] = 0
-        self._fft.c2c(work, axes=(0,), out=work, nthreads=device().threads)
+        self._fft.c2c(work, axes=(0,), out=work, nthreads=threads())
         return work
 
     def backward(self, waves: Waves, cells: tuple[int, int], padded: tuple[int, int]) -> Array:
         """Along x, then along y on the rows that are wanted."""
-        self._fft.c2c(
-            waves, axes=(0,), forward=False, inorm=2, out=waves, nthreads=device().threads
-        )
+        self._fft.c2c(waves, axes=(0,), forward=False, inorm=2, out=waves, nthreads=threads())
         rows = waves[: cells[0]]
         if padded[1] == 1:
             return rows.real.copy()
         field = self._fft.c2r(
-            rows, axes=(1,), lastsize=padded[1], forward=False, inorm=2, nthreads=device().threads
+            rows, axes=(1,), lastsize=padded[1], forward=False, inorm=2, nthreads=threads()
         )
         return np.asarray(field[:, : cells[1]])
 
 
 TRANSFORMS: Transforms = Ducc() if find_spec("ducc0") else SciPy()
+STANDARD = Standard()
+
+
+def transforms() -> Transforms:
+    """Those for arrays of the device."""
+    return TRANSFORMS if isinstance(device(), Cpu) else STANDARD

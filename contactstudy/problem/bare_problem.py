@@ -1,11 +1,10 @@
 """The dimensionless contact problem that a solver sees."""
 
 from dataclasses import dataclass
-from math import inf
-
-import numpy as np
+from math import inf, prod
 
 from contactstudy.domain.arrays import Array, inner, total
+from contactstudy.domain.device import arrays
 from contactstudy.domain.rows import in_blocks
 from contactstudy.problem.constraint import Constraint
 from contactstudy.problem.gap import Gap, largest
@@ -32,7 +31,7 @@ class BareProblem:
     def uniform(self) -> Array:
         """The load spread evenly."""
         gap = self.undeformed_gap
-        return np.full_like(gap, self.resultant.uniform(gap.size))
+        return arrays().full_like(gap, self.resultant.uniform(prod(gap.shape)))
 
     def admit(self, trial: Array) -> Array:
         """``trial`` cut off at the limits and made to carry the load, in place."""
@@ -53,16 +52,18 @@ class BareProblem:
 
     def gap(self, pressure: Array, displacement: Array, into: Gap | None = None) -> Gap:
         """The gap under ``pressure`` and the ``displacement`` it makes, ``into`` the fields of another."""
+        xp = arrays()
         free, contact_gap, penetration = (
             (into.free, into.contact_gap, into.penetration)
             if into
-            else [np.empty_like(pressure) for _ in range(3)]
+            else [xp.empty_like(pressure) for _ in range(3)]
         )
 
         def add(rows: slice) -> tuple[float, float]:
-            self.constraint.free(pressure[rows], free[rows])
-            np.add(self.undeformed_gap[rows], displacement[rows], out=penetration[rows])
-            return inner(penetration[rows], free[rows]), float(free[rows].sum())
+            some = self.constraint.free(pressure[rows, :])
+            whole = self.undeformed_gap[rows, :] + displacement[rows, :]
+            free[rows, :], penetration[rows, :] = some, whole
+            return inner(whole, some), float(xp.sum(some))
 
         height, cells = map(sum, zip(*in_blocks(add, pressure.shape), strict=True))
         approach = (
@@ -70,10 +71,9 @@ class BareProblem:
         )
 
         def split(rows: slice) -> None:
-            whole = penetration[rows]
-            whole -= approach
-            np.multiply(whole, free[rows], out=contact_gap[rows])
-            np.subtract(contact_gap[rows], whole, out=whole)
+            whole = penetration[rows, :] - approach
+            some = whole * free[rows, :]
+            contact_gap[rows, :], penetration[rows, :] = some, some - whole
 
         in_blocks(split, pressure.shape)
         return Gap(free, contact_gap, penetration, approach)
@@ -81,11 +81,14 @@ class BareProblem:
     def rounding(self, displacement: Array) -> float:
         """What rounding leaves uncertain of a gap under ``displacement``: no residual means less."""
 
+        xp = arrays()
+
         def highest(rows: slice) -> float:
-            return max(float(displacement[rows].max()), -float(displacement[rows].min()))
+            some = displacement[rows, :]
+            return max(float(xp.max(some)), -float(xp.min(some)))
 
         height = largest(*in_blocks(highest, displacement.shape))
-        return float(ROUNDINGS * np.finfo(displacement.dtype).eps * height)
+        return float(ROUNDINGS * xp.finfo(displacement.dtype).eps * height)
 
     def ends(self, residual: float, displacement: Array, tolerance: float) -> bool:
         """Whether no iteration can improve on ``residual``, or none needs to."""
@@ -97,8 +100,8 @@ class BareProblem:
         if across * along == 1:
             return None
         nx, ny = self.undeformed_gap.shape
-        gap = self.undeformed_gap.reshape(nx // across, across, ny // along, along).mean(
-            axis=(1, 3)
-        )
+        xp = arrays()
+        parts = xp.reshape(self.undeformed_gap, (nx // across, across, ny // along, along))
+        gap = xp.mean(parts, axis=(1, 3))
         resultant = self.resultant.scaled(1.0, across * along)
         return BareProblem(gap, self.operator.coarsened(), self.constraint, resultant)

@@ -6,7 +6,9 @@ from math import inf
 import numpy as np
 
 from contactstudy.domain.arrays import Array, inner, mean_over
-from contactstudy.domain.rows import in_blocks
+from contactstudy.domain.arrays import total as sum_of
+from contactstudy.domain.device import arrays
+from contactstudy.domain.rows import change, in_blocks
 from contactstudy.problem.constraint import shifted
 from contactstudy.problem.gap import Gap, largest
 
@@ -27,9 +29,9 @@ class Compressive:
         """Infinite."""
         return inf
 
-    def free(self, pressure: Array, out: Array | None = None) -> Array:
+    def free(self, pressure: Array) -> Array:
         """Cells that bear pressure."""
-        return np.sign(pressure, out=out)
+        return arrays().sign(pressure)
 
     def approach(self, pressure: Array, gap: Array, free: Array) -> float:
         """The mean gap of the contact."""
@@ -37,16 +39,16 @@ class Compressive:
 
     def cuts(self, trial: Array) -> bool:
         """Whether there is tension."""
-        return bool(trial.min() < 0)
+        return bool(arrays().min(trial) < 0)
 
     def clip(self, trial: Array) -> Array:
         """Tension is set to zero."""
-        return np.maximum(trial, 0, out=trial)
+        return change(trial, lambda some: arrays().maximum(some, 0))
 
     def carrying(self, trial: Array, total: float) -> Array:
         """Tension is set to zero, the rest scaled."""
         self.clip(trial)
-        trial *= total / trial.sum()
+        trial *= float(np.divide(total, sum_of(trial)))
         return trial
 
     def nearest(self, trial: Array, total: float) -> Array:
@@ -55,14 +57,12 @@ class Compressive:
 
     def levelled(self, trial: Array, cells: Array, total: float) -> Array:
         """Shifted in Newton's steps, each of which cuts off more: the sum is convex in the shift."""
+        xp = arrays()
 
         def lower(rows: slice, shift: float, chosen: Array | None) -> tuple[float, float, int]:
-            some = trial[rows]
-            if chosen is not None:
-                some *= chosen[rows]
-            some -= shift
-            np.maximum(some, 0, out=some)
-            return float(some.max()), float(some.sum()), int(np.count_nonzero(some))
+            some = trial[rows, :] - shift if chosen is None else trial[rows, :] * chosen[rows, :]
+            trial[rows, :] = some = xp.maximum(some, 0)
+            return float(xp.max(some)), float(xp.sum(some)), int(xp.count_nonzero(some))
 
         def lowered(shift: float, chosen: Array | None = None) -> tuple[float, float, int]:
             found = in_blocks(lambda rows: lower(rows, shift, chosen), trial.shape)
@@ -79,20 +79,21 @@ class Compressive:
             _, borne, bearing = lowered((borne - total) / bearing)
             if bearing == before:
                 break
-        if abs(borne / total - 1) > 16 * np.finfo(trial.dtype).eps:
+        if abs(borne / total - 1) > 16 * xp.finfo(trial.dtype).eps:
             trial *= total / borne
         return trial
 
     def wrong(self, pressure: Array, penetration: Array) -> Array:
         """Cells that penetrate."""
-        return np.greater(penetration, 0).astype(penetration.dtype)
+        return arrays().astype(penetration > 0, penetration.dtype)
 
     def residual(self, pressure: Array, gap: Gap, borne: float) -> float:
         """Complementarity and penetration."""
+        xp = arrays()
 
         def measure(rows: slice) -> tuple[float, float]:
-            moment = inner(pressure[rows], np.abs(gap.contact_gap[rows]))
-            return moment, float(gap.penetration[rows].max())
+            moment = inner(pressure[rows, :], xp.abs(gap.contact_gap[rows, :]))
+            return moment, float(xp.max(gap.penetration[rows, :]))
 
         moments, deepest = zip(*in_blocks(measure, pressure.shape), strict=True)
         return largest(sum(moments) / borne, *deepest)

@@ -3,9 +3,8 @@
 from math import inf
 from typing import Protocol, Self
 
-import numpy as np
-
 from contactstudy.domain.arrays import Array
+from contactstudy.domain.device import arrays
 from contactstudy.problem.gap import Gap
 
 
@@ -24,7 +23,7 @@ class Constraint(Protocol):
         """The largest sum of the pressures of so many cells."""
         ...
 
-    def free(self, pressure: Array, out: Array | None = None) -> Array:
+    def free(self, pressure: Array) -> Array:
         """1 for cells at no limit, where the gap is zero, and 0 for the others.
 
         These are numbers, because a masked choice costs ten times a product on a rough contact.
@@ -76,24 +75,27 @@ def shifted(trial: Array, total: float, most: float) -> Array:
     In place. The sum is piecewise linear in the shift, with a bend where a cell begins to bear and where it
     reaches ``most``. Source: Held, Wolfe & Crowder (1974), here with an upper limit.
     """
+    xp = arrays()
     # counted from the highest cell, so that the numbers have the size of the load where it is borne
-    below = trial.astype(np.float64, copy=False)
-    below -= below.max()
-    bends = np.negative(below).ravel()
-    bends.sort()
-    bearing = np.arange(1.0, bends.size + 1)
+    below = xp.astype(trial, xp.float64, copy=False)
+    below -= float(xp.max(below))
+    bends = xp.sort(xp.reshape(-below, (-1,)))
+    cells = bends.shape[0]
+    bearing = xp.arange(1, cells + 1, dtype=xp.float64)
     if most < inf:
-        bends = np.concatenate([bends, bends + most])
-        order = np.argsort(bends, kind="stable")
-        bends, bearing = bends[order], np.cumsum(np.where(order < below.size, 1.0, -1.0))
-    borne = np.diff(bends)
+        bends = xp.concat([bends, bends + most])
+        order = xp.argsort(bends, stable=True)
+        bends = xp.take(bends, order, axis=0)
+        bearing = xp.cumulative_sum(1 - 2 * xp.astype(order >= cells, xp.float64))
+    borne = xp.diff(bends)
     borne *= bearing[:-1]
-    np.cumsum(borne, out=borne)
-    last = int(np.searchsorted(borne, total))
-    rest, cells = total - (borne[last - 1] if last else 0.0), max(bearing[last], 1.0)
-    shift = bends[last] + rest / cells
+    borne = xp.cumulative_sum(borne)
+    last = int(xp.searchsorted(borne, xp.full_like(bends[:1], total))[0])
+    rest, bear = total - (float(borne[last - 1]) if last else 0.0), max(float(bearing[last]), 1.0)
+    shift = float(bends[last]) + rest / bear
     del bends, bearing, borne
     # a second correction, for the rounding of a cumulative sum
-    shift += (total - np.clip(below + shift, 0, most).sum()) / cells
+    shift += (total - float(xp.sum(xp.clip(below + shift, 0, most)))) / bear
     below += shift
-    return np.asarray(np.clip(below, 0, most, out=below), dtype=trial.dtype)
+    trial[...] = xp.astype(xp.clip(below, 0, most), trial.dtype, copy=False)
+    return trial

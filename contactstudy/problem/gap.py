@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contactstudy.domain.arrays import Array, inner
+from contactstudy.domain.arrays import Array
+from contactstudy.domain.device import arrays
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,14 +23,11 @@ class Gap:
     penetration: Array
     approach: float
 
-    def slope(self, step: Array) -> float:
-        """How fast the energy grows along a ``step`` of the pressure."""
-        return inner(self.contact_gap, step) - inner(self.penetration, step)
-
 
 def violation(pressure: Array, penetration: Array) -> Array:
     """How far cells at a limit violate it: penetration where p = 0, an open gap where they yield."""
-    return np.maximum(np.where(pressure == 0, penetration, -penetration), 0)
+    xp = arrays()
+    return xp.maximum(xp.where(pressure == 0, penetration, -penetration), 0)
 
 
 def largest(*measures: float) -> float:

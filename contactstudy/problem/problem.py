@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from contactstudy.domain.arrays import Array
+from contactstudy.domain.device import device
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Paddings
 from contactstudy.domain.precision import Precision
@@ -95,10 +96,10 @@ class Problem:
         return float(self.undeformed_gap.min())
 
     def bare(self, precision: Precision = Precision.DOUBLE) -> BareProblem:
-        """This problem in its own scales, its highest point at zero."""
+        """This problem in its own scales, its highest point at zero, on the device in use."""
         heights = (self.undeformed_gap - self.datum) / self.scales.gap
         return BareProblem(
-            heights.astype(precision.real, copy=False),
+            device().put(heights.astype(precision.real, copy=False)),
             self.operator.scaled(self.scales.pressure / self.scales.gap, precision),
             self.constraint.scaled(1 / self.scales.pressure),
             self.resultant.scaled(1 / self.scales.pressure),

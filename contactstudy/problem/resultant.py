@@ -47,7 +47,7 @@ class PrescribedLoad:
 
     def scaled(self, pressure: float, cells: int = 1) -> "PrescribedLoad":
         """In another unit, on larger cells."""
-        return PrescribedLoad(self.total * pressure / cells)
+        return PrescribedLoad(float(self.total * pressure / cells))
 
     def is_met_by(self, constraint: Constraint, cells: int) -> bool:
         """Whether the cells can carry the load."""

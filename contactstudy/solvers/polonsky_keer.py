@@ -2,9 +2,8 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from contactstudy.domain.arrays import Array, inner, mean_over
+from contactstudy.domain.device import arrays
 from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.solvers.iterate import Iterate, Stall
 
@@ -28,9 +27,10 @@ class PolonskyKeer:
         start: Array | None = None,
     ) -> Iterate:
         """Iterate until ``problem.residual(pressure, gap) <= tolerance``."""
-        constraint = problem.constraint
-        pressure = problem.admit(problem.uniform() if start is None else start.copy())
-        direction = np.zeros_like(pressure)
+        xp, constraint = arrays(), problem.constraint
+        begin = problem.uniform() if start is None else xp.asarray(start, copy=True)
+        pressure = problem.admit(begin)
+        direction = xp.zeros_like(pressure)
         previous, conjugate = 1.0, 0.0
         stall = Stall(self.patience)
         own = problem.operator.own
@@ -58,8 +58,8 @@ class PolonskyKeer:
             before, pressure = pressure, constraint.clip(pressure - step * direction)
             whole = gap.contact_gap - gap.penetration
             bound = 1 - constraint.free(pressure)
-            trial = np.maximum(pressure - step * whole * bound, 0)
-            conjugate = 1.0 if (trial == pressure).all() else 0.0
+            trial = xp.maximum(pressure - step * whole * bound, 0)
+            conjugate = 1.0 if xp.all(trial == pressure) else 0.0
             pressure = problem.admit(trial)
             if (
                 inner(whole, pressure - before) >= 0

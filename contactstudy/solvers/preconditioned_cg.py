@@ -1,10 +1,10 @@
 """Preconditioned conjugate gradients that look before they step, from coarse grids to fine."""
 
 from dataclasses import dataclass
-
-import numpy as np
+from math import prod
 
 from contactstudy.domain.arrays import Array, inner, total
+from contactstudy.domain.device import arrays
 from contactstudy.domain.rows import in_blocks
 from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.problem.gap import Gap
@@ -75,14 +75,15 @@ class PreconditionedCG:
     ) -> tuple[Array, float]:
         """A pressure to begin with, the caller's own, and what it cost."""
         if start is not None:
-            return start.copy(), 0.0
+            return arrays().asarray(start, copy=True), 0.0
         shape = problem.undeformed_gap.shape
-        coarse = problem.coarsened() if problem.undeformed_gap.size > SMALL else None
+        coarse = problem.coarsened() if prod(shape) > SMALL else None
         if coarse is None:
             return problem.uniform(), 0.0
         last = self._descend(coarse, None, max(tolerance, self.coarse_tolerance), self.patience)
         blocks = [n // m for n, m in zip(shape, last.pressure.shape, strict=True)]
-        fine = last.pressure.repeat(blocks[0], axis=0).repeat(blocks[1], axis=1)
+        xp = arrays()
+        fine = xp.repeat(xp.repeat(last.pressure, blocks[0], axis=0), blocks[1], axis=1)
         return fine, last.convolutions * coarse.operator.work / problem.operator.work
 
     def _descend(
@@ -125,12 +126,9 @@ class PreconditionedCG:
             if slope >= 0:
                 # balancing the load has turned the step uphill: that to the nearest pressure never is
                 cut, length = True, max(length / 4, SHORTEST)
-                np.subtract(gap.penetration, gap.contact_gap, out=trial)
-                trial /= own
-                trial += pressure
+                trial[...] = pressure + (gap.penetration - gap.contact_gap) / own
                 trial = problem.nearest(trial)
-                np.subtract(trial, pressure, out=step)
-                slope = gap.slope(step)
+                step, slope = _difference(trial, pressure, gap, step)
             ahead = operator(trial)
             response, curvature = _response(ahead, moved, step, last.response if last else None)
             best = -slope / curvature if curvature > 0 else 0.0
@@ -139,7 +137,7 @@ class PreconditionedCG:
                 taken = 1.0 if best > WHOLE else best
             else:
                 # nor beyond it to just where a cell meets a limit: rounding would say which of many did
-                meets = best > 1 and constraint.cuts(_ahead(pressure, step, best, gap.contact_gap))
+                meets = best > 1 and _meets(problem, pressure, step, best)
                 taken = 1.0 if meets else best
             last = _Step(step, response, curvature)
             if taken == 1:
@@ -185,11 +183,10 @@ def _direction(gap: Array, closing: Array, cells: Array, last: _Step | None) -> 
             level -= kept * inner(cells, last.step) / count
 
     def some(rows: slice) -> None:
-        direction = closing[rows]
-        np.subtract(level, direction, out=direction)
+        direction = level - closing[rows, :]
         if kept and last is not None:
-            direction += kept * last.step[rows]
-        direction *= cells[rows]
+            direction += kept * last.step[rows, :]
+        closing[rows, :] = direction * cells[rows, :]
 
     in_blocks(some, closing.shape)
     return closing
@@ -197,14 +194,16 @@ def _direction(gap: Array, closing: Array, cells: Array, last: _Step | None) -> 
 
 def _bearing(problem: BareProblem, pressure: Array, gap: Gap) -> tuple[Array, Array, bool]:
     """Cells that bear pressure or should (1, others 0), their gap, and whether any of them does not yet."""
-    cells, unlevel = np.empty_like(pressure), np.empty_like(pressure)
+    xp = arrays()
+    cells, unlevel = xp.empty_like(pressure), xp.empty_like(pressure)
 
     def some(rows: slice) -> bool:
-        wrong = problem.constraint.wrong(pressure[rows], gap.penetration[rows])
-        np.add(gap.free[rows], wrong, out=cells[rows])
-        np.subtract(gap.contact_gap[rows], gap.penetration[rows], out=unlevel[rows])
-        unlevel[rows] *= cells[rows]
-        return bool(wrong.any())
+        penetration = gap.penetration[rows, :]
+        wrong = problem.constraint.wrong(pressure[rows, :], penetration)
+        bearing = gap.free[rows, :] + wrong
+        cells[rows, :] = bearing
+        unlevel[rows, :] = (gap.contact_gap[rows, :] - penetration) * bearing
+        return bool(xp.any(wrong > 0))
 
     return cells, unlevel, any(in_blocks(some, pressure.shape))
 
@@ -215,9 +214,9 @@ def _trial(
     """The pressure one step ahead, in place of the ``direction``, and whether a limit cuts it."""
 
     def some(rows: slice) -> bool:
-        ahead = direction[rows]
-        ahead *= length
-        ahead += pressure[rows]
+        ahead = direction[rows, :] * length
+        ahead += pressure[rows, :]
+        direction[rows, :] = ahead
         return problem.constraint.cuts(ahead)
 
     return direction, any(in_blocks(some, pressure.shape))
@@ -225,27 +224,30 @@ def _trial(
 
 def _difference(trial: Array, pressure: Array, gap: Gap, out: Array | None) -> tuple[Array, float]:
     """The step to ``trial``, and how fast the energy grows along it."""
-    step = np.empty_like(trial) if out is None else out
+    step = arrays().empty_like(trial) if out is None else out
 
     def some(rows: slice) -> float:
-        np.subtract(trial[rows], pressure[rows], out=step[rows])
-        return inner(gap.contact_gap[rows], step[rows]) - inner(gap.penetration[rows], step[rows])
+        step[rows, :] = way = trial[rows, :] - pressure[rows, :]
+        return inner(gap.contact_gap[rows, :], way) - inner(gap.penetration[rows, :], way)
 
     return step, sum(in_blocks(some, trial.shape))
 
 
 def _response(ahead: Array, moved: Array, step: Array, out: Array | None) -> tuple[Array, float]:
     """The change of displacement along a ``step``, and its work on it."""
-    response = np.empty_like(ahead) if out is None else out
+    response = arrays().empty_like(ahead) if out is None else out
 
     def some(rows: slice) -> float:
-        np.subtract(ahead[rows], moved[rows], out=response[rows])
-        return inner(step[rows], response[rows])
+        response[rows, :] = change = ahead[rows, :] - moved[rows, :]
+        return inner(step[rows, :], change)
 
     return response, sum(in_blocks(some, ahead.shape))
 
 
-def _ahead(pressure: Array, step: Array, factor: float, out: Array) -> Array:
-    """The pressure so many steps ahead."""
-    np.multiply(step, factor, out=out)
-    return np.add(pressure, out, out=out)
+def _meets(problem: BareProblem, pressure: Array, step: Array, factor: float) -> bool:
+    """Whether a cell is beyond a limit so many steps ahead."""
+
+    def some(rows: slice) -> bool:
+        return problem.constraint.cuts(pressure[rows, :] + factor * step[rows, :])
+
+    return any(in_blocks(some, pressure.shape))

@@ -9,7 +9,7 @@ import numpy as np
 
 from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import InvalidInput, positive, whole
-from contactstudy.domain.device import Cpu, using
+from contactstudy.domain.device import Cpu, Device, using
 from contactstudy.domain.precision import Precision
 from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.problem.problem import Problem
@@ -60,7 +60,7 @@ def solve(
     solver: Solver = PreconditionedCG(),  # noqa: B008 (a frozen value)
     precision: Precision | str = Precision.DOUBLE,
     start: Array | None = None,
-    on: Cpu = Cpu(),  # noqa: B008 (a frozen value)
+    on: Device = Cpu(),  # noqa: B008 (a frozen value)
 ) -> Solution:
     """Solve ``problem`` and say how far the answer can be trusted; a scene is planned first.
 
@@ -93,6 +93,7 @@ def solve(
                 solver=solver,
                 precision=precision,
                 start=from_pressure,
+                on=on,
             )
 
         found: Solution = problem.friction.solved(
@@ -105,7 +106,13 @@ def solve(
         start = _admitted(start, problem, precision)
     with using(on), np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         bare = problem.bare(precision)
-        last = solver.iterate(bare, tolerance=tolerance, max_iterations=max_iterations, start=start)
+        last = solver.iterate(
+            bare,
+            tolerance=tolerance,
+            max_iterations=max_iterations,
+            start=None if start is None else on.put(start),
+        )
+    last = replace(last, pressure=on.take(last.pressure), displacement=on.take(last.displacement))
     scales = problem.scales
     moved = np.multiply(last.displacement, scales.gap, dtype=np.float64)
     approach = last.approach * scales.gap + problem.datum

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, fields
 
 from contactstudy.domain.arrays import Array
+from contactstudy.domain.device import device
 from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.problem.gap import Gap
 from contactstudy.solvers.iterate import Iterate
@@ -50,5 +51,5 @@ class _Seen(BareProblem):
     def residual(self, pressure: Array, gap: Gap) -> float:
         """Shown before it is returned."""
         found = super().residual(pressure, gap)
-        self.see(found, pressure)
+        self.see(found, device().take(pressure))
         return found

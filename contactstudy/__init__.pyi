@@ -3,6 +3,7 @@ from . import analytic, kernels
 from .accuracy.estimate import ErrorEstimate, ErrorParts, error_estimate
 from .domain.checks import InvalidInput, NotDefined
 from .domain.device import Cpu
+from .domain.gpu import Gpu
 from .domain.grid import Grid
 from .domain.padding import (
     CircularSuperposition,
@@ -90,6 +91,7 @@ __all__ = [
     "FiniteLength",
     "FlatBottomed",
     "Gap",
+    "Gpu",
     "Grid",
     "Groove",
     "HalfSpace",

@@ -4,23 +4,30 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
-from typing import Any, Protocol, cast
+from typing import Any, Protocol, cast, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contactstudy.domain.checks import InvalidInput, set_fields, whole
+from contactstudy.domain.memory import available_bytes
 from contactstudy.domain.namespace import Namespace
 
 Numbers = NDArray[Any]
 
 
+@runtime_checkable
 class Device(Protocol):
     """An array library that follows the array API standard, and the way to its arrays and back."""
 
     @property
     def arrays(self) -> Namespace:
         """The functions of the library."""
+        ...
+
+    @property
+    def available_bytes(self) -> float:
+        """Memory that it has left [bytes]."""
         ...
 
     def put(self, field: Numbers) -> Numbers:
@@ -47,6 +54,11 @@ class Cpu:
         """numpy."""
         return _NUMPY
 
+    @property
+    def available_bytes(self) -> float:
+        """Memory of this machine."""
+        return available_bytes()
+
     def put(self, field: Numbers) -> Numbers:
         """The same array."""
         return field
@@ -64,6 +76,11 @@ class Library:
     """
 
     arrays: Namespace
+
+    @property
+    def available_bytes(self) -> float:
+        """Memory of this machine."""
+        return available_bytes()
 
     def put(self, field: Numbers) -> Numbers:
         """A copy of a numpy array."""
@@ -98,8 +115,10 @@ def threads() -> int:
 @contextmanager
 def using(chosen: Device) -> Iterator[None]:
     """Work on the ``chosen`` device."""
-    if isinstance(chosen, type) or not isinstance(chosen, Cpu | Library):
-        raise InvalidInput(f"solve.on is {chosen!r}: give Cpu(threads=2), or leave it out.")
+    if isinstance(chosen, type) or not isinstance(chosen, Device):
+        raise InvalidInput(
+            f"solve.on is {chosen!r}: give Cpu(threads=2) or Gpu(), or leave it out."
+        )
     token = _DEVICE.set(chosen)
     try:
         yield

@@ -32,3 +32,8 @@ class Precision(Enum):
     def real(self) -> DTypeLike:
         """The type of fields."""
         return np.float32 if self is Precision.SINGLE else np.float64
+
+    @property
+    def bytes(self) -> int:
+        """Of a number."""
+        return np.dtype(self.real).itemsize

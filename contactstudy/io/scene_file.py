@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import InvalidInput, whole
-from contactstudy.domain.device import Cpu
+from contactstudy.domain.device import Cpu, Device
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import (
     CircularSuperposition,
@@ -233,7 +233,7 @@ class SceneFile:
         planned: Plan | None = None,
         *,
         start: Array | None = None,
-        on: Cpu = Cpu(),  # noqa: B008 (frozen)
+        on: Device = Cpu(),  # noqa: B008 (frozen)
     ) -> Solution:
         """Solve :meth:`problem` with the options of the file, from the pressure ``start`` (x, y) [Pa] if given.
 

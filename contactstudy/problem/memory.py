@@ -3,18 +3,22 @@
 from math import prod
 
 from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.device import Device
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.memory import available_bytes
 from contactstudy.domain.padding import Paddings
-from contactstudy.elasticity.convolution import padded_cells
+from contactstudy.domain.precision import Precision
+from contactstudy.elasticity.convolution import Convolution, padded_cells
 
-# Arrays of the grid's size that a solve holds beside the transform pair.
+# Arrays of the grid's size that a solve holds beside those of the padded grid: the transform pair, and two more
+# where the transforms of a library take room of their own.
 FIELDS = 16
+PAIR, WITH_ROOM = 2, 4
 
 
 def solve_bytes(grid: Grid, paddings: Paddings) -> int:
     """Bytes that a solve holds at the most."""
-    return 8 * (FIELDS * prod(grid.cells) + 2 * prod(padded_cells(grid, paddings)))
+    return 8 * (FIELDS * prod(grid.cells) + PAIR * prod(padded_cells(grid, paddings)))
 
 
 def refuse_too_large(grid: Grid, paddings: Paddings) -> None:
@@ -24,4 +28,15 @@ def refuse_too_large(grid: Grid, paddings: Paddings) -> None:
         raise InvalidInput(
             f"Grid.cells is {grid.cells!r}: a solve needs {needed / 1e9:.3g} GB and this machine has "
             f"{there / 1e9:.3g} GB left, give fewer cells."
+        )
+
+
+def refuse_on(device: Device, operator: Convolution, precision: Precision) -> None:
+    """Raise :class:`~contactstudy.InvalidInput` where the ``device`` cannot hold a solve with this operator."""
+    numbers = FIELDS * prod(operator.cells) + WITH_ROOM * prod(operator.padded)
+    needed, there = numbers * precision.bytes, device.available_bytes
+    if needed > there:
+        raise InvalidInput(
+            f"solve.on is {device!r}: the solve needs {needed / 1e9:.3g} GB and it has {there / 1e9:.3g} GB "
+            "left, give fewer cells or Cpu()."
         )

@@ -11,7 +11,11 @@ from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import InvalidInput, positive, whole
 from contactstudy.domain.device import Cpu, Device, using
 from contactstudy.domain.precision import Precision
+from contactstudy.elasticity.convolution import Convolution
 from contactstudy.problem.bare_problem import BareProblem
+from contactstudy.problem.compressive import Compressive
+from contactstudy.problem.hardness_limited import HardnessLimited
+from contactstudy.problem.memory import refuse_on
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.iterate import Iterate
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
@@ -70,7 +74,8 @@ def solve(
     gap they leave open, and complementarity is that of the others. ``start`` (x, y) [Pa] is the
     pressure to go on from, such as that of a like scene or of a solution stopped early: cut off at its
     limits and scaled to the load, and without it found on coarser grids. ``on`` is the device,
-    ``Cpu(threads=2)`` for two cores: the answer is the same to rounding. Numerical outcomes are a
+    ``Cpu(threads=2)`` for two cores or ``Gpu()``: the answer is the same to rounding, and a solution's fields are
+    numpy arrays. A solver gets arrays of the device; shear is found on the processor. Numerical outcomes are a
     :class:`~contactstudy.Status`; only a tolerance that is not above zero, a negative limit or a start
     that is no pressure raises :class:`~contactstudy.InvalidInput`.
     """
@@ -105,6 +110,8 @@ def solve(
     if start is not None:
         start = _admitted(start, problem, precision)
     with using(on), np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        if not isinstance(on, Cpu):
+            _check_other(on, problem, precision)
         bare = problem.bare(precision)
         last = solver.iterate(
             bare,
@@ -128,6 +135,18 @@ def solve(
         residual=last.residual,
         note=last.note,
     )
+
+
+def _check_other(on: Device, problem: Problem, precision: Precision) -> None:
+    """Refuse what a device other than a processor cannot solve."""
+    operator, constraint = problem.operator, problem.constraint
+    if not isinstance(operator, Convolution) or not isinstance(
+        constraint, Compressive | HardnessLimited
+    ):
+        raise InvalidInput(
+            f"solve.on is {on!r}: an operator or a constraint of your own works on numpy arrays, give Cpu()."
+        )
+    refuse_on(on, operator, precision)
 
 
 def _finite_pressure(start: Array, problem: Problem) -> Array:

@@ -75,11 +75,18 @@ def _rolled(described: cs.SceneFile, planned: cs.Plan | None) -> cs.Solution:
     help="Threads to solve on.  [default: the cores there are]",
 )
 @click.option(
+    "--device",
+    type=click.Choice(["cpu", "gpu"]),
+    default="cpu",
+    show_default=True,
+    help="What to solve on: this machine's processor, or its graphics processor (extra gpu).",
+)
+@click.option(
     "--start",
     type=click.Path(path_type=Path),
     help="A file with a pressure to go on from, such as one that a stopped solve left.",
 )
-def solve(scene: Path, out: Path, threads: int | None, start: Path | None) -> None:
+def solve(scene: Path, out: Path, threads: int | None, device: str, start: Path | None) -> None:
     """Solve the scene in the TOML file SCENE; write its fields as netCDF and a picture of them.
 
     The exit code is 0 if the solution converged, else 1; the result is written in both cases.
@@ -88,7 +95,13 @@ def solve(scene: Path, out: Path, threads: int | None, start: Path | None) -> No
     from studies.store.netcdf import open_folder, write
     from studies.store.provenance import provenance
 
+    on = _device(device, threads)
     described = cs.read_scene(scene)
+    moving = described.scene.rolling is not None or described.scene.changing is not None
+    if moving and not isinstance(on, cs.Cpu):
+        raise cs.InvalidInput(
+            "--device gpu is for a scene that neither changes in time nor rolls: leave it out."
+        )
     folder = open_folder(out)
     planned = None if described.scene.hertz is None else described.plan()
     if planned is not None:
@@ -106,7 +119,6 @@ def solve(scene: Path, out: Path, threads: int | None, start: Path | None) -> No
         evolve(scene, described, planned, folder)
         return
     begin = perf_counter()
-    on = cs.Cpu(threads or _cores())
     if described.scene.rolling is not None:
         if start is not None:
             raise cs.InvalidInput("--start is for a scene that does not roll: leave it out.")
@@ -156,6 +168,15 @@ def solve(scene: Path, out: Path, threads: int | None, start: Path | None) -> No
         sys.exit(1)
 
 
+def _device(name: str, threads: int | None) -> cs.Cpu | cs.Gpu:
+    """The device of that name."""
+    if name == "cpu":
+        return cs.Cpu(threads or _cores())
+    if threads is not None:
+        raise cs.InvalidInput("--threads is for --device cpu: leave one of them out.")
+    return cs.Gpu()
+
+
 def _cores() -> int:
     """The cores that this process may use."""
     if hasattr(os, "sched_getaffinity"):
@@ -169,7 +190,7 @@ def _solved(
     start: Path | None,
     scene: Path,
     folder: Path,
-    on: cs.Cpu,
+    on: cs.Cpu | cs.Gpu,
 ) -> cs.Solution:
     """The solution, with a bar on the way; where it is stopped, the pressure so far is written."""
     import xarray as xr

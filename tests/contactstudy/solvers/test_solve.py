@@ -318,5 +318,5 @@ def test_threads_give_the_same_answer(
 
 def test_solve_on_what_is_no_device_is_refused(line_contact: LineContact) -> None:
     posed = line_contact.scene.problem(line_contact.grid(8, 2.4), cs.ExactPeriodicity())
-    with pytest.raises(cs.InvalidInput, match=r"^solve\.on is 2: give Cpu\(threads=2\)"):
+    with pytest.raises(cs.InvalidInput, match=r"^solve\.on is 2: give Cpu\(threads=2\) or Gpu\(\)"):
         cs.solve(posed, on=2)  # type: ignore[arg-type]

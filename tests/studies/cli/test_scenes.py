@@ -1,4 +1,6 @@
 import json
+import re
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -92,6 +94,27 @@ def test_what_is_wrong_with_a_grid_is_said_and_the_solution_flagged(tmp_path: Pa
     assert "the contact outgrows it" in result.output
     assert "CONTACT_AT_EDGE" in result.output
     assert (tmp_path / "narrow.nc").is_file()
+
+
+@pytest.mark.parametrize(
+    ("example", "words", "message"),
+    [
+        ("smooth", ["--device", "gpu"], "^Gpu needs CuPy"),
+        ("smooth", ["--device", "gpu", "--threads", "2"], "^--threads is for --device cpu"),
+        ("rubber", ["--device", "gpu"], "^--device gpu is for a scene that neither"),
+    ],
+)
+def test_a_device_that_cannot_solve_the_scene_is_refused(
+    example: str, words: list[str], message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "array_api_compat.cupy", None)
+    if example == "rubber":
+        monkeypatch.setattr(cs.Gpu, "__post_init__", lambda _: None)
+    out = tmp_path / "out"
+    result = run("solve", str(EXAMPLES / f"{example}.toml"), "--out", str(out), *words)
+    assert isinstance(result.exception, cs.InvalidInput)
+    assert re.search(message, str(result.exception))
+    assert not out.exists()
 
 
 @pytest.mark.parametrize("command", ["plan", "solve"])

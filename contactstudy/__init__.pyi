@@ -35,6 +35,7 @@ from .problem.operator import Operator
 from .problem.problem import Problem, Scales
 from .problem.resultant import PrescribedLoad, Resultant
 from .scene.bodies.coated import CoatedHalfSpace
+from .scene.bodies.elastic_plastic import ElasticPlasticHalfSpace
 from .scene.bodies.solids import Body, HalfSpace
 from .scene.bodies.viscoelastic import ViscoelasticHalfSpace
 from .scene.friction import PartialSlip, Sliding
@@ -84,6 +85,7 @@ __all__ = [
     "Detail",
     "Dimple",
     "DuplicatedPadding",
+    "ElasticPlasticHalfSpace",
     "ErrorEstimate",
     "ErrorParts",
     "Evolution",

@@ -59,6 +59,7 @@ class Checkpoint:
             "status": frame.status.name,
         } | {name: getattr(frame, name) for name in NUMBERS}
         fields = {f"field_{name}": field.values for name, field in frame.fields.items()}
+        fields |= {f"kept_{name}": values for name, values in frame.kept.items()}
         self._write(self._frame(number), about, pressure=frame.pressure, gap=frame.gap, **fields)
 
     def read_frame(self, number: int) -> Frame:
@@ -70,8 +71,18 @@ class Checkpoint:
         }
         numbers = {name: about[name] for name in NUMBERS}
         status = Status[about["status"]]
+        kept = {
+            name.removeprefix("kept_"): values
+            for name, values in arrays.items()
+            if name.startswith("kept_")
+        }
         return Frame(
-            pressure=arrays["pressure"], gap=arrays["gap"], fields=fields, status=status, **numbers
+            pressure=arrays["pressure"],
+            gap=arrays["gap"],
+            fields=fields,
+            kept=kept,
+            status=status,
+            **numbers,
         )
 
     def write_state(self, progress: Mapping[str, Any], instants: Mapping[str, Instant]) -> None:

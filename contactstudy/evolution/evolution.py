@@ -10,6 +10,7 @@ from contactstudy.domain.grid import Grid
 from contactstudy.domain.imports import import_for
 from contactstudy.evolution.frame import Frame
 from contactstudy.evolution.march import worst
+from contactstudy.evolution.memories.memory import JointMemory
 from contactstudy.problem.derived import Derived
 from contactstudy.scene.scene import PosedScene
 from contactstudy.solvers.solution import Status
@@ -24,7 +25,8 @@ class Evolution:
 
     ``outputs`` are found from the pressures when they are labelled; ``description`` is the scene they
     are of. ``rejected`` counts pairs of steps that were tried and found too long,
-    ``restarts`` marches that were given up since their steps added up to too large an error.
+    ``restarts`` marches that were given up since their steps added up to too large an error. ``joint`` says what
+    follows from what frames have ``kept``.
     """
 
     grid: Grid
@@ -33,6 +35,7 @@ class Evolution:
     restarts: int
     outputs: tuple[Derived, ...]
     description: PosedScene
+    joint: JointMemory | None = None
 
     @property
     def times(self) -> Array:

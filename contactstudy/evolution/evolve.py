@@ -16,13 +16,12 @@ from contactstudy.domain.precision import Precision
 from contactstudy.evolution.checkpoint import Checkpoint
 from contactstudy.evolution.evolution import Evolution
 from contactstudy.evolution.march import March, SolverOptions
-from contactstudy.evolution.memories.of_scene import memories
+from contactstudy.evolution.memories.of_scene import joint_memory, memories
 from contactstudy.evolution.schedule import schedule
 from contactstudy.evolution.scheme import Scheme
 from contactstudy.evolution.step_control import StepControl
 from contactstudy.evolution.walk import Walk
-from contactstudy.scene.bodies.solids import response
-from contactstudy.scene.bodies.viscoelastic import sudden
+from contactstudy.scene.bodies.solids import response, sudden
 from contactstudy.scene.loads.load import LineLoad
 from contactstudy.scene.loads.load_history import ChangingLoad, SuddenLoad
 from contactstudy.scene.scene import PosedScene, Scene
@@ -85,13 +84,15 @@ def evolve(
     elastic = _sudden(scene, load)
     problem = elastic.problem(grid, padding)
     datum = problem.scales.length
+    options = SolverOptions(tolerance, max_iterations, solver, precision)
     march = March(
         problem=problem,
         load=load,
         weights=dict(response(elastic.solids, datum)),
         memories=memories(scene, datum),
+        joint=joint_memory(scene, problem, options.solved, precision),
         scheme=scheme,
-        options=SolverOptions(tolerance, max_iterations, solver, precision),
+        options=options,
     )
     companion = step_error is StepError.COMPANION or control is not None
     checkpoint = None if folder is None else Checkpoint(Path(folder))
@@ -100,7 +101,7 @@ def evolve(
         march=march,
         marks=marks,
         control=control,
-        companion=bool(march.memories) and companion,
+        companion=bool(march.kept) and companion,
         wraps=(across.wraps, along.wraps),
         records_all=times is None,
         checkpoint=checkpoint,
@@ -116,7 +117,7 @@ def evolve(
                     None if times is None else list(np.asarray(times, float)),
                     error,
                     step_error,
-                    march.options,
+                    options,
                 )
             )
         )
@@ -129,6 +130,7 @@ def evolve(
         walk.restarts,
         problem.outputs,
         PosedScene(scene, grid, padding),
+        march.joint,
     )
 
 

@@ -1,7 +1,7 @@
 """A contact at one instant of its evolution, as it is recorded."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from contactstudy.domain.arrays import Array
 from contactstudy.problem.derived import Field
@@ -17,7 +17,8 @@ class Frame:
     :func:`~contactstudy.accuracy.discretisation.discretisation`); both are infinite where there is no
     estimate. ``status`` is the worst of the steps since the frame before. ``steps``, ``iterations`` and
     ``convolutions`` are counted since then, with those of rejected steps and of the companion march.
-    ``residual`` is that of the last solve.
+    ``residual`` is that of the last solve. ``kept`` is what was found together with the pressure, such as plastic
+    strain, in arrays of its own.
     """
 
     time: float
@@ -33,6 +34,7 @@ class Frame:
     steps: int
     iterations: int
     convolutions: float
+    kept: Mapping[str, Array] = field(default_factory=dict)
 
     @property
     def highest_pressure(self) -> float:

@@ -13,7 +13,14 @@ from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.precision import Precision
 from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.convolution import Convolution, combined, superposed
-from contactstudy.evolution.memories.memory import Contribution, Memory, State, Step
+from contactstudy.evolution.memories.memory import (
+    Contribution,
+    JointMemory,
+    Kept,
+    Memory,
+    State,
+    Step,
+)
 from contactstudy.evolution.scheme import Scheme
 from contactstudy.problem.problem import Problem, Scales
 from contactstudy.problem.resultant import PrescribedLoad
@@ -21,6 +28,8 @@ from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import Solver, solve
 
+# A contact is solved to this share of the tolerance where something is found together with it, which sees its error.
+CLOSER = 0.1
 # A step without stages.
 WHOLE = ((1.0, 0.0),)
 
@@ -44,42 +53,65 @@ class SolverOptions:
     solver: Solver
     precision: Precision
 
+    def solved(self, problem: Problem, start: Array | None = None, share: float = 1.0) -> Solution:
+        """``problem`` solved from a pressure (x, y) [Pa], to a ``share`` of the tolerance."""
+        return solve(
+            problem,
+            tolerance=share * self.tolerance,
+            max_iterations=self.max_iterations,
+            solver=self.solver,
+            precision=self.precision,
+            start=start if start is not None and start.any() else None,
+        )
+
 
 @dataclass(frozen=True, eq=False)
 class March:
     """The steps of one scene on one grid under a changing ``load``.
 
     ``problem`` is that of the largest load, applied suddenly before anything has changed; ``weights`` [1/Pa] are
-    those of the coefficients in its operator.
+    those of the coefficients in its operator. ``joint`` is found together with the pressure.
     """
 
     problem: Problem
     load: ChangingLoad
     weights: Mapping[Coefficients, float]
     memories: tuple[Memory, ...]
+    joint: JointMemory | None
     scheme: Scheme
     options: SolverOptions
+
+    @property
+    def kept(self) -> tuple[Kept, ...]:
+        """All that is kept, in the order of an instant's states."""
+        return self.memories if self.joint is None else (*self.memories, self.joint)
 
     def start(self, time: float) -> Instant:
         """Before the first load."""
         shape = self.problem.grid.cells
-        states = tuple(memory.start(shape) for memory in self.memories)
+        states = tuple(memory.start(shape) for memory in self.kept)
         return Instant(time, 0.0, np.zeros(shape), states)
 
     def at_rest(self) -> Solution:
         """The bodies as they just touch, before the first load."""
         return _unloaded(self.problem)
 
-    def jump(self, instant: Instant, load: float) -> tuple[Instant, list[Solution]]:
-        """To another ``load`` [N/m] at once."""
-        step = Step(instant.time, instant.time, (instant.load, load), load)
-        return self._stage(instant, step)
+    def jump(self, instant: Instant, load: float, parts: int) -> tuple[Instant, list[Solution]]:
+        """To another ``load`` [N/m] at once, by so many equal ``parts``."""
+        solutions: list[Solution] = []
+        time, first = instant.time, instant.load
+        for part in range(1, parts + 1):
+            target = load if part == parts else first + (load - first) * part / parts
+            step = Step(time, time, (instant.load, target), target)
+            instant, found = self._stage(instant, step)
+            solutions += found
+        return instant, solutions
 
     def advance(self, instant: Instant, end: float, load: float) -> tuple[Instant, list[Solution]]:
         """To the time ``end`` [s], where the ``load`` is known, with the solution of every stage."""
         solutions: list[Solution] = []
         start, duration = instant.time, end - instant.time
-        stages = self.scheme.stages if any(m.has_stages for m in self.memories) else WHOLE
+        stages = self.scheme.stages if any(m.has_stages for m in self.kept) else WHOLE
         share = 0.0
         for part, explicit in stages:
             share += part
@@ -94,18 +126,41 @@ class March:
     def _stage(self, instant: Instant, step: Step) -> tuple[Instant, list[Solution]]:
         problem = self._problem_at_end(instant, step)
         load = step.loads[1]
-        solution = _unloaded(problem) if load == 0 else self._solved(problem, instant.pressure)
+        joint: tuple[State, ...] = ()
+        if self.joint is not None:
+            solution, state = self._settled(problem, instant, load)
+            joint = (state,)
+        else:
+            solution = (
+                _unloaded(problem) if load == 0 else self.options.solved(problem, instant.pressure)
+            )
         after = solution.pressure
         states = tuple(
             memory.advance(state, instant.pressure, after, step)
-            for memory, state in zip(self.memories, instant.states, strict=True)
+            for memory, state in zip(self.memories, instant.states, strict=False)
         )
-        return Instant(step.end, load, after, states), [solution]
+        return Instant(step.end, load, after, states + joint), [solution]
+
+    def _settled(self, problem: Problem, instant: Instant, load: float) -> tuple[Solution, State]:
+        """Of a contact whose surface is lowered by what is found together with its pressure."""
+        assert self.joint is not None
+        last = instant.pressure
+
+        def contact(lift: Array) -> Solution:
+            nonlocal last
+            lowered = replace(problem, undeformed_gap=problem.undeformed_gap + lift)
+            solution = (
+                _unloaded(lowered) if load == 0 else self.options.solved(lowered, last, CLOSER)
+            )
+            last = solution.pressure
+            return solution
+
+        return self.joint.settled(instant.states[-1], problem, contact, self.options.tolerance)
 
     def _problem_at_end(self, instant: Instant, step: Step) -> Problem:
         contributions = [
             memory.contribution(state, instant.pressure, step)
-            for memory, state in zip(self.memories, instant.states, strict=True)
+            for memory, state in zip(self.memories, instant.states, strict=False)
         ]
         load = step.loads[1]
         grid = self.problem.grid
@@ -170,17 +225,6 @@ class March:
         pressure = 2.0 ** round(log2(scales.pressure * pressure))
         return Scales(scales.length * length, pressure, scales.gap * ratio * softer)
 
-    def _solved(self, problem: Problem, start: Array) -> Solution:
-        options = self.options
-        return solve(
-            problem,
-            tolerance=options.tolerance,
-            max_iterations=options.max_iterations,
-            solver=options.solver,
-            precision=options.precision,
-            start=start if start.any() else None,
-        )
-
 
 def _unloaded(problem: Problem) -> Solution:
     """Bodies that just touch."""
@@ -202,6 +246,7 @@ def _unloaded(problem: Problem) -> Solution:
 
 def worst(statuses: Sequence[Status]) -> Status:
     """The first in the order in which they matter, most serious first."""
-    order = (Status.NOT_FINITE, Status.NO_ADMISSIBLE_PRESSURE, Status.STALLED, Status.ITERATION_LIMIT,
-             Status.PRECISION_LIMIT, Status.CONTACT_AT_EDGE, Status.CONVERGED)  # fmt: skip
+    order = (Status.NOT_FINITE, Status.NO_ADMISSIBLE_PRESSURE, Status.NOT_CONVERGED, Status.STALLED,
+             Status.ITERATION_LIMIT, Status.PRECISION_LIMIT, Status.CONTACT_AT_EDGE, Status.YIELD_AT_EDGE,
+             Status.CONVERGED)  # fmt: skip
     return min(statuses, key=order.index, default=Status.CONVERGED)

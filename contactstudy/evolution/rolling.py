@@ -15,8 +15,8 @@ from contactstudy.domain.precision import Precision
 from contactstudy.elasticity.coefficients import Coefficients, Displacement
 from contactstudy.elasticity.convolution import antisymmetric, superposed
 from contactstudy.elasticity.trailing import Trailing
-from contactstudy.scene.bodies.solids import response
-from contactstudy.scene.bodies.viscoelastic import ViscoelasticHalfSpace, sudden
+from contactstudy.scene.bodies.solids import response, sudden
+from contactstudy.scene.bodies.viscoelastic import ViscoelasticHalfSpace
 from contactstudy.scene.loads.load import LineLoad
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.solvers.lagged import Settled, solve_lagged

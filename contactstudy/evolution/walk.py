@@ -18,6 +18,8 @@ from contactstudy.solvers.solution import Solution, Status
 
 # Pairs of steps this short over the whole time are taken as they are.
 SHORTEST = 1e-12
+# Parts of a jump of the load on whose path something depends: first and at the most, of the companion.
+PARTS, MOST_PARTS = 4, 2**12
 COUNTED = ("mark", "arrived", "found", "pair", "rejected", "restarts", "steps", "iterations",
            "convolutions")  # fmt: skip
 
@@ -84,7 +86,7 @@ class Walk:
             self._save()
 
     def _approach(self, mark: Mark) -> "_Outcome":
-        if self.control is None or not self.march.memories:
+        if self.control is None or not self.march.kept:
             return self._one_step(mark)
         return self._pairs_of_steps(mark)
 
@@ -149,7 +151,7 @@ class Walk:
     def _added(self, main: Instant, behind: Instant) -> float:
         """How far the difference of the two marches changes in a pair of steps, in L1 over the pressure."""
         before, after = self.main.pressure - self.behind.pressure, main.pressure - behind.pressure
-        whole = max(float(main.pressure.sum()), float(self.main.pressure.sum()))
+        whole = max(self._whole(main), self._whole(self.main))
         return float(np.abs(after - before).sum()) / whole if whole else 0.0
 
     def _start_again(self, control: StepControl) -> None:
@@ -159,16 +161,30 @@ class Walk:
         self._begin()
 
     def _jump(self, load: float) -> bool:
-        """Both marches to another load at once; False if there is no solution to go on from."""
-        self.main, self.solution = self._counted(*self.march.jump(self.main, load))
-        if not np.isfinite(self.solution.residual):
-            self._end(self.solution)
-            return False
-        if self.companion:
-            self.behind, _ = self._counted(*self.march.jump(self.behind, load))
-            self.found = self._difference(self.main, self.behind)
-        else:
-            self.behind = self.main
+        """Both marches to another load at once; False if there is no solution to go on from.
+
+        By parts where something depends on the path of the load: twice as many of them as the companion takes, and
+        as many as the error asks for.
+        """
+        parts = 1 if self.march.joint is None else 2 * PARTS
+        while True:
+            main, solution = self._counted(*self.march.jump(self.main, load, parts))
+            if not np.isfinite(solution.residual):
+                self._end(solution)
+                return False
+            if not self.companion:
+                self.main = self.behind = main
+                break
+            behind, _ = self._counted(*self.march.jump(self.behind, load, max(parts // 2, 1)))
+            added = self._added(main, behind)
+            exact = self.control is None or self.control.accepts(added)
+            if self.march.joint is None or exact or parts >= MOST_PARTS:
+                self.main, self.behind = main, behind
+                self.found = self._difference(main, behind)
+                break
+            self.rejected += 1
+            parts *= 2
+        self.solution = solution
         return True
 
     def _advance(self, instant: Instant, end: float, load: float) -> tuple[Instant, Solution]:
@@ -190,8 +206,15 @@ class Walk:
 
     def _difference(self, one: Instant, other: Instant) -> float:
         """Of two pressures, in L1, over the first."""
-        whole = float(one.pressure.sum())
+        whole = self._whole(one)
         return float(np.abs(one.pressure - other.pressure).sum()) / whole if whole else 0.0
+
+    def _whole(self, instant: Instant) -> float:
+        """What an error is relative to: the pressures' sum, under the largest load where bodies have a memory of it."""
+        if self.march.joint is None:
+            return float(instant.pressure.sum())
+        grid = self.march.problem.grid
+        return self.march.load.largest * grid.period / grid.cell_area
 
     def _record(self) -> None:
         solution = self.solution
@@ -199,7 +222,7 @@ class Walk:
             solution = self.march.at_rest()
         fields = {
             name: field
-            for memory, state in zip(self.march.memories, self.main.states, strict=True)
+            for memory, state in zip(self.march.kept, self.main.states, strict=True)
             for name, field in memory.fields(state).items()
         }
         pressed = bool(solution.pressure.any()) and bool(np.isfinite(solution.residual))
@@ -211,9 +234,10 @@ class Walk:
                 gap=solution.gap,
                 approach=solution.approach,
                 fields=fields,
+                kept={} if self.march.joint is None else self.main.states[-1],
                 status=worst(self.statuses),
                 residual=solution.residual,
-                step_error=0.0 if not self.march.memories else inf,
+                step_error=0.0 if not self.march.kept else inf,
                 grid_error=discretisation(solution.pressure, self.wraps)[1] if pressed else 0.0,
                 steps=self.steps,
                 iterations=self.iterations,

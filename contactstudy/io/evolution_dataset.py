@@ -78,6 +78,12 @@ def evolution_dataset(evolution: Evolution) -> xr.Dataset:
     for name, first in frames[0].fields.items():
         values = np.stack([frame.fields[name].values for frame in frames])
         dataset[name] = ("time", *first.dimensions), values, _label(first.units, first.long_name)
+    if evolution.joint is not None:
+        kept = [one.kept for one in frames]
+        shown = evolution.joint.over_time(kept, [one.pressure for one in frames])
+        for name, one in shown.items():
+            label = _label(one.units, one.long_name) | dict(one.attributes)
+            dataset[name] = one.dimensions, one.values, label
     for output in evolution.outputs:
         found = [output.fields(frame.pressure) for frame in frames]
         for name, one in found[0].items():

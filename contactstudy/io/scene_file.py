@@ -29,6 +29,7 @@ from contactstudy.io.structuring import NO_KIND, structured
 from contactstudy.planning.plan import Plan, plan
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies.coated import CoatedHalfSpace
+from contactstudy.scene.bodies.elastic_plastic import ElasticPlasticHalfSpace
 from contactstudy.scene.bodies.solids import Body, HalfSpace
 from contactstudy.scene.bodies.viscoelastic import ViscoelasticHalfSpace
 from contactstudy.scene.friction import Friction, PartialSlip, Sliding
@@ -197,6 +198,7 @@ KINDS: Mapping[Any, Mapping[str, type]] = {
         "HalfSpace": HalfSpace,
         "CoatedHalfSpace": CoatedHalfSpace,
         "ViscoelasticHalfSpace": ViscoelasticHalfSpace,
+        "ElasticPlasticHalfSpace": ElasticPlasticHalfSpace,
         NO_KIND: HalfSpace,
     },
     ChangingLoad: {

@@ -6,8 +6,8 @@ from math import inf, log10, pi, sqrt
 import numpy as np
 
 from contactstudy.planning.grid_requirements import ROOM
-from contactstudy.scene.bodies.solids import Body
-from contactstudy.scene.bodies.viscoelastic import ViscoelasticHalfSpace, sudden
+from contactstudy.scene.bodies.solids import Body, sudden
+from contactstudy.scene.bodies.viscoelastic import ViscoelasticHalfSpace
 from contactstudy.scene.loads.load import LineLoad
 from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.scene import Scene

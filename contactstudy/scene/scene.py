@@ -20,7 +20,7 @@ from contactstudy.problem.hardness_limited import HardnessLimited
 from contactstudy.problem.memory import refuse_too_large
 from contactstudy.problem.problem import Problem, Scales
 from contactstudy.problem.resultant import PrescribedLoad
-from contactstudy.scene.bodies.solids import Body, Layered, contact_modulus, response
+from contactstudy.scene.bodies.solids import Body, Layered, Particular, contact_modulus, response
 from contactstudy.scene.loads.load import LineLoad
 from contactstudy.scene.outputs import Output
 from contactstudy.scene.shapes.shape import Shape
@@ -43,7 +43,7 @@ class Scene:
     ``hardness`` [Pa] is the largest pressure that the softer body carries. Where it is reached the body yields, and
     the gap of the solution is negative by the depth of yielding. The default is infinite: no limit.
 
-    The ``load`` may change in time, bodies may creep, ``wear`` may remove material: such a scene is solved
+    The ``load`` may change in time, bodies may creep or yield, ``wear`` may remove material: such a scene is solved
     by :func:`~contactstudy.evolve`, one with ``rolling`` by :func:`~contactstudy.solve_rolling`. ``friction`` adds
     shear to the pressure.
 
@@ -109,6 +109,9 @@ class Scene:
             remedy = "give a friction, such as Sliding(coefficient=0.1), or None"
             _instance("Scene.friction", self.friction, Friction, remedy)
             self.friction.check(self)
+        for solid in self.solids:
+            if isinstance(solid, Particular):
+                solid.check(self)
 
     @property
     def contact_modulus(self) -> float:
@@ -191,7 +194,7 @@ class Scene:
         if self.wear is not None:
             return "Scene.wear"
         for number, solid in enumerate(self.solids):
-            if getattr(solid, "creeps", False):
+            if getattr(solid, "creeps", False) or getattr(solid, "yields", False):
                 return f"Scene.solids[{number}]"
         return None
 

@@ -59,6 +59,11 @@ class SubsurfaceStress:
     def check(self, solids: tuple[Body, ...]) -> None:
         """Raise :class:`~contactstudy.InvalidInput` for a rigid body, or one that is no half-space."""
         body = solids[self.solid]
+        if any(getattr(solid, "yields", False) for solid in solids):
+            raise InvalidInput(
+                "SubsurfaceStress is that of elastic bodies, and one of Scene.solids yields: its stress, total "
+                "and residual, comes with contactstudy.evolve, leave this output out."
+            )
         if not isinstance(body, Homogeneous):
             raise InvalidInput(
                 f"SubsurfaceStress.solid is {self.solid}, a {type(body).__name__}: "

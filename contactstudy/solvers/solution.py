@@ -42,6 +42,14 @@ class Status(Enum):
         "the hardness everywhere would not carry the load: "
         "give a larger hardness, a smaller load or a larger width"
     )
+    NOT_CONVERGED = (
+        "pressure and plastic strain did not settle together to the tolerance, as far as the residual says: "
+        "give shorter steps in load, or a larger tolerance"
+    )
+    YIELD_AT_EDGE = (
+        "converged, but plastic strain reaches the edge of the width and is cut off there: "
+        "give Grid.extent a larger width"
+    )
     NOT_FINITE = (
         "the iteration left the range of floating-point numbers: "
         "check the heights for nan and for values far beyond the contact's own scale"

@@ -1,15 +1,19 @@
 """What a body or an interface keeps from one instant to the next, and what it makes of it in a step."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
 from contactstudy.domain.arrays import Array
 from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.problem.derived import Field
+from contactstudy.problem.problem import Problem
+from contactstudy.solvers.solution import Solution
 
 # The fields (x, y) that a memory keeps, by name: all that a checkpoint needs of it.
 State = Mapping[str, Array]
+# From the lift of a surface (x, y) [m] to the contact over it.
+Contact = Callable[[Array], Solution]
 
 
 @dataclass(frozen=True)
@@ -47,7 +51,7 @@ class Contribution:
     own: float = 0.0
 
 
-class Memory(Protocol):
+class Kept(Protocol):
     """What a body or an interface keeps.
 
     States are never changed in place: a step may be tried and rejected.
@@ -62,6 +66,14 @@ class Memory(Protocol):
         """What is kept before the first load."""
         ...
 
+    def fields(self, state: State) -> Mapping[str, Field]:
+        """What of it is worth to be shown, by name."""
+        ...
+
+
+class Memory(Kept, Protocol):
+    """What changes in a step as the pressures at its ends say."""
+
     def contribution(self, state: State, pressure: Array, step: Step) -> Contribution:
         """To the problem at the end of ``step``, from the state and the ``pressure`` [Pa] at its start."""
         ...
@@ -70,6 +82,22 @@ class Memory(Protocol):
         """What is kept at the end of ``step``, by the pressures [Pa] at its ends."""
         ...
 
-    def fields(self, state: State) -> Mapping[str, Field]:
-        """What of it is worth to be shown, by name."""
+
+class JointMemory(Kept, Protocol):
+    """What changes in a step together with the pressure at its end, so that both are found at once.
+
+    It depends on the path of the load, not on how fast it is followed.
+    """
+
+    def settled(
+        self, state: State, problem: Problem, contact: Contact, tolerance: float
+    ) -> tuple[Solution, State]:
+        """The solution of ``problem`` and what is kept then, from the ``state`` before.
+
+        ``contact`` solves the problem over a surface that is lowered by a field (x, y) [m].
+        """
+        ...
+
+    def over_time(self, states: Sequence[State], pressures: Sequence[Array]) -> Mapping[str, Field]:
+        """What follows from states and pressures of several instants, (time, ...), by name."""
         ...

@@ -1,13 +1,18 @@
 """Which memories a scene asks for."""
 
+from collections.abc import Callable
 from math import pi
 
+from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.precision import Precision
 from contactstudy.elasticity.coefficients import Displacement
 from contactstudy.evolution.memories.creep import CreepMemory
-from contactstudy.evolution.memories.memory import Memory
+from contactstudy.evolution.memories.memory import JointMemory, Memory
 from contactstudy.evolution.memories.wear import WearMemory
+from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies.viscoelastic import ViscoelasticHalfSpace
 from contactstudy.scene.scene import Scene
+from contactstudy.solvers.solution import Solution
 
 
 def memories(scene: Scene, datum: float) -> tuple[Memory, ...]:
@@ -20,3 +25,42 @@ def memories(scene: Scene, datum: float) -> tuple[Memory, ...]:
     if scene.wear is not None and scene.wear.rate > 0:
         found.append(WearMemory(scene.wear.rate))
     return tuple(found)
+
+
+def joint_memory(
+    scene: Scene, problem: Problem, solved: Callable[[Problem], Solution], precision: Precision
+) -> JointMemory | None:
+    """That of bodies that yield, from the elastic ``problem`` of the largest load; None without any.
+
+    Raises :class:`~contactstudy.InvalidInput` for a grid or a padding on which plastic strain has no operator.
+    """
+    if not any(getattr(body, "yields", False) for body in scene.solids):
+        return None
+    # here, for those who name such a body
+    from contactstudy.elasticity.eigenstrain.volume import Moduli
+    from contactstudy.evolution.memories.plastic import PlasticMemory, YieldingBody
+    from contactstudy.scene.bodies.elastic_plastic import ElasticPlasticHalfSpace
+    from contactstudy.solvers.plasticity.yielding_bodies import Hardening
+
+    paddings = problem.paddings
+    assert paddings is not None
+    across, along = paddings
+    if across.wraps or across.window is None or len(across.window) > 1 or along.window is not None:
+        raise InvalidInput(
+            f"evolve.padding is {across!r} across and {along!r} along: plastic strain is known below a surface "
+            "that goes on across and repeats along, give ExactPeriodicity()."
+        )
+    if problem.grid.cells[1] > 1:
+        raise InvalidInput(
+            f"Grid.cells[1] is {problem.grid.cells[1]}: plastic strain is known in plane strain, give 1 cell along."
+        )
+    bodies = tuple(
+        YieldingBody(
+            place,
+            Moduli(body.youngs_modulus, body.poisson_ratio),
+            Hardening(body.yield_stress, body.hardening_modulus, body.kinematic_modulus),
+        )
+        for place, body in enumerate(scene.solids)
+        if isinstance(body, ElasticPlasticHalfSpace) and body.yields
+    )
+    return PlasticMemory(bodies, solved(problem), precision)

@@ -60,10 +60,7 @@ class HalfSpace:
         if self.youngs_modulus != math.inf:
             modulus = in_range("HalfSpace.youngs_modulus", self.youngs_modulus, remedy)
             set_fields(self, youngs_modulus=modulus)
-        remedy = "give a ratio above -1 and up to 0.5"
-        ratio = finite("HalfSpace.poisson_ratio", self.poisson_ratio, remedy)
-        if not -1 < ratio <= 0.5:
-            raise InvalidInput(f"HalfSpace.poisson_ratio is {self.poisson_ratio!r}: {remedy}.")
+        ratio = poisson_ratio("HalfSpace.poisson_ratio", self.poisson_ratio)
         set_fields(self, poisson_ratio=ratio)
 
     @property
@@ -74,6 +71,15 @@ class HalfSpace:
     def response(self, datum: float) -> Mapping[Coefficients, float]:
         """Boussinesq's: ``u = (1 - nu^2) / (pi E) sum I p`` (Johnson 1985, eq. 3.22)."""
         return {Displacement(datum): self.compliance / math.pi} if self.compliance else {}
+
+
+def poisson_ratio(field: str, value: object) -> float:
+    """``value`` as a ratio from above -1 to 0.5, or :class:`~contactstudy.InvalidInput`."""
+    remedy = "give a ratio above -1 and up to 0.5"
+    ratio = finite(field, value, remedy)
+    if not -1 < ratio <= 0.5:
+        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
+    return ratio
 
 
 @runtime_checkable
@@ -98,6 +104,55 @@ class Layered(Protocol):
     def compliance_at(self, half_width: float) -> float:
         """What it adds to 1/E* [1/Pa] in a contact of ``half_width`` [m]."""
         ...
+
+
+@runtime_checkable
+class Inelastic(Protocol):
+    """A body that an elastic half-space stands for, as long as nothing has changed."""
+
+    @property
+    def sudden(self) -> HalfSpace:
+        """The elastic half-space that it is for a first, sudden load."""
+        ...
+
+
+@runtime_checkable
+class Particular(Protocol):
+    """A body that not every scene can have."""
+
+    def check(self, scene: "Surroundings") -> None:
+        """Raise :class:`~contactstudy.InvalidInput` for a scene in which it is not defined."""
+        ...
+
+
+class Surroundings(Protocol):
+    """What such a body asks of a scene."""
+
+    @property
+    def solids(self) -> tuple[Body, Body]:
+        """Both bodies."""
+        ...
+
+    @property
+    def hardness(self) -> float:
+        """[Pa]"""
+        ...
+
+    @property
+    def rolling(self) -> object | None:
+        """Whether it rolls."""
+        ...
+
+    @property
+    def friction(self) -> object | None:
+        """Whether it rubs."""
+        ...
+
+
+def sudden(solids: tuple[Body, Body]) -> tuple[Body, Body]:
+    """The bodies that ``solids`` are for a first, sudden load."""
+    first, second = (body.sudden if isinstance(body, Inelastic) else body for body in solids)
+    return first, second
 
 
 def contact_modulus(solids: tuple[Body, ...], half_width: float | None = None) -> float:

@@ -7,7 +7,6 @@ from functools import cached_property
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    finite,
     in_range,
     in_range_from_zero,
     set_fields,
@@ -15,7 +14,7 @@ from contactstudy.domain.checks import (
 from contactstudy.domain.units import Number, Pascals, Seconds
 from contactstudy.elasticity.coefficients import Coefficients, Displacement
 from contactstudy.elasticity.prony import Creep, creep
-from contactstudy.scene.bodies.solids import Body, HalfSpace
+from contactstudy.scene.bodies.solids import HalfSpace, poisson_ratio
 
 
 @dataclass(frozen=True)
@@ -37,12 +36,7 @@ class ViscoelasticHalfSpace:
         field = "ViscoelasticHalfSpace.equilibrium_modulus"
         remedy = "give a modulus above 0 Pa, or 0 for a Maxwell fluid"
         equilibrium = in_range_from_zero(field, self.equilibrium_modulus, remedy)
-        remedy = "give a ratio above -1 and up to 0.5"
-        ratio = finite("ViscoelasticHalfSpace.poisson_ratio", self.poisson_ratio, remedy)
-        if not -1 < ratio <= 0.5:
-            raise InvalidInput(
-                f"ViscoelasticHalfSpace.poisson_ratio is {self.poisson_ratio!r}: {remedy}."
-            )
+        ratio = poisson_ratio("ViscoelasticHalfSpace.poisson_ratio", self.poisson_ratio)
         field = "ViscoelasticHalfSpace.relaxation"
         remedy = "give pairs of a modulus [Pa] and a time [s], such as ((1e6, 0.1), (2e6, 1.0))"
         if not isinstance(self.relaxation, tuple | list):
@@ -91,11 +85,3 @@ class ViscoelasticHalfSpace:
     def creeps(self) -> bool:
         """Whether it has terms that relax."""
         return bool(self.relaxation)
-
-
-def sudden(solids: tuple[Body, Body]) -> tuple[Body, Body]:
-    """The bodies that ``solids`` are for a sudden load."""
-    first, second = (
-        body.sudden if isinstance(body, ViscoelasticHalfSpace) else body for body in solids
-    )
-    return first, second

@@ -1,0 +1,232 @@
+"""What bodies that yield keep: plastic strain in the cells below the contact."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contactstudy.domain.arrays import Array
+from contactstudy.domain.precision import Precision
+from contactstudy.elasticity.eigenstrain.plane_strain import PlaneStrainOperator
+from contactstudy.elasticity.eigenstrain.volume import EigenstrainOperator, Moduli, Volume
+from contactstudy.evolution.memories.memory import Contact, State
+from contactstudy.evolution.memories.yielding_volume import both, first_volume, larger, spread
+from contactstudy.problem.derived import Field
+from contactstudy.problem.problem import Problem
+from contactstudy.solvers.plasticity.contact_tangent import ContactTangent
+from contactstudy.solvers.plasticity.settle import Settled, settle
+from contactstudy.solvers.plasticity.yielding_bodies import Hardening, YieldingBodies
+from contactstudy.solvers.solution import Solution, Status
+
+COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
+
+
+@dataclass(frozen=True)
+class YieldingBody:
+    """Body ``place`` of ``Scene.solids``."""
+
+    place: int
+    moduli: Moduli
+    hardening: Hardening
+
+
+@dataclass(eq=False)
+class PlasticMemory:
+    """Plastic strain and equivalent plastic strain of each body, in a volume that grows as it yields.
+
+    ``elastic`` is the contact under the largest load before anything has yielded.
+    """
+
+    bodies: tuple[YieldingBody, ...]
+    elastic: Solution
+    precision: Precision
+    has_stages: ClassVar[bool] = False
+
+    operators: list[EigenstrainOperator] = field(init=False)
+
+    def __post_init__(self) -> None:
+        problem = self.elastic.problem
+        self.operators = []
+        for body in self.bodies:
+
+            def share(volume: Volume, body: YieldingBody = body) -> Array:
+                stress = operator_on(volume, body.moduli).stress_of_pressure(self.elastic.pressure)
+                return np.asarray(
+                    np.sqrt(1.5 * (stress**2).sum(axis=0)) / body.hardening.yield_stress
+                )
+
+            volume = first_volume(problem.grid, self._length, self.elastic.pressure, share)
+            self.operators.append(operator_on(volume, body.moduli))
+
+    def start(self, shape: tuple[int, int]) -> State:
+        """No plastic strain."""
+        state: dict[str, Array] = {}
+        for body, one in zip(self.bodies, self.operators, strict=True):
+            cells = one.volume.shape
+            state |= _named(body, np.zeros((len(one.basis), *cells)), np.zeros(cells), one.volume)
+        return state
+
+    def settled(
+        self, state: State, problem: Problem, contact: Contact, tolerance: float
+    ) -> tuple[Solution, State]:
+        """Contact and plastic strain together, in volumes that are as large as what yields."""
+        while True:
+            bodies = YieldingBodies(
+                tuple(self.operators), tuple(body.hardening for body in self.bodies)
+            )
+            strains, equivalents = self._in_volumes(state)
+            before, equivalent = bodies.joined(strains), bodies.joined(equivalents)
+            found = settle(bodies, contact, self._tangent, before, equivalent, tolerance)
+            if not self._grown(bodies.parted(found.flow)):
+                break
+        strains = bodies.parted(found.strain)
+        equivalents = bodies.parted(equivalent + found.flow)
+        after: dict[str, Array] = {}
+        parts = zip(self.bodies, self.operators, strains, equivalents, strict=True)
+        for body, one, strain, hardened in parts:
+            after |= _named(body, strain, hardened, one.volume)
+        solution = _solution(found, tolerance)
+        yielded = zip(self.operators, equivalents, strict=True)
+        if solution.status is Status.CONVERGED and any(
+            _meets_edge(one.volume, hardened > 0) for one, hardened in yielded
+        ):
+            solution = replace(solution, status=Status.YIELD_AT_EDGE)
+        return solution, after
+
+    def fields(self, state: State) -> Mapping[str, Field]:
+        """``residual_displacement``, of both bodies together."""
+        strains, _ = self._in_volumes(state)
+        parts = zip(self.operators, strains, strict=True)
+        lift = np.asarray(sum(one.lift(strain) for one, strain in parts))
+        about = "surface displacement by plastic strain, into the bodies"
+        return {"residual_displacement": Field(("x", "y"), lift, "m", about)}
+
+    def over_time(self, states: Sequence[State], pressures: Sequence[Array]) -> Mapping[str, Field]:
+        """Strain and stress of each body, over (time, component, z, x, y), across the whole grid."""
+        for state in states:
+            self._in_volumes(state)  # so that volumes hold all
+        found: dict[str, Field] = {
+            "component": Field(
+                ("component",), np.array(COMPONENTS), "1", "x across, y along, z into the body"
+            )
+        }
+        for number, body in enumerate(self.bodies):
+            suffix = f"_{body.place}" if len(self.bodies) > 1 else ""
+            narrow = self.operators[number].volume
+            volume = replace(narrow, first=0, last=narrow.grid.cells[0])
+            wide = operator_on(volume, body.moduli)
+            strains, equivalents = zip(
+                *(_spread(state, body, volume) for state in states), strict=True
+            )
+            residual = np.stack([wide.tensor_of_strain(strain) for strain in strains])
+            total = residual + np.stack([wide.tensor_of_pressure(p) for p in pressures])
+            tensors = np.einsum("ct,ncl...->ntl...", wide.basis, np.stack(strains))
+            cells = "time", f"z{suffix}", "x", "y"
+            components = "time", "component", *cells[1:]
+            down = {"axis": "Z", "positive": "down"}
+            said = "tension positive, mean over a cell"
+            found |= {
+                f"plastic_strain{suffix}": Field(components, tensors, "1", "plastic strain"),
+                f"equivalent_plastic_strain{suffix}": Field(
+                    cells, np.stack(equivalents), "1", "equivalent plastic strain"
+                ),
+                f"stress{suffix}": Field(components, total, "Pa", f"stress, {said}", NEAR_EDGE),
+                f"residual_stress{suffix}": Field(
+                    components, residual, "Pa", f"stress without the pressure, {said}", NEAR_EDGE
+                ),
+                f"z{suffix}": Field((f"z{suffix}",), volume.depths, "m", "depth of a layer", down),
+                f"layer_thickness{suffix}": Field(
+                    (f"z{suffix}",), volume.thicknesses, "m", "thickness of a layer"
+                ),
+            }
+        return found
+
+    @property
+    def _length(self) -> float:
+        return self.elastic.problem.scales.length
+
+    def _tangent(self, solution: Solution) -> ContactTangent:
+        problem = solution.problem
+        cells = (solution.pressure > 0).astype(self.precision.real)
+        return ContactTangent(problem.bare(self.precision), problem.scales, cells)
+
+    def _in_volumes(self, state: State) -> tuple[list[Array], list[Array]]:
+        """Strains and equivalent strains in the volumes of today, which are made to hold those of ``state``."""
+        strains, equivalents = [], []
+        for number, body in enumerate(self.bodies):
+            strain, first = state[f"strain{body.place}"], int(state[f"first{body.place}"][0])
+            now = self.operators[number].volume
+            edges = tuple(float(z) for z in state[f"edges{body.place}"])
+            held = both(now, Volume(now.grid, first, first + strain.shape[-2], edges))
+            if held != now:
+                self.operators[number] = operator_on(held, body.moduli)
+            one, other = _spread(state, body, held)
+            strains.append(one)
+            equivalents.append(other)
+        return strains, equivalents
+
+    def _grown(self, flows: Sequence[Array]) -> bool:
+        """Whether a volume had to be made larger, since it yields up to its edge."""
+        changed = False
+        for number, (body, one) in enumerate(zip(self.bodies, flows, strict=True)):
+            volume = self.operators[number].volume
+            grown = larger(volume, self._length, one > 0)
+            if grown != volume:
+                self.operators[number] = operator_on(grown, body.moduli)
+                changed = True
+        return changed
+
+
+# At the edge of the contact the stress has a logarithmic or stronger peak below the size of any cell.
+NEAR_EDGE = {
+    "comment": "at the surface near the edge of the contact it does not converge with finer cells"
+}
+
+
+def operator_on(volume: Volume, moduli: Moduli) -> EigenstrainOperator:
+    """The operator on plastic strain in ``volume``."""
+    return PlaneStrainOperator(volume, moduli)
+
+
+def _named(body: YieldingBody, strain: Array, equivalent: Array, volume: Volume) -> State:
+    return {
+        f"strain{body.place}": strain,
+        f"equivalent{body.place}": equivalent,
+        f"first{body.place}": np.array([float(volume.first)]),
+        f"edges{body.place}": np.array(volume.edges),
+    }
+
+
+def _spread(state: State, body: YieldingBody, volume: Volume) -> tuple[Array, Array]:
+    """Strain and equivalent strain of ``body`` in a volume that holds those of ``state``."""
+    first = int(state[f"first{body.place}"][0])
+    strain, equivalent = state[f"strain{body.place}"], state[f"equivalent{body.place}"]
+    return spread(strain, first, volume), spread(equivalent, first, volume)
+
+
+def _meets_edge(volume: Volume, yielded: NDArray[np.bool_]) -> bool:
+    """Whether plastic strain reaches the edges of the grid across."""
+    left = volume.first == 0 and yielded[:, 0].any()
+    return bool(left or (volume.last == volume.grid.cells[0] and yielded[:, -1].any()))
+
+
+def _solution(found: Settled, tolerance: float) -> Solution:
+    """The last contact of a step, with what all of them took, and what became of the plastic strain."""
+    last = found.solution
+    status, note = last.status, last.note
+    if not found.residual <= tolerance:
+        status = Status.NOT_CONVERGED
+        note = (
+            f"Plastic strain and pressure settled to {found.residual:.1e} of the yield strain in "
+            f"{found.iterations} iterations."
+        )
+    return replace(
+        last,
+        status=status,
+        note=note,
+        residual=max(last.residual, found.residual),
+        iterations=sum(one.iterations for one in found.contacts),
+        convolutions=sum(one.convolutions for one in found.contacts),
+    )

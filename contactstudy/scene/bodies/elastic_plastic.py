@@ -1,0 +1,97 @@
+"""A body that yields under a load and keeps plastic strain after it."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from contactstudy.domain.checks import InvalidInput, in_range, in_range_from_zero, set_fields
+from contactstudy.domain.units import Number, Pascals
+from contactstudy.elasticity.coefficients import Coefficients
+from contactstudy.scene.bodies.solids import (
+    HalfSpace,
+    Inelastic,
+    Layered,
+    Surroundings,
+    poisson_ratio,
+)
+
+
+@dataclass(frozen=True)
+class ElasticPlasticHalfSpace:
+    """An elastic half-space that yields after von Mises, with linear hardening.
+
+    ``youngs_modulus`` [Pa] above zero and finite, ``poisson_ratio`` from above -1 to 0.5, ``yield_stress`` [Pa] in
+    tension, above zero; infinite, it is an elastic half-space. ``hardening_modulus`` [Pa] from 0 on, stress over plastic
+    strain in tension, makes the yield surface grow (isotropic hardening), ``kinematic_modulus`` moves it
+    (Prager's rule); with both at 0 the body is perfectly plastic. A scene with one has a history: see
+    :func:`~contactstudy.evolve`.
+    Raises :class:`~contactstudy.InvalidInput` for anything else, and in a scene with a hardness, friction, rolling,
+    or a coated or viscoelastic body.
+    """
+
+    youngs_modulus: Pascals
+    poisson_ratio: Number
+    yield_stress: Pascals
+    hardening_modulus: Pascals = 0.0
+    kinematic_modulus: Pascals = 0.0
+
+    def __post_init__(self) -> None:
+        name = "ElasticPlasticHalfSpace"
+        remedy = "give a modulus above 0 Pa, or a rigid HalfSpace for a body that does not yield"
+        modulus = in_range(f"{name}.youngs_modulus", self.youngs_modulus, remedy)
+        if self.yield_stress != math.inf:
+            remedy = "give a stress above 0 Pa, or inf for a body that does not yield"
+            set_fields(
+                self, yield_stress=in_range(f"{name}.yield_stress", self.yield_stress, remedy)
+            )
+        ratio = poisson_ratio(f"{name}.poisson_ratio", self.poisson_ratio)
+        set_fields(self, youngs_modulus=modulus, poisson_ratio=ratio)
+        for field in ("hardening_modulus", "kinematic_modulus"):
+            remedy = "give a modulus from 0 Pa on"
+            value = in_range_from_zero(f"{name}.{field}", getattr(self, field), remedy)
+            set_fields(self, **{field: value})
+
+    @property
+    def sudden(self) -> HalfSpace:
+        """The elastic half-space that it is before it yields."""
+        return HalfSpace(self.youngs_modulus, self.poisson_ratio)
+
+    @property
+    def compliance(self) -> float:
+        """(1 - nu^2) / E [1/Pa]."""
+        return self.sudden.compliance
+
+    def response(self, datum: float) -> Mapping[Coefficients, float]:
+        """Boussinesq's, before it yields."""
+        return self.sudden.response(datum)
+
+    @property
+    def yields(self) -> bool:
+        """Whether any load makes it yield."""
+        return self.yield_stress < math.inf
+
+    def check(self, scene: Surroundings) -> None:
+        """Raise :class:`~contactstudy.InvalidInput` for what is not known beside plastic strain."""
+        if not self.yields:
+            return
+        place = next(n for n, solid in enumerate(scene.solids) if solid is self)
+        other = scene.solids[1 - place]
+        kinds = (HalfSpace, ElasticPlasticHalfSpace)
+        if isinstance(other, Layered) or (
+            isinstance(other, Inelastic) and not isinstance(other, kinds)
+        ):
+            raise InvalidInput(
+                f"Scene.solids[{1 - place}] is a {type(other).__name__} beside a body that yields: how they "
+                "change together is not known here, give an elastic or a rigid HalfSpace."
+            )
+        if scene.hardness < math.inf:
+            raise InvalidInput(
+                f"Scene.hardness is {scene.hardness!r} beside a body that yields, which limits the pressure "
+                "by itself: leave the hardness out, or give an elastic HalfSpace."
+            )
+        for field, value in (("friction", scene.friction), ("rolling", scene.rolling)):
+            if value is not None:
+                raise InvalidInput(
+                    f"Scene.{field} is {value!r} beside a body that yields, whose stress is that of pressure "
+                    "alone here: leave it out."
+                )

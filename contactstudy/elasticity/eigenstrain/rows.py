@@ -1,0 +1,203 @@
+"""Plastic strain that varies along a period, on an axis across that goes on beyond the grid."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import ceil, log, pi
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft
+
+from contactstudy.domain.arrays import Array
+from contactstudy.domain.device import threads
+from contactstudy.elasticity.eigenstrain.antiplane import AntiplaneOperator
+from contactstudy.elasticity.eigenstrain.direction import Components
+from contactstudy.elasticity.eigenstrain.plane_strain import BASIS as PLANE
+from contactstudy.elasticity.eigenstrain.plane_strain import PlaneStrainOperator
+from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
+from contactstudy.elasticity.eigenstrain.waves import Complex, Waves
+
+# Those of plane strain, then sqrt(2) xy and sqrt(2) yz, in terms of xx, yy, zz, yz, xz, xy.
+BASIS = np.vstack((PLANE, np.eye(6)[[5, 3]] / 2**0.5))
+# What varies along the length with the wave number k dies out across like exp(-k |x|): it is cut off at this.
+WRAP = 1e-8
+# Complex numbers of a field that are worked through together.
+TOGETHER = 2**15
+
+
+@dataclass(frozen=True, eq=False)
+class RowOperator:
+    """An :class:`~contactstudy.elasticity.eigenstrain.volume.EigenstrainOperator` for more than one cell along.
+
+    The mean along the length is in plane strain and antiplane shear, in closed form on an infinite axis. What varies
+    along it is summed over waves that repeat across, in periods so long that a neighbour is felt by no more than
+    ``WRAP``. Waves longer than two cells act on all layers, shorter ones, which make the edges of cells, on their own
+    layer alone: either is an elastic energy, and so is their sum.
+    """
+
+    volume: Volume
+    moduli: Moduli
+
+    @property
+    def basis(self) -> Array:
+        """(5, 6)."""
+        return BASIS
+
+    def stress_of_strain(self, strain: Array) -> Array:
+        """B e."""
+        return self._from_strain(strain, Components.DEVIATOR, -1.0)
+
+    def tensor_of_strain(self, strain: Array) -> Array:
+        """(6, layers, x, y) [Pa]."""
+        return self._from_strain(strain, Components.TENSOR, 1.0)
+
+    def stress_of_pressure(self, pressure: Array) -> Array:
+        """S p."""
+        return self._from_pressure(pressure, Components.DEVIATOR)
+
+    def tensor_of_pressure(self, pressure: Array) -> Array:
+        """(6, layers, x, y) [Pa]."""
+        return self._from_pressure(pressure, Components.TENSOR)
+
+    def lift(self, strain: Array) -> Array:
+        """``S^T e`` (x, y) [m] on the whole grid."""
+        nx, ny = self.volume.grid.cells
+        mean = self._plane.lift(strain[:3].mean(axis=-1, keepdims=True))
+        along = np.zeros((nx, ny // 2 + 1), dtype=np.complex128)
+        along[:, 0] = ny * mean[:, 0]
+        for group, waves in self._grouped(strain):
+            found = fft.ifft(group.waves.lift(waves), axis=0, workers=threads())
+            along[group.window, group.orders] = found[group.around_window]
+        return np.asarray(fft.irfft(along, ny, axis=-1))
+
+    @cached_property
+    def self_blocks(self) -> Array:
+        """(layers, 5, 5) [Pa]."""
+        layers, _, ny = self.volume.shape
+        blocks = np.zeros((layers, 5, 5))
+        blocks[:, :3, :3] = self._plane.self_blocks / ny
+        blocks[:, 3:, 3:] = self._antiplane.self_blocks / ny
+        for group in self._groups:
+            blocks += group.waves.self_blocks(group.shares / ny)
+        return blocks
+
+    @property
+    def bytes(self) -> int:
+        """What it holds."""
+        return sum(group.waves.bytes for group in self._groups)
+
+    def _from_strain(self, strain: Array, components: Components, sign: float) -> Array:
+        """Stress by ``strain`` times ``sign``: the ``components`` asked for."""
+        layers, across, ny = self.volume.shape
+        plane = strain[:3].mean(axis=-1, keepdims=True)
+        along = np.zeros((len(components.value), layers, across, ny // 2 + 1), dtype=np.complex128)
+        shear = -sign * ny * self._antiplane(strain[3:].mean(axis=-1))
+        if components is Components.TENSOR:
+            along[..., :1] = (sign * ny) * self._plane.tensor_of_strain(plane)
+            along[5, ..., 0], along[3, ..., 0] = shear / 2**0.5
+        else:
+            along[:3, ..., :1] = (-sign * ny) * self._plane.stress_of_strain(plane)
+            along[3:, ..., 0] = shear
+        for group, waves in self._grouped(strain):
+            found = group.waves.stress(waves, components)
+            found *= sign
+            self._put(found, group, along)
+        return self._back(along)
+
+    def _from_pressure(self, pressure: Array, components: Components) -> Array:
+        layers, across, ny = self.volume.shape
+        waves = fft.rfft(pressure, axis=-1)
+        along = np.zeros((len(components.value), layers, across, ny // 2 + 1), dtype=np.complex128)
+        mean = pressure.mean(axis=-1, keepdims=True)
+        if components is Components.TENSOR:
+            along[..., :1] = ny * self._plane.tensor_of_pressure(mean)
+        else:
+            along[:3, ..., :1] = ny * self._plane.stress_of_pressure(mean)
+        for group in self._groups:
+            around = np.zeros((group.period, waves[:, group.orders].shape[1]), dtype=np.complex128)
+            around[group.around_window] = waves[group.window, group.orders]
+            around = fft.fft(around, axis=0, overwrite_x=True, workers=threads())
+            self._put(group.waves.stress_of_pressure(around, components), group, along)
+        return self._back(along)
+
+    def _put(self, waves: Complex, group: "_Group", along: Complex) -> None:
+        """Waves (components, layers, period, orders) across, on the cells of the volume."""
+        across = along.shape[2]
+        field = fft.ifft(waves, axis=2, overwrite_x=True, workers=threads())
+        along[..., group.orders] = field[:, :, :across]
+
+    def _back(self, along: Complex) -> Array:
+        ny = self.volume.grid.cells[1]
+        return np.asarray(fft.irfft(along, ny, axis=-1, workers=threads()))
+
+    def _grouped(self, strain: Array) -> Iterator[tuple["_Group", Complex]]:
+        """Waves (5, layers, period, orders) of ``strain``, group by group."""
+        along = fft.rfft(strain, axis=-1, workers=threads())
+        for group in self._groups:
+            orders = along[..., group.orders]
+            yield group, fft.fft(orders, group.period, axis=2, workers=threads())
+
+    @cached_property
+    def _plane(self) -> PlaneStrainOperator:
+        grid = self.volume.grid
+        alone = replace(grid, cells=(grid.cells[0], 1))
+        return PlaneStrainOperator(replace(self.volume, grid=alone), self.moduli)
+
+    @cached_property
+    def _antiplane(self) -> AntiplaneOperator:
+        return AntiplaneOperator(self.volume, self.moduli)
+
+    @cached_property
+    def _groups(self) -> tuple["_Group", ...]:
+        return tuple(_groups(self.volume, self.moduli))
+
+
+@dataclass(frozen=True, eq=False)
+class _Group:
+    """Waves along of the given ``orders``, and those across with a ``period`` in cells.
+
+    Pressure and displacement matter in a ``window`` of the grid, which lies in the period at ``around_window``, counted
+    from the first cell of the volume. ``shares`` (orders,) is 2 / period for waves that stand for their conjugates too.
+    """
+
+    orders: slice
+    period: int
+    window: slice
+    around_window: NDArray[np.intp]
+    shares: Array
+    waves: Waves
+
+
+def _groups(volume: Volume, moduli: Moduli) -> Iterator[_Group]:
+    """All waves along but their mean, in groups that are worked through together."""
+    layers, _, ny = volume.shape
+    (nx, _), (dx, _) = volume.grid.cells, volume.grid.cell
+    last = ny // 2
+    order = 1
+    while order <= last:
+        fading = ceil(-log(WRAP) * volume.grid.period / (2 * pi * order * dx))
+        window = slice(max(volume.first - fading, 0), min(volume.last + fading, nx))
+        reach = max(volume.last - window.start, window.stop - volume.first)
+        period = _odd(max(reach + fading, window.stop - window.start))
+        # those that fade a little sooner may share the period
+        count = max(1, min(TOGETHER // (layers * period), order if order < 8 else ny))
+        orders = slice(order, min(order + count, last + 1))
+        order = orders.stop
+        numbers = np.arange(float(orders.start), orders.stop)
+        yield _Group(
+            orders,
+            period,
+            window,
+            (np.arange(window.start, window.stop) - volume.first) % period,
+            np.where(2 * numbers == ny, 1, 2) / period,
+            Waves.of(volume, moduli, numbers, period),
+        )
+
+
+def _odd(count: int) -> int:
+    """An odd length of fast transforms: an even one has a wave whose direction is not known."""
+    count += 1 - count % 2
+    while fft.next_fast_len(count) != count:
+        count += 2
+    return count

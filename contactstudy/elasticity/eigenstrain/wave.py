@@ -1,0 +1,166 @@
+"""Stress of one wave along the surface of a half-space: under pressure, and by plastic strain constant in layers.
+
+A wave ``exp(i q n.x)`` has the wave number q and the direction ``n = (c, s, 0)``; ``t = (-s, c, 0)``. Fields depend
+on n and z alone, so that plane strain in (n, z) and antiplane shear along t do not couple. Tensors are given
+by nn, tt, zz, nz / i, nt, tz / i, where all coefficients are real.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import gammainc
+
+from contactstudy.domain.arrays import Array
+from contactstudy.elasticity.eigenstrain.volume import Moduli
+
+# q times a depth at which nothing is left, but that does not underflow.
+DEEPEST = 700.0
+# nn, tt, zz, nz / i, nt, tz / i
+Tensor = tuple[Array, Array, Array, Array, Array, Array]
+
+
+def means(ratio: Array) -> tuple[Array, Array]:
+    """Means of ``exp(-s)`` and ``s exp(-s)`` for s from 0 to ``ratio``, without cancellation."""
+    small = np.maximum(ratio, 1e-300)
+    return -np.expm1(-small) / small, gammainc(2.0, small) / small
+
+
+@dataclass(frozen=True, eq=False)
+class Sources:
+    """What plastic strain in a layer sends into the body, each field (layers, ..., waves).
+
+    Where strain jumps from a layer to the one below, waves ``(a + b q z) exp(-q z)`` of Airy's stress function and
+    ``c exp(-q z)`` of antiplane stress go down, and others up: these are linear in the jump. ``down`` and ``up``
+    are their amplitudes (a, b, c) for each layer's own strain. ``zz``, ``tt`` and ``tz`` are the stress
+    of a layer whose displacement does not change with depth; its other components are zero.
+    """
+
+    down: Array
+    up: Array
+    zz: Array
+    tt: Array
+    tz: Array
+
+    @classmethod
+    def of(cls, strain: Tensor, moduli: Moduli) -> "Sources":
+        """Those of ``strain``."""
+        nn, tt, zz, nz, nt, tz = strain
+        nu, shear, half = moduli.poisson_ratio, moduli.shear, moduli.plane_strain / 2
+        f = -half * (zz + nu * tt)
+        g = (half / 2) * (nn - zz)
+        h = -half * nz
+        down, up = np.empty((3, *nn.shape)), np.empty((3, *nn.shape))
+        for number, one in enumerate((f, g)):
+            np.add(h, one, out=down[number])
+            np.subtract(h, one, out=up[number])
+        np.subtract(nt, tz, out=down[2])
+        down[2] *= shear
+        np.add(nt, tz, out=up[2])
+        up[2] *= -shear
+        return cls(down, up, 2 * f, (2 * nu) * f - moduli.youngs_modulus * tt, (-2 * shear) * tz)
+
+
+@dataclass(frozen=True, eq=False)
+class Layer:
+    """How waves of the numbers q pass a layer: q times its thickness, their decay in it, their :func:`means`."""
+
+    ratio: Array
+    decay: Array
+    means: tuple[Array, Array]
+
+    @classmethod
+    def of(cls, ratio: Array) -> "Layer":
+        """With q times its thickness, (waves,)."""
+        return cls(ratio, np.exp(-ratio), means(ratio))
+
+    def passed(self, amplitudes: Array) -> Array:
+        """``amplitudes`` (a, b, c) after the layer."""
+        after = amplitudes * self.decay
+        after[0] += self.ratio * after[1]
+        return after
+
+
+def reflected(up: Array) -> Array:
+    """The amplitudes that a surface free of traction sends down for those that come ``up``."""
+    return np.stack((-up[0], up[1] - 2 * up[0], up[2]))
+
+
+def by_layers(sources: Sources, layers: Sequence[Layer], nu: float) -> Tensor:
+    """Means of the stress over each of ``layers``, from the surface on, (layers, ..., waves), by the strain of all.
+
+    One sweep up and one down: the work grows with the number of layers, not with its square.
+    """
+    count = len(layers)
+    up, down = np.empty_like(sources.up), np.empty_like(sources.down)
+    state = -sources.up[:, -1]
+    for number in range(count - 1, -1, -1):
+        up[:, number] = state
+        state = layers[number].passed(state)
+        state += sources.up[:, number]
+        if number:
+            state -= sources.up[:, number - 1]
+    state = reflected(state) + sources.down[:, 0]
+    for number in range(count):
+        down[:, number] = state
+        if number < count - 1:
+            state = layers[number].passed(state)
+            state += sources.down[:, number + 1]
+            state -= sources.down[:, number]
+    return _total(sources, down, up, layers, nu)
+
+
+def by_itself(sources: Sources, top: Array, layer: Layer, nu: float) -> Tensor:
+    """Means of the stress over a layer by its own plastic strain, (any, waves); q times the depth of its ``top``."""
+    above = Layer(top, np.exp(-top), (top, top))
+    to_surface = above.passed(sources.up + layer.passed(-sources.up))
+    down = sources.down + above.passed(reflected(to_surface))
+    return _total(sources, down, -sources.up, [layer], nu)
+
+
+def from_above(sources: Sources, source: Layer, gap: Array, layer: Layer, nu: float) -> Tensor:
+    """Means of the stress over a ``layer`` by strain in a ``source`` above it, far from the surface.
+
+    ``gap`` is q times the distance between them.
+    """
+    between = Layer(gap, np.exp(-gap), (gap, gap))
+    down = between.passed(source.passed(sources.down) - sources.down)
+    return _of_waves(down, np.zeros_like(down), layer.means, nu)
+
+
+def pressed(top: Array, layer: Layer, nu: float) -> Tensor:
+    """Means of the stress over a layer under a wave of unit pressure (waves,); q times the depth of its ``top``.
+
+    Source: Johnson (1985), sect. 2.2, summed to a wave.
+    """
+    decay = np.exp(-np.minimum(top, DEEPEST))
+    m0 = decay * layer.means[0]
+    m1 = decay * layer.means[1] + top * m0
+    none = np.zeros_like(m0)
+    return m1 - m0, -2 * nu * m0, -(m0 + m1), m1, none, none
+
+
+def _total(sources: Sources, down: Array, up: Array, layers: Sequence[Layer], nu: float) -> Tensor:
+    """Of waves ``down`` from the top of each layer and ``up`` from its bottom, and of its own strain."""
+    m0, m1 = layers[0].means
+    if any(layer is not layers[0] for layer in layers):
+        m0, m1 = (np.stack([one.means[order] for one in layers])[:, None] for order in (0, 1))
+    nn, tt, zz, nz, nt, tz = _of_waves(down, up, (m0, m1), nu)
+    tt += sources.tt
+    zz += sources.zz
+    tz += sources.tz
+    return nn, tt, zz, nz, nt, tz
+
+
+def _of_waves(down: Array, up: Array, m: tuple[Array, Array], nu: float) -> Tensor:
+    """Means over a layer, ``m`` those of :func:`means`."""
+    m0, m1 = m
+    both, apart = down + up, down - up
+    # exp(-q z) and q z exp(-q z) times their amplitudes
+    b = m0 * both[1]
+    zz = m0 * both[0]
+    zz += m1 * both[1]
+    apart[0] -= apart[1]
+    nz = m0 * apart[0]
+    nz += m1 * apart[1]
+    return zz - 2 * b, (-2 * nu) * b, -zz, nz, -m0 * both[2], -m0 * apart[2]

@@ -37,7 +37,7 @@ class StudyAccessor:
     """
 
     def __init__(self, dataset: xr.Dataset) -> None:
-        self._dataset = dataset.map(_without_units, keep_attrs=True)
+        self._dataset = _without_units(dataset)
 
     @property
     def axes(self) -> tuple[str, ...]:
@@ -123,10 +123,10 @@ class StudyAccessor:
         return self._dataset[one_of("variable", name, [str(n) for n in self._dataset.data_vars])]
 
 
-def _without_units(variable: xr.DataArray) -> xr.DataArray:
-    """Plain numbers of a variable that pint-xarray has quantified; stored units are kept as text."""
-    magnitude = getattr(variable.data, "magnitude", None)
-    return variable if magnitude is None else variable.copy(data=magnitude)
+def _without_units(dataset: xr.Dataset) -> xr.Dataset:
+    """Plain numbers of a dataset that pint-xarray has quantified, with the units as text."""
+    quantities = getattr(dataset, "pint", None)  # there where pint_xarray is imported
+    return dataset if quantities is None else quantities.dequantify(format="~D")
 
 
 def _slope(x: Array, y: Array) -> tuple[float, float]:

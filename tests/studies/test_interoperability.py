@@ -1,44 +1,90 @@
-"""Other libraries take our datasets, where they are installed."""
+"""Other libraries take our datasets, as the page on it says, where they are installed."""
 
+import os
+import re
+import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 import xarray as xr
 
-import contactstudy as cs
 import studies.accessor  # noqa: F401 (the accessor)
-from tests.conftest import LineContact
+from tests.test_readme import BLOCK, SAID
+
+PAGE = Path(__file__).parents[2] / "docs/how-to/interoperate.md"
+BLOCKS = BLOCK.findall(PAGE.read_text(encoding="utf-8"))
 
 
-@pytest.fixture
-def solved(line_contact: LineContact) -> xr.Dataset:
-    grid = line_contact.grid((16, 6), 1.2)
-    return cs.solve(line_contact.scene.problem(grid, cs.ExactPeriodicity())).to_dataset()
+@pytest.fixture(scope="module")
+def known(tmp_path_factory: pytest.TempPathFactory) -> dict[str, object]:
+    """The solution and the study that the page makes first, and their folder."""
+    folder = tmp_path_factory.mktemp("page")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        names: dict[str, object] = {}
+        exec(BLOCKS[0][1], names)
+    return names | {"folder": folder}
 
 
-def test_a_study_with_units_of_pint_gives_the_same_front(small_run: Path) -> None:
+@pytest.mark.filterwarnings("default")  # those of other libraries are theirs
+@pytest.mark.parametrize(
+    "library", ["cf_xarray", "pint_xarray", "zarr", "hvplot"], ids=lambda name: name
+)
+def test_the_block_of_a_library_prints_what_it_says(
+    library: str,
+    known: dict[str, object],
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    pytest.importorskip(library)
+    monkeypatch.chdir(known["folder"])
+    (block,) = (
+        text
+        for kind, text in BLOCKS
+        if kind == "py" and re.search(rf"^import {library}\b(?!\.units)", text, re.M)
+    )
+    exec(block, dict(known))
+    assert capsys.readouterr().out.splitlines() == SAID.findall(block)
+
+
+@pytest.mark.filterwarnings("default")
+def test_a_study_with_units_of_pint_gives_the_same_answers(known: dict[str, object]) -> None:
     pytest.importorskip("pint_xarray")
-    dataset = xr.load_dataset(small_run / "padding.nc")
-    numeric = dataset[[name for name, v in dataset.data_vars.items() if v.dtype.kind == "f"]]
-    kept = numeric.assign(case_status=dataset["case_status"])
-    plain = kept.study.pareto("pressure_error_l1")
-    quantified = kept.pint.quantify({"case_status": None}).study.pareto("pressure_error_l1")
-    assert plain.equals(quantified)
+    plain = known["dataset"]
+    assert isinstance(plain, xr.Dataset)
+    quantified = plain.pint.quantify()
+    assert not isinstance(quantified["solve_time"].data, type(plain["solve_time"].data))
+    for error in ("pressure_error_l1", "peak_pressure_error"):
+        assert quantified.study.pareto(error).equals(plain.study.pareto(error))
+    assert quantified.study.table().equals(plain.study.table())
+    order = {"padding": "exact", "period": 2.4, "images": 1}
+    assert quantified.study.order("pressure_error_l1", "grid", **order) == plain.study.order(
+        "pressure_error_l1", "grid", **order
+    )
 
 
-def test_zarr_gives_back_a_solution(solved: xr.Dataset, tmp_path: Path) -> None:
-    pytest.importorskip("zarr")
-    solved.to_zarr(tmp_path / "solved.zarr", consolidated=False)
-    found = xr.load_dataset(tmp_path / "solved.zarr", engine="zarr", consolidated=False)
-    xr.testing.assert_allclose(found, solved)
-
-
-def test_hvplot_maps_a_solution(solved: xr.Dataset) -> None:
-    pytest.importorskip("hvplot.xarray")
-    assert solved["pressure"].hvplot.image(x="x", y="y") is not None
-
-
-def test_pandas_gets_a_row_for_each_cell(solved: xr.Dataset) -> None:
-    frame = solved["pressure"].to_dataframe()
-    assert len(frame) == 16 * 6
-    assert frame["pressure"].max() == float(solved["pressure"].max())
+def test_snakemake_runs_the_rules_of_the_page_once(tmp_path: Path) -> None:
+    snakemake = shutil.which(
+        "snakemake", path=f"{Path(sys.executable).parent}:{os.environ['PATH']}"
+    )
+    if snakemake is None:
+        pytest.skip("snakemake is not installed")
+    (rules,) = (text for kind, text in BLOCKS if kind == "snakemake")
+    (tmp_path / "Snakefile").write_text(rules)
+    environment = os.environ | {
+        "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}",
+        "PYTHONPATH": str(PAGE.parents[2]),
+    }
+    for said in ("2 of 2 steps", "Nothing to be done"):
+        done = subprocess.run(
+            [snakemake, "--cores", "1"],
+            cwd=tmp_path,
+            env=environment,
+            capture_output=True,
+            text=True,
+        )
+        assert done.returncode == 0, done.stderr
+        assert said in done.stderr
+    assert (tmp_path / "outputs/padding/price.png").is_file()

@@ -27,4 +27,6 @@ def test_an_example_runs_and_its_number_holds(example: Path, tmp_path: Path) -> 
 def test_there_are_ten_examples_and_each_asserts_something() -> None:
     assert len(GALLERY) >= 10
     for example in GALLERY:
-        assert "\nassert " in example.read_text() or "    assert " in example.read_text(), example
+        assert "\nassert " in example.read_text(
+            encoding="utf-8"
+        ) or "    assert " in example.read_text(encoding="utf-8"), example

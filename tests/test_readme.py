@@ -50,13 +50,13 @@ def test_every_block_of_a_page_runs_and_prints_what_it_says(
     page: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     known: dict[str, object] = {}
-    for kind, block in BLOCK.findall((ROOT / page).read_text()):
+    for kind, block in BLOCK.findall((ROOT / page).read_text(encoding="utf-8")):
         capsys.readouterr()
         if kind == "sh":
             for line in block.splitlines():
                 command(line)
         elif "points =" in block:
-            Path("radius.py").write_text(block)
+            Path("radius.py").write_text(block, encoding="utf-8")
         elif kind == "python":  # "py" is for a cluster, or for libraries that are not needed
             exec(compile(block, page, "exec"), known)
             assert capsys.readouterr().out.splitlines() == SAID.findall(block)
@@ -64,15 +64,15 @@ def test_every_block_of_a_page_runs_and_prints_what_it_says(
 
 def test_pages_link_to_what_is_there() -> None:
     for page in PAGES:
-        for link in re.findall(r"\]\(([^)#\s]+)\)", (ROOT / page).read_text()):
+        for link in re.findall(r"\]\(([^)#\s]+)\)", (ROOT / page).read_text(encoding="utf-8")):
             if not any(part in link for part in ("gallery/", "reference/", "://")):
                 assert (ROOT / page).parent.joinpath(link).exists(), f"{page}: {link}"
 
 
 def test_own_study_keeps_the_law_it_shows() -> None:
-    text = (ROOT / "docs/how-to/own-study.md").read_text()
+    text = (ROOT / "docs/how-to/own-study.md").read_text(encoding="utf-8")
     block = next(block for _, block in BLOCK.findall(text) if "points =" in block)
-    Path("radius.py").write_text(block)
+    Path("radius.py").write_text(block, encoding="utf-8")
     own = load("radius.py").override({"radius": "0.01,0.02,0.04"})
     dataset = run(own, Path("outputs"), workers=0, repeats=1)
     peaks = dataset["peak_pressure"].values

@@ -1,7 +1,8 @@
 """How much memory there is, so that what cannot fit is refused before it is made."""
 
-import resource
 from contextlib import suppress
+from importlib import import_module
+from math import inf
 from pathlib import Path
 
 CGROUP = Path("/sys/fs/cgroup")
@@ -9,20 +10,37 @@ CGROUP = Path("/sys/fs/cgroup")
 
 def available_bytes() -> float:
     """Memory that this process may still take [bytes]; infinite where the system does not say."""
-    found = [float("inf")]
-    with suppress(OSError, ValueError, IndexError):
-        for line in Path("/proc/meminfo").read_text().splitlines():
-            name, _, amount = line.partition(":")
-            if name in ("MemAvailable", "SwapFree"):
-                found[0] = (0.0 if found[0] == float("inf") else found[0]) + 1024 * float(
-                    amount.split()[0]
-                )
+    return max(min(_of_system(), _of_container(), _of_process()), 0.0)
+
+
+def _of_system() -> float:
+    """Free memory and swap: of Linux by itself, of other systems by psutil where that is installed."""
+    with suppress(OSError, ValueError, IndexError, KeyError):
+        lines = Path("/proc/meminfo").read_text(encoding="utf-8").splitlines()
+        amounts = {name: rest.split() for name, _, rest in (line.partition(":") for line in lines)}
+        return 1024 * sum(float(amounts[name][0]) for name in ("MemAvailable", "SwapFree"))
+    with suppress(ImportError, OSError):
+        psutil = import_module("psutil")
+        return float(psutil.virtual_memory().available + psutil.swap_memory().free)
+    return inf
+
+
+def _of_container() -> float:
     with suppress(OSError, ValueError):
-        limit = float((CGROUP / "memory.max").read_text())
-        found.append(limit - float((CGROUP / "memory.current").read_text()))
-    soft, _ = resource.getrlimit(resource.RLIMIT_AS)
-    if soft != resource.RLIM_INFINITY:
-        with suppress(OSError, ValueError, IndexError):
-            pages = int(Path("/proc/self/statm").read_text().split()[0])
-            found.append(float(soft - pages * resource.getpagesize()))
-    return max(min(found), 0.0)
+        limit, used = (
+            float((CGROUP / f"memory.{name}").read_text(encoding="utf-8"))
+            for name in ("max", "current")
+        )
+        return limit - used
+    return inf
+
+
+def _of_process() -> float:
+    """What is left of its address space, where the system limits that."""
+    with suppress(ImportError, OSError, ValueError, IndexError):
+        resource = import_module("resource")
+        soft, _ = resource.getrlimit(resource.RLIMIT_AS)
+        if soft != resource.RLIM_INFINITY:
+            pages = int(Path("/proc/self/statm").read_text(encoding="utf-8").split()[0])
+            return float(soft - pages * resource.getpagesize())
+    return inf

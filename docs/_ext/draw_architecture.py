@@ -26,7 +26,7 @@ def imports() -> set[tuple[str, str]]:
         for file in (ROOT / package).rglob("*.py"):
             module = ".".join(file.relative_to(ROOT).with_suffix("").parts)
             here = folder_of(module)
-            for node in ast.walk(ast.parse(file.read_text())):
+            for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
                 names = [node.module] if isinstance(node, ast.ImportFrom) and node.module else []
                 names += (
                     [alias.name for alias in node.names] if isinstance(node, ast.Import) else []

@@ -39,7 +39,9 @@ def group_of(name: str) -> str:
 
 MODULES = {
     alias.name: node.module or ""
-    for node in ast.walk(ast.parse(Path(cs.__file__).with_suffix(".pyi").read_text()))
+    for node in ast.walk(
+        ast.parse(Path(cs.__file__).with_suffix(".pyi").read_text(encoding="utf-8"))
+    )
     if isinstance(node, ast.ImportFrom)
     for alias in node.names
 }
@@ -163,7 +165,7 @@ def _plain(hint: Any) -> list[type]:
 
 def studies(variables: Path) -> str:
     """A page with every study, its axes and its variables."""
-    stored = json.loads(variables.read_text()) if variables.is_file() else {}
+    stored = json.loads(variables.read_text(encoding="utf-8")) if variables.is_file() else {}
     text = ["# Studies", "", "Every axis is an option of `contactstudy run`.", ""]
     for name in [*BUILT_IN, *OPTIONAL]:
         study = load(name)
@@ -217,7 +219,7 @@ def write(app: Sphinx) -> None:
     }
     for name, text in pages.items():
         path = folder / f"{name}.md"
-        if not path.is_file() or path.read_text() != text:
+        if not path.is_file() or path.read_text(encoding="utf-8") != text:
             path.write_text(text)
 
 

@@ -1,12 +1,19 @@
 """Entry point of the command; it imports little, so that Ctrl-C works from the start."""
 
 import sys
+from io import TextIOWrapper
 
 from contactstudy.domain.imports import missing_package
 
 
 def main() -> None:
     """Import the rest and run it."""
+    for stream in (
+        sys.stdout,
+        sys.stderr,
+    ):  # a file on Windows may be in an encoding without a letter
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="replace")
     try:
         from studies.cli.commands import main as run
 

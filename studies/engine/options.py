@@ -1,5 +1,6 @@
 """How a study is run."""
 
+import signal
 from dataclasses import dataclass
 
 from contactstudy import InvalidInput
@@ -46,3 +47,8 @@ class RunOptions:
             one_of(name, getattr(self, name), choices)
         if self.time_limit is not None and not self.time_limit > 0:
             raise InvalidInput(f"time_limit is {self.time_limit!r}: give seconds above 0.")
+        if self.time_limit and not (self.workers or self.scheduler or hasattr(signal, "setitimer")):
+            raise InvalidInput(
+                f"time_limit is {self.time_limit!r} and workers is 0: this system cannot interrupt a case in its "
+                "own process; give workers=1 or more."
+            )

@@ -1,6 +1,5 @@
 """Ctrl-C, and the signals that end a process, end a run where nothing is half done."""
 
-import os
 import signal
 import threading
 from collections.abc import Callable, Iterator
@@ -10,7 +9,12 @@ from typing import Any, Self
 
 from studies.engine.workers.compute import StopRun
 
-SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+# those that this system has
+SIGNALS = tuple(
+    getattr(signal, name)
+    for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
+    if hasattr(signal, name)
+)
 PATIENCE = 3  # times that somebody asks before the process ends wherever it is
 
 
@@ -69,7 +73,7 @@ class Stop:
         self.signal, self._came = number, self._came + 1
         if self._came >= PATIENCE:
             signal.signal(number, signal.SIG_DFL)
-            os.kill(os.getpid(), number)
+            signal.raise_signal(number)
         self._wake()
         if self._raises:
             self._raises = False

@@ -46,7 +46,7 @@ def source_fingerprint(core: Path) -> str:
     for path in sorted(core.rglob("*.py")):
         name = path.relative_to(core)
         if name.parts[0] not in NOT_NUMERICAL:
-            tree = _without_docstrings(ast.parse(path.read_text()))
+            tree = _without_docstrings(ast.parse(path.read_text(encoding="utf-8")))
             digest.update(f"{name} {ast.dump(tree)}".encode())
     return digest.hexdigest()[:12]
 

@@ -17,6 +17,7 @@ import xarray as xr
 from contactstudy import InvalidInput
 from studies.model.outcome import CaseStatus, Failure, Outcome
 from studies.model.timing_samples import Sample
+from studies.store.files.descriptor import open_descriptor, read_at
 from studies.store.files.partial_file import reason, replacing
 from studies.store.identity import Tree, differences, text
 from studies.store.lines.encoding import VariableTypes
@@ -95,7 +96,7 @@ class _Source:
 
     def line(self, record: Record) -> dict[str, Any]:
         parts, start, lacking = [], record.start, record.size
-        while lacking and (part := os.pread(self.descriptor, lacking, start)):
+        while lacking and (part := read_at(self.descriptor, lacking, start)):
             parts.append(part)
             start, lacking = start + len(part), lacking - len(part)
         line = decoded(b"".join(parts))
@@ -173,8 +174,7 @@ class Journal:
                 self._set_first_format_aside()
             elif self._damaged:
                 self._set_aside()
-            flags = os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_NOFOLLOW | os.O_CLOEXEC
-            self._keep_open(os.open(self.path, flags, 0o666))
+            self._keep_open(open_descriptor(self.path, os.O_RDWR | os.O_CREAT | os.O_APPEND))
             os.ftruncate(self._descriptor, self._end)
             if self._lacks_line_feed:
                 self._write_bytes(b"\n")
@@ -339,8 +339,7 @@ class Journal:
         self._damaged: list[tuple[int, int]] = []
         self._is_first_format = self._lacks_line_feed = False
         try:
-            flags = os.O_RDONLY | os.O_NOFOLLOW | os.O_CLOEXEC | os.O_NONBLOCK
-            self._keep_open(os.open(self.path, flags))
+            self._keep_open(open_descriptor(self.path, os.O_RDONLY))
             with open(self._descriptor, "rb", closefd=False) as file:
                 self._take_all(file)
         except FileNotFoundError:
@@ -453,8 +452,7 @@ class Journal:
     def _set_aside(self) -> None:
         """Move damaged lines to a file of their own, and let the journal be what remains."""
         damaged = self.path.with_name(f"{self.path.name}.damaged")
-        flags = os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_NOFOLLOW | os.O_CLOEXEC
-        aside = os.open(damaged, flags, 0o666)
+        aside = open_descriptor(damaged, os.O_WRONLY | os.O_CREAT | os.O_APPEND)
         with (
             open(aside, "ab") as file,  # noqa: PTH123 (a descriptor)
             replacing(self.path) as partial,
@@ -462,12 +460,13 @@ class Journal:
         ):
             at = 0
             for start, size in (*sorted(self._damaged), (self._end, 0)):
-                mended.write(os.pread(self._descriptor, start - at, at))
-                file.write(os.pread(self._descriptor, size, start))
+                mended.write(read_at(self._descriptor, start - at, at))
+                file.write(read_at(self._descriptor, size, start))
                 at = start + size
             for written in (file, mended):
                 written.flush()
                 os.fsync(written.fileno())
+            self._close()  # Windows replaces no open file
         lines = len(self._damaged)
         self._read()
         self.notes.append(
@@ -477,6 +476,7 @@ class Journal:
     def _set_first_format_aside(self) -> None:
         names = (f"{self.path.name}.format1{end}" for end in chain([""], map(str, count(2))))
         old = next(path for path in map(self.path.with_name, names) if not path.exists())
+        self._close()
         self.path.rename(old)
         self._read()
         self.notes.append(

@@ -127,7 +127,7 @@ def test_a_journal_without_checksums_is_set_aside_in_a_sentence(tmp_path: Path) 
     said: list[str] = []
     dataset = run(study(plain(tmp_path), [1, 2]), tmp_path, options=ALONE, log=said.append)
     assert any("older format without checksums; it is set aside as" in line for line in said)
-    assert (tmp_path / "victim.journal.jsonl.format1").read_text() == old
+    assert (tmp_path / "victim.journal.jsonl.format1").read_text(encoding="utf-8") == old
     assert (dataset["case_status"] == CaseStatus.OK).all()
 
 
@@ -139,7 +139,7 @@ def test_a_file_that_is_no_journal_is_left_as_it_is(foreign: str, tmp_path: Path
     path.write_text(foreign)
     with pytest.raises(InvalidInput, match="is not a journal of this program: move the file away"):
         run(study(plain(tmp_path), [1]), tmp_path, options=ALONE, log=quiet)
-    assert path.read_text() == foreign
+    assert path.read_text(encoding="utf-8") == foreign
 
 
 @pytest.mark.parametrize("name", ["victim.journal.jsonl", ".victim.lock"])
@@ -151,4 +151,4 @@ def test_a_link_is_not_followed(name: str, tmp_path: Path) -> None:
     (folder / name).symlink_to(victim)
     with pytest.raises(InvalidInput, match="it is a symbolic link, which is not followed"):
         run(study(plain(tmp_path), [1]), folder, options=ALONE, log=quiet)
-    assert victim.read_text() == "precious"
+    assert victim.read_text(encoding="utf-8") == "precious"

@@ -53,7 +53,7 @@ def stages(path: str, *, wide: bool = False) -> list[list[str]]:
 def fate(mutation: Mutation, copy: Path, *, wide: bool) -> str:
     """Whether the change was noticed, at the first of the stages that does."""
     target = copy / mutation.path
-    before = target.read_text()
+    before = target.read_text(encoding="utf-8")
     target.write_text(mutation.applied(before))
     try:
         for tests in stages(mutation.path, wide=wide):

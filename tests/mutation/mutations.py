@@ -125,7 +125,7 @@ def chosen(root: Path, count: int, seed: int, only: str = "") -> list[Mutation]:
     for path in sorted([*root.glob("contactstudy/**/*.py"), *root.glob("studies/**/*.py")]):
         name = path.relative_to(root).as_posix()
         if name.startswith(only):
-            found = mutations(name, path.read_text())
+            found = mutations(name, path.read_text(encoding="utf-8"))
             of_modules.append(rng.sample(found, len(found)))
     rng.shuffle(of_modules)
     turns = [one for turn in zip_longest(*of_modules) for one in turn if one is not None]

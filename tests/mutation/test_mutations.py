@@ -37,7 +37,7 @@ def test_a_hundred_changes_are_the_same_each_time_spread_over_modules_and_valid(
     assert len(set(found)) == 100
     assert len({one.path for one in found}) > 60
     for one in found:
-        text = (ROOT / one.path).read_text()
+        text = (ROOT / one.path).read_text(encoding="utf-8")
         assert ast.dump(ast.parse(one.applied(text))) != ast.dump(ast.parse(text)), one
 
 

@@ -6,11 +6,11 @@ a case has forked may write, or what is left of a message, cannot be taken for t
 
 import hashlib
 import secrets
-import select
 import socket
 import struct
 from collections.abc import Callable
 from dataclasses import dataclass
+from multiprocessing.connection import wait
 from time import monotonic
 
 KEY = 16  # bytes
@@ -54,8 +54,6 @@ class Channel:
 
     def __init__(self, end: socket.socket) -> None:
         self._end = end
-        self._poll = select.poll()
-        self._poll.register(end, select.POLLIN)
 
     def close(self) -> None:
         """Close this end, in this process."""
@@ -96,8 +94,8 @@ class Channel:
     def wait(self, seconds: float) -> bool:
         """Whether something can be read within so many seconds."""
         try:
-            return bool(self._poll.poll(1000 * min(seconds, LONGEST_WAIT)))
-        except OSError:  # closed in this process: reading says so
+            return bool(wait([self._end], min(seconds, LONGEST_WAIT)))
+        except (OSError, ValueError):  # closed in this process: reading says so
             return True
 
     def _read(self, size: int, until: float | None, is_alive: Callable[[], bool]) -> bytes:

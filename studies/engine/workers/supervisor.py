@@ -13,6 +13,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from time import monotonic, perf_counter
 from typing import Any
 
@@ -29,8 +30,8 @@ from studies.engine.workers.channel import (
     new_key,
 )
 from studies.engine.workers.compute import failed, timed_out
-from studies.engine.workers.descendants import MARK, end_all
 from studies.engine.workers.messages import REQUEST, REQUEST_KEY, SETUP, Order, Setup, Task
+from studies.engine.workers.process import end_all, start
 from studies.model.case import Computation
 from studies.model.outcome import CaseStatus, Failure, Outcome
 from studies.model.timing_samples import Sample
@@ -38,9 +39,7 @@ from studies.model.timing_samples import Sample
 START = 120.0  # seconds in which a new process must be ready
 STARTS = 3  # processes that may end before their first case
 # sent from outside, by a person or for want of memory; a second process shows whether the case was to blame
-FROM_OUTSIDE = frozenset(
-    {signal.SIGTERM, signal.SIGKILL, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT}
-)
+FROM_OUTSIDE = frozenset({"SIGTERM", "SIGKILL", "SIGINT", "SIGHUP", "SIGQUIT"})
 Answer = Outcome | Sample | Failure
 
 
@@ -52,7 +51,7 @@ class WorkerSupervisor:
         self._limit: float | None = pickle.loads(work).time_limit
         self._process: subprocess.Popen[bytes] | None = None
         self._channel: Channel | None = None
-        self._leash, self._mark = -1, ""
+        self._mark = ""
         self._lock = threading.Lock()
         self._over = threading.Event()
 
@@ -147,8 +146,7 @@ class WorkerSupervisor:
             return timed_out(order.limit, "unknown", perf_counter() - start)
         except ClosedError:
             self._kill(wait=2.0)
-            code = process.returncode
-            if code is not None and code < 0 and -code in FROM_OUTSIDE:
+            if _signal(process.returncode) in FROM_OUTSIDE:
                 return None
             return self._killed(process, start)
         except (ForgedError, pickle.UnpicklingError, EOFError, AttributeError, ImportError):
@@ -188,27 +186,14 @@ class WorkerSupervisor:
 
     def _start(self) -> tuple[Channel, subprocess.Popen[bytes]]:
         self._channel, theirs = channel_pair()
-        read, self._leash = os.pipe()
         self._mark = secrets.token_hex(8)
-        ends = theirs.fileno(), read
-        words = [str(number) for number in (*ends, os.getpid())]
         with theirs:
             try:
-                # -P: a file of the user's may be called like a module of Python's; its own
-                # session: a terminal's Ctrl-C is for the parent
-                self._process = subprocess.Popen(
-                    [sys.executable, "-P", "-m", "studies.engine.workers.worker", *words],
-                    stdin=subprocess.DEVNULL,
-                    pass_fds=ends,
-                    start_new_session=True,
-                    env=os.environ | {MARK: self._mark},
-                )
+                self._process = start(theirs, self._mark)
             except OSError as error:
                 raise InvalidInput(
                     f"A worker process cannot be started ({error.strerror}): give fewer with --workers."
                 ) from None
-            finally:
-                os.close(read)
         return self._channel, self._process
 
     def _set_up(self, channel: Channel, process: subprocess.Popen[bytes]) -> None:
@@ -226,17 +211,17 @@ class WorkerSupervisor:
 
     def _kill(self, wait: float = 0.0) -> None:
         with self._lock:
-            process, channel, leash = self._process, self._channel, self._leash
+            process, channel = self._process, self._channel
             self._process = self._channel = None
-            self._leash = -1
         if process is not None:
             until = monotonic() + wait
             while not _has_ended(process) and monotonic() < until:
                 threading.Event().wait(0.01)
             end_all(process.pid, self._mark)
             process.wait()
-        if leash >= 0:
-            os.close(leash)
+            assert process.stdin is not None
+            with suppress(OSError):
+                process.stdin.close()
         if channel is not None and not self._over.is_set():
             channel.close()
 
@@ -267,7 +252,11 @@ def _has_ended(process: subprocess.Popen[Any]) -> bool:
 
 def _ending(code: int | None) -> str:
     """How a process ended, in words."""
-    if code is None or code >= 0:
-        return f"ended with exit code {code}"
-    hint = ", perhaps for want of memory" if -code == signal.SIGKILL else ""
-    return f"was ended by {signal.Signals(-code).name}{hint}"
+    name = _signal(code)
+    hint = ", perhaps for want of memory" if name == "SIGKILL" else ""
+    return f"was ended by {name}{hint}" if name else f"ended with exit code {code}"
+
+
+def _signal(code: int | None) -> str:
+    """The name of the signal that ended a process; empty where none did."""
+    return signal.Signals(-code).name if code is not None and code < 0 else ""

@@ -3,7 +3,6 @@
 import os
 import pickle
 import signal
-import socket
 import sys
 import threading
 from typing import Any
@@ -12,8 +11,8 @@ from threadpoolctl import threadpool_limits
 
 from studies.engine.workers.channel import Address, Channel, ClosedError, ForgedError
 from studies.engine.workers.compute import compute, failed, timed, warm_up
-from studies.engine.workers.descendants import MARK, end_all
 from studies.engine.workers.messages import REQUEST, REQUEST_KEY, SETUP, Order, Setup
+from studies.engine.workers.process import MARK, end_all, take_over
 from studies.model.outcome import Outcome, Work
 
 IDLE = 120.0  # seconds without a request after which it ends
@@ -22,12 +21,10 @@ IDLE = 120.0  # seconds without a request after which it ends
 def main() -> None:
     """Answer the supervisor's requests, in their order."""
     own = os.getpid()
-    end, leash, supervisor = (int(word) for word in sys.argv[1:])
-    # what a case starts inherits neither
-    for descriptor in (end, leash):
-        os.set_inheritable(descriptor, False)  # noqa: FBT003 (the system's own way)
-    channel = Channel(socket.socket(fileno=end))
-    os.register_at_fork(after_in_child=channel.close)
+    end, supervisor, leash = take_over()
+    channel = Channel(end)
+    if hasattr(os, "register_at_fork"):
+        os.register_at_fork(after_in_child=channel.close)
     threading.Thread(target=_end_with_supervisor, args=(leash,), daemon=True).start()
     # an interrupt from outside ends the process, and is no error of the case
     signal.signal(signal.SIGINT, signal.SIG_DFL)

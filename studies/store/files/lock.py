@@ -1,7 +1,6 @@
 """One run at a time on one study's output."""
 
 import errno
-import fcntl
 import json
 import os
 import socket
@@ -11,7 +10,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from contactstudy import InvalidInput
-from studies.store.files.partial_file import reason
+from studies.store.files.descriptor import lock, open_descriptor, read_at, write_whole
+from studies.store.files.partial_file import is_alive, reason
 
 UNSUPPORTED = frozenset({errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP, errno.EINVAL})
 
@@ -34,7 +34,7 @@ def locked(path: Path, log: Callable[[str], object]) -> Iterator[None]:
     try:
         yield
     finally:
-        with suppress(OSError):
+        with suppress(OSError):  # Windows removes no open file: there it stays, unlocked
             # only ours: the folder may have been removed, and made again by another run
             if _is_at(descriptor, path):
                 path.unlink()
@@ -44,8 +44,7 @@ def locked(path: Path, log: Callable[[str], object]) -> Iterator[None]:
 def _acquired(path: Path, log: Callable[[str], object]) -> int:
     said = False
     while True:
-        flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC
-        descriptor = os.open(path, flags, 0o666)
+        descriptor = open_descriptor(path, os.O_RDWR | os.O_CREAT)
         try:
             holder = _lock(descriptor, path, wait=said)
             # the last holder may have removed the file between our opening and our locking it
@@ -64,7 +63,7 @@ def _acquired(path: Path, log: Callable[[str], object]) -> int:
 def _lock(descriptor: int, path: Path, *, wait: bool) -> str | None:
     """None once it is locked, or else who holds it."""
     try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX if wait else fcntl.LOCK_EX | fcntl.LOCK_NB)
+        lock(descriptor, wait=wait)
     except BlockingIOError:
         return _who(_signature(descriptor))
     except OSError as error:
@@ -91,13 +90,12 @@ def _sign(descriptor: int) -> None:
     now = datetime.now(UTC).isoformat(timespec="seconds")
     held = {"pid": os.getpid(), "host": socket.gethostname(), "since": now}
     with suppress(OSError):  # on a full disk it is a lock all the same
-        os.ftruncate(descriptor, 0)
-        os.pwrite(descriptor, json.dumps(held).encode(), 0)
+        write_whole(descriptor, json.dumps(held).encode())
 
 
 def _signature(descriptor: int) -> dict[str, object] | None:
     try:
-        held = json.loads(os.pread(descriptor, 1000, 0))
+        held = json.loads(read_at(descriptor, 1000, 0))
         return {"pid": int(held["pid"]), "host": str(held["host"]), "since": str(held["since"])}
     except (OSError, ValueError, KeyError, TypeError):  # it has only just been taken
         return None
@@ -112,10 +110,4 @@ def _who(held: dict[str, object] | None) -> str:
 def _may_be_alive(held: dict[str, object]) -> bool:
     if held["host"] != socket.gethostname():
         return True
-    try:
-        os.kill(int(str(held["pid"])), 0)
-    except (ProcessLookupError, OverflowError):
-        return False
-    except PermissionError:
-        return True
-    return held["pid"] != os.getpid()
+    return is_alive(int(str(held["pid"])))

@@ -30,18 +30,18 @@ def remove_partial_files(folder: Path) -> None:
     with suppress(OSError):
         for path in (*folder.glob(".*.partial*"), *folder.glob("*/.*.partial*")):
             named = NAME.match(path.name)
-            if named and not _is_alive(int(named[1])):
+            if named and not is_alive(int(named[1])):
                 path.unlink(missing_ok=True)
 
 
-def _is_alive(process: int) -> bool:
+def is_alive(process: int) -> bool:
+    """Whether another process has this number."""
+    import psutil  # for those who find such a file
+
     try:
-        os.kill(process, 0)
-    except (ProcessLookupError, OverflowError):
+        return bool(psutil.pid_exists(process)) and process != os.getpid()
+    except OverflowError:
         return False
-    except PermissionError:
-        return True
-    return process != os.getpid()
 
 
 def reason(error: Exception, path: Path | None = None) -> str:

@@ -91,7 +91,7 @@ def test_a_surface_read_from_a_file_is_named_by_it(tmp_path: Path) -> None:
     for laid in (read, read.turned()):
         written = scene(cs.Cylinder(0.01), laid)
         assert read_back(written, tmp_path).scene == written
-        assert "ground.nc" in (tmp_path / "scene.toml").read_text()
+        assert "ground.nc" in (tmp_path / "scene.toml").read_text(encoding="utf-8")
 
 
 def test_a_shape_of_ones_own_is_refused_by_name(tmp_path: Path) -> None:

@@ -148,7 +148,9 @@ def test_an_interrupt_ends_in_one_sentence_and_leaves_nothing_half_written(
     )  # fmt: skip
     assert running.stdout is not None
     assert "distinct cases" in running.stdout.readline()
-    while written and not (journal.exists() and f'"{written}":' in journal.read_text()):
+    while written and not (
+        journal.exists() and f'"{written}":' in journal.read_text(encoding="utf-8")
+    ):
         with suppress(subprocess.TimeoutExpired):
             running.wait(timeout=0.01)
             raise AssertionError(running.communicate())

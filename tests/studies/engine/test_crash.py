@@ -65,7 +65,7 @@ def start(tmp_path: Path) -> Iterator[Start]:
 
 
 def lines(path: Path) -> list[str]:
-    return path.read_text().splitlines() if path.exists() else []
+    return path.read_text(encoding="utf-8").splitlines() if path.exists() else []
 
 
 def journalled(folder: Path) -> int:

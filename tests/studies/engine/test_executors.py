@@ -102,7 +102,7 @@ def test_what_workers_had_finished_when_a_run_was_stopped_is_not_lost(tmp_path: 
     def finished(number: int, outcome: Outcome) -> None:
         found[number] = outcome
         if len(found) == 1:
-            while len(log.read_text().splitlines()) < len(cases):
+            while len(log.read_text(encoding="utf-8").splitlines()) < len(cases):
                 os.sched_yield()
             raise KeyboardInterrupt
 

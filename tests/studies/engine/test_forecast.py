@@ -22,7 +22,7 @@ from tests.studies.engine import trouble
 STORED = [
     Observation(tree, known)
     for tree, known in json.loads(
-        (Path(__file__).parents[2] / "reference" / "case_costs.json").read_text()
+        (Path(__file__).parents[2] / "reference" / "case_costs.json").read_text(encoding="utf-8")
     )["cases"]
 ]
 

@@ -65,9 +65,9 @@ def test_stored_times_are_not_taken_again_unless_asked(tmp_path: Path) -> None:
     study = trouble.study([1.0, 2.0], log=str(log))
 
     def times(settings: RunOptions) -> tuple[np.ndarray, int]:
-        before = len(log.read_text().splitlines()) if log.exists() else 0
+        before = len(log.read_text(encoding="utf-8").splitlines()) if log.exists() else 0
         data = run(study, tmp_path, options=settings, log=quiet)["solve_time_all"].values
-        return data, len(log.read_text().splitlines()) - before
+        return data, len(log.read_text(encoding="utf-8").splitlines()) - before
 
     once = RunOptions(workers=0, repeats=2)
     first, _ = times(once)
@@ -125,7 +125,7 @@ def test_a_study_that_wants_no_times_is_not_timed(tmp_path: Path) -> None:
     log = tmp_path / "log"
     study = replace(trouble.study([1.0, 2.0], log=str(log)), times="none")
     dataset = run(study, tmp_path, options=RunOptions(workers=0), log=quiet)
-    assert len(log.read_text().splitlines()) == 2
+    assert len(log.read_text(encoding="utf-8").splitlines()) == 2
     assert dataset["contended"].values.tolist() == [2, 2]
     with pytest.raises(InvalidInput, match=r"^times is 'some'"):
         replace(study, times="some")

@@ -36,7 +36,7 @@ class Trouble:
 
     def run(self, prepared: float) -> float:
         if self.log:
-            with Path(self.log).open("a") as file:
+            with Path(self.log).open("a", encoding="utf-8") as file:
                 file.write(f"{self.number}\n")
         if self.seconds:
             time.sleep(self.seconds)
@@ -71,6 +71,6 @@ def study(
     return Study("trouble", "Twenty cases.", (axis,), scene_at, measures)
 
 
-RAISING_LINE = 1 + Path(__file__).read_text().split("\n").index(
+RAISING_LINE = 1 + Path(__file__).read_text(encoding="utf-8").split("\n").index(
     "            raise ArithmeticError(SAYS)"
 )

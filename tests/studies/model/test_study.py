@@ -55,7 +55,7 @@ def test_a_study_may_stand_in_a_file(study_file: Path) -> None:
 
 @pytest.mark.parametrize("part", ["points", "scene_at", "measures"])
 def test_a_study_without_one_of_its_names_is_refused(study_file: Path, part: str) -> None:
-    study_file.write_text(FILE + f"\ndel {part}\n")
+    study_file.write_text(FILE + f"\ndel {part}\n", encoding="utf-8")
     with pytest.raises(InvalidInput, match=f"has no '{part}'"):
         load(str(study_file))
 

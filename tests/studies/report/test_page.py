@@ -73,7 +73,7 @@ class Page(HTMLParser):
 
 
 def test_report_stands_alone_and_its_links_lead_somewhere(out: Path) -> None:
-    text = (out / "report.html").read_text()
+    text = (out / "report.html").read_text(encoding="utf-8")
     page = Page()
     page.feed(text)
     assert page.open == []
@@ -96,7 +96,7 @@ def test_every_study_leaves_netcdf_png_and_pdf(out: Path) -> None:
 
 
 def test_report_examines_the_two_claims_with_measured_numbers(out: Path) -> None:
-    text = (out / "report.html").read_text()
+    text = (out / "report.html").read_text(encoding="utf-8")
     assert "n ≥ 6 gives very similar results" in text
     assert "Independent of the domain extent" in text
     assert "On a rough surface a padding has the same error as on a smooth one" in text
@@ -106,7 +106,7 @@ def test_report_examines_the_two_claims_with_measured_numbers(out: Path) -> None
 
 
 def test_report_has_a_summary_then_every_study_in_order(out: Path) -> None:
-    text = (out / "report.html").read_text()
+    text = (out / "report.html").read_text(encoding="utf-8")
     summary, contents, *sections = re.split(r"<nav |<section ", text)
     assert [
         re.search('aria-labelledby="(.*?)"', section)[1]  # type: ignore[index]
@@ -134,7 +134,7 @@ def test_a_study_slots_in_with_what_it_says(
     monkeypatch.setattr(report, "BUILT_IN", ("speed",))
     monkeypatch.setattr(report, "load", lambda name: new)
     monkeypatch.setattr(report, "load_drawing", lambda name: drawing)
-    text = report.write(tmp_path).read_text()
+    text = report.write(tmp_path).read_text(encoding="utf-8")
     assert '<h2 id="speed">Something new</h2>' in text
     assert text.count("A &lt; B") == 2  # in the summary, and in its section
     assert re.findall(r'<dt class="question">(.*?)</dt>', text) == ["Which is it?", "Speed"]

@@ -105,7 +105,9 @@ def _width(dataset: xr.Dataset) -> float:
 
 def test_points_that_are_stored_are_not_solved_again(rough: Path, tmp_path: Path) -> None:
     rough.write_text(
-        rough.read_text() + '\n[grid]\ncells = [32, 32]\nextent = ["0.5 mm", "0.48 mm"]\n'
+        rough.read_text(encoding="utf-8")
+        + '\n[grid]\ncells = [32, 32]\nextent = ["0.5 mm", "0.48 mm"]\n',
+        encoding="utf-8",
     )
     solved(rough, tmp_path, "20 N/mm,60 N/mm")
     said: list[str] = []
@@ -116,7 +118,7 @@ def test_points_that_are_stored_are_not_solved_again(rough: Path, tmp_path: Path
 
 def test_stress_is_recorded_where_a_scene_names_it(smooth: Path, tmp_path: Path) -> None:
     text = '[[outputs]]\nkind = "SubsurfaceStress"\ndepths = ["40 um", "80 um", "120 um"]\n[plan]'
-    smooth.write_text(smooth.read_text().replace("[plan]", text))
+    smooth.write_text(smooth.read_text(encoding="utf-8").replace("[plan]", text), encoding="utf-8")
     dataset = solved(smooth, tmp_path, "100 N/mm,200 N/mm")
     # 0.56 of the peak pressure at 0.786 half-widths of 105 um (Johnson 1985, fig. 4.2), the nearest depth named
     assert float(dataset["von_mises_max_depth"][0]) == 80e-6

@@ -63,7 +63,9 @@ def test_values_reach_the_case_that_is_solved(smooth: Path) -> None:
 
 def test_a_grid_that_is_given_is_kept_and_its_fields_vary(smooth: Path) -> None:
     smooth.write_text(
-        smooth.read_text() + '\n[grid]\ncells = [32, 1]\nextent = ["0.4 mm", "0.2 mm"]\n'
+        smooth.read_text(encoding="utf-8")
+        + '\n[grid]\ncells = [32, 1]\nextent = ["0.4 mm", "0.2 mm"]\n',
+        encoding="utf-8",
     )
     varied = {"grid.cells": "[32, 1],[64, 1]", "period": "0.2 mm,0.4 mm"}
     found = {
@@ -138,9 +140,10 @@ def test_surfaces_are_an_axis_of_names(smooth: Path, tmp_path: Path) -> None:
         heights = np.random.default_rng(ord(name)).standard_normal((40, 20)) * 1e-8
         cs.MeasuredSurface(heights, extent=(1e-3, 5e-4)).write(folder / f"{name}.nc")
     smooth.write_text(
-        smooth.read_text().replace(
+        smooth.read_text(encoding="utf-8").replace(
             "[plan]", '[[shapes]]\nkind = "MeasuredSurface"\nfile = "measured/a.nc"\n[plan]'
-        )
+        ),
+        encoding="utf-8",
     )
     study = studies.Study.of(smooth, {"surfaces": "measured/*.nc"})
     assert study.points[0].values == ("a.nc", "b.nc")

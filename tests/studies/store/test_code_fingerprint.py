@@ -52,7 +52,7 @@ def figure(dataset):
 
 
 def fingerprint(path: Path, text: str) -> str:
-    path.write_text(textwrap.dedent(text))
+    path.write_text(textwrap.dedent(text), encoding="utf-8")
     study = load(str(path))
     return measures_fingerprint(study.measures, frozenset(type(case) for case in study.cases()))
 
@@ -113,7 +113,7 @@ def test_only_core_code_that_can_change_a_number_counts(
     core = tmp_path / "core"
     shutil.copytree(Path(contactstudy.__file__).parent, core)
     before = source_fingerprint(core)
-    text = (core / path).read_text()
+    text = (core / path).read_text(encoding="utf-8")
     place = text.index(f"\n{old}") + 1 if old == "def " else text.index(old)
     (core / path).write_text(text[:place] + text[place:].replace(old, new, 1))
     found = "same" if source_fingerprint(core) == before else "other"

@@ -65,7 +65,7 @@ def test_a_cf_checker_finds_nothing(out: Path) -> None:
         [*command, "--format", "json", "--output", str(report), str(out / "grid.nc")],
         capture_output=True,
     )
-    found = json.loads(report.read_text())["cf:1.11"]
+    found = json.loads(report.read_text(encoding="utf-8"))["cf:1.11"]
     for priority in ("high_priorities", "medium_priorities"):
         problems = [message for check in found[priority] for message in check["msgs"]]
         assert problems == [], priority

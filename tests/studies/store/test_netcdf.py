@@ -25,10 +25,10 @@ def test_a_file_stays_until_the_new_one_is_whole(tmp_path: Path) -> None:
 
     with pytest.raises(RuntimeError):
         fail()
-    assert path.read_text() == "old"
+    assert path.read_text(encoding="utf-8") == "old"
     with replacing(path) as partial:
         partial.write_text("new")
-    assert path.read_text() == "new"
+    assert path.read_text(encoding="utf-8") == "new"
     assert [entry.name for entry in tmp_path.iterdir()] == ["kept.txt"]
 
 

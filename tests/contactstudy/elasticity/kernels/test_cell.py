@@ -19,7 +19,9 @@ Array = NDArray[np.float64]
 Corner = Callable[[mp.mpf, mp.mpf], mp.mpf]
 
 REFERENCE = json.loads(
-    (Path(__file__).parents[3] / "reference/influence_coefficients.json").read_text()
+    (Path(__file__).parents[3] / "reference/influence_coefficients.json").read_text(
+        encoding="utf-8"
+    )
 )
 EPS = float(np.finfo(np.float64).eps)
 EXACT = 1e-13  # what the docstrings promise

@@ -29,7 +29,7 @@ from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import Solver, solve
 
 # A contact is solved to this share of the tolerance where something is found together with it, which sees its error.
-CLOSER = 0.1
+CLOSER = 0.01
 # A step without stages.
 WHOLE = ((1.0, 0.0),)
 

@@ -19,7 +19,7 @@ LOOSE, TIGHT = 0.1, 1e-6
 # Shares of a Newton step that are tried, before a step of plain return is taken.
 SMALLEST = 1e-3
 # Without halving the residual in so many iterations it has met the noise of the contact.
-PATIENCE = 8
+PATIENCE = 12
 
 
 @dataclass(frozen=True, eq=False)

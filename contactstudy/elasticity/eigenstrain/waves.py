@@ -1,7 +1,9 @@
 """A block of waves: stress and displacement by plastic strain and pressure that are constant in cells."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +15,7 @@ from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 from contactstudy.elasticity.eigenstrain.wave import Layer, Sources, by_layers, pressed
 
 Complex = NDArray[np.complex128]
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,24 +44,22 @@ class Waves:
         tensor = by_layers(sources, self._layers, self.moduli.poisson_ratio)
         total = direction.stress(tensor, components)
         total *= direction.weight
-        deviator = components is Components.DEVIATOR
-        for one in self._couplings if deviator else self._short.couplings(components):
+        for one in self._couplings[components]:
             one.add(total, e)
         return _complex(total, components, strain.shape[2:])
 
     def stress_of_pressure(self, pressure: Complex, components: Components) -> Complex:
         """The same by ``pressure`` (period, orders)."""
-        deviator = components is Components.DEVIATOR
-        unit = self._pressed if deviator else self._by_pressure(components)
+        unit = self._pressed[components]
         waves = np.stack((pressure.real.ravel(), pressure.imag.ravel()))
         return _complex(unit[:, :, None] * waves, components, pressure.shape)
 
     def lift(self, strain: Complex) -> Complex:
         """Displacement of the surface (period, orders) [m] by ``strain`` (5, layers, period, orders)."""
         e = _real(strain)
-        moved = np.zeros((2, e.shape[3]))
+        moved, unit = np.zeros((2, e.shape[3])), self._pressed[Components.DEVIATOR]
         for number, thickness in enumerate(self.volume.thicknesses):
-            moved += thickness * np.einsum("iw,irw->rw", self._pressed[:, number], e[:, number])
+            moved += thickness * np.einsum("iw,irw->rw", unit[:, number], e[:, number])
         return np.asarray((moved[0] + 1j * moved[1]).reshape(strain.shape[2:]))
 
     def self_blocks(self, shares: Array) -> Array:
@@ -74,7 +75,7 @@ class Waves:
         # waves to either side cancel where they are odd
         even = np.outer(signs, signs) > 0
         blocks *= even
-        for one in self._couplings:
+        for one in self._couplings[Components.DEVIATOR]:
             if one.sources == one.layers:
                 blocks[one.layers] -= even * (one.blocks @ share)
         return blocks
@@ -82,8 +83,11 @@ class Waves:
     @property
     def bytes(self) -> int:
         """What they hold."""
-        known = {id(one.blocks): one.blocks.nbytes for one in self._couplings}
-        return self._pressed.nbytes + sum(known.values()) + 8 * 8 * len(self._direction.q)
+        return (
+            sum(one.nbytes for one in self._pressed.values())
+            + sum(one.blocks.nbytes for many in self._couplings.values() for one in many)
+            + 8 * 8 * len(self._direction.q)
+        )
 
     @cached_property
     def _short(self) -> ShortWaves:
@@ -106,12 +110,12 @@ class Waves:
         return tuple(found)
 
     @cached_property
-    def _couplings(self) -> tuple[Coupling, ...]:
-        return tuple(self._short.couplings(Components.DEVIATOR))
+    def _couplings(self) -> "_OnRequest[tuple[Coupling, ...]]":
+        return _OnRequest(lambda components: tuple(self._short.couplings(components)))
 
     @cached_property
-    def _pressed(self) -> Array:
-        return self._by_pressure(Components.DEVIATOR)
+    def _pressed(self) -> "_OnRequest[Array]":
+        return _OnRequest(self._by_pressure)
 
     def _by_pressure(self, components: Components) -> Array:
         """Stress (components, layers, waves) by unit pressure."""
@@ -122,6 +126,18 @@ class Waves:
             tensor = pressed(depth, layer, self.moduli.poisson_ratio)
             total[:, number] += direction.weight * direction.stress(tensor, components)
         return total
+
+
+class _OnRequest(dict[Components, T]):
+    """What is made for components when they are first asked for."""
+
+    def __init__(self, make: Callable[[Components], T]) -> None:
+        super().__init__()
+        self._make = make
+
+    def __missing__(self, components: Components) -> T:
+        self[components] = self._make(components)
+        return self[components]
 
 
 def _real(strain: Complex) -> Array:

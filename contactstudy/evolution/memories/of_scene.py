@@ -32,7 +32,7 @@ def joint_memory(
 ) -> JointMemory | None:
     """That of bodies that yield, from the elastic ``problem`` of the largest load; None without any.
 
-    Raises :class:`~contactstudy.InvalidInput` for a grid or a padding on which plastic strain has no operator.
+    Raises :class:`~contactstudy.InvalidInput` for a padding on which plastic strain has no operator.
     """
     if not any(getattr(body, "yields", False) for body in scene.solids):
         return None
@@ -49,10 +49,6 @@ def joint_memory(
         raise InvalidInput(
             f"evolve.padding is {across!r} across and {along!r} along: plastic strain is known below a surface "
             "that goes on across and repeats along, give ExactPeriodicity()."
-        )
-    if problem.grid.cells[1] > 1:
-        raise InvalidInput(
-            f"Grid.cells[1] is {problem.grid.cells[1]}: plastic strain is known in plane strain, give 1 cell along."
         )
     bodies = tuple(
         YieldingBody(

@@ -188,8 +188,13 @@ NEAR_EDGE = {
 
 
 def operator_on(volume: Volume, moduli: Moduli) -> EigenstrainOperator:
-    """The operator on plastic strain in ``volume``."""
-    return PlaneStrainOperator(volume, moduli)
+    """The operator on plastic strain in ``volume``: in plane strain for one cell along the length."""
+    if volume.grid.cells[1] == 1:
+        return PlaneStrainOperator(volume, moduli)
+    # here, for those whose scene varies along the length
+    from contactstudy.elasticity.eigenstrain.rows import RowOperator
+
+    return RowOperator(volume, moduli)
 
 
 def _named(body: YieldingBody, strain: Array, equivalent: Array, volume: Volume) -> State:

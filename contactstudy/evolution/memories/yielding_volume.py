@@ -19,15 +19,15 @@ LARGER = 0.3
 def layers(grid: Grid, length: float, depth: float) -> tuple[float, ...]:
     """Depths [m] between layers down to ``depth``, with one more below.
 
-    A layer is as thick as a cell is wide at the surface, and twice that at the depth ``length``, so that errors of
-    layers and of cells fall alike. More depth adds layers and leaves the others as they are.
+    A layer is as thick as a cell is wide down to the depth ``length``, twice that down to three times this depth, and
+    so on, so that errors of layers and of cells fall alike: an operator is made once for each thickness. More
+    depth adds layers and leaves the others as they are.
     """
-    ratio = 1 + grid.cell[0] / length
-    edges = [0.0]
-    thickness = grid.cell[0]
+    edges, thickness = [0.0], grid.cell[0]
     while edges[-1] < depth:
         edges.append(edges[-1] + thickness)
-        thickness *= ratio
+        if edges[-1] >= (2 * thickness / grid.cell[0] - 1) * length:
+            thickness *= 2
     return (*edges, edges[-1] + thickness)
 
 

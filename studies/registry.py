@@ -45,6 +45,7 @@ BUILT_IN = {
     "kernels": Modules(
         "studies.definitions.periodicity.kernels", "studies.report.drawings.periodicity.kernels"
     ),
+    "solvers": Modules("studies.definitions.cost.solvers", "studies.report.drawings.cost.solvers"),
     "speed": Modules("studies.definitions.cost.speed", "studies.report.drawings.cost.speed"),
     "roughness": Modules(
         "studies.definitions.effects.roughness", "studies.report.drawings.effects.roughness"

@@ -16,7 +16,7 @@ SPREAD = 1.1
 
 @dataclass(frozen=True)
 class Sample:
-    """One timed run of a case [s]: wall and CPU time of set-up and solve, and the threads allowed.
+    """One timed run of a case [s]: wall and CPU time of set-up and solve, and the threads of the case.
 
     ``pace``: what a fixed piece of work took beside it, the longer of before and after.
     """
@@ -77,7 +77,7 @@ def timing_variables(
                 least[row], middle[row] = chosen.min(), np.median(chosen)
                 least_cpu[row] = cpu[row, chosen.argmin()]
         name = f"{part}_time"
-        data[name] = variable(least, f"wall time {what}, one thread, least of the repeats")
+        data[name] = variable(least, f"wall time {what}, one case at a time, least of the repeats")
         data[f"{name}_median"] = variable(middle, f"wall time {what}, median of the repeats")
         data[f"{name}_cpu"] = variable(
             least_cpu, f"CPU time {what}, in the repeat of least wall time"

@@ -77,7 +77,7 @@ class ResultFile:
         first = next(iter(self.request.cases.values()))
         history = self.journal.contents.history
         said = {"notes": "\n".join(self.study.notes)} if self.study.notes else {}
-        return said | dict(self.study.attributes) | dict(self.provenance) | {
+        own: dict[str, object] = {
             "study": self.study.name,
             "title": one_line(self.study.title),
             "first_case": _shown(first),
@@ -85,9 +85,9 @@ class ResultFile:
             "date_created": history[0].split()[0],
             "case_versions": ", ".join(f"{k} {v}" for k, v in self.request.context.items()),
             "parameter_hash": key(list(self.table.keys)),
-            "timing": "wall time, least of the repeats, one case at a time, one thread",
-            "timing_threads": 1,
-        }  # fmt: skip
+            "timing": "wall time, least of the repeats, one case at a time, on one thread where no axis says more",
+        }
+        return said | dict(self.study.attributes) | dict(self.provenance) | own
 
     def _groups(self) -> Iterator[tuple[str, xr.Dataset]]:
         """Of every case with fields, read when it is written."""

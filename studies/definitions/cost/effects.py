@@ -1,6 +1,5 @@
 """What each effect costs as it is added to a scene."""
 
-import tracemalloc
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
@@ -11,6 +10,7 @@ from contactstudy.domain.checks import whole
 from contactstudy.problem.derived import Sheared
 from contactstudy.scene.bodies.coated import CoatedHalfSpace
 from contactstudy.scene.friction import Sliding
+from studies.definitions.cost.peak_memory import peak_bytes
 from studies.definitions.evolution_case import EvolutionCase
 from studies.model.axis import Axis, one_of
 from studies.model.case import Case, Computation, number
@@ -116,12 +116,7 @@ def scene_at(point: Point) -> SolveWithOutputs | LastStep:
 
 def measures(case: Computation, result: cs.Solution | cs.Evolution) -> Mapping[str, xr.Variable]:
     """The most memory that is held at once."""
-    tracemalloc.start()
-    try:
-        case.run(case.prepare())
-        peak = tracemalloc.get_traced_memory()[1]
-    finally:
-        tracemalloc.stop()
+    peak = peak_bytes(lambda: case.run(case.prepare()))
     pressure = result.pressure if isinstance(result, cs.Solution) else result.frames[-1].pressure
     label = {"units": "MB", "long_name": "peak memory of set-up, solve and outputs"}
     return {

@@ -1,7 +1,7 @@
 """This program beside others: time, and error against the same discrete problem solved further.
 
 The other programs are optional: ``pip install 'contactstudy[peers]'``. A program that is not there, or
-has no such boundary, is a failed case that says so.
+has no such boundary or no threads, is a failed case that says so.
 """
 
 from collections.abc import Callable, Mapping
@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
+from threadpoolctl import threadpool_limits
 
 import contactstudy as cs
 from contactstudy.domain.arrays import Array
@@ -42,6 +43,7 @@ class ProgramRun:
     program: str
     boundary: str
     cells: int
+    threads: int = 1
 
     @property
     def grid(self) -> cs.Grid:
@@ -55,11 +57,17 @@ class ProgramRun:
 
     def prepare(self) -> Callable[[], Array]:
         """The set-up of the program, up to its solve."""
-        return PROGRAMS[self.program](self)
+        with self._openmp():
+            return PROGRAMS[self.program](self)
 
     def run(self, prepared: Callable[[], Array]) -> Array:
         """The pressure [Pa]."""
-        return prepared()
+        with self._openmp():
+            return prepared()
+
+    def _openmp(self) -> threadpool_limits:
+        """The threads of programs that take theirs from OpenMP."""
+        return threadpool_limits(self.threads, user_api="openmp")
 
     def record(self, result: Array) -> Mapping[str, xr.Variable]:
         """The load carried, over the load given: they should agree."""
@@ -69,11 +77,13 @@ class ProgramRun:
 
 
 def _contactstudy(program_run: ProgramRun) -> Callable[[], Array]:
-    problem = program_run.problem()
-    return lambda: cs.solve(problem, tolerance=TOLERANCE).pressure
+    problem, on = program_run.problem(), cs.Cpu(threads=program_run.threads)
+    return lambda: cs.solve(problem, tolerance=TOLERANCE, on=on).pressure
 
 
 def _contact_mechanics(program_run: ProgramRun) -> Callable[[], Array]:
+    if program_run.threads > 1:
+        raise NotImplementedError("ContactMechanics has no threads: it shares work by MPI alone")
     import ContactMechanics as peer
     from ContactMechanics.Optimization import constrained_conjugate_gradients
     from SurfaceTopography import Topography
@@ -105,6 +115,7 @@ def _tamaas(program_run: ProgramRun) -> Callable[[], Array]:
 
     if program_run.boundary == "semi-periodic":
         raise NotImplementedError("tamaas has no boundary that is periodic along one axis only")
+    peer.initialize(program_run.threads)
     grid, heights = program_run.grid, _heights(program_run)
     model = peer.ModelFactory.createModel(
         peer.model_type.basic_2d, list(grid.extent), list(grid.cells)
@@ -169,15 +180,17 @@ PROGRAMS: dict[str, Callable[[ProgramRun], Callable[[], Array]]] = {
 points = (
     Axis("program", tuple(PROGRAMS), "program"),
     Axis("boundary", tuple(PADDINGS), "which axes are periodic"),
+    Axis("threads", (1,), "threads of each program"),
     Axis("grid", (128, 256, 512), "cells across and along"),
 )
 
 
 def scene_at(point: Point) -> ProgramRun:
-    """A program, a problem and a grid."""
+    """A program, a problem, a grid and a number of threads."""
     cells = whole("grid", point["grid"], 2, "give at least 2 cells across the width")
+    threads = whole("threads", point["threads"], 1, "give a whole number of threads from 1 on")
     program = one_of("program", point["program"], PROGRAMS)
-    return ProgramRun(program, one_of("boundary", point["boundary"], PADDINGS), cells)
+    return ProgramRun(program, one_of("boundary", point["boundary"], PADDINGS), cells, threads)
 
 
 def measures(case: ProgramRun, result: Array) -> Mapping[str, xr.Variable]:

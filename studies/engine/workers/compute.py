@@ -19,7 +19,6 @@ from studies.model.outcome import RESERVED_NAMES, CaseStatus, Failure, HasFields
 from studies.model.plain_text import one_line
 from studies.model.timing_samples import Sample
 
-THREADS = 1
 WAVE = np.outer(np.cos(np.arange(128.0)), np.sin(np.arange(128.0)))
 LONGEST_ALARM = 1e8  # seconds, three years: the system's timer takes no more
 CAN_INTERRUPT = hasattr(signal, "setitimer")
@@ -86,7 +85,8 @@ def time_once(case: Computation) -> Sample:
     case.run(prepared)
     done, done_cpu = perf_counter(), process_time()
     pace = max(before, _reference_time())
-    return Sample(ready - wall, done - ready, ready_cpu - cpu, done_cpu - ready_cpu, THREADS, pace)
+    threads = getattr(case, "threads", 1)
+    return Sample(ready - wall, done - ready, ready_cpu - cpu, done_cpu - ready_cpu, threads, pace)
 
 
 def _reference_time() -> float:

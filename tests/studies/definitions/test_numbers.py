@@ -22,6 +22,7 @@ class Hoard:
 
     held: int
     grid: cs.Grid = LINE
+    max_iterations: int = 2000
 
     def prepare(self) -> None:
         """Nothing."""
@@ -46,7 +47,7 @@ def test_memory_of_an_effect_is_in_megabytes() -> None:
 
 
 def test_memory_of_a_solve_is_counted_in_fields_of_eight_bytes_a_cell() -> None:
-    found = load("speed").measures(Hoard(40_000_000), TOUCHING)  # type: ignore[arg-type]
+    found = load("solvers").measures(Hoard(40_000_000), TOUCHING)  # type: ignore[arg-type]
     assert float(found["memory"]) == pytest.approx(40_000_000 / (64 * 4 * 8), rel=1e-2)
     assert float(found["contact_share"]) == 0.25
 

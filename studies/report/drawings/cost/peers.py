@@ -1,31 +1,39 @@
 """Drawing of the study `peers`: figures, findings and tables from its stored data."""
 
+from itertools import product
+
 import numpy as np
 import xarray as xr
 
 from studies.definitions.cost.peers import PROGRAMS
 from studies.model.drawing import CaptionedFigure
 from studies.reference.line_contact import total_time
+from studies.report.formatting import thread_count as said
 from studies.report.style import add_legend, panels
 
 COLORS = dict(zip(PROGRAMS, ("#0072B2", "#D55E00", "#009E73", "#CC79A7"), strict=True))
+LINES = ("-", "--", ":", "-.")  # of each number of threads
 
 
 def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     """Time in all against the grid, a panel for each boundary."""
     boundaries = [str(name) for name in dataset["boundary"].values]
     fig, axes = panels(len(boundaries), share="y")
+    threads = dataset["threads"].values.tolist()
     time = total_time(dataset)
     facts = []
     for ax, boundary in zip(axes, boundaries, strict=True):
-        for program in (str(name) for name in dataset["program"].values):
-            one = time.sel(program=program, boundary=boundary)
+        for program, number in product(dataset["program"].values, range(len(threads))):
+            chosen = {"program": program, "boundary": boundary, "threads": threads[number]}
+            one = time.sel(chosen)
             if not np.isfinite(one).any():
                 continue
-            ax.loglog(dataset["grid"], one, marker="o", color=COLORS[program], label=program)
-            finest = dataset.sel(program=program, boundary=boundary).isel(grid=-1)
+            name = program if len(threads) == 1 else f"{program}, {said(threads[number])}"
+            line = {"color": COLORS[str(program)], "linestyle": LINES[number % len(LINES)]}
+            ax.loglog(dataset["grid"], one, marker="o", label=name, **line)
+            finest = dataset.sel(chosen).isel(grid=-1)
             facts.append(
-                f"{boundary}, {program} {float(one[-1]):.2g} s with a difference of "
+                f"{boundary}, {name} {float(one[-1]):.2g} s with a difference of "
                 f"{float(finest['difference']):.0e}"
             )
         ax.set(title=boundary, xlabel="cells across and along")
@@ -37,7 +45,7 @@ def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
         CaptionedFigure(
             "peers",
             fig,
-            f"Total time on one thread. At {int(dataset['grid'][-1])} cells: "
+            f"Total time on {' or '.join(said(count) for count in threads)}. At {int(dataset['grid'][-1])} cells: "
             + "; ".join(facts)
             + ". "
             "The difference is the largest one from the converged solution for cells of constant pressure. On "

@@ -1,38 +1,49 @@
 """Drawing of the study `speed`: figures, findings and tables from its stored data."""
 
+from itertools import product
+
 import numpy as np
 import xarray as xr
 
-from studies.definitions.cost.speed import SOLVERS
+from studies.definitions.cost.speed import ROUGH, SELF_AFFINE
 from studies.model.drawing import CaptionedFigure
 from studies.model.finding import Finding
 from studies.model.outcome import CaseStatus
-from studies.report.formatting import power
+from studies.report.formatting import percent, thread_count
 from studies.report.style import LAW_STYLE, add_legend, panels
 
-TITLES = {"preconditioned_cg": "preconditioned CG", "polonsky_keer": "Polonsky & Keer"}
-COLORS = {"preconditioned_cg": "#0072B2", "polonsky_keer": "#D55E00"}
-LINES = {"smooth": "-", "wavy": "--", "rough": ":"}
+COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+LINES = ("-", "--", ":", "-.")
+FAMILY = ("hurst", "cut_off", "share")
+LABELS = {
+    "solve_time": "wall time to solve [s]",
+    "iterations": "iterations",
+    "transform_ratio": "CPU time over bare transforms'",
+}
 
 
 def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
-    """Time, iterations and convolutions against the grid, with the growth of each fitted."""
+    """Time, iterations and the ratio to bare transforms against the grid, a line for each surface."""
     cells = dataset["grid"].values
-    fig, axes = panels(3)
-    labels = {
-        "solve_time": "wall time to solve [s]",
-        "iterations": "iterations",
-        "convolutions": "transform pairs of the full grid",
-    }
-    for ax, (variable, label) in zip(axes, labels.items(), strict=True):
-        for solver in (str(name) for name in dataset["solver"].values):
-            for surface in (str(name) for name in dataset["surface"].values):
-                line = dataset[variable].sel(solver=solver, surface=surface)
-                style = {"color": COLORS[solver], "linestyle": LINES[surface], "marker": "o"}
-                ax.loglog(cells, line, label=f"{TITLES[solver]}, {surface}", **style)
+    fig, axes = panels(len(LABELS))
+    for ax, (variable, label) in zip(axes, LABELS.items(), strict=True):
+        values = dataset[variable]
+        for number, (name, surface) in enumerate(_surfaces(dataset).items()):
+            for line, (how, chosen) in enumerate(_ways(dataset).items()):
+                style = {
+                    "color": COLORS[number % len(COLORS)],
+                    "linestyle": LINES[line % len(LINES)],
+                    "marker": "o",
+                }
+                ax.semilogx(cells, values.sel(surface | chosen), label=f"{name}{how}", **style)
+                if variable == "iterations":
+                    break  # they are the same on any number of threads
         if variable == "solve_time":
-            least = float(dataset[variable].isel(grid=0).min())
-            ax.loglog(cells, least * (cells / cells[0]) ** 2, label="N²", **LAW_STYLE)
+            least = float(values.isel(grid=0).min())
+            ax.semilogx(cells, least * (cells / cells[0]) ** 2, label="N²", **LAW_STYLE)
+            ax.set_yscale("log")
+        else:
+            ax.set_ylim(bottom=0)
         ax.set(xlabel="cells N across and along", ylabel=label)
         ax.set_xticks(cells, [str(n) for n in cells])
         ax.minorticks_off()
@@ -40,54 +51,88 @@ def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     return (CaptionedFigure("speed", fig, _caption(dataset)),)
 
 
+def _surfaces(dataset: xr.Dataset) -> dict[str, dict[str, object]]:
+    """Where each surface is, by its name."""
+    found: dict[str, dict[str, object]] = {}
+    for surface in dataset["surface"].values.tolist():
+        if surface == SELF_AFFINE:
+            for values in product(*(dataset[axis].values.tolist() for axis in FAMILY)):
+                chosen = dict(zip(FAMILY, values, strict=True))
+                name = (
+                    f"self-affine, H = {chosen['hurst']:g}, down to {chosen['cut_off']:g} cells, "
+                    f"{percent(chosen['share'])}"
+                )
+                found[name] = {"surface": surface, **chosen}
+        else:
+            first = {axis: dataset[axis].values.tolist()[0] for axis in FAMILY}
+            found[surface] = {"surface": surface, **first}
+    return found
+
+
+def _ways(dataset: xr.Dataset) -> dict[str, dict[str, object]]:
+    """How a surface is solved, in words that follow its name."""
+    precisions, threads = (dataset[axis].values.tolist() for axis in ("precision", "threads"))
+    return {
+        f", {precision}" * (len(precisions) > 1)
+        + f", {thread_count(count)}" * (len(threads) > 1): {
+            "precision": precision,
+            "threads": count,
+        }
+        for precision, count in product(precisions, threads)
+    }
+
+
 def _caption(dataset: xr.Dataset) -> str:
-    facts = []
-    finest = dataset.isel(grid=-1)
-    for solver in (str(name) for name in dataset["solver"].values):
-        one = finest.sel(solver=solver)
-        growth = ""
-        if dataset.sizes["grid"] > 1:
-            times = dataset["solve_time"].sel(solver=solver)
-            rates = [
-                np.polyfit(np.log(dataset["grid"].values), np.log(times.sel(surface=s).values), 1)[
-                    0
-                ]
-                for s in dataset["surface"].values
-            ]
-            growth = f", growing like {power('N', min(rates), 1)} to {power('N', max(rates), 1)}"
-        facts.append(
-            f"{TITLES[solver]}: {int(one['iterations'].min())} to "
-            f"{int(one['iterations'].max())} iterations, {float(one['solve_time'].min()):.2g} to "
-            f"{float(one['solve_time'].max()):.2g} s{growth}, at most "
-            f"{float(one['memory'].max()):.0f} fields of memory"
-        )
+    finest = dataset.isel(grid=-1, precision=0, threads=0)
+    facts = [
+        f"{name}: {int(one['iterations'])} iterations in {float(one['solve_time']):.2g} s, "
+        f"{percent(one['contact_share'])} in contact, {float(one['memory']):.0f} fields of memory"
+        for name, one in _each(finest)
+    ]
     return (
-        "Cost of a solve with exact periodicity to a residual of 1e-8, on one thread, without "
-        f"set-up. At {int(finest['grid'])} x {int(finest['grid'])} cells, " + "; ".join(facts) + "."
+        f"Cost of a solve against the grid, without set-up. {ROUGH.capitalize()} is a rough cylinder, semi-periodic, "
+        "the same surface on every grid; a self-affine one is flat, periodic along both axes, and has waves down "
+        f"to so many cells of every grid. At {int(finest['grid'])} x {int(finest['grid'])} cells, on "
+        f"{thread_count(finest['threads'])}, "
+        + "; ".join(facts)
+        + ". Bare transforms are as many as the solve "
+        "takes, of the full grid."
     )
+
+
+def _each(dataset: xr.Dataset) -> list[tuple[str, xr.Dataset]]:
+    return [(name, dataset.sel(chosen)) for name, chosen in _surfaces(dataset).items()]
 
 
 def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
-    """Which solver."""
-    solvers = set(dataset["solver"].values.tolist())
-    if not solvers >= set(SOLVERS) or not (dataset["case_status"] == CaseStatus.OK).all():
+    """How cost grows, and what threads save."""
+    if dataset.sizes["grid"] < 2 or not (dataset["case_status"] == CaseStatus.OK).all():
         return ()
-    finest = dataset.isel(grid=-1)
-    new, old = (finest.sel(solver=name) for name in ("preconditioned_cg", "polonsky_keer"))
+    first, last = dataset.isel(grid=0), dataset.isel(grid=-1)
+    growth = float((last["iterations"] / first["iterations"]).max())
     facts = "; ".join(
-        f"{surface}: "
-        + " against ".join(
-            f"{int(one['iterations'])} iterations in {float(one['solve_time']):.2g} s"
-            for one in (solver.sel(surface=surface) for solver in (new, old))
-        )
-        for surface in finest["surface"].values.tolist()
+        f"{name}: {int(one['iterations'][0])} to {int(one['iterations'][-1])}"
+        for name, one in _each(dataset.isel(precision=0, threads=0))
     )
-    ratio = old["solve_time"] / new["solve_time"]
+    ratio = last["transform_ratio"].isel(precision=0, threads=0)
+    said = (
+        f"Iterations from {int(first['grid'])} to {int(last['grid'])} cells across: {facts}. At "
+        f"{int(last['grid'])} cells a solve takes {float(ratio.min()):.1f} to {float(ratio.max()):.1f} times the "
+        "CPU time of its bare transforms"
+    )
+    threads = dataset["threads"].values.tolist()
+    if len(threads) > 1:
+        times = last["solve_time"].isel(precision=0)
+        faster = times.isel(threads=0) / times.isel(threads=-1)
+        said += (
+            f", and is {float(np.min(faster)):.1f} to {float(np.max(faster)):.1f} times as fast on "
+            f"{thread_count(threads[-1])} as on {thread_count(threads[0])} of this machine"
+        )
     return (
         Finding(
-            f"Preconditioned conjugate gradients: {float(ratio.min()):.1f} to {float(ratio.max()):.1f} times "
-            "faster than the scheme of Polonsky & Keer.",
-            f"At {int(finest['grid'])} x {int(finest['grid'])} cells, against Polonsky & Keer: {facts}.",
-            "Which solver?",
+            f"From {int(first['grid'])} to {int(last['grid'])} cells across, iterations grow by a factor of at most "
+            f"{growth:.1f}.",
+            f"{said}.",
+            "How does the cost grow?",
         ),
     )

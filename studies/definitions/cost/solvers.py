@@ -1,0 +1,61 @@
+"""Time, iterations, convolutions and memory of both solvers against the grid."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from math import prod
+
+import xarray as xr
+
+import contactstudy as cs
+from contactstudy.domain.checks import whole
+from studies.definitions.cost.peak_memory import ENOUGH, peak_bytes
+from studies.model.axis import Axis, one_of
+from studies.model.case import Case, number
+from studies.model.study import Point
+from studies.reference.line_contact import HERTZ, SCENE
+
+SOLVERS: dict[str, cs.Solver] = {
+    "preconditioned_cg": cs.PreconditionedCG(),
+    "polonsky_keer": cs.PolonskyKeer(),
+}
+# heights over the gap scale p_H a / E*; the roughness leaves a third of Hertz's area in contact
+A, GAP = HERTZ.half_width, HERTZ.peak_pressure * HERTZ.half_width / HERTZ.contact_modulus
+SURFACES: dict[str, tuple[cs.Shape, ...]] = {
+    "smooth": (),
+    "wavy": (cs.Waviness(amplitude=0.3 * GAP, across=0.6 * A, along=0.6 * A),),
+    "rough": (cs.Roughness(rms=0.6 * GAP, hurst=0.8, roll_off=1.2 * A, cut_off=0.15 * A, seed=1),),
+}
+WIDTH, PERIOD = 4.8, 2.4  # half-widths
+
+points = (
+    Axis("solver", tuple(SOLVERS), "solver"),
+    Axis("surface", tuple(SURFACES), "what lies on the cylinder"),
+    Axis("grid", (128, 256, 512), "cells across the width and along one period"),
+)
+
+
+def scene_at(point: Point) -> Case:
+    """A line contact, exactly periodic, to the default tolerance."""
+    solver = one_of("solver", point["solver"], SOLVERS)
+    surface = one_of("surface", point["surface"], SURFACES)
+    cells = whole("grid", point["grid"], 2, "give at least 2 cells across the width")
+    return Case(
+        scene=replace(SCENE, shapes=SCENE.shapes + SURFACES[surface]),
+        grid=cs.Grid(cells=(cells, cells), extent=(WIDTH * A, PERIOD * A)),
+        padding=cs.ExactPeriodicity(),
+        max_iterations=5000,
+        solver=SOLVERS[solver],
+    )
+
+
+def measures(case: Case, result: cs.Solution) -> Mapping[str, xr.Variable]:
+    """The share in contact, and the most memory a solve holds."""
+    few = replace(case, max_iterations=ENOUGH)
+    problem = few.prepare()
+    peak = peak_bytes(lambda: few.run(problem))
+    return {
+        "contact_share": number(float((result.pressure > 0).mean()), "share of cells in contact"),
+        "memory": number(
+            peak / (8 * prod(case.grid.cells)), "peak memory of a solve over that of one field"
+        ),
+    }

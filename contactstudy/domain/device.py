@@ -96,6 +96,13 @@ ONE_THREAD = Cpu()
 _DEVICE: ContextVar[Device] = ContextVar("device", default=ONE_THREAD)
 
 
+def checked(chosen: Device, field: str) -> Device:
+    """``chosen``, if it is a device; else :class:`~contactstudy.InvalidInput`."""
+    if isinstance(chosen, type) or not isinstance(chosen, Device):
+        raise InvalidInput(f"{field} is {chosen!r}: give Cpu(threads=2) or Gpu(), or leave it out.")
+    return chosen
+
+
 def device() -> Device:
     """The device that the solve around this call was given."""
     return _DEVICE.get()
@@ -115,11 +122,7 @@ def threads() -> int:
 @contextmanager
 def using(chosen: Device) -> Iterator[None]:
     """Work on the ``chosen`` device."""
-    if isinstance(chosen, type) or not isinstance(chosen, Device):
-        raise InvalidInput(
-            f"solve.on is {chosen!r}: give Cpu(threads=2) or Gpu(), or leave it out."
-        )
-    token = _DEVICE.set(chosen)
+    token = _DEVICE.set(checked(chosen, "solve.on"))
     try:
         yield
     finally:

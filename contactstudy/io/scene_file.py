@@ -221,10 +221,10 @@ class SceneFile:
     padding: Padding | Paddings | None = None
     time_steps: TimeSteps = field(default_factory=TimeSteps)
 
-    def plan(self) -> Plan:
-        """The plan for this scene, on the file's grid if it has one."""
-        period = None if self.grid else self.plan_settings.period
-        return plan(self.scene, error=self.plan_settings.error, period=period, grid=self.grid)
+    def plan(self, *, on: Device = Cpu()) -> Plan:  # noqa: B008 (frozen)
+        """The plan for this scene, on the file's grid if it has one; ``on`` is the device its seconds are for."""
+        period, error = None if self.grid else self.plan_settings.period, self.plan_settings.error
+        return plan(self.scene, error=error, period=period, grid=self.grid, on=on)
 
     def problem(self, planned: Plan | None = None) -> Problem:
         """The problem on the grid and with the padding of the file, or those of the plan, made if not given."""

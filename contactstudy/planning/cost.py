@@ -1,22 +1,23 @@
-"""What a solve costs before it runs: seconds from a small one timed here, and bytes."""
+"""What a solve costs before it runs: seconds from a small one timed here, threads included, and bytes."""
 
 from dataclasses import dataclass
-from math import log2, prod
+from math import inf, log2, prod
 from time import perf_counter
 
 import numpy as np
 
+from contactstudy.domain.device import ONE_THREAD, Device, using
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Padding, Paddings, across_and_along
-from contactstudy.elasticity.convolution import convolution, padded_cells
+from contactstudy.elasticity.convolution import Convolution, convolution, padded_cells
 from contactstudy.problem.memory import solve_bytes
 
 # Influence coefficients, found in columns and rows by turns, cost less than in proportion to the cells.
 SETUP = 0.8
 # Iterations of a smooth and a rough contact, coarser grids included, and what one costs in convolutions.
 SMOOTH_ITERATIONS, ROUGH_ITERATIONS, ITERATION = 10, 20, 3.5
-# What is timed, to say how long the rest will take.
-SAMPLE = 128
+# What is timed, to say how long the rest will take, and what of a large grid, to say what threads save.
+SAMPLE, LARGE_SAMPLE = 128, 512
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,35 @@ def timed(grid: Grid, padding: Padding | Paddings) -> Timed:
         convolutions.append(perf_counter() - ready)
         setups.append(ready - start)
     return Timed(prod(sample.cells), operator.work, min(setups), min(convolutions))
+
+
+def times_faster(grid: Grid, padding: Padding | Paddings, on: Device) -> float:
+    """How many times faster a convolution runs ``on`` a device than on one thread, measured just now.
+
+    On this grid, or on one of ``LARGE_SAMPLE`` cells along either axis; 1 on one thread, which nothing is timed for.
+    """
+    if on == ONE_THREAD:
+        return 1.0
+    across, along = (min(count, LARGE_SAMPLE) for count in grid.cells)
+    sample = Grid((across, along), grid.extent)
+    points = padded_cells(sample, across_and_along(padding))
+    alone, there = (_seconds(sample, points, device) for device in (ONE_THREAD, on))
+    return alone / there
+
+
+def _seconds(grid: Grid, points: tuple[int, int], on: Device) -> float:
+    """Wall time of one convolution on ``grid`` padded to so many points, the least of five."""
+    least = inf
+    with using(on):
+        operator = Convolution(
+            on.put(np.ones((points[0], points[1] // 2 + 1))), grid.cells, points
+        )
+        pressure = on.put(np.ones(grid.cells))
+        for _ in range(5):
+            start = perf_counter()
+            float(operator(pressure)[0, 0])  # a graphics processor is done when a number is here
+            least = min(least, perf_counter() - start)
+    return least
 
 
 def padded(grid: Grid, padding: Padding | Paddings) -> int:

@@ -6,10 +6,11 @@ from importlib import import_module
 from math import inf, prod
 
 from contactstudy.domain.checks import InvalidInput, NotDefined, positive
+from contactstudy.domain.device import ONE_THREAD, Device, checked
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.memory import available_bytes
 from contactstudy.domain.padding import Padding, Paddings, across_and_along
-from contactstudy.planning.cost import SMOOTH_ITERATIONS, memory, timed
+from contactstudy.planning.cost import SMOOTH_ITERATIONS, memory, timed, times_faster
 from contactstudy.planning.grid_requirements import RATE, Needs, halvable
 from contactstudy.planning.pilot import Forecast, affordable, finer, forecast
 from contactstudy.scene.bodies.solids import Layered
@@ -33,10 +34,11 @@ class Plan:
 
     ``dimension`` is 1 where nothing varies along the length, else 2. ``error`` is the relative L1 error of
     the pressure to expect: of a smooth contact by a law, else as small solutions on two coarse grids show it.
-    ``seconds`` on one thread of this machine, from what ran just now, within a factor of some two;
-    ``bytes`` at the most. ``period_check`` says how the period suits the scene, ``reasons`` a sentence for
-    each choice, and ``warnings`` what is wrong with a grid that was given, or why the error asked for is
-    out of reach and which one is not. ``steps`` are the solves of a scene that changes in time or rolls.
+    ``seconds`` of a solve ``on`` that device, from what ran just now, within a factor of some two;
+    ``bytes`` at the most. ``period_check`` says how the period suits the scene,
+    ``reasons`` a sentence for each choice, and ``warnings`` what is wrong with a grid that was given, or why
+    the error asked for is out of reach and which one is not. ``steps`` are the solves of a scene that changes in
+    time or rolls.
     """
 
     grid: Grid
@@ -49,18 +51,26 @@ class Plan:
     reasons: tuple[str, ...]
     warnings: tuple[str, ...] = ()
     steps: int = 1
+    on: Device = ONE_THREAD
 
 
 def plan(
-    scene: Scene, *, error: float = 1e-3, period: float | None = None, grid: Grid | None = None
+    scene: Scene,
+    *,
+    error: float = 1e-3,
+    period: float | None = None,
+    grid: Grid | None = None,
+    on: Device = ONE_THREAD,
 ) -> Plan:
     """A grid and a padding that solve ``scene`` to a relative L1 ``error`` of the pressure.
 
     Takes small solutions of up to some ten thousand cells, unless the contact is smooth.
     ``period`` [m] is chosen where none is given. With a ``grid``, that one is kept, and the plan says
-    what is wrong with it. Raises :class:`~contactstudy.InvalidInput` where a scene leaves open what a
+    what is wrong with it. ``on`` is the device that ``seconds`` are for; a scene that changes in time is
+    solved on one thread. Raises :class:`~contactstudy.InvalidInput` where a scene leaves open what a
     plan needs: without a curved shape there is no width of contact, without a roller's length no grid.
     """
+    checked(on, "plan.on")
     error = positive("plan.error", error, "give a relative error above 0, such as 1e-3")
     if scene.changing is not None or scene.rolling is not None:
         return _plan_in_time(scene, error=error, period=period, grid=grid)
@@ -68,7 +78,7 @@ def plan(
     padding = needs.padding()
     if grid is not None and period is not None and period != grid.period:
         raise InvalidInput(f"plan.period is {period!r}: leave it out, since the grid has its own.")
-    given, limit = grid is not None, SHARE * available_bytes()
+    given, limit = grid is not None, SHARE * min(available_bytes(), on.available_bytes)
     if grid is None:
         seen = reaching(scene, needs, error, period, limit)
         grid = seen.grid
@@ -80,7 +90,7 @@ def plan(
         padding=padding,
         dimension=1 if grid.cells[1] == 1 else 2,
         error=reached,
-        seconds=seen.seconds,
+        seconds=seen.seconds / times_faster(grid, padding, on),
         bytes=memory(grid, padding),
         period_check=needs.period_check(grid.period),
         reasons=needs.reasons(grid, reached),
@@ -88,6 +98,7 @@ def plan(
             *needs.warnings(grid),
             *_warnings(needs, seen, grid, limit, error=inf if given else error),
         ),
+        on=on,
     )
 
 

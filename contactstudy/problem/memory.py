@@ -9,11 +9,14 @@ from contactstudy.domain.memory import available_bytes
 from contactstudy.domain.padding import Paddings
 from contactstudy.domain.precision import Precision
 from contactstudy.elasticity.convolution import Convolution, padded_cells
+from contactstudy.problem.problem import Problem
 
 # Arrays of the grid's size that a solve holds beside those of the padded grid: the transform pair, and two more
 # where the transforms of a library take room of their own.
 FIELDS = 16
 PAIR, WITH_ROOM = 2, 4
+# Of these, what a problem holds before it is solved: its gap and its spectrum, which is real and half as long.
+GAP, SPECTRUM = 1, 0.5
 
 
 def solve_bytes(grid: Grid, paddings: Paddings) -> int:
@@ -23,10 +26,21 @@ def solve_bytes(grid: Grid, paddings: Paddings) -> int:
 
 def refuse_too_large(grid: Grid, paddings: Paddings) -> None:
     """Raise :class:`~contactstudy.InvalidInput` where this machine cannot hold the solve, before any array."""
-    needed, there = solve_bytes(grid, paddings), available_bytes()
+    _refuse(grid, solve_bytes(grid, paddings), "")
+
+
+def refuse_solve(problem: Problem, precision: Precision) -> None:
+    """The same for what a solve holds beside the ``problem``, which is there already."""
+    fields = (FIELDS - GAP) * problem.undeformed_gap.size
+    padded = (PAIR - SPECTRUM) * problem.operator.work
+    _refuse(problem.grid, precision.bytes * (fields + padded), " more")
+
+
+def _refuse(grid: Grid, needed: float, more: str) -> None:
+    there = available_bytes()
     if needed > there:
         raise InvalidInput(
-            f"Grid.cells is {grid.cells!r}: a solve needs {needed / 1e9:.3g} GB and this machine has "
+            f"Grid.cells is {grid.cells!r}: a solve needs {needed / 1e9:.3g} GB{more} and this machine has "
             f"{there / 1e9:.3g} GB left, give fewer cells."
         )
 

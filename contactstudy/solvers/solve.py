@@ -15,7 +15,7 @@ from contactstudy.elasticity.convolution import Convolution
 from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.problem.compressive import Compressive
 from contactstudy.problem.hardness_limited import HardnessLimited
-from contactstudy.problem.memory import refuse_on
+from contactstudy.problem.memory import refuse_on, refuse_solve
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.iterate import Iterate
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
@@ -76,8 +76,8 @@ def solve(
     limits and scaled to the load, and without it found on coarser grids. ``on`` is the device,
     ``Cpu(threads=2)`` for two cores or ``Gpu()``: the answer is the same to rounding, and a solution's fields are
     numpy arrays. A solver gets arrays of the device; shear is found on the processor. Numerical outcomes are a
-    :class:`~contactstudy.Status`; only a tolerance that is not above zero, a negative limit or a start
-    that is no pressure raises :class:`~contactstudy.InvalidInput`.
+    :class:`~contactstudy.Status`; only a tolerance that is not above zero, a negative limit, a start
+    that is no pressure, or a grid that does not fit in memory raises :class:`~contactstudy.InvalidInput`.
     """
     positive("solve.tolerance", tolerance, "give a dimensionless tolerance above 0, such as 1e-8")
     whole("solve.max_iterations", max_iterations, 0, "give a whole number of iterations from 0 on")
@@ -107,6 +107,8 @@ def solve(
         return replace(found, problem=problem)
     if not problem.resultant.is_met_by(problem.constraint, problem.undeformed_gap.size):
         return _without_pressure(problem)
+    if isinstance(on, Cpu):
+        refuse_solve(problem, precision)
     if start is not None:
         start = _admitted(start, problem, precision)
     with using(on), np.errstate(over="ignore", invalid="ignore", divide="ignore"):

@@ -13,21 +13,36 @@ import click
 import numpy as np
 
 import contactstudy as cs
+from studies.model.plain_text import thread_count
 
 SCENE = click.argument("scene", type=click.Path(path_type=Path))
+THREADS = click.option(
+    "--threads",
+    type=click.IntRange(min=1),
+    help="Threads to solve on.  [default: the cores there are]",
+)
+DEVICE = click.option(
+    "--device",
+    type=click.Choice(["cpu", "gpu"]),
+    default="cpu",
+    show_default=True,
+    help="What to solve on: this machine's processor, or its graphics processor (extra gpu).",
+)
 # A plan that takes longer or more memory than this is announced before it runs.
 LONG, LARGE = 60.0, 4e9
 
 
 @click.command()
 @SCENE
+@THREADS
+@DEVICE
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object, for scripts.")
-def plan(scene: Path, as_json: bool) -> None:  # noqa: FBT001 (click's own way)
+def plan(scene: Path, threads: int | None, device: str, as_json: bool) -> None:  # noqa: FBT001 (click's own way)
     """Print the grid and padding that the scene in the TOML file SCENE needs, and its estimated cost."""
     described = cs.read_scene(scene)
-    planned = described.plan()
+    planned = described.plan(on=_device(device, threads))
     if as_json:
-        fields = asdict(planned) | {"padding": repr(planned.padding)}
+        fields = asdict(planned) | {"padding": repr(planned.padding), "on": repr(planned.on)}
         click.echo(json.dumps(fields))
         return
     cells, extent = planned.grid.cells, planned.grid.extent
@@ -35,9 +50,9 @@ def plan(scene: Path, as_json: bool) -> None:  # noqa: FBT001 (click's own way)
     for reason in planned.reasons:
         click.echo(f"  {reason}")
     click.echo(f"  period: {planned.period_check}")
+    on = thread_count(planned.on.threads) if isinstance(planned.on, cs.Cpu) else repr(planned.on)
     click.echo(
-        f"  estimated: error {planned.error:.1g}, {planned.seconds:.2g} s on one thread, "
-        f"{planned.bytes / 1e6:.3g} MB"
+        f"  estimated: error {planned.error:.1g}, {planned.seconds:.2g} s on {on}, {planned.bytes / 1e6:.3g} MB"
     )
     for warning in planned.warnings:
         click.echo(f"  warning: {warning}")
@@ -69,18 +84,8 @@ def _rolled(described: cs.SceneFile, planned: cs.Plan | None) -> cs.Solution:
     show_default=True,
     help="Folder for the netCDF file and the picture.",
 )
-@click.option(
-    "--threads",
-    type=click.IntRange(min=1),
-    help="Threads to solve on.  [default: the cores there are]",
-)
-@click.option(
-    "--device",
-    type=click.Choice(["cpu", "gpu"]),
-    default="cpu",
-    show_default=True,
-    help="What to solve on: this machine's processor, or its graphics processor (extra gpu).",
-)
+@THREADS
+@DEVICE
 @click.option(
     "--start",
     type=click.Path(path_type=Path),
@@ -103,7 +108,7 @@ def solve(scene: Path, out: Path, threads: int | None, device: str, start: Path 
             "--device gpu is for a scene that neither changes in time nor rolls: leave it out."
         )
     folder = open_folder(out)
-    planned = None if described.scene.hertz is None else described.plan()
+    planned = None if described.scene.hertz is None else described.plan(on=on)
     if planned is not None:
         for warning in planned.warnings:
             click.echo(f"{scene}: warning: {warning}", err=True)

@@ -3,6 +3,7 @@
 import re
 import unicodedata
 from functools import lru_cache
+from typing import SupportsInt
 
 LONGEST = 2000  # characters of an error, a title or the like
 # but for tab and line feed; and what stands for a byte that is no text
@@ -43,3 +44,8 @@ def name_problem(name: object) -> str:
     if len(name.encode()) > 250:
         return "a name has at most 250 bytes"
     return ""
+
+
+def thread_count(threads: SupportsInt) -> str:
+    """So many threads, in words."""
+    return f"{int(threads)} thread{'s' if int(threads) > 1 else ''}"

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterable
-from typing import SupportsFloat, SupportsInt
+from typing import SupportsFloat
 
 import numpy as np
 import xarray as xr
@@ -31,11 +31,6 @@ def percent(value: SupportsFloat) -> str:
         return "not known"
     digits = 0 if share == 0 else max(0, 1 - int(np.floor(np.log10(share))))
     return (f"{share:.{digits}f}" if digits < 7 else f"{share:.1e}") + "\u00a0%"
-
-
-def thread_count(threads: SupportsInt) -> str:
-    """So many threads, in words."""
-    return f"{int(threads)} thread{'s' if int(threads) > 1 else ''}"
 
 
 def paddings(dataset: xr.Dataset) -> list[str]:

@@ -1,7 +1,10 @@
+import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.planning.cost import Timed, memory, padded
+from contactstudy.domain.device import threads
+from contactstudy.planning import cost
+from contactstudy.planning.cost import Timed, memory, padded, times_faster
 
 
 def test_seconds_grow_like_n_log_n_and_with_the_iterations() -> None:
@@ -60,3 +63,31 @@ def test_an_iteration_is_three_and_a_half_convolutions() -> None:
 def test_memory_is_sixteen_fields_and_a_complex_one_of_the_padded_grid() -> None:
     grid = cs.Grid((64, 32), (1.0, 1.0))
     assert memory(grid, cs.ExactPeriodicity()) == 8 * (16 * 64 * 32 + 2 * 128 * 32)
+
+
+def test_one_thread_is_no_faster_than_one_thread_and_not_timed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(cost, "perf_counter", None)
+    assert times_faster(cs.Grid((64, 64), (1.0, 1.0)), cs.ExactPeriodicity(), cs.Cpu()) == 1.0
+
+
+@pytest.mark.parametrize(
+    ("cells", "sample"), [((64, 32), (64, 32)), ((4096, 1), (512, 1)), ((600, 700), (512, 512))]
+)
+def test_threads_are_as_many_times_faster_as_a_convolution_on_at_most_512_cells_either_way(
+    cells: tuple[int, int], sample: tuple[int, int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By a clock that is wound by hand: 2 s on one thread, 1.25 s on three, at the least."""
+    at, seen = [0.0], set()
+
+    def applied(operator: cs.Convolution, pressure: np.ndarray) -> np.ndarray:
+        seen.add(operator.cells)
+        at[0] += {1: 2.0, 3: 1.25}[threads()] + 7.0 * (at[0] == 0)
+        return pressure
+
+    monkeypatch.setattr(cs.Convolution, "__call__", applied)
+    monkeypatch.setattr(cost, "perf_counter", lambda: at[0])
+    found = times_faster(cs.Grid(cells, (1.0, 1.0)), cs.ExactPeriodicity(), cs.Cpu(3))
+    assert found == 1.6
+    assert seen == {sample}

@@ -66,19 +66,20 @@ def test_the_roller_example_has_no_edge_peak_and_shows_its_stress(tmp_path: Path
 
 def test_a_plan_says_what_it_will_be_and_what_it_will_cost(tmp_path: Path) -> None:
     path = EXAMPLES / "rough.toml"
-    text = run("plan", str(path))
+    text = run("plan", str(path), "--threads", "1")
     assert text.exit_code == 0
     cells = cs.read_scene(path).plan().grid.cells
     for words in (
         f"{cells[0]} x {cells[1]} cells",
         "padding exact",
         "period:",
-        "s on one thread",
+        "s on 1 thread, ",
         "MB",
     ):
         assert words in text.output
-    as_json = run("plan", str(path), "--json")
+    as_json = run("plan", str(path), "--json", "--threads", "3")
     fields = json.loads(as_json.output)
+    assert fields["on"] == "Cpu(threads=3)"
     planned = cs.read_scene(path).plan()
     assert fields["grid"]["cells"] == list(planned.grid.cells)
     assert fields["error"] == planned.error

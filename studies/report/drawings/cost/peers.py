@@ -7,8 +7,8 @@ import xarray as xr
 
 from studies.definitions.cost.peers import PROGRAMS
 from studies.model.drawing import CaptionedFigure
+from studies.model.plain_text import thread_count
 from studies.reference.line_contact import total_time
-from studies.report.formatting import thread_count as said
 from studies.report.style import add_legend, panels
 
 COLORS = dict(zip(PROGRAMS, ("#0072B2", "#D55E00", "#009E73", "#CC79A7"), strict=True))
@@ -28,7 +28,7 @@ def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
             one = time.sel(chosen)
             if not np.isfinite(one).any():
                 continue
-            name = program if len(threads) == 1 else f"{program}, {said(threads[number])}"
+            name = program if len(threads) == 1 else f"{program}, {thread_count(threads[number])}"
             line = {"color": COLORS[str(program)], "linestyle": LINES[number % len(LINES)]}
             ax.loglog(dataset["grid"], one, marker="o", label=name, **line)
             finest = dataset.sel(chosen).isel(grid=-1)
@@ -45,7 +45,7 @@ def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
         CaptionedFigure(
             "peers",
             fig,
-            f"Total time on {' or '.join(said(count) for count in threads)}. At {int(dataset['grid'][-1])} cells: "
+            f"Total time on {' or '.join(map(thread_count, threads))}. At {int(dataset['grid'][-1])} cells: "
             + "; ".join(facts)
             + ". "
             "The difference is the largest one from the converged solution for cells of constant pressure. On "

@@ -9,7 +9,8 @@ from studies.definitions.cost.speed import ROUGH, SELF_AFFINE
 from studies.model.drawing import CaptionedFigure
 from studies.model.finding import Finding
 from studies.model.outcome import CaseStatus
-from studies.report.formatting import percent, thread_count
+from studies.model.plain_text import thread_count
+from studies.report.formatting import percent
 from studies.report.style import LAW_STYLE, add_legend, panels
 
 COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")

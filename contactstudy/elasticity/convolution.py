@@ -41,7 +41,7 @@ class Convolution:
         if pressure.shape != self.cells:
             raise InvalidInput(f"pressure has the shape {pressure.shape}: give it {self.cells}.")
         pair = transforms()
-        waves = pair.forward(pressure, self.padded, self._room(self.padded))
+        waves = pair.forward(pressure, self.padded, self.room(self.padded))
         _scale(waves, self.spectrum)
         return pair.backward(waves, self.cells, self.padded)
 
@@ -49,7 +49,7 @@ class Convolution:
     def _kept(self) -> local:
         return local()
 
-    def _room(self, shape: tuple[int, int]) -> Waves | None:
+    def room(self, shape: tuple[int, int]) -> Waves | None:
         """The work array of this thread; allocating a large array costs as much as a transform.
 
         None where a library keeps the memory it has had itself.
@@ -146,7 +146,7 @@ class Convolution:
         def apply(displacement: Array, contact: Array) -> Array:
             pair, extension = transforms(), Extension(contact, elongation)
             whole = extension(displacement)
-            waves = pair.forward(whole, self.cells, self._room(self.cells))
+            waves = pair.forward(whole, self.cells, self.room(self.cells))
             del whole  # or it would stand beside what comes back
             _scale(waves, inverse)
             return extension.transposed(pair.backward(waves, self.cells, self.cells))

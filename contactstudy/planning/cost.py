@@ -69,9 +69,7 @@ def _seconds(grid: Grid, points: tuple[int, int], on: Device) -> float:
     """Wall time of one convolution on ``grid`` padded to so many points, the least of five."""
     least = inf
     with using(on):
-        operator = Convolution(
-            on.put(np.ones((points[0], points[1] // 2 + 1))), grid.cells, points
-        )
+        operator = Convolution(on.put(np.ones((points[0], points[1] // 2 + 1))), grid.cells, points)
         pressure = on.put(np.ones(grid.cells))
         for _ in range(5):
             start = perf_counter()

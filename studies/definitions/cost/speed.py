@@ -1,9 +1,9 @@
-"""What grows with the grid: time, iterations and memory, by threads, and on surfaces as fine as the cells."""
+"""What grows with the grid: time, iterations and memory, by device, and on surfaces as fine as the cells."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from math import prod, sqrt
-from time import process_time
+from math import inf, prod, sqrt
+from time import perf_counter, process_time
 
 import numpy as np
 import xarray as xr
@@ -11,9 +11,9 @@ from scipy.special import erfinv
 
 import contactstudy as cs
 from contactstudy.domain.checks import in_range, positive, whole
-from contactstudy.domain.device import using
+from contactstudy.domain.device import Device, using
 from contactstudy.elasticity.convolution import Convolution
-from contactstudy.elasticity.transforms import TRANSFORMS
+from contactstudy.elasticity.transforms import transforms
 from studies.definitions.cost import solvers
 from studies.definitions.cost.peak_memory import ENOUGH, peak_bytes
 from studies.model.axis import Axis, one_of
@@ -22,6 +22,7 @@ from studies.model.study import Point
 from studies.reference.line_contact import HERTZ, SCENE
 
 ROUGH, SELF_AFFINE = "rough", "self-affine"
+DEVICES: dict[str, Callable[[int], Device]] = {"cpu": cs.Cpu, "gpu": lambda threads: cs.Gpu()}
 # Single precision does not reach the residual of double.
 TOLERANCES = {cs.Precision.DOUBLE: 1e-8, cs.Precision.SINGLE: 1e-5}
 # Of the self-affine surface: its longest wave over its side, and its rms slope.
@@ -33,25 +34,31 @@ points = (
     Axis("cut_off", (2.0,), "shortest wavelength of the self-affine surface, in cells"),
     Axis("share", (0.2,), "share in contact of the self-affine surface, by Persson (2001)"),
     Axis("precision", ("double",), "floating-point numbers"),
-    Axis("threads", (1, 2), "threads of the solve"),
+    Axis("device", ("cpu",), "what solves: the processor, or the graphics processor"),
+    Axis("threads", (1, 2), "threads of the processor"),
     Axis("grid", (128, 256, 512), "cells across the width and along one period"),
 )
 
 
 @dataclass(frozen=True)
 class Timed:
-    """A solution, and the CPU time [s] of its solve, that of all threads together."""
+    """A solution, and the time [s] of its solve: CPU time of all threads, or wall time of another device."""
 
     solution: cs.Solution
     seconds: float
 
 
 @dataclass(frozen=True)
-class CaseOnThreads:
-    """A case to solve on so many threads."""
+class CaseOnDevice:
+    """A case to solve on a device."""
 
     case: Case
-    threads: int = 1
+    on: Device
+
+    @property
+    def threads(self) -> int:
+        """Those of the processor that work for it."""
+        return self.on.threads if isinstance(self.on, cs.Cpu) else 1
 
     def prepare(self) -> cs.Problem:
         """Influence coefficients, transforms, gap."""
@@ -59,9 +66,10 @@ class CaseOnThreads:
 
     def run(self, prepared: cs.Problem) -> Timed:
         """The solve proper."""
-        before = process_time()
+        clock = clock_of(self.on)
+        before = clock()
         solution = self.solved(prepared, self.case.max_iterations)
-        return Timed(solution, process_time() - before)
+        return Timed(solution, clock() - before)
 
     def solved(self, problem: cs.Problem, max_iterations: int) -> cs.Solution:
         """The solution, or what it is after so many iterations."""
@@ -70,7 +78,7 @@ class CaseOnThreads:
             tolerance=self.case.tolerance,
             max_iterations=max_iterations,
             precision=self.case.precision,
-            on=cs.Cpu(self.threads),
+            on=self.on,
         )
 
     def record(self, result: Timed) -> Mapping[str, xr.Variable]:
@@ -78,8 +86,13 @@ class CaseOnThreads:
         return self.case.record(result.solution)
 
 
-def scene_at(point: Point) -> CaseOnThreads:
-    """A contact on so many threads: a line contact, or a flat self-affine surface periodic along both axes."""
+def clock_of(on: Device) -> Callable[[], float]:
+    """CPU time, which a busy neighbour does not lengthen, where the processor does all the work."""
+    return process_time if isinstance(on, cs.Cpu) else perf_counter
+
+
+def scene_at(point: Point) -> CaseOnDevice:
+    """A contact on a device: a line contact, or a flat self-affine surface periodic along both axes."""
     surface = one_of("surface", point["surface"], (ROUGH, SELF_AFFINE))
     cells = whole("grid", point["grid"], 2, "give at least 2 cells across the width")
     threads = whole("threads", point["threads"], 1, "give a whole number of threads from 1 on")
@@ -92,7 +105,7 @@ def scene_at(point: Point) -> CaseOnThreads:
         scene = self_affine(grid, *(float(point[name]) for name in ("hurst", "cut_off", "share")))
         padding = (cs.ExactPeriodicity(), cs.ExactPeriodicity())
     case = Case(scene, grid, padding, tolerance=TOLERANCES[precision], precision=precision)
-    return CaseOnThreads(case, threads)
+    return CaseOnDevice(case, DEVICES[one_of("device", point["device"], DEVICES)](threads))
 
 
 def self_affine(grid: cs.Grid, hurst: float, cut_off: float, share: float) -> cs.Scene:
@@ -116,11 +129,11 @@ def self_affine(grid: cs.Grid, hurst: float, cut_off: float, share: float) -> cs
     return cs.Scene(cs.LineLoad(mean * side), SCENE.solids, (shape,))
 
 
-def measures(case: CaseOnThreads, result: Timed) -> Mapping[str, xr.Variable]:
+def measures(case: CaseOnDevice, result: Timed) -> Mapping[str, xr.Variable]:
     """The share in contact, the most memory a solve holds, and its time over that of its transforms."""
     problem = result.solution.problem
     peak = peak_bytes(lambda: case.solved(problem, ENOUGH))
-    pair = transform_seconds(problem.operator, case.case.precision, case.threads)
+    pair = transform_seconds(problem.operator, case.case.precision, case.on)
     return {
         "contact_share": number(
             float((result.solution.pressure > 0).mean()), "share of cells in contact"
@@ -131,22 +144,21 @@ def measures(case: CaseOnThreads, result: Timed) -> Mapping[str, xr.Variable]:
         ),
         "transform_ratio": number(
             result.seconds / (result.solution.convolutions * pair),
-            "CPU time of a solve over that of its bare transforms",
+            "time of a solve over that of its bare transforms",
         ),
     }
 
 
-def transform_seconds(operator: cs.Operator, precision: cs.Precision, threads: int) -> float:
-    """CPU time [s] of one bare pair of transforms of the operator's size, the least of three."""
+def transform_seconds(operator: cs.Operator, precision: cs.Precision, on: Device) -> float:
+    """Time [s] of one bare pair of transforms of the operator's size, the least of three."""
     assert isinstance(operator, Convolution)
-    field = np.zeros(operator.cells, dtype=precision.real)
-    px, py = operator.padded
-    work = np.empty((px, py // 2 + 1), dtype=np.result_type(precision.real, np.complex64))
-    least = np.inf
-    with using(cs.Cpu(threads)):
+    clock, least = clock_of(on), inf
+    with using(on):
+        own, pair = operator.scaled(1.0, precision), transforms()
+        field = on.put(np.zeros(own.cells, dtype=precision.real))
         for _ in range(3):
-            before = process_time()
-            waves = TRANSFORMS.forward(field, operator.padded, work)
-            TRANSFORMS.backward(waves, operator.cells, operator.padded)
-            least = min(least, process_time() - before)
-    return float(least)
+            before = clock()
+            waves = pair.forward(field, own.padded, own.room(own.padded))
+            float(pair.backward(waves, own.cells, own.padded)[0, 0])  # done, also on another device
+            least = min(least, clock() - before)
+    return least

@@ -5,7 +5,7 @@ import pytest
 from scipy.special import erf
 
 import contactstudy as cs
-from studies.definitions.cost.speed import SLOPE, CaseOnThreads, Timed, self_affine
+from studies.definitions.cost.speed import SLOPE, CaseOnDevice, Timed, self_affine
 from studies.reference.line_contact import SCENE
 from studies.registry import load
 
@@ -15,6 +15,7 @@ POINT = {
     "cut_off": 4.0,
     "share": 0.3,
     "precision": "double",
+    "device": "cpu",
     "threads": 1,
     "grid": 32,
 }
@@ -45,6 +46,7 @@ def test_a_self_affine_surface_bears_the_load_of_its_share_and_ends_at_so_many_c
         ({"share": 1.0}, r"^share is 1\.0: give a share between 0 and 1\."),
         ({"cut_off": 0.0}, r"^cut_off is 0\.0: give a number of cells above 0\."),
         ({"threads": 0}, r"^threads is 0: give a whole number of threads from 1 on\."),
+        ({"device": "gpu"}, "^Gpu "),
         ({"surface": "smoth"}, "^surface is 'smoth': choose from rough, self-affine"),
         ({"precision": "half"}, "^precision is 'half': give 'single' or 'double'"),
     ],
@@ -61,7 +63,7 @@ def test_the_ratio_is_of_the_solve_to_as_many_transforms(monkeypatch: pytest.Mon
     monkeypatch.setattr("studies.definitions.cost.speed.transform_seconds", lambda *_: 0.5)
     study = load("speed")
     case = study.scene_at(POINT)
-    assert isinstance(case, CaseOnThreads)
+    assert isinstance(case, CaseOnDevice)
     solution = case.solved(case.prepare(), 2000)
     found = study.measures(case, Timed(solution, 6.0))
     assert float(found["transform_ratio"]) == pytest.approx(12 / solution.convolutions)

@@ -16,10 +16,12 @@ from studies.report.style import LAW_STYLE, add_legend, panels
 COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 LINES = ("-", "--", ":", "-.")
 FAMILY = ("hurst", "cut_off", "share")
+WAYS = ("precision", "device", "threads")
+FIRST = dict.fromkeys(WAYS, 0)
 LABELS = {
     "solve_time": "wall time to solve [s]",
     "iterations": "iterations",
-    "transform_ratio": "CPU time over bare transforms'",
+    "transform_ratio": "time over that of bare transforms",
 }
 
 
@@ -71,20 +73,20 @@ def _surfaces(dataset: xr.Dataset) -> dict[str, dict[str, object]]:
 
 
 def _ways(dataset: xr.Dataset) -> dict[str, dict[str, object]]:
-    """How a surface is solved, in words that follow its name."""
-    precisions, threads = (dataset[axis].values.tolist() for axis in ("precision", "threads"))
-    return {
-        f", {precision}" * (len(precisions) > 1)
-        + f", {thread_count(count)}" * (len(threads) > 1): {
-            "precision": precision,
-            "threads": count,
-        }
-        for precision, count in product(precisions, threads)
-    }
+    """How a surface is solved, in words that follow its name; threads are those of the processor alone."""
+    precisions, devices, threads = (dataset[axis].values.tolist() for axis in WAYS)
+    found: dict[str, dict[str, object]] = {}
+    for precision, device, count in product(precisions, devices, threads):
+        words = [precision] * (len(precisions) > 1)
+        words += [device] * (len(devices) > 1)
+        words += [thread_count(count)] * (len(threads) > 1 and device == "cpu")
+        chosen = {"precision": precision, "device": device, "threads": count}
+        found.setdefault("".join(f", {word}" for word in words), chosen)
+    return found
 
 
 def _caption(dataset: xr.Dataset) -> str:
-    finest = dataset.isel(grid=-1, precision=0, threads=0)
+    finest = dataset.isel(FIRST | {"grid": -1})
     facts = [
         f"{name}: {int(one['iterations'])} iterations in {float(one['solve_time']):.2g} s, "
         f"{percent(one['contact_share'])} in contact, {float(one['memory']):.0f} fields of memory"
@@ -94,11 +96,12 @@ def _caption(dataset: xr.Dataset) -> str:
         f"Cost of a solve against the grid, without set-up. {ROUGH.capitalize()} is a rough cylinder, semi-periodic, "
         "the same surface on every grid; a self-affine one is flat, periodic along both axes, and has waves down "
         f"to so many cells of every grid. At {int(finest['grid'])} x {int(finest['grid'])} cells, on "
-        f"{thread_count(finest['threads'])}, "
-        + "; ".join(facts)
-        + ". Bare transforms are as many as the solve "
-        "takes, of the full grid."
+        f"{_where(finest)}, {'; '.join(facts)}. Bare transforms are as many as the solve takes, of the full grid."
     )
+
+
+def _where(one: xr.Dataset) -> str:
+    return thread_count(one["threads"]) if one["device"] == "cpu" else "a graphics processor"
 
 
 def _each(dataset: xr.Dataset) -> list[tuple[str, xr.Dataset]]:
@@ -113,17 +116,17 @@ def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     growth = float((last["iterations"] / first["iterations"]).max())
     facts = "; ".join(
         f"{name}: {int(one['iterations'][0])} to {int(one['iterations'][-1])}"
-        for name, one in _each(dataset.isel(precision=0, threads=0))
+        for name, one in _each(dataset.isel(FIRST))
     )
-    ratio = last["transform_ratio"].isel(precision=0, threads=0)
+    ratio = last["transform_ratio"].isel(FIRST)
     said = (
         f"Iterations from {int(first['grid'])} to {int(last['grid'])} cells across: {facts}. At "
         f"{int(last['grid'])} cells a solve takes {float(ratio.min()):.1f} to {float(ratio.max()):.1f} times the "
-        "CPU time of its bare transforms"
+        "time of its bare transforms"
     )
     threads = dataset["threads"].values.tolist()
-    if len(threads) > 1:
-        times = last["solve_time"].isel(precision=0)
+    if len(threads) > 1 and str(dataset["device"].values[0]) == "cpu":
+        times = last["solve_time"].isel(precision=0, device=0)
         faster = times.isel(threads=0) / times.isel(threads=-1)
         said += (
             f", and is {float(np.min(faster)):.1f} to {float(np.max(faster)):.1f} times as fast on "

@@ -122,7 +122,7 @@ def _newton_step(bodies: YieldingBodies, tangent: ContactTangent, point: _Point)
     if step.any():
         wanted -= _relaxed(bodies, tangent, step)
     wanted *= flows
-    inverse = np.linalg.inv((stiffness + bodies.self_blocks)[flows])
+    inverse = np.linalg.inv(stiffness + bodies.self_blocks(flows))
 
     def precondition(rest: Array) -> Array:
         found = np.zeros_like(rest)
@@ -130,8 +130,9 @@ def _newton_step(bodies: YieldingBodies, tangent: ContactTangent, point: _Point)
         return found
 
     def product(strain: Array) -> Array:
-        own = np.einsum("kij,jk->ik", stiffness, strain)
-        return np.asarray((own + _relaxed(bodies, tangent, strain)) * flows)
+        found = _relaxed(bodies, tangent, strain) * flows
+        found[:, flows] += np.einsum("kij,jk->ik", stiffness, strain[:, flows])
+        return found
 
     forcing = max(min(LOOSE, point.error**0.5), TIGHT)
     return step + _conjugate_gradients(bodies, product, precondition, wanted, forcing)

@@ -76,9 +76,9 @@ class Return:
 
     @property
     def stiffness(self) -> Array:
-        """The same without 2G, as matrices (cells, C, C) [Pa]: not negative."""
-        law = self.law
-        across = np.where(self.flows, self._across - law.twice_shear, 0.0)
-        dyads = np.einsum("ik,jk->kij", self.direction, self.direction)
-        unit = np.eye(len(self.direction))
-        return np.asarray(law.slope[:, None, None] * dyads + across[:, None, None] * (unit - dyads))
+        """The same without 2G, as matrices of the cells that flow (flowing cells, C, C) [Pa]: not negative."""
+        flows, direction = self.flows, self.direction[:, self.flows]
+        across = (self._across - self.law.twice_shear)[flows][:, None, None]
+        along = self.law.slope[flows][:, None, None]
+        dyads = np.einsum("ik,jk->kij", direction, direction)
+        return np.asarray(across * np.eye(len(direction)) + (along - across) * dyads)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contactstudy.domain.arrays import Array
 from contactstudy.elasticity.eigenstrain.volume import EigenstrainOperator
@@ -53,15 +54,14 @@ class YieldingBodies:
             [np.broadcast_to(o.volume.cell_volumes, o.volume.shape) for o in self.operators]
         )
 
-    @cached_property
-    def self_blocks(self) -> Array:
-        """(cells, C, C) [Pa]"""
-        return np.concatenate(
-            [
-                np.repeat(one.self_blocks, one.volume.shape[1] * one.volume.shape[2], axis=0)
-                for one in self.operators
-            ]
+    def self_blocks(self, cells: NDArray[np.bool_]) -> Array:
+        """Of the chosen ``cells`` on themselves (chosen cells, C, C) [Pa]."""
+        shapes = [one.volume.shape for one in self.operators]
+        layers = np.repeat(
+            range(sum(n for n, _, _ in shapes)), [nx * ny for n, nx, ny in shapes for _ in range(n)]
         )
+        blocks = np.concatenate([one.self_blocks for one in self.operators])
+        return np.asarray(blocks[layers[cells]])
 
     @property
     def cell_area(self) -> float:

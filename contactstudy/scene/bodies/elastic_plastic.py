@@ -89,9 +89,8 @@ class ElasticPlasticHalfSpace:
                 f"Scene.hardness is {scene.hardness!r} beside a body that yields, which limits the pressure "
                 "by itself: leave the hardness out, or give an elastic HalfSpace."
             )
-        for field, value in (("friction", scene.friction), ("rolling", scene.rolling)):
-            if value is not None:
-                raise InvalidInput(
-                    f"Scene.{field} is {value!r} beside a body that yields, whose stress is that of pressure "
-                    "alone here: leave it out."
-                )
+        if scene.rolling is not None:
+            raise InvalidInput(
+                f"Scene.rolling is {scene.rolling!r}, which is steady, beside a body that yields, whose strain "
+                "has a history: leave rolling out."
+            )

@@ -143,11 +143,6 @@ class Surroundings(Protocol):
         """Whether it rolls."""
         ...
 
-    @property
-    def friction(self) -> object | None:
-        """Whether it rubs."""
-        ...
-
 
 def sudden(solids: tuple[Body, Body]) -> tuple[Body, Body]:
     """The bodies that ``solids`` are for a first, sudden load."""

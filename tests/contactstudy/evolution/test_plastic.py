@@ -1,11 +1,17 @@
 """Bodies that yield: reference numbers, limits, histories."""
 
+from dataclasses import replace
+from functools import cache
 from math import inf, pi
+from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import contactstudy as cs
+from contactstudy.evolution.memories import yielding_volume
+from contactstudy.solvers.plasticity import settle
 
 EXACT = cs.ExactPeriodicity()
 YOUNG, NU, YIELD = 210e9, 0.3, 1e9
@@ -70,3 +76,351 @@ def test_a_body_yields_first_where_von_mises_says() -> None:
     assert 0 < errors[1] < 5e-3
     # a quarter, but for where the highest stress lies in its cell
     assert 2 < errors[0] / errors[1] < 8
+
+
+@cache
+def cycle(cell: float, steps: int, *, kinematic: bool = False) -> xr.Dataset:
+    """To 3 Y by equal ``steps`` and back by one, in units: lengths a, stresses Y, strains Y / E, lift a Y / E.
+
+    At H = 0.1 E; without the axis along.
+    """
+    moduli = {"hardening": 0.0, "kinematic": 0.1} if kinematic else {"hardening": 0.1}
+    found = cs.evolve(
+        pressed(3, **moduli),
+        grid_of(3, cell, 6.4),
+        EXACT,
+        times=[*np.linspace(0, 1, steps + 1), 2],
+        step_error=cs.StepError.NONE,
+        tolerance=1e-7,
+    )
+    assert found.status is cs.Status.CONVERGED
+    dataset = found.to_dataset().squeeze("y")
+    a, unit = half_width(3), YIELD / YOUNG
+    for name in ("x", "z"):
+        dataset[name] = dataset[name] / a
+    dataset["layer_thickness"] = dataset["layer_thickness"] / a
+    for name, scale in (
+        ("pressure", 3 * YIELD),
+        ("highest_pressure", 3 * YIELD),
+        ("stress", YIELD),
+        ("residual_stress", YIELD),
+        ("plastic_strain", unit),
+        ("equivalent_plastic_strain", unit),
+        ("residual_displacement", a * unit),
+    ):
+        dataset[name] = dataset[name] / scale
+    return dataset
+
+
+def residual_on_axis(dataset: xr.Dataset, depths: list[float]) -> np.ndarray:
+    """xx after the load."""
+    middle = dataset.sizes["x"] // 2
+    residual = dataset["residual_stress"].sel(component="xx").isel(time=-1)
+    return residual.isel(x=[middle - 1, middle]).mean("x").interp(z=depths).values
+
+
+def measures(dataset: xr.Dataset) -> dict[str, float]:
+    """Those of the reference numbers; residual stress on the axis, by cells on both sides of it."""
+    middle = dataset.sizes["x"] // 2
+    residual = dataset["residual_stress"].isel(time=-1, x=[middle - 1, middle]).mean("x")
+    lift = dataset["residual_displacement"].isel(time=-1)
+    return {
+        "highest pressure": float(dataset["highest_pressure"].max()),
+        "equivalent strain": float(dataset["equivalent_plastic_strain"].max()),
+        "dent": float(lift.interp(x=0) - lift.interp(x=3)),
+        "sxx": float(residual.sel(component="xx").min()),
+        "syy": float(residual.sel(component="yy").min()),
+    }
+
+
+def test_a_cylinder_at_three_times_yield_has_the_numbers_of_finite_elements() -> None:
+    """Eight equal steps, as an independent finite-element march took: Q2, contact by penalty, box of 1000 a.
+
+    Its own elements of 0.05 a and this mesh differ by 0.2 % in the pressure, 0.6 % in strain and dent.
+    """
+    found = cycle(0.05, 8)
+    numbers = measures(found)
+    assert numbers["highest pressure"] == pytest.approx(0.79269, rel=2e-3)
+    assert numbers["equivalent strain"] == pytest.approx(1.0320, rel=8e-3)
+    assert numbers["dent"] == pytest.approx(1.2106, rel=8e-3)
+    assert numbers["sxx"] == pytest.approx(-0.2343, rel=1e-2)
+    assert numbers["syy"] == pytest.approx(-0.3261, rel=1e-2)
+    expected = [0.2319, 0.0041, -0.1667, -0.2308, -0.1739, -0.0273]
+    residual = residual_on_axis(found, [0.25, 0.5, 0.75, 1, 1.5, 2])
+    np.testing.assert_allclose(residual, expected, atol=2e-3)
+    profile = found["residual_displacement"].isel(time=-1)
+    across = [0.25, 0.5, 0.75, 1, 1.25, 1.5]
+    shape = profile.interp(x=across) - profile.interp(x=3)
+    expected = [1.1387, 0.9331, 0.6082, 0.2280, -0.0183, -0.0688]
+    np.testing.assert_allclose(shape, expected, atol=1e-2)
+
+
+def test_steps_and_cells_without_end_give_the_numbers_of_the_extrapolation() -> None:
+    """First order in steps, second in cells; tolerances are the uncertainty of the reference numbers."""
+    coarse, fine = measures(cycle(0.1, 8)), measures(cycle(0.05, 8))
+    many, more = measures(cycle(0.1, 16)), measures(cycle(0.1, 32))
+    limits = {
+        name: fine[name] + (fine[name] - coarse[name]) / 3  # cells
+        + (2 * more[name] - many[name]) - coarse[name]  # steps
+        for name in coarse
+    }  # fmt: skip
+    assert limits["highest pressure"] == pytest.approx(0.7872, abs=4e-4)
+    assert limits["equivalent strain"] == pytest.approx(1.012, abs=2e-3)
+    assert limits["dent"] == pytest.approx(1.205, abs=3e-3)
+    yielded = (cycle(0.05, 8)["equivalent_plastic_strain"].max(["time", "x"]) > 0).values
+    thicknesses = cycle(0.05, 8)["layer_thickness"].values[yielded]
+    # in the last layer that yields, or the next, which does not yield in the mean
+    assert thicknesses[:-1].sum() < 2.54 < thicknesses.sum() + 1.1 * thicknesses[-1]
+    depths = [0.1, 0.5, 0.75, 1, 1.5, 2]
+    profiles = [
+        residual_on_axis(cycle(*case), depths)
+        for case in ((0.05, 8), (0.1, 8), (0.1, 16), (0.1, 32))
+    ]
+    found = profiles[0] + 2 * profiles[3] - profiles[2] - profiles[1]
+    expected = [0.065, 0.017, -0.159, -0.228, -0.176, -0.0305]
+    # cells of 0.05 a are 1e-3 off; layers of 0.1 a at a curvature of 2, between which this is linear, 2e-3
+    np.testing.assert_allclose(found, expected, atol=4e-3)
+
+
+def test_the_error_of_steps_is_of_first_order_and_that_of_cells_of_second() -> None:
+    steps = [measures(cycle(0.1, n))["highest pressure"] for n in (8, 16, 32)]
+    assert 0.4 < (steps[1] - steps[2]) / (steps[0] - steps[1]) < 0.65
+    cells = [measures(cycle(h, 8))["highest pressure"] for h in (0.2, 0.1, 0.05)]
+    # a quarter; the edge of the contact lies anywhere in its cell
+    assert 0.1 < (cells[1] - cells[2]) / (cells[0] - cells[1]) < 0.5
+
+
+def test_kinematic_hardening_has_the_numbers_of_the_same_scheme_on_uniform_layers() -> None:
+    """At 32 steps; isotropic hardening differs by little in a first loading."""
+    numbers = measures(cycle(0.1, 32, kinematic=True))
+    coarse, fine = measures(cycle(0.1, 8)), measures(cycle(0.05, 8))
+    for name, expected in (
+        ("highest pressure", 0.7898),
+        ("equivalent strain", 1.0176),
+        ("dent", 1.2033),
+    ):
+        # cells of 0.05 a there, of 0.1 a here
+        assert numbers[name] + fine[name] - coarse[name] == pytest.approx(expected, rel=4e-3)
+
+
+def test_unloading_from_three_times_yield_is_elastic() -> None:
+    found = cycle(0.1, 8)
+    for name in ("plastic_strain", "equivalent_plastic_strain"):
+        np.testing.assert_array_equal(found[name].isel(time=-2), found[name].isel(time=-1))
+    assert not found["pressure"].isel(time=-1).any()
+    # what is left is the residual stress
+    np.testing.assert_array_equal(
+        found["stress"].isel(time=-1), found["residual_stress"].isel(time=-1)
+    )
+
+
+def test_loading_again_is_elastic_up_to_where_it_was() -> None:
+    scene = replace(pressed(3), load=cs.LoadHistory((0, 1, 2, 3), (0, load(3), 0, load(3))))
+    grid = grid_of(3, 0.2)
+    found = cs.evolve(scene, grid, EXACT, times=(0, 0.5, 1, 2, 2.5, 3), tolerance=1e-9)
+    strains = found.to_dataset()["plastic_strain"]
+    unit = YIELD / YOUNG
+    # what the Newton method leaves over
+    assert float(np.abs(strains[2] - strains[5]).max()) < 1e-8 * unit
+    scale = float(found.pressure[2].max())
+    np.testing.assert_allclose(found.pressure[2], found.pressure[5], atol=1e-6 * scale)
+
+
+@pytest.mark.parametrize("yield_stress", [inf, 1e3 * YIELD], ids=["infinite", "never reached"])
+def test_a_body_that_nothing_makes_yield_is_an_elastic_one(yield_stress: float) -> None:
+    scene, grid = pressed(3, yield_stress=yield_stress), grid_of(3, 0.1)
+    elastic = replace(scene, solids=(cs.HalfSpace(YOUNG, NU), RIGID))
+    times = (0.0, 0.5, 1.0, 1.5, 2.0)
+    without, with_it = (cs.evolve(one, grid, EXACT, times=times) for one in (elastic, scene))
+    if yield_stress == inf:
+        np.testing.assert_array_equal(with_it.pressure, without.pressure)
+        np.testing.assert_array_equal(with_it.gap, without.gap)
+        problems = (one.load.largest for one in (elastic, scene))
+        first, second = (
+            cs.solve(replace(one, load=cs.LineLoad(p)).problem(grid, EXACT))
+            for one, p in zip((elastic, scene), problems, strict=True)
+        )
+        np.testing.assert_array_equal(first.pressure, second.pressure)
+    else:
+        assert not with_it.to_dataset()["plastic_strain"].any()
+        # both contacts are solved to 1e-8 of the gap, one a hundred times closer
+        np.testing.assert_allclose(
+            with_it.pressure, without.pressure, atol=1e-6 * without.pressure.max()
+        )
+
+
+def test_two_equal_bodies_that_yield_share_the_gap_evenly() -> None:
+    """Each sees half of the gap, so that one of them under a cylinder of twice the radius bears the same pressure."""
+    one = pressed(3)
+    both = replace(one, solids=(one.solids[0], one.solids[0]), shapes=(cs.Cylinder(RADIUS),))
+    single = replace(one, shapes=(cs.Cylinder(2 * RADIUS),))
+    grid, times = grid_of(3 * 2**-0.5, 0.15, 4.0), (0.0, 0.5, 1.0, 2.0)
+    first, second = (cs.evolve(scene, grid, EXACT, times=times) for scene in (both, single))
+    assert float(first.to_dataset()["equivalent_plastic_strain_0"].max()) > 0.1 * YIELD / YOUNG
+    np.testing.assert_allclose(first.pressure, second.pressure, atol=1e-6 * second.pressure.max())
+    labelled, alone = first.to_dataset(), second.to_dataset()
+    for name in ("plastic_strain", "residual_stress", "stress"):
+        np.testing.assert_array_equal(labelled[f"{name}_0"], labelled[f"{name}_1"])
+        scale = float(np.abs(alone[name]).max())
+        np.testing.assert_allclose(labelled[f"{name}_0"], alone[name], atol=1e-5 * scale)
+    np.testing.assert_allclose(
+        labelled["residual_displacement"],
+        2 * alone["residual_displacement"],
+        atol=1e-5 * float(alone["residual_displacement"].max()),
+    )
+
+
+def test_the_volume_grows_to_what_yields(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene, grid = pressed(4, hardening=0.02), grid_of(4, 0.2, 4.8)
+    generous = cs.evolve(scene, grid, EXACT, times=(0, 0.5, 1), tolerance=1e-7)
+    monkeypatch.setattr(yielding_volume, "SHARE", 2.0)
+    monkeypatch.setattr(yielding_volume, "ROOM", 0.0)
+    tight = cs.evolve(scene, grid, EXACT, times=(0, 0.5, 1), tolerance=1e-7)
+    assert tight.frames[0].kept["strain0"].shape < tight.frames[-1].kept["strain0"].shape
+    np.testing.assert_allclose(
+        tight.pressure, generous.pressure, atol=1e-5 * generous.pressure.max()
+    )
+    assert tight.to_dataset()["plastic_strain"].shape[0] == 3
+
+
+def test_a_sudden_load_is_applied_by_parts_and_says_its_error() -> None:
+    """Plastic strain depends on the path of the load, so that one step for all of it would have an error."""
+    scene, grid = pressed(3), grid_of(3, 0.2)
+    sudden = replace(scene, load=cs.LineLoad(load(3)))
+    found = cs.evolve(sudden, grid, EXACT, times=(0,), tolerance=1e-7)
+    closer = cs.evolve(sudden, grid, EXACT, times=(0,), error=4e-3, tolerance=1e-7)
+    fine = slowly(scene, grid)
+
+    def error(one: cs.Evolution) -> float:
+        return float(np.abs(one.pressure[-1] - fine).sum() / fine.sum())
+
+    # halving the steps halves the error, so that the difference of two marches is that of the finer one
+    assert 0.3 < error(found) / found.step_error < 2
+    assert 1e-4 < error(closer) <= closer.step_error <= 4e-3
+
+
+def slowly(scene: cs.Scene, grid: cs.Grid) -> np.ndarray:
+    """The pressure under the largest load, by so many steps up to it that a tenth of the least error here is left."""
+    times = np.linspace(0.3, 1, 48)
+    return cs.evolve(
+        scene, grid, EXACT, times=times, step_error=cs.StepError.NONE, tolerance=1e-7
+    ).pressure[-1]
+
+
+def test_steps_are_chosen_for_an_error() -> None:
+    scene, grid = pressed(3), grid_of(3, 0.2)
+    found = cs.evolve(scene, grid, EXACT, error=1e-2, tolerance=1e-6)
+    fine = slowly(scene, grid)
+    off = np.abs(found.pressure[found.loads.argmax()] - fine).sum() / fine.sum()
+    assert 0 < off < 1.1e-2
+    assert 0 < found.step_error < 1e-2
+    assert found.steps < 60
+
+
+def test_a_march_goes_on_from_its_folder(tmp_path: Path) -> None:
+    scene, grid = pressed(3), grid_of(3, 0.2)
+    times = (0.0, 0.25, 0.5, 1.0, 2.0)
+    whole = cs.evolve(scene, grid, EXACT, times=times, tolerance=1e-7)
+
+    class Killed(Exception):
+        pass
+
+    def kill(time: float, end: float) -> None:
+        if time >= 1:
+            raise Killed
+
+    with pytest.raises(Killed):
+        cs.evolve(scene, grid, EXACT, times=times, tolerance=1e-7, folder=tmp_path, progress=kill)
+    resumed = cs.evolve(scene, grid, EXACT, times=times, tolerance=1e-7, folder=tmp_path)
+    first, second = whole.to_dataset(), resumed.to_dataset()
+    for name in ("pressure", "plastic_strain", "residual_stress", "equivalent_plastic_strain"):
+        np.testing.assert_array_equal(first[name], second[name])
+
+
+def test_what_does_not_settle_says_how_far_it_came(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(settle, "ITERATIONS", 2)
+    found = cs.evolve(
+        pressed(3), grid_of(3, 0.2), EXACT, times=(0, 1), step_error=cs.StepError.NONE
+    )
+    assert found.status is cs.Status.NOT_CONVERGED
+    assert 1e-8 < found.residual < 1
+    assert "shorter steps" in str(found.status)
+
+
+def test_strain_that_reaches_the_edge_of_the_width_is_said() -> None:
+    grid = grid_of(3, 0.1, 2.5)
+    found = cs.evolve(pressed(3), grid, EXACT, times=np.linspace(0, 1, 9))
+    assert found.status is cs.Status.YIELD_AT_EDGE
+
+
+def test_a_body_that_yields_can_wear() -> None:
+    """The worn volume is k P s to rounding, and the cylinder sinks in as a softer one does."""
+    scene = replace(pressed(3), load=cs.LineLoad(load(3)), wear=cs.Wear(1e-15, 1.0))
+    found = cs.evolve(scene, grid_of(3, 0.2), EXACT, times=(0, 1, 2), tolerance=1e-7)
+    worn = found.to_dataset()["worn_depth"].isel(time=-1).sum().item() * found.grid.cell[0]
+    assert worn == pytest.approx(2 * 1e-15 * load(3), rel=1e-9)
+    assert found.highest_pressure[-1] < found.highest_pressure[0]
+
+
+BODY = cs.ElasticPlasticHalfSpace(YOUNG, NU, YIELD)
+LINE = cs.LineLoad(1e5)
+SHAPES = (cs.Cylinder(RADIUS),)
+STEEL = cs.HalfSpace(YOUNG, NU)
+
+
+@pytest.mark.parametrize(
+    ("make", "sentence"),
+    [
+        (lambda: replace(BODY, yield_stress=0.0), r"yield_stress is 0.0: give a stress above 0 Pa"),
+        (lambda: replace(BODY, youngs_modulus=inf), r"youngs_modulus is inf: give a modulus"),
+        (lambda: replace(BODY, poisson_ratio=0.6), r"ElasticPlasticHalfSpace.poisson_ratio is 0.6"),
+        (lambda: replace(BODY, hardening_modulus=-1.0), r"hardening_modulus is -1.0: give"),
+        (lambda: replace(BODY, kinematic_modulus=-1.0), r"kinematic_modulus is -1.0: give"),
+        (
+            lambda: cs.Scene(LINE, (BODY, cs.CoatedHalfSpace(STEEL, 1e-3, STEEL)), SHAPES),
+            r"Scene.solids\[1\] is a CoatedHalfSpace beside a body that yields",
+        ),
+        (
+            lambda: cs.Scene(LINE, (cs.ViscoelasticHalfSpace(YOUNG, NU), BODY), SHAPES),
+            r"Scene.solids\[0\] is a ViscoelasticHalfSpace beside a body that yields",
+        ),
+        (lambda: cs.Scene(LINE, (BODY, RIGID), SHAPES, 1e9), r"Scene.hardness is 1000000000.0"),
+        (
+            lambda: cs.Scene(LINE, (BODY, RIGID), SHAPES, friction=cs.Sliding(0.1)),
+            r"changes in time beside Sliding",
+        ),
+        (
+            lambda: cs.Scene(LINE, (BODY, RIGID), SHAPES, rolling=cs.Rolling(1.0)),
+            r"Scene.rolling is Rolling",
+        ),
+        (
+            lambda: cs.Scene(LINE, (BODY, RIGID), SHAPES, outputs=(cs.SubsurfaceStress((1e-4,)),)),
+            r"SubsurfaceStress is that of elastic bodies",
+        ),
+        (
+            lambda: cs.solve(cs.Scene(LINE, (BODY, RIGID), SHAPES).problem(grid_of(3, 0.2), EXACT)),
+            r"Scene.solids\[0\] changes in time",
+        ),
+        (
+            lambda: cs.evolve(
+                pressed(3), grid_of(3, 0.2), (EXACT, EXACT), times=(0, 1)
+            ),
+            r"evolve.padding is ExactPeriodicity\(\) across",
+        ),
+    ],
+)  # fmt: skip
+def test_what_plastic_strain_is_not_known_for_is_refused_in_a_sentence(
+    make: object, sentence: str
+) -> None:
+    with pytest.raises(cs.InvalidInput, match=sentence) as refused:
+        make()  # type: ignore[operator]
+    assert "\n" not in str(refused.value)
+    assert ": " in str(refused.value)
+
+
+def test_a_scene_file_holds_a_body_that_yields(tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    body = cs.ElasticPlasticHalfSpace(YOUNG, NU, YIELD, 2e9, 1e9)
+    scene = replace(pressed(3), solids=(body, RIGID))
+    cs.write_scene(scene, path)
+    assert cs.read_scene(path).scene == scene

@@ -1,0 +1,74 @@
+"""Von Mises plasticity of one cell, in cycles of tension, against the law of a bar."""
+
+import numpy as np
+import pytest
+
+from contactstudy.solvers.plasticity.yield_law import YieldLaw
+
+TWICE_SHEAR, YIELD = 1.6, 1.0
+
+
+def stressed(law: YieldLaw, deviators: list[float]) -> tuple[float, float]:
+    """Plastic strain and equivalent strain in tension after tension by these stresses, one after the other."""
+    # a bar under s has the deviator sqrt(2/3) s along (2, -1, -1) / sqrt(6), its strain sqrt(3/2) e
+    strain, equivalent = np.zeros((3, 1)), np.zeros(1)
+    for tension in deviators:
+        stress = np.array([[(2 / 3) ** 0.5 * tension], [0.0], [0.0]])
+        # dead weights: the strain that makes the trial stress come back to this stress
+        guess = strain
+        for _ in range(200):
+            found = law.returned(stress, guess, strain, equivalent)
+            if np.abs(found.strain - guess).max() < 1e-15:
+                break
+            guess = found.strain
+        equivalent = equivalent + (2 / 3) ** 0.5 * np.abs(guess - strain).max(axis=0) * 1.0
+        strain = guess
+    return float((2 / 3) ** 0.5 * strain[0, 0]), float(equivalent[0])
+
+
+def law(isotropic: float, kinematic: float) -> YieldLaw:
+    return YieldLaw(*(np.array([one]) for one in (TWICE_SHEAR, YIELD, isotropic, kinematic)))
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
+def test_a_bar_in_tension_hardens_by_both_moduli_together(share: float) -> None:
+    both = 0.8
+    strain, equivalent = stressed(law(share * both, (1 - share) * both), [0.9, 1.2, 1.4])
+    assert strain == pytest.approx(0.4 / both, rel=1e-12)
+    assert equivalent == pytest.approx(0.4 / both, rel=1e-12)
+
+
+def test_isotropic_hardening_widens_the_range_without_yield() -> None:
+    strain, _ = stressed(law(0.5, 0.0), [1.4, -1.4])
+    assert strain == pytest.approx(0.8, rel=1e-12)
+    back, equivalent = stressed(law(0.5, 0.0), [1.4, -1.6])
+    assert back == pytest.approx(0.8 - 0.4, rel=1e-12)
+    assert equivalent == pytest.approx(1.2, rel=1e-12)
+
+
+def test_kinematic_hardening_moves_it() -> None:
+    """From 1.4 down it yields at -0.6 (Bauschinger), with a modulus of 0.5."""
+    strain, _ = stressed(law(0.0, 0.5), [1.4, -0.59])
+    assert strain == pytest.approx(0.8, rel=1e-12)
+    back, _ = stressed(law(0.0, 0.5), [1.4, -0.8])
+    assert back == pytest.approx(0.8 - 0.2 / 0.5, rel=1e-12)
+
+
+def test_the_tangent_is_the_derivative_of_the_return() -> None:
+    random = np.random.default_rng(1)
+    many = YieldLaw(*(np.full(20, one) for one in (TWICE_SHEAR, YIELD, 0.3, 0.2)))
+    stress, before = random.standard_normal((3, 20)), 0.1 * random.standard_normal((3, 20))
+    equivalent, change = random.random(20), random.standard_normal((3, 20))
+    found = many.returned(stress, before, before, equivalent)
+    step = 1e-6
+    ahead, behind = (
+        many.returned(stress + sign * step * change, before, before, equivalent).strain
+        for sign in (1, -1)
+    )
+    derivative = (ahead - behind) / (2 * step)
+    back = found.inverse_tangent(derivative)
+    # a central difference of 1e-6: rounding 1e-10 times the stiffest of 20 cells
+    np.testing.assert_allclose(back[:, found.flows], change[:, found.flows], atol=1e-6)
+    assert 5 < found.flows.sum() < 20
+    values = np.linalg.eigvalsh(found.stiffness)
+    assert values.min() > -1e-12

@@ -10,6 +10,7 @@ import pytest
 from studies.cli.commands import cli
 from studies.engine.run import run
 from studies.registry import load
+from tests.readme_blocks import BLOCK, SAID
 
 ROOT = Path(__file__).parent.parent
 # Pages that the site makes from the program are not written by hand.
@@ -24,8 +25,6 @@ PAGES = (
 )
 # Set-up, and what CI does with the README's own commands; two that want all studies, or other programs.
 ELSEWHERE = ("python3 -m venv", ".venv/bin/pip", ".venv/bin/contactstudy run peers")
-BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", flags=re.DOTALL | re.MULTILINE)
-SAID = re.compile(r"^print\(.*\)  # (.*)$", flags=re.MULTILINE)
 
 
 @pytest.fixture(autouse=True)

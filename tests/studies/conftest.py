@@ -1,5 +1,6 @@
 """One small sweep, run once, that many tests read."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -8,6 +9,8 @@ from studies.engine.run import run
 from studies.model.study import Study
 from studies.registry import load
 
+# for tests that send signals, fork, or read what a shell of POSIX says
+POSIX = pytest.mark.skipif(not hasattr(os, "killpg"), reason="this system has no POSIX signals")
 SMALL = {"images": "0:2", "period": "0.6,2.4", "grid": "16,24"}
 
 

@@ -13,6 +13,7 @@ from contactstudy import InvalidInput
 from studies.cli.commands import cli
 from studies.model.outcome import CaseStatus
 from studies.registry import load
+from tests.studies.conftest import POSIX
 
 COMMAND = str(Path(sys.executable).with_name("contactstudy"))
 SMALL = [
@@ -45,6 +46,7 @@ def test_run_leaves_a_dataset_and_its_figures(tmp_path: Path) -> None:
     assert "2 distinct cases" in done.stdout
 
 
+@POSIX
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
@@ -135,6 +137,7 @@ def test_studies_are_listed_with_their_axes(tmp_path: Path) -> None:
     assert "--period 0.15,0.3" in done.stdout
 
 
+@POSIX
 @pytest.mark.parametrize("written", [None, "case", "time"], ids=["at once", "solving", "timing"])
 def test_an_interrupt_ends_in_one_sentence_and_leaves_nothing_half_written(
     written: str | None, tmp_path: Path

@@ -2,7 +2,6 @@
 
 import math
 import os
-import resource
 import signal
 import subprocess
 import sys
@@ -27,6 +26,7 @@ from tests.studies.conftest import quiet
 from tests.studies.engine import trouble
 from tests.studies.engine.trouble import Trouble
 
+resource = pytest.importorskip("resource", reason="this system has no limits of POSIX")
 ROOT = Path(__file__).parents[3]
 ALONE = RunOptions(workers=0, repeats=1)
 SCRIPT = """

@@ -5,10 +5,12 @@ import re
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+import psutil
 import pytest
 import xarray as xr
 
@@ -19,7 +21,7 @@ from studies.engine.options import RunOptions
 from studies.engine.run import run
 from studies.engine.stop import Stop
 from studies.model.outcome import CaseStatus, Outcome, Work
-from tests.studies.conftest import quiet
+from tests.studies.conftest import POSIX, quiet
 from tests.studies.engine import trouble
 from tests.studies.engine.trouble import DIES, HANGS, NAN, RAISES, Trouble
 
@@ -51,7 +53,8 @@ def examine(dataset: xr.Dataset) -> None:
     assert "square is nan" in str(said[NAN]["error"].item())
     assert said[NAN]["error_stage"].item() == "measure"
     assert f"not done after {LIMIT:g} s" in str(said[HANGS]["error"].item())
-    assert "SIGKILL" in str(said[DIES]["error"].item())
+    ending = "SIGKILL" if hasattr(signal, "SIGKILL") else "exit code"
+    assert ending in str(said[DIES]["error"].item())
 
 
 def test_processes_label_four_troubles_among_twenty(tmp_path: Path) -> None:
@@ -75,8 +78,7 @@ def test_a_crew_goes_from_study_to_study_and_outlives_their_troubles(tmp_path: P
         pool.run([Trouble(1.0)], Work(process), found.__setitem__, Stop())
         processes.append(int(found[0].variables["process"]))
     for one in processes:
-        with pytest.raises(ProcessLookupError):
-            os.kill(one, 0)
+        assert not psutil.pid_exists(one)
 
 
 def test_a_crew_that_was_stopped_starts_anew() -> None:
@@ -103,7 +105,7 @@ def test_what_workers_had_finished_when_a_run_was_stopped_is_not_lost(tmp_path: 
         found[number] = outcome
         if len(found) == 1:
             while len(log.read_text(encoding="utf-8").splitlines()) < len(cases):
-                os.sched_yield()
+                time.sleep(0)  # others first
             raise KeyboardInterrupt
 
     with ProcessPool(2) as pool, pytest.raises(KeyboardInterrupt):
@@ -127,6 +129,7 @@ run(trouble.study(), Path(sys.argv[1]), options=RunOptions(workers=0, time_limit
 """
 
 
+@POSIX
 def test_a_case_that_takes_its_process_down_is_given_its_own_the_next_time(tmp_path: Path) -> None:
     command = [sys.executable, "-c", SCRIPT, str(tmp_path)]
     root = Path(__file__).parents[3]
@@ -182,6 +185,7 @@ def cluster(tmp_path: Path) -> Iterator[Running]:
             scheduler.stderr.close()
 
 
+@POSIX
 def test_a_cluster_labels_four_troubles_and_outlives_a_worker(
     cluster: Running, tmp_path: Path
 ) -> None:

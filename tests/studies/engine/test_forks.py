@@ -18,7 +18,7 @@ from studies.engine.run import run
 from studies.model.axis import Axis
 from studies.model.outcome import CaseStatus
 from studies.model.study import Point, Study
-from tests.studies.conftest import quiet
+from tests.studies.conftest import POSIX, quiet
 
 NUMBERS = 30
 FORKING = 5
@@ -106,6 +106,7 @@ def study(how: str, where: str) -> Study:
     return Study("forking", "Cases, one of which forks.", (axis,), scene_at, measures, "none")
 
 
+@POSIX
 @pytest.mark.parametrize(
     ("how", "where", "workers"),
     [(how, "run", 1) for how in FORKS]
@@ -133,6 +134,7 @@ run(study(sys.argv[1], "run"), Path(sys.argv[2]), options=RunOptions(workers=0, 
 """
 
 
+@POSIX
 @pytest.mark.parametrize("how", ["fork", "fork_of_c", "fork_and_raise"])
 def test_a_case_that_forks_without_workers_does_not_make_two_runs(how: str, tmp_path: Path) -> None:
     done = subprocess.run(

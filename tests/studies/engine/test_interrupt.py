@@ -1,4 +1,3 @@
-import os
 import signal
 import threading
 
@@ -12,7 +11,7 @@ def test_an_interrupt_comes_after_what_must_not_be_left_half_way() -> None:
 
     def work() -> None:
         with interrupts_deferred():
-            os.kill(os.getpid(), signal.SIGINT)
+            signal.raise_signal(signal.SIGINT)
             done.append("whole")
         done.append("beyond")
 
@@ -29,7 +28,7 @@ def test_an_interrupt_comes_after_what_must_not_be_left_half_way() -> None:
 def test_what_goes_wrong_meanwhile_is_not_hidden_by_an_interrupt() -> None:
     def work() -> None:
         with interrupts_deferred():
-            os.kill(os.getpid(), signal.SIGINT)
+            signal.raise_signal(signal.SIGINT)
             raise OSError("full")
 
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -44,7 +43,7 @@ def test_where_an_interrupt_is_ignored_it_stays_so() -> None:
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         with interrupts_deferred():
-            os.kill(os.getpid(), signal.SIGINT)
+            signal.raise_signal(signal.SIGINT)
         assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
     finally:
         signal.signal(signal.SIGINT, before)

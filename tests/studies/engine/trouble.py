@@ -45,7 +45,7 @@ class Trouble:
         if prepared == HANGS or prepared >= self.hangs_from:
             time.sleep(1000)
         if prepared == DIES:
-            os.kill(os.getpid(), signal.SIGKILL)
+            os.kill(os.getpid(), getattr(signal, "SIGKILL", signal.SIGTERM))
         return prepared**2 + self.offset
 
     def record(self, result: float) -> Mapping[str, xr.Variable]:

@@ -5,11 +5,15 @@ import json
 import re
 from dataclasses import MISSING, fields
 from enum import Enum
+from importlib import import_module
 from inspect import getdoc, isclass
 from pathlib import Path
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
+import numpy as np
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 from sphinx.application import Sphinx
+from sphinx.util.typing import stringify_annotation
 
 import contactstudy as cs
 from contactstudy.domain.units import Unit
@@ -29,6 +33,58 @@ GROUPS = {
     "elasticity": "Operators and influence coefficients",
     "": "Other names",
 }
+
+
+# What signatures and docstrings of public names refer to, and a user need not import.
+ARRAYS = (
+    ".. py:currentmodule:: None",
+    "",
+    ".. py:class:: Array",
+    "",
+    "   A numpy array of real numbers, of the shape that the docstring gives.",
+    "",
+    ".. py:class:: ArrayLike",
+    "",
+    "   What numpy makes an array of: a number, a sequence of numbers, an array.",
+    "",
+)
+INNER = (
+    "accuracy.coarser.coarse_solution",
+    "accuracy.discretisation.discretisation",
+    "accuracy.edge_law.edge_error",
+    "accuracy.truncation.truncation",
+    "domain.device.Device",
+    "domain.namespace.Namespace",
+    "elasticity.prony.Creep",
+    "elasticity.tangential.Correlated",
+    "elasticity.tangential.ShearResponse",
+    "evolution.frame.Frame",
+    "evolution.memories.memory.JointMemory",
+    "io.scene_file.PlanSettings",
+    "io.scene_file.SolverSettings",
+    "io.scene_file.TimeSteps",
+    "problem.derived.Derived",
+    "problem.derived.Field",
+    "problem.problem.FrictionLaw",
+    "problem.problem.Source",
+    "scene.bodies.solids.Surroundings",
+    "scene.friction.Contact",
+    "scene.friction.Friction",
+    "scene.loads.load_history.ChangingLoad",
+    "scene.scene.PosedScene",
+    "scene.shapes.texture.Profile",
+    "scene.source.ShapesSource",
+    "scene.stress.StressBelow",
+    "scene.surfaces.missing_points.Missing",
+    "scene.surfaces.seam.Seam",
+    "solvers.lagged.Settled",
+    "solvers.lagged.solve_lagged",
+    "solvers.partial_slip.CoulombDisks",
+    "solvers.partial_slip.Superposed",
+    "solvers.sliding.FullSliding",
+    "solvers.solution.Traction",
+    "solvers.solve.Posable",
+)
 
 
 def group_of(name: str) -> str:
@@ -76,7 +132,28 @@ def names() -> str:
             else:
                 directive = f".. autodata:: contactstudy.{name}\n   :no-value:"
             text += ["```{eval-rst}", directive, "```", ""]
-    return "\n".join(text)
+    return "\n".join([*text, *inner_names()])
+
+
+def inner_names() -> list[str]:
+    """The part of the page with the types that are seen in signatures alone."""
+    text = [
+        "## Types in signatures",
+        "",
+        "They need not be imported.",
+        "",
+        "```{eval-rst}",
+        *ARRAYS,
+    ]
+    for name in INNER:
+        module, _, last = name.rpartition(".")
+        kind = (
+            "class"
+            if isclass(getattr(import_module(f"contactstudy.{module}"), last))
+            else "function"
+        )
+        text += [f".. auto{kind}:: contactstudy.{name}", ""]
+    return [*text, "```", ""]
 
 
 def _type(wanted: Any) -> str:
@@ -223,11 +300,18 @@ def write(app: Sphinx) -> None:
             path.write_text(text)
 
 
-UNIT = re.compile(
-    r"~?(?:typing\.)?Annotated\[float, ~?contactstudy\.domain\.units\.Unit\([^()]*\)\]"
-)
-ARRAY = re.compile(
-    r"~?(?:numpy\.)?ndarray\[tuple\[~?(?:typing\.)?Any, \.\.\.\], ~?(?:numpy\.)?dtype\[~?(?:numpy\.)?floating\[~?(?:typing\.)?Any\]\]\]"
+# Texts in signatures, and what a person reads instead: a quantity is a float, a field an Array; units are in the docstring.
+PLAINER = (
+    (r"~?(?:typing\.)?Annotated\[float, ~?contactstudy\.domain\.units\.Unit\([^()]*\)\]", "float"),
+    (re.escape(stringify_annotation(NDArray[np.floating[Any]], "smart")), "Array"),
+    (re.escape(stringify_annotation(ArrayLike, "smart")), "ArrayLike"),
+    (re.escape(stringify_annotation(DTypeLike, "smart")), "~numpy.typing.DTypeLike"),
+    (r"<[^<>]*>", "..."),  # the repr of a default is not Python
+    # types that are imported for checking alone
+    (r"(?<![\w.])xr\.Dataset\b", "~xarray.Dataset"),
+    (r"(?<![\w.])Figure\b", "~matplotlib.figure.Figure"),
+    (r"(?<![\w.])ChangingLoad\b", "~contactstudy.scene.loads.load_history.ChangingLoad"),
+    (r"(?<![\w.])Friction\b", "~contactstudy.scene.friction.Friction"),
 )
 
 
@@ -240,10 +324,12 @@ def shorten(
     signature: str | None,
     returns: str | None,
 ) -> tuple[str | None, str | None]:
-    """Signatures as a person reads them: a quantity is a float, a field an Array; units are in the text."""
+    """Signatures as a person reads them."""
 
     def short(text: str | None) -> str | None:
-        return text and ARRAY.sub("Array", UNIT.sub("float", text))
+        for pattern, plainer in PLAINER:
+            text = text and re.sub(pattern, plainer, text)
+        return text
 
     return short(signature), short(returns)
 

@@ -71,7 +71,7 @@ def test_snakemake_runs_the_rules_of_the_page_once(tmp_path: Path) -> None:
     )
     if snakemake is None:
         pytest.skip("snakemake is not installed")
-    (rules,) = (text for kind, text in BLOCKS if kind == "snakemake")
+    (rules,) = (text for kind, text in BLOCKS if text.startswith("rule "))
     (tmp_path / "Snakefile").write_text(rules)
     environment = os.environ | {
         "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}",

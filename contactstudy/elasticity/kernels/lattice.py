@@ -24,7 +24,7 @@ def boussinesq_cell_doubly_periodic(
     Counted from its mean over both periods. Needs ``dx <= width`` and ``dy <= period``. Error below
     1e-13 of ``max(|S|, dx dy / min(width, period))``.
 
-    Source: the rows of :func:`~contactstudy.elasticity.kernels.row.boussinesq_cell_periodic`, whose harmonics die
+    Source: the rows of :func:`~contactstudy.kernels.boussinesq_cell_periodic`, whose harmonics die
     out within a few of their periods and whose logarithms together are that of a periodic line load,
     ``-2 ln |2 sin(pi x / W)|`` (Johnson 1985, sect. 13.2).
     """

@@ -28,7 +28,9 @@ STRIPS, STRIPS_END = 15, 7.2
 def boussinesq_cell_periodic(
     x: ArrayLike, y: ArrayLike, dx: ArrayLike, dy: ArrayLike, period: ArrayLike
 ) -> Array:
-    """The cell of :func:`boussinesq_cell` repeated infinitely with ``period`` along y; all arguments broadcast.
+    """The cell of :func:`~contactstudy.kernels.boussinesq_cell` repeated infinitely with ``period`` along y.
+
+    All arguments broadcast.
 
     ``S = lim_M [ sum_{|m| <= M} I(x, y + m L) - (2 dx dy / L) ln((2 M + 1) L) ]``: the divergent rigid
     shift is taken off, so that the mean over a period is ``-(2 dx dy / L) mean ln |x|``. Lengths in one

@@ -78,7 +78,7 @@ def _corners(x: Array, y: Array, half_x: float, half_y: float, depth: float) -> 
 def image_row(x: Array, y: Array, dx: float, dy: float, period: float, depth: float) -> Array:
     """:func:`image_cell` repeated with ``period`` along y; x a column and y a row.
 
-    Without the divergent rigid shift, as in :func:`~contactstudy.elasticity.kernels.row.boussinesq_cell_periodic`:
+    Without the divergent rigid shift, as in :func:`~contactstudy.kernels.boussinesq_cell_periodic`:
     the mean over a period is ``-(dx dy / L) mean ln(x^2 + depth^2)``.
 
     Source: there, with the distance from the axis in place of x.

@@ -12,7 +12,7 @@ LEFT_OUT = ("_time", "residual", "iterations", "convolutions", "_estimate_residu
 
 
 def changes(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
-    """A sentence for every measure of two stored studies that changed, the largest change first.
+    """A sentence for every measure of two stored studies that changed, the largest change first; then for times.
 
     Points are compared that both have. Raises :class:`~contactstudy.InvalidInput` for studies of other axes.
     """
@@ -57,4 +57,24 @@ def changes(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
             differ = int((a[status].values != b[status].transpose(*a[status].dims).values).sum())
             said += [f"{status} differs at {differ} of {points} points"] * bool(differ)
     said += [sentence for _, sentence in sorted(found, key=lambda one: -one[0])]
-    return said if len(said) > 1 else [*said, "no measure differs"]
+    said += ["no measure differs"] * (len(said) == 1)
+    return [*said, *_speed(a, b)]
+
+
+def _speed(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
+    """How much longer the cases of the second took, where one machine timed both."""
+    said = []
+    for name in ("solve_time", "solve_time_cpu"):
+        if name not in first or name not in second:
+            continue
+        ratio = (second[name] / first[name]).values.ravel()
+        ratio = ratio[np.isfinite(ratio)]
+        if ratio.size == 0:
+            continue
+        if any(first.attrs.get(key) != second.attrs.get(key) for key in ("cpu", "cpu_count")):
+            return ["times are of two processors and are not compared"]
+        low, middle, high = np.quantile(ratio, (0, 0.5, 1))
+        said.append(
+            f"{name}: {middle:.3g} of the first in the median of {ratio.size} points, from {low:.3g} to {high:.3g}"
+        )
+    return said

@@ -6,6 +6,7 @@ from math import inf, log10, pi, sqrt
 import numpy as np
 
 from contactstudy.planning.grid_requirements import ROOM
+from contactstudy.planning.yielding import Yielding, yielding
 from contactstudy.scene.bodies.solids import Body, sudden
 from contactstudy.scene.bodies.viscoelastic import ViscoelasticHalfSpace
 from contactstudy.scene.loads.load import LineLoad
@@ -26,6 +27,7 @@ class Extremes:
     """The ``narrow`` scene that needs the finest cells, the ``width`` [m] that holds the widest contact.
 
     ``steps`` are solves, ``fields`` what is kept between them beside one solve, ``reasons`` a sentence each.
+    ``plastic`` is what bodies that yield ask.
     """
 
     narrow: Scene
@@ -33,6 +35,7 @@ class Extremes:
     steps: int
     fields: int
     reasons: tuple[str, ...]
+    plastic: Yielding | None = None
 
 
 def extremes(scene: Scene, error: float) -> Extremes:
@@ -54,6 +57,10 @@ def extremes(scene: Scene, error: float) -> Extremes:
         reasons.append(f"rolling: some {passes} passes until the lagged part settles.")
         return Extremes(narrow, 2 * ROOM * half_width * 1.5, passes, 4 * PASSES, tuple(reasons))
     steps = 1.0
+    plastic = yielding(scene)
+    if plastic is not None:
+        steps += plastic.steps(error)
+        half_width = max(half_width, plastic.reach / ROOM)
     if bodies:
         times = [time for body in bodies for _, time in body.creep.terms] or [end or 1.0]
         decades = 1 + log10(max(times) / min(times))
@@ -67,7 +74,7 @@ def extremes(scene: Scene, error: float) -> Extremes:
         f"time: some {steps:.2g} solves for an error of {error:.1g} by the steps, with those that "
         "estimate it, if evolve(error=...) chooses them."
     )
-    return Extremes(narrow, 2 * ROOM * half_width, round(steps), fields, tuple(reasons))
+    return Extremes(narrow, 2 * ROOM * half_width, round(steps), fields, tuple(reasons), plastic)
 
 
 def _softest(body: Body, end: float) -> float:

@@ -106,21 +106,33 @@ def _plan_in_time(scene: Scene, *, error: float, period: float | None, grid: Gri
     """Of a scene that changes in time: wide enough for its widest contact, fine enough for its narrowest."""
     # by name: only scenes that change in time need it
     extremes = import_module("contactstudy.planning.in_time").extremes(scene, error)
+    plastic = extremes.plastic
+    coarser = plastic.cells_error if plastic else 1.0
+    cells = error / coarser
     if grid is not None:
-        found = plan(extremes.narrow, error=error, period=period, grid=grid)
+        found = plan(extremes.narrow, error=cells, period=period, grid=grid)
     else:
-        narrow = plan(extremes.narrow, error=error, period=period)
+        narrow = plan(extremes.narrow, error=cells, period=period)
         width = max(narrow.grid.extent[0], extremes.width)
         across = halvable(narrow.grid.cells[0] * width / narrow.grid.extent[0])
         wide = Grid((across, narrow.grid.cells[1]), (width, narrow.grid.period))
-        found = plan(extremes.narrow, error=error, grid=wide)
+        found = plan(extremes.narrow, error=cells, grid=wide)
     # a warm start takes no coarser grids and fewer iterations
-    return replace(
+    found = replace(
         found,
         seconds=found.seconds * extremes.steps,
         bytes=found.bytes + 8 * extremes.fields * prod(found.grid.cells),
         reasons=(*found.reasons, *extremes.reasons),
         steps=extremes.steps,
+    )
+    if plastic is None:
+        return found
+    return replace(
+        found,
+        error=found.error * coarser,
+        seconds=found.seconds * plastic.contacts,
+        bytes=found.bytes + plastic.bytes(found.grid),
+        reasons=(*found.reasons, plastic.reason(found.grid)),
     )
 
 

@@ -1,5 +1,6 @@
 """The picture of a contact that changed in time: profiles, a map over time, numbers against time."""
 
+from functools import partial
 from typing import Any
 
 import matplotlib as mpl
@@ -19,6 +20,9 @@ def evolution_picture(evolved: xr.Dataset) -> Figure:
     """``evolved``, as ``Evolution.to_dataset`` labels it; nothing else is needed."""
     worn = "worn_depth" in evolved
     drawn = [_profiles, _map, _numbers, _errors] + [_worn] * worn
+    if "residual_displacement" in evolved:
+        bodies = [str(one) for one in evolved if str(one).startswith("equivalent_plastic")]
+        drawn += [_dent, *(partial(_plastic, name=name) for name in bodies)]
     with mpl.rc_context(SETTINGS):
         figure, axes = panels(len(drawn), columns=2, width=4.6, height=3.4)
         for draw, ax in zip(drawn, axes, strict=True):
@@ -46,6 +50,30 @@ def _profiles(ax: Axes, evolved: xr.Dataset) -> None:
 
 def _worn(ax: Axes, evolved: xr.Dataset) -> None:
     _lines(ax, evolved, "worn_depth", scaled(evolved["worn_depth"], LENGTHS))
+
+
+def _dent(ax: Axes, evolved: xr.Dataset) -> None:
+    name = "residual_displacement"
+    _lines(ax, evolved, name, scaled(abs(evolved[name]), LENGTHS))
+
+
+def _plastic(ax: Axes, evolved: xr.Dataset, name: str) -> None:
+    """Equivalent plastic strain below the middle of the length at the last instant."""
+    strain = evolved[name].isel(time=-1, y=evolved.sizes["y"] // 2)
+    depth = next(str(one) for one in strain.dims if str(one).startswith("z"))
+    length, metres = scaled(evolved["x"], LENGTHS)
+    across, down = evolved["x"] / length, evolved[depth] / length
+    mesh = ax.pcolormesh(
+        across, down, strain * 100, cmap="viridis", shading="nearest", rasterized=True
+    )
+    ax.set(
+        xlabel=f"across [{metres}]",
+        ylabel=f"depth [{metres}]",
+        title=f"{strain.attrs['long_name']} at the end [%]",
+        aspect="equal",
+    )
+    ax.invert_yaxis()
+    ax.figure.colorbar(mesh, ax=ax)
 
 
 def _map(ax: Axes, evolved: xr.Dataset) -> None:

@@ -41,3 +41,39 @@ def test_rolling_takes_passes() -> None:
     )
     assert found.settled.passes == pytest.approx(plan.steps, rel=0.8)
     assert found.solution.status is cs.Status.CONVERGED
+
+
+@pytest.mark.parametrize("ratio", [2.5, 4.0])
+def test_a_plan_makes_room_for_what_yields(ratio: float) -> None:
+    """Width and layers hold the plastic zone; steps are foreseen within a factor of three."""
+    elastic = cs.Scene(
+        cs.LineLoad(1e6),
+        (cs.HalfSpace(210e9, 0.3), cs.HalfSpace(np.inf, 0.0)),
+        (cs.Cylinder(0.01),),
+    )
+    assert elastic.hertz is not None
+    body = cs.ElasticPlasticHalfSpace(210e9, 0.3, elastic.hertz.peak_pressure / ratio, 2e9)
+    history = cs.LoadHistory((0.0, 1.0), (0.0, 1e6))
+    scene = replace(elastic, load=history, solids=(body, elastic.solids[1]))
+    plan = cs.plan(scene, error=8e-2)
+    assert plan.grid.cells[1] == 1
+    assert plan.error <= 8e-2
+    found = cs.evolve(scene, plan.grid, plan.padding, times=(0.0, 1.0), error=8e-2, tolerance=1e-6)
+    assert found.status is cs.Status.CONVERGED
+    assert plan.steps / 3 < found.steps < 3 * plan.steps
+    assert found.grid_error < 8e-2
+    said = next(reason for reason in plan.reasons if reason.startswith("yield:"))
+    layers = found.frames[-1].kept["equivalent0"].shape[0]
+    assert f"{ratio:.3g} times the lowest yield stress" in said
+    assert 0.7 < int(said.split("some ")[1].split()[0]) / layers < 1.4
+
+
+def test_a_finer_grid_of_what_yields_is_said_to_take_more() -> None:
+    body = cs.ElasticPlasticHalfSpace(210e9, 0.3, 1e9)
+    history = cs.LoadHistory((0.0, 1.0), (0.0, 1e6))
+    scene = cs.Scene(history, (body, cs.HalfSpace(np.inf, 0.0)), (cs.Cylinder(0.01),))
+    coarse, fine = (
+        cs.plan(scene, error=1e-2, grid=cs.Grid((cells, 1), (1e-3, 1e-3))) for cells in (64, 128)
+    )
+    # operators are matrices over layers for every wave: twice of both
+    assert 5 < fine.bytes / coarse.bytes < 9

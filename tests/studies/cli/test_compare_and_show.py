@@ -79,16 +79,17 @@ def test_two_runs_of_a_study_are_compared(folder: Path) -> None:
 
 
 def test_the_times_of_two_runs_are_compared_where_one_processor_took_them(folder: Path) -> None:
-    study = folder / "study" / "smooth.nc"
-    slower, elsewhere = folder / "slower.nc", folder / "elsewhere.nc"
-    dataset = xr.load_dataset(study)
-    dataset["solve_time_cpu"] *= [[2.0, 2.0], [3.0, 4.0]]
-    dataset.to_netcdf(slower)
-    text = said("compare", study, slower)
+    stored = xr.load_dataset(folder / "study" / "smooth.nc")
+    first, slower, elsewhere = (folder / f"{name}.nc" for name in ("first", "slower", "elsewhere"))
+    stored["solve_time"][:], stored["solve_time_cpu"][:] = 0.25, 0.125
+    stored.to_netcdf(first)
+    stored["solve_time_cpu"][:] = 0.125 * np.array([[2.0, 2.0], [3.0, 4.0]])
+    stored.to_netcdf(slower)
+    text = said("compare", first, slower)
     assert "solve_time: 1 of the first in the median of 4 points, from 1 to 1" in text
     assert "solve_time_cpu: 2.5 of the first in the median of 4 points, from 2 to 4" in text
-    dataset.assign_attrs(cpu="another").to_netcdf(elsewhere)
-    assert "times are of two processors" in said("compare", study, elsewhere)
+    stored.assign_attrs(cpu="another").to_netcdf(elsewhere)
+    assert "times are of two processors" in said("compare", first, elsewhere)
 
 
 def test_what_is_not_of_one_kind_is_not_compared(folder: Path) -> None:

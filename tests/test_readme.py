@@ -3,12 +3,16 @@
 import re
 import shlex
 import shutil
+from dataclasses import replace
+from decimal import Decimal
 from pathlib import Path
 
 import pytest
 
+import contactstudy as cs
 from studies.cli.commands import cli
 from studies.engine.run import run
+from studies.reference.line_contact import measures, scene_at
 from studies.registry import load
 from tests.readme_blocks import BLOCK, SAID
 
@@ -59,6 +63,28 @@ def test_every_block_of_a_page_runs_and_prints_what_it_says(
         elif kind == "python":  # "py" is for a cluster, or for libraries that are not needed
             exec(compile(block, page, "exec"), known)
             assert capsys.readouterr().out.splitlines() == SAID.findall(block)
+
+
+def test_the_table_of_paddings_has_the_errors_that_are_measured() -> None:
+    """To half of the last digit shown, beside what the iteration leaves: some ten times its tolerance."""
+    text = (ROOT / "README.md").read_text()
+    assert "A smooth cylinder, 128 x 128 cells over 2.4 a x 2.4 a" in text
+    case = scene_at({"padding": "exact", "images": 0, "period": 2.4, "grid": 128})
+    rows = re.findall(r"^\| `(\w+)\((.*?)\)`.*? \| (.*) \|$", text, flags=re.MULTILINE)
+    rows = [row for row in rows if row[2].count("|") == 2]
+    assert len(rows) == 6
+    for name, images, cells in rows:
+        count = [int(images.removeprefix("images="))] if images else []
+        padded = replace(case, padding=getattr(cs, name)(*count))
+        found = measures(padded, padded.run(padded.prepare()))
+        columns = ("peak_pressure_error", "pressure_error_max", "length_variation")
+        for shown, column in zip(cells.split(" | "), columns, strict=True):
+            number = Decimal(shown.removesuffix(" %")) if shown != "none" else Decimal(0)
+            half_digit = 10.0 ** int(number.as_tuple().exponent) / 2 if number else 0.0
+            measured = abs(100 * float(found[column]))
+            assert measured == pytest.approx(
+                float(number), rel=0, abs=half_digit + 100 * 10 * case.tolerance
+            ), f"{name}({images}): {column}"
 
 
 def test_pages_link_to_what_is_there() -> None:

@@ -1,82 +1,111 @@
 """Changes the code in one place at a time and tells which changes no test notices.
 
-``python -m tests.mutation.campaign --count 70 --seed 1`` runs the tests of each changed module in a copy of
-the project, the nearest first, and lists the survivors; with ``--wide``, those of the whole package as well. A
-change that makes them run ten times as long as any of them should has been noticed too, and is told apart.
+``python -m tests.mutation.campaign --count 70 --seed 1`` runs, in a copy of the project and on each change,
+the tests of the changed module and then those that execute the changed statement, the quickest first. A test
+counts only if it passes on the unchanged code, run in the same manner.
 """
 
 import argparse
 import os
-import re
 import shutil
-import subprocess
-import sys
 import tempfile
+from dataclasses import dataclass, field
+from functools import partial
+from multiprocessing import get_context
 from pathlib import Path
 
-from tests.mutation.mutations import Mutation, chosen
+from tests.mutation.coverage_record import CoverageRecord
+from tests.mutation.forked import first_failure, import_libraries
+from tests.mutation.mutations import KNOWN, Mutation, chosen
 
 ROOT = Path(__file__).parents[2]
 COPIED = ("contactstudy", "studies", "tests", "docs", "examples", "README.md", "pyproject.toml")
-# Modules whose numbers are seen by the tests of others first.
-NEXT = {
-    "contactstudy/domain": ("tests/contactstudy/scene", "tests/contactstudy/elasticity"),
-    "contactstudy/scene": ("tests/contactstudy/planning/test_grid_requirements.py",),
-    "contactstudy/problem": ("tests/contactstudy/solvers", "tests/hard_cases/test_material.py"),
-    "contactstudy/solvers": ("tests/contactstudy/problem", "tests/hard_cases/test_solver.py"),
-    "contactstudy/elasticity": ("tests/contactstudy/domain/test_padding.py",),
-    "contactstudy/accuracy": ("tests/contactstudy/planning",),
-    "studies/reference": ("tests/hard_cases/test_load.py", "tests/hard_cases/test_perturbation.py"),
-    "studies/store": ("tests/studies/engine/test_run.py",),
-    "studies/model": ("tests/studies/engine/test_run.py", "tests/studies/engine/test_timing.py"),
-}
-MINUTES = 10.0
-SURVIVED = "survived"
+KILLED, SURVIVED, OUT_OF_TIME = "killed by", "survived", "ran out of time"
 
 
-def stages(path: str, *, wide: bool = False) -> list[list[str]]:
-    """The tests that may notice a change at ``path``: its own, those of its folder, those of its package."""
-    module = Path(path)
-    folder = Path("tests") / module.parent
-    own = [
-        str(test.relative_to(ROOT)) for test in sorted((ROOT / folder).glob(f"test_{module.stem}*"))
-    ]
-    while not (ROOT / folder).is_dir():
-        folder = folder.parent
-    package = "tests/contactstudy" if path.startswith("contactstudy") else "tests/studies"
-    near = [str(folder)] if str(folder) != package else []
-    more = [test for start, tests in NEXT.items() if path.startswith(start) for test in tests]
-    found = [own, near + more, [package] if wide or not near else []]
-    return [tests for tests in found if tests]
+@dataclass
+class Campaign:
+    """In a copy of the project; on each change, tests that take so many seconds together."""
+
+    record: CoverageRecord
+    copy: Path
+    seconds: float
+    red: set[str] = field(default_factory=set)  # on the unchanged code
+    green: set[str] = field(default_factory=set)
+
+    def fate(self, mutation: Mutation) -> str:
+        """What noticed the change, if anything did."""
+        tests = self._affordable(self._tests_of(mutation))
+        while tests := [test for test in tests if not self.red & {test, test.partition("::")[0]}]:
+            failed = self._first_failure(tests, mutation)
+            if failed is None:
+                return OUT_OF_TIME
+            if not failed:
+                return f"{SURVIVED} {len(tests)} tests"
+            if self._passes_unchanged(failed):
+                return f"{KILLED} {failed}"
+        return f"{SURVIVED} without a test"
+
+    def _tests_of(self, mutation: Mutation) -> list[str]:
+        """Those in the module's own file of tests, then those that execute the statement."""
+        folder = Path("tests", mutation.path).parent
+        while not (self.copy / folder).is_dir():
+            folder = folder.parent
+        passed = self.record.seconds
+        own = f"{folder}/test_{Path(mutation.path).stem}"
+        executing = self.record.tests_of(mutation, (self.copy / mutation.path).read_text())
+        # what no test executes in its own process, another process may
+        rest = executing or [test for test in passed if test.startswith(f"{folder}/")]
+        return list(dict.fromkeys(sorted(rest, key=lambda test: not test.startswith(own))))
+
+    def _affordable(self, tests: list[str]) -> list[str]:
+        spent = 0.0
+        found = []
+        for test in tests:
+            spent += self.record.seconds[test]
+            if spent < self.seconds or not found:
+                found.append(test)
+        return found
+
+    def _first_failure(self, tests: list[str], mutation: Mutation) -> str | None:
+        target = self.copy / mutation.path
+        text, times = target.read_text(), target.stat()
+        for compiled in target.parent.glob(f"__pycache__/{target.stem}.*.pyc"):
+            compiled.unlink()
+        target.write_text(mutation.applied(text))
+        try:
+            return first_failure(tests, self.copy, self._patience(tests))
+        finally:
+            target.write_text(text)
+            os.utime(target, ns=(times.st_atime_ns, times.st_mtime_ns))
+
+    def _passes_unchanged(self, test: str) -> bool:
+        if test not in self.green | self.red:
+            failed = first_failure([test], self.copy, self._patience([test]))
+            (self.green if failed == "" else self.red).add(test)
+        return test in self.green
+
+    def _patience(self, tests: list[str]) -> float:
+        return 60.0 + 10 * sum(self.record.seconds.get(test, 0.0) for test in tests)
 
 
-def fate(mutation: Mutation, copy: Path, *, wide: bool) -> str:
-    """Whether the change was noticed, at the first of the stages that does."""
-    target = copy / mutation.path
-    before = target.read_text(encoding="utf-8")
-    target.write_text(mutation.applied(before))
-    try:
-        for tests in stages(mutation.path, wide=wide):
-            if (ended := _ended(tests, copy)) != SURVIVED:
-                return ended
-    finally:
-        target.write_text(before)
-    return SURVIVED
+def _copied(folder: Path) -> Path:
+    for name in COPIED:
+        source = ROOT / name
+        (shutil.copytree if source.is_dir() else shutil.copy)(source, folder / name)
+    return folder
 
 
-def _ended(tests: list[str], copy: Path) -> str:
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *tests]
-    environment = os.environ | {"PYTHONPATH": str(copy), "PYTHONDONTWRITEBYTECODE": "1"}
-    try:
-        done = subprocess.run(
-            command, cwd=copy, env=environment, capture_output=True, text=True, timeout=60 * MINUTES
-        )
-    except subprocess.TimeoutExpired:
-        return "timed out"
-    if done.returncode in (0, 5):  # 5: no tests in there
-        return SURVIVED
-    failed = re.search(r"^(?:FAILED|ERROR) (\S+)", done.stdout, flags=re.MULTILINE)
-    return f"killed by {failed[1]}" if failed else "killed"
+_campaign: Campaign
+
+
+def _begin(record: CoverageRecord, folder: Path, seconds: float) -> None:
+    global _campaign
+    _campaign = Campaign(record, _copied(Path(tempfile.mkdtemp(dir=folder))), seconds)
+
+
+def _fate(mutation: Mutation) -> tuple[Mutation, str]:
+    return mutation, _campaign.fate(mutation)
 
 
 def main() -> None:
@@ -85,27 +114,36 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=70)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", default="", help="modules whose path begins so")
+    parser.add_argument("--known", action="store_true", help="the changes that once survived")
+    parser.add_argument("--seconds", type=float, default=60.0, help="of tests on each change")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes")
     parser.add_argument(
-        "--wide", action="store_true", help="run the tests of the whole package too"
+        "--record", type=Path, default=ROOT / ".mutation", help="folder of which test executes what"
     )
     parser.add_argument("--list", action="store_true", help="list the changes and run nothing")
     asked = parser.parse_args()
-    mutations = chosen(ROOT, asked.count, asked.seed, asked.only)
+    if asked.known:
+        mutations = [known.found_in(ROOT) for known in KNOWN]
+    else:
+        mutations = chosen(ROOT, asked.count, asked.seed, asked.only)
     if asked.list:
         print(*mutations, sep="\n")
         return
-    survivors = []
-    with tempfile.TemporaryDirectory() as folder:
-        copy = Path(folder)
-        for name in COPIED:
-            source = ROOT / name
-            (shutil.copytree if source.is_dir() else shutil.copy)(source, copy / name)
-        for mutation in mutations:
-            ended = fate(mutation, copy, wide=asked.wide)
-            survivors += [mutation] if ended == SURVIVED else []
-            print(f"{mutation}: {ended}", flush=True)
-    killed = len(mutations) - len(survivors)
-    print(f"{killed} of {len(mutations)} changes were noticed; these were not:")
+    record = CoverageRecord(asked.record)
+    fates = []
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        record.measure(_copied(folder / "unchanged"), asked.jobs)
+        import_libraries()
+        begin = partial(_begin, record, folder, asked.seconds)
+        with get_context("fork").Pool(asked.jobs, initializer=begin) as pool:
+            for mutation, fate in pool.imap_unordered(_fate, mutations):
+                print(f"{mutation}: {fate}", flush=True)
+                fates.append((mutation, fate))
+    conclusive = [(one, fate) for one, fate in fates if fate != OUT_OF_TIME]
+    survivors = [one for one, fate in conclusive if fate.startswith(SURVIVED)]
+    print(f"{len(conclusive) - len(survivors)} of {len(conclusive)} changes were noticed,", end=" ")
+    print(f"{len(fates) - len(conclusive)} ran out of time; these survived:")
     print(*survivors, sep="\n")
 
 

@@ -1,8 +1,11 @@
 import ast
+import os
+import subprocess
+import sys
 from pathlib import Path
 
-from tests.mutation.campaign import stages
-from tests.mutation.mutations import chosen, mutations
+from tests.mutation.coverage_record import statement_in_function
+from tests.mutation.mutations import KNOWN, chosen, mutations
 
 ROOT = Path(__file__).parents[2]
 
@@ -41,7 +44,66 @@ def test_a_hundred_changes_are_the_same_each_time_spread_over_modules_and_valid(
         assert ast.dump(ast.parse(one.applied(text))) != ast.dump(ast.parse(text)), one
 
 
-def test_every_module_has_tests_that_are_there() -> None:
-    for one in chosen(ROOT, 200, seed=2):
-        for tests in stages(one.path):
-            assert all((ROOT / test).exists() for test in tests), one.path
+def test_changes_that_once_survived_are_found_where_they_are_now() -> None:
+    for known in KNOWN:
+        text = (ROOT / known.path).read_text()
+        assert known.new in known.found_in(ROOT).applied(text)
+
+
+def test_a_change_belongs_to_its_statement_in_a_function_and_else_to_the_module() -> None:
+    lines = [tuple(statement_in_function(SOURCE, line)) for line in range(1, 10)]
+    assert lines == [(), (), (), (), (), (6,), (7,), (8,), (9,)]
+    spread = (
+        "def f(x):\n    if x:\n        return max(\n            x,\n            2,\n        )\n"
+    )
+    assert tuple(statement_in_function(spread, 5)) == (3, 4, 5)
+
+
+TESTED = """from contactstudy.half import LIMIT, half
+def test_red_on_the_unchanged_code(): assert half(4) == 3
+def test_half(): assert half(4) == 2
+def test_no_limit(): assert True
+"""
+CAMPAIGN = """from pathlib import Path
+from tests.mutation.campaign import Campaign
+from tests.mutation.coverage_record import CoverageRecord
+from tests.mutation.mutations import mutations
+if __name__ == "__main__":
+    copy = Path("project").resolve()
+    record = CoverageRecord(Path("record").resolve())
+    record.measure(copy, 0)
+    campaign = Campaign(record, copy, 60.0)
+    path = "contactstudy/half.py"
+    for one in mutations(path, (copy / path).read_text())[3:5]:
+        print(one, campaign.fate(one), sep=": ")
+"""
+
+
+def test_a_change_is_noticed_by_a_test_that_is_green_without_it(tmp_path: Path) -> None:
+    for name, text in (
+        ("contactstudy/__init__.py", ""),
+        ("contactstudy/half.py", SOURCE),
+        ("tests/__init__.py", ""),
+        ("tests/contactstudy/__init__.py", ""),
+        ("tests/contactstudy/test_half.py", TESTED),
+        ("pyproject.toml", (ROOT / "pyproject.toml").read_text()),
+    ):
+        file = tmp_path / "project" / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text)
+    script = tmp_path / "campaign.py"
+    script.write_text(CAMPAIGN)
+    done = subprocess.run(
+        [sys.executable, script],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    killed = "killed by tests/contactstudy/test_half.py::test_half"
+    fates = [line for line in done.stdout.splitlines() if line.startswith("contactstudy/half.py")]
+    assert fates == [
+        f"contactstudy/half.py:9: 'max' -> 'min': {killed}",
+        "contactstudy/half.py:9: '-' -> '+': survived 1 tests",
+    ]

@@ -1,5 +1,7 @@
 import random
+import re
 from dataclasses import replace
+from inspect import signature
 from math import inf
 from pathlib import Path
 
@@ -105,6 +107,16 @@ def test_what_a_file_leaves_open_is_planned(tmp_path: Path) -> None:
     assert found.solve().problem.grid == planned.grid
     coarser = replace(found.plan_settings, error=1e-2)
     assert replace(found, plan_settings=coarser).plan().grid.cells[0] < planned.grid.cells[0]
+
+
+def test_a_file_without_settings_has_those_of_the_functions(tmp_path: Path) -> None:
+    text = (EXAMPLES / "smooth.toml").read_text(encoding="utf-8")
+    bare = read(re.sub(r"\[(plan|solve)\]\n(\w.*\n)*", "", text), tmp_path)
+    planned, solved = (signature(function).parameters for function in (cs.plan, cs.solve))
+    assert bare.plan_settings.error == planned["error"].default == 1e-3
+    assert bare.settings.tolerance == solved["tolerance"].default == 1e-8
+    assert bare.settings.max_iterations == solved["max_iterations"].default == 2000
+    assert bare.plan().error <= 1e-3
 
 
 def test_either_axis_has_its_padding(tmp_path: Path) -> None:

@@ -1,0 +1,113 @@
+"""What a picture draws of numbers that are written here."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.colors import to_hex
+
+from contactstudy.io.pictures.contact import LENGTHS, PRESSURES, picture, scaled
+
+X = np.array([-1e-4, 0.0, 1e-4])
+Y = np.array([0.0, 1e-3, 2e-3, 3e-3])
+Z = np.array([1e-5, 3e-5])
+PRESSURE = 1e6 * np.array([[1.0, 2, 3, 4], [10, 20, 30, 40], [5, 6, 7, 8]])
+GAP = 1e-8 * np.arange(12.0).reshape(3, 4)
+STRESS = 1e9 * np.arange(1.0, 25.0).reshape(2, 3, 4)
+
+
+def labelled(**more: object) -> xr.Dataset:
+    fields = {"pressure": (("x", "y"), PRESSURE), "gap": (("x", "y"), GAP)}
+    return xr.Dataset(
+        {**fields, "hertz_peak_pressure": 45e6, "hertz_half_width": 2e-4, **more},
+        coords={"x": X, "y": Y, "z": Z},
+    )
+
+
+def named(ax: Axes) -> tuple[str, str, str]:
+    return ax.get_xlabel(), ax.get_ylabel(), ax.get_title()
+
+
+@pytest.mark.parametrize(
+    ("largest", "unit"),
+    [(1e-9, 1e-6), (0.99e-3, 1e-6), (1e-3, 1e-3), (-0.5, 1e-3), (1.0, 1.0), (30.0, 1.0)],
+)
+def test_the_unit_of_an_axis_is_the_largest_below_its_largest_number(
+    largest: float, unit: float
+) -> None:
+    assert scaled(xr.DataArray([0.0, largest]), LENGTHS)[0] == unit
+    assert {name: size for size, name in PRESSURES} == {"kPa": 1e3, "MPa": 1e6, "GPa": 1e9}
+
+
+def test_the_map_and_both_sections_show_each_number_in_its_unit() -> None:
+    pressed, along, across, gaped, *bars = picture(labelled()).axes
+    assert len(bars) == 1
+    [mesh] = pressed.collections
+    assert np.asarray(mesh.get_array()) == pytest.approx(PRESSURE / 1e6)
+    # cells around their centres, along [mm] by across [µm]
+    corners = np.asarray(mesh.get_coordinates())
+    assert corners[0, 0] == pytest.approx([-0.5, -150])
+    assert corners[-1, -1] == pytest.approx([3.5, 150])
+    assert named(pressed) == ("along [mm]", "across [µm]", "pressure [MPa]")
+
+    middle, law = along.lines
+    assert middle.get_xydata() == pytest.approx(np.transpose([Y * 1e3, [10, 20, 30, 40]]))
+    assert law.get_ydata() == pytest.approx([45, 45])
+    assert named(along) == ("along [mm]", "pressure [MPa]", "along the contact")
+
+    middle, law = across.lines
+    assert middle.get_xydata() == pytest.approx(np.transpose([X * 1e6, [3, 30, 7]]))
+    side = 45 * 0.75**0.5
+    assert law.get_xydata() == pytest.approx(np.transpose([X * 1e6, [side, 45, side]]))
+    [band] = across.collections
+    low, high = band.get_datalim(across.transData).intervaly
+    assert (low, high) == pytest.approx((1, 40))
+    assert named(across) == ("across [µm]", "pressure [MPa]", "across the contact")
+
+    [line] = gaped.lines
+    assert line.get_xydata() == pytest.approx(np.transpose([X * 1e6, [20, 60, 100]]))
+    assert named(gaped) == ("across [µm]", "gap [nm]", "gap in the middle")
+
+
+def test_between_two_rows_of_cells_the_middle_is_their_mean_and_one_beside_counts_once() -> None:
+    even = labelled().isel(x=[0, 2])
+    assert picture(even).axes[1].lines[0].get_ydata() == pytest.approx([3, 4, 5, 6])
+    beside = labelled().assign_coords(x=[-3e-4, -2e-4, 1e-4])
+    assert picture(beside).axes[1].lines[0].get_ydata() == pytest.approx([5, 6, 7, 8])
+
+
+def test_a_contact_outside_of_its_hertz_width_has_no_hertz_pressure_there() -> None:
+    narrow = picture(labelled(hertz_half_width=0.5e-4)).axes[2].lines[1]
+    assert narrow.get_ydata() == pytest.approx([0, 45, 0])
+    bare = picture(labelled().drop_vars(["hertz_half_width", "hertz_peak_pressure"]))
+    assert [len(ax.lines) for ax in bare.axes[1:3]] == [1, 1]
+
+
+def test_a_line_has_two_panels_and_no_band() -> None:
+    across, gaped = picture(labelled().isel(y=[1])).axes
+    assert not across.collections
+    assert across.lines[0].get_ydata() == pytest.approx([2, 20, 6])
+    assert gaped.lines[0].get_ydata() == pytest.approx([10, 50, 90])
+
+
+def test_stress_is_drawn_over_depth_or_across_at_a_single_depth() -> None:
+    stressed = labelled(von_mises=(("z", "x", "y"), STRESS))
+    figure = picture(stressed)
+    deep = figure.axes[4]
+    assert named(deep) == ("across [µm]", "depth [µm]", "von Mises stress in the middle [GPa]")
+    assert deep.get_ylim() == pytest.approx((30, 10))
+    [filled] = deep.collections
+    # the third row of four along the length
+    assert (filled.zmin, filled.zmax) == pytest.approx((3, 23))
+    single = picture(stressed.isel(z=[1])).axes[4]
+    assert single.lines[0].get_xydata() == pytest.approx(np.transpose([X * 1e6, [15, 19, 23]]))
+    assert single.get_ylabel() == "von Mises [GPa]"
+
+
+def test_a_warning_is_written_over_the_panels_in_lines_that_fit() -> None:
+    warned = labelled().assign_attrs(warnings="the contact reaches the edge of the grid; " * 8)
+    title = picture(warned).get_suptitle()
+    assert title.startswith("warning: the contact reaches")
+    assert max(map(len, title.splitlines())) <= len("warning: ") + 140
+    assert picture(labelled()).get_suptitle() == ""
+    assert to_hex(picture(labelled()).axes[3].lines[0].get_color()) == "#009e73"

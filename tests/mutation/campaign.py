@@ -8,6 +8,8 @@ counts only if it passes on the unchanged code, run in the same manner.
 import argparse
 import os
 import shutil
+import subprocess
+import sys
 import tempfile
 from dataclasses import dataclass, field
 from functools import partial
@@ -35,37 +37,36 @@ class Campaign:
 
     def fate(self, mutation: Mutation) -> str:
         """What noticed the change, if anything did."""
-        tests = self._affordable(self._tests_of(mutation))
-        while tests := [test for test in tests if not self.red & {test, test.partition("::")[0]}]:
-            failed = self._first_failure(tests, mutation)
-            if failed is None:
-                return OUT_OF_TIME
-            if not failed:
-                return f"{SURVIVED} {len(tests)} tests"
-            if self._passes_unchanged(failed):
-                return f"{KILLED} {failed}"
-        return f"{SURVIVED} without a test"
+        for tests in self._stages(mutation):
+            while tests:
+                failed = self._first_failure(tests, mutation)
+                if failed is None:
+                    return OUT_OF_TIME
+                if not failed:
+                    break
+                if self._passes_unchanged(failed):
+                    return f"{KILLED} {failed}"
+                tests = [one for one in tests if not self.red & {one, one.partition("::")[0]}]
+        return SURVIVED
 
-    def _tests_of(self, mutation: Mutation) -> list[str]:
-        """Those in the module's own file of tests, then those that execute the statement."""
+    def _stages(self, mutation: Mutation) -> list[list[str]]:
+        """The module's own files of tests, then the tests that execute the statement, the quickest first."""
         folder = Path("tests", mutation.path).parent
         while not (self.copy / folder).is_dir():
             folder = folder.parent
-        passed = self.record.seconds
-        own = f"{folder}/test_{Path(mutation.path).stem}"
+        files = sorted((self.copy / folder).glob(f"test_{Path(mutation.path).stem}*.py"))
+        own = [str(file.relative_to(self.copy)) for file in files]
         executing = self.record.tests_of(mutation, (self.copy / mutation.path).read_text())
         # what no test executes in its own process, another process may
-        rest = executing or [test for test in passed if test.startswith(f"{folder}/")]
-        return list(dict.fromkeys(sorted(rest, key=lambda test: not test.startswith(own))))
-
-    def _affordable(self, tests: list[str]) -> list[str]:
-        spent = 0.0
-        found = []
-        for test in tests:
-            spent += self.record.seconds[test]
-            if spent < self.seconds or not found:
-                found.append(test)
-        return found
+        passed = self.record.seconds
+        executing = executing or [test for test in passed if test.startswith(f"{folder}/")]
+        left = self.seconds
+        stages: list[list[str]] = [own, [], []]
+        for test in executing:
+            if test.partition("::")[0] not in own and left > 0:
+                left -= passed[test]
+                stages[1 if left > 0.9 * self.seconds else 2].append(test)
+        return stages
 
     def _first_failure(self, tests: list[str], mutation: Mutation) -> str | None:
         target = self.copy / mutation.path
@@ -74,34 +75,43 @@ class Campaign:
             compiled.unlink()
         target.write_text(mutation.applied(text))
         try:
-            return first_failure(tests, self.copy, self._patience(tests))
+            return first_failure(tests, self.red, self.copy, self._patience(tests))
         finally:
             target.write_text(text)
             os.utime(target, ns=(times.st_atime_ns, times.st_mtime_ns))
 
     def _passes_unchanged(self, test: str) -> bool:
         if test not in self.green | self.red:
-            failed = first_failure([test], self.copy, self._patience([test]))
+            failed = first_failure([test], set(), self.copy, self._patience([test]))
+            if failed != "":
+                print(f"{test} is red on the unchanged code and does not count", flush=True)
             (self.green if failed == "" else self.red).add(test)
         return test in self.green
 
     def _patience(self, tests: list[str]) -> float:
-        return 60.0 + 10 * sum(self.record.seconds.get(test, 0.0) for test in tests)
+        known = self.record.seconds
+        return 60.0 + 10 * sum(known[one] for one in known if one.startswith(tuple(tests)))
 
 
-def _copied(folder: Path) -> Path:
+def _compiled_copy(folder: Path) -> Path:
+    """The project, its modules and tests compiled, so that no fork has to."""
+    folder.mkdir()
     for name in COPIED:
         source = ROOT / name
-        (shutil.copytree if source.is_dir() else shutil.copy)(source, folder / name)
+        (shutil.copytree if source.is_dir() else shutil.copy2)(source, folder / name)
+    command = [sys.executable, "-m", "pytest", "-q", "--collect-only", "-p", "no:cacheprovider"]
+    environment = os.environ | {"PYTHONPATH": str(folder)}
+    subprocess.run(command, cwd=folder, env=environment, stdout=subprocess.DEVNULL)
     return folder
 
 
 _campaign: Campaign
 
 
-def _begin(record: CoverageRecord, folder: Path, seconds: float) -> None:
+def _begin(record: CoverageRecord, unchanged: Path, seconds: float) -> None:
     global _campaign
-    _campaign = Campaign(record, _copied(Path(tempfile.mkdtemp(dir=folder))), seconds)
+    copy = unchanged.with_name(str(os.getpid()))
+    _campaign = Campaign(record, shutil.copytree(unchanged, copy), seconds)
 
 
 def _fate(mutation: Mutation) -> tuple[Mutation, str]:
@@ -132,16 +142,16 @@ def main() -> None:
     record = CoverageRecord(asked.record)
     fates = []
     with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        record.measure(_copied(folder / "unchanged"), asked.jobs)
+        unchanged = _compiled_copy(Path(name, "unchanged"))
+        record.measure(unchanged, asked.jobs)
         import_libraries()
-        begin = partial(_begin, record, folder, asked.seconds)
+        begin = partial(_begin, record, unchanged, asked.seconds)
         with get_context("fork").Pool(asked.jobs, initializer=begin) as pool:
             for mutation, fate in pool.imap_unordered(_fate, mutations):
                 print(f"{mutation}: {fate}", flush=True)
                 fates.append((mutation, fate))
     conclusive = [(one, fate) for one, fate in fates if fate != OUT_OF_TIME]
-    survivors = [one for one, fate in conclusive if fate.startswith(SURVIVED)]
+    survivors = [one for one, fate in conclusive if fate == SURVIVED]
     print(f"{len(conclusive) - len(survivors)} of {len(conclusive)} changes were noticed,", end=" ")
     print(f"{len(fates) - len(conclusive)} ran out of time; these survived:")
     print(*survivors, sep="\n")

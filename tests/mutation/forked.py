@@ -5,7 +5,8 @@ import os
 import signal
 import sys
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from operator import itemgetter
 from pathlib import Path
 
 import pytest
@@ -27,19 +28,22 @@ IMPORTED = (
 ENDED = "ended "  # a process that dies does not say so
 
 
-@dataclass
+@dataclass(eq=False)
 class _Chosen:
-    """A pytest plugin: runs the chosen tests in their order, and keeps the first that fails."""
+    """A pytest plugin: runs the chosen tests, or files of them, in their order; keeps the first that fails."""
 
-    tests: dict[str, int]
+    tests: list[str]
+    without: set[str]
     failed: str = ""
-    errors: list[str] = field(default_factory=list)
 
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
-        items[:] = sorted(
-            (item for item in items if item.nodeid in self.tests),
-            key=lambda item: self.tests[item.nodeid],
-        )
+        places = {test: place for place, test in enumerate(self.tests)}
+        found = []
+        for item in items:
+            names = {item.nodeid, item.nodeid.partition("::")[0]}
+            if names & places.keys() and item.nodeid not in self.without:
+                found.append((min(places[name] for name in names & places.keys()), item))
+        items[:] = [item for _, item in sorted(found, key=itemgetter(0))]
 
     def pytest_collectreport(self, report: pytest.CollectReport) -> None:
         if report.failed:
@@ -56,16 +60,18 @@ def import_libraries() -> None:
         importlib.import_module(name)
 
 
-def first_failure(tests: list[str], copy: Path, seconds: float) -> str | None:
-    """The first of the tests that fails in the copy of the project, or the first file that cannot be read, or
-    "" where all pass; None where they are not through after so many seconds.
+def first_failure(tests: list[str], without: set[str], copy: Path, seconds: float) -> str | None:
+    """The first of the tests (node ids, or files) that fails in the copy of the project, or the first file
+    that cannot be read, or "" where all pass; None where they are not through after so many seconds.
     """
     reader, writer = os.pipe()
     child = os.fork()
     if child == 0:
         os.setsid()
-        os.write(writer, f"{ENDED}{_run(tests, copy)}".encode())
-        os._exit(0)
+        try:
+            os.write(writer, f"{ENDED}{_run(tests, without, copy)}".encode())
+        finally:
+            os._exit(0)
     os.close(writer)
     os.set_blocking(reader, False)
     until = time.monotonic() + seconds
@@ -80,7 +86,7 @@ def first_failure(tests: list[str], copy: Path, seconds: float) -> str | None:
         return (said.read() or tests[0].encode()).decode().removeprefix(ENDED)
 
 
-def _run(tests: list[str], copy: Path) -> str:
+def _run(tests: list[str], without: set[str], copy: Path) -> str:
     for name in [name for name in sys.modules if name.partition(".")[0] == "tests"]:
         del sys.modules[name]
     os.chdir(copy)
@@ -90,7 +96,8 @@ def _run(tests: list[str], copy: Path) -> str:
     silent = os.open(os.devnull, os.O_RDWR)
     for stream in (0, 1, 2):
         os.dup2(silent, stream)
-    chosen = _Chosen({test: place for place, test in enumerate(tests)})
+    chosen = _Chosen(tests, without)
     files = list(dict.fromkeys(test.partition("::")[0] for test in tests))
-    code = pytest.main(["-x", "-q", "-p", "no:cacheprovider", *files], plugins=[chosen])
+    options = ["-x", "-p", "no:cacheprovider", "-W", "ignore::pytest.PytestAssertRewriteWarning"]
+    code = pytest.main([*options, *files], plugins=[chosen])
     return chosen.failed or ("" if code in (0, 5) else tests[0])

@@ -1,6 +1,7 @@
 """The loop over steps: loads, errors, checkpoints, labels."""
 
 from dataclasses import replace
+from inspect import signature
 from itertools import pairwise
 from pathlib import Path
 
@@ -255,3 +256,11 @@ def test_the_error_of_given_steps_is_bounded_for_any_number_of_them(intervals: i
     found = cs.evolve(scene, GRID, EXACT, times=np.linspace(0, 1, intervals + 1)).frames[-1]
     wrong = np.abs(found.pressure - exact.pressure).sum() / exact.pressure.sum()
     assert wrong <= found.step_error < 0.1
+
+
+def test_a_march_solves_with_the_defaults_of_a_solve() -> None:
+    solve = signature(cs.solve).parameters
+    for march in (cs.evolve, cs.solve_rolling):
+        options = signature(march).parameters
+        for name in ("tolerance", "max_iterations", "solver", "precision"):
+            assert options[name].default == solve[name].default, (march, name)

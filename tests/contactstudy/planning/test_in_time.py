@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.planning.in_time import extremes
 from tests.contactstudy.evolution.creeping import LOAD, SOLID, rolling_cylinder
 
 
@@ -77,3 +78,43 @@ def test_a_finer_grid_of_what_yields_is_said_to_take_more() -> None:
     )
     # operators are matrices over layers for every wave: twice of both
     assert 5 < fine.bytes / coarse.bytes < 9
+
+
+def test_the_numbers_of_a_plan_in_time_are_those_of_its_laws() -> None:
+    """A cylinder with a = 0.1 at once; the body creeps with one term to 2.5 times its compliance."""
+    error = 1e-2
+    bodies = extremes(rolling_cylinder(SOLID), error)
+    assert bodies.width == pytest.approx(2 * 1.2 * 0.1 * 2.5**0.5, rel=1e-12)
+    assert bodies.steps == round(1 + 7 * error**-0.37)
+    assert bodies.fields == 2 * 1 + 8
+    assert bodies.narrow.hertz.half_width == pytest.approx(0.1, rel=1e-12)
+    assert bodies.narrow.wear is bodies.narrow.rolling is None
+
+    # relaxation times a hundred times apart: two decades more
+    two = replace(SOLID, relaxation=((0.3, 0.1), (0.3, 10.0)))
+    terms = sorted(time for _, time in two.creep.terms)
+    decades = 1 + np.log10(terms[1] / terms[0])
+    assert extremes(rolling_cylinder(two), error).steps == round(1 + 7 * decades * error**-0.37)
+    assert extremes(rolling_cylinder(two), error).fields == 2 * 2 + 8
+
+    # a fluid flows for as long as it is loaded: J = 1 + t
+    fluid = cs.ViscoelasticHalfSpace(0.0, 0.0, ((1.0, 1.0),))
+    flowing = extremes(rolling_cylinder(fluid, cs.LoadHistory((1.0, 4.0), (LOAD, LOAD))), error)
+    assert flowing.width == pytest.approx(2 * 1.2 * 0.1 * 2, rel=1e-12)
+    assert flowing.steps == round(1 + 7 * error**-0.37)
+
+    # worn until it is twice as wide: a^3 = 0.1^3 + 1.5 R k P t
+    rate = 7 * 0.1**3 / (1.5 * LOAD)
+    elastic = replace(SOLID, equilibrium_modulus=1.0, relaxation=())
+    worn = extremes(
+        rolling_cylinder(
+            elastic, cs.LoadHistory((0.0, 2.0), (LOAD, LOAD)), wear=cs.Wear(rate, 0.5)
+        ),
+        error,
+    )
+    assert worn.width == pytest.approx(2 * 1.2 * 0.2, rel=1e-12)
+    assert worn.steps == round(1 + 1.2 * 2 / error)
+
+    rolling = extremes(rolling_cylinder(SOLID, rolling=cs.Rolling(0.1)), error)
+    assert rolling.width == pytest.approx(2 * 1.2 * 0.1 * 2.5**0.5 * 1.5, rel=1e-12)
+    assert (rolling.steps, rolling.fields) == (8 * 3.5, 4 * 8)

@@ -12,6 +12,7 @@ import contactstudy as cs
 from contactstudy.elasticity.tangential import shear_response
 from contactstudy.scene.friction import dundurs
 from contactstudy.solvers.partial_slip import CoulombDisks, Superposed, _nearest
+from contactstudy.solvers.solve import Repeat
 from tests.conftest import STEEL
 
 RIGID = cs.HalfSpace(infinite, 0.3)
@@ -39,6 +40,24 @@ def test_like_bodies_slide_under_the_pressure_of_bodies_that_do_not(coefficient:
     assert not sliding.stick.any()
     assert sliding.iterations == without.iterations
     assert sliding.traction.passes == 1
+
+
+def test_the_work_of_all_passes_is_counted() -> None:
+    """Each pass is a solve, and one convolution by the shear after it."""
+    problem = solved(scene(cs.Sliding(0.3), solids=(STEEL, RIGID))).problem
+    solves: list[cs.Solution] = []
+
+    def solve(other: cs.Problem, start: np.ndarray | None) -> cs.Solution:
+        bare = replace(other, friction=None)
+        solves.append(cs.solve(bare, tolerance=1e-6, start=start))
+        return solves[-1]
+
+    assert problem.friction is not None
+    found = problem.friction.solved(problem, Repeat(solve, None, 1e-6, 2000))
+    passes = found.traction.passes
+    assert passes == len(solves) > 2
+    assert found.iterations == sum(one.iterations for one in solves)
+    assert found.convolutions == sum(one.convolutions for one in solves) + passes
 
 
 @pytest.mark.parametrize("sign", [1, -1])

@@ -30,6 +30,9 @@ OWN = {
     "roughness": ROUGH,
     "accuracy": SOME,
     "coating": {"ratio": "0.25,2,4", "thickness": "0.1,1,10", "grid": "64"},
+    # one grid: of two, wear would want two marches with short steps to compare with
+    "wear": {"grid": "16"},
+    "effects": {"grid": "24"},
     "friction": {"poisson_ratio": "0,0.3", "grid": "65", "rough_grid": "24"},
 }
 

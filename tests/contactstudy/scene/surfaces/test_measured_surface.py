@@ -224,3 +224,13 @@ def test_a_ground_surface_bears_by_its_lay(line_contact: LineContact) -> None:
         spread[lay] = [load.std() for load in loads]
         assert np.abs(loads[1] - loads[0]).mean() < 0.2 * loads[1].std()
     assert max(spread["along"]) < 0.5 * min(spread["across"])
+
+
+def test_windows_are_counted_along_the_length_first_and_keep_the_size_of_a_point() -> None:
+    heights = np.arange(42.0).reshape(6, 7)
+    surface = cs.MeasuredSurface(heights, (0.6, 1.4), trend=cs.Trend.NONE)
+    cut = surface.cut(cs.Window((2, 3), 4))
+    np.testing.assert_array_equal(cut.heights, [[23, 24], [30, 31], [37, 38]])
+    assert cut.extent == pytest.approx((0.3, 0.4), rel=1e-12)
+    assert cut.turned().extent == pytest.approx((0.4, 0.3), rel=1e-12)
+    np.testing.assert_array_equal(cut.turned().heights, [[24, 31, 38], [23, 30, 37]])

@@ -1,0 +1,77 @@
+"""What the picture of a contact in time draws of numbers that are written here."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from contactstudy.io.pictures.evolution import evolution_picture
+
+TIME = np.array([0.0, 1.0, 1.0, 4.0])
+X = np.array([-2e-3, 0.0, 2e-3])
+# (time, x, y); two rows along the length
+PRESSURE = 1e6 * np.arange(1.0, 25.0).reshape(4, 3, 2)
+
+
+def labelled(**more: object) -> xr.Dataset:
+    def named(values: object, name: str, units: str) -> tuple[str, object, dict[str, str]]:
+        return "time", values, {"long_name": name, "units": units}
+
+    return xr.Dataset(
+        {
+            "pressure": (("time", "x", "y"), PRESSURE, {"long_name": "pressure", "units": "Pa"}),
+            "load": named([1.0, 2.0, 4.0, 4.0], "load", "N/m"),
+            "highest_pressure": named([6e6, 12e6, 18e6, 24e6], "highest pressure", "Pa"),
+            "contact_area": named([0.0, 0.0, 0.0, 0.0], "contact area", "m2"),
+            "step_error": named([0.0, 1e-3, np.inf, 1e-2], "step error", "1"),
+            "grid_error": named([np.inf] * 4, "grid error", "1"),
+            **more,
+        },
+        coords={"time": TIME, "x": X, "y": [0.0, 1.0]},
+    )
+
+
+def test_profiles_are_those_of_the_middle_of_the_length_at_each_instant() -> None:
+    profiles = evolution_picture(labelled()).axes[0]
+    assert [line.get_label() for line in profiles.lines] == ["0 s", "1 s", "1 s", "4 s"]
+    for line, rows in zip(profiles.lines, PRESSURE[:, :, 1], strict=True):
+        assert line.get_xydata() == pytest.approx(np.transpose([X * 1e3, rows / 1e6]))
+    assert (profiles.get_xlabel(), profiles.get_ylabel()) == ("across [mm]", "pressure [MPa]")
+
+
+def test_six_profiles_at_the_most_from_first_to_last() -> None:
+    long = labelled().isel(time=[0] * 20 + [3]).assign_coords(time=np.arange(21.0))
+    lines = evolution_picture(long).axes[0].lines
+    assert [line.get_label() for line in lines] == ["0 s", "4 s", "8 s", "12 s", "16 s", "20 s"]
+
+
+def test_the_map_is_of_the_mean_along_the_length_without_the_instant_before_a_jump() -> None:
+    shown = evolution_picture(labelled()).axes[1]
+    [mesh] = shown.collections
+    kept = (PRESSURE.mean(axis=2) / 1e6)[[0, 2, 3]].T
+    assert np.asarray(mesh.get_array()) == pytest.approx(kept)
+    corners = np.asarray(mesh.get_coordinates())
+    # half-way between the instants 0, 1 and 4 s, and between the rows
+    assert corners[0, :, 0] == pytest.approx([-0.5, 0.5, 2.5, 5.5])
+    assert corners[:, 0, 1] == pytest.approx([-3, -1, 1, 3])
+    assert shown.get_ylabel() == "across [mm]"
+    assert shown.get_title() == "mean pressure [MPa]"
+
+
+def test_numbers_are_shares_of_their_largest_and_errors_those_that_are_known() -> None:
+    _, _, numbers, errors, *_ = evolution_picture(labelled()).axes
+    load, highest, area = numbers.lines
+    assert load.get_xydata() == pytest.approx(np.transpose([TIME, [0.25, 0.5, 1, 1]]))
+    assert highest.get_ydata() == pytest.approx([0.25, 0.5, 0.75, 1])
+    assert area.get_ydata() == pytest.approx([0, 0, 0, 0])
+    assert load.get_label() == "load over 4 N/m"
+    assert numbers.get_ylim()[0] == 0
+    [steps] = errors.lines
+    assert steps.get_xydata() == pytest.approx(np.array([[1, 1e-3], [4, 1e-2]]))
+
+
+def test_wear_has_a_panel_of_its_depth() -> None:
+    depth = 1e-6 * np.arange(24.0).reshape(4, 3, 2)
+    worn = labelled(worn_depth=(("time", "x", "y"), depth, {"long_name": "worn depth"}))
+    panel = evolution_picture(worn).axes[4]
+    assert panel.lines[-1].get_ydata() == pytest.approx([19, 21, 23])
+    assert panel.get_ylabel() == "worn depth [µm]"

@@ -1,0 +1,40 @@
+"""Panels, and one legend for all of them."""
+
+import pytest
+
+from contactstudy.io.pictures.figure import add_legend, panels
+
+
+@pytest.mark.parametrize(("count", "columns", "rows"), [(1, 1, 1), (3, 3, 1), (4, 3, 2), (7, 3, 3)])
+def test_panels_fill_rows_of_three(count: int, columns: int, rows: int) -> None:
+    figure, axes = panels(count, width=2.0, height=1.5)
+    assert len(axes) == count
+    assert tuple(figure.get_size_inches()) == (2.0 * columns, 1.5 * rows)
+    assert [ax.get_visible() for ax in figure.axes] == [True] * count + [False] * (
+        rows * columns - count
+    )
+
+
+def test_a_legend_names_each_line_once_and_a_single_decade_is_widened() -> None:
+    figure, (first, second) = panels(2, width=3.4)
+    first.plot([1, 2], label="a")
+    second.plot([1, 2], label="a")
+    second.loglog([1, 100], [5.0, 5.0], label="b")
+    second.set_ylim(5.0, 5.001)
+    add_legend(figure)
+    [legend] = figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == ["a", "b"]
+    assert second.get_ylim() == pytest.approx((2.5, 10.002))
+    assert second.get_xlim()[1] > 99
+
+
+def test_a_legend_has_as_many_columns_as_the_figure_holds() -> None:
+    """Of 1.7 inches each: six lines in a figure of 6.8 inches stand in two rows of three."""
+    figure, [ax] = panels(1, width=6.8)
+    for name in "abcdef":
+        ax.plot([1, 2], label=name)
+    add_legend(figure)
+    assert figure.legends[0]._ncols == 3
+    empty, _ = panels(1)
+    add_legend(empty)
+    assert not empty.legends

@@ -67,7 +67,7 @@ def test_every_block_of_a_page_runs_and_prints_what_it_says(
 
 def test_the_table_of_paddings_has_the_errors_that_are_measured() -> None:
     """To half of the last digit shown, beside what the iteration leaves: some ten times its tolerance."""
-    text = (ROOT / "README.md").read_text()
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
     assert "A smooth cylinder, 128 x 128 cells over 2.4 a x 2.4 a" in text
     case = scene_at({"padding": "exact", "images": 0, "period": 2.4, "grid": 128})
     rows = re.findall(r"^\| `(\w+)\((.*?)\)`.*? \| (.*) \|$", text, flags=re.MULTILINE)

@@ -7,6 +7,7 @@ counts only if it passes on the unchanged code, run in the same manner.
 
 import argparse
 import os
+import random
 import shutil
 import subprocess
 import sys
@@ -56,7 +57,9 @@ class Campaign:
             folder = folder.parent
         files = sorted((self.copy / folder).glob(f"test_{Path(mutation.path).stem}*.py"))
         own = [str(file.relative_to(self.copy)) for file in files]
-        executing = self.record.tests_of(mutation, (self.copy / mutation.path).read_text())
+        executing = self.record.tests_of(
+            mutation, (self.copy / mutation.path).read_text(encoding="utf-8")
+        )
         # what no test executes in its own process, another process may
         passed = self.record.seconds
         executing = executing or [test for test in passed if test.startswith(f"{folder}/")]
@@ -70,14 +73,14 @@ class Campaign:
 
     def _first_failure(self, tests: list[str], mutation: Mutation) -> str | None:
         target = self.copy / mutation.path
-        text, times = target.read_text(), target.stat()
+        text, times = target.read_text(encoding="utf-8"), target.stat()
         for compiled in target.parent.glob(f"__pycache__/{target.stem}.*.pyc"):
             compiled.unlink()
-        target.write_text(mutation.applied(text))
+        target.write_text(mutation.applied(text), encoding="utf-8")
         try:
             return first_failure(tests, self.red, self.copy, self._patience(tests))
         finally:
-            target.write_text(text)
+            target.write_text(text, encoding="utf-8")
             os.utime(target, ns=(times.st_atime_ns, times.st_mtime_ns))
 
     def _passes_unchanged(self, test: str) -> bool:
@@ -118,6 +121,14 @@ def _fate(mutation: Mutation) -> tuple[Mutation, str]:
     return mutation, _campaign.fate(mutation)
 
 
+def _asked_for(asked: argparse.Namespace, root: Path) -> list[Mutation]:
+    """In no order, so that a campaign that is stopped has been everywhere."""
+    if asked.known:
+        return [known.found_in(root) for known in KNOWN]
+    mutations = chosen(root, asked.count, asked.seed, asked.only)
+    return random.Random(asked.seed).sample(mutations, len(mutations))
+
+
 def main() -> None:
     """Run the campaign that the command line asks for."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -132,18 +143,15 @@ def main() -> None:
     )
     parser.add_argument("--list", action="store_true", help="list the changes and run nothing")
     asked = parser.parse_args()
-    if asked.known:
-        mutations = [known.found_in(ROOT) for known in KNOWN]
-    else:
-        mutations = chosen(ROOT, asked.count, asked.seed, asked.only)
     if asked.list:
-        print(*mutations, sep="\n")
+        print(*_asked_for(asked, ROOT), sep="\n")
         return
     record = CoverageRecord(asked.record)
     fates = []
     with tempfile.TemporaryDirectory() as name:
         unchanged = _compiled_copy(Path(name, "unchanged"))
         record.measure(unchanged, asked.jobs)
+        mutations = _asked_for(asked, unchanged)
         import_libraries()
         begin = partial(_begin, record, unchanged, asked.seconds)
         with get_context("fork").Pool(asked.jobs, initializer=begin) as pool:

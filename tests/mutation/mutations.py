@@ -57,7 +57,7 @@ class KnownMutation:
 
     def found_in(self, root: Path) -> Mutation:
         """The change, where it is now."""
-        text = (root / self.path).read_text()
+        text = (root / self.path).read_text(encoding="utf-8")
         assert text.count(self.old) == 1, f"{self.path} has {self.old!r} not once"
         start = text.index(self.old)
         line = text.count("\n", 0, start) + 1

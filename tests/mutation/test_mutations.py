@@ -4,6 +4,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from tests.mutation.coverage_record import statement_in_function
 from tests.mutation.mutations import KNOWN, chosen, mutations
 
@@ -46,7 +48,7 @@ def test_a_hundred_changes_are_the_same_each_time_spread_over_modules_and_valid(
 
 def test_changes_that_once_survived_are_found_where_they_are_now() -> None:
     for known in KNOWN:
-        text = (ROOT / known.path).read_text()
+        text = (ROOT / known.path).read_text(encoding="utf-8")
         assert known.new in known.found_in(ROOT).applied(text)
 
 
@@ -74,11 +76,12 @@ if __name__ == "__main__":
     record.measure(copy, 0)
     campaign = Campaign(record, copy, 60.0)
     path = "contactstudy/half.py"
-    for one in mutations(path, (copy / path).read_text())[3:5]:
+    for one in mutations(path, (copy / path).read_text(encoding="utf-8"))[3:5]:
         print(one, campaign.fate(one), sep=": ")
 """
 
 
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs forks")
 def test_a_change_is_noticed_by_a_test_that_is_green_without_it(tmp_path: Path) -> None:
     for name, text in (
         ("contactstudy/__init__.py", ""),
@@ -86,11 +89,11 @@ def test_a_change_is_noticed_by_a_test_that_is_green_without_it(tmp_path: Path) 
         ("tests/__init__.py", ""),
         ("tests/contactstudy/__init__.py", ""),
         ("tests/contactstudy/test_half.py", TESTED),
-        ("pyproject.toml", (ROOT / "pyproject.toml").read_text()),
+        ("pyproject.toml", (ROOT / "pyproject.toml").read_text(encoding="utf-8")),
     ):
         file = tmp_path / "project" / name
         file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(text)
+        file.write_text(text, encoding="utf-8")
     script = tmp_path / "campaign.py"
     script.write_text(CAMPAIGN)
     done = subprocess.run(

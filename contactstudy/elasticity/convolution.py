@@ -1,6 +1,6 @@
 """From pressure to displacement by one pruned, real transform pair."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from threading import local
@@ -14,9 +14,8 @@ from contactstudy.domain.device import Cpu, arrays, device
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Padding, Paddings, across_and_along
 from contactstudy.domain.precision import Precision
-from contactstudy.domain.rows import in_blocks
+from contactstudy.elasticity.approximate_inverse import ApproximateInverse, sampled, scale
 from contactstudy.elasticity.coefficients import Coefficients, Displacement, kernel
-from contactstudy.elasticity.extension import Extension
 from contactstudy.elasticity.transforms import Waves, transforms
 
 # Axes of fewer cells than this are not coarsened: a coarser grid would no longer see the contact.
@@ -42,7 +41,7 @@ class Convolution:
             raise InvalidInput(f"pressure has the shape {pressure.shape}: give it {self.cells}.")
         pair = transforms()
         waves = pair.forward(pressure, self.padded, self.room(self.padded))
-        _scale(waves, self.spectrum)
+        scale(waves, self.spectrum)
         return pair.backward(waves, self.cells, self.padded)
 
     @cached_property
@@ -120,45 +119,10 @@ class Convolution:
         spectrum = xp.astype(spectrum, self.spectrum.dtype, copy=False)
         return Convolution(spectrum, cells, (px // across, py // along))
 
-    def approximate_inverse(self) -> tuple[Callable[[Array, Array], Array], float]:
-        """Division by the spectrum on the unpadded grid, as if it were periodic, and its work.
-
-        The displacement of the contact is extended to all cells first, and the pressure found on all
-        cells is gathered to the contact by the transposed map, or a fragmented contact would seem far too
-        stiff: by more with every halving of the cells. The mean over the grid is mapped to zero.
-        Source: Vollebregt (2014), eq. 20, there on the padded grid and with zeros outside the contact.
-        """
-        xp, put = arrays(), device().put
-        (nx, ny), (px, py) = self.cells, self.padded
-        across = np.round(np.arange(nx) * (px / nx)).astype(int) % px
-        along = np.minimum(np.round(np.arange(ny // 2 + 1) * (py / ny)).astype(int), py // 2)
-        sampled = xp.take(xp.take(self.spectrum, put(across), axis=0), put(along), axis=1)
-        # a window of images may make a coefficient zero or negative; that of the half-space is positive
-        sizes = xp.abs(sampled)
-        smallest = float(xp.min(sizes[1:, :])) if nx > 1 else float(xp.max(sizes))
-        sampled = xp.maximum(sampled, 1e-3 * smallest)
-        inverse = 1 / sampled
-        inverse[0, 0] = 0.0
-
-        # displacements fall like wave numbers grow, so that the shortest waves tell the cell's sides
-        elongation = float(sampled[0, -1]) / float(sampled[nx // 2, 0])
-
-        def apply(displacement: Array, contact: Array) -> Array:
-            pair, extension = transforms(), Extension(contact, elongation)
-            whole = extension(displacement)
-            waves = pair.forward(whole, self.cells, self.room(self.cells))
-            del whole  # or it would stand beside what comes back
-            _scale(waves, inverse)
-            return extension.transposed(pair.backward(waves, self.cells, self.cells))
-
-        return apply, float(nx * ny)
-
-
-def _scale(waves: Waves, factors: Array) -> None:
-    def some(rows: slice) -> None:
-        waves[rows, :] *= factors[rows, :]
-
-    in_blocks(some, waves.shape)
+    def approximate_inverse(self) -> ApproximateInverse:
+        """Division by the spectrum on the unpadded grid, as if it were periodic: for the cells of a contact."""
+        spectrum = sampled(self.spectrum, self.cells, self.padded)
+        return ApproximateInverse(spectrum, self.cells, self.room)
 
 
 def convolution(

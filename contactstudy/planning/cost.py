@@ -15,7 +15,7 @@ from contactstudy.problem.memory import solve_bytes
 # Influence coefficients, found in columns and rows by turns, cost less than in proportion to the cells.
 SETUP = 0.8
 # Iterations of a smooth and a rough contact, coarser grids included, and what one costs in convolutions.
-SMOOTH_ITERATIONS, ROUGH_ITERATIONS, ITERATION = 10, 20, 3.5
+SMOOTH_ITERATIONS, ROUGH_ITERATIONS, ITERATION = 10, 12, 3.5
 # What is timed, to say how long the rest will take, and what of a large grid, to say what threads save.
 SAMPLE, LARGE_SAMPLE = 128, 512
 

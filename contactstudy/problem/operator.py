@@ -1,10 +1,48 @@
 """The linear map from pressure to displacement, as a solver sees it."""
 
-from collections.abc import Callable
-from typing import Protocol, Self
+from typing import Any, Protocol, Self
+
+from numpy.typing import NDArray
 
 from contactstudy.domain.arrays import Array
 from contactstudy.domain.precision import Precision
+
+
+class Extension(Protocol):
+    """A linear map from the displacement (x, y) of some cells, zero elsewhere, to that of all cells."""
+
+    def __call__(self, displacement: Array) -> Array:
+        """The displacement of all cells."""
+        ...
+
+    def transposed(self, pressure: Array) -> Array:
+        """The transposed map: a ``pressure`` (x, y) on all cells gathered to those cells, in place."""
+        ...
+
+
+class ApproximateInverse(Protocol):
+    """A map from the displacement of some cells to the pressure on them, in two steps that stand alone too."""
+
+    @property
+    def work(self) -> float:
+        """Cells transformed in one application."""
+        ...
+
+    def extension(self, contact: Array) -> Extension:
+        """The first step, for the cells of a ``contact`` (x, y), which is 1 there and 0 elsewhere."""
+        ...
+
+    def waves(self, displacement: Array) -> NDArray[Any]:
+        """The second, as far as a transform: waves of the pressure that makes a ``displacement`` of all cells."""
+        ...
+
+    def pressure(self, waves: NDArray[Any]) -> Array:
+        """The pressure (x, y) on all cells with these ``waves``, which are lost."""
+        ...
+
+    def __call__(self, displacement: Array, contact: Array) -> Array:
+        """Both, and the first one transposed: a symmetric map."""
+        ...
 
 
 class Operator(Protocol):
@@ -40,9 +78,6 @@ class Operator(Protocol):
         """The operator on a grid of larger cells, each a block of these."""
         ...
 
-    def approximate_inverse(self) -> tuple[Callable[[Array, Array], Array], float]:
-        """A map from the displacement of some cells to the pressure on them, to precondition with, and its work.
-
-        It takes a displacement (x, y), zero elsewhere, and a field that is 1 in these cells and 0 elsewhere.
-        """
+    def approximate_inverse(self) -> ApproximateInverse:
+        """What to precondition with."""
         ...

@@ -8,6 +8,7 @@ from contactstudy.domain.device import arrays
 from contactstudy.domain.rows import in_blocks
 from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.problem.gap import Gap
+from contactstudy.problem.operator import ApproximateInverse
 from contactstudy.solvers.iterate import Iterate, Stall
 from contactstudy.solvers.polonsky_keer import PolonskyKeer
 
@@ -24,19 +25,19 @@ SMALL = 1024
 class PreconditionedCG:
     """One convolution and one preconditioning per iteration.
 
-    The direction is the preconditioned gap of the cells that bear pressure or should, those that
-    penetrate; where the same cells bear as before, it is made conjugate to the last step. A trial pressure
-    one step ahead is made admissible first: tension is cut off, and these cells are shifted to carry the load.
-    Its convolution then shows the whole line from here to there, on which the best point is known
-    exactly; so every step lowers the energy. Coarser grids give the start, down to
-    ``coarse_tolerance``. Where the residual has not halved in ``patience`` iterations, Polonsky & Keer's
+    The direction is the preconditioned gap of the cells that bear pressure or will, those that are
+    expected to penetrate once the contact's own gap is closed; where the same cells bear as before, it is made
+    conjugate to the last step. A trial pressure one step ahead is made admissible first: tension is cut off,
+    and these cells are shifted to carry the load. Its convolution then shows the whole line from here to
+    there, on which the best point is known exactly; so every step lowers the energy. Coarser grids give the start,
+    down to ``coarse_tolerance``. Where the residual has not halved in ``patience`` iterations, Polonsky & Keer's
     scheme goes on from there, and the solution's note says so.
 
     Source: active sets Hintermueller, Ito & Kunisch (2002), here with one step of the inner iteration to
     each set; preconditioner Vollebregt (2014); conjugacy Hestenes & Stiefel (1952), eq. 3:1.
     """
 
-    coarse_tolerance: float = 1e-4
+    coarse_tolerance: float = 1e-3
     patience: int = 40
 
     def iterate(
@@ -94,7 +95,7 @@ class PreconditionedCG:
         max_iterations: int,
     ) -> Iterate:
         operator, constraint = problem.operator, problem.constraint
-        precondition, its_work = operator.approximate_inverse()
+        inverse = operator.approximate_inverse()
         pressure, work = self._begin(problem, start, tolerance)
         pressure = problem.admit(pressure)
         moved = operator(pressure)
@@ -113,15 +114,18 @@ class PreconditionedCG:
             if done or stall.sees(left):
                 return Iterate(pressure, moved, gap.approach, left, iteration, work)
             iteration += 1
-            cells, unlevel, wrong = _bearing(problem, pressure, gap)
+            closing, cells, unlevel, wrong = _closing(problem, inverse, pressure, gap, length)
             same = not cut and not wrong
-            direction = _direction(
-                unlevel, precondition(unlevel, cells), cells, last if same else None
-            )
-            work += 1 + its_work / operator.work
+            direction = _direction(unlevel, closing, cells, last if same else None)
+            work += 1 + inverse.work / operator.work
             trial, cut = _trial(problem, pressure, direction, length)
             trial = problem.levelled(trial, cells)
-            del direction, cells, unlevel  # or they would stand through the next convolution
+            del (
+                direction,
+                closing,
+                cells,
+                unlevel,
+            )  # or they would stand through the next convolution
             step, slope = _difference(trial, pressure, gap, last.step if last else None)
             if slope >= 0:
                 # balancing the load has turned the step uphill: that to the nearest pressure never is
@@ -192,15 +196,40 @@ def _direction(gap: Array, closing: Array, cells: Array, last: _Step | None) -> 
     return closing
 
 
-def _bearing(problem: BareProblem, pressure: Array, gap: Gap) -> tuple[Array, Array, bool]:
-    """Cells that bear pressure or should (1, others 0), their gap, and whether any of them does not yet."""
+def _closing(
+    problem: BareProblem, inverse: ApproximateInverse, pressure: Array, gap: Gap, length: float
+) -> tuple[Array, Array, Array, bool]:
+    """The pressure that would close the gap of the cells that will bear, and what :func:`_bearing` says of them."""
+    extension = inverse.extension(gap.free)
+    whole = extension(gap.contact_gap)
+    cells, unlevel, wrong = _bearing(problem, pressure, gap, whole, length)
+    if wrong:
+        del extension, whole  # or they would stand beside those of more cells
+        extension = inverse.extension(cells)
+        whole = extension(unlevel)
+    waves = inverse.waves(whole)
+    del whole  # or it would stand beside what comes back
+    return extension.transposed(inverse.pressure(waves)), cells, unlevel, wrong
+
+
+def _bearing(
+    problem: BareProblem, pressure: Array, gap: Gap, closing: Array, length: float
+) -> tuple[Array, Array, bool]:
+    """Cells that will bear pressure (1, others 0), their gap, and whether any of them does not yet.
+
+    Those that bear pressure do, and those that would penetrate after a step that closes the gap of the contact
+    and takes its surroundings along: by so much of ``closing``, the gap extended to all cells, as the
+    step is long. By the penetration as it is, a contact that is a little too high over a wide region would
+    gather all cells there whose gap is small.
+    """
     xp = arrays()
     cells, unlevel = xp.empty_like(pressure), xp.empty_like(pressure)
 
     def some(rows: slice) -> bool:
-        penetration = gap.penetration[rows, :]
-        wrong = problem.constraint.wrong(pressure[rows, :], penetration)
-        bearing = gap.free[rows, :] + wrong
+        free, penetration = gap.free[rows, :], gap.penetration[rows, :]
+        expected = penetration + length * closing[rows, :] * (1 - free)
+        wrong = problem.constraint.wrong(pressure[rows, :], expected)
+        bearing = free + wrong
         cells[rows, :] = bearing
         unlevel[rows, :] = (gap.contact_gap[rows, :] - penetration) * bearing
         return bool(xp.any(wrong > 0))

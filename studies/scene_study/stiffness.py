@@ -24,7 +24,7 @@ def normal_stiffness(solution: cs.Solution) -> float:
         return float("nan")
     cells = free.astype(np.float64)
     operator = problem.operator
-    precondition, _ = operator.approximate_inverse()
+    precondition = operator.approximate_inverse()
 
     def moved(pressure: Array) -> Array:
         return np.asarray(np.where(free, operator(pressure), 0.0))

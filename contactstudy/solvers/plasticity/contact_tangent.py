@@ -1,6 +1,5 @@
 """How the pressure of a contact answers to a small change of its gap, as long as the same cells bear."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -8,6 +7,7 @@ import numpy as np
 
 from contactstudy.domain.arrays import Array, inner, total
 from contactstudy.problem.bare_problem import BareProblem
+from contactstudy.problem.operator import ApproximateInverse
 from contactstudy.problem.problem import Scales
 
 # A loose answer takes Newton's method no more iterations than an exact one.
@@ -60,5 +60,5 @@ class ContactTangent:
         return np.asarray((field - total(field) / count) * self.cells)
 
     @cached_property
-    def _precondition(self) -> Callable[[Array, Array], Array]:
-        return self.bare.operator.approximate_inverse()[0]
+    def _precondition(self) -> ApproximateInverse:
+        return self.bare.operator.approximate_inverse()

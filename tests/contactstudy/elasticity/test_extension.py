@@ -73,7 +73,7 @@ def stiffness_ratios(cells: int, contact: Array, seen: Array) -> Array:
     """Eigenvalues of the approximate inverse times the operator, both on pressures without a resultant."""
     both = cs.ExactPeriodicity(), cs.ExactPeriodicity()
     operator = cs.convolution(1.0, cs.Grid((cells, cells), (1.0, 1.0)), both, datum=1.0)
-    invert, _ = operator.approximate_inverse()
+    invert = operator.approximate_inverse()
     where = contact > 0
     compliance, stiffness = [], []
     for unit in np.eye(where.size)[where.ravel()].reshape(-1, cells, cells):

@@ -57,7 +57,7 @@ def test_no_array_of_a_single_precision_problem_is_double(line_contact: LineCont
         assert operator.spectrum.dtype == np.float32
         assert operator(seen.uniform()).dtype == np.float32
         assert (
-            operator.approximate_inverse()[0](seen.uniform(), np.ones_like(seen.uniform())).dtype
+            operator.approximate_inverse()(seen.uniform(), np.ones_like(seen.uniform())).dtype
             == np.float32
         )
         seen = seen.coarsened()

@@ -78,8 +78,22 @@ def test_iterations_do_not_grow_with_detail_down_to_the_cell(share: float, hurst
         solution = cs.solve(scene.problem(cs.Grid((cells, cells), (1.0, 1.0)), both))
         assert share / 2 < (solution.pressure > 0).mean() < 2 * share
         iterations.append(solution.iterations)
-    assert max(iterations) <= 15
-    assert iterations[-1] <= 1.3 * iterations[0] + 2
+    assert max(iterations) <= 10
+    assert iterations[-1] <= max(1.3 * iterations[0], iterations[0] + 1)
+
+
+def test_a_strip_of_cells_a_thousand_times_as_wide_as_long_does_not_stall() -> None:
+    """What is expected of cells beside a contact is far off there: no more of it may count than a step closes."""
+    steel = cs.HalfSpace(youngs_modulus=210e9, poisson_ratio=0.3)
+    smooth = cs.Scene(cs.LineLoad(1e5), (steel, steel), (cs.Cylinder(0.01),))
+    a, peak = smooth.hertz.half_width, smooth.hertz.peak_pressure
+    wave = np.cos(2 * np.pi * np.arange(32) / 32) * np.ones((64, 1))
+    heights = 0.05 * peak * a / smooth.contact_modulus * wave
+    scene = replace(smooth, shapes=(*smooth.shapes, cs.MeasuredSurface(heights)))
+    grid = cs.Grid((64, 32), (3 * a, 3 * a / 64 * 32e-3))
+    solution = cs.solve(scene.problem(grid, cs.ExactPeriodicity()))
+    assert solution.status is cs.Status.CONVERGED
+    assert solution.note == ""
 
 
 @pytest.mark.parametrize("cells", [(4099, 1), (1021, 1), (127, 131)])

@@ -1,0 +1,81 @@
+"""From the displacement of a contact to a pressure on it: what to precondition with."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from contactstudy.domain.arrays import Array
+from contactstudy.domain.device import arrays, device
+from contactstudy.domain.rows import in_blocks
+from contactstudy.elasticity.extension import Extension
+from contactstudy.elasticity.transforms import Waves, transforms
+
+
+class ApproximateInverse:
+    """Division by a ``spectrum`` on the unpadded grid of so many ``cells``, as if it were periodic.
+
+    The displacement of the contact is extended to all cells first, and the pressure found on all
+    cells is gathered to the contact by the transposed map, or a fragmented contact would seem far too
+    stiff: by more with every halving of the cells. The mean over the grid is mapped to zero. ``room`` gives
+    the work array of a transform.
+
+    Source: Vollebregt (2014), eq. 20, there on the padded grid and with zeros outside the contact.
+    """
+
+    def __init__(
+        self,
+        spectrum: Array,
+        cells: tuple[int, int],
+        room: Callable[[tuple[int, int]], Waves | None],
+    ) -> None:
+        self._inverse = 1 / spectrum
+        self._inverse[0, 0] = 0.0
+        self._cells, self._room = cells, room
+        # displacements fall like wave numbers grow, so that the shortest waves tell the cell's sides
+        self._elongation = float(spectrum[0, -1]) / float(spectrum[cells[0] // 2, 0])
+
+    @property
+    def work(self) -> float:
+        """Cells transformed in one application."""
+        return float(self._cells[0] * self._cells[1])
+
+    def extension(self, contact: Array) -> Extension:
+        """From the displacement of a ``contact`` (x, y), which is 1 there and 0 elsewhere, to that of all cells."""
+        return Extension(contact, self._elongation)
+
+    def waves(self, displacement: Array) -> Waves:
+        """Waves of the pressure on all cells that makes a ``displacement`` (x, y) of all cells."""
+        waves = transforms().forward(displacement, self._cells, self._room(self._cells))
+        scale(waves, self._inverse)
+        return waves
+
+    def pressure(self, waves: Waves) -> Array:
+        """The pressure (x, y) with these ``waves``, which are lost."""
+        return transforms().backward(waves, self._cells, self._cells)
+
+    def __call__(self, displacement: Array, contact: Array) -> Array:
+        """The pressure on a ``contact`` with this ``displacement`` (x, y), which is zero elsewhere."""
+        extension = self.extension(contact)
+        return extension.transposed(self.pressure(self.waves(extension(displacement))))
+
+
+def sampled(spectrum: Array, cells: tuple[int, int], padded: tuple[int, int]) -> Array:
+    """The spectrum of a padded grid at the waves of the unpadded one, above zero."""
+    xp, put = arrays(), device().put
+    (nx, ny), (px, py) = cells, padded
+    across = np.round(np.arange(nx) * (px / nx)).astype(int) % px
+    along = np.minimum(np.round(np.arange(ny // 2 + 1) * (py / ny)).astype(int), py // 2)
+    found = xp.take(xp.take(spectrum, put(across), axis=0), put(along), axis=1)
+    # a window of images may make a coefficient zero or negative; that of the half-space is positive
+    sizes = xp.abs(found)
+    smallest = float(xp.min(sizes[1:, :])) if nx > 1 else float(xp.max(sizes))
+    return xp.maximum(found, 1e-3 * smallest)
+
+
+def scale(waves: Waves, factors: Array) -> None:
+    """Multiply ``waves`` in place."""
+
+    def some(rows: slice) -> None:
+        waves[rows, :] *= factors[rows, :]
+
+    in_blocks(some, waves.shape)

@@ -45,3 +45,32 @@ def test_a_smooth_cylinder_is_in_plane_strain_in_any_number_of_cells() -> None:
         # both are solved to the tolerance, which errors of a contact's displacement exceed ten times
         assert np.abs(many[name].values - wanted).max() < 1e-6 * unit
         assert np.abs(wanted).max() > 0.1 * unit
+
+
+def test_a_wavy_cylinder_keeps_to_the_yield_surface_wherever_its_waves_begin() -> None:
+    a = half_width(2.5)
+    height = 0.3 * a**2 / (2 * RADIUS)
+    found = {}
+    for cells in (0, 3):
+        waves = cs.Waviness(height, across=2.4 * a, along=2 * a, phase=-2 * np.pi * cells / 8)
+        evolution = evolved(pressed(waves), (18, 8), 2.0)
+        assert evolution.status is cs.Status.CONVERGED
+        found[cells] = evolution.to_dataset()
+    loaded = found[0].isel(time=0)
+    xx, yy, zz, yz, xz, xy = loaded["stress"].values
+    normal = ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2
+    von_mises = np.sqrt(normal + 3 * (yz**2 + xz**2 + xy**2))
+    equivalent = loaded["equivalent_plastic_strain"].values
+    limit = YIELD + 0.02 * YOUNG * equivalent
+    assert np.all(von_mises < limit * (1 + 1e-6))
+    flowing = equivalent > 1e-3 * YIELD / YOUNG
+    assert np.abs(von_mises / limit - 1)[flowing].max() < 1e-6
+    # it varies along, and shear along takes part
+    along = equivalent.max(axis=(0, 1))
+    assert along.max() > 1.05 * along.min() > 0
+    strain = loaded["plastic_strain"]
+    assert np.abs(strain.sel(component=["xx", "yy", "zz"]).sum("component")).max() < 1e-15
+    assert np.abs(strain.sel(component=["xy", "yz"])).max() > 0.05 * np.abs(strain).max()
+    for name in ("pressure", "plastic_strain", "residual_displacement"):
+        moved = found[0][name].roll(y=3).values
+        assert np.abs(found[3][name].values - moved).max() < 1e-6 * np.abs(moved).max()

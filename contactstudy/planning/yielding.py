@@ -13,7 +13,7 @@ from contactstudy.scene.scene import Scene
 WIDTH, WIDER, DEPTH = 0.62, 0.07, 1.2
 # The error by equal steps is at most STEPS (r / 3)^3 over their number; solves of a march, with its companion and what
 # is rejected, are FIRST and SOLVES for each step. An error by cells is r / 3 to the power CELLS times the elastic one.
-STEPS, FIRST, SOLVES, CELLS = 0.06, 18, 2.5, 1.5
+STEPS, FIRST, SOLVES, CELLS = 0.09, 18, 2.5, 1.5
 # A step costs so many elastic solves, and its fields are so many of those of the plastic strain.
 CONTACTS, FIELDS = 120, 24
 MARGIN = 1.25

@@ -137,6 +137,7 @@ HEAVY = (
     "SurfaceTopography",
     "cattrs",
     "contactstudy.elasticity.coating",
+    "contactstudy.elasticity.eigenstrain",
     "contactstudy.elasticity.kernels.layer",
     "contactstudy.elasticity.prony",
     "contactstudy.elasticity.trailing",
@@ -145,8 +146,10 @@ HEAVY = (
     "contactstudy.elasticity.kernels.traction",
     "contactstudy.elasticity.tangential",
     "contactstudy.scene.bodies.coated",
+    "contactstudy.scene.bodies.elastic_plastic",
     "contactstudy.scene.friction",
     "contactstudy.solvers.partial_slip",
+    "contactstudy.solvers.plasticity",
     "contactstudy.solvers.sliding",
     "contactstudy.scene.loads.load_history",
     "contactstudy.scene.rolling",
@@ -168,6 +171,18 @@ def test_a_plain_scene_imports_nothing_that_it_does_not_name() -> None:
         "grid = cs.Grid((64, 32), (2.5e-4, 1e-4))\n"
         "assert cs.solve(scene.problem(grid, cs.ExactPeriodicity())).status is cs.Status.CONVERGED\n"
         f"print(sorted(set({HEAVY!r}) & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_a_march_of_bodies_that_do_not_yield_imports_no_plastic_strain() -> None:
+    code = (
+        f"import sys, contactstudy as cs\nsteel = {STEEL!r}\n".replace("HalfSpace", "cs.HalfSpace")
+        + "wear = cs.Wear(1e-15, 1.0)\n"
+        "scene = cs.Scene(cs.LineLoad(1e5), (steel, steel), (cs.Cylinder(0.01),), wear=wear)\n"
+        "cs.evolve(scene, cs.Grid((64, 1), (2.5e-4, 1e-4)), cs.ExactPeriodicity(), times=(0, 1))\n"
+        "print([name for name in sys.modules if 'plastic' in name or 'eigenstrain' in name])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

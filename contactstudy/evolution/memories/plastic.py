@@ -99,8 +99,9 @@ class PlasticMemory:
         """``residual_displacement``, of both bodies together."""
         strains, _ = self._in_volumes(state)
         parts = zip(self.operators, strains, strict=True)
+        # of the surface, into the bodies
         lift = np.asarray(sum(one.lift(strain) for one, strain in parts))
-        about = "surface displacement by plastic strain, into the bodies"
+        about = "residual displacement"
         return {"residual_displacement": Field(("x", "y"), lift, "m", about)}
 
     def over_time(self, states: Sequence[State], pressures: Sequence[Array]) -> Mapping[str, Field]:

@@ -295,9 +295,10 @@ def test_a_sudden_load_is_applied_by_parts_and_says_its_error() -> None:
     def error(one: cs.Evolution) -> float:
         return float(np.abs(one.pressure[-1] - fine).sum() / fine.sum())
 
-    # halving the steps halves the error, so that the difference of two marches is that of the finer one
-    assert 0.3 < error(found) / found.step_error < 2
-    assert 1e-4 < error(closer) <= closer.step_error <= 4e-3
+    # first order: the difference of two marches is the error of the finer one, and a half more is on the safe side
+    assert 0.3 < error(found) / found.step_error < 1
+    assert error(closer) < closer.step_error <= 4e-3
+    assert closer.steps > found.steps
 
 
 def slowly(scene: cs.Scene, grid: cs.Grid) -> np.ndarray:
@@ -309,11 +310,11 @@ def slowly(scene: cs.Scene, grid: cs.Grid) -> np.ndarray:
 
 
 def test_steps_are_chosen_for_an_error() -> None:
-    scene, grid = pressed(3), grid_of(3, 0.2)
+    scene, grid = pressed(3), grid_of(3, 0.1)
     found = cs.evolve(scene, grid, EXACT, error=1e-2, tolerance=1e-6)
     fine = slowly(scene, grid)
     off = np.abs(found.pressure[found.loads.argmax()] - fine).sum() / fine.sum()
-    assert 0 < off < 1.1e-2
+    assert 0 < off < found.step_error
     assert 0 < found.step_error < 1e-2
     assert found.steps < 60
 

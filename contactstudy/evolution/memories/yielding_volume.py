@@ -11,7 +11,7 @@ from contactstudy.domain.grid import Grid
 from contactstudy.elasticity.eigenstrain.volume import Volume
 
 # The first volume holds what the elastic stress makes bear this share of the yield stress, and some room.
-SHARE, ROOM = 0.7, 0.15
+SHARE, ROOM = 0.9, 0.15
 # It is made so much larger on the side where it yields to its edge.
 LARGER = 0.3
 

@@ -80,6 +80,15 @@ def test_a_finer_grid_of_what_yields_is_said_to_take_more() -> None:
     assert 5 < fine.bytes / coarse.bytes < 9
 
 
+def test_a_plan_in_time_holds_its_fields_beside_one_solve() -> None:
+    scene = rolling_cylinder(SOLID)
+    plan, found = cs.plan(scene, error=1e-2), extremes(scene, 1e-2)
+    one = cs.plan(found.narrow, error=1e-2, grid=plan.grid)
+    assert plan.steps == found.steps
+    assert plan.bytes == one.bytes + 8 * 10 * plan.grid.cells[0] * plan.grid.cells[1]
+    assert plan.error == one.error
+
+
 def test_the_numbers_of_a_plan_in_time_are_those_of_its_laws() -> None:
     """A cylinder with a = 0.1 at once; the body creeps with one term to 2.5 times its compliance."""
     error = 1e-2

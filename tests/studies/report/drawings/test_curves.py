@@ -1,0 +1,122 @@
+"""What the drawings of period, grid and kernels plot of numbers that are written here, and their laws by hand."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.axes import Axes
+
+from studies.model.outcome import CaseStatus
+from studies.registry import load_drawing
+from studies.report.formatting import percent
+
+PADDINGS = ["zero", "duplicated", "superposed", "circular", "exact"]
+IMAGES, PERIODS, CELLS = np.array([1, 6]), np.array([0.6, 2.4, 4.8]), np.array([16, 32, 64])
+AXES = ("padding", "images", "period", "grid")
+
+
+def swept(*variables: str) -> xr.Dataset:
+    """Every number is another one."""
+    shape = len(PADDINGS), len(IMAGES), len(PERIODS), len(CELLS)
+    count = int(np.prod(shape))
+    return xr.Dataset(
+        {
+            name: (AXES, 1e-4 * (1 + np.arange(n * count, (n + 1) * count)).reshape(shape))
+            for n, name in enumerate(variables)
+        },
+        coords=dict(zip(AXES, (PADDINGS, IMAGES, PERIODS, CELLS), strict=True)),
+    )
+
+
+def panels(name: str, dataset: xr.Dataset, figure: int = 0) -> list[Axes]:
+    return load_drawing(name).figure(dataset)[figure].figure.axes
+
+
+def curves(ax: Axes) -> list[np.ndarray]:
+    return [np.asarray(line.get_xydata()).T for line in ax.lines]
+
+
+def same(found: np.ndarray, x: object, y: object) -> bool:
+    return bool(found == pytest.approx(np.array([x, y], dtype=float), rel=1e-9))
+
+
+def test_errors_stand_over_the_period_beside_the_law_of_windows_beyond_the_contact() -> None:
+    dataset = swept("peak_pressure_error", "pressure_error_max")
+    dataset["peak_pressure_error"] *= -1
+    peak, largest = (curves(ax) for ax in panels("period", dataset))
+    stored = dataset.isel(grid=-1, images=-1)
+    # after each of the three windows its law: a^2 / (8 D^2) where D = L, 6.5 L and 6.5 L
+    laws = [peak.pop(place) for place in (2, 3, 4)]
+    assert same(laws[0], [2.4, 4.8], [1 / (8 * 2.4**2), 1 / (8 * 4.8**2)])
+    for law in laws[1:]:
+        assert same(law, PERIODS, 1 / (8 * (6.5 * PERIODS) ** 2))
+    for shown, variable in ((peak, "peak_pressure_error"), (largest, "pressure_error_max")):
+        for name, curve in zip(PADDINGS, shown, strict=True):
+            assert same(curve, PERIODS, abs(stored[variable].sel(padding=name)))
+
+
+def test_errors_stand_over_the_grid_beside_their_laws() -> None:
+    names = ("peak_pressure_error", "pressure_error_l1", "pressure_error_max", "half_width_error")
+    dataset = swept(*names, "corrected_error_max")
+    exact = dataset["pressure_error_l1"].sel(padding="exact", images=6, period=4.8)
+    dataset["pressure_error_l1"].loc[exact.coords] = [0.08, 0.08 / 2**1.5, 0.01]
+    stored = dataset.isel(images=-1, period=-1)
+    shown = [curves(ax) for ax in panels("grid", dataset)]
+    for variable, lines in zip(names, shown, strict=True):
+        if variable == "pressure_error_max":
+            assert same(lines.pop(5), CELLS, stored["corrected_error_max"].sel(padding="exact"))
+        for name, curve in zip(PADDINGS, lines[:5], strict=True):
+            assert same(curve, CELLS, stored[variable].sel(padding=name))
+    peak, l1, largest, half_width = (lines[5:] for lines in shown)
+    # windows that reach 4.8 a, 6.5 and 6.5 times as far
+    reaches = (4.8, 6.5 * 4.8, 6.5 * 4.8)
+    assert len(peak) == 3
+    for law, reach in zip(peak, reaches, strict=True):
+        assert same(law, CELLS, [1 / (8 * reach**2)] * 3)
+    # through the three errors, which keep to it, in the mean of their logarithms
+    assert same(l1[0], CELLS, 0.08 * (CELLS / 16) ** -1.5)
+    middle = np.exp(np.log(stored["pressure_error_max"].sel(padding="exact")).mean())
+    assert same(largest[0], CELLS, float(middle) * (CELLS / 32) ** -0.5)
+    assert same(half_width[0], CELLS, (2.4 / CELLS) ** 3 / 50)
+
+
+def test_errors_of_kernels_stand_over_n_and_a_half_beside_their_law() -> None:
+    dataset = swept("kernel_error", "setup_time").sel(padding=PADDINGS[1:])
+    dataset["kernel_error"].loc[{"padding": "exact"}] = 0.0
+    half = IMAGES + 0.5
+    for ax, period in zip(panels("kernels", dataset), PERIODS, strict=True):
+        *errors, law = curves(ax)
+        for name, curve in zip(("duplicated", "superposed", "circular"), errors, strict=True):
+            stored = dataset["kernel_error"].sel(padding=name, period=period, grid=64)
+            assert same(curve, half, stored)
+        assert same(law, half, (1.44 + period**2 / 8) / (2 * (half * period) ** 2))
+        assert ax.get_title() == f"period L = {period:g} a"
+    [times] = panels("kernels", dataset, 1)
+    *measured, law = curves(times)
+    stored = dataset["setup_time"].sel(period=4.8, grid=64)
+    for name, curve in zip(PADDINGS[1:], measured, strict=True):
+        assert same(curve, half, stored.sel(padding=name))
+    last = float(stored.sel(padding="superposed", images=6))
+    assert same(law, half, [last * 1.5 / 6.5, last])
+    ratio = last / float(stored.sel(padding="exact", images=1))
+    caption = load_drawing("kernels").figure(dataset)[1].caption
+    assert f"takes {ratio:.2g} times as long as exact periodicity" in caption
+
+
+def test_the_findings_of_the_period_are_of_the_finest_grid_and_the_largest_n() -> None:
+    dataset = swept("peak_pressure_error")
+    dataset["case_status"] = (AXES, np.full(dataset["peak_pressure_error"].shape, CaseStatus.OK))
+    stored = dataset["peak_pressure_error"].isel(grid=-1, images=-1)
+    first, second = (finding.measured for finding in load_drawing("period").findings(dataset))
+    shown = {name: [percent(one) for one in stored.sel(padding=name)] for name in PADDINGS}
+    assert (
+        f"a period of 0.6 a, or a single row of cells, with an error of {shown['exact'][-1]}"
+        in first
+    )
+    assert f"duplicated padding is {shown['duplicated'][-1]} at L = 4.8 a" in first
+    (short, _, long), (near, _, far) = shown["duplicated"], shown["superposed"]
+    assert "Between L = 0.6 a and L = 4.8 a" in second
+    assert (
+        f"from {short} to {long} with duplicated and from {near} to {far} with superposed" in second
+    )
+    # two steps along the axis, of which each is three of the numbers
+    assert f"with exact periodicity it changes by {percent(6e-4)}" in second

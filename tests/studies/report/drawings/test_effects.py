@@ -1,0 +1,194 @@
+"""What the drawings of the effects show and say of numbers that are written here."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.axes import Axes
+
+from studies.registry import load_drawing
+
+SPACE = "\u00a0"
+
+
+def panels(name: str, dataset: xr.Dataset) -> list[Axes]:
+    [drawn] = load_drawing(name).figure(dataset)
+    return drawn.figure.axes
+
+
+def said(name: str, dataset: xr.Dataset) -> str:
+    [finding] = load_drawing(name).findings(dataset)
+    return f"{finding.claim} {finding.measured}".replace(SPACE, " ")
+
+
+def y(ax: Axes, line: int) -> np.ndarray:
+    return np.asarray(ax.lines[line].get_ydata(), dtype=float)
+
+
+STEPS, GRID = [10, 20, 40], [64, 128]
+
+
+def wear() -> xr.Dataset:
+    """The explicit limit is at 10 / 0.4 = 25 steps."""
+    schemes, distance = ["implicit", "explicit"], [0.0, 1.0]
+    error = np.array([[0.1, 0.05, 0.02], [9.0, 5.0, 0.01]])
+    width = np.arange(12.0).reshape(2, 3, 2)
+    return xr.Dataset(
+        {
+            "half_width": (("scheme", "steps", "grid", "distance"), width[:, :, None]),
+            "pressure_error_l1": (("scheme", "steps", "grid"), error[:, :, None]),
+            "solves": (("scheme", "steps", "grid"), 3 * np.full((2, 3, 1), STEPS[1])),
+            "longest_explicit": (
+                ("scheme", "steps", "grid"),
+                np.tile([0.4, 0.8, 1.6], (2, 1))[:, :, None],
+            ),
+        },
+        coords={"scheme": schemes, "steps": STEPS, "grid": [64], "distance": distance},
+    )
+
+
+def test_wear_is_drawn_between_its_two_laws_and_says_what_implicit_steps_save() -> None:
+    widths, steps, solves = panels("wear", wear())
+    share = np.linspace(0, 1, 100)
+    assert y(widths, 0) == pytest.approx(2 * np.cbrt(share))
+    assert y(widths, 1) == pytest.approx(np.cbrt(1 + 8 * share))
+    # of the most steps
+    assert y(widths, 2) == pytest.approx([4, 5])
+    assert y(widths, 3) == pytest.approx([10, 11])
+    assert steps.lines[0].get_xydata() == pytest.approx(np.transpose([STEPS, [0.1, 0.05, 0.02]]))
+    assert steps.lines[2].get_xdata() == pytest.approx([25, 25])
+    assert solves.lines[1].get_xydata() == pytest.approx(np.transpose([[60] * 3, [9, 5, 0.01]]))
+    text = said("wear", wear())
+    assert "20 implicit steps of wear are as good as 5.0 %" in text
+    assert "ones are out by 500 %" in text
+    assert "needs 25 steps" in text
+    assert not load_drawing("wear").findings(wear().isel(steps=[0, 1]))
+    assert not load_drawing("wear").findings(wear().isel(scheme=[0]))
+
+
+def creep() -> xr.Dataset:
+    """The error by the steps falls as their square, down to four times that of the cells."""
+    time = [0.0, 1.0]
+    by_steps = np.array([0.64, 0.16, 0.04])[:, None] * np.array([1.0, 0.5])
+    return xr.Dataset(
+        {
+            "half_width": (("steps", "grid", "time"), np.arange(12.0).reshape(3, 2, 2)),
+            "highest_pressure": (("steps", "grid", "time"), np.arange(12.0, 24).reshape(3, 2, 2)),
+            "pressure_error_l1": (("steps", "grid"), by_steps / [[2, 2], [4, 4], [5, 5]]),
+            "step_error": (("steps", "grid"), by_steps),
+            "grid_error": (("steps", "grid"), np.full((3, 2), 0.03)),
+            "convolutions": (("steps", "grid"), np.full((3, 2), 100.0)),
+        },
+        coords={"steps": STEPS, "grid": GRID, "time": time},
+    )
+
+
+def test_creep_is_drawn_beside_its_closed_form_and_says_what_a_digit_costs() -> None:
+    widths, peaks, errors, costs = panels("creep", creep())
+    # J = 1 + 1.5 (1 - exp(-t)): the half-width grows as its root under a load that is held
+    closed, end = y(widths, 0), widths.lines[0].get_xdata()[-1]
+    assert closed[[0, -1]] == pytest.approx([1, (1 + 1.5 * (1 - np.exp(-end))) ** 0.5], rel=1e-6)
+    assert y(peaks, 0)[0] == pytest.approx(1, rel=1e-6)
+    assert y(widths, 1) == pytest.approx([10, 11])
+    assert y(peaks, 1) == pytest.approx([22, 23])
+    assert y(errors, 0) == pytest.approx([0.32, 0.04, 0.008])
+    assert y(errors, 1) == pytest.approx([0.64, 0.16, 0.04])
+    assert costs.lines[1].get_xdata() == pytest.approx([12800] * 3)
+    text = said("creep", creep())
+    assert "like N^{−2.00}, so a digit in time costs 3.2 times" in text
+    assert "With 40 steps and 128 cells the pressure is known to 0.40 %" in text
+    assert "in 100 transform pairs; with 64 cells the same steps leave 0.80 %" in text
+    # of the two whose steps leave more than twice what the cells do
+    assert "estimate is 2 to 4 times the error" in text
+    assert not load_drawing("creep").findings(creep().isel(grid=[0]))
+
+
+def friction() -> xr.Dataset:
+    ratio, coefficient, share = [0.0, 0.3], [0.0, 0.2, 0.4], [0.0, 0.75]
+
+    def each(*values: object) -> tuple[tuple[str, ...], np.ndarray]:
+        return ("grid", "rough_grid", "poisson_ratio"), np.array([[values]])
+
+    return xr.Dataset(
+        {
+            "von_mises": (
+                ("grid", "rough_grid", "poisson_ratio", "coefficient"),
+                np.array([[[[0.5, 0.6, 0.9], [0.558, 0.57, 0.8]]]]),
+            ),
+            "depth": (
+                ("grid", "rough_grid", "poisson_ratio", "coefficient"),
+                np.array([[[[0.7, 0.6, 0.0], [0.7, 0.5, 0.0]]]]),
+            ),
+            "stick": (("grid", "rough_grid", "poisson_ratio", "share"), [[[[1, 0.4], [1, 0.53]]]]),
+            "stick_sphere": (
+                ("grid", "rough_grid", "poisson_ratio", "share"),
+                [[[[1, 0.6], [1, 0.7]]]],
+            ),
+            "superposition_error": each(0.001, 0.02),
+            "shear_aside": each(0.0, 0.07),
+        },
+        coords={
+            "grid": [65],
+            "rough_grid": [24],
+            "poisson_ratio": ratio,
+            "coefficient": coefficient,
+            "share": share,
+        },
+    )
+
+
+def test_friction_is_drawn_beside_cattaneo_and_mindlin_and_says_where_stress_is_highest() -> None:
+    stress, depth, stick, sphere, missed, aside = panels("friction", friction())
+    share = np.linspace(0, 1, 200)
+    assert y(stick, 2) == pytest.approx(np.sqrt(1 - share))
+    assert y(sphere, 2) == pytest.approx(np.cbrt(1 - share))
+    assert y(stress, 1) == pytest.approx([0.558, 0.57, 0.8])
+    assert y(depth, 0) == pytest.approx([0.7, 0.6, 0])
+    assert y(stick, 1) == pytest.approx([1, 0.53])
+    assert y(missed, 0) == pytest.approx([0.001, 0.02])
+    assert y(aside, 0) == pytest.approx([0, 0.07])
+    text = said("friction", friction())
+    assert "is 0.558 p_H without friction and 0.800 p_H at a coefficient of 0.4" in text
+    assert "it lies at the surface from 0.4 on" in text
+    # Cattaneo's is 0.5
+    assert "within 0.030 half-widths" in text
+    assert "to 0.10 % in L1 at nu = 0, and miss 2.0 % of it" in text
+    assert "of 7.0 % of the largest" in text
+    assert not load_drawing("friction").findings(friction().isel(poisson_ratio=[1]))
+
+
+def coating() -> xr.Dataset:
+    """A coating four times as stiff, and one a quarter as stiff."""
+    ratio, thickness = [0.25, 4.0], [0.1, 1.0, 10.0]
+    axes = ("grid", "ratio", "thickness")
+    return xr.Dataset(
+        {
+            "half_width": (axes, [[[1.01, 1.5, 2.1], [0.98, 0.7, 0.51]]]),
+            "peak_pressure": (axes, [[[0.99, 0.7, 0.5], [1.02, 1.5, 2.0]]]),
+            "interface_shear": (axes, [[[0.1, 0.2, 0.05], [0.31, 0.25, 0.06]]]),
+            "interface_tension": (axes, [[[0.0, 0.0, 0.0], [0.4, 0.3, 0.0]]]),
+            "image_error": (axes, [[[0.01, 0.2, 0.3], [0.02, 0.5, 0.1]]]),
+            "reference_error": (axes, [[[np.nan, 2e-4, np.nan], [np.nan, 1e-4, np.nan]]]),
+        },
+        coords={"grid": [64], "ratio": ratio, "thickness": thickness},
+    )
+
+
+def test_a_coating_is_drawn_beside_its_own_half_space_and_says_where_it_matters() -> None:
+    widths, peaks, shear, tension, image, _ = panels("coating", coating())
+    # Hertz's half-width goes as the root of the compliance, his pressure as that of the modulus
+    assert y(widths, 0) == pytest.approx([1.01, 1.5, 2.1])
+    assert y(widths, 1) == pytest.approx([2, 2])
+    assert y(widths, 3) == pytest.approx([0.5, 0.5])
+    assert y(peaks, 1) == pytest.approx([0.5, 0.5])
+    assert y(peaks, 3) == pytest.approx([2, 2])
+    assert y(shear, 1) == pytest.approx([0.31, 0.25, 0.06])
+    assert y(tension, 1) == pytest.approx([0.4, 0.3, 0])
+    assert y(image, 0) == pytest.approx([0.01, 0.2, 0.3])
+    assert len(shear.lines) == len(image.lines) == 2
+    text = said("coating", coating())
+    assert "At a thickness of 0.1 a the half-width is within 2.0 % of that on the substrate" in text
+    assert "at 10 a within 5.0 % of that on the coating" in text
+    assert "met to 2.0e-04" in text
+    assert "off by up to 50 % in L1 (E1/E2 = 4, thickness 1 a)" in text
+    assert "largest, 0.31 of the highest pressure, at E1/E2 = 4 and a thickness of 0.1 a" in text
+    assert not load_drawing("coating").findings(coating().isel(thickness=[0, 1]))

@@ -32,6 +32,7 @@ exclude_patterns = ["_build", "_ext", "_templates"]
 myst_enable_extensions = ["dollarmath", "deflist"]
 myst_heading_anchors = 3
 suppress_warnings = ["config.cache"]
+smartquotes = False  # two dashes are an option of a command
 
 html_theme = "furo"
 html_title = f"contactstudy {release}"
@@ -60,7 +61,7 @@ sphinx_gallery_conf = {
     "within_subsection_order": "FileNameSortKey",
     "remove_config_comments": True,
     "show_signature": False,
-    "min_reported_time": 1e9,
+    "capture_repr": (),
     "download_all_examples": False,
     "image_scrapers": ("gallery_figures.scrape",),
     "write_computation_times": False,

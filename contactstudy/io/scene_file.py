@@ -100,7 +100,7 @@ class PlanSettings:
 
 @dataclass(frozen=True)
 class SolverSettings:
-    """The solver's."""
+    """Tolerance, iterations, solver and precision of a solve."""
 
     tolerance: Number = 1e-8
     max_iterations: int = 2000

@@ -7,7 +7,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch, FancyBboxPatch
 
 ROOT = Path(__file__).parents[2]
-PACKAGES = ("contactstudy", "studies")
+# Where each package stands in the picture: its left side and its width.
+SIDES = {"contactstudy": (0.0, 0.4), "studies": (0.4, 0.6)}
+PACKAGES = tuple(SIDES)
 
 
 def folder_of(module: str) -> str | None:
@@ -63,36 +65,31 @@ def draw() -> None:
     """Write the picture."""
     pairs = reduced(imports())
     height = layers(pairs)
-    figure = Figure(figsize=(9, 9), layout="constrained")
+    figure = Figure(figsize=(10, 9), layout="constrained")
     ax = figure.subplots()
-    rows: dict[int, list[str]] = {}
+    rows: dict[tuple[str, int], list[str]] = {}
     for folder in sorted(height):
-        rows.setdefault(height[folder], []).append(folder)
+        rows.setdefault((folder.split("/")[0], height[folder]), []).append(folder)
     place = {}
-    for row, folders in rows.items():
+    for (package, row), folders in rows.items():
+        left, width = SIDES[package]
         for number, folder in enumerate(folders):
-            place[folder] = ((number + 0.5) / len(folders), row)
+            place[folder] = (left + width * (number + 0.5) / len(folders), row)
     for above, below in sorted(pairs):
         ax.add_patch(
             FancyArrowPatch(
-                place[above], place[below], arrowstyle="-|>", mutation_scale=9, shrinkA=16, shrinkB=16,
-                color="#999999", linewidth=0.6, connectionstyle="arc3,rad=0.05",
+                place[above], place[below], arrowstyle="-|>", mutation_scale=10, shrinkA=14, shrinkB=14,
+                color="#777777", linewidth=0.8, connectionstyle="arc3,rad=0.05",
             )
         )  # fmt: skip
     for folder, (x, y) in place.items():
         color = "#CFE3F5" if folder.startswith("contactstudy") else "#F7E0C3"
-        ax.add_patch(
-            FancyBboxPatch(
-                (x - 0.11, y - 0.16),
-                0.22,
-                0.32,
-                boxstyle="round,pad=0.02",
-                facecolor=color,
-                linewidth=0.6,
-            )
+        box = FancyBboxPatch(
+            (x - 0.055, y - 0.2), 0.11, 0.4, boxstyle="round,pad=0.01", facecolor=color, linewidth=0.6
         )
-        ax.text(x, y, folder.replace("/", "/\n"), ha="center", va="center", fontsize=8)
-    ax.set(xlim=(-0.05, 1.05), ylim=(-0.5, max(rows) + 0.5))
+        ax.add_patch(box)
+        ax.text(x, y, folder.replace("/", "/\n"), ha="center", va="center", fontsize=9)
+    ax.set(xlim=(-0.02, 1.02), ylim=(-0.5, max(height.values()) + 0.5))
     ax.axis("off")
     figure.savefig(ROOT / "docs" / "explanation" / "architecture.svg", metadata={"Date": None})
 

@@ -17,7 +17,8 @@ from sphinx.util.typing import stringify_annotation
 
 import contactstudy as cs
 from contactstudy.domain.units import Unit
-from contactstudy.io.scene_file import KINDS, Document
+from contactstudy.io.scene_file import KINDS, NO_KIND, Document
+from studies.model.outcome import CaseStatus
 from studies.registry import BUILT_IN, OPTIONAL, load
 
 # Where a public name is documented, by the folder of its module; what is not listed here goes to the last.
@@ -35,6 +36,14 @@ GROUPS = {
 }
 
 
+CASES = {
+    CaseStatus.NOT_RUN: "this combination of values was never computed",
+    CaseStatus.OK: "computed and stored",
+    CaseStatus.FAILED: "raised an error or gave NaN; the variable `error` has the sentence",
+    CaseStatus.TIMEOUT: "took longer than `--time-limit`",
+    CaseStatus.KILLED: "its process was killed, or died, twice",
+    CaseStatus.SKIPPED: "left out of this run",
+}
 # What signatures and docstrings of public names refer to, and a user need not import.
 ARRAYS = (
     ".. py:currentmodule:: None",
@@ -162,7 +171,9 @@ def _type(wanted: Any) -> str:
         unit = next(note for note in get_args(wanted) if isinstance(note, Unit))
         return f"{unit.quantity} ({unit.symbol or 'no unit'})"
     if wanted in KINDS:
-        return "a table with a `kind`: " + ", ".join(f"`{kind}`" for kind in KINDS[wanted])
+        text = "a table with a `kind`: " + ", ".join(f"`{kind}`" for kind in KINDS[wanted] if kind)
+        without = KINDS[wanted].get(NO_KIND)
+        return text + (f" (`{without.__name__}` if left out)" if without else "")
     if get_origin(wanted) is tuple:
         several = [one for one in get_args(wanted) if one is not ...]
         return "a list of: " + "; ".join(dict.fromkeys(_type(one) for one in several))
@@ -228,7 +239,7 @@ def keys() -> str:
             "",
             f"## `{name}`",
             "",
-            first.replace("``", "`"),
+            re.sub(r":\w+:`~?(?:\w+\.)*(\w+)`", r"`\1`", first).replace("``", "`"),
             "",
             *(_table(kind) if fields(kind) else []),
         ]
@@ -276,12 +287,8 @@ def statuses() -> str:
         "The variable's CF attributes `flag_values` and `flag_meanings` say the same in every file.",
         "",
     ]
-    from studies.model import outcome
-
-    for thing in vars(outcome).values():
-        if isclass(thing) and issubclass(thing, Enum) and thing.__module__ == outcome.__name__:
-            text += [(getdoc(thing) or "").split("\n")[0], ""]
-            text += [f"- `{one.name}` ({one.value})" for one in thing] + [""]
+    text += ["| `case_status` | value | meaning |", "|---|---|---|"]
+    text += [f"| `{one.name}` | {one.value} | {CASES[one]} |" for one in CaseStatus]
     return "\n".join(text)
 
 
@@ -324,7 +331,9 @@ def shorten(
     signature: str | None,
     returns: str | None,
 ) -> tuple[str | None, str | None]:
-    """Signatures as a person reads them."""
+    """Signatures as a person reads them; a protocol is not called."""
+    if what == "class" and getattr(obj, "_is_protocol", False):
+        return "", None
 
     def short(text: str | None) -> str | None:
         for pattern, plainer in PLAINER:
@@ -335,8 +344,9 @@ def shorten(
 
 
 def escape(app: Sphinx, context: object, lines: list[str]) -> None:
-    """Asterisks in the help of options are file patterns, not emphasis."""
-    lines[:] = [line.replace("/*.", "/\\*.") for line in lines]
+    """Asterisks in the help of options are file patterns, not emphasis; a default that is a path is its text."""
+    plain = [re.sub(r"\w*Path\('([^']*)'\)", r"'\1'", line) for line in lines]
+    lines[:] = [line.replace("/*.", "/\\*.") for line in plain]
 
 
 def setup(app: Sphinx) -> dict[str, object]:

@@ -65,6 +65,8 @@ for name, padding in fixed.items():
     left.loglog(counts, in_l1[name], "o-", label=name)
     right.plot(grid.y / a, pressure.max(axis=0) / p_hertz, label=name)
 left.set(xlabel="cells across 2.4 a", ylabel="error of the pressure in L1")
+left.set_xticks(counts, counts, minor=False)
+left.minorticks_off()
 right.set(xlabel="along / a", ylabel="highest pressure across / p_H")
 left.legend()
 

@@ -9,7 +9,9 @@ from sphinx_gallery.scrapers import figure_rst
 
 
 def of_axes(ax: Axes) -> str:
-    """Title, labels and curves of one pair of axes."""
+    """Title, labels and curves of one pair of axes, or what the colours of a map are."""
+    if ax.get_label() == "<colorbar>":
+        return f"colours: {ax.get_ylabel()}" if ax.get_ylabel() else ""
     plotted = " over ".join(label for label in (ax.get_ylabel(), ax.get_xlabel()) if label)
     text = ": ".join(part for part in (ax.get_title(), plotted) if part)
     if curves := ax.get_legend_handles_labels()[1]:
@@ -19,7 +21,7 @@ def of_axes(ax: Axes) -> str:
 
 def alternative(figure: Figure) -> str:
     """What stands for a figure where it cannot be seen."""
-    parts = [of_axes(ax) for ax in figure.axes if ax.get_label() != "<colorbar>"]
+    parts = [of_axes(ax) for ax in figure.axes]
     return ". ".join(part for part in parts if part)
 
 

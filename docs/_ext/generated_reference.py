@@ -6,6 +6,7 @@ import re
 from dataclasses import MISSING, fields
 from enum import Enum
 from importlib import import_module
+from importlib.util import find_spec
 from inspect import getdoc, isclass
 from pathlib import Path
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
@@ -44,7 +45,7 @@ CASES = {
     CaseStatus.KILLED: "its process was killed, or died, twice",
     CaseStatus.SKIPPED: "left out of this run",
 }
-# What signatures and docstrings of public names refer to, and a user need not import.
+# What signatures and docstrings of public names refer to often, and a user need not import.
 ARRAYS = (
     ".. py:currentmodule:: None",
     "",
@@ -349,9 +350,18 @@ def escape(app: Sphinx, context: object, lines: list[str]) -> None:
     lines[:] = [line.replace("/*.", "/\\*.") for line in plain]
 
 
+def inner(app: Sphinx, env: object, node: Any, contnode: Any) -> Any:
+    """A name inside the project that is documented nowhere is shown without a link, if the code has it."""
+    module, _, last = str(node.get("reftarget")).rpartition(".")
+    if not module.startswith(("contactstudy.", "studies.")):
+        return None
+    return contnode if find_spec(module) and hasattr(import_module(module), last) else None
+
+
 def setup(app: Sphinx) -> dict[str, object]:
     """Write the pages before anything is read."""
     app.connect("builder-inited", write)
     app.connect("autodoc-process-signature", shorten)
     app.connect("sphinx-click-process-options", escape)
+    app.connect("missing-reference", inner)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -1,5 +1,6 @@
 """What became of a computation, as numbers a Dataset can hold."""
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
@@ -83,7 +84,8 @@ class Stored(Protocol):
 
 def summary_messages(found: Iterable[Stored]) -> Iterator[str]:
     """How many cases failed, and how many solves ended otherwise than by converging."""
-    cases = failed = solves = not_converged = 0
+    cases = failed = solves = 0
+    ended: Counter[str] = Counter()
     first = ""
     for one in found:
         cases += 1
@@ -92,11 +94,12 @@ def summary_messages(found: Iterable[Stored]) -> Iterator[str]:
             first = first or one.error
         elif (status := one.variable("solver_status")) is not None and status.ndim == 0:
             solves += 1
-            not_converged += int(status.values.item() != 0)
+            if number := int(status.values.item()):
+                ended[str(status.attrs["flag_meanings"]).split()[number].upper()] += 1
     if failed:
         yield f"{failed} of {cases} cases failed, the first with {first}"
-    if not_converged:
-        yield f"{not_converged} of {solves} solves did not simply converge; see 'solver_status'"
+    for name, count in ended.items():
+        yield f"{count} of {solves} solves ended with {name}; see 'solver_status'"
 
 
 @runtime_checkable

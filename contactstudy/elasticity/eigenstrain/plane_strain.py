@@ -47,11 +47,11 @@ class PlaneStrainOperator:
 
     def stress_of_pressure(self, pressure: Array) -> Array:
         """S p."""
-        return self._deviator(self._pressed(pressure))
+        return self.deviator(self._pressed(pressure))
 
     def stress_of_strain(self, strain: Array) -> Array:
         """B e."""
-        stress = self._deviator(self._taken(strain))
+        stress = self.deviator(self._taken(strain))
         stress[1] += self.moduli.youngs_modulus * BASIS[1, 1] ** 2 * strain[1]
         return stress
 
@@ -61,17 +61,17 @@ class PlaneStrainOperator:
         first, last = volume.first, volume.last
         padded = self._padded_grid
         whole = np.zeros((3, volume.shape[0], last))
-        whole[..., first:] = self._in_plane(strain)[..., 0] * volume.thicknesses[:, None]
+        whole[..., first:] = self.in_plane(strain)[..., 0] * volume.thicknesses[:, None]
         waves = np.einsum("clk,clk->k", spectrum.conj(), fft.rfft(whole, padded, axis=-1))
         return np.asarray(fft.irfft(waves, padded)[: volume.grid.cells[0], None])
 
     def tensor_of_pressure(self, pressure: Array) -> Array:
         """(6, layers, x, 1) [Pa]."""
-        return self._tensor(self._pressed(pressure), None)
+        return self.tensor(self._pressed(pressure), None)
 
     def tensor_of_strain(self, strain: Array) -> Array:
         """(6, layers, x, 1) [Pa]."""
-        return self._tensor(-self._taken(strain), strain[1])
+        return self.tensor(-self._taken(strain), strain[1])
 
     @cached_property
     def self_blocks(self) -> Array:
@@ -88,14 +88,14 @@ class PlaneStrainOperator:
         xx, yy, zz, _, xz, _ = BASIS.T
         return np.array((xx + nu * yy, zz + nu * yy, 2**0.5 * xz))
 
-    def _in_plane(self, strain: Array) -> Array:
+    def in_plane(self, strain: Array) -> Array:
         return np.asarray(np.einsum("ai,i...->a...", self._mixing, strain))
 
-    def _deviator(self, stress: Array) -> Array:
+    def deviator(self, stress: Array) -> Array:
         """Components of what in-plane stress makes, with yy = nu (xx + zz)."""
         return np.asarray(np.einsum("ai,a...->i...", self._mixing, stress))
 
-    def _tensor(self, stress: Array, out_of_plane: Array | None) -> Array:
+    def tensor(self, stress: Array, out_of_plane: Array | None) -> Array:
         xx, zz, xz = stress
         whole = np.zeros((6, *xx.shape))
         whole[0], whole[2], whole[4] = xx, zz, xz / 2**0.5
@@ -114,7 +114,7 @@ class PlaneStrainOperator:
         """Minus the in-plane stress (3, layers, x, 1) [Pa] by ``strain``."""
         layers, across, _ = self.volume.shape
         padded = self._padded_box
-        waves = fft.rfft(self._in_plane(strain)[..., 0], padded, axis=-1)
+        waves = fft.rfft(self.in_plane(strain)[..., 0], padded, axis=-1)
         waves[ODD] *= -1j  # so that matrices are real
         columns = np.ascontiguousarray(np.moveaxis(waves, -1, 0)).reshape(-1, 3 * layers, 1)
         found = np.matmul(self._strain_spectrum, columns.view(np.float64))
@@ -132,7 +132,7 @@ class PlaneStrainOperator:
         return int(fft.next_fast_len(cells, real=True))
 
     @property
-    def _edges(self) -> Array:
+    def edges_in_cells(self) -> Array:
         """In cells."""
         return np.array(self.volume.edges) / self.volume.grid.cell[0]
 
@@ -141,7 +141,7 @@ class PlaneStrainOperator:
         """(3, layers, waves): in-plane stress by pressure."""
         volume, padded = self.volume, self._padded_grid
         offsets = np.arange(volume.first - volume.grid.cells[0] + 1, volume.last)
-        xx, zz, xz = pressed(offsets.astype(np.float64), self._edges)
+        xx, zz, xz = pressed(offsets.astype(np.float64), self.edges_in_cells)
         around = np.zeros((3, volume.shape[0], padded))
         around[..., offsets % padded] = np.stack((xx, zz, 2**0.5 * xz))
         return np.asarray(fft.rfft(around, axis=-1))
@@ -164,7 +164,7 @@ class PlaneStrainOperator:
         spectrum = np.empty((padded // 2 + 1, 3, layers, 3, layers))
         own = np.empty((layers, 3, 3))
         for layer in range(layers):
-            means = influence(across, self._edges, layer)
+            means = influence(across, self.edges_in_cells, layer)
             for i in range(3):
                 for j in range(3):
                     known = (modulus * FACTORS[i, j]) * means[DERIVATIVES[i][j]]

@@ -19,6 +19,9 @@ from .elasticity.coefficients import Coefficients
 from .elasticity.convolution import Convolution, convolution, superposed
 from .evolution.evolution import Evolution
 from .evolution.evolve import StepError, evolve
+from .evolution.passes.contacts import RollingPressure
+from .evolution.passes.repeated_rolling import RepeatedRolling, RollingPass
+from .evolution.passes.roll_repeatedly import roll_repeatedly
 from .evolution.rolling import SteadyRolling, solve_rolling
 from .evolution.scheme import Scheme
 from .io.compare import Comparison, compare
@@ -120,9 +123,12 @@ __all__ = [
     "PrescribedLoad",
     "Problem",
     "RefuseMissing",
+    "RepeatedRolling",
     "Resultant",
     "RmsSlope",
     "Rolling",
+    "RollingPass",
+    "RollingPressure",
     "Roughness",
     "Scales",
     "Scene",
@@ -155,6 +161,7 @@ __all__ = [
     "kernels",
     "plan",
     "read_scene",
+    "roll_repeatedly",
     "solve",
     "solve_rolling",
     "superposed",

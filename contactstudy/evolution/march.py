@@ -94,7 +94,7 @@ class March:
 
     def at_rest(self) -> Solution:
         """The bodies as they just touch, before the first load."""
-        return _unloaded(self.problem)
+        return unloaded(self.problem)
 
     def jump(self, instant: Instant, load: float, parts: int) -> tuple[Instant, list[Solution]]:
         """To another ``load`` [N/m] at once, by so many equal ``parts``."""
@@ -132,7 +132,7 @@ class March:
             joint = (state,)
         else:
             solution = (
-                _unloaded(problem) if load == 0 else self.options.solved(problem, instant.pressure)
+                unloaded(problem) if load == 0 else self.options.solved(problem, instant.pressure)
             )
         after = solution.pressure
         states = tuple(
@@ -150,7 +150,7 @@ class March:
             nonlocal last
             lowered = replace(problem, undeformed_gap=problem.undeformed_gap + lift)
             solution = (
-                _unloaded(lowered) if load == 0 else self.options.solved(lowered, last, CLOSER)
+                unloaded(lowered) if load == 0 else self.options.solved(lowered, last, CLOSER)
             )
             last = solution.pressure
             return solution
@@ -226,7 +226,7 @@ class March:
         return Scales(scales.length * length, pressure, scales.gap * ratio * softer)
 
 
-def _unloaded(problem: Problem) -> Solution:
+def unloaded(problem: Problem) -> Solution:
     """Bodies that just touch."""
     gap = problem.undeformed_gap
     nothing = np.zeros_like(gap)

@@ -18,6 +18,8 @@ from contactstudy.elasticity.eigenstrain.plane_strain import (
 
 # Sums of what is odd across go on for so many depths of the volume; the rest is found from its asymptote.
 DEPTHS = 16
+# Of in-plane components, when x changes its sign.
+MIRRORED = np.where(np.arange(len(BASIS)) == ODD, -1.0, 1.0)
 # Powers of the distance with which they fall.
 POWERS = np.array([3.0, 5.0])
 
@@ -41,25 +43,19 @@ class HalfLines:
         return self.operator.tensor(-self._taken(left, right), None)
 
     def lift(self, left: Array, right: Array) -> Array:
-        """Surface displacement (x, 1) [m] into the body, on the whole grid."""
-        volume = self.operator.volume
-        cells = np.arange(volume.grid.cells[0])
-        sums = self._lifts  # by cells between, from 0 on
-        lifted = np.zeros(len(cells))
-        for profile, between, mirrored in (
-            (left, cells - volume.first, True),
-            (right, volume.last - 1 - cells, False),
-        ):
-            near = np.maximum(between, 0)
-            strained = self.operator.in_plane(profile) * volume.thicknesses
-            signs = _signs(mirrored)
-            lifted += np.einsum("a,al,alx->x", signs, strained, sums[..., near])
-        return lifted[:, None]
+        """Surface displacement (x, 1) [m] into the body, on a grid that the volume covers."""
+        thicknesses, cells = self.operator.volume.thicknesses, self.operator.volume.grid.cells[0]
+        sums = self._lifts[..., :cells]
+        by_left, by_right = (
+            np.einsum("al,alx->x", self.operator.in_plane(profile) * thicknesses, signs * sums)
+            for profile, signs in ((left, MIRRORED[:, None, None]), (right, 1.0))
+        )
+        return np.asarray((by_left + by_right[::-1])[:, None])
 
     def _taken(self, left: Array, right: Array) -> Array:
         """Minus the in-plane stress (3, layers, x, 1) [Pa]."""
         sums = self._stresses
-        mirrored = np.multiply.outer(_signs(True), _signs(True))[:, None, :, None, None]
+        mirrored = np.multiply.outer(MIRRORED, MIRRORED)[:, None, :, None, None]
         by_left = np.einsum("iljmx,jm->ilx", sums, self.operator.in_plane(left))
         by_right = np.einsum("iljmx,jm->ilx", mirrored * sums, self.operator.in_plane(right))
         return np.asarray((by_left + by_right[..., ::-1])[..., None])
@@ -101,11 +97,6 @@ class HalfLines:
         return int(max(deep, self.operator.volume.grid.cells[0])) + 1
 
 
-def _signs(mirrored: bool) -> Array:
-    """Of in-plane components, when x changes its sign."""
-    return np.where(mirrored & (np.arange(len(BASIS)) == ODD), -1.0, 1.0)
-
-
 def _even_sums(values: Array, total: Array) -> Array:
     """Sums of even ``values`` (..., distance) over all distances above 0, above 1 ..., ``total`` over both sides."""
     before = np.cumsum(values[..., 1:], axis=-1) - values[..., 1:]
@@ -118,4 +109,4 @@ def _odd_sums(values: Array) -> Array:
     known = np.array([last, last // 2])
     factors = np.linalg.solve((known[:, None] / last) ** -POWERS, values[..., known].T)
     rest = (zeta(POWERS, last + 1.0) * float(last) ** POWERS) @ factors
-    return np.cumsum(values[..., :0:-1], axis=-1)[..., ::-1] + rest[:, None]
+    return np.asarray(np.cumsum(values[..., :0:-1], axis=-1)[..., ::-1] + rest[:, None])

@@ -89,6 +89,7 @@ class PlaneStrainOperator:
         return np.array((xx + nu * yy, zz + nu * yy, 2**0.5 * xz))
 
     def in_plane(self, strain: Array) -> Array:
+        """(3, ...): strains xx + nu yy, zz + nu yy, sqrt(2) xz of components (3, ...)."""
         return np.asarray(np.einsum("ai,i...->a...", self._mixing, strain))
 
     def deviator(self, stress: Array) -> Array:
@@ -96,6 +97,7 @@ class PlaneStrainOperator:
         return np.asarray(np.einsum("ai,a...->i...", self._mixing, stress))
 
     def tensor(self, stress: Array, out_of_plane: Array | None) -> Array:
+        """(6, ...) [Pa] from stress xx, zz, sqrt(2) xz, with the component of strain out of the plane, if any."""
         xx, zz, xz = stress
         whole = np.zeros((6, *xx.shape))
         whole[0], whole[2], whole[4] = xx, zz, xz / 2**0.5

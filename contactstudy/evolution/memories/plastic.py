@@ -87,7 +87,7 @@ class PlasticMemory:
         parts = zip(self.bodies, self.operators, strains, equivalents, strict=True)
         for body, one, strain, hardened in parts:
             after |= _named(body, strain, hardened, one.volume)
-        solution = _solution(found, tolerance)
+        solution = concluded(found, tolerance)
         yielded = zip(self.operators, equivalents, strict=True)
         if solution.status is Status.CONVERGED and any(
             _meets_edge(one.volume, hardened > 0) for one, hardened in yielded
@@ -149,9 +149,7 @@ class PlasticMemory:
         return self.elastic.problem.scales.length
 
     def _tangent(self, solution: Solution) -> ContactTangent:
-        problem = solution.problem
-        cells = (solution.pressure > 0).astype(self.precision.real)
-        return ContactTangent(problem.bare(self.precision), problem.scales, cells)
+        return ContactTangent.of(solution, self.precision)
 
     def _in_volumes(self, state: State) -> tuple[list[Array], list[Array]]:
         """Strains and equivalent strains in the volumes of today, which are made to hold those of ``state``."""
@@ -220,7 +218,7 @@ def _meets_edge(volume: Volume, yielded: NDArray[np.bool_]) -> bool:
     return bool(left or (volume.last == volume.grid.cells[0] and yielded[:, -1].any()))
 
 
-def _solution(found: Settled, tolerance: float) -> Solution:
+def concluded(found: Settled, tolerance: float) -> Solution:
     """The last contact of a step, with what all of them took, and what became of the plastic strain."""
     last = found.solution
     status, note = last.status, last.note

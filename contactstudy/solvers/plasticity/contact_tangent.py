@@ -6,9 +6,11 @@ from functools import cached_property
 import numpy as np
 
 from contactstudy.domain.arrays import Array, inner, total
+from contactstudy.domain.precision import Precision
 from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.problem.operator import ApproximateInverse
 from contactstudy.problem.problem import Scales
+from contactstudy.solvers.solution import Solution
 
 # A loose answer takes Newton's method no more iterations than an exact one.
 TOLERANCE = 1e-2
@@ -25,6 +27,13 @@ class ContactTangent:
     bare: BareProblem
     scales: Scales
     cells: Array
+
+    @classmethod
+    def of(cls, solution: Solution, precision: Precision) -> "ContactTangent":
+        """For the cells that bear in ``solution``."""
+        problem = solution.problem
+        cells = (solution.pressure > 0).astype(precision.real)
+        return cls(problem.bare(precision), problem.scales, cells)
 
     def __call__(self, gap: Array) -> Array:
         """``Pi gap`` (x, y) [Pa] of a change of the gap (x, y) [m]."""

@@ -6,11 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from contactstudy.domain.arrays import Array
-from contactstudy.solvers.plasticity.contact_tangent import ContactTangent
 from contactstudy.solvers.plasticity.yield_law import Return
 from contactstudy.solvers.plasticity.yielding_bodies import YieldingBodies
 from contactstudy.solvers.solution import Solution
 
+# How the pressure (x, y) [Pa] falls with a change of the gap (x, y) [m].
+Tangent = Callable[[Array], Array]
 # Newton iterations of a step; up to 15 were seen for a load of 5 times that of first yield in one step.
 ITERATIONS = 40
 # Conjugate gradients: of each linear system, and how closely it is solved.
@@ -53,29 +54,31 @@ class _Point:
 def settle(
     bodies: YieldingBodies,
     contact: Callable[[Array], Solution],
-    tangent: Callable[[Solution], ContactTangent],
+    tangent: Callable[[Solution], Tangent | None],
     before: Array,
     equivalent: Array,
     tolerance: float,
+    around: Array | None = None,
 ) -> Settled:
     """From the plastic strain ``before`` (C, cells) and ``equivalent`` (cells,) of the last step.
 
     ``contact`` solves for the pressure over a surface that is lowered by a field (x, y) [m]; ``tangent`` is its
-    linearisation there. Backward Euler in load. The minimum of a convex energy, by a semismooth Newton method with
-    conjugate gradients; a step that neither lowers the energy (forward-backward envelope) nor halves
-    the residual is shortened.
+    linearisation there, None for a given pressure. ``around`` (C, cells) [Pa] is stress by what is outside.
+    Backward Euler in load. The minimum of a convex energy, by a semismooth Newton method with conjugate gradients;
+    a step that neither lowers the energy (forward-backward envelope) nor halves the residual is shortened.
     """
     contacts: list[Solution] = []
+    outer = np.zeros_like(before) if around is None else around
 
     def at(strain: Array) -> _Point:
         solution = contact(bodies.lift(strain))
         contacts.append(solution)
         relaxed = bodies.stress_of_strain(strain)
-        stress = bodies.stress_of_pressure(solution.pressure) - relaxed
+        stress = bodies.stress_of_pressure(solution.pressure) + outer - relaxed
         returned = bodies.law.returned(stress, strain, before, equivalent)
         residual = strain - returned.strain
         error = float((np.abs(residual) / bodies.unit).max(initial=0.0))
-        elastic = bodies.inner(strain, relaxed) / 2 - _energy(solution, bodies.cell_area)
+        elastic = bodies.inner(strain, relaxed / 2 - outer) - _energy(solution, bodies.cell_area)
         squared = np.einsum("ck,ck->k", residual, residual)
         cost = bodies.law.dissipation(returned.strain, before, equivalent)
         rest = bodies.law.twice_shear / 2 * squared + cost
@@ -110,7 +113,7 @@ def _energy(solution: Solution, cell_area: float) -> float:
     return float(np.einsum("xy,xy->", solution.pressure, heights)) * cell_area
 
 
-def _newton_step(bodies: YieldingBodies, tangent: ContactTangent, point: _Point) -> Array:
+def _newton_step(bodies: YieldingBodies, tangent: Tangent | None, point: _Point) -> Array:
     """What takes the linearised return to the strain; cells that do not flow go back at once."""
     returned, residual = point.returned, point.residual
     flows = returned.flows
@@ -138,8 +141,10 @@ def _newton_step(bodies: YieldingBodies, tangent: ContactTangent, point: _Point)
     return step + _conjugate_gradients(bodies, product, precondition, wanted, forcing)
 
 
-def _relaxed(bodies: YieldingBodies, tangent: ContactTangent, strain: Array) -> Array:
+def _relaxed(bodies: YieldingBodies, tangent: Tangent | None, strain: Array) -> Array:
     """Stress that ``strain`` takes away, with what the pressure changes: ``(B + S Pi S^T) e``."""
+    if tangent is None:
+        return bodies.stress_of_strain(strain)
     change = tangent(bodies.lift(strain))
     return bodies.stress_of_strain(strain) + bodies.stress_of_pressure(change)
 

@@ -1,0 +1,1 @@
+"""A contact that rolls over the same half-space again and again."""

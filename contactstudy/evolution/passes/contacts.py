@@ -1,0 +1,82 @@
+"""The pressure that rolls over a half-space, whatever its surface has become."""
+
+from dataclasses import dataclass, replace
+from enum import Enum
+from typing import Protocol
+
+from contactstudy.domain.arrays import Array
+from contactstudy.evolution.march import CLOSER, SolverOptions, unloaded
+from contactstudy.problem.problem import Problem
+from contactstudy.solvers.plasticity.contact_tangent import ContactTangent
+from contactstudy.solvers.plasticity.settle import Tangent
+from contactstudy.solvers.solution import Solution
+
+
+class RollingPressure(Enum):
+    """What pressure rolls over a half-space."""
+
+    SETTLED = "that of the contact, which plastic strain changes"
+    ELASTIC = "that of the elastic contact, whatever yields, as Merwin & Johnson (1963) assume"
+
+
+class Contact(Protocol):
+    """A contact over a surface that is lowered."""
+
+    def __call__(self, lift: Array) -> Solution:
+        """Over a surface that is lowered by ``lift`` (x, y) [m]."""
+        ...
+
+    def tangent(self, solution: Solution) -> Tangent | None:
+        """Its linearisation there; None for a pressure that does not change."""
+        ...
+
+
+@dataclass(eq=False)
+class SettledContact:
+    """That of ``problem``, solved from the pressure found last."""
+
+    problem: Problem
+    options: SolverOptions
+    last: Array
+
+    def __call__(self, lift: Array) -> Solution:
+        """The contact over the lowered surface."""
+        lowered = _lowered(self.problem, lift)
+        solution = self.options.solved(lowered, self.last, CLOSER)
+        self.last = solution.pressure
+        return solution
+
+    def tangent(self, solution: Solution) -> Tangent:
+        """Of the same cells in contact."""
+        return ContactTangent.of(solution, self.options.precision)
+
+
+@dataclass(frozen=True, eq=False)
+class FixedContact:
+    """The pressure of ``solution``, which stays as it is."""
+
+    solution: Solution
+
+    def __call__(self, lift: Array) -> Solution:
+        """The same pressure."""
+        return replace(self.solution, problem=_lowered(self.solution.problem, lift))
+
+    def tangent(self, _: Solution) -> None:
+        """None: the pressure does not change."""
+
+
+def rolling_contact(problem: Problem, options: SolverOptions, kind: RollingPressure) -> Contact:
+    """Of ``problem``, which is elastic."""
+    elastic = options.solved(problem)
+    if kind is RollingPressure.ELASTIC:
+        return FixedContact(elastic)
+    return SettledContact(problem, options, elastic.pressure)
+
+
+def nothing(problem: Problem) -> FixedContact:
+    """No pressure at all."""
+    return FixedContact(unloaded(problem))
+
+
+def _lowered(problem: Problem, lift: Array) -> Problem:
+    return replace(problem, undeformed_gap=problem.undeformed_gap + lift)

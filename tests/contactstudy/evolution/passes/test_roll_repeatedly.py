@@ -1,0 +1,149 @@
+"""Passes of a contact over a half-space that yields."""
+
+from dataclasses import replace
+from functools import cache
+from math import inf, pi
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+
+E, NU, Y = 500.0, 0.3, 1.0
+K = Y / 3**0.5
+RIGID = cs.HalfSpace(inf, NU)
+EXACT = cs.ExactPeriodicity()
+MODULUS = E / (1 - NU**2)
+# Half-widths are 1.
+COARSE = cs.Grid((24, 1), (4.8, 1.0))
+
+
+def scene(peak: float, hardening: float = 0.0) -> cs.Scene:
+    """A cylinder of the highest elastic pressure ``peak`` and the half-width 1."""
+    body = cs.ElasticPlasticHalfSpace(E, NU, Y, hardening)
+    return cs.Scene(cs.LineLoad(pi * peak / 2), (body, RIGID), (cs.Cylinder(MODULUS / (2 * peak)),))
+
+
+@cache
+def rolled(peak: float, passes: int) -> cs.RepeatedRolling:
+    """A fixed pressure over a perfectly plastic body."""
+    found = cs.roll_repeatedly(
+        scene(peak), COARSE, EXACT, passes=passes, pressure=cs.RollingPressure.ELASTIC, steady=2e-2
+    )
+    assert found.status is cs.Status.CONVERGED
+    return found
+
+
+def test_below_the_shakedown_limit_nothing_yields_after_the_first_pass() -> None:
+    """Melan's limit is 4 k: 3.8 k is further below it than cells of a fifth of the half-width are wrong."""
+    found = rolled(3.8 * K, 2)
+    assert found.yielding[0] > 0.1 * Y / E
+    assert found.yielding[1] == 0.0
+    assert found.forward_displacement[1] == 0.0
+    assert found.shaken_down == 2
+
+
+def test_above_it_every_pass_yields_and_moves_the_surface_forward() -> None:
+    found = rolled(4.4 * K, 3)
+    assert (found.yielding > 0.1 * Y / E).all()
+    assert found.shaken_down is None
+    assert (found.forward_displacement[1:] > 0).all()
+
+
+def test_the_first_yield_of_a_rolling_contact_is_that_of_a_standing_one() -> None:
+    """At 1.79 Y, 3.1 k: 3 k yields nowhere, and leaves nothing."""
+    found = rolled(3.0 * K, 1)
+    assert found.yielding[0] == 0.0
+    assert found.shaken_down == 1
+    assert not found.residual_stress.any()
+
+
+def test_what_a_pass_leaves_is_residual_stress_of_its_plastic_strain() -> None:
+    """In the window behind the contact, by the operator with the load removed: steady to 2e-2 of Y / E."""
+    found = rolled(4.4 * K, 3)
+    stress = found.removed.residual_stress()[:, :, 0, 0]
+    far = found.residual_stress[-1]
+    # the window is one width long, and strain below the contact is felt like one over the square of the distance
+    np.testing.assert_allclose(stress[[0, 1]], far[[0, 1]], atol=0.15 * np.abs(far).max())
+    assert far[0].min() < -0.5 * K
+    assert not far[[2, 3, 4, 5]].any()
+
+
+def test_the_shear_of_a_pass_adds_up_to_the_forward_displacement() -> None:
+    found = rolled(4.4 * K, 3)
+    thicknesses = found.track.operator.volume.thicknesses
+    total = 2 * found.plastic_strain[-1, 4] @ thicknesses
+    assert found.forward_displacement.sum() == pytest.approx(total, rel=1e-9)
+    assert found.shear.shape == (3, len(found.depths))
+
+
+def test_a_first_pass_over_a_finite_distance_is_that_of_finite_elements() -> None:
+    """p0 = 5 k rolled by 6 a: sxx in the middle, by finite elements (Q2, h = 0.2 a, box of 1000 a).
+
+    They say to be right to 3 %, cells of a fifth of a are wrong by another 10 % of the largest.
+    """
+    found = cs.roll_repeatedly(
+        scene(5 * K),
+        cs.Grid((85, 1), (17.0, 1.0)),
+        EXACT,
+        passes=1,
+        distance=6.0,
+        pressure=cs.RollingPressure.ELASTIC,
+    )
+    x = found.grid.x
+    middle = int(np.abs(x + 3.0).argmin())
+    stress = found.removed.residual_stress()[0, :, middle, 0] / K
+    known = (-1.231, -0.895, -0.709, -0.643, -0.593)
+    ours = np.interp((0.45, 0.65, 0.85, 1.05, 1.25), found.depths, stress)
+    np.testing.assert_allclose(ours, known, atol=0.13 * 1.48)
+
+
+def test_a_settled_contact_lowers_its_pressure_and_is_elastic_for_an_infinite_yield_stress() -> (
+    None
+):
+    narrow = cs.Grid((20, 1), (4.0, 1.0))
+    found = cs.roll_repeatedly(scene(2.4 * Y, 0.2 * E), narrow, EXACT, passes=1, distance=0.6)
+    elastic = cs.solve(
+        replace(scene(2.4 * Y), solids=(cs.HalfSpace(E, NU), RIGID)).problem(narrow, EXACT)
+    )
+    assert found.status is cs.Status.CONVERGED
+    assert found.highest_pressure[0] < 0.98 * elastic.pressure.max()
+    high = replace(scene(2.4 * Y), solids=(cs.ElasticPlasticHalfSpace(E, NU, 100 * Y), RIGID))
+    kept = cs.roll_repeatedly(high, narrow, EXACT, passes=1, distance=0.6)
+    np.testing.assert_allclose(
+        kept.passes[0].solution.pressure, elastic.pressure, atol=1e-6 * elastic.pressure.max()
+    )
+
+
+def test_a_dataset_holds_passes_depths_and_the_window() -> None:
+    found = rolled(4.4 * K, 3)
+    dataset = found.to_dataset()
+    assert dict(dataset.sizes) == {"pass": 3, "component": 6, "z": len(found.depths), "x": 24}
+    np.testing.assert_array_equal(dataset["residual_stress"], found.residual_stress)
+    assert dataset["forward_displacement"].attrs["units"] == "m"
+    assert "3 passes" in found.summary()
+
+
+@pytest.mark.parametrize(
+    ("changes", "match"),
+    [
+        ({"solids": (cs.HalfSpace(E, NU), RIGID)}, r"give one body that yields"),
+        ({"wear": cs.Wear(1.0, 1.0)}, r"^Scene\.wear changes in time"),
+        ({"load": cs.SineLoad(1.0, 0.1, 1.0)}, r"^Scene\.load changes in time"),
+    ],
+    ids=["no yielding body", "wear", "load"],
+)
+def test_scenes_that_do_not_roll_repeatedly_are_refused(
+    changes: dict[str, object], match: str
+) -> None:
+    with pytest.raises(cs.InvalidInput, match=match):
+        cs.roll_repeatedly(replace(scene(4 * K), **changes), COARSE, EXACT, passes=1)  # type: ignore[arg-type]
+
+
+def test_grids_and_paddings_without_an_operator_are_refused() -> None:
+    with pytest.raises(cs.InvalidInput, match=r"^Grid\.cells\[1\] is 2"):
+        cs.roll_repeatedly(scene(4 * K), cs.Grid((24, 2), (4.8, 1.0)), EXACT, passes=1)
+    with pytest.raises(cs.InvalidInput, match=r"give ExactPeriodicity"):
+        cs.roll_repeatedly(scene(4 * K), COARSE, (EXACT, EXACT), passes=1)
+    with pytest.raises(cs.InvalidInput, match=r"passes is 0"):
+        cs.roll_repeatedly(scene(4 * K), COARSE, EXACT, passes=0)

@@ -279,10 +279,7 @@ def main() -> None:
         error.show()
         sys.exit(error.exit_code)
     except (KeyboardInterrupt, click.Abort):
-        click.echo(
-            "contactstudy: stopped; run the same command to go on from what is stored.",
-            err=True,
-        )
+        click.echo("contactstudy: stopped; what a study had stored is kept.", err=True)
         sys.exit(130)
     except BrokenPipeError:  # whoever read the output has enough
         sys.stdout = None

@@ -20,9 +20,9 @@ def compare(first: Path, second: Path, out: Path | None) -> None:
     import contactstudy as cs
     from studies.report.changes import changes
     from studies.store.files.partial_file import replacing
-    from studies.store.netcdf import open_folder, read
+    from studies.store.netcdf import open_folder, read_any
 
-    a, b = read(first), read(second)
+    a, b = read_any(first), read_any(second)
     if "pressure" in a and "pressure" in b:
         found = cs.compare(a, b)
         for line in str(found).splitlines():

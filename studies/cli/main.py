@@ -8,10 +8,8 @@ from contactstudy.domain.imports import missing_package
 
 def main() -> None:
     """Import the rest and run it."""
-    for stream in (
-        sys.stdout,
-        sys.stderr,
-    ):  # a file on Windows may be in an encoding without a letter
+    for stream in (sys.stdout, sys.stderr):
+        # a file on Windows may be in an encoding that lacks a letter
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="replace")
     try:
@@ -21,4 +19,5 @@ def main() -> None:
     except ModuleNotFoundError as missing:
         sys.exit(f"contactstudy: {missing_package('the command', missing)}")
     except KeyboardInterrupt:
-        sys.exit("contactstudy: stopped before the command started.")
+        print("contactstudy: stopped before the command started.", file=sys.stderr)
+        sys.exit(130)

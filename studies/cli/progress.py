@@ -64,9 +64,9 @@ def stopped(seen: Progress, unit: float, like: "xr.Dataset") -> "xr.Dataset":
 
 def pressure_in(path: Path) -> Array:
     """The pressure (x, y) [Pa] in a file that ``contactstudy solve`` wrote."""
-    from studies.store.netcdf import read
+    from studies.store.netcdf import read_any
 
-    dataset = read(path)
+    dataset = read_any(path)
     if "pressure" not in dataset or dataset["pressure"].dims != ("x", "y"):
         raise InvalidInput(
             f"--start is {str(path)!r}, which has no pressure over (x, y): give a file that contactstudy solve wrote."

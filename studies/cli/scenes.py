@@ -97,7 +97,7 @@ def solve(scene: Path, out: Path, threads: int | None, device: str, start: Path 
     The exit code is 0 if the solution converged, else 1; the result is written in both cases.
     """
     from studies.store.files.partial_file import replacing
-    from studies.store.netcdf import open_folder, write
+    from studies.store.netcdf import check_kind, open_folder, write
     from studies.store.provenance import provenance
 
     on = _device(device, threads)
@@ -108,6 +108,7 @@ def solve(scene: Path, out: Path, threads: int | None, device: str, start: Path 
             "--device gpu is for a scene that neither changes in time nor rolls: leave it out."
         )
     folder = open_folder(out)
+    check_kind(folder / f"{scene.stem}.nc", "solution")
     planned = None if described.scene.hertz is None else described.plan(on=on)
     if planned is not None:
         for warning in planned.warnings:

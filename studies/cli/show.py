@@ -35,13 +35,13 @@ FORMATS = ("png", "pdf", "svg", "vtk")
 def show(file: Path, out: Path | None, formats: str, figures: str) -> None:
     """Draw what is in FILE: a solution, with pressure, gap, profiles and stress, or a study."""
     from studies.store.files.partial_file import replacing
-    from studies.store.netcdf import open_folder, read
+    from studies.store.netcdf import open_folder, read_any
 
     chosen = [one.strip().lower().lstrip(".") for one in formats.split(",")]
     for one in chosen:
         if one not in FORMATS:
             raise InvalidInput(f"--format is {one!r}: give one or more of {', '.join(FORMATS)}.")
-    dataset = read(file)
+    dataset = read_any(file)
     folder = open_folder(out or file.parent)
     if "pressure" in dataset and dataset["pressure"].dims == ("x", "y"):
         from contactstudy.io.pictures.contact import picture

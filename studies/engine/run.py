@@ -23,7 +23,7 @@ from studies.store import fields as stored_fields
 from studies.store.files.lock import locked
 from studies.store.files.partial_file import remove_partial_files
 from studies.store.journal import Journal, Record
-from studies.store.netcdf import open_folder
+from studies.store.netcdf import check_kind, open_folder
 from studies.store.provenance import machine, provenance
 from studies.store.request import Request, recompute_reasons
 from studies.store.result_file import ResultFile
@@ -127,6 +127,7 @@ class _Run:
         predicted = self._forecast(missing)
         if missing and predicted.seconds is not None:
             self.log(str(predicted))
+        check_kind(self.file.path, "study")
         self.file.provenance = provenance()
         axes = {axis.name: axis.values for axis in self.study.points}
         self.journal.start(self.file.provenance, axes)

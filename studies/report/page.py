@@ -22,9 +22,23 @@ from studies.store.netcdf import read
 
 def draw(study: Study, drawing: Drawing, out: Path) -> Sequence[CaptionedFigure]:
     """The figures of ``study`` as PNG and PDF in ``<out>/<study>/``, from its netCDF file alone."""
-    figures = drawing.figure(read(out / f"{study.name}.nc"))
+    figures = drawing.figure(_stored(study, out))
     _save(figures, out / study.name)
     return figures
+
+
+def _stored(study: Study, out: Path) -> xr.Dataset:
+    """What was stored of ``study``; raises InvalidInput where that has other axes, as of an earlier version."""
+    path = out / f"{study.name}.nc"
+    dataset = read(path)
+    found = dataset["case_status"].dims if "case_status" in dataset else ()
+    axes = [axis.name for axis in study.points]
+    if set(found) != set(axes):
+        raise InvalidInput(
+            f"Study file {str(path)!r} has the axes {', '.join(map(str, found)) or 'of no study'}, and the study has "
+            f"{', '.join(axes)}: run the study again."
+        )
+    return dataset
 
 
 def _save(figures: Sequence[CaptionedFigure], folder: Path) -> None:
@@ -58,9 +72,11 @@ def write(out: Path) -> Path:
     A chapter for each study in the order of ``BUILT_IN``: its title, what it swept, its findings, figures
     and tables. All findings are in the summary as well, those that answer a question before the others.
     """
-    stored = {name: read(out / f"{name}.nc") for name in BUILT_IN}
+    studies = {name: load(name) for name in BUILT_IN}
+    stored = {name: _stored(study, out) for name, study in studies.items()}
     chapters = [
-        _chapter(load(name), load_drawing(name), dataset, out) for name, dataset in stored.items()
+        _chapter(studies[name], load_drawing(name), dataset, out)
+        for name, dataset in stored.items()
     ]
     sweeps = estimate_validation.sweeps_with_estimates(stored)
     chapters += [_estimates_chapter(sweeps, out)] if sweeps else []

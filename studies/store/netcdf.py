@@ -4,6 +4,7 @@ import os
 import tempfile
 from collections.abc import Hashable, Iterable
 from pathlib import Path
+from typing import Literal
 
 import xarray as xr
 
@@ -61,12 +62,32 @@ def _encoding(dataset: xr.Dataset) -> dict[Hashable, dict[str, None]]:
     return {name: {"_FillValue": None} for name in dataset.coords}
 
 
-def read(path: Path) -> xr.Dataset:
+def read_any(path: Path) -> xr.Dataset:
+    """As :func:`read`, of a solution or a study."""
+    return read(path, "File", "give a file that contactstudy solve or run wrote")
+
+
+def check_kind(path: Path, kind: Literal["solution", "study"]) -> None:
+    """Raises :class:`~contactstudy.InvalidInput` where a file of the other kind would be replaced."""
+    if not path.is_file():
+        return
+    try:
+        with interrupts_deferred(), xr.open_dataset(path, engine="netcdf4") as held:
+            found = "study" if "case_status" in held else "solution" if "pressure" in held else kind
+    except (OSError, RuntimeError, ValueError):  # damaged
+        return
+    if found != kind:
+        raise InvalidInput(
+            f"{_shortened(path)} holds a {found}, which the {kind} would replace: give another folder with --out."
+        )
+
+
+def read(path: Path, what: str = "Study file", remedy: str = "run the study first") -> xr.Dataset:
     """The Dataset in ``path``, in memory; raises :class:`~contactstudy.InvalidInput` without one."""
     try:
         with interrupts_deferred():
             return xr.load_dataset(path, engine="netcdf4")
     except (OSError, RuntimeError, ValueError) as error:
         raise InvalidInput(
-            f"Study file {_shortened(path)} cannot be read ({reason(error)}): run the study first."
+            f"{what} {_shortened(path)} cannot be read ({reason(error)}): {remedy}."
         ) from None

@@ -130,6 +130,22 @@ def test_what_cannot_be_shown_is_answered_in_a_sentence(
         said("show", folder / words[0], *words[1:])
 
 
+def test_a_file_of_another_kind_is_not_replaced_nor_drawn(folder: Path) -> None:
+    solution, study = folder / "out" / "smooth.nc", folder / "study" / "smooth.nc"
+    kept = solution.read_bytes()
+    vary = ["--vary", "load.per_length=80 N/mm", "--workers", "0", "--repeats", "1"]
+    with pytest.raises(cs.InvalidInput, match="holds a solution, which the study would replace"):
+        said("run", folder / "smooth.toml", *vary, "--out", solution.parent)
+    with pytest.raises(cs.InvalidInput, match="holds a study, which the solution would replace"):
+        said("solve", folder / "smooth.toml", "--out", study.parent)
+    assert solution.read_bytes() == kept
+    other = folder / "other"
+    other.mkdir()
+    (other / "padding.nc").write_bytes(study.read_bytes())
+    with pytest.raises(cs.InvalidInput, match=r"has the axes .*: run the study again"):
+        said("draw", "padding", "--out", other)
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [

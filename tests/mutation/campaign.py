@@ -19,7 +19,7 @@ from pathlib import Path
 
 from tests.mutation.coverage_record import CoverageRecord
 from tests.mutation.forked import first_failure, import_libraries
-from tests.mutation.mutations import KNOWN, Mutation, chosen
+from tests.mutation.mutations import KNOWN, Mutation, chosen, mutations
 
 ROOT = Path(__file__).parents[2]
 COPIED = ("contactstudy", "studies", "tests", "docs", "examples", "README.md", "pyproject.toml")
@@ -56,13 +56,12 @@ class Campaign:
         while not (self.copy / folder).is_dir():
             folder = folder.parent
         files = sorted((self.copy / folder).glob(f"test_{Path(mutation.path).stem}*.py"))
+        text = (self.copy / mutation.path).read_text(encoding="utf-8")
+        executing = self.record.tests_of(mutation, text)
+        if not executing:  # by another process, or by nothing when that was measured
+            files += sorted(set((self.copy / folder).glob("test_*.py")) - set(files))
         own = [str(file.relative_to(self.copy)) for file in files]
-        executing = self.record.tests_of(
-            mutation, (self.copy / mutation.path).read_text(encoding="utf-8")
-        )
-        # what no test executes in its own process, another process may
         passed = self.record.seconds
-        executing = executing or [test for test in passed if test.startswith(f"{folder}/")]
         left = self.seconds
         stages: list[list[str]] = [own, [], []]
         for test in executing:
@@ -125,8 +124,13 @@ def _asked_for(asked: argparse.Namespace, root: Path) -> list[Mutation]:
     """In no order, so that a campaign that is stopped has been everywhere."""
     if asked.known:
         return [known.found_in(root) for known in KNOWN]
-    mutations = chosen(root, asked.count, asked.seed, asked.only)
-    return random.Random(asked.seed).sample(mutations, len(mutations))
+    if asked.again:
+        lines = set(asked.again.read_text(encoding="utf-8").splitlines())
+        paths = sorted({line.partition(":")[0] for line in lines if ".py:" in line})
+        texts = {path: (root / path).read_text(encoding="utf-8") for path in paths}
+        return [one for path in paths for one in mutations(path, texts[path]) if str(one) in lines]
+    changes = chosen(root, asked.count, asked.seed, asked.only)
+    return random.Random(asked.seed).sample(changes, len(changes))
 
 
 def main() -> None:
@@ -136,6 +140,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", default="", help="modules whose path begins so")
     parser.add_argument("--known", action="store_true", help="the changes that once survived")
+    parser.add_argument("--again", type=Path, help="a file with the changes to try, one a line")
     parser.add_argument("--seconds", type=float, default=60.0, help="of tests on each change")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes")
     parser.add_argument(
@@ -151,11 +156,11 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         unchanged = _compiled_copy(Path(name, "unchanged"))
         record.measure(unchanged, asked.jobs)
-        mutations = _asked_for(asked, unchanged)
+        changes = _asked_for(asked, unchanged)
         import_libraries()
         begin = partial(_begin, record, unchanged, asked.seconds)
         with get_context("fork").Pool(asked.jobs, initializer=begin) as pool:
-            for mutation, fate in pool.imap_unordered(_fate, mutations):
+            for mutation, fate in pool.imap_unordered(_fate, changes):
                 print(f"{mutation}: {fate}", flush=True)
                 fates.append((mutation, fate))
     conclusive = [(one, fate) for one, fate in fates if fate != OUT_OF_TIME]

@@ -102,6 +102,59 @@ def test_errors_of_kernels_stand_over_n_and_a_half_beside_their_law() -> None:
     assert f"takes {ratio:.2g} times as long as exact periodicity" in caption
 
 
+def test_errors_of_images_stand_over_n_and_a_half_and_fall_with_its_square() -> None:
+    dataset = swept("peak_pressure_error", "length_variation")
+    dataset["peak_pressure_error"] *= -1
+    half = IMAGES + 0.5
+    for ax, period in zip(panels("images", dataset), PERIODS, strict=True):
+        *errors, law = curves(ax)
+        for name, curve in zip(PADDINGS, errors, strict=True):
+            stored = dataset["peak_pressure_error"].sel(padding=name, period=period, grid=64)
+            assert same(curve, half, -stored)
+        assert same(law, half, 1 / (8 * (half * period) ** 2))
+    [variation] = panels("images", dataset, 1)
+    for number, period in enumerate(PERIODS):
+        measured, law = curves(variation)[2 * number : 2 * number + 2]
+        stored = dataset["length_variation"].sel(padding="superposed", period=period, grid=64)
+        assert same(measured, half, stored)
+        # through the middle one of all n
+        assert same(law, half, float(stored[1]) * np.array([(6.5 / 1.5) ** 2, 1]))
+
+
+def test_n_is_enough_where_it_and_all_larger_ones_meet_a_thousandth() -> None:
+    images, periods = [0, 1, 2, 6], [0.6, 2.4]
+    error = np.zeros((4, 4, 2, 1))
+    # circular: the second n meets it by chance at the first period, none at the other
+    error[0, :, :, 0] = np.transpose([[5e-3, 1e-4, 2e-3, 1e-3], [9e-3, 8e-3, 7e-3, 6e-3]])
+    error[1] = -2e-5  # exact
+    error[2] = 0.02  # duplicated
+    error[3, :, 1, 0] = [0.05, 0.02, 0.01, -5e-4]  # superposed
+    error[3, :, 0, 0] = 0.03
+    axes = {"padding": ["circular", "exact", "duplicated", "superposed"], "images": images}
+    dataset = xr.Dataset(
+        {
+            "peak_pressure_error": (AXES, error),
+            "highest_pressure_error": (AXES, np.full(error.shape, 0.016)),
+            "length_variation": (AXES, np.full(error.shape, 0.017)),
+            "case_status": (AXES, np.full(error.shape, CaseStatus.OK)),
+        },
+        coords={**axes, "period": periods, "grid": [64]},
+    )
+    dataset["length_variation"].loc[{"padding": "duplicated"}] = 1e-16
+    which, six = (
+        one.measured.replace("\u00a0", " ") for one in load_drawing("images").findings(dataset)
+    )
+    assert "needs n = 6 at L = 0.6 a, a larger n than stored at L = 2.4 a" in which
+    assert "exact periodicity is at most 0.0020 %" in which
+    assert "2.0 % with duplicated padding and 0.050 % with n = 6, a factor of 40" in six
+    assert "varies by 1.7 % of p_{H} and exceeds p_{H} nowhere by more than 1.6 %" in six
+    assert "with duplicated padding it varies by rounding only" in six
+    caption = load_drawing("images").figure(dataset)[0].caption.replace("\u00a0", " ")
+    # from the n on at which superposition stays below duplicated padding
+    assert "more accurate than duplicated padding at L = 2.4 a from n = 2 on (2.0 %)" in caption
+    assert "L = 0.6 a from" not in caption
+
+
 def test_the_findings_of_the_period_are_of_the_finest_grid_and_the_largest_n() -> None:
     dataset = swept("peak_pressure_error")
     dataset["case_status"] = (AXES, np.full(dataset["peak_pressure_error"].shape, CaseStatus.OK))

@@ -1,0 +1,36 @@
+"""What a case is solved with, and what is recorded of it."""
+
+from inspect import signature
+
+import numpy as np
+
+import contactstudy as cs
+from studies.model.case import Case, Operator, flags, solver_status
+from studies.reference.line_contact import SCENE
+
+GRID = cs.Grid((8, 4), (1e-4, 1e-4))
+
+
+def test_a_case_is_solved_as_a_solve_is_unless_told_otherwise() -> None:
+    case, solve = Case(SCENE, GRID, cs.ExactPeriodicity()), signature(cs.solve).parameters
+    for name in ("tolerance", "max_iterations", "solver", "precision"):
+        assert getattr(case, name) == solve[name].default, name
+
+
+def test_a_status_is_a_flag_of_all_that_there_are() -> None:
+    for place, status in enumerate(cs.Status):
+        found = solver_status(status, "how it ended")
+        assert int(found) == place
+        assert found.attrs["flag_meanings"].split()[place] == status.name.lower()
+        np.testing.assert_array_equal(found.attrs["flag_values"], np.arange(len(cs.Status)))
+    two = flags(("x",), np.array([1, 0]), ("no", "yes"), "whether")
+    assert two.dims == ("x",)
+    assert two.dtype == np.int8
+
+
+def test_an_operator_s_size_is_that_of_its_padded_grid() -> None:
+    """Twice the cells across, once along, where it repeats."""
+    operator = Operator(1e11, GRID, cs.ExactPeriodicity(), 1e-4)
+    prepared = operator.prepare()
+    assert prepared.padded == (16, 4)
+    assert float(operator.record(operator.run(prepared))["padded_cells"]) == 64

@@ -130,7 +130,7 @@ def _plan_in_time(scene: Scene, *, error: float, period: float | None, grid: Gri
     return replace(
         found,
         error=found.error * coarser,
-        seconds=found.seconds * plastic.contacts,
+        seconds=found.seconds * plastic.contacts(found.grid),
         bytes=found.bytes + plastic.bytes(found.grid),
         reasons=(*found.reasons, plastic.reason(found.grid)),
     )

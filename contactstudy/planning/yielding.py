@@ -14,8 +14,9 @@ WIDTH, WIDER, DEPTH = 0.62, 0.07, 1.2
 # The error by equal steps is at most STEPS (r / 3)^3 over their number; solves of a march, with its companion and what
 # is rejected, are FIRST and SOLVES for each step. An error by cells is r / 3 to the power CELLS times the elastic one.
 STEPS, FIRST, SOLVES, CELLS = 0.09, 18, 2.5, 1.5
-# A step costs so many elastic solves, and its fields are so many of those of the plastic strain.
-CONTACTS, FIELDS = 120, 24
+# A step costs so many elastic solves, or so many for each layer where strain varies along the length; and its fields
+# are so many of those of the plastic strain, or more there. Measured on rough cylinders of 48^2 to 128^2 cells.
+CONTACTS, CONTACTS_OF_LAYER, FIELDS, FIELDS_ALONG = 120, 9, 24, 36
 MARGIN = 1.25
 
 
@@ -40,10 +41,10 @@ class Yielding:
         """The error by cells over that of an elastic contact."""
         return float(max(1.0, self.ratio / 3) ** CELLS)
 
-    @property
-    def contacts(self) -> int:
-        """Elastic solves that a step costs."""
-        return CONTACTS
+    def contacts(self, grid: Grid) -> int:
+        """Elastic solves that a step costs on ``grid``."""
+        count, _, along = self.volume(grid).shape
+        return CONTACTS if along == 1 else CONTACTS_OF_LAYER * count
 
     def steps(self, error: float) -> int:
         """Solves of a march with steps for ``error``, with those that estimate it."""
@@ -62,9 +63,11 @@ class Yielding:
         """What operators and fields take, beside one solve."""
         volume = self.volume(grid)
         count, across, along = volume.shape
-        components = 3 if along == 1 else 5
-        operator = (across + 1) * (3 * count) ** 2 if along == 1 else 0
-        return 8 * self.bodies * (operator + FIELDS * components * prod(volume.shape))
+        if along == 1:
+            kept = (across + 1) * (3 * count) ** 2 + FIELDS * 3 * prod(volume.shape)
+        else:
+            kept = FIELDS_ALONG * 5 * prod(volume.shape)
+        return 8 * self.bodies * kept
 
     def reason(self, grid: Grid) -> str:
         """What is chosen for it, in a sentence."""

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise, product
-from math import inf, pi
+from math import pi
 
 import numpy as np
 
@@ -12,11 +12,10 @@ from contactstudy.domain.arrays import Array
 from contactstudy.elasticity.eigenstrain.direction import Components, Direction
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 from contactstudy.elasticity.eigenstrain.wave import (
-    DEEPEST,
     Layer,
     Sources,
+    by_another,
     by_itself,
-    from_above,
     pressed,
 )
 
@@ -24,6 +23,8 @@ from contactstudy.elasticity.eigenstrain.wave import (
 ORDERS = 2
 # Depth in cells from which on short waves of pressure have died out; those of strain come back from half of it.
 DEEP = 3.0
+# In place of the depth of a layer that short waves reach the surface from no more, so many times as deep as that.
+DEEPEST = 1e3
 # Distance in cells between layers that act on one another by short waves.
 NEAR = 0.6
 
@@ -83,24 +84,24 @@ class ShortWaves:
         thicknesses = alike(self.volume.thicknesses)
         felt, near = DEEP / 2 * max(self.volume.grid.cell), NEAR * min(self.volume.grid.cell)
         single: dict[tuple[float, float], list[int]] = {}
-        pairs: dict[tuple[int, float, float, float], list[int]] = {}
+        pairs: dict[tuple[int, float, float, float, float], list[int]] = {}
         for number, thickness in enumerate(thicknesses):
-            key = thickness, edges[number] if edges[number] < felt else inf
-            single.setdefault(key, []).append(number)
+            top = edges[number] if edges[number] < felt else DEEPEST * felt
+            single.setdefault((thickness, top), []).append(number)
             for steps, below in enumerate(thicknesses[number + 1 :], start=1):
                 gap = float(sum(thicknesses[number + 1 : number + steps]))
                 if gap > near:
                     break
-                pairs.setdefault((steps, thickness, gap, below), []).append(number)
+                pairs.setdefault((steps, top, thickness, gap, below), []).append(number)
         for key, numbers in single.items():
             blocks = self._by_itself(*key, components)
             for begin, end in _runs(numbers):
                 here = slice(begin, end)
                 yield Coupling(here, here, blocks)
-        signs = np.outer(components.signs, Components.DEVIATOR.signs)[..., None]
-        for (steps, upper, gap, lower), numbers in pairs.items():
-            down = self._from_above(upper, gap, lower, components)
-            up = signs * self._from_above(lower, gap, upper, components)
+        for (steps, top, upper, gap, lower), numbers in pairs.items():
+            there = top + upper + gap
+            down = self._by_another((upper, lower), (top, there), components)
+            up = self._by_another((lower, upper), (there, top), components)
             for begin, end in _runs(numbers):
                 above, beneath = slice(begin, end), slice(begin + steps, end + steps)
                 yield Coupling(beneath, above, down)
@@ -113,15 +114,19 @@ class ShortWaves:
             total += direction.weight * own_stress(direction, layer, top, self.moduli, components)
         return total
 
-    def _from_above(
-        self, thickness: float, gap: float, lower: float, components: Components
+    def _by_another(
+        self,
+        thicknesses: tuple[float, float],
+        tops: tuple[float, float],
+        components: Components,
     ) -> Array:
         total = np.zeros((len(components.value), 5, len(self.x)))
         nu = self.moduli.poisson_ratio
         for direction in self._all():
-            source, layer = (Layer.of(direction.q * one) for one in (thickness, lower))
+            source, layer = (Layer.of(direction.q * one) for one in thicknesses)
+            begin, end = (direction.q * top for top in tops)
             sources = _units(direction, self.moduli)
-            tensor = from_above(sources, source, direction.q * gap, layer, nu)
+            tensor = by_another(sources, (source, layer), (begin, end), nu)
             total += direction.weight * direction.stress(tensor, components)
         return total
 
@@ -147,8 +152,7 @@ def own_stress(
 ) -> Array:
     """Stress (components, 5, waves) in a ``layer`` whose ``top`` [m] is so deep, by each of its own strains."""
     sources = _units(direction, moduli)
-    depth = np.minimum(direction.q * top, DEEPEST)
-    tensor = by_itself(sources, depth, layer, moduli.poisson_ratio)
+    tensor = by_itself(sources, direction.q * top, layer, moduli.poisson_ratio)
     return direction.stress(tensor, components)
 
 

@@ -112,20 +112,38 @@ def by_layers(sources: Sources, layers: Sequence[Layer], nu: float) -> Tensor:
 
 def by_itself(sources: Sources, top: Array, layer: Layer, nu: float) -> Tensor:
     """Means of the stress over a layer by its own plastic strain, (any, waves); q times the depth of its ``top``."""
-    above = Layer(top, np.exp(-top), (top, top))
-    to_surface = above.passed(sources.up + layer.passed(-sources.up))
-    down = sources.down + above.passed(reflected(to_surface))
+    down = sources.down + _reflection(sources, layer, top, top)
     return _total(sources, down, -sources.up, [layer], nu)
 
 
-def from_above(sources: Sources, source: Layer, gap: Array, layer: Layer, nu: float) -> Tensor:
-    """Means of the stress over a ``layer`` by strain in a ``source`` above it, far from the surface.
+def by_another(
+    sources: Sources, layers: tuple[Layer, Layer], tops: tuple[Array, Array], nu: float
+) -> Tensor:
+    """Means of the stress over the second of ``layers`` by plastic strain in the first, above or below it.
 
-    ``gap`` is q times the distance between them.
+    ``tops`` are q times the depths of their tops, or above any reflection for layers that are deep.
     """
-    between = Layer(gap, np.exp(-gap), (gap, gap))
-    down = between.passed(source.passed(sources.down) - sources.down)
-    return _of_waves(down, np.zeros_like(down), layer.means, nu)
+    (source, layer), (begin, end) = layers, tops
+    down, up = _reflection(sources, source, begin, end), np.zeros_like(sources.up)
+    if np.all(begin < end):
+        sent = source.passed(sources.down) - sources.down
+        down += _through(sent, end - begin - source.ratio)
+    else:
+        up += _through(sources.up - source.passed(sources.up), begin - end - layer.ratio)
+    return _of_waves(down, up, layer.means, nu)
+
+
+def _reflection(sources: Sources, source: Layer, begin: Array, end: Array) -> Array:
+    """What comes back from the surface at a depth ``end`` for what a layer with its top at ``begin`` sends up."""
+    up = _through(sources.up - source.passed(sources.up), begin)
+    return _through(reflected(up), end)
+
+
+def _through(amplitudes: Array, ratio: Array) -> Array:
+    """``amplitudes`` after a distance of ``ratio`` / q."""
+    after = amplitudes * np.exp(-np.minimum(ratio, DEEPEST))
+    after[0] += ratio * after[1]
+    return after
 
 
 def pressed(top: Array, layer: Layer, nu: float) -> Tensor:

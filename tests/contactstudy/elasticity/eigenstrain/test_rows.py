@@ -23,9 +23,9 @@ TENSOR = ("xx", "yy", "zz", "yz", "xz", "xy")
 
 @cache
 def small() -> RowOperator:
-    """Graded layers, an odd and an even number of cells, cells longer than wide."""
+    """Graded layers from a thin one on, an odd and an even number of cells, cells longer than wide."""
     grid = Grid((9, 6), (9.0, 8.0))
-    return RowOperator(Volume(grid, 3, 7, (0.0, 0.6, 1.6, 3.0)), STEEL)
+    return RowOperator(Volume(grid, 3, 7, (0.0, 0.05, 0.1, 1.5)), STEEL)
 
 
 def noise(operator: EigenstrainOperator, seed: int = 0) -> np.ndarray:

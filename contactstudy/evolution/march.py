@@ -96,21 +96,41 @@ class March:
         """The bodies as they just touch, before the first load."""
         return unloaded(self.problem)
 
-    def jump(self, instant: Instant, load: float, parts: int) -> tuple[Instant, list[Solution]]:
+    def jump(
+        self, instant: Instant, load: float, parts: int, onset: int
+    ) -> tuple[Instant, list[Solution]]:
         """To another ``load`` [N/m] at once, by so many equal ``parts``."""
         solutions: list[Solution] = []
-        time, first = instant.time, instant.load
+        first = instant.load
         for part in range(1, parts + 1):
             target = load if part == parts else first + (load - first) * part / parts
-            step = Step(time, time, (instant.load, target), target)
-            instant, found = self._stage(instant, step)
+            instant, found = self.advance(instant, instant.time, target, onset)
             solutions += found
         return instant, solutions
 
-    def advance(self, instant: Instant, end: float, load: float) -> tuple[Instant, list[Solution]]:
-        """To the time ``end`` [s], where the ``load`` is known, with the solution of every stage."""
-        solutions: list[Solution] = []
+    def advance(
+        self, instant: Instant, end: float, load: float, onset: int = 0
+    ) -> tuple[Instant, list[Solution]]:
+        """To the time ``end`` [s], where the ``load`` is known, with all solutions on the way.
+
+        A step in which bodies start to yield has an error that no step twice as long shows, if they do not yield in its
+        first half, or hardly do. So an abrupt step is halved, and its halves again, up to ``onset`` times.
+        """
+        after, solutions = self._step(instant, end, load)
+        joint = self.joint
+        if not onset or joint is None or not joint.abrupt(instant.states[-1], after.states[-1]):
+            return after, solutions
+        time = (instant.time + end) / 2
+        half = self.load.at(time) if instant.time < end else (instant.load + load) / 2
+        middle, first = self.advance(instant, time, half, onset - 1)
+        after, second = self.advance(middle, end, load, onset - 1)
+        return after, solutions + first + second
+
+    def _step(self, instant: Instant, end: float, load: float) -> tuple[Instant, list[Solution]]:
         start, duration = instant.time, end - instant.time
+        if duration == 0:
+            return self._stage(instant, Step(end, end, (instant.load, load), load))
+        solutions: list[Solution] = []
         stages = self.scheme.stages if any(m.has_stages for m in self.kept) else WHOLE
         share = 0.0
         for part, explicit in stages:

@@ -21,6 +21,8 @@ from contactstudy.solvers.solution import Solution, Status
 SHORTEST = 1e-12
 # Parts of a jump of the load on whose path something depends: first and at the most, of the companion.
 PARTS, MOST_PARTS = 4, 2**12
+# A step in which bodies start to yield is halved so often at the most.
+ONSET = 6
 # Errors of first order fall by 0.5 to 0.6 with every halving, so that a difference is up to 1.5 times too small.
 FIRST_ORDER = 1.5
 COUNTED = ("mark", "arrived", "found", "pair", "rejected", "restarts", "steps", "iterations",
@@ -102,8 +104,9 @@ class Walk:
         last = mark.breaks or mark is self.marks[-1] or mark.records == 2
         if self.companion and together and last:
             half = (self.main.time + mark.time) / 2
-            self.main, _ = self._advance(self.main, half, self.march.load.at(half))
-        self.main, self.solution = self._advance(self.main, mark.time, mark.before)
+            self.main, _ = self._advance(self.main, half, self.march.load.at(half), ONSET)
+        onset = ONSET if self.companion else 0
+        self.main, self.solution = self._advance(self.main, mark.time, mark.before, onset)
         if not np.isfinite(self.solution.residual):
             self._end(self.solution)
             return _Outcome.NO_SOLUTION
@@ -126,8 +129,8 @@ class Walk:
             end = mark.time if whole else self.main.time + pair
             load = mark.before if whole else self.march.load.at(end)
             half = self.main.time + pair / 2
-            first, _ = self._advance(self.main, half, self.march.load.at(half))
-            second, solution = self._advance(first, end, load)
+            first, _ = self._advance(self.main, half, self.march.load.at(half), ONSET)
+            second, solution = self._advance(first, end, load, ONSET)
             behind, _ = self._advance(self.behind, end, load)
             if not np.isfinite(solution.residual):
                 self._end(solution)
@@ -169,15 +172,16 @@ class Walk:
         as many as the error asks for.
         """
         parts = 1 if self.march.joint is None else 2 * PARTS
+        onset = ONSET if self.companion else 0
         while True:
-            main, solution = self._counted(*self.march.jump(self.main, load, parts))
+            main, solution = self._counted(*self.march.jump(self.main, load, parts, onset))
             if not np.isfinite(solution.residual):
                 self._end(solution)
                 return False
             if not self.companion:
                 self.main = self.behind = main
                 break
-            behind, _ = self._counted(*self.march.jump(self.behind, load, max(parts // 2, 1)))
+            behind, _ = self._counted(*self.march.jump(self.behind, load, max(parts // 2, 1), 0))
             added = self._added(main, behind)
             exact = self.control is None or self.control.accepts(added)
             if self.march.joint is None or exact or parts >= MOST_PARTS:
@@ -189,8 +193,10 @@ class Walk:
         self.solution = solution
         return True
 
-    def _advance(self, instant: Instant, end: float, load: float) -> tuple[Instant, Solution]:
-        return self._counted(*self.march.advance(instant, end, load))
+    def _advance(
+        self, instant: Instant, end: float, load: float, onset: int = 0
+    ) -> tuple[Instant, Solution]:
+        return self._counted(*self.march.advance(instant, end, load, onset))
 
     def _counted(self, after: Instant, solutions: list[Solution]) -> tuple[Instant, Solution]:
         for solution in solutions:

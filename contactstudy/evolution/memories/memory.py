@@ -98,6 +98,10 @@ class JointMemory(Kept, Protocol):
         """
         ...
 
+    def abrupt(self, before: State, after: State) -> bool:
+        """Whether a step between these states changed far more than those since the last without change."""
+        ...
+
     def over_time(self, states: Sequence[State], pressures: Sequence[Array]) -> Mapping[str, Field]:
         """What follows from states and pressures of several instants, (time, ...), by name."""
         ...

@@ -62,7 +62,7 @@ class PlasticMemory:
 
     def start(self, shape: tuple[int, int]) -> State:
         """No plastic strain."""
-        state: dict[str, Array] = {}
+        state: dict[str, Array] = {"flow": np.zeros(1)}
         for body, one in zip(self.bodies, self.operators, strict=True):
             cells = one.volume.shape
             state |= _named(body, np.zeros((len(one.basis), *cells)), np.zeros(cells), one.volume)
@@ -83,7 +83,10 @@ class PlasticMemory:
                 break
         strains = bodies.parted(found.strain)
         equivalents = bodies.parted(equivalent + found.flow)
-        after: dict[str, Array] = {}
+        # to rounding, a cell on the yield surface may be beyond it
+        flows = found.flow > tolerance * bodies.unit
+        flow = float((found.flow * flows * bodies.volumes).sum())
+        after: dict[str, Array] = {"flow": state["flow"] + flow if flow else np.zeros(1)}
         parts = zip(self.bodies, self.operators, strains, equivalents, strict=True)
         for body, one, strain, hardened in parts:
             after |= _named(body, strain, hardened, one.volume)
@@ -103,6 +106,10 @@ class PlasticMemory:
         lift = np.asarray(sum(one.lift(strain) for one, strain in parts))
         about = "residual displacement"
         return {"residual_displacement": Field(("x", "y"), lift, "m", about)}
+
+    def abrupt(self, before: State, after: State) -> bool:
+        """Whether plastic strain since it last stopped has become several times as large."""
+        return bool(after["flow"][0] > (1 + ABRUPT) * before["flow"][0])
 
     def over_time(self, states: Sequence[State], pressures: Sequence[Array]) -> Mapping[str, Field]:
         """Strain and stress of each body, over (time, component, z, x, y), across the whole grid."""
@@ -178,6 +185,8 @@ class PlasticMemory:
         return changed
 
 
+# A step that doubles the load beyond that of first yield adds some 3 times the plastic strain that there was.
+ABRUPT = 4.0
 # A contact that stopped short of what it was asked for.
 NEARLY = (Status.PRECISION_LIMIT, Status.STALLED, Status.ITERATION_LIMIT)
 # At the edge of the contact the stress has a logarithmic or stronger peak below the size of any cell.

@@ -289,7 +289,7 @@ def test_a_sudden_load_is_applied_by_parts_and_says_its_error() -> None:
     scene, grid = pressed(3), grid_of(3, 0.2)
     sudden = replace(scene, load=cs.LineLoad(load(3)))
     found = cs.evolve(sudden, grid, EXACT, times=(0,), tolerance=1e-7)
-    closer = cs.evolve(sudden, grid, EXACT, times=(0,), error=4e-3, tolerance=1e-7)
+    closer = cs.evolve(sudden, grid, EXACT, times=(0,), error=1.5e-2, tolerance=1e-7)
     fine = slowly(scene, grid)
 
     def error(one: cs.Evolution) -> float:
@@ -297,7 +297,7 @@ def test_a_sudden_load_is_applied_by_parts_and_says_its_error() -> None:
 
     # first order: the difference of two marches is the error of the finer one, and a half more is on the safe side
     assert 0.3 < error(found) / found.step_error < 1
-    assert error(closer) < closer.step_error <= 4e-3
+    assert error(closer) < closer.step_error <= 1.5e-2
     assert closer.steps > found.steps
 
 
@@ -309,14 +309,18 @@ def slowly(scene: cs.Scene, grid: cs.Grid) -> np.ndarray:
     ).pressure[-1]
 
 
-def test_steps_are_chosen_for_an_error() -> None:
-    scene, grid = pressed(3), grid_of(3, 0.1)
+@pytest.mark.parametrize("ratio", [2, 3])
+def test_steps_are_chosen_for_an_error(ratio: float) -> None:
+    """Also where yield begins in the last of them, of which a step twice as long knows little."""
+    scene, grid = pressed(ratio), grid_of(ratio, 0.3 / ratio)
     found = cs.evolve(scene, grid, EXACT, error=1e-2, tolerance=1e-6)
     fine = slowly(scene, grid)
     off = np.abs(found.pressure[found.loads.argmax()] - fine).sum() / fine.sum()
-    assert 0 < off < found.step_error
-    assert 0 < found.step_error < 1e-2
-    assert found.steps < 60
+    assert off < 1e-2
+    # the march so finely stepped has an error too, some third of the smaller one here
+    assert 0.5 < found.step_error / off < 3
+    assert found.step_error < 1e-2
+    assert found.steps < 90
 
 
 def test_a_march_goes_on_from_its_folder(tmp_path: Path) -> None:

@@ -21,7 +21,7 @@ from types import ModuleType
 from typing import Any
 
 GONE = {
-    os: "O_CLOEXEC O_NOFOLLOW O_NONBLOCK fork forkpty getuid geteuid killpg pread pwrite register_at_fork "
+    os: "O_CLOEXEC O_NOFOLLOW O_NONBLOCK fork forkpty killpg pread pwrite register_at_fork "
     "sched_getaffinity setsid waitid",
     signal: "SIGALRM SIGHUP SIGQUIT alarm pthread_kill setitimer",
     select: "epoll poll",

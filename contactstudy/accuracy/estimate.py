@@ -300,10 +300,11 @@ def _residual(solution: Solution) -> tuple[float, float]:
     scales, operator = problem.scales, problem.bare().operator
     pressure, gap = solution.pressure / scales.pressure, solution.gap / scales.gap
     free = problem.constraint.free(solution.pressure) > 0
-    closing = operator.approximate_inverse()(np.where(free, -gap, 0.0), free.astype(np.float64))
+    cells = free.astype(np.float64)
+    closing = operator.approximate_inverse()(np.where(free, -gap, 0.0), cells)
     closing = np.where(free, closing - closing.mean(where=free) if free.any() else 0.0, 0.0)
     # of cells at a limit that should not be
-    bound = violation(pressure, np.where(free, 0.0, -gap)) / operator.own
+    bound = violation(pressure, gap, cells) / operator.own
     missing = MARGIN * (np.abs(closing) + bound)
     l1 = float(missing.sum() / pressure.sum())
     # another cell may yet become the highest; and the inverse, blind to where a length that does not wrap

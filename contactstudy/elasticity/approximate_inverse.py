@@ -76,6 +76,7 @@ def scale(waves: Waves, factors: Array) -> None:
     """Multiply ``waves`` in place."""
 
     def some(rows: slice) -> None:
-        waves[rows, :] *= factors[rows, :]
+        own = waves[rows, :]
+        own *= factors[rows, :]
 
     in_blocks(some, waves.shape)

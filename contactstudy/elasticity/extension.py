@@ -44,8 +44,8 @@ class _Level:
 
         def some(rows: slice) -> None:
             own = pressure[rows, :]
-            whole = own + _repeated(blocks[self._blocks(rows), :], self.axes, own.shape)
-            pressure[rows, :] = whole * self.weight[rows, :]
+            own += _repeated(blocks[self._blocks(rows), :], self.axes, own.shape)
+            own *= self.weight[rows, :]
 
         in_blocks(some, pressure.shape)
         return pressure
@@ -56,16 +56,18 @@ class _Level:
         field = xp.empty_like(held)
 
         def some(rows: slice) -> None:
+            near = blocks[rows, :]
             if 0 in self.axes:
                 out, count = self._blocks(rows), blocks.shape[0]
                 near = xp.take(blocks, xp.arange(out.start - 1, out.stop + 1) % count, axis=0)
-                near = _interpolated(near, 0, 2 * near.shape[0])
-                near = near[2 : 2 + rows.stop - rows.start, :]
-            else:
-                near = blocks[rows, :]
             if 1 in self.axes:
                 near = _interpolated(near, 1, held.shape[1])
-            field[rows, :] = (1 - self.weight[rows, :]) * near + held[rows, :]
+            if 0 in self.axes:
+                near = _interpolated(near, 0, 2 * near.shape[0])
+                near = near[2 : 2 + rows.stop - rows.start, :]
+            near *= 1 - self.weight[rows, :]
+            near += held[rows, :]
+            field[rows, :] = near
 
         in_blocks(some, held.shape)
         return field
@@ -83,17 +85,20 @@ class _Level:
                 out = self._blocks(rows)
                 begin, end = 2 * out.start - 1, 2 * out.stop + 1
                 if begin >= 0 and end <= count:
-                    parts = (1 - self.weight[begin:end, :]) * pressure[begin:end, :]
+                    parts = 1 - self.weight[begin:end, :]
+                    parts *= pressure[begin:end, :]
                 else:
                     index = xp.arange(begin, end) % (2 * blocks.shape[0])
                     # an odd number lacks the last part
                     index, there = xp.where(index < count, index, 0), index < count
-                    parts = (1 - xp.take(self.weight, index, axis=0)) * xp.take(
-                        pressure, index, axis=0
-                    )
+                    parts = 1 - xp.take(self.weight, index, axis=0)
+                    parts *= xp.take(pressure, index, axis=0)
                     parts *= xp.astype(there, parts.dtype)[:, None]
-                near = parts[1:-1:2, :] + parts[2:-1:2, :]
-                summed = 0.75 * near + 0.25 * (parts[0:-2:2, :] + parts[3::2, :])
+                summed = parts[1:-1:2, :] + parts[2:-1:2, :]
+                summed *= 0.75
+                far = parts[0:-2:2, :] + parts[3::2, :]
+                far *= 0.25
+                summed += far
             blocks[self._blocks(rows), :] = _gathered(summed) if 1 in self.axes else summed
 
         in_blocks(some, pressure.shape)

@@ -51,32 +51,25 @@ class BareProblem:
         return largest(self.constraint.residual(pressure, gap, borne), self.resultant.error(borne))
 
     def gap(self, pressure: Array, displacement: Array, into: Gap | None = None) -> Gap:
-        """The gap under ``pressure`` and the ``displacement`` it makes, ``into`` the fields of another."""
+        """The gap under ``pressure`` and the ``displacement`` it makes, ``into`` the field of another."""
         xp = arrays()
-        free, contact_gap, penetration = (
-            (into.free, into.contact_gap, into.penetration)
-            if into
-            else [xp.empty_like(pressure) for _ in range(3)]
-        )
+        height = xp.empty_like(pressure) if into is None else into.height
 
         def add(rows: slice) -> tuple[float, float]:
-            some = self.constraint.free(pressure[rows, :])
+            free = self.constraint.free(pressure[rows, :])
             whole = self.undeformed_gap[rows, :] + displacement[rows, :]
-            free[rows, :], penetration[rows, :] = some, whole
-            return inner(whole, some), float(xp.sum(some))
+            height[rows, :] = whole
+            return inner(whole, free), float(xp.sum(free))
 
-        height, cells = map(sum, zip(*in_blocks(add, pressure.shape), strict=True))
-        approach = (
-            height / cells if cells else self.constraint.approach(pressure, penetration, free)
-        )
+        heights, cells = map(sum, zip(*in_blocks(add, pressure.shape), strict=True))
+        approach = heights / cells if cells else self.constraint.approach(pressure, height)
 
-        def split(rows: slice) -> None:
-            whole = penetration[rows, :] - approach
-            some = whole * free[rows, :]
-            contact_gap[rows, :], penetration[rows, :] = some, some - whole
+        def level(rows: slice) -> None:
+            some = height[rows, :]
+            some -= approach
 
-        in_blocks(split, pressure.shape)
-        return Gap(free, contact_gap, penetration, approach)
+        in_blocks(level, height.shape)
+        return Gap(height, approach)
 
     def rounding(self, displacement: Array) -> float:
         """What rounding leaves uncertain of a gap under ``displacement``: no residual means less."""

@@ -1,11 +1,11 @@
 """Pressures that are never tensile."""
 
 from dataclasses import dataclass
-from math import inf
+from math import inf, nan
 
 import numpy as np
 
-from contactstudy.domain.arrays import Array, inner, mean_over
+from contactstudy.domain.arrays import Array, inner
 from contactstudy.domain.arrays import total as sum_of
 from contactstudy.domain.device import arrays
 from contactstudy.domain.rows import change, in_blocks
@@ -31,11 +31,11 @@ class Compressive:
 
     def free(self, pressure: Array) -> Array:
         """Cells that bear pressure."""
-        return arrays().sign(pressure)
+        return arrays().astype(pressure > 0, pressure.dtype)
 
-    def approach(self, pressure: Array, gap: Array, free: Array) -> float:
-        """The mean gap of the contact."""
-        return mean_over(free, gap)
+    def approach(self, pressure: Array, height: Array) -> float:
+        """None: pressure that carries a load has free cells."""
+        return nan
 
     def cuts(self, trial: Array) -> bool:
         """Whether there is tension."""
@@ -59,41 +59,40 @@ class Compressive:
         """Shifted in Newton's steps, each of which cuts off more: the sum is convex in the shift."""
         xp = arrays()
 
-        def lower(rows: slice, shift: float, chosen: Array | None) -> tuple[float, float, int]:
-            some = trial[rows, :] - shift if chosen is None else trial[rows, :] * chosen[rows, :]
-            trial[rows, :] = some = xp.maximum(some, 0)
-            return float(xp.max(some)), float(xp.sum(some)), int(xp.count_nonzero(some))
+        def chosen(rows: slice) -> float:
+            some = xp.maximum(trial[rows, :] * cells[rows, :], 0)
+            trial[rows, :] = some
+            return float(xp.max(some))
 
-        def lowered(shift: float, chosen: Array | None = None) -> tuple[float, float, int]:
-            found = in_blocks(lambda rows: lower(rows, shift, chosen), trial.shape)
-            most, sums, counts = zip(*found, strict=True)
-            return max(most), sum(sums), sum(counts)
-
-        highest, borne, bearing = lowered(0.0, cells)
-        if highest > total:  # numbers of this size would drown the load
-            chosen = cells > 0
-            trial[chosen] = shifted(trial[chosen], total, inf)
+        if max(in_blocks(chosen, trial.shape)) > total:  # numbers of this size would drown the load
+            where = cells > 0
+            trial[where] = shifted(trial[where], total, inf)
             return trial
-        while borne > total:
-            before = bearing
-            _, borne, bearing = lowered((borne - total) / bearing)
-            if bearing == before:
-                break
-        if abs(borne / total - 1) > 16 * xp.finfo(trial.dtype).eps:
-            trial *= total / borne
-        return trial
+        shift, before = 0.0, -1
 
-    def wrong(self, pressure: Array, penetration: Array) -> Array:
+        def measure(rows: slice) -> tuple[float, int]:
+            some = xp.maximum(trial[rows, :] - shift, 0)
+            return float(xp.sum(some)), int(xp.count_nonzero(some > 0))
+
+        while True:
+            borne, bearing = map(sum, zip(*in_blocks(measure, trial.shape), strict=True))
+            if not borne > total or bearing == before:
+                break
+            shift, before = shift + (borne - total) / bearing, bearing
+        scale = 1.0 if abs(borne / total - 1) <= 16 * xp.finfo(trial.dtype).eps else total / borne
+        return change(trial, lambda some: xp.maximum(some - shift, 0) * scale)
+
+    def wrong(self, pressure: Array, height: Array) -> Array:
         """Cells that penetrate."""
-        return arrays().astype(penetration > 0, penetration.dtype)
+        return arrays().astype((pressure == 0) & (height < 0), height.dtype)
 
     def residual(self, pressure: Array, gap: Gap, borne: float) -> float:
         """Complementarity and penetration."""
         xp = arrays()
 
         def measure(rows: slice) -> tuple[float, float]:
-            moment = inner(pressure[rows, :], xp.abs(gap.contact_gap[rows, :]))
-            return moment, float(xp.max(gap.penetration[rows, :]))
+            some, height = pressure[rows, :], gap.height[rows, :]
+            return inner(some, xp.abs(height)), float(xp.max((self.free(some) - 1) * height))
 
         moments, deepest = zip(*in_blocks(measure, pressure.shape), strict=True)
         return largest(sum(moments) / borne, *deepest)

@@ -24,14 +24,14 @@ class Constraint(Protocol):
         ...
 
     def free(self, pressure: Array) -> Array:
-        """1 for cells at no limit, where the gap is zero, and 0 for the others.
+        """1 for cells at no limit, where the gap should be zero, and 0 for the others.
 
         These are numbers, because a masked choice costs ten times a product on a rough contact.
         """
         ...
 
-    def approach(self, pressure: Array, gap: Array, free: Array) -> float:
-        """The approach at which ``gap`` is zero in the mean of the ``free`` cells of ``pressure``."""
+    def approach(self, pressure: Array, height: Array) -> float:
+        """The approach from the ``height`` of the gap where no cell of ``pressure`` is free."""
         ...
 
     def cuts(self, trial: Array) -> bool:
@@ -57,8 +57,8 @@ class Constraint(Protocol):
         """
         ...
 
-    def wrong(self, pressure: Array, penetration: Array) -> Array:
-        """1 for cells at a limit that should leave it by their ``penetration``, and 0 for the others."""
+    def wrong(self, pressure: Array, height: Array) -> Array:
+        """1 for cells at a limit that should leave it by the ``height`` of their gap, and 0 for the others."""
         ...
 
     def residual(self, pressure: Array, gap: Gap, borne: float) -> float:

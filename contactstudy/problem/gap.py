@@ -1,4 +1,4 @@
-"""The gap between the bodies under a pressure, split into free cells and cells at a limit."""
+"""The gap between the bodies under a pressure."""
 
 from dataclasses import dataclass
 
@@ -10,24 +10,20 @@ from contactstudy.domain.device import arrays
 
 @dataclass(frozen=True, eq=False)
 class Gap:
-    """Fields (x, y) and their level, all in units of the gap scale.
+    """``height`` (x, y) of the gap, counted from the ``approach``, all in units of the gap scale.
 
-    ``free`` is 1 in cells whose pressure is at no limit and 0 in the others. ``contact_gap`` is the gap of those,
-    which should be zero, ``penetration`` the depth of penetration of the others (below zero where they are
-    apart); each is zero where the other belongs. Both count from the ``approach``, which is such that
-    ``contact_gap`` has no mean.
+    The approach is such that cells whose pressure is at no limit have no mean height. It should be zero in these
+    cells, not below zero in cells without pressure, and not above zero in cells at an upper limit.
     """
 
-    free: Array
-    contact_gap: Array
-    penetration: Array
+    height: Array
     approach: float
 
 
-def violation(pressure: Array, penetration: Array) -> Array:
-    """How far cells at a limit violate it: penetration where p = 0, an open gap where they yield."""
+def violation(pressure: Array, height: Array, free: Array) -> Array:
+    """How far cells that are not ``free`` violate a limit: penetration where p = 0, an open gap where they yield."""
     xp = arrays()
-    return xp.maximum(xp.where(pressure == 0, penetration, -penetration), 0)
+    return xp.maximum(xp.where(pressure == 0, -height, height) * (1 - free), 0)
 
 
 def largest(*measures: float) -> float:

@@ -5,7 +5,7 @@ from math import prod
 
 import numpy as np
 
-from contactstudy.domain.arrays import Array, inner, mean_over
+from contactstudy.domain.arrays import Array, inner
 from contactstudy.domain.device import arrays
 from contactstudy.domain.rows import change
 from contactstudy.problem.constraint import shifted
@@ -39,12 +39,9 @@ class HardnessLimited:
         """Cells that bear pressure below the hardness."""
         return arrays().astype((pressure > 0) & (pressure < self.hardness), pressure.dtype)
 
-    def approach(self, pressure: Array, gap: Array, free: Array) -> float:
-        """The mean gap of the free cells; where all have yielded, the least that leaves none open."""
-        xp = arrays()
-        if not xp.any(free > 0):
-            return float(xp.max(gap[pressure > 0]))
-        return mean_over(free, gap)
+    def approach(self, pressure: Array, height: Array) -> float:
+        """The least that leaves no gap open where all have yielded."""
+        return float(arrays().max(height[pressure > 0]))
 
     def cuts(self, trial: Array) -> bool:
         """Tension, or more than the hardness."""
@@ -98,15 +95,15 @@ class HardnessLimited:
         trial[chosen] = shifted(trial[chosen], rest, self.hardness)
         return trial
 
-    def wrong(self, pressure: Array, penetration: Array) -> Array:
+    def wrong(self, pressure: Array, height: Array) -> Array:
         """Cells that penetrate without pressure, and that are open at the hardness."""
-        return arrays().astype(violation(pressure, penetration) > 0, penetration.dtype)
+        left = violation(pressure, height, self.free(pressure))
+        return arrays().astype(left > 0, height.dtype)
 
     def residual(self, pressure: Array, gap: Gap, borne: float) -> float:
         """Complementarity of the free cells, penetration, and gaps that yielding cells leave open."""
         xp = arrays()
-        borne_free = inner(pressure, gap.free)
-        complementarity = (
-            inner(pressure, xp.abs(gap.contact_gap)) / borne_free if borne_free > 0 else 0.0
-        )
-        return largest(complementarity, float(xp.max(violation(pressure, gap.penetration))))
+        free = self.free(pressure)
+        moment, of_free = inner(pressure, xp.abs(gap.height) * free), inner(pressure, free)
+        complementarity = moment / of_free if of_free > 0 else 0.0
+        return largest(complementarity, float(xp.max(violation(pressure, gap.height, free))))

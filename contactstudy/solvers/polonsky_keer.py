@@ -44,24 +44,25 @@ class PolonskyKeer:
                 convolutions = 2.0 * iteration + 1
                 return Iterate(pressure, moved, gap.approach, left, iteration, convolutions)
             iteration += 1
-            steepness = inner(gap.contact_gap, gap.contact_gap)
+            free = constraint.free(pressure)
+            contact_gap = gap.height * free
+            steepness = inner(contact_gap, contact_gap)
             kept = conjugate * steepness / previous if previous > 0 else 0.0
-            direction = gap.contact_gap + kept * direction * gap.free
+            direction = contact_gap + kept * direction * free
             previous = steepness
-            if inner(gap.contact_gap, direction) <= 0:  # the contact has changed: conjugacy is lost
-                direction = gap.contact_gap
+            if inner(contact_gap, direction) <= 0:  # the contact has changed: conjugacy is lost
+                direction = contact_gap
             response = problem.operator(direction)
-            response -= mean_over(gap.free, response)
+            response -= mean_over(free, response)
             curvature = inner(response, direction)
             # a single cell in contact is level with itself: the others then close their own gaps
-            step = inner(gap.contact_gap, direction) / curvature if curvature > 0 else 1 / own
+            step = inner(contact_gap, direction) / curvature if curvature > 0 else 1 / own
             before, pressure = pressure, constraint.clip(pressure - step * direction)
-            whole = gap.contact_gap - gap.penetration
             bound = 1 - constraint.free(pressure)
-            trial = xp.maximum(pressure - step * whole * bound, 0)
+            trial = xp.maximum(pressure - step * gap.height * bound, 0)
             conjugate = 1.0 if xp.all(trial == pressure) else 0.0
             pressure = problem.admit(trial)
             if (
-                inner(whole, pressure - before) >= 0
+                inner(gap.height, pressure - before) >= 0
             ):  # balancing the load has turned the step uphill
-                conjugate, pressure = 0.0, problem.nearest(before - step * whole)
+                conjugate, pressure = 0.0, problem.nearest(before - step * gap.height)

@@ -120,17 +120,13 @@ class PreconditionedCG:
             work += 1 + inverse.work / operator.work
             trial, cut = _trial(problem, pressure, direction, length)
             trial = problem.levelled(trial, cells)
-            del (
-                direction,
-                closing,
-                cells,
-                unlevel,
-            )  # or they would stand through the next convolution
+            # or they would stand through the next convolution
+            del direction, closing, cells, unlevel
             step, slope = _difference(trial, pressure, gap, last.step if last else None)
             if slope >= 0:
                 # balancing the load has turned the step uphill: that to the nearest pressure never is
                 cut, length = True, max(length / 4, SHORTEST)
-                trial[...] = pressure + (gap.penetration - gap.contact_gap) / own
+                trial[...] = pressure - gap.height / own
                 trial = problem.nearest(trial)
                 step, slope = _difference(trial, pressure, gap, step)
             ahead = operator(trial)
@@ -187,10 +183,12 @@ def _direction(gap: Array, closing: Array, cells: Array, last: _Step | None) -> 
             level -= kept * inner(cells, last.step) / count
 
     def some(rows: slice) -> None:
-        direction = level - closing[rows, :]
+        direction = closing[rows, :]
+        direction *= -1
+        direction += level
         if kept and last is not None:
             direction += kept * last.step[rows, :]
-        closing[rows, :] = direction * cells[rows, :]
+        direction *= cells[rows, :]
 
     in_blocks(some, closing.shape)
     return closing
@@ -200,9 +198,10 @@ def _closing(
     problem: BareProblem, inverse: ApproximateInverse, pressure: Array, gap: Gap, length: float
 ) -> tuple[Array, Array, Array, bool]:
     """The pressure that would close the gap of the cells that will bear, and what :func:`_bearing` says of them."""
-    extension = inverse.extension(gap.free)
-    whole = extension(gap.contact_gap)
-    cells, unlevel, wrong = _bearing(problem, pressure, gap, whole, length)
+    cells, unlevel = _contact(problem, pressure, gap)
+    extension = inverse.extension(cells)
+    whole = extension(unlevel)
+    wrong = _bearing(problem, pressure, gap, whole, length, cells, unlevel)
     if wrong:
         del extension, whole  # or they would stand beside those of more cells
         extension = inverse.extension(cells)
@@ -212,10 +211,30 @@ def _closing(
     return extension.transposed(inverse.pressure(waves)), cells, unlevel, wrong
 
 
+def _contact(problem: BareProblem, pressure: Array, gap: Gap) -> tuple[Array, Array]:
+    """Cells that bear pressure (1, others 0) and are at no limit, and their gap."""
+    xp = arrays()
+    cells, unlevel = xp.empty_like(pressure), xp.empty_like(pressure)
+
+    def some(rows: slice) -> None:
+        free = problem.constraint.free(pressure[rows, :])
+        cells[rows, :] = free
+        unlevel[rows, :] = gap.height[rows, :] * free
+
+    in_blocks(some, pressure.shape)
+    return cells, unlevel
+
+
 def _bearing(
-    problem: BareProblem, pressure: Array, gap: Gap, closing: Array, length: float
-) -> tuple[Array, Array, bool]:
-    """Cells that will bear pressure (1, others 0), their gap, and whether any of them does not yet.
+    problem: BareProblem,
+    pressure: Array,
+    gap: Gap,
+    closing: Array,
+    length: float,
+    cells: Array,
+    unlevel: Array,
+) -> bool:
+    """To ``cells``, those that will bear pressure (1, others 0), and their gap; whether any of them does not yet.
 
     Those that bear pressure do, and those that would penetrate after a step that closes the gap of the contact
     and takes its surroundings along: by so much of ``closing``, the gap extended to all cells, as the
@@ -223,18 +242,16 @@ def _bearing(
     gather all cells there whose gap is small.
     """
     xp = arrays()
-    cells, unlevel = xp.empty_like(pressure), xp.empty_like(pressure)
 
     def some(rows: slice) -> bool:
-        free, penetration = gap.free[rows, :], gap.penetration[rows, :]
-        expected = penetration + length * closing[rows, :] * (1 - free)
-        wrong = problem.constraint.wrong(pressure[rows, :], expected)
-        bearing = free + wrong
-        cells[rows, :] = bearing
-        unlevel[rows, :] = (gap.contact_gap[rows, :] - penetration) * bearing
+        height = gap.height[rows, :]
+        wrong = problem.constraint.wrong(pressure[rows, :], height - length * closing[rows, :])
+        own = cells[rows, :]
+        own += wrong
+        unlevel[rows, :] = height * own
         return bool(xp.any(wrong > 0))
 
-    return cells, unlevel, any(in_blocks(some, pressure.shape))
+    return any(in_blocks(some, pressure.shape))
 
 
 def _trial(
@@ -243,9 +260,9 @@ def _trial(
     """The pressure one step ahead, in place of the ``direction``, and whether a limit cuts it."""
 
     def some(rows: slice) -> bool:
-        ahead = direction[rows, :] * length
+        ahead = direction[rows, :]
+        ahead *= length
         ahead += pressure[rows, :]
-        direction[rows, :] = ahead
         return problem.constraint.cuts(ahead)
 
     return direction, any(in_blocks(some, pressure.shape))
@@ -257,7 +274,7 @@ def _difference(trial: Array, pressure: Array, gap: Gap, out: Array | None) -> t
 
     def some(rows: slice) -> float:
         step[rows, :] = way = trial[rows, :] - pressure[rows, :]
-        return inner(gap.contact_gap[rows, :], way) - inner(gap.penetration[rows, :], way)
+        return inner(gap.height[rows, :], way)
 
     return step, sum(in_blocks(some, trial.shape))
 

@@ -108,7 +108,8 @@ def stated_error(solution: cs.Solution, found: DenseAnswer) -> float:
     bare, unit = solution.problem.bare(), solution.problem.scales.pressure
     pressure = solution.pressure / unit
     gap = bare.gap(pressure, bare.operator(pressure))
-    left = gap.contact_gap + violation(pressure, gap.penetration)
+    free = bare.constraint.free(pressure)
+    left = gap.height * free + violation(pressure, gap.height, free)
     unsure = float(np.linalg.norm(left)) + found.rounding * np.count_nonzero(pressure) ** 0.5
     unbalanced = bare.resultant.error(float(pressure.sum()))
     return float(unsure / found.softest + pressure.max() * (unbalanced + ROUNDING))

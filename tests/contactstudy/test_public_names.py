@@ -154,7 +154,7 @@ class ProjectedGradient:
             left = problem.residual(pressure, gap)
             if problem.ends(left, moved, tolerance) or iteration == max_iterations:
                 break
-            pressure = problem.nearest(pressure - length * (gap.contact_gap - gap.penetration))
+            pressure = problem.nearest(pressure - length * gap.height)
         return cs.Iterate(pressure, moved, gap.approach, left, iteration, iteration + 31.0)
 
 

@@ -4,6 +4,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
+from functools import cache
+from importlib import import_module
+from importlib.util import find_spec
 from typing import Any, Protocol, cast, runtime_checkable
 
 import numpy as np
@@ -92,8 +95,11 @@ class Library:
 
 
 _NUMPY = cast(Namespace, np)
+# From so many cells on, compiled passes save more in a few solves than it takes to load them.
+LARGE = 2**18
 ONE_THREAD = Cpu()
 _DEVICE: ContextVar[Device] = ContextVar("device", default=ONE_THREAD)
+_FUSED: ContextVar[Any] = ContextVar("fused", default=None)
 
 
 def checked(chosen: Device, field: str) -> Device:
@@ -119,11 +125,31 @@ def threads() -> int:
     return chosen.threads if isinstance(chosen, Cpu) else 1
 
 
+def fused() -> Any:
+    """Compiled passes over numpy's fields, :mod:`contactstudy.domain.fused`; None where there are none, or none pay."""
+    return _FUSED.get()
+
+
+@cache
+def _compiled() -> Any:
+    if find_spec("numba") is None:
+        return None
+    try:
+        return import_module("contactstudy.domain.fused")
+    except (
+        ImportError,
+        RuntimeError,
+    ):  # a numba for another numpy, or no folder to keep what is compiled
+        return None
+
+
 @contextmanager
-def using(chosen: Device) -> Iterator[None]:
-    """Work on the ``chosen`` device."""
-    token = _DEVICE.set(checked(chosen, "solve.on"))
+def using(chosen: Device, cells: int = 0) -> Iterator[None]:
+    """Work on the ``chosen`` device, with compiled passes where fields have so many ``cells`` that they pay."""
+    pays = isinstance(checked(chosen, "solve.on"), Cpu) and cells >= LARGE
+    token, passes = _DEVICE.set(chosen), _FUSED.set(_compiled() if pays else None)
     try:
         yield
     finally:
+        _FUSED.reset(passes)
         _DEVICE.reset(token)

@@ -5,7 +5,7 @@ from itertools import pairwise
 from math import inf
 
 from contactstudy.domain.arrays import Array
-from contactstudy.domain.device import arrays
+from contactstudy.domain.device import arrays, fused
 from contactstudy.domain.rows import in_blocks
 
 # The weight of a block is this times the sum of the weights of its parts, and at most 1: for blocks made
@@ -31,8 +31,13 @@ class _Level:
         """Of ``parts``, times their weights already, over blocks."""
         means = arrays().empty_like(self.inverse)
 
+        kernels, two = fused(), self._two
+
         def some(rows: slice) -> None:
             out = self._blocks(rows)
+            if kernels is not None:
+                kernels.means(parts, two, self.inverse, means, out.start, out.stop)
+                return
             means[out, :] = _summed(parts[rows, :], self.axes) * self.inverse[out, :]
 
         in_blocks(some, parts.shape)
@@ -42,7 +47,12 @@ class _Level:
         """The transpose of :meth:`mean`, and of what parts keep of the ``pressure``, in place of that."""
         blocks *= self.inverse
 
+        kernels, two = fused(), self._two
+
         def some(rows: slice) -> None:
+            if kernels is not None:
+                kernels.gathered(blocks, two, self.weight, pressure, rows.start, rows.stop)
+                return
             own = pressure[rows, :]
             own += _repeated(blocks[self._blocks(rows), :], self.axes, own.shape)
             own *= self.weight[rows, :]
@@ -52,14 +62,17 @@ class _Level:
 
     def filled(self, blocks: Array, held: Array) -> Array:
         """``held``, and what parts lack of weight from ``blocks``, linear between their middles."""
-        xp = arrays()
+        xp, kernels, two = arrays(), fused(), self._two
         field = xp.empty_like(held)
 
         def some(rows: slice) -> None:
-            near = blocks[rows, :]
-            if 0 in self.axes:
-                out, count = self._blocks(rows), blocks.shape[0]
-                near = xp.take(blocks, xp.arange(out.start - 1, out.stop + 1) % count, axis=0)
+            if kernels is not None:
+                kernels.filled(blocks, two, self.weight, held, field, rows.start, rows.stop)
+                return
+            out, count = self._blocks(rows), blocks.shape[0]
+            # one more at either end, once round
+            around = (out.start - 1, out.stop + 1) if 0 in self.axes else (out.start, out.stop)
+            near = xp.take(blocks, xp.arange(*around) % count, axis=0)
             if 1 in self.axes:
                 near = _interpolated(near, 1, held.shape[1])
             if 0 in self.axes:
@@ -74,11 +87,15 @@ class _Level:
 
     def spilled(self, pressure: Array) -> Array:
         """What the transpose of :meth:`filled` gives to the blocks."""
-        xp = arrays()
+        xp, kernels, two = arrays(), fused(), self._two
         blocks = xp.empty_like(self.inverse)
         count = pressure.shape[0]
 
         def some(rows: slice) -> None:
+            if kernels is not None:
+                out = self._blocks(rows)
+                kernels.spilled(pressure, two, self.weight, blocks, out.start, out.stop)
+                return
             if 0 not in self.axes:
                 summed = (1 - self.weight[rows, :]) * pressure[rows, :]
             else:
@@ -103,6 +120,11 @@ class _Level:
 
         in_blocks(some, pressure.shape)
         return blocks
+
+    @property
+    def _two(self) -> tuple[bool, bool]:
+        """Whether blocks have two parts along each axis."""
+        return 0 in self.axes, 1 in self.axes
 
     def _blocks(self, rows: slice) -> slice:
         """The rows of blocks that these rows of parts make."""
@@ -160,8 +182,13 @@ def _coarser(weight: Array, axes: tuple[int, ...]) -> tuple[_Level, Array]:
     level = _Level(weight, inverse, axes)
     factor = IN_SQUARES if len(axes) == 2 else IN_STRIPS
 
+    kernels, two = fused(), level._two
+
     def some(rows: slice) -> None:
         out = level._blocks(rows)
+        if kernels is not None:
+            kernels.weights(weight, two, factor, inverse, blocks, out.start, out.stop)
+            return
         total = _summed(weight[rows, :], axes)
         # no weight at all is no part of any mean
         inverse[out, :] = 1 / xp.where(total > 0, total, inf)

@@ -62,9 +62,8 @@ class SciPy:
         """Along x, then along y on the rows that are wanted."""
         workers = threads()
         rows = fft.ifft(waves, axis=0, overwrite_x=True, workers=workers)[: cells[0]]
-        return np.asarray(
-            fft.irfft(rows, padded[1], axis=1, overwrite_x=True, workers=workers)[:, : cells[1]]
-        )
+        field = fft.irfft(rows, padded[1], axis=1, overwrite_x=True, workers=workers)
+        return np.ascontiguousarray(field[:, : cells[1]])
 
 
 class Ducc:
@@ -100,7 +99,7 @@ class Ducc:
         field = self._fft.c2r(
             rows, axes=(1,), lastsize=padded[1], forward=False, inorm=2, nthreads=threads()
         )
-        return np.asarray(field[:, : cells[1]])
+        return np.ascontiguousarray(field[:, : cells[1]])
 
 
 TRANSFORMS: Transforms = Ducc() if find_spec("ducc0") else SciPy()

@@ -3,8 +3,10 @@
 from dataclasses import dataclass
 from math import inf, prod
 
+import numpy as np
+
 from contactstudy.domain.arrays import Array, inner, total
-from contactstudy.domain.device import arrays
+from contactstudy.domain.device import arrays, fused
 from contactstudy.domain.rows import in_blocks
 from contactstudy.problem.constraint import Constraint
 from contactstudy.problem.gap import Gap, largest
@@ -47,28 +49,47 @@ class BareProblem:
 
     def residual(self, pressure: Array, gap: Gap) -> float:
         """The measure of :func:`~contactstudy.solve`: the largest of complementarity, penetration and load."""
-        borne = total(pressure)
-        return largest(self.constraint.residual(pressure, gap, borne), self.resultant.error(borne))
+        kernels, most = fused(), self.constraint.capacity(1)
+        if kernels is None:
+            borne = total(pressure)
+            left = self.constraint.residual(pressure, gap, borne)
+            return largest(left, self.resultant.error(borne))
+
+        def measure(rows: slice) -> tuple[float, float, float, float]:
+            found: tuple[float, float, float, float] = kernels.violations(
+                pressure[rows, :], gap.height[rows, :], most
+            )
+            return found
+
+        borne, moment, free, worst = np.array(in_blocks(measure, pressure.shape)).T
+        complementarity = moment.sum() / free.sum() if free.sum() > 0 else 0.0
+        return largest(complementarity, *worst, self.resultant.error(float(borne.sum())))
 
     def gap(self, pressure: Array, displacement: Array, into: Gap | None = None) -> Gap:
         """The gap under ``pressure`` and the ``displacement`` it makes, ``into`` the field of another."""
-        xp = arrays()
+        xp, kernels, most = arrays(), fused(), self.constraint.capacity(1)
         height = xp.empty_like(pressure) if into is None else into.height
 
         def add(rows: slice) -> tuple[float, float]:
+            both = self.undeformed_gap[rows, :], displacement[rows, :]
+            if kernels is not None:
+                found: tuple[float, float] = kernels.level(*both, pressure[rows, :], most)
+                return found
             free = self.constraint.free(pressure[rows, :])
-            whole = self.undeformed_gap[rows, :] + displacement[rows, :]
-            height[rows, :] = whole
-            return inner(whole, free), float(xp.sum(free))
+            return inner(both[0] + both[1], free), float(xp.sum(free))
 
         heights, cells = map(sum, zip(*in_blocks(add, pressure.shape), strict=True))
-        approach = heights / cells if cells else self.constraint.approach(pressure, height)
+        where = self.constraint.approach
+        approach = heights / cells if cells else where(pressure, self.undeformed_gap + displacement)
 
-        def level(rows: slice) -> None:
-            some = height[rows, :]
-            some -= approach
+        def count(rows: slice) -> None:
+            both = self.undeformed_gap[rows, :], displacement[rows, :]
+            if kernels is not None:
+                kernels.heights(*both, approach, height[rows, :])
+            else:
+                height[rows, :] = both[0] + both[1] - approach
 
-        in_blocks(level, height.shape)
+        in_blocks(count, height.shape)
         return Gap(height, approach)
 
     def rounding(self, displacement: Array) -> float:

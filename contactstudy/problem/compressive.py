@@ -7,7 +7,7 @@ import numpy as np
 
 from contactstudy.domain.arrays import Array, inner
 from contactstudy.domain.arrays import total as sum_of
-from contactstudy.domain.device import arrays
+from contactstudy.domain.device import arrays, fused
 from contactstudy.domain.rows import change, in_blocks
 from contactstudy.problem.constraint import shifted
 from contactstudy.problem.gap import Gap, largest
@@ -57,9 +57,11 @@ class Compressive:
 
     def levelled(self, trial: Array, cells: Array, total: float) -> Array:
         """Shifted in Newton's steps, each of which cuts off more: the sum is convex in the shift."""
-        xp = arrays()
+        xp, kernels = arrays(), fused()
 
         def chosen(rows: slice) -> float:
+            if kernels is not None:
+                return float(kernels.chosen(trial[rows, :], cells[rows, :]))
             some = xp.maximum(trial[rows, :] * cells[rows, :], 0)
             trial[rows, :] = some
             return float(xp.max(some))
@@ -68,9 +70,12 @@ class Compressive:
             where = cells > 0
             trial[where] = shifted(trial[where], total, inf)
             return trial
-        shift, before = 0.0, -1
+        shift, before = 0.0, -1.0
 
-        def measure(rows: slice) -> tuple[float, int]:
+        def measure(rows: slice) -> tuple[float, float]:
+            if kernels is not None:
+                found: tuple[float, float] = kernels.lowered(trial[rows, :], shift)
+                return found
             some = xp.maximum(trial[rows, :] - shift, 0)
             return float(xp.sum(some)), int(xp.count_nonzero(some > 0))
 
@@ -80,7 +85,15 @@ class Compressive:
                 break
             shift, before = shift + (borne - total) / bearing, bearing
         scale = 1.0 if abs(borne / total - 1) <= 16 * xp.finfo(trial.dtype).eps else total / borne
-        return change(trial, lambda some: xp.maximum(some - shift, 0) * scale)
+
+        def lower(rows: slice) -> None:
+            if kernels is not None:
+                kernels.lower(trial[rows, :], shift, scale)
+            else:
+                trial[rows, :] = xp.maximum(trial[rows, :] - shift, 0) * scale
+
+        in_blocks(lower, trial.shape)
+        return trial
 
     def wrong(self, pressure: Array, height: Array) -> Array:
         """Cells that penetrate."""

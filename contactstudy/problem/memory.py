@@ -13,7 +13,7 @@ from contactstudy.problem.problem import Problem
 
 # Arrays of the grid's size that a solve holds beside those of the padded grid: the transform pair, and two more
 # where the transforms of a library take room of their own.
-FIELDS = 16
+FIELDS = 14
 PAIR, WITH_ROOM = 2, 4
 # Of these, what a problem holds before it is solved: its gap and its spectrum, which is real and half as long.
 GAP, SPECTRUM = 1, 0.5

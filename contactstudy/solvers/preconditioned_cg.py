@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import prod
 
 from contactstudy.domain.arrays import Array, inner, total
-from contactstudy.domain.device import arrays
+from contactstudy.domain.device import arrays, fused
 from contactstudy.domain.rows import in_blocks
 from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.problem.gap import Gap
@@ -172,18 +172,25 @@ def _direction(gap: Array, closing: Array, cells: Array, last: _Step | None) -> 
     Zero outside ``cells``, and such that the load stays as it is. All sums are taken first, so that it
     is written once.
     """
-    count = total(cells)
-    level, kept = total(closing) / count, 0.0
-    if last is not None and last.curvature > 0:
-        share = (
-            inner(closing, last.response) - level * inner(cells, last.response)
-        ) / last.curvature
-        if share * inner(gap, last.step) < inner(gap, closing):
+    kernels, conjugate = fused(), last is not None and last.curvature > 0
+    if last is None or not conjugate:
+        count, closed, share, kept = total(cells), total(closing), 0.0, 0.0
+        level = closed / count
+    else:
+        count, closed, downhill, along, over, ahead, shifted = _products(
+            gap, closing, cells, last.step, last.response
+        )
+        level, kept = closed / count, 0.0
+        share = (along - level * over) / last.curvature
+        if share * ahead < downhill:
             kept = share
-            level -= kept * inner(cells, last.step) / count
+            level -= kept * shifted / count
 
     def some(rows: slice) -> None:
         direction = closing[rows, :]
+        if kernels is not None and last is not None:
+            kernels.direction(direction, cells[rows, :], last.step[rows, :], level, kept)
+            return
         direction *= -1
         direction += level
         if kept and last is not None:
@@ -192,6 +199,23 @@ def _direction(gap: Array, closing: Array, cells: Array, last: _Step | None) -> 
 
     in_blocks(some, closing.shape)
     return closing
+
+
+def _products(
+    gap: Array, closing: Array, cells: Array, step: Array, response: Array
+) -> tuple[float, ...]:
+    """The sums that make a direction conjugate."""
+    kernels = fused()
+    if kernels is None:
+        pairs = (gap, closing), (closing, response), (cells, response), (gap, step), (cells, step)
+        return total(cells), total(closing), *(inner(*pair) for pair in pairs)
+
+    def some(rows: slice) -> tuple[float, ...]:
+        fields = gap, closing, cells, step, response
+        found: tuple[float, ...] = kernels.products(*(field[rows, :] for field in fields))
+        return found
+
+    return tuple(map(sum, zip(*in_blocks(some, gap.shape), strict=True)))
 
 
 def _closing(
@@ -213,10 +237,14 @@ def _closing(
 
 def _contact(problem: BareProblem, pressure: Array, gap: Gap) -> tuple[Array, Array]:
     """Cells that bear pressure (1, others 0) and are at no limit, and their gap."""
-    xp = arrays()
+    xp, kernels, most = arrays(), fused(), problem.constraint.capacity(1)
     cells, unlevel = xp.empty_like(pressure), xp.empty_like(pressure)
 
     def some(rows: slice) -> None:
+        if kernels is not None:
+            fields = pressure, gap.height, cells, unlevel
+            kernels.contact(*(field[rows, :] for field in fields), most)
+            return
         free = problem.constraint.free(pressure[rows, :])
         cells[rows, :] = free
         unlevel[rows, :] = gap.height[rows, :] * free
@@ -241,9 +269,12 @@ def _bearing(
     step is long. By the penetration as it is, a contact that is a little too high over a wide region would
     gather all cells there whose gap is small.
     """
-    xp = arrays()
+    xp, kernels, most = arrays(), fused(), problem.constraint.capacity(1)
 
     def some(rows: slice) -> bool:
+        if kernels is not None:
+            fields = pressure, gap.height, closing, cells, unlevel
+            return bool(kernels.bearing(*(field[rows, :] for field in fields), length, most))
         height = gap.height[rows, :]
         wrong = problem.constraint.wrong(pressure[rows, :], height - length * closing[rows, :])
         own = cells[rows, :]
@@ -259,8 +290,12 @@ def _trial(
 ) -> tuple[Array, bool]:
     """The pressure one step ahead, in place of the ``direction``, and whether a limit cuts it."""
 
+    kernels, most = fused(), problem.constraint.capacity(1)
+
     def some(rows: slice) -> bool:
         ahead = direction[rows, :]
+        if kernels is not None:
+            return bool(kernels.trial(pressure[rows, :], ahead, length, most))
         ahead *= length
         ahead += pressure[rows, :]
         return problem.constraint.cuts(ahead)
@@ -270,24 +305,27 @@ def _trial(
 
 def _difference(trial: Array, pressure: Array, gap: Gap, out: Array | None) -> tuple[Array, float]:
     """The step to ``trial``, and how fast the energy grows along it."""
-    step = arrays().empty_like(trial) if out is None else out
-
-    def some(rows: slice) -> float:
-        step[rows, :] = way = trial[rows, :] - pressure[rows, :]
-        return inner(gap.height[rows, :], way)
-
-    return step, sum(in_blocks(some, trial.shape))
+    return _changed(trial, pressure, gap.height, out)
 
 
 def _response(ahead: Array, moved: Array, step: Array, out: Array | None) -> tuple[Array, float]:
     """The change of displacement along a ``step``, and its work on it."""
-    response = arrays().empty_like(ahead) if out is None else out
+    return _changed(ahead, moved, step, out)
+
+
+def _changed(one: Array, other: Array, weight: Array, out: Array | None) -> tuple[Array, float]:
+    """``one - other``, and the sum of its product with ``weight``."""
+    kernels = fused()
+    change = arrays().empty_like(one) if out is None else out
 
     def some(rows: slice) -> float:
-        response[rows, :] = change = ahead[rows, :] - moved[rows, :]
-        return inner(step[rows, :], change)
+        if kernels is not None:
+            fields = one, other, weight, change
+            return float(kernels.difference(*(field[rows, :] for field in fields)))
+        change[rows, :] = own = one[rows, :] - other[rows, :]
+        return inner(weight[rows, :], own)
 
-    return response, sum(in_blocks(some, ahead.shape))
+    return change, sum(in_blocks(some, one.shape))
 
 
 def _meets(problem: BareProblem, pressure: Array, step: Array, factor: float) -> bool:

@@ -111,7 +111,9 @@ def solve(
         refuse_solve(problem, precision)
     if start is not None:
         start = _admitted(start, problem, precision)
-    with using(on), np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+    ours = isinstance(problem.constraint, Compressive | HardnessLimited)
+    cells = problem.undeformed_gap.size if ours else 0
+    with using(on, cells), np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         if not isinstance(on, Cpu):
             _check_other(on, problem, precision)
         bare = problem.bare(precision)

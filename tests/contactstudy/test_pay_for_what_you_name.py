@@ -186,3 +186,19 @@ def test_a_march_of_bodies_that_do_not_yield_imports_no_plastic_strain() -> None
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_a_body_that_yields_in_plane_strain_imports_no_waves_along_the_length() -> None:
+    code = (
+        "import sys, contactstudy as cs\n"
+        "body = cs.ElasticPlasticHalfSpace(210e9, 0.3, 1e9, 2e9)\n"
+        "shapes = (cs.Cylinder(0.01),)\n"
+        "scene = cs.Scene(cs.LineLoad(5e5), (body, cs.HalfSpace(float('inf'), 0.3)), shapes)\n"
+        "grid = cs.Grid((16, 1), (8e-4, 1e-4))\n"
+        "cs.evolve(scene, grid, cs.ExactPeriodicity(), times=(0,), step_error=cs.StepError.NONE)\n"
+        "print([name for name in sys.modules if name.startswith('contactstudy.elasticity.eigenstrain.')])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert "plane_strain" in done.stdout
+    assert "rows" not in done.stdout
+    assert "wave" not in done.stdout

@@ -33,7 +33,7 @@ class RowOperator:
     The mean along the length is in plane strain and antiplane shear, in closed form on an infinite axis. What varies
     along it is summed over waves that repeat across, in periods so long that a neighbour is felt by no more than
     ``WRAP``. Waves longer than two cells act on all layers, shorter ones, which make the edges of cells, on their own
-    layer alone: either is an elastic energy, and so is their sum.
+    layer and on those next to it.
     """
 
     volume: Volume

@@ -11,6 +11,7 @@ import pytest
 import xarray as xr
 
 import studies.accessor  # noqa: F401 (the accessor)
+from studies.cli.commands import cli
 from tests.test_readme import BLOCK, SAID
 
 PAGE = Path(__file__).parents[2] / "docs/how-to/interoperate.md"
@@ -63,6 +64,24 @@ def test_a_study_with_units_of_pint_gives_the_same_answers(known: dict[str, obje
     assert quantified.study.order("pressure_error_l1", "grid", **order) == plain.study.order(
         "pressure_error_l1", "grid", **order
     )
+
+
+def test_the_library_of_paraview_reads_the_fields_of_a_solution(known: dict[str, object]) -> None:
+    vtk = pytest.importorskip("vtk")
+    pytest.importorskip("pyevtk")
+    folder, solved = known["folder"], known["solved"]
+    assert isinstance(folder, Path)
+    assert isinstance(solved, xr.Dataset)
+    cli.main(["show", str(folder / "solved.nc"), "--format", "vtk"], standalone_mode=False)
+    reader = vtk.vtkXMLRectilinearGridReader()
+    reader.SetFileName(str(folder / "solved.vtr"))
+    reader.Update()
+    cells = reader.GetOutput().GetCellData()
+    for name in ("pressure", "gap", "displacement"):
+        field = solved[name]
+        assert cells.GetArray(name).GetRange() == (float(field.min()), float(field.max()))
+        # VTK counts cells along x first
+        assert cells.GetArray(name).GetValue(5) == float(field[5, 0])
 
 
 def test_snakemake_runs_the_rules_of_the_page_once(tmp_path: Path) -> None:

@@ -55,6 +55,9 @@ BUILT_IN = {
     "coating": Modules(
         "studies.definitions.effects.coating", "studies.report.drawings.effects.coating"
     ),
+    "plastic": Modules(
+        "studies.definitions.effects.plastic", "studies.report.drawings.effects.plastic"
+    ),
     "friction": Modules(
         "studies.definitions.effects.friction", "studies.report.drawings.effects.friction"
     ),

@@ -1,0 +1,140 @@
+"""A cylinder pressed into a half-space that yields, and lifted off: beside known contacts and a hardness cap."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from math import inf, pi
+
+import numpy as np
+import xarray as xr
+
+import contactstudy as cs
+from contactstudy.accuracy.contact_edge import half_widths
+from contactstudy.domain.arrays import Array
+from contactstudy.domain.checks import non_negative, positive, whole
+from studies.definitions.evolution_case import EvolutionCase
+from studies.model.axis import Axis
+from studies.model.case import number
+from studies.model.study import Point
+
+# Hertz's half-width and the yield stress are 1.
+MODULUS, POISSON = 1000.0, 0.3
+STRAIN = 1 / MODULUS
+PLANE = MODULUS / (1 - POISSON**2)
+RIGID = cs.HalfSpace(inf, 0.3)
+# Half-widths; the dent is measured against the surface at FAR.
+WIDTH, FAR = 6.4, 3.0
+# Mean pressure over the yield stress of an indentation in a fully plastic body. Source: Tabor (1951), ch. 4.
+CAP = 2.8
+
+# p_H = 3 Y, hardening modulus 0.1 E, nu = 0.3, in many steps and on fine cells; finite elements agree to 0.3 %.
+PRESSURE, HARDENING = 3.0, 0.1
+REFERENCE = {
+    "highest_pressure": 0.7872,
+    "half_width": 1.150,
+    "dent": 1.205,
+    "plastic_depth": 2.54,
+    "plastic_strain": 1.012,
+}
+
+points = (
+    Axis("pressure", (2.0, 3.0, 4.0), "Hertz's peak pressure over the yield stress"),
+    Axis("hardening", (HARDENING,), "isotropic hardening modulus over Young's modulus"),
+    Axis("steps", (2, 8), "steps up to the largest load"),
+    Axis("grid", (24, 48), "cells across the width"),
+)
+
+# solves tell the cost, so that nothing is timed
+times = "none"
+
+
+def scene_at(point: Point) -> EvolutionCase:
+    """Loaded by equal steps, then unloaded at once."""
+    peak = positive("pressure", point["pressure"], "give a peak pressure above 0 yield stresses")
+    hardening = non_negative("hardening", point["hardening"], "give a modulus from 0 on")
+    steps = whole("steps", point["steps"], 2, "give at least 2 steps")
+    cells = whole("grid", point["grid"], 16, "give at least 16 cells across the width")
+    body = cs.ElasticPlasticHalfSpace(MODULUS, POISSON, 1.0, hardening * MODULUS)
+    scene = cs.Scene(
+        cs.LoadHistory(times=(0, 1, 2), per_length=(0, pi * peak / 2, 0)),
+        (body, RIGID),
+        (cs.Cylinder(PLANE / (2 * peak)),),
+    )
+    times = (*np.linspace(0, 1, steps + 1)[1:].tolist(), 2.0)
+    grid = cs.Grid((cells, 1), (WIDTH, 1.0))
+    return EvolutionCase(scene, grid, cs.ExactPeriodicity(), times, step_error="NONE")
+
+
+def measures(case: EvolutionCase, result: cs.Evolution) -> Mapping[str, xr.Variable]:
+    """The contact under the largest load, what stays after it, and what a hardness gives in the place of yield."""
+    peak = case.scene.load.largest * 2 / pi
+    x = case.grid.x
+    loaded, last = result.frames[-2:]
+    deep = last.kept["equivalent0"]
+    yielded = np.flatnonzero((deep > 0).any(axis=(1, 2)))
+    surface = last.fields["residual_displacement"].values[:, 0]
+    found = {
+        "highest_pressure": (loaded.highest_pressure / peak, "highest pressure over Hertz's"),
+        "half_width": (_half_width(loaded.pressure, x), "half-width over Hertz's"),
+        "dent": (_dent(surface, x) / STRAIN, f"dent below the surface at {FAR:g} a over a Y / E"),
+        "plastic_depth": (
+            float(last.kept["edges0"][yielded[-1] + 1]) if yielded.size else 0.0,
+            "depth down to which it has yielded over Hertz's half-width",
+        ),
+        "plastic_strain": (
+            float(deep.max()) / STRAIN,
+            "largest equivalent plastic strain over Y / E",
+        ),
+    }
+    body = case.scene.solids[0]
+    hardening = getattr(body, "hardening_modulus", 0.0) / MODULUS
+    known = abs(peak - PRESSURE) < 1e-9 and abs(hardening - HARDENING) < 1e-9
+    errors = {
+        f"{name}_error": (abs(value / REFERENCE[name] - 1), f"relative error of {name} where known")
+        for name, (value, _) in found.items()
+        if known
+    }
+    capped = _capped(case)
+    wrong = np.abs(capped.pressure - loaded.pressure).sum() / loaded.pressure.sum()
+    cap = {
+        "cap_pressure": (
+            capped.pressure.max() / peak,
+            "highest pressure over Hertz's, by a hardness",
+        ),
+        "cap_half_width": (
+            _half_width(capped.pressure, x),
+            "half-width over Hertz's, by a hardness",
+        ),
+        "cap_dent": (
+            max(-float(capped.gap.min()), 0.0) / STRAIN,
+            "depth of yielding over a Y / E, by a hardness",
+        ),
+        "cap_difference": (
+            wrong,
+            "relative L1 difference of the pressures by a hardness and by plastic strain",
+        ),
+    }
+    layers = {"layers": (len(last.kept["edges0"]) - 1, "layers of the volume that may yield")}
+    return {
+        name: number(float(value), text)
+        for name, (value, text) in (found | errors | cap | layers).items()
+    }
+
+
+def _capped(case: EvolutionCase) -> cs.Solution:
+    """An elastic contact of the same largest load, with a hardness."""
+    scene = replace(
+        case.scene,
+        load=cs.LineLoad(case.scene.load.largest),
+        solids=(cs.HalfSpace(MODULUS, POISSON), RIGID),
+        hardness=CAP,
+    )
+    return cs.solve(scene.problem(case.grid, case.padding))
+
+
+def _half_width(pressure: Array, x: Array) -> float:
+    return float(half_widths(pressure, x)[0])
+
+
+def _dent(surface: Array, x: Array) -> float:
+    middle, far = np.interp((0.0, FAR), x, surface)
+    return float(middle - far)

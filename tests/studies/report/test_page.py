@@ -33,6 +33,7 @@ OWN = {
     # one grid: of two, wear would want two marches with short steps to compare with
     "wear": {"grid": "16"},
     "effects": {"grid": "24"},
+    "plastic": {"pressure": "2,3", "steps": "2,4", "grid": "24"},
     "friction": {"poisson_ratio": "0,0.3", "grid": "65", "rough_grid": "24"},
 }
 

@@ -55,9 +55,9 @@ def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
             fig,
             "A rigid cylinder pressed into a half-space that yields after von Mises, and lifted off, in plane strain, "
             f"over Hertz's peak pressure p_H; a is Hertz's half-width. The dent is measured against the surface at "
-            f"{FAR:g} a. Beside it an elastic body whose pressure a hardness of {CAP:g} Y limits. Stars are known contacts "
-            f"(finite elements agree to 0.3 %), at p_H = {PRESSURE:g} Y and a hardening modulus of {HARDENING:g} E; "
-            "the last panels are the error there. Layers follow from the cells.",
+            f"{FAR:g} a. Beside it an elastic body whose pressure a hardness of {CAP:g} Y limits. Stars are known "
+            f"contacts (finite elements agree to 0.3 %), at p_H = {PRESSURE:g} Y and a hardening modulus "
+            f"of {HARDENING:g} E; the last panels are the error there. Layers follow from the cells.",
         ),
     )
 
@@ -99,8 +99,8 @@ def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
                 f"the highest pressure is within {percent(fine['highest_pressure_error'])} of the known one, the dent "
                 f"within {percent(fine['dent_error'])} and the largest plastic strain within "
                 f"{percent(fine['plastic_strain_error'])}. From {steps[0]} steps to {steps[-1]} the error of the "
-                f"pressure falls by a factor of {float(wrong[0] / wrong[-1]):.1f}: it is of first order in the steps, and "
-                "what the cells add does not fall with them.",
+                f"pressure falls by a factor of {float(wrong[0] / wrong[-1]):.1f}: it is of first order in the steps, "
+                "and what the cells add does not fall with them.",
                 "What does yielding cost?",
             )
         )

@@ -25,4 +25,6 @@ def main(page: Path) -> None:
 
 
 if __name__ == "__main__":
+    # beside this file lie tests of the same names as the program
+    sys.path[:] = [path for path in sys.path if Path(path).resolve() != Path(__file__).parent]
     main(Path(sys.argv[1]))

@@ -62,6 +62,7 @@ sphinx_gallery_conf = {
     "remove_config_comments": True,
     "show_signature": False,
     "capture_repr": (),
+    "min_reported_time": 1e9,
     "download_all_examples": False,
     "image_scrapers": ("gallery_figures.scrape",),
     "write_computation_times": False,

@@ -63,7 +63,9 @@ def evolve(
     The step error is the difference of two marches, one with steps twice as long. It estimates the error of
     the longer steps, so it is an upper estimate for the shorter ones, which are recorded. It is relative to the pressure
     at its own instant. In a scene whose bodies yield, steps are of first order: the error is 1.5 times the difference,
-    relative to the pressure under the largest load, and a load that jumps is applied by parts. ``scheme`` says how
+    relative to the pressure under the largest load, as the one by cells, and a load that jumps is applied by parts.
+
+    ``scheme`` says how
     wear is stepped; ``tolerance``, ``max_iterations``, ``solver`` and ``precision`` are those of
     :func:`~contactstudy.solve`. With a ``folder``, frames and states are written there as they are found, and
     a march that was stopped goes on from there. ``progress`` is called with the time reached and the last

@@ -13,10 +13,10 @@ class Frame:
     """Fields of shape (x, y) at ``time`` [s] under ``load`` [N/m]: ``pressure`` [Pa], ``gap`` [m].
 
     ``fields`` are what memories show, such as the worn depth. ``step_error`` is the estimated relative L1
-    error of the pressure from the steps in time (over the largest load where bodies yield), ``grid_error`` that
-    from the cells (see
+    error of the pressure from the steps in time, ``grid_error`` that from the cells (see
     :func:`~contactstudy.accuracy.discretisation.discretisation`); both are infinite where there is no
-    estimate. ``status`` is the worst of the steps since the frame before. ``steps``, ``iterations`` and
+    estimate, and relative to the pressure of the largest load where bodies yield.
+    ``status`` is the worst of the steps since the frame before. ``steps``, ``iterations`` and
     ``convolutions`` are counted since then, with those of rejected steps and of the companion march.
     ``residual`` is that of the last solve. ``kept`` is what was found together with the pressure, such as plastic
     strain, in arrays of its own.

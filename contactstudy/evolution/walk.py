@@ -223,10 +223,19 @@ class Walk:
         """
         size = float(np.abs(difference).sum())
         if self.march.joint is not None:
-            grid = self.march.problem.grid
-            return FIRST_ORDER * size * grid.cell_area / grid.period / self.march.load.largest
+            return FIRST_ORDER * self._share(size)
         whole = max(float(instant.pressure.sum()) for instant in instants)
         return size / whole if whole else 0.0
+
+    def _grid_error(self, pressure: Array) -> float:
+        """That by the cells, relative to the same as the error by the steps."""
+        error: float = discretisation(pressure, self.wraps)[1]
+        return error if self.march.joint is None else error * self._share(float(pressure.sum()))
+
+    def _share(self, pressures: float) -> float:
+        """A sum of pressures over that of the largest load."""
+        grid = self.march.problem.grid
+        return pressures * grid.cell_area / grid.period / self.march.load.largest
 
     def _record(self) -> None:
         solution = self.solution
@@ -250,7 +259,7 @@ class Walk:
                 status=worst(self.statuses),
                 residual=solution.residual,
                 step_error=0.0 if not self.march.kept else inf,
-                grid_error=discretisation(solution.pressure, self.wraps)[1] if pressed else 0.0,
+                grid_error=self._grid_error(solution.pressure) if pressed else 0.0,
                 steps=self.steps,
                 iterations=self.iterations,
                 convolutions=self.convolutions,

@@ -139,7 +139,7 @@ class _Rolling:
             statuses.append(Status.NOT_CONVERGED)
         # at the end alone: what is behind is not like what is left there until all is steady
         flow = track.equivalent - spread(before.equivalent, 0, track.operator.volume)
-        if flow[:, [0, -1]].any():
+        if flow[:, [0, -1]].max() > self.steady:
             statuses.append(Status.YIELD_AT_EDGE)
         return track, RollingPass(
             track.left,

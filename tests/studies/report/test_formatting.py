@@ -1,6 +1,6 @@
 import pytest
 
-from studies.report.formatting import percent
+from studies.report.formatting import percent, select_evenly
 
 
 @pytest.mark.parametrize(
@@ -18,3 +18,9 @@ from studies.report.formatting import percent
 )
 def test_a_share_is_in_per_cent_with_two_digits(share: float, text: str | None) -> None:
     assert percent(share) == ("not known" if text is None else f"{text}\u00a0%")
+
+
+def test_a_figure_has_room_for_the_first_the_last_and_those_between() -> None:
+    assert select_evenly([1, 2, 4]) == [1, 2, 4]
+    assert select_evenly([1, 2, 4, 8, 16]) == [1, 4, 16]
+    assert select_evenly(range(10), 4) == [0, 3, 6, 9]

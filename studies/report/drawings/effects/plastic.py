@@ -94,7 +94,8 @@ def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
         steps = known["steps"].values
         found.append(
             Finding(
-                "A few steps in load give the pressure under a body that yields to a per cent.",
+                f"{steps[-1]} steps in load give the highest pressure on a body that yields to "
+                f"{percent(fine['highest_pressure_error'])}.",
                 f"With {steps[-1]} steps and {int(dataset['grid'][-1])} cells ({float(fine['layers']):g} layers) "
                 f"the highest pressure is within {percent(fine['highest_pressure_error'])} of the known one, the dent "
                 f"within {percent(fine['dent_error'])} and the largest plastic strain within "

@@ -2,8 +2,8 @@
 from . import analytic, kernels
 from .accuracy.estimate import ErrorEstimate, ErrorParts, error_estimate
 from .domain.checks import InvalidInput, NotDefined
-from .domain.device import Cpu
-from .domain.gpu import Gpu
+from .domain.devices.device import Cpu
+from .domain.devices.gpu import Gpu
 from .domain.grid import Grid
 from .domain.padding import (
     CircularSuperposition,

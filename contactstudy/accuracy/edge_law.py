@@ -15,7 +15,7 @@ from math import gamma
 
 import numpy as np
 
-from contactstudy.domain.arrays import Array
+from contactstudy.domain.devices.arrays import Array
 from contactstudy.elasticity.kernels.cell import gauss
 
 # modes k = 1 ... MODES behave like d^(k - 3/2) at d cells from the edge

@@ -6,8 +6,8 @@ from math import log, pi
 import numpy as np
 
 from contactstudy.accuracy.cell_means import on_cells
-from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.devices.arrays import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.problem.problem import Problem
 

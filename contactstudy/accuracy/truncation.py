@@ -5,8 +5,8 @@ from math import inf
 
 import numpy as np
 
-from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import NotDefined
+from contactstudy.domain.devices.arrays import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Padding, Paddings
 

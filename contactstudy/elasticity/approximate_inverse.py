@@ -4,9 +4,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from contactstudy.domain.arrays import Array
-from contactstudy.domain.device import arrays, device
-from contactstudy.domain.rows import in_blocks
+from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.devices.device import arrays, device
+from contactstudy.domain.devices.rows import in_blocks
 from contactstudy.elasticity.extension import Extension
 from contactstudy.elasticity.transforms import Waves, transforms
 

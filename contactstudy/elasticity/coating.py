@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from contactstudy.domain.arrays import Array
+from contactstudy.domain.devices.arrays import Array
 from contactstudy.elasticity.kernels.layer.frf import LayerResponse
 from contactstudy.elasticity.kernels.layer.image import image_cell, image_lattice, image_row
 from contactstudy.elasticity.kernels.layer.rest_cell import rest_cell

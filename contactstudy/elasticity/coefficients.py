@@ -6,7 +6,7 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from contactstudy.domain.arrays import Array
+from contactstudy.domain.devices.arrays import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Padding, Paddings
 from contactstudy.elasticity.kernels.cell import boussinesq_cell

@@ -8,9 +8,9 @@ from threading import local
 import numpy as np
 from scipy import fft
 
-from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import InvalidInput, positive
-from contactstudy.domain.device import Cpu, arrays, device
+from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.devices.device import Cpu, arrays, device
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Padding, Paddings, across_and_along
 from contactstudy.domain.precision import Precision

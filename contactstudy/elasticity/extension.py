@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 from math import inf
 
-from contactstudy.domain.arrays import Array
-from contactstudy.domain.device import arrays, fused
-from contactstudy.domain.rows import in_blocks
+from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.devices.device import arrays, fused
+from contactstudy.domain.devices.rows import in_blocks
 
 # The weight of a block is this times the sum of the weights of its parts, and at most 1: for blocks made
 # of 2 x 2 parts and of 2. An island of one cell thus loses weight a little faster than its capacity falls.

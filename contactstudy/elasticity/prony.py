@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contactstudy.domain.arrays import Array
+from contactstudy.domain.devices.arrays import Array
 
 # Halvings, in the logarithm, of a bracket as wide as the floating-point numbers: down to rounding.
 HALVINGS = 80

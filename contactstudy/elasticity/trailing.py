@@ -8,7 +8,7 @@ from math import exp
 import numpy as np
 from scipy.special import eval_legendre, ive
 
-from contactstudy.domain.arrays import Array
+from contactstudy.domain.devices.arrays import Array
 from contactstudy.elasticity.coefficients import Coefficients
 
 # Gauss points in a panel: coefficients are smooth from one cell to the next, a kink at half a cell apart.

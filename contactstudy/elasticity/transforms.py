@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from contactstudy.domain.arrays import Array
-from contactstudy.domain.device import Cpu, arrays, device, threads
+from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.devices.device import Cpu, arrays, device, threads
 
 Waves = NDArray[np.complexfloating[Any, Any]]
 

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.devices.arrays import Array
 from contactstudy.evolution.frame import Frame
 from contactstudy.evolution.march import Instant
 from contactstudy.problem.derived import Field

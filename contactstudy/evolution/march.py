@@ -8,8 +8,8 @@ from math import log2, sqrt
 
 import numpy as np
 
-from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.devices.arrays import Array
 from contactstudy.domain.precision import Precision
 from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.convolution import Convolution, combined, superposed

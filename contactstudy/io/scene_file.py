@@ -10,9 +10,9 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import InvalidInput, whole
-from contactstudy.domain.device import Cpu, Device
+from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.devices.device import Cpu, Device
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import (
     CircularSuperposition,

@@ -5,9 +5,9 @@ from math import inf, prod
 
 import numpy as np
 
-from contactstudy.domain.arrays import Array, inner, total
-from contactstudy.domain.device import arrays, fused
-from contactstudy.domain.rows import in_blocks
+from contactstudy.domain.devices.arrays import Array, inner, total
+from contactstudy.domain.devices.device import arrays, fused
+from contactstudy.domain.devices.rows import in_blocks
 from contactstudy.problem.constraint import Constraint
 from contactstudy.problem.gap import Gap, largest
 from contactstudy.problem.operator import Operator

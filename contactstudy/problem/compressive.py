@@ -5,10 +5,10 @@ from math import inf, nan
 
 import numpy as np
 
-from contactstudy.domain.arrays import Array, inner
-from contactstudy.domain.arrays import total as sum_of
-from contactstudy.domain.device import arrays, fused
-from contactstudy.domain.rows import change, in_blocks
+from contactstudy.domain.devices.arrays import Array, inner
+from contactstudy.domain.devices.arrays import total as sum_of
+from contactstudy.domain.devices.device import arrays, fused
+from contactstudy.domain.devices.rows import change, in_blocks
 from contactstudy.problem.constraint import shifted
 from contactstudy.problem.gap import Gap, largest
 

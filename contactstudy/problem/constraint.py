@@ -3,8 +3,8 @@
 from math import inf
 from typing import Protocol, Self
 
-from contactstudy.domain.arrays import Array
-from contactstudy.domain.device import arrays
+from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.devices.device import arrays
 from contactstudy.problem.gap import Gap
 
 

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contactstudy.domain.arrays import Array
-from contactstudy.domain.device import arrays
+from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.devices.device import arrays
 
 
 @dataclass(frozen=True, eq=False)

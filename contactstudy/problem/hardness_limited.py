@@ -5,9 +5,9 @@ from math import prod
 
 import numpy as np
 
-from contactstudy.domain.arrays import Array, inner
-from contactstudy.domain.device import arrays
-from contactstudy.domain.rows import change
+from contactstudy.domain.devices.arrays import Array, inner
+from contactstudy.domain.devices.device import arrays
+from contactstudy.domain.devices.rows import change
 from contactstudy.problem.constraint import shifted
 from contactstudy.problem.gap import Gap, largest, violation
 

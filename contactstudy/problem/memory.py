@@ -3,7 +3,7 @@
 from math import prod
 
 from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.device import Device
+from contactstudy.domain.devices.device import Device
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.memory import available_bytes
 from contactstudy.domain.padding import Paddings

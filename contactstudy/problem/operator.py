@@ -4,7 +4,7 @@ from typing import Any, Protocol, Self
 
 from numpy.typing import NDArray
 
-from contactstudy.domain.arrays import Array
+from contactstudy.domain.devices.arrays import Array
 from contactstudy.domain.precision import Precision
 
 

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from contactstudy.domain.arrays import Array
-from contactstudy.domain.device import device
+from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.devices.device import device
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Paddings
 from contactstudy.domain.precision import Precision

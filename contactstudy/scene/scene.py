@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contactstudy.analytic import HertzLine
-from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import InvalidInput, in_range, set_fields
+from contactstudy.domain.devices.arrays import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Padding, Paddings, across_and_along
 from contactstudy.domain.units import Pascals

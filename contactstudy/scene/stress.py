@@ -6,8 +6,8 @@ from math import isinf
 
 import numpy as np
 
-from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import InvalidInput, finite, set_fields, whole
+from contactstudy.domain.devices.arrays import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Paddings
 from contactstudy.domain.units import Metres

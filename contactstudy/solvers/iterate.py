@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from contactstudy.domain.arrays import Array
+from contactstudy.domain.devices.arrays import Array
 
 
 @dataclass(frozen=True, eq=False)

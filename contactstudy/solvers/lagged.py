@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from contactstudy.domain.arrays import Array
+from contactstudy.domain.devices.arrays import Array
 from contactstudy.domain.precision import Precision
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contactstudy.domain.arrays import Array
+from contactstudy.domain.devices.arrays import Array
 from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.solution import Solution, Status, Traction

@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 from math import prod
 
-from contactstudy.domain.arrays import Array, inner, total
-from contactstudy.domain.device import arrays, fused
-from contactstudy.domain.rows import in_blocks
+from contactstudy.domain.devices.arrays import Array, inner, total
+from contactstudy.domain.devices.device import arrays, fused
+from contactstudy.domain.devices.rows import in_blocks
 from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.problem.gap import Gap
 from contactstudy.problem.operator import ApproximateInverse

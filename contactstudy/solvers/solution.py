@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import NotDefined
+from contactstudy.domain.devices.arrays import Array
 from contactstudy.domain.imports import import_for
 from contactstudy.problem.problem import Problem
 

@@ -7,9 +7,9 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import InvalidInput, positive, whole
-from contactstudy.domain.device import Cpu, Device, using
+from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.devices.device import Cpu, Device, using
 from contactstudy.domain.precision import Precision
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.problem.bare_problem import BareProblem

@@ -3,8 +3,8 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields
 
-from contactstudy.domain.arrays import Array
-from contactstudy.domain.device import device
+from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.devices.device import device
 from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.problem.gap import Gap
 from contactstudy.solvers.iterate import Iterate

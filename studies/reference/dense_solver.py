@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 import contactstudy as cs
-from contactstudy.domain.arrays import Array
+from contactstudy.domain.devices.arrays import Array
 from contactstudy.elasticity.kernels.cell import boussinesq_cell
 from contactstudy.elasticity.kernels.lattice import boussinesq_cell_doubly_periodic
 from contactstudy.elasticity.kernels.row import boussinesq_cell_periodic

@@ -7,8 +7,8 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.accuracy.contact_edge import corrected_pressure, half_widths
-from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import positive, whole
+from contactstudy.domain.devices.arrays import Array
 from studies.model.axis import Axis, one_of
 from studies.model.case import Case, number
 from studies.model.estimate import error_estimates

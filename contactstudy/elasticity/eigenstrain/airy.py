@@ -9,7 +9,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from contactstudy.domain.arrays import Array
+from contactstudy.domain.devices.arrays import Array
 
 # Derivatives of G by depth of the stress (m) and of the source (n); by x there are 4 - m - n.
 ORDERS = tuple((m, n) for m in range(3) for n in range(3))

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 from scipy import fft
 
-from contactstudy.domain.arrays import Array
+from contactstudy.domain.devices.arrays import Array
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 
 

@@ -8,7 +8,7 @@ from enum import Enum
 
 import numpy as np
 
-from contactstudy.domain.arrays import Array
+from contactstudy.domain.devices.arrays import Array
 from contactstudy.elasticity.eigenstrain.wave import Tensor
 
 

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from scipy.special import zeta
 
-from contactstudy.domain.arrays import Array
+from contactstudy.domain.devices.arrays import Array
 from contactstudy.elasticity.eigenstrain.airy import influence, pressed
 from contactstudy.elasticity.eigenstrain.plane_strain import (
     BASIS,

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from contactstudy.domain.arrays import Array
-from contactstudy.domain.device import threads
+from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.devices.device import threads
 from contactstudy.elasticity.eigenstrain.antiplane import AntiplaneOperator
 from contactstudy.elasticity.eigenstrain.direction import Components
 from contactstudy.elasticity.eigenstrain.plane_strain import BASIS as PLANE

@@ -8,7 +8,7 @@ from math import pi
 
 import numpy as np
 
-from contactstudy.domain.arrays import Array
+from contactstudy.domain.devices.arrays import Array
 from contactstudy.elasticity.eigenstrain.direction import Components, Direction
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 from contactstudy.elasticity.eigenstrain.wave import (

@@ -8,7 +8,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from contactstudy.domain.arrays import Array
+from contactstudy.domain.devices.arrays import Array
 from contactstudy.elasticity.eigenstrain.direction import Components, Direction
 from contactstudy.elasticity.eigenstrain.short_waves import Coupling, ShortWaves, alike, own_stress
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.polynomial.legendre import leggauss
 from numpy.typing import ArrayLike
 
-from contactstudy.domain.arrays import Array
+from contactstudy.domain.devices.arrays import Array
 
 # Beyond MULTIPOLES half-diagonals of a cell, four moments leave at most 64^-8 / 9 ~ 4e-16.
 MULTIPOLES = 64.0

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import binom, digamma, k0, xlog1py, zeta
 
-from contactstudy.domain.arrays import Array, product
+from contactstudy.domain.devices.arrays import Array, product
 from contactstudy.elasticity.kernels.cell import boussinesq_cell, gauss
 
 # Lengths in periods: where the Fourier form takes over from images (its 13 terms end at exp(-13 pi)

@@ -7,7 +7,7 @@ from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import ArrayLike
 from scipy.linalg import eigh_tridiagonal
 
-from contactstudy.domain.arrays import Array
+from contactstudy.domain.devices.arrays import Array
 from contactstudy.elasticity.kernels.cell import gauss
 from contactstudy.elasticity.kernels.stress_cell import (
     Component,

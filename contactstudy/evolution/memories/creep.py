@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from contactstudy.domain.arrays import Array
+from contactstudy.domain.devices.arrays import Array
 from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.prony import Creep
 from contactstudy.evolution.memories.memory import Contribution, State, Step

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from contactstudy.domain.arrays import Array
+from contactstudy.domain.devices.arrays import Array
 from contactstudy.evolution.memories.memory import Contribution, State, Step
 from contactstudy.problem.derived import Field
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Protocol
 
-from contactstudy.domain.arrays import Array
+from contactstudy.domain.devices.arrays import Array
 from contactstudy.evolution.march import CLOSER, SolverOptions, unloaded
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.plasticity.contact_tangent import ContactTangent

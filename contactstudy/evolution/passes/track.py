@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from contactstudy.domain.arrays import Array
+from contactstudy.domain.devices.arrays import Array
 from contactstudy.elasticity.eigenstrain.half_lines import HalfLines
 from contactstudy.elasticity.eigenstrain.plane_strain import PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import Volume

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import fft
 
-from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import (
     InvalidInput,
     divides,
@@ -16,6 +15,7 @@ from contactstudy.domain.checks import (
     set_fields,
     whole,
 )
+from contactstudy.domain.devices.arrays import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Metres, Number
 from contactstudy.scene.shapes.detail import Detail

@@ -6,7 +6,6 @@ from typing import Protocol, Self
 
 import numpy as np
 
-from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import (
     InvalidInput,
     divides,
@@ -16,6 +15,7 @@ from contactstudy.domain.checks import (
     positive,
     set_fields,
 )
+from contactstudy.domain.devices.arrays import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Metres
 from contactstudy.scene.shapes.detail import Detail

@@ -6,8 +6,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import InvalidInput, positive, set_fields
+from contactstudy.domain.devices.arrays import Array
 
 
 class Missing(Protocol):

@@ -5,8 +5,8 @@ from typing import Protocol
 
 import numpy as np
 
-from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import InvalidInput, positive, set_fields
+from contactstudy.domain.devices.arrays import Array
 
 
 class Seam(Protocol):

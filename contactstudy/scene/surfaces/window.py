@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import InvalidInput, pair, set_fields, whole
+from contactstudy.domain.devices.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from contactstudy.domain.arrays import Array, inner, total
+from contactstudy.domain.devices.arrays import Array, inner, total
 from contactstudy.domain.precision import Precision
 from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.problem.operator import ApproximateInverse

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contactstudy.domain.arrays import Array
+from contactstudy.domain.devices.arrays import Array
 from contactstudy.solvers.plasticity.yield_law import Return
 from contactstudy.solvers.plasticity.yielding_bodies import YieldingBodies
 from contactstudy.solvers.solution import Solution

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from contactstudy.domain.arrays import Array
+from contactstudy.domain.devices.arrays import Array
 
 # |deviator| over von Mises' stress, and equivalent over |plastic strain|.
 ROOT = (2 / 3) ** 0.5

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from contactstudy.domain.arrays import Array
+from contactstudy.domain.devices.arrays import Array
 from contactstudy.elasticity.eigenstrain.volume import EigenstrainOperator
 from contactstudy.solvers.plasticity.yield_law import YieldLaw
 

@@ -10,8 +10,8 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.accuracy.contact_edge import half_widths
-from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import positive, whole
+from contactstudy.domain.devices.arrays import Array
 from contactstudy.elasticity.coating import CoatingDisplacement
 from contactstudy.elasticity.kernels.layer.image import image_cell, image_lattice, image_row
 from contactstudy.scene.bodies.coated import CoatedHalfSpace

@@ -7,8 +7,8 @@ import numpy as np
 import xarray as xr
 
 import contactstudy as cs
-from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import finite, whole
+from contactstudy.domain.devices.arrays import Array
 from contactstudy.scene.friction import PartialSlip
 from contactstudy.scene.stress import StressBelow, von_mises
 from contactstudy.solvers.partial_slip import Superposed

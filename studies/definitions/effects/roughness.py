@@ -8,8 +8,8 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.analytic import truncation_error
-from contactstudy.domain.arrays import Array
 from contactstudy.domain.checks import divides, non_negative, positive, whole
+from contactstudy.domain.devices.arrays import Array
 from studies.model.axis import Axis
 from studies.model.case import Case
 from studies.model.study import Point

@@ -6,7 +6,7 @@ import numpy as np
 from scipy import ndimage
 
 import contactstudy as cs
-from contactstudy.domain.arrays import Array
+from contactstudy.domain.devices.arrays import Array
 from studies.reference.accuracy.case import (
     EXACT,
     FLATTENED,

@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.domain import rows
-from contactstudy.domain.arrays import Array
-from contactstudy.domain.device import using
+from contactstudy.domain.devices import rows
+from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.devices.device import using
 from contactstudy.elasticity.extension import Extension
 
 CASES = [

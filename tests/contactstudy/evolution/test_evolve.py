@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.domain.arrays import Array
+from contactstudy.domain.devices.arrays import Array
 from tests.contactstudy.evolution.creeping import LOAD, RIGID, SOLID, rolling_cylinder
 
 EXACT = cs.ExactPeriodicity()

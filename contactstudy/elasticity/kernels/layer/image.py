@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import k0
 
-from contactstudy.domain.arrays import Array
+from contactstudy.domain.devices.arrays import Array
 from contactstudy.elasticity.kernels.cell import FAR, FAR_POINTS, NEAR, NEAR_POINTS, gauss, line
 from contactstudy.elasticity.kernels.row import (
     FOURIER_END,

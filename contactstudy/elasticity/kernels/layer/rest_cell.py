@@ -6,7 +6,7 @@ import numpy as np
 from numpy.polynomial.legendre import leggauss
 from numpy.typing import NDArray
 
-from contactstudy.domain.arrays import Array
+from contactstudy.domain.devices.arrays import Array
 from contactstudy.elasticity.kernels.layer.frf import LayerResponse
 from contactstudy.elasticity.kernels.layer.tables import RestInSpace, rest_in_space
 

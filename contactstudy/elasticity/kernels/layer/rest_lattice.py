@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.special import digamma, zeta
 
-from contactstudy.domain.arrays import Array
+from contactstudy.domain.devices.arrays import Array
 from contactstudy.elasticity.kernels.layer.frf import LayerResponse
 from contactstudy.elasticity.kernels.layer.rest_row import END, FAR, harmonics, rest_strip
 from contactstudy.elasticity.kernels.layer.tables import LAST_WAVE, rest_in_space

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from scipy.special import binom, zeta
 
-from contactstudy.domain.arrays import Array
+from contactstudy.domain.devices.arrays import Array
 from contactstudy.elasticity.kernels.cell import gauss
 from contactstudy.elasticity.kernels.layer.frf import LayerResponse
 from contactstudy.elasticity.kernels.layer.rest_cell import rest_cell

@@ -5,8 +5,8 @@ from importlib import import_module
 from typing import Any
 
 from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.device import Numbers
-from contactstudy.domain.namespace import Namespace
+from contactstudy.domain.devices.device import Numbers
+from contactstudy.domain.devices.namespace import Namespace
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactstudy.domain.checks import InvalidInput, set_fields, whole
+from contactstudy.domain.devices.namespace import Namespace
 from contactstudy.domain.memory import available_bytes
-from contactstudy.domain.namespace import Namespace
 
 Numbers = NDArray[Any]
 
@@ -126,7 +126,7 @@ def threads() -> int:
 
 
 def fused() -> Any:
-    """Compiled passes over numpy's fields, :mod:`contactstudy.domain.fused`; None where there are none, or none pay."""
+    """Compiled passes over fields, :mod:`~contactstudy.domain.devices.fused`; None where there are none or none pay."""
     return _FUSED.get()
 
 
@@ -135,7 +135,7 @@ def _compiled() -> Any:
     if find_spec("numba") is None:
         return None
     try:
-        return import_module("contactstudy.domain.fused")
+        return import_module("contactstudy.domain.devices.fused")
     except (
         ImportError,
         RuntimeError,

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.domain import rows
-from contactstudy.domain.arrays import inner, total
-from contactstudy.domain.device import using
-from contactstudy.domain.rows import in_blocks
+from contactstudy.domain.devices import rows
+from contactstudy.domain.devices.arrays import inner, total
+from contactstudy.domain.devices.device import using
+from contactstudy.domain.devices.rows import in_blocks
 
 SHAPES = [(1, 1), (7, 3), (64, 64), (1001, 1), (2, 500)]
 

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.domain import device, rows
-from contactstudy.domain.device import fused, using
+from contactstudy.domain.devices import device, rows
+from contactstudy.domain.devices.device import fused, using
 from contactstudy.elasticity.extension import Extension
 from tests.conftest import LineContact
+from tests.contactstudy.domain.devices.test_devices import BOTH, agree
 from tests.contactstudy.solvers.test_preconditioned_cg import problem
-from tests.contactstudy.test_devices import BOTH, agree
 
 
 @pytest.fixture

@@ -4,9 +4,9 @@ from math import prod
 
 import numpy as np
 
-from contactstudy.domain.device import arrays
-from contactstudy.domain.namespace import Array
-from contactstudy.domain.rows import in_blocks
+from contactstudy.domain.devices.device import arrays
+from contactstudy.domain.devices.namespace import Array
+from contactstudy.domain.devices.rows import in_blocks
 
 __all__ = ["Array", "inner", "mean_over", "product", "total"]
 

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.domain.arrays import Array
-from contactstudy.domain.device import Device, Library, using
+from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.devices.device import Device, Library, using
 from contactstudy.elasticity.extension import Extension
 from contactstudy.problem.constraint import Constraint
 from contactstudy.solvers.watched import Watched

@@ -8,8 +8,8 @@ from typing import TypeVar
 
 import numpy as np
 
-from contactstudy.domain.device import Cpu, device, using
-from contactstudy.domain.namespace import Array
+from contactstudy.domain.devices.device import Cpu, device, using
+from contactstudy.domain.devices.namespace import Array
 
 T = TypeVar("T")
 

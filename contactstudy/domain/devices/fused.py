@@ -11,7 +11,7 @@ from typing import Any, TypeVar, cast
 import numpy as np
 from numba import njit
 
-from contactstudy.domain.namespace import Array
+from contactstudy.domain.devices.namespace import Array
 
 Pass = TypeVar("Pass", bound=Callable[..., Any])
 

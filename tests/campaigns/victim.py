@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+import psutil
 import xarray as xr
 
 from studies.model.axis import Axis
@@ -50,11 +51,8 @@ class Kill:
 
 def parent() -> int:
     """The process that drives the one that computes: this one itself in a run without workers."""
-    return (
-        int(sys.argv[3])
-        if "studies.engine.workers.worker" in " ".join(sys.orig_argv)
-        else os.getpid()
-    )
+    line = (psutil.Process(), *psutil.Process().parents())
+    return next(one.pid for one in line if "studies.engine.workers.worker" not in one.cmdline())
 
 
 @dataclass(frozen=True)

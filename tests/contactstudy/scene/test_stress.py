@@ -220,7 +220,7 @@ def test_stress_not_asked_for_costs_nothing(
 ) -> None:
     """Asked for or not, a solve is the same to the last bit and the last transform."""
     modules = [
-        import_module(f"contactstudy.{name}") for name in ("elasticity.convolution", "scene.stress")
+        import_module(f"contactstudy.{name}") for name in ("elasticity.transforms", "scene.stress")
     ]
     inner, counted = modules[0].TRANSFORMS, {"forward": 0}
 

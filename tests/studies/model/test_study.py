@@ -67,7 +67,7 @@ def test_a_study_without_one_of_its_names_is_refused(study_file: Path, part: str
         (
             "xyz",
             "choose from accuracy, coating, creep, effects, friction, grid, images, kernels, padding, paper, "
-            "pareto, peers, period, roughness, solvers, speed, stability, wear",
+            "pareto, peers, period, plastic, roughness, solvers, speed, stability, wear",
         ),
         ("nowhere.py", "cannot be read"),
     ],

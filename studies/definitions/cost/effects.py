@@ -64,8 +64,14 @@ IN_TIME: dict[str, cs.Scene] = {
     "one step of wear": replace(WAVY, wear=cs.Wear(0.01 * A / SCENE.contact_modulus, 1.0)),
 }
 
+# Alone on the smooth cylinder, in plane strain: layers as thin as cells are wide need far more memory
+# than the contact, so that a part of the cells across has to do.
+YIELD, COARSER = "two steps of yield, 1-D", 4
+BODY = cs.ElasticPlasticHalfSpace(210e9, 0.3, yield_stress=0.4 * P_H, hardening_modulus=4.2e9)
+LOADED = cs.LoadHistory((0, 1, 2), (0, SCENE.load.largest / 2, SCENE.load.largest))
+
 points = (
-    Axis("effect", (*SCENES, *IN_TIME), "effect added last"),
+    Axis("effect", (*SCENES, *IN_TIME, YIELD), "effect added last"),
     Axis("grid", (512,), "cells across the width"),
 )
 
@@ -103,10 +109,14 @@ class LastStep(EvolutionCase):
         return super().record(replace(result, frames=result.frames[-1:]))
 
 
-def scene_at(point: Point) -> SolveWithOutputs | LastStep:
-    """A line contact, exactly periodic, with all effects up to the one named, or one step of one in time."""
-    effect = one_of("effect", point["effect"], SCENES | IN_TIME)
+def scene_at(point: Point) -> SolveWithOutputs | EvolutionCase:
+    """A line contact, exactly periodic, with all effects up to the one named, or steps of one in time."""
+    effect = one_of("effect", point["effect"], (*SCENES, *IN_TIME, YIELD))
     cells = whole("grid", point["grid"], 4, "give at least 4 cells across the width")
+    if effect == YIELD:
+        scene = replace(SCENE, load=LOADED, solids=(BODY, STEEL))
+        coarse = cs.Grid(cells=(max(cells // COARSER, 2), 1), extent=(WIDTH * A, PERIOD * A))
+        return EvolutionCase(scene, coarse, cs.ExactPeriodicity(), (1.0, 2.0), step_error="NONE")
     along = 1 if effect == "smooth, 1-D" else cells // 4
     grid = cs.Grid(cells=(cells, along), extent=(WIDTH * A, PERIOD * A))
     if effect in IN_TIME:

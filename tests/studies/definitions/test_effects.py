@@ -3,7 +3,7 @@ from pathlib import Path
 import numpy as np
 
 import contactstudy as cs
-from studies.definitions.cost.effects import SCENES, scene_at
+from studies.definitions.cost.effects import P_H, SCENES, YIELD, scene_at
 from studies.engine.run import run
 from studies.registry import load, load_drawing
 from studies.report import page as report
@@ -27,6 +27,16 @@ def test_every_scene_has_one_effect_more_than_the_one_before() -> None:
 
     # the last slides, and has no coating
     assert [effects(scene) for scene in SCENES.values()] == [1, 1, 2, 3, 4, 5, 6, 7, 7]
+
+
+def test_the_row_of_yield_yields_on_a_quarter_of_the_cells() -> None:
+    whole = scene_at({"effect": YIELD, "grid": 128})
+    assert whole.grid.cells == (32, 1)
+    half, full = whole.run(whole.prepare()).frames
+    # Hertz's peak is 1.77 and 2.5 times the yield stress: first yield is at 1.794
+    assert not (half.kept["equivalent0"] > 0).any()
+    assert (full.kept["equivalent0"] > 0).any()
+    assert full.highest_pressure < P_H
 
 
 def test_every_effect_counts_and_is_shown(tmp_path: Path) -> None:

@@ -5,13 +5,15 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from contactstudy.domain.devices.arrays import Array
-from studies.definitions.cost.effects import IN_TIME, PERIOD, WIDTH
+from studies.definitions.cost.effects import COARSER, IN_TIME, PERIOD, WIDTH, YIELD
 from studies.model.drawing import CaptionedFigure
 from studies.reference.line_contact import total_time
 from studies.report.formatting import percent
 from studies.report.style import add_legend, panels
 
 COLOR = "#0072B2"
+# Rows of scenes that have not all effects above them.
+ALONE = ("smooth", "one step", "two steps")
 
 
 def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
@@ -38,7 +40,7 @@ def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     ):
         ax.set_xlabel(label)
         ax.grid(visible=False, axis="y")
-    labels = [name if name.startswith(("smooth", "one step")) else f"+ {name}" for name in names]
+    labels = [name if name.startswith(ALONE) else f"+ {name}" for name in names]
     axes[0].set_yticks(place, labels)
     axes[0].invert_yaxis()
     add_legend(fig)
@@ -71,9 +73,15 @@ def _caption(dataset: xr.Dataset) -> str:
             "one for each of six components at each depth (here one depth), and as many again under shear. A coating "
             "costs set-up alone."
         )
+    if YIELD in dataset["effect"].values.tolist():
+        words += (
+            " Yield is alone on the smooth cylinder, in plane strain, one cell along and "
+            f"{cells // COARSER} across: the load comes in two steps, of which a solution of the contact is "
+            "sought together with the plastic strain, and all contacts on the way count."
+        )
     if set(IN_TIME) & set(dataset["effect"].values.tolist()):
         words += (
-            " The last rows are alone on the wavy cylinder, a sudden load and one step in time: iterations and "
+            " Creep and wear are alone on the wavy cylinder, a sudden load and one step in time: iterations and "
             "transform pairs are those of the step, which starts from the pressure before, while time "
             "and memory count both. A step adds at most one convolution to a solve."
         )

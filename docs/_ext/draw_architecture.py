@@ -3,6 +3,7 @@
 import ast
 from pathlib import Path
 
+from matplotlib import rc_context
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch, FancyBboxPatch
 
@@ -75,28 +76,37 @@ def draw() -> None:
         left, width = SIDES[package]
         for number, folder in enumerate(folders):
             place[folder] = (left + width * (number + 0.5) / len(folders), row)
-    for above, below in sorted(pairs):
-        ax.add_patch(
-            FancyArrowPatch(
-                place[above], place[below], arrowstyle="-|>", mutation_scale=10, shrinkA=14, shrinkB=14,
-                color="#777777", linewidth=0.8, connectionstyle="arc3,rad=0.05",
-            )
-        )  # fmt: skip
+    boxes = {}
     for folder, (x, y) in place.items():
         color = "#CFE3F5" if folder.startswith("contactstudy") else "#F7E0C3"
-        box = FancyBboxPatch(
+        boxes[folder] = FancyBboxPatch(
             (x - 0.055, y - 0.2),
             0.11,
             0.4,
             boxstyle="round,pad=0.01",
             facecolor=color,
             linewidth=0.6,
+            zorder=2,
         )
-        ax.add_patch(box)
-        ax.text(x, y, folder.replace("/", "/\n"), ha="center", va="center", fontsize=9)
+        ax.add_patch(boxes[folder])
+        ax.text(x, y, folder.replace("/", "/\n"), ha="center", va="center", fontsize=9, zorder=3)
+    for above, below in sorted(pairs):
+        arrow = FancyArrowPatch(
+            place[above],
+            place[below],
+            arrowstyle="-|>",
+            mutation_scale=10,
+            patchA=boxes[above],
+            patchB=boxes[below],
+            color="#777777",
+            linewidth=0.8,
+            connectionstyle="arc3,rad=0.05",
+        )
+        ax.add_patch(arrow)
     ax.set(xlim=(-0.02, 1.02), ylim=(-0.5, max(height.values()) + 0.5))
     ax.axis("off")
-    figure.savefig(ROOT / "docs" / "explanation" / "architecture.svg", metadata={"Date": None})
+    with rc_context({"svg.hashsalt": "architecture"}):  # the same file each time
+        figure.savefig(ROOT / "docs" / "explanation" / "architecture.svg", metadata={"Date": None})
 
 
 if __name__ == "__main__":

@@ -95,7 +95,7 @@ def shifted(trial: Array, total: float, most: float) -> Array:
     shift = float(bends[last]) + rest / bear
     del bends, bearing, borne
     # a second correction, for the rounding of a cumulative sum
-    shift += (total - float(xp.sum(xp.clip(below + shift, 0, most)))) / bear
+    shift += (total - float(xp.sum(xp.clip(below + shift, 0.0, most)))) / bear
     below += shift
-    trial[...] = xp.astype(xp.clip(below, 0, most), trial.dtype, copy=False)
+    trial[...] = xp.astype(xp.clip(below, 0.0, most), trial.dtype, copy=False)
     return trial

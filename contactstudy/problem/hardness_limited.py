@@ -50,7 +50,7 @@ class HardnessLimited:
 
     def clip(self, trial: Array) -> Array:
         """No tension, and nothing above the hardness."""
-        return change(trial, lambda some: arrays().clip(some, 0, self.hardness))
+        return change(trial, lambda some: arrays().clip(some, 0.0, self.hardness))
 
     def carrying(self, trial: Array, total: float) -> Array:
         """Scaled before it is cut off at the hardness, by the one factor that gives the sum ``total``."""

@@ -73,10 +73,11 @@ class PlasticMemory:
     ) -> tuple[Solution, State]:
         """Contact and plastic strain together, in volumes that are as large as what yields."""
         while True:
+            # first, since the state of a march that goes on may be in larger volumes than these
+            strains, equivalents = self._in_volumes(state)
             bodies = YieldingBodies(
                 tuple(self.operators), tuple(body.hardening for body in self.bodies)
             )
-            strains, equivalents = self._in_volumes(state)
             before, equivalent = bodies.joined(strains), bodies.joined(equivalents)
             found = settle(bodies, contact, self._tangent, before, equivalent, tolerance)
             if not self._grown(bodies.parted(found.flow)):

@@ -343,6 +343,31 @@ def test_a_march_goes_on_from_its_folder(tmp_path: Path) -> None:
         np.testing.assert_array_equal(first[name], second[name])
 
 
+def test_a_march_goes_on_in_the_volume_to_which_it_had_grown(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(yielding_volume, "SHARE", 2.0)
+    monkeypatch.setattr(yielding_volume, "ROOM", 0.0)
+    scene, grid = pressed(4, hardening=0.02), grid_of(4, 0.2, 4.8)
+    times = (0.0, 0.5, 0.75, 1.0)
+
+    def march(*, until: float, folder: Path | None) -> cs.Evolution:
+        def kill(time: float, end: float) -> None:
+            if time >= until:
+                raise KeyboardInterrupt
+
+        return cs.evolve(
+            scene, grid, EXACT, times=times, tolerance=1e-7, folder=folder, progress=kill
+        )
+
+    with pytest.raises(KeyboardInterrupt):
+        march(until=1.0, folder=tmp_path)
+    resumed, whole = march(until=np.inf, folder=tmp_path), march(until=np.inf, folder=None)
+    assert whole.frames[0].kept["strain0"].shape < whole.frames[1].kept["strain0"].shape
+    for one, other in zip(resumed.frames, whole.frames, strict=True):
+        np.testing.assert_array_equal(one.pressure, other.pressure)
+
+
 def test_what_does_not_settle_says_how_far_it_came(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(settle, "ITERATIONS", 2)
     found = cs.evolve(

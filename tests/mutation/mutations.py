@@ -75,8 +75,8 @@ KNOWN = (
     KnownMutation("contactstudy/scene/shapes/texture.py", "slope = 2 *", "slope = 1 *"),
     KnownMutation(
         "contactstudy/problem/hardness_limited.py",
-        "xp.max(gap[pressure > 0])",
-        "xp.min(gap[pressure > 0])",
+        ".max(height[pressure > 0])",
+        ".min(height[pressure > 0])",
     ),
     KnownMutation(
         "studies/reference/line_contact.py",

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.mutation.coverage_record import statement_in_function
-from tests.mutation.mutations import chosen, mutations
+from tests.mutation.mutations import KNOWN, chosen, mutations
 
 ROOT = Path(__file__).parents[2]
 
@@ -44,6 +44,11 @@ def test_a_hundred_changes_are_the_same_each_time_spread_over_modules_and_valid(
     for one in found:
         text = (ROOT / one.path).read_text(encoding="utf-8")
         assert ast.dump(ast.parse(one.applied(text))) != ast.dump(ast.parse(text)), one
+
+
+def test_every_listed_change_is_of_one_place_that_is_there() -> None:
+    for known in KNOWN:
+        assert known.found_in(ROOT).old != known.new
 
 
 def test_a_change_belongs_to_its_statement_in_a_function_and_else_to_the_module() -> None:

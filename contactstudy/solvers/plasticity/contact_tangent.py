@@ -10,6 +10,7 @@ from contactstudy.domain.precision import Precision
 from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.problem.operator import ApproximateInverse
 from contactstudy.problem.problem import Scales
+from contactstudy.solvers.plasticity.conjugate_gradients import conjugate_gradients
 from contactstudy.solvers.solution import Solution
 
 # A loose answer takes Newton's method no more iterations than an exact one.
@@ -42,23 +43,14 @@ class ContactTangent:
             return np.zeros_like(gap)
         real = self.bare.undeformed_gap.dtype
         rest = self._level(((gap / self.scales.gap) * self.cells).astype(real), count)
-        found = np.zeros_like(rest)
-        closing = self._closing(rest, count)
-        product = inner(rest, closing)
-        direction, enough = closing, TOLERANCE**2 * product
-        for _ in range(LONGEST):
-            if not product > enough:
-                break
-            response = self._level(self.bare.operator(direction) * self.cells, count)
-            curvature = inner(direction, response)
-            if not curvature > 0:
-                break
-            step = product / curvature
-            found += step * direction
-            rest -= step * response
-            closing = self._closing(rest, count)
-            last, product = product, inner(rest, closing)
-            direction = closing + (product / last) * direction
+        found = conjugate_gradients(
+            lambda field: self._level(self.bare.operator(field) * self.cells, count),
+            lambda field: self._closing(field, count),
+            inner,
+            rest,
+            TOLERANCE,
+            LONGEST,
+        )
         return np.asarray(found * self.scales.pressure, dtype=np.float64)
 
     def _closing(self, rest: Array, count: float) -> Array:

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from contactstudy.domain.devices.arrays import Array
-from contactstudy.solvers.plasticity.yield_law import Return
+from contactstudy.solvers.plasticity.conjugate_gradients import conjugate_gradients
+from contactstudy.solvers.plasticity.yield_law import ROOT, Return
 from contactstudy.solvers.plasticity.yielding_bodies import YieldingBodies
 from contactstudy.solvers.solution import Solution
 
@@ -102,7 +103,7 @@ def settle(
                 break
         point = ahead
         best, since = (point.error, 0) if point.error < best / 2 else (best, since + 1)
-    flow = (2 / 3) ** 0.5 * point.returned.amount
+    flow = ROOT * point.returned.amount
     found = point.solution, point.returned.strain, flow, point.error
     return Settled(*found, iterations, tuple(contacts))
 
@@ -138,7 +139,9 @@ def _newton_step(bodies: YieldingBodies, tangent: Tangent | None, point: _Point)
         return found
 
     forcing = max(min(LOOSE, point.error**0.5), TIGHT)
-    return step + _conjugate_gradients(bodies, product, precondition, wanted, forcing)
+    return step + conjugate_gradients(
+        product, precondition, bodies.inner, wanted, forcing, PRODUCTS
+    )
 
 
 def _relaxed(bodies: YieldingBodies, tangent: Tangent | None, strain: Array) -> Array:
@@ -147,31 +150,3 @@ def _relaxed(bodies: YieldingBodies, tangent: Tangent | None, strain: Array) -> 
         return bodies.stress_of_strain(strain)
     change = tangent(bodies.lift(strain))
     return bodies.stress_of_strain(strain) + bodies.stress_of_pressure(change)
-
-
-def _conjugate_gradients(
-    bodies: YieldingBodies,
-    product: Callable[[Array], Array],
-    precondition: Callable[[Array], Array],
-    wanted: Array,
-    forcing: float,
-) -> Array:
-    """In the inner product of volumes, until the residual has fallen to the share ``forcing``."""
-    found, rest = np.zeros_like(wanted), wanted
-    closing = precondition(rest)
-    direction, size = closing, bodies.inner(rest, closing)
-    enough = forcing**2 * size
-    for _ in range(PRODUCTS):
-        if not size > enough:
-            break
-        response = product(direction)
-        curvature = bodies.inner(direction, response)
-        if not curvature > 0:
-            break
-        length = size / curvature
-        found = found + length * direction
-        rest = rest - length * response
-        closing = precondition(rest)
-        last, size = size, bodies.inner(rest, closing)
-        direction = closing + (size / last) * direction
-    return found

@@ -5,7 +5,7 @@ import xarray as xr
 
 from contactstudy.domain.devices.arrays import Array
 from contactstudy.domain.version import VERSION
-from contactstudy.evolution.memories.plastic import COMPONENTS
+from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
 from contactstudy.evolution.passes.repeated_rolling import RepeatedRolling
 from contactstudy.io.dataset import X, scene_attribute
 from contactstudy.solvers.solution import Status

@@ -37,26 +37,14 @@ def joint_memory(
     if not any(getattr(body, "yields", False) for body in scene.solids):
         return None
     # here, for those who name such a body
-    from contactstudy.elasticity.eigenstrain.volume import Moduli
     from contactstudy.evolution.memories.plastic import PlasticMemory, YieldingBody
-    from contactstudy.scene.bodies.elastic_plastic import ElasticPlasticHalfSpace
-    from contactstudy.solvers.plasticity.yielding_bodies import Hardening
 
     paddings = problem.paddings
     assert paddings is not None
     across, along = paddings
-    if across.wraps or across.window is None or len(across.window) > 1 or along.window is not None:
+    if not problem.open_edges or along.window is not None:
         raise InvalidInput(
             f"evolve.padding is {across!r} across and {along!r} along: plastic strain is known below a surface "
             "that goes on across and repeats along, give ExactPeriodicity()."
         )
-    bodies = tuple(
-        YieldingBody(
-            place,
-            Moduli(body.youngs_modulus, body.poisson_ratio),
-            Hardening(body.yield_stress, body.hardening_modulus, body.kinematic_modulus),
-        )
-        for place, body in enumerate(scene.solids)
-        if isinstance(body, ElasticPlasticHalfSpace) and body.yields
-    )
-    return PlasticMemory(bodies, solved(problem), precision)
+    return PlasticMemory(YieldingBody.all_of(scene), solved(problem), precision)

@@ -11,16 +11,18 @@ from contactstudy.domain.devices.arrays import Array
 from contactstudy.domain.precision import Precision
 from contactstudy.elasticity.eigenstrain.plane_strain import PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import EigenstrainOperator, Moduli, Volume
+from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
 from contactstudy.evolution.memories.memory import Contact, State
 from contactstudy.evolution.memories.yielding_volume import both, first_volume, larger, spread
 from contactstudy.problem.derived import Field
 from contactstudy.problem.problem import Problem
+from contactstudy.scene.bodies.elastic_plastic import ElasticPlasticHalfSpace
+from contactstudy.scene.scene import Scene
 from contactstudy.solvers.plasticity.contact_tangent import ContactTangent
 from contactstudy.solvers.plasticity.settle import Settled, settle
+from contactstudy.solvers.plasticity.yield_law import ROOT
 from contactstudy.solvers.plasticity.yielding_bodies import Hardening, YieldingBodies
 from contactstudy.solvers.solution import Solution, Status
-
-COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
 
 
 @dataclass(frozen=True)
@@ -30,6 +32,19 @@ class YieldingBody:
     place: int
     moduli: Moduli
     hardening: Hardening
+
+    @classmethod
+    def all_of(cls, scene: Scene) -> "tuple[YieldingBody, ...]":
+        """Those of ``scene``."""
+        return tuple(
+            cls(
+                place,
+                Moduli(body.youngs_modulus, body.poisson_ratio),
+                Hardening(body.yield_stress, body.hardening_modulus, body.kinematic_modulus),
+            )
+            for place, body in enumerate(scene.solids)
+            if isinstance(body, ElasticPlasticHalfSpace) and body.yields
+        )
 
 
 @dataclass(eq=False)
@@ -53,9 +68,8 @@ class PlasticMemory:
 
             def share(volume: Volume, body: YieldingBody = body) -> Array:
                 stress = operator_on(volume, body.moduli).stress_of_pressure(self.elastic.pressure)
-                return np.asarray(
-                    np.sqrt(1.5 * (stress**2).sum(axis=0)) / body.hardening.yield_stress
-                )
+                size = np.sqrt((stress**2).sum(axis=0))
+                return np.asarray(size / (ROOT * body.hardening.yield_stress))
 
             volume = first_volume(problem.grid, self._length, self.elastic.pressure, share)
             self.operators.append(operator_on(volume, body.moduli))
@@ -118,7 +132,10 @@ class PlasticMemory:
             self._in_volumes(state)  # so that volumes hold all
         found: dict[str, Field] = {
             "component": Field(
-                ("component",), np.array(COMPONENTS), "1", "x across, y along, z into the body"
+                ("component",),
+                np.array(list(COMPONENTS)),
+                "1",
+                "x across, y along, z into the body",
             )
         }
         for number, body in enumerate(self.bodies):

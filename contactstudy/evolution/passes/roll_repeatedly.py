@@ -11,9 +11,9 @@ from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Padding, Paddings
 from contactstudy.domain.precision import Precision
 from contactstudy.elasticity.eigenstrain.plane_strain import PlaneStrainOperator
-from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
+from contactstudy.elasticity.eigenstrain.volume import Volume
 from contactstudy.evolution.march import SolverOptions, worst
-from contactstudy.evolution.memories.plastic import concluded
+from contactstudy.evolution.memories.plastic import YieldingBody, concluded
 from contactstudy.evolution.memories.yielding_volume import layers, spread
 from contactstudy.evolution.passes.contacts import (
     Contact,
@@ -24,11 +24,9 @@ from contactstudy.evolution.passes.contacts import (
 from contactstudy.evolution.passes.repeated_rolling import RepeatedRolling, RollingPass
 from contactstudy.evolution.passes.track import Track, padded
 from contactstudy.problem.problem import Problem
-from contactstudy.scene.bodies.elastic_plastic import ElasticPlasticHalfSpace
 from contactstudy.scene.bodies.solids import sudden
 from contactstudy.scene.loads.load import LineLoad
 from contactstudy.scene.scene import PosedScene, Scene
-from contactstudy.solvers.plasticity.yielding_bodies import Hardening
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import Solver
@@ -78,17 +76,16 @@ def roll_repeatedly(
     length, cell = problem.scales.length, grid.cell[0]
     options = SolverOptions(tolerance, max_iterations, solver, precision)
     volume = Volume(grid, 0, grid.cells[0], layers(grid, length, DEPTH * length))
-    operator = PlaneStrainOperator(volume, Moduli(body.youngs_modulus, body.poisson_ratio))
-    hardening = Hardening(body.yield_stress, body.hardening_modulus, body.kinematic_modulus)
+    operator = PlaneStrainOperator(volume, body.moduli)
     rolling = _Rolling(
         rolling_contact(problem, options, pressure),
         tolerance,
         length,
         lag=max(round(length / cell), 1),
         steps=None if distance is None else max(round(distance / cell), 1),
-        steady=steady * body.yield_stress / body.youngs_modulus,
+        steady=steady * body.hardening.yield_stress / body.moduli.youngs_modulus,
     )
-    track, pressed = rolling.step(Track.fresh(operator, hardening))
+    track, pressed = rolling.step(Track.fresh(operator, body.hardening))
     found: list[RollingPass] = []
     for _ in range(count):
         if found:
@@ -162,18 +159,14 @@ def _change(one: Array, other: Array) -> float:
     return float(np.abs(other - padded(one, other.shape[1])).max(initial=0.0))
 
 
-def _yielding(scene: Scene) -> ElasticPlasticHalfSpace:
+def _yielding(scene: Scene) -> YieldingBody:
     """The one body of ``scene`` that yields, where it is the only one that keeps anything."""
     if scene.wear is not None or not isinstance(scene.load, LineLoad):
         field = "Scene.load" if scene.wear is None else "Scene.wear"
         raise InvalidInput(
             f"{field} changes in time beside repeated rolling: leave it out or give a LineLoad."
         )
-    bodies = [
-        solid
-        for solid in scene.solids
-        if isinstance(solid, ElasticPlasticHalfSpace) and solid.yields
-    ]
+    bodies = YieldingBody.all_of(scene)
     if len(bodies) != 1:
         raise InvalidInput(
             f"Scene.solids are {scene.solids!r}: give one body that yields, an ElasticPlasticHalfSpace, and an "

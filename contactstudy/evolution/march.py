@@ -54,7 +54,9 @@ class SolverOptions:
     precision: Precision
 
     def solved(self, problem: Problem, start: Array | None = None, share: float = 1.0) -> Solution:
-        """``problem`` solved from a pressure (x, y) [Pa], to a ``share`` of the tolerance."""
+        """``problem`` solved from a pressure (x, y) [Pa], to a ``share`` of the tolerance; without load, as it is."""
+        if problem.resultant.uniform(1) == 0:
+            return unloaded(problem)
         return solve(
             problem,
             tolerance=share * self.tolerance,
@@ -63,6 +65,21 @@ class SolverOptions:
             precision=self.precision,
             start=start if start is not None and start.any() else None,
         )
+
+
+@dataclass(eq=False)
+class LoweredContact:
+    """The contact of ``problem`` over a surface that is lowered, solved from the pressure found ``last``."""
+
+    problem: Problem
+    options: SolverOptions
+    last: Array
+
+    def __call__(self, lift: Array) -> Solution:
+        """Over a surface that is lowered by ``lift`` (x, y) [m]."""
+        solution = self.options.solved(lowered(self.problem, lift), self.last, CLOSER)
+        self.last = solution.pressure
+        return solution
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,37 +162,21 @@ class March:
 
     def _stage(self, instant: Instant, step: Step) -> tuple[Instant, list[Solution]]:
         problem = self._problem_at_end(instant, step)
-        load = step.loads[1]
         joint: tuple[State, ...] = ()
         if self.joint is not None:
-            solution, state = self._settled(problem, instant, load)
+            contact = LoweredContact(problem, self.options, instant.pressure)
+            solution, state = self.joint.settled(
+                instant.states[-1], problem, contact, self.options.tolerance
+            )
             joint = (state,)
         else:
-            solution = (
-                unloaded(problem) if load == 0 else self.options.solved(problem, instant.pressure)
-            )
+            solution = self.options.solved(problem, instant.pressure)
         after = solution.pressure
         states = tuple(
             memory.advance(state, instant.pressure, after, step)
             for memory, state in zip(self.memories, instant.states, strict=False)
         )
-        return Instant(step.end, load, after, states + joint), [solution]
-
-    def _settled(self, problem: Problem, instant: Instant, load: float) -> tuple[Solution, State]:
-        """Of a contact whose surface is lowered by what is found together with its pressure."""
-        assert self.joint is not None
-        last = instant.pressure
-
-        def contact(lift: Array) -> Solution:
-            nonlocal last
-            lowered = replace(problem, undeformed_gap=problem.undeformed_gap + lift)
-            solution = (
-                unloaded(lowered) if load == 0 else self.options.solved(lowered, last, CLOSER)
-            )
-            last = solution.pressure
-            return solution
-
-        return self.joint.settled(instant.states[-1], problem, contact, self.options.tolerance)
+        return Instant(step.end, step.loads[1], after, states + joint), [solution]
 
     def _problem_at_end(self, instant: Instant, step: Step) -> Problem:
         contributions = [
@@ -244,6 +245,11 @@ class March:
             length, pressure = 1.0, ratio
         pressure = 2.0 ** round(log2(scales.pressure * pressure))
         return Scales(scales.length * length, pressure, scales.gap * ratio * softer)
+
+
+def lowered(problem: Problem, lift: Array) -> Problem:
+    """``problem`` with its surface lowered by ``lift`` (x, y) [m]."""
+    return replace(problem, undeformed_gap=problem.undeformed_gap + lift)
 
 
 def unloaded(problem: Problem) -> Solution:

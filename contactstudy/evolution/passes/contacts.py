@@ -5,7 +5,7 @@ from enum import Enum
 from typing import Protocol
 
 from contactstudy.domain.devices.arrays import Array
-from contactstudy.evolution.march import CLOSER, SolverOptions, unloaded
+from contactstudy.evolution.march import LoweredContact, SolverOptions, lowered, unloaded
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.plasticity.contact_tangent import ContactTangent
 from contactstudy.solvers.plasticity.settle import Tangent
@@ -31,20 +31,8 @@ class Contact(Protocol):
         ...
 
 
-@dataclass(eq=False)
-class SettledContact:
-    """That of ``problem``, solved from the pressure found last."""
-
-    problem: Problem
-    options: SolverOptions
-    last: Array
-
-    def __call__(self, lift: Array) -> Solution:
-        """The contact over the lowered surface."""
-        lowered = _lowered(self.problem, lift)
-        solution = self.options.solved(lowered, self.last, CLOSER)
-        self.last = solution.pressure
-        return solution
+class SettledContact(LoweredContact):
+    """One that is solved anew for every surface."""
 
     def tangent(self, solution: Solution) -> Tangent:
         """Of the same cells in contact."""
@@ -59,7 +47,7 @@ class FixedContact:
 
     def __call__(self, lift: Array) -> Solution:
         """The same pressure."""
-        return replace(self.solution, problem=_lowered(self.solution.problem, lift))
+        return replace(self.solution, problem=lowered(self.solution.problem, lift))
 
     def tangent(self, _: Solution) -> None:
         """None: the pressure does not change."""
@@ -76,7 +64,3 @@ def rolling_contact(problem: Problem, options: SolverOptions, kind: RollingPress
 def nothing(problem: Problem) -> FixedContact:
     """No pressure at all."""
     return FixedContact(unloaded(problem))
-
-
-def _lowered(problem: Problem, lift: Array) -> Problem:
-    return replace(problem, undeformed_gap=problem.undeformed_gap + lift)

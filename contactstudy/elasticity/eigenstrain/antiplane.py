@@ -8,10 +8,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy import fft
 
 from contactstudy.domain.devices.arrays import Array
+from contactstudy.elasticity.eigenstrain.layered import convolved, real_spectrum
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
+
+# Even in x, odd.
+ODD = 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,39 +26,25 @@ class AntiplaneOperator:
 
     def __call__(self, strain: Array) -> Array:
         """What ``strain`` takes from the stress (2, layers, x) [Pa]."""
-        layers, across, _ = self.volume.shape
-        waves = fft.rfft(strain, self._padded, axis=-1)
-        waves[1] *= -1j  # so that matrices are real
-        columns = np.ascontiguousarray(np.moveaxis(waves, -1, 0)).reshape(-1, 2 * layers, 1)
-        found = np.matmul(self._spectrum_and_own[0], columns.view(np.float64))
-        stress = np.moveaxis(found.view(np.complex128).reshape(-1, 2, layers), 0, -1)
-        stress[1] *= 1j
-        return np.asarray(fft.irfft(stress, self._padded, axis=-1)[..., :across])
+        return convolved(self._spectrum_and_own[0], strain, ODD)
 
     @property
     def self_blocks(self) -> Array:
         """(layers, 2, 2) [Pa]."""
         return self._spectrum_and_own[1]
 
-    @property
-    def _padded(self) -> int:
-        return int(fft.next_fast_len(2 * self.volume.shape[1], real=True))
-
     @cached_property
     def _spectrum_and_own(self) -> tuple[Array, Array]:
         """(waves, 2 layers, 2 layers), real, and the blocks of each layer's cells on themselves."""
         layers, across, _ = self.volume.shape
-        padded = self._padded
         edges = np.array(self.volume.edges) / self.volume.grid.cell[0]
         blocks = 2 * self.moduli.shear * influence(across, edges)
-        around = np.zeros((2, 2, layers, layers, padded))
-        around[..., :across] = blocks
-        around[..., padded - across + 1 :] = blocks[..., :0:-1]
-        around[[0, 1], [1, 0], ..., padded - across + 1 :] *= -1  # odd in x
-        waves = fft.rfft(around, axis=-1)
-        spectrum = waves.real.copy()
-        # an odd mean is -i times its sine transform; the factors of the components make it real
-        spectrum[1, 0], spectrum[0, 1] = waves[1, 0].imag, -waves[0, 1].imag
+        spectrum = np.array(
+            [
+                [real_spectrum(blocks[i, j], is_odd=(i == ODD, j == ODD)) for j in range(2)]
+                for i in range(2)
+            ]
+        )
         spectrum = spectrum.transpose(4, 0, 2, 1, 3).reshape(-1, 2 * layers, 2 * layers)
         every = np.arange(layers)
         return spectrum, np.moveaxis(blocks[:, :, every, every, 0], -1, 0)

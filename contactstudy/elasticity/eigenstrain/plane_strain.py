@@ -8,6 +8,7 @@ from scipy import fft
 
 from contactstudy.domain.devices.arrays import Array
 from contactstudy.elasticity.eigenstrain.airy import influence, pressed
+from contactstudy.elasticity.eigenstrain.layered import convolved, padded_cells, real_spectrum
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 
 # (xx - zz) / sqrt(2), (2 yy - xx - zz) / sqrt(6) and sqrt(2) xz, in terms of xx, yy, zz, yz, xz, xy.
@@ -114,19 +115,7 @@ class PlaneStrainOperator:
 
     def _taken(self, strain: Array) -> Array:
         """Minus the in-plane stress (3, layers, x, 1) [Pa] by ``strain``."""
-        layers, across, _ = self.volume.shape
-        padded = self._padded_box
-        waves = fft.rfft(self.in_plane(strain)[..., 0], padded, axis=-1)
-        waves[ODD] *= -1j  # so that matrices are real
-        columns = np.ascontiguousarray(np.moveaxis(waves, -1, 0)).reshape(-1, 3 * layers, 1)
-        found = np.matmul(self._strain_spectrum, columns.view(np.float64))
-        stress = np.moveaxis(found.view(np.complex128).reshape(-1, 3, layers), 0, -1)
-        stress[ODD] *= 1j
-        return np.asarray(fft.irfft(stress, padded, axis=-1)[..., :across, None])
-
-    @property
-    def _padded_box(self) -> int:
-        return int(fft.next_fast_len(2 * self.volume.shape[1], real=True))
+        return convolved(self._strain_spectrum, self.in_plane(strain)[..., 0], ODD)[..., None]
 
     @property
     def _padded_grid(self) -> int:
@@ -161,9 +150,8 @@ class PlaneStrainOperator:
     @cached_property
     def _spectrum_and_own(self) -> tuple[Array, Array]:
         layers, across, _ = self.volume.shape
-        padded = self._padded_box
         modulus = self.moduli.plane_strain
-        spectrum = np.empty((padded // 2 + 1, 3, layers, 3, layers))
+        spectrum = np.empty((padded_cells(across) // 2 + 1, 3, layers, 3, layers))
         own = np.empty((layers, 3, 3))
         for layer in range(layers):
             means = influence(across, self.edges_in_cells, layer)
@@ -171,12 +159,5 @@ class PlaneStrainOperator:
                 for j in range(3):
                     known = (modulus * FACTORS[i, j]) * means[DERIVATIVES[i][j]]
                     own[layer, i, j] = known[layer, 0]
-                    odd = (i == ODD) != (j == ODD)
-                    around = np.zeros((layers, padded))
-                    around[:, :across] = known
-                    around[:, padded - across + 1 :] = (-1 if odd else 1) * known[:, :0:-1]
-                    waves = fft.rfft(around, axis=-1)
-                    # an odd mean is -i times its sine transform; the factors of waves[ODD] make it real
-                    real = waves.real if not odd else (-1 if i == ODD else 1) * -waves.imag
-                    spectrum[:, i, layer, j] = real.T
+                    spectrum[:, i, layer, j] = real_spectrum(known, is_odd=(i == ODD, j == ODD)).T
         return spectrum.reshape(-1, 3 * layers, 3 * layers), own

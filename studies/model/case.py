@@ -106,6 +106,11 @@ def number(value: float, long_name: str) -> xr.Variable:
     return xr.Variable((), value, {"units": "1", "long_name": long_name})
 
 
+def contact_share(pressure: np.ndarray) -> xr.Variable:
+    """Of the cells of a grid, how many bear ``pressure`` (x, y)."""
+    return number(float((pressure > 0).mean()), "share of cells in contact")
+
+
 def flags(
     dims: Sequence[str], values: np.ndarray, meanings: Sequence[str], long_name: str
 ) -> xr.Variable:

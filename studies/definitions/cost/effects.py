@@ -13,7 +13,7 @@ from contactstudy.scene.friction import Sliding
 from studies.definitions.cost.peak_memory import peak_bytes
 from studies.definitions.evolution_case import EvolutionCase
 from studies.model.axis import Axis, one_of
-from studies.model.case import Case, Computation, number
+from studies.model.case import Case, Computation, contact_share
 from studies.model.study import Point
 from studies.reference.line_contact import FLATTENING, HERTZ, SCENE, STEEL
 
@@ -131,5 +131,5 @@ def measures(case: Computation, result: cs.Solution | cs.Evolution) -> Mapping[s
     label = {"units": "MB", "long_name": "peak memory of set-up, solve and outputs"}
     return {
         "memory": xr.Variable((), peak / 1e6, label),
-        "contact_share": number(float((pressure > 0).mean()), "share of cells in contact"),
+        "contact_share": contact_share(pressure),
     }

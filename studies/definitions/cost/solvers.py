@@ -10,7 +10,7 @@ import contactstudy as cs
 from contactstudy.domain.checks import whole
 from studies.definitions.cost.peak_memory import ENOUGH, peak_bytes
 from studies.model.axis import Axis, one_of
-from studies.model.case import Case, number
+from studies.model.case import Case, contact_share, number
 from studies.model.study import Point
 from studies.reference.line_contact import HERTZ, SCENE
 
@@ -54,7 +54,7 @@ def measures(case: Case, result: cs.Solution) -> Mapping[str, xr.Variable]:
     problem = few.prepare()
     peak = peak_bytes(lambda: few.run(problem))
     return {
-        "contact_share": number(float((result.pressure > 0).mean()), "share of cells in contact"),
+        "contact_share": contact_share(result.pressure),
         "memory": number(
             peak / (8 * prod(case.grid.cells)), "peak memory of a solve over that of one field"
         ),

@@ -17,7 +17,7 @@ from contactstudy.elasticity.transforms import transforms
 from studies.definitions.cost import solvers
 from studies.definitions.cost.peak_memory import ENOUGH, peak_bytes
 from studies.model.axis import Axis, one_of
-from studies.model.case import Case, number
+from studies.model.case import Case, contact_share, number
 from studies.model.study import Point
 from studies.reference.line_contact import HERTZ, SCENE
 
@@ -135,9 +135,7 @@ def measures(case: CaseOnDevice, result: Timed) -> Mapping[str, xr.Variable]:
     peak = peak_bytes(lambda: case.solved(problem, ENOUGH))
     pair = transform_seconds(problem.operator, case.case.precision, case.on)
     return {
-        "contact_share": number(
-            float((result.solution.pressure > 0).mean()), "share of cells in contact"
-        ),
+        "contact_share": contact_share(result.solution.pressure),
         "memory": number(
             peak / (8 * prod(problem.grid.cells)),
             "peak memory of a solve over that of one field in double precision",

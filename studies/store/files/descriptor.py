@@ -13,9 +13,8 @@ _fcntl: Any = import_module("fcntl") if find_spec("fcntl") else None
 _msvcrt: Any = None if _fcntl else import_module("msvcrt")
 # bytes as they are, not for processes that are started, no links, no waiting for a pipe; where there are such flags
 ALWAYS = sum(getattr(os, name, 0) for name in ("O_BINARY", "O_CLOEXEC", "O_NOFOLLOW", "O_NONBLOCK"))
-LOCKED = (
-    2**30
-)  # the byte that is locked on Windows: far beyond what is written, which stays readable
+# the byte that is locked on Windows: far beyond what is written, which stays readable
+LOCKED = 2**30
 LOOK = 0.1  # seconds between two tries of a lock on Windows
 
 

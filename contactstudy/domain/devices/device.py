@@ -1,7 +1,7 @@
 """Where a problem is solved: on cores of this machine, or wherever an array library keeps its arrays."""
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass
 from functools import cache
@@ -134,13 +134,10 @@ def fused() -> Any:
 def _compiled() -> Any:
     if find_spec("numba") is None:
         return None
-    try:
+    # either of a numba for another numpy, or without a folder to keep what is compiled
+    with suppress(ImportError, RuntimeError):
         return import_module("contactstudy.domain.devices.fused")
-    except (
-        ImportError,
-        RuntimeError,
-    ):  # a numba for another numpy, or no folder to keep what is compiled
-        return None
+    return None
 
 
 @contextmanager

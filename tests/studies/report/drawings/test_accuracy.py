@@ -6,6 +6,7 @@ import xarray as xr
 
 from studies.definitions.accuracy import KINDS, METRICS, UNKNOWN
 from studies.report.drawings.accuracy import figure, findings, tables
+from tests.studies.report.drawings.drawn import labelled, same
 
 
 @pytest.fixture
@@ -15,8 +16,8 @@ def made_up() -> xr.Dataset:
     bound = np.array([0.02, 0.04, 0.01, np.inf])
     data = {"kind": ("case", [0, 0, 1, 1]), "silent": ("case", [0, 0, 0, 0])}
     for metric in METRICS:
-        data[f"{metric}_error"] = ("case", error)
-        data[f"{metric}_bound"] = ("case", bound)
+        data[f"{metric}_error"] = ("case", error.copy())
+        data[f"{metric}_bound"] = ("case", bound.copy())
     data["mean_gap_error"] = ("case", np.full(4, UNKNOWN))
     return xr.Dataset(data, {"case": ["a", "b", "c", "d"]})
 
@@ -36,7 +37,30 @@ def test_the_finding_says_the_share_that_holds(made_up: xr.Dataset) -> None:
     assert "in the median 2 times too large, 1 without a bound" in finding.measured
 
 
-def test_the_figure_draws_what_has_a_bound(made_up: xr.Dataset) -> None:
-    (drawn,) = figure(made_up)
-    assert len(drawn.figure.axes) >= 3
+def test_the_figure_draws_the_bound_over_the_true_error_of_what_has_one(
+    made_up: xr.Dataset,
+) -> None:
+    made_up["l1_error"][0], made_up["l1_bound"][1] = 0.0, 0.0
+    [drawn] = figure(made_up)
+    of_l1, of_peak, _ = drawn.figure.axes
+    # an error of nothing, and a bound of nothing, at the left and at the lower end
+    first, second = (labelled(of_l1)[kind] for kind in KINDS[:2])
+    assert same(first, [1e-7, 0.01], [0.02, 1e-7])
+    assert same(second, [0.02], [0.01])
+    assert same(labelled(of_peak)[KINDS[0]], [0.01, 0.01], [0.02, 0.04])
+    x, y = labelled(of_l1)["bound = error"]
+    assert x.tolist() == y.tolist()
     assert "(1 of the highest pressure)" in drawn.caption
+
+
+def test_the_ratio_is_of_errors_that_are_known_and_not_nothing(made_up: xr.Dataset) -> None:
+    made_up["contact_area_error"][1], made_up["contact_area_error"][2] = UNKNOWN, 0.0
+    made_up["silent"][3] = 1
+    of_first, of_second = tables(made_up)[0].rows
+    # of two areas one is known, whose bound is twice the error; the other kind has an error of nothing and no bound
+    assert of_first[8:] == ("100.0 %", "2", "0")
+    assert of_second[8:] == ("100.0 %", "inf", "1")
+    [finding] = findings(made_up)
+    assert "contact area: 100.0 % bounded, in the median 2 times too large" in finding.measured
+    assert "1 bounds are missing without a reason" in finding.measured
+    assert tables(made_up)[1].rows[0] == ("c", "pressure in L1", "0.02", "0.01")

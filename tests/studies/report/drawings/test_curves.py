@@ -1,13 +1,12 @@
 """What the drawings of period, grid and kernels plot of numbers that are written here, and their laws by hand."""
 
 import numpy as np
-import pytest
 import xarray as xr
-from matplotlib.axes import Axes
 
 from studies.model.outcome import CaseStatus
 from studies.registry import load_drawing
 from studies.report.formatting import percent
+from tests.studies.report.drawings.drawn import curves, numbered, panels, same
 
 PADDINGS = ["zero", "duplicated", "superposed", "circular", "exact"]
 IMAGES, PERIODS, CELLS = np.array([1, 6]), np.array([0.6, 2.4, 4.8]), np.array([16, 32, 64])
@@ -15,28 +14,7 @@ AXES = ("padding", "images", "period", "grid")
 
 
 def swept(*variables: str) -> xr.Dataset:
-    """Every number is another one."""
-    shape = len(PADDINGS), len(IMAGES), len(PERIODS), len(CELLS)
-    count = int(np.prod(shape))
-    return xr.Dataset(
-        {
-            name: (AXES, 1e-4 * (1 + np.arange(n * count, (n + 1) * count)).reshape(shape))
-            for n, name in enumerate(variables)
-        },
-        coords=dict(zip(AXES, (PADDINGS, IMAGES, PERIODS, CELLS), strict=True)),
-    )
-
-
-def panels(name: str, dataset: xr.Dataset, figure: int = 0) -> list[Axes]:
-    return load_drawing(name).figure(dataset)[figure].figure.axes
-
-
-def curves(ax: Axes) -> list[np.ndarray]:
-    return [np.asarray(line.get_xydata()).T for line in ax.lines]
-
-
-def same(found: np.ndarray, x: object, y: object) -> bool:
-    return bool(found == pytest.approx(np.array([x, y], dtype=float), rel=1e-9))
+    return numbered(dict(zip(AXES, (PADDINGS, IMAGES, PERIODS, CELLS), strict=True)), *variables)
 
 
 def test_errors_stand_over_the_period_beside_the_law_of_windows_beyond_the_contact() -> None:

@@ -1,0 +1,82 @@
+"""What a drawing plots and says, for tests that compare it with numbers written by hand."""
+
+from collections.abc import Mapping, Sequence
+from math import prod
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.axes import Axes
+
+from studies.model.finding import Row
+from studies.registry import load_drawing
+
+
+def numbered(axes: Mapping[str, Sequence[object]], *variables: str) -> xr.Dataset:
+    """Variables over all the axes; every number is another one."""
+    shape = tuple(len(values) for values in axes.values())
+    count = prod(shape)
+    return xr.Dataset(
+        {
+            name: (
+                tuple(axes),
+                1e-4 * (1 + np.arange(n * count, (n + 1) * count)).reshape(shape),
+            )
+            for n, name in enumerate(variables)
+        },
+        coords={name: list(values) for name, values in axes.items()},
+    )
+
+
+def panels(name: str, dataset: xr.Dataset, figure: int = 0) -> list[Axes]:
+    return load_drawing(name).figure(dataset)[figure].figure.axes
+
+
+def curves(ax: Axes) -> list[np.ndarray]:
+    """x and y of every line, in the order in which they are drawn."""
+    return [np.asarray(line.get_xydata(), dtype=float).T for line in ax.lines]
+
+
+def labelled(ax: Axes) -> dict[str, np.ndarray]:
+    """x and y of the lines that have a label."""
+    return {
+        str(line.get_label()): np.asarray(line.get_xydata(), dtype=float).T
+        for line in ax.lines
+        if not str(line.get_label()).startswith("_")
+    }
+
+
+def bands(ax: Axes) -> list[np.ndarray]:
+    """Lowest and highest y of every filled area, at each of its x."""
+    found = []
+    for area in ax.collections:
+        points = np.concatenate([np.asarray(path.vertices) for path in area.get_paths()])
+        ends = [points[points[:, 0] == x, 1] for x in np.unique(points[:, 0])]
+        found.append(np.array([[some.min() for some in ends], [some.max() for some in ends]]))
+    return found
+
+
+def same(found: object, x: object, y: object) -> bool:
+    """Whether a line has these x and y, to rounding."""
+    wanted = np.array([x, y], dtype=float)
+    return bool(np.shape(found) == wanted.shape and found == pytest.approx(wanted, rel=1e-9))
+
+
+def words(text: str) -> str:
+    """A text with spaces that may break."""
+    return text.replace("\u00a0", " ")
+
+
+def caption(name: str, dataset: xr.Dataset, figure: int = 0) -> str:
+    return words(load_drawing(name).figure(dataset)[figure].caption)
+
+
+def findings(name: str, dataset: xr.Dataset) -> list[str]:
+    """Claim and measurement of each."""
+    return [words(f"{one.claim} {one.measured}") for one in load_drawing(name).findings(dataset)]
+
+
+def rows(name: str, dataset: xr.Dataset, table: int = 0) -> list[Row]:
+    return [
+        tuple(words(cell) for cell in row) for row in load_drawing(name).tables(dataset)[table].rows
+    ]

@@ -1,7 +1,8 @@
 """What a drawing plots and says, for tests that compare it with numbers written by hand."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from math import prod
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from studies.model.finding import Row
 from studies.registry import load_drawing
 
 
-def numbered(axes: Mapping[str, Sequence[object]], *variables: str) -> xr.Dataset:
+def numbered(axes: Mapping[str, Any], *variables: str) -> xr.Dataset:
     """Variables over all the axes; every number is another one."""
     shape = tuple(len(values) for values in axes.values())
     count = prod(shape)

@@ -1,0 +1,138 @@
+"""What the figures of any study plot of numbers that are written here."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from contactstudy import InvalidInput
+from studies.model.outcome import CaseStatus
+from studies.report.default_drawing import curves, maps
+from tests.studies.report.drawings.drawn import labelled, numbered, same
+
+LOADS, RMS = [1e4, 2e4, 5e4, 2e5], [1e-7, 2e-7, 3e-7]
+
+
+def swept(axes: dict[str, Any]) -> xr.Dataset:
+    """A share, a pressure [Pa], an approach [m] and a time [s]; the first case failed."""
+    dataset = numbered(axes, "contact_share", "peak_pressure", "approach", "solve_time")
+    dataset["contact_share"] **= 2
+    dataset["peak_pressure"] = 1e10 * dataset["peak_pressure"]
+    dataset["approach"] = 1e-3 * dataset["approach"]
+    for name, units in (("contact_share", "1"), ("peak_pressure", "Pa"), ("approach", "m")):
+        dataset[name].attrs |= {"units": units, "long_name": name.replace("_", " ")}
+    if "load_per_length" in axes:
+        dataset["load_per_length"].attrs |= {"units": "N m-1", "long_name": "load, per length"}
+    if "rms" in axes:
+        dataset["rms"].attrs |= {"units": "m", "long_name": "rms height"}
+    status = np.full(tuple(map(len, axes.values())), CaseStatus.OK)
+    status.flat[0] = CaseStatus.FAILED
+    dataset["case_status"] = tuple(axes), status
+    return dataset.assign_attrs(title="Rough contact")
+
+
+def test_measures_stand_over_the_load_in_units_in_which_they_are_short() -> None:
+    dataset = swept({"rms": RMS, "load_per_length": LOADS})
+    [drawn] = curves(dataset)
+    share, pressure, approach = drawn.figure.axes
+    good = dataset.where(dataset["case_status"] == CaseStatus.OK)
+    # N/mm, and nm in the legend; the largest pressure is 24e6 Pa, the largest approach 3.6e-6 m
+    for ax, name, unit in (
+        (share, "contact_share", 1.0), (pressure, "peak_pressure", 1e6), (approach, "approach", 1e-6),
+    ):  # fmt: skip
+        lines = labelled(ax)
+        assert list(lines) == [f"rms height {height} nm" for height in (100, 200, 300)]
+        for line, height in zip(lines.values(), RMS, strict=True):
+            x, y = line
+            assert x == pytest.approx([10, 20, 50, 200])
+            np.testing.assert_allclose(y, good[name].sel(rms=height) / unit, rtol=1e-12)
+    labels = [ax.get_ylabel() for ax in (share, pressure, approach)]
+    assert labels == ["contact share", "peak pressure [MPa]", "approach [µm]"]
+    assert share.get_xlabel() == "load, per length [N/mm]"
+    # twenty times the least load is more than a decade; so is the share, but not the pressure of 13 to 24
+    scales = [(ax.get_xscale(), ax.get_yscale()) for ax in (share, pressure, approach)]
+    assert scales == [("log", "log"), ("log", "linear"), ("log", "linear")]
+    assert (drawn.name, drawn.caption) == ("curves", "Rough contact.")
+
+
+def test_a_third_axis_has_a_figure_for_each_value_and_says_it() -> None:
+    axes = {"rms": RMS, "load_per_length": LOADS, "padding": ["exact", "zero"]}
+    dataset = swept(axes)
+    first, second = curves(dataset)
+    assert (first.name, second.name) == ("curves-1", "curves-2")
+    assert second.caption == "Rough contact; padding zero."
+    shown = labelled(second.figure.axes[1])["rms height 200 nm"]
+    stored = dataset["peak_pressure"].sel(padding="zero", rms=2e-7)
+    assert same(shown, [10, 20, 50, 200], stored / 1e6)
+
+
+def test_the_load_and_the_longest_axis_are_drawn_and_at_most_twelve_figures_of_the_others() -> None:
+    many = numbered({"seed": range(20), "load_per_length": LOADS, "height": range(13)}, "approach")
+    many["case_status"] = many["approach"].dims, np.full((20, 4, 13), CaseStatus.OK)
+    drawn = curves(many)
+    assert [one.caption for one in drawn] == [f"Study; height {n}." for n in range(12)]
+    ax = drawn[1].figure.axes[0]
+    assert list(labelled(ax)) == ["each seed", "mean"]
+    assert same(labelled(ax)["mean"], LOADS, many["approach"].sel(height=1).mean("seed"))
+
+
+def test_of_many_lines_the_mean_stands_out() -> None:
+    axes = {"seed": range(9), "load_per_length": LOADS}
+    dataset = numbered(axes, "contact_share")
+    dataset["case_status"] = tuple(axes), np.full((9, 4), CaseStatus.OK)
+    [ax] = curves(dataset)[0].figure.axes
+    assert list(labelled(ax)) == ["each seed", "mean"]
+    assert same(labelled(ax)["mean"], LOADS, dataset["contact_share"].mean("seed"))
+    eight = dataset.isel(seed=slice(8))
+    assert len(labelled(curves(eight)[0].figure.axes[0])) == 8
+
+
+def test_names_stand_side_by_side_and_one_case_is_a_point() -> None:
+    named = swept({"padding": ["exact", "duplicated", "zero"]})
+    [drawn] = curves(named)
+    for ax, name, unit in zip(
+        drawn.figure.axes, ("contact_share", "peak_pressure", "approach"), (1.0, 1e6, 1e-9), strict=True
+    ):  # fmt: skip
+        x, y = np.asarray(ax.lines[0].get_xydata(), dtype=float).T
+        assert x.tolist() == [0, 1, 2]
+        np.testing.assert_allclose(y[1:], named[name][1:] / unit)
+        assert [text.get_text() for text in ax.get_xticklabels()] == ["exact", "duplicated", "zero"]
+    one = numbered({"grid": [32]}, "approach").isel(grid=0, drop=True)
+    one["approach"].attrs["units"] = "m"
+    one["case_status"] = (), CaseStatus.OK
+    [ax] = curves(one)[0].figure.axes
+    assert same(np.asarray(ax.lines[0].get_xydata()).T, [0], [100])
+    assert ax.get_ylabel() == "approach [µm]"
+
+
+def test_maps_show_a_measure_over_two_axes() -> None:
+    dataset = swept({"rms": RMS, "load_per_length": LOADS})
+    [drawn] = maps(dataset)
+    plane = drawn.figure.axes[1]
+    [mesh] = plane.collections
+    good = dataset["peak_pressure"].where(dataset["case_status"] == CaseStatus.OK) / 1e6
+    shown = np.ma.filled(mesh.get_array(), np.nan)  # type: ignore[attr-defined]
+    np.testing.assert_allclose(shown, good.transpose("rms", "load_per_length"))
+    assert (plane.get_xlabel(), plane.get_ylabel()) == (
+        "load, per length [N/mm]",
+        "rms height [nm]",
+    )
+    assert (plane.get_xscale(), plane.get_yscale()) == ("log", "linear")
+    assert plane.get_title() == "peak pressure [MPa]"
+    assert drawn.name == "maps"
+    # a row of names is no map
+    named = swept({"padding": ["exact", "zero"], "load_per_length": LOADS})
+    assert maps(named)[0].name == "curves"
+
+
+def test_times_are_drawn_where_there_is_nothing_else_and_without_measures_nothing() -> None:
+    dataset = swept({"load_per_length": LOADS})
+    other = dataset.drop_vars(["contact_share", "peak_pressure", "approach"])
+    [ax] = curves(other)[0].figure.axes
+    x, y = np.asarray(ax.lines[0].get_xydata(), dtype=float).T
+    assert x == pytest.approx([10, 20, 50, 200])
+    np.testing.assert_allclose(y[1:], other["solve_time"][1:])
+    assert np.isnan(y[0])
+    with pytest.raises(InvalidInput, match="no measure to draw"):
+        curves(other.drop_vars("solve_time"))

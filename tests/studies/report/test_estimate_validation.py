@@ -6,6 +6,7 @@ import xarray as xr
 
 from studies.report import estimate_validation
 from studies.store.netcdf import read
+from tests.studies.report.drawings.drawn import labelled, same
 
 
 @pytest.fixture
@@ -41,4 +42,32 @@ def test_only_sweeps_with_an_estimate_are_compared(small_run: Path, made_up: xr.
     assert (
         estimate_validation.figure({"padding": sweep}).figure.axes[0].get_title()
         == "highest pressure"
+    )
+
+
+def test_the_figure_and_the_table_are_of_bound_over_error_and_what_it_is_made_of(
+    made_up: xr.Dataset,
+) -> None:
+    """One kind of error alone; its bounds are 1, 2, 3 and 12 times the error, and in parts 1 : 2 : 5 of eight."""
+    error = np.array([[0.1, -0.2], [0.3, 0.4]])
+    bound = abs(error) * [[1, 2], [3, 12]]
+    for name, (truth, _) in estimate_validation.ESTIMATES.items():
+        made_up[truth] = ("padding", "images"), error
+        made_up[name] = ("padding", "images"), bound
+        for cause, eighths in zip(estimate_validation.CAUSES, (1, 2, 5), strict=True):
+            made_up[f"{name}_{cause}"] = ("padding", "images"), bound * eighths / 8
+    ax = estimate_validation.figure({"one": made_up}).figure.axes[1]
+    shown = labelled(ax)
+    assert same(shown["exact"], [0.1, 0.2], [0.1, 0.4])
+    assert same(shown["circular"], [0.3, 0.4], [0.9, 4.8])
+    assert same(shown["estimate = error"], [0.1, 0.4], [0.1, 0.4])
+    assert same(shown["5 times the error"], [0.1, 0.4], [0.5, 2.0])
+    exact, circular = estimate_validation.table({"one": made_up}).rows[2:]
+    # quantiles of 0.9 between two values
+    assert exact == ("pressure in L1", "exact", "2", "100 %", "1.5", "1.9", "12 %", "25 %", "62 %")
+    assert circular[4:6] == ("7.5", "11")
+    said = estimate_validation.finding({"one": made_up})
+    assert said.claim == "The error estimate bounds the true error in 100 % of 4 cases."
+    assert (
+        "highest pressure by a factor of 2.5 and pressure in L1 by a factor of 2.5" in said.measured
     )

@@ -1,0 +1,59 @@
+"""The memory that is left, of what the system, a container and the process say."""
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from contactstudy.domain import memory
+
+
+def test_the_least_of_three_counts_and_nothing_is_less_than_none(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    for amounts, wanted in (
+        ((3.0, 2.0, 4.0), 2.0),
+        ((1.0, 2.0, 4.0), 1.0),
+        ((3.0, -2.0, 4.0), 0.0),
+    ):
+        for name, amount in zip(
+            ("_of_system", "_of_container", "_of_process"), amounts, strict=True
+        ):
+            monkeypatch.setattr(memory, name, lambda amount=amount: amount)
+        assert memory.available_bytes() == wanted
+
+
+def test_linux_says_kibibytes_and_swap_counts(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said = tmp_path / "meminfo"
+    said.write_text("MemFree: 1 kB\nMemAvailable:  300 kB\nSwapFree: 50 kB\n")
+    monkeypatch.setattr(memory, "Path", lambda _: said)
+    assert memory._of_system() == 350 * 1024
+
+
+def test_a_container_has_its_limit_less_what_it_uses(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(memory, "CGROUP", tmp_path)
+    assert memory._of_container() == float("inf")
+    (tmp_path / "memory.max").write_text("1000\n")
+    (tmp_path / "memory.current").write_text("300\n")
+    assert memory._of_container() == 700
+    (tmp_path / "memory.max").write_text("max\n")
+    assert memory._of_container() == float("inf")
+
+
+def test_a_process_has_its_limit_less_its_pages(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    resource = SimpleNamespace(
+        RLIMIT_AS=9, RLIM_INFINITY=-1, getrlimit=lambda _: (10_000, -1), getpagesize=lambda: 100
+    )
+    said = tmp_path / "statm"
+    said.write_text("30 7 5")
+    monkeypatch.setattr(memory, "import_module", lambda _: resource)
+    monkeypatch.setattr(memory, "Path", lambda _: said)
+    assert memory._of_process() == 7000
+    resource.getrlimit = lambda _: (-1, -1)
+    assert memory._of_process() == float("inf")

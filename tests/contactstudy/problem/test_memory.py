@@ -48,5 +48,7 @@ def test_on_a_device_the_library_s_room_counts_twice(line_contact: LineContact) 
     device: Any = SimpleNamespace(available_bytes=needed)
     memory.refuse_on(device, operator, cs.Precision.DOUBLE)
     device.available_bytes = needed - 1
-    with pytest.raises(cs.InvalidInput, match=r"the solve needs 0\.00018 GB and it has 0\.00018 GB"):
+    with pytest.raises(
+        cs.InvalidInput, match=r"the solve needs 0\.00018 GB and it has 0\.00018 GB"
+    ):
         memory.refuse_on(device, operator, cs.Precision.DOUBLE)

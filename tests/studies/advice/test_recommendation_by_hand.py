@@ -1,0 +1,169 @@
+"""What is tried, expected and chosen, by hand."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from math import inf
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+import contactstudy as cs
+from contactstudy.accuracy.estimate import ErrorParts
+from contactstudy.accuracy.metric import Edges, Metric
+from contactstudy.accuracy.truncation import expected_truncation
+from contactstudy.planning.pilot import Forecast
+from studies.advice.recommendation import (
+    Limits,
+    RoughContact,
+    Setting,
+    SmoothContact,
+    candidates,
+    choose,
+)
+
+EXACT = cs.ExactPeriodicity()
+GRID = cs.Grid((64, 32), (4.0, 2.0))
+
+
+def setting(mode: str, error: float, seconds: float, size: int = 100) -> Setting:
+    parts = ErrorParts(0.0, error, 0.0)
+    return Setting(mode, EXACT, GRID, 1e-8, Edges.AS_SOLVED, parts, seconds, size)
+
+
+def test_of_what_meets_the_error_the_quickest_is_best_and_then_the_more_accurate() -> None:
+    quick, quicker = setting("a", 0.009, 2.0), setting("a", 0.001, 2.0)
+    other, dear = setting("b", 0.01, 3.0), setting("b", 1e-6, 4.0)
+    wrong = setting("c", 0.011, 1.0)
+    found = choose([dear, other, quick, quicker, wrong], Limits(0.01))
+    assert (found.best, found.runner_up) == (quicker, other)
+    assert found.meets
+    assert found.affordable
+    assert choose([quick, quicker], Limits(0.01)).runner_up is None
+
+
+def test_limits_of_memory_and_time_may_be_met_exactly() -> None:
+    one, large, slow = (
+        setting("a", 0.01, 2.0),
+        setting("b", 1e-3, 1.0, 101),
+        setting("c", 1e-3, 2.1),
+    )
+    found = choose([one, large, slow], Limits(0.01, memory=100, seconds=2.0))
+    assert (found.best, found.runner_up, found.meets) == (one, None, True)
+
+
+def test_of_what_misses_the_error_the_most_accurate_to_two_digits_is_best() -> None:
+    # 0.021 and 0.0214 are alike; 0.0216 is 0.022
+    near, nearer, far = (
+        setting("a", 0.0214, 1.0),
+        setting("b", 0.021, 2.0),
+        setting("c", 0.0216, 0.1),
+    )
+    found = choose([far, nearer, near], Limits(0.01))
+    assert (found.best, found.runner_up) == (near, nearer)
+    assert (found.meets, found.affordable) == (False, True)
+    none = choose([far, nearer, near], Limits(0.01, seconds=0.05))
+    assert none.best == far
+    assert (none.meets, none.affordable) == (False, False)
+
+
+class Known:
+    """A contact of one way, whose cells leave 0.004 and whose solver leaves a tenth of the root of its tolerance."""
+
+    iterations = 30.0
+    tolerances = (1e-4, 1e-6, 1e-8)
+
+    def __init__(self, cells: float = 0.004, grid: cs.Grid = GRID) -> None:
+        self.cells, self.grid = cells, grid
+
+    def ways(self, _: Limits) -> Iterator[tuple[cs.Grid, cs.Padding, Edges]]:
+        yield self.grid, EXACT, Edges.AS_SOLVED
+
+    def error(self, *words: Any) -> ErrorParts:
+        return ErrorParts(0.001, self.cells, 0.1 * words[-1] ** 0.5)
+
+
+COSTS: Any = SimpleNamespace(seconds=lambda grid, padding, tolerance, times: times / tolerance)
+
+
+@pytest.mark.parametrize(
+    ("error", "tolerance"),
+    [(0.1, 1e-4), (0.0052, 1e-6), (0.0051, 1e-6), (0.00502, 1e-8), (0.001, 1e-8)],
+)
+def test_the_largest_tolerance_that_keeps_to_the_error_is_taken(
+    error: float, tolerance: float
+) -> None:
+    """0.005, and 1e-3, 1e-4 and 1e-5 by the solver."""
+    [found] = candidates(Known(), Limits(error), COSTS)  # type: ignore[arg-type]
+    assert found.tolerance == tolerance
+    assert found.error.total == pytest.approx(0.005 + 0.1 * tolerance**0.5)
+    assert found.seconds == 30 / tolerance
+
+
+def test_what_has_no_error_or_too_many_cells_is_no_candidate() -> None:
+    assert not [*candidates(Known(inf), Limits(0.1), COSTS)]  # type: ignore[arg-type]
+    large = cs.Grid((2**13, 2**13), (1.0, 1.0))
+    assert len([*candidates(Known(grid=large), Limits(0.1), COSTS)]) == 1  # type: ignore[arg-type]
+    larger = cs.Grid((2**13, 2**13 + 1), (1.0, 1.0))
+    assert not [*candidates(Known(grid=larger), Limits(0.1), COSTS)]  # type: ignore[arg-type]
+
+
+def test_a_smooth_contact_is_tried_with_every_mode_and_edges_in_l1_alone() -> None:
+    contact = SmoothContact(0.5, 3.0, ("line", "circular", "zero"), (32, 40), (1, 2), (1e-6,))
+    ways = [*contact.ways(Limits(0.1))]
+    # two grids of one cell along, two n by two grids, two grids; each with two treatments of the edges
+    assert len(ways) == 2 * (2 + 4 + 2)
+    assert {grid.cells for grid, _, _ in ways} == {(32, 1), (40, 1), (32, 32), (40, 40)}
+    # a fifth more than the contact
+    for grid, _, _ in ways:
+        assert grid.extent == pytest.approx((1.2, 3.0))
+    assert ways[0][1] == EXACT
+    assert len([*contact.ways(Limits(0.1, Metric.HALF_WIDTH))]) == 8
+
+
+NEEDS = SimpleNamespace(roller=False, varies=True, half_width=0.3, padding=lambda: EXACT)
+PLANNED = Forecast(GRID, 0.01, 1.0, cut_off=False, said="", seconds=1.0)
+
+
+def test_a_rough_contact_is_tried_on_the_plan_s_grid_on_finer_ones_and_on_those_that_miss() -> None:
+    contact: Any = RoughContact(NEEDS, PLANNED)  # type: ignore[arg-type]
+    ways = [*contact.ways(Limits(0.02))]
+    grids = [*dict.fromkeys(grid.cells[0] for grid, _, _ in ways)]
+    # 0.01 over shares of 0.02: 0.019, 0.016, 0.01, 0.04 and so on; of the coarser ones those beyond 0.02
+    assert grids[0] == 64
+    wanted = [PLANNED.grid_for(0.02 * share) for share in (0.95, 0.8, 0.5, 2.0, 5.0, 20.0, 100.0)]
+    kept = [one for one in wanted if one.cells[0] > 64 or PLANNED.error_of(one.cell) > 0.02]
+    assert [grid for grid in grids[1:] if grid != 64] == [
+        *dict.fromkeys(one.cells[0] for one in kept if one.cells[0] != 64)
+    ]
+    # every padding, those that count images with thirteen n
+    of_plan = [padding for grid, padding, _ in ways if grid == GRID]
+    assert len(of_plan) % (2 * 13 + 3) == 0
+    strict = [*contact.ways(Limits(0.005))]
+    assert max(grid.cells[0] for grid, _, _ in strict) > 128
+
+
+def test_a_roller_has_one_padding_and_a_plan_without_an_error_one_grid() -> None:
+    roller: Any = RoughContact(SimpleNamespace(**(vars(NEEDS) | {"roller": True})), PLANNED)  # type: ignore[arg-type]
+    assert {padding for _, padding, _ in roller.ways(Limits(0.02))} == {EXACT}
+    uniform: Any = RoughContact(SimpleNamespace(**(vars(NEEDS) | {"varies": False})), PLANNED)  # type: ignore[arg-type]
+    assert {padding for _, padding, _ in uniform.ways(Limits(0.02))} == {EXACT}
+    for error in (0.0, inf):
+        unknown: Any = RoughContact(NEEDS, replace(PLANNED, error=error))  # type: ignore[arg-type]
+        assert {grid for grid, _, _ in unknown.ways(Limits(0.02))} == {GRID}
+    little: Any = RoughContact(NEEDS, replace(PLANNED, error=0.5))  # type: ignore[arg-type]
+    assert len({grid for grid, _, _ in little.ways(Limits(0.02))}) > 1
+
+
+def test_a_rough_contact_s_error_is_that_of_the_window_of_the_plan_s_cells_and_of_the_solver() -> (
+    None
+):
+    contact: Any = RoughContact(NEEDS, PLANNED)  # type: ignore[arg-type]
+    padding = cs.CircularSuperposition(2)
+    found = contact.error(Limits(0.02), GRID, padding, Edges.AS_SOLVED, 1e-5)
+    assert found.truncation == expected_truncation(0.3, GRID, padding).l1 > 0
+    assert found.discretisation == pytest.approx(0.01)
+    assert found.residual == pytest.approx(20e-5)
+    assert contact.error(Limits(0.02), GRID, padding, Edges.AS_SOLVED, 2e-5).residual == inf
+    free = cs.ZeroPadding(), cs.ZeroPadding()
+    assert contact.error(Limits(0.02), GRID, free, Edges.AS_SOLVED, 1e-6).truncation == 0

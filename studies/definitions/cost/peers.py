@@ -26,7 +26,7 @@ PADDINGS: dict[str, cs.Paddings] = {
     "free": (FREE, FREE),
     "periodic": (EXACT, EXACT),
 }
-# a cylinder, a sphere of the same contact size, and a rough flat with half its area in contact
+# a cylinder, a sphere whose contact fills the grid but for its corners, and a rough flat with a seventh in contact
 SHAPES: dict[str, cs.Shape] = {
     "semi-periodic": cs.Cylinder(0.01),
     "free": cs.Sphere(0.02),

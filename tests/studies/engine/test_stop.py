@@ -1,0 +1,75 @@
+"""What a run makes of signals that ask it to stop."""
+
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from studies.engine.stop import Stop, end_like
+from studies.engine.workers.compute import StopRun
+from tests.studies.conftest import POSIX
+
+pytestmark = POSIX
+ROOT = Path(__file__).parents[3]
+
+
+def test_a_signal_is_taken_note_of_and_raised_where_it_is_asked_for() -> None:
+    before = signal.getsignal(signal.SIGINT)
+    with Stop() as stop:
+        stop.check()
+        signal.raise_signal(signal.SIGINT)
+        assert stop.signal == signal.SIGINT
+        with pytest.raises(StopRun):
+            stop.check()
+        with pytest.raises(StopRun), stop.interruptible():
+            raise AssertionError("not begun")
+    assert signal.getsignal(signal.SIGINT) == before
+
+
+def test_a_block_that_may_be_left_is_left_at_once_and_one_that_waits_is_woken() -> None:
+    woken = []
+    with Stop() as stop:
+        with stop.waking(lambda: woken.append(1)):
+            signal.raise_signal(signal.SIGTERM)
+        assert woken == [1]
+    with Stop() as stop, pytest.raises(StopRun), stop.interruptible():
+        signal.raise_signal(signal.SIGTERM)
+    with Stop() as stop:
+        with stop.waking(lambda: woken.append(2)):
+            pass
+        signal.raise_signal(signal.SIGTERM)
+    assert woken == [1]
+
+
+PATIENT = """
+import signal, sys
+from studies.engine.stop import Stop
+with Stop():
+    for n in range(int(sys.argv[1])):
+        signal.raise_signal(signal.SIGTERM)
+    print("alive")
+"""
+
+
+@pytest.mark.parametrize(("times", "code", "said"), [(2, 0, "alive\n"), (3, -signal.SIGTERM, "")])
+def test_who_asks_a_third_time_is_obeyed_wherever_the_process_is(
+    times: int, code: int, said: str
+) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", PATIENT, str(times)],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stdout) == (code, said), done.stderr
+
+
+def test_a_stopped_program_ends_as_by_its_signal() -> None:
+    assert isinstance(end_like(StopRun(signal.SIGINT)), KeyboardInterrupt)
+    assert isinstance(end_like(StopRun()), KeyboardInterrupt)
+    ended = end_like(StopRun(signal.SIGTERM))
+    assert isinstance(ended, SystemExit)
+    assert ended.code == 128 + 15

@@ -1,0 +1,118 @@
+"""Plastic strain of cells that know nothing of each other, under a pressure that does not change: by hand."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
+from contactstudy.solvers.plasticity.settle import settle
+from contactstudy.solvers.plasticity.yield_law import ROOT
+from contactstudy.solvers.plasticity.yielding_bodies import Hardening, YieldingBodies
+
+GRID = cs.Grid((6, 1), (12.0, 3.0))
+
+
+class Local:
+    """A body whose strain takes ``share`` of 2 G from its own cell's stress; pressure is borne in one direction."""
+
+    def __init__(self, first: int, last: int, edges: tuple[float, ...], young: float) -> None:
+        self.volume, self.moduli = Volume(GRID, first, last, edges), Moduli(young, 0.25)
+        self.takes = 0.5 * 2 * self.moduli.shear
+
+    @property
+    def self_blocks(self) -> np.ndarray:
+        return np.tile(self.takes * np.eye(3), (self.volume.shape[0], 1, 1))
+
+    def stress_of_pressure(self, pressure: np.ndarray) -> np.ndarray:
+        below = np.broadcast_to(pressure[self.volume.rows], self.volume.shape)
+        depth = np.array([1.0, 0.5, 0.25])[: self.volume.shape[0], None, None]
+        return np.stack([0.6 * below * depth, -0.8 * below * depth, 0 * below])
+
+    def stress_of_strain(self, strain: np.ndarray) -> np.ndarray:
+        return self.takes * strain
+
+    def lift(self, strain: np.ndarray) -> np.ndarray:
+        found = np.zeros(GRID.cells)
+        found[self.volume.rows] = strain.sum(axis=(0, 1))
+        return found
+
+
+FIRST, SECOND = Local(1, 4, (0.0, 1.0, 3.0), 200.0), Local(2, 4, (0.0, 2.0), 100.0)
+BODIES = YieldingBodies((FIRST, SECOND), (Hardening(3.0, 20.0, 10.0), Hardening(2.0, 0.0, 0.0)))  # type: ignore[arg-type]
+PRESSURE = np.array([0, 4.0, 6.0, 1.0, 0, 0])[:, None]
+
+
+def contact(_: np.ndarray) -> Any:
+    problem = SimpleNamespace(undeformed_gap=np.zeros(GRID.cells))
+    return SimpleNamespace(pressure=PRESSURE, displacement=np.zeros(GRID.cells), problem=problem)
+
+
+def settled(tolerance: float, before: np.ndarray | None = None, around: Any = None) -> Any:
+    start = np.zeros((3, 8)) if before is None else before
+    return settle(BODIES, contact, lambda _: None, start, np.zeros(8), tolerance, around)
+
+
+# |stress| of each cell: two layers of three cells, then two cells; 2 G is 160 and 80
+SIZE = np.array([4, 6, 1, 2, 3, 0.5, 6, 1])
+LIMIT = ROOT * np.array([3.0] * 6 + [2.0] * 2)
+TWICE_SHEAR = np.array([160.0] * 6 + [80.0] * 2)
+SLOPE = np.array([20.0] * 6 + [0.0] * 2)
+FLOW = np.maximum(SIZE - LIMIT, 0) / (0.5 * TWICE_SHEAR + SLOPE)
+
+
+def test_lists_of_both_bodies_cells_stand_one_after_the_other() -> None:
+    assert np.all(BODIES.law.twice_shear == TWICE_SHEAR)
+    assert np.allclose(BODIES.law.slope, SLOPE)
+    assert np.allclose(BODIES.unit, [3 / 200] * 6 + [2 / 100] * 2)
+    # cells of 2 m by 3 m, in layers of 1 m and 2 m, and of 2 m
+    assert BODIES.volumes.tolist() == [6.0] * 3 + [12.0] * 3 + [12.0] * 2
+    assert BODIES.cell_area == 6.0
+    fields = np.arange(24.0).reshape(3, 8)
+    assert np.all(BODIES.joined(BODIES.parted(fields)) == fields)
+    assert BODIES.parted(fields)[1].shape == (3, 1, 2, 1)
+    assert BODIES.inner(fields, fields) == pytest.approx((fields**2 * BODIES.volumes).sum())
+    chosen = np.arange(8) == 6
+    assert np.all(BODIES.self_blocks(chosen) == [40 * np.eye(3)])
+    lifted = BODIES.lift(np.ones((3, 8)))
+    assert lifted.ravel().tolist() == [0, 6, 9, 9, 0, 0]
+
+
+def test_each_cell_flows_until_its_stress_is_on_the_yield_surface() -> None:
+    found = settled(1e-12)
+    direction = np.array([0.6, -0.8, 0.0])[:, None]
+    np.testing.assert_allclose(found.strain, FLOW * direction, atol=1e-12)
+    np.testing.assert_allclose(found.flow, ROOT * FLOW, atol=1e-12)
+    assert found.residual <= 1e-12
+    # linear hardening along a straight path: one step of Newton, and one solution of the contact for it
+    assert found.iterations == 1
+    assert len(found.contacts) == 2
+
+
+def test_the_residual_is_the_largest_error_over_the_yield_strain() -> None:
+    found = settled(1e9)
+    assert found.iterations == 0
+    flow = np.maximum(SIZE - LIMIT, 0) / (TWICE_SHEAR + SLOPE)
+    np.testing.assert_allclose(found.strain[1], -0.8 * flow, rtol=1e-12)
+    assert found.residual == pytest.approx((0.8 * flow / BODIES.unit).max())
+
+
+def test_what_is_elastic_has_settled_at_once_and_keeps_its_strain() -> None:
+    before = 1e-9 * np.ones((3, 8)) * (SIZE < 1.5)
+    quiet = settle(
+        YieldingBodies(BODIES.operators, (Hardening(1e3, 0, 0), Hardening(1e3, 0, 0))),
+        contact, lambda _: None, before, np.zeros(8), 1e-12,
+    )  # fmt: skip
+    assert (quiet.iterations, quiet.residual) == (0, 0.0)
+    np.testing.assert_array_equal(quiet.strain, before)
+
+
+def test_stress_from_outside_adds_to_that_of_the_pressure() -> None:
+    around = np.zeros((3, 8))
+    around[:, 2] = np.array([0.6, -0.8, 0.0]) * 5
+    found = settled(1e-12, around=around)
+    wanted = (6 - LIMIT[2]) / (0.5 * 160 + 20)
+    assert found.flow[2] == pytest.approx(ROOT * wanted)
+    assert np.delete(found.flow, 2) == pytest.approx(np.delete(ROOT * FLOW, 2))

@@ -1,0 +1,79 @@
+"""What is said of two runs of a study whose numbers are written here."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from contactstudy import InvalidInput
+from studies.report.changes import changes
+
+AXES = ("padding", "grid")
+
+
+def stored(**more: Any) -> xr.Dataset:
+    numbers = {
+        "error": np.array([[4.0, 2.0, 1.0], [-8.0, 3.0, np.nan]]),
+        "width": np.ones((2, 3)),
+        "solve_time": np.array([[1.0, 2.0, 4.0], [1.0, 1.0, np.nan]]),
+        "iterations": np.full((2, 3), 7.0),
+        "pressure_estimate_residual": np.full((2, 3), 1e-9),
+    } | more
+    data = {name: (AXES, values) for name, values in numbers.items()}
+    data["case_status"] = (AXES, np.ones((2, 3), dtype=int))
+    data["solver_status"] = (AXES, np.zeros((2, 3), dtype=int))
+    coords = {"padding": ["exact", "zero"], "grid": [16, 32, 64]}
+    return xr.Dataset(data, coords, {"cpu": "one", "cpu_count": 2})
+
+
+def test_the_largest_change_relative_to_the_largest_number_comes_first() -> None:
+    after = stored(
+        error=np.array([[4.0, 2.5, 1.0], [-8.0, 2.9, np.nan]]),
+        width=np.array([[1.0, 1.0, 0.8], [1.0, 1.0, 1.0]]),
+        iterations=np.full((2, 3), 9.0),
+        pressure_estimate_residual=np.full((2, 3), 2e-9),
+    )
+    said = changes(stored(), after)
+    assert said[:3] == [
+        "6 points in both, of 6 and 6",
+        "width: from 1 to 0.8 at padding exact, grid 64, 0.2 of the largest",
+        # half over the largest in size, 8
+        "error: from 2 to 2.5 at padding exact, grid 32, 0.062 of the largest",
+    ]
+    assert len(said) == 4
+
+
+def test_points_that_both_have_are_compared_wherever_they_stand() -> None:
+    after = stored().isel(grid=[2, 1]).transpose("grid", "padding")
+    said = changes(stored(), after)
+    assert said[:2] == ["4 points in both, of 6 and 4", "no measure differs"]
+    apart = stored().assign_coords(grid=[1, 2, 3])
+    assert changes(stored(), apart) == ["0 points in both, of 6 and 6"]
+    with pytest.raises(InvalidInput, match="compare two runs of one study"):
+        changes(stored(), stored().rename(grid="cells"))
+
+
+def test_a_status_that_differs_is_counted_and_a_number_from_nothing_is_endless() -> None:
+    after = stored()
+    after["solver_status"][0, :2] = 3
+    after["case_status"][1, 2] = 2
+    before = stored(width=np.zeros((2, 3)))
+    said = changes(before, after)
+    assert said[1:4] == [
+        "case_status differs at 1 of 6 points",
+        "solver_status differs at 2 of 6 points",
+        "width: from 0 to 1 at padding exact, grid 16, inf of the largest",
+    ]
+
+
+def test_times_are_compared_by_their_ratio_on_one_processor_alone() -> None:
+    slower = stored()
+    slower["solve_time"] = slower["solve_time"] * np.array([[1.0, 2.0, 3.0], [2.0, 4.0, 1.0]])
+    said = changes(stored(), slower)
+    # 1, 2, 2, 3 and 4 times
+    assert said[-1] == "solve_time: 2 of the first in the median of 5 points, from 1 to 4"
+    elsewhere = slower.assign_attrs(cpu_count=4)
+    assert changes(stored(), elsewhere)[-1] == "times are of two processors and are not compared"
+    untimed = slower.drop_vars("solve_time")
+    assert changes(stored(), untimed) == ["6 points in both, of 6 and 6", "no measure differs"]

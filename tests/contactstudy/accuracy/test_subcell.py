@@ -1,0 +1,175 @@
+"""What heights do inside cells, of heights whose bends and peaks are known."""
+
+from dataclasses import replace
+from math import log, pi
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.accuracy.subcell import (
+    Subcell,
+    _along,
+    _lines,
+    _modulus,
+    _with_neighbours,
+    subcell,
+)
+from tests.conftest import LineContact
+
+STEP, COUNT = 0.5, 12
+CENTRES = (np.arange(COUNT) - (COUNT - 1) / 2) * STEP
+
+
+def places(points: int) -> np.ndarray:
+    """Points in all cells, evenly about each centre."""
+    inside = (np.arange(points) + 0.5) / points - 0.5
+    return (CENTRES[:, None] + inside * STEP).ravel()
+
+
+def along(
+    heights: Any, points: int = 4, *, wraps: bool = False
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    first, second, third = _along(
+        heights(CENTRES)[:, None], heights(places(points))[:, None], STEP, points, wraps=wraps
+    )
+    return first[:, 0], second[:, 0], third[:, 0]
+
+
+@pytest.mark.parametrize("points", [4, 48])
+def test_a_cubic_misses_nothing_of_a_cubic_up_to_the_ends(points: int) -> None:
+    missed, _, corner = along(lambda x: 1 + x - 0.3 * x**2 + 0.2 * x**3, points)
+    np.testing.assert_allclose(missed, 0, atol=1e-12)
+    assert not corner.any()
+
+
+def test_of_a_fourth_power_it_misses_the_product_of_distances_from_its_nodes() -> None:
+    missed, _, _ = along(lambda x: x**4)
+    # at 3/8 and 1/8 of a cell from the centre; nodes at -1, 0, 1, 2 cells from the one before
+    products = [abs((t + 1) * t * (t - 1) * (t - 2)) for t in (0.375, 0.125)]
+    np.testing.assert_allclose(missed[2:-2], max(products) * STEP**4, rtol=1e-9)
+
+
+def test_over_the_seam_of_an_axis_that_goes_on_it_misses_no_more_than_inside() -> None:
+    length = COUNT * STEP
+    missed, _, _ = along(lambda x: np.cos(2 * pi * x / length), wraps=True)
+    shifted, _, _ = along(lambda x: np.cos(2 * pi * x / length + pi), wraps=True)
+    np.testing.assert_allclose(missed, shifted, atol=1e-12)
+    assert missed.max() < 3e-3
+
+
+@pytest.mark.parametrize("aside", [0.0, 0.25, 0.4])
+def test_a_kink_is_a_corner_of_both_its_slopes_wherever_it_is(aside: float) -> None:
+    _, _, corner = along(lambda x: 0.3 * np.abs(x - aside))
+    assert corner.max() == pytest.approx(0.6)
+    assert np.count_nonzero(corner) <= 2
+    # one that points into the body is none
+    assert along(lambda x: -0.3 * np.abs(x - aside))[2].max() < 1e-12
+    # and a curve takes off what it bends by itself: two of the ten bends beside it
+    _, _, both = along(lambda x: 0.3 * np.abs(x - aside) + 0.01 * x**2)
+    assert both.max() == pytest.approx(0.6, rel=0.01)
+    assert not along(lambda x: 0.01 * x**2)[2].any()
+
+
+def test_what_stands_out_is_measured_from_the_centres_of_three_cells() -> None:
+    def heights(x: np.ndarray) -> np.ndarray:
+        found = 0.1 * np.abs(x)
+        if len(x) > COUNT:
+            found[4 * 7 + 3] -= 0.4
+        return found
+
+    _, stands, _ = along(heights)
+    # the point lies at 3/8 beyond the centre of the eighth cell, at 0.75 m; the cell before has its at 0.25 m
+    assert stands[7] == pytest.approx(0.025 - (0.1 * (0.75 + 0.375 * STEP) - 0.4))
+    assert np.count_nonzero(stands > 0.03) == 1
+
+
+def test_lines_beside_each_other_are_at_most_64_or_every_fourth() -> None:
+    assert _lines((100, 40), 0, 4) == (400, 40)
+    assert _lines((100, 40), 1, 4) == (64, 160)
+    assert _lines((1000, 40), 1, 1) == (250, 40)
+    assert _lines((40, 300), 0, 48) == (1920, 75)
+
+
+def test_neighbours_lie_over_the_seam_of_an_axis_that_wraps_alone() -> None:
+    pressure = np.zeros((4, 3))
+    pressure[0, 2], pressure[3, 0] = 5.0, 2.0
+    problem: Any = SimpleNamespace(paddings=(cs.ZeroPadding(), cs.ExactPeriodicity()))
+    found = _with_neighbours(pressure, problem)
+    assert found.tolist() == [[5, 5, 5], [5, 5, 5], [2, 2, 2], [2, 2, 2]]
+
+
+def test_the_modulus_is_that_of_a_half_space_to_what_its_cells_are_stiffer(
+    line_contact: LineContact,
+) -> None:
+    """Cells of alternating pressure are waves of 4 / (pi n), n odd, each with a compliance of 2 dx / (pi n E*)."""
+    problem = line_contact.scene.problem(line_contact.grid((64, 1), 1.0), (EXACT, EXACT))
+    wanted = line_contact.scene.contact_modulus
+    found = _modulus(problem, 0)
+    # at the centres 1 - 1/9 + 1/25 ..., Catalan's number
+    catalan = 0.915965594177219
+    assert found == pytest.approx(wanted * pi / (4 * catalan), rel=1e-6)
+    turned = line_contact.scene.problem(line_contact.grid((8, 64), 1.0), (EXACT, EXACT))
+    assert _modulus(turned, 1) == pytest.approx(found, rel=0.02)
+
+
+EXACT = cs.ExactPeriodicity()
+
+
+def test_a_hidden_height_counts_by_the_pressure_that_would_flatten_it(
+    line_contact: LineContact,
+) -> None:
+    problem = line_contact.scene.problem(line_contact.grid((16, 1), 1.0), EXACT)
+    pressure = np.zeros((16, 1))
+    pressure[6:10] = 1e9
+    modulus, cell = _modulus(problem, 0), problem.grid.cell[0]
+    little = 0.01 * 1e9 * cell / modulus
+
+    def source(height: float, *, known: bool = True) -> Any:
+        def gap(grid: cs.Grid) -> np.ndarray:
+            found = 0 * grid.x[:, None]
+            if grid.cells[0] > 16:
+                # half of the way up at the end of the eighth cell
+                found[grid.cells[0] // 16 * 8 - 1] = height
+            return found
+
+        return SimpleNamespace(gap=gap, names_scales=known)
+
+    found = subcell(replace(problem, source=source(little)), pressure)
+    assert found is not None
+    # a hundredth of the pressure of one cell of four
+    assert found.uncertain == pytest.approx(0.01 / 4)
+    assert not found.stands_out
+    # at most all that the cell bears
+    much = subcell(replace(problem, source=source(1e3 * little)), pressure)
+    assert much == Subcell(pytest.approx(1 / 4), 0.0, False)  # noqa: FBT003
+    out = subcell(replace(problem, source=source(-101 * little, known=False)), pressure)
+    assert out is not None
+    assert out.stands_out
+    less = subcell(replace(problem, source=source(-99 * little, known=False)), pressure)
+    assert less is not None
+    assert not less.stands_out
+    assert subcell(replace(problem, source=None), pressure) is None
+
+
+def test_a_corner_raises_the_pressure_by_its_slope_at_each_halving(
+    line_contact: LineContact,
+) -> None:
+    problem = line_contact.scene.problem(line_contact.grid((16, 1), 1.0), EXACT)
+    pressure = np.zeros((16, 1))
+    pressure[6:10] = 1e9
+    kink: Any = SimpleNamespace(gap=lambda grid: 1e-3 * np.abs(grid.x)[:, None], names_scales=True)
+    found = subcell(replace(problem, source=kink), pressure)
+    assert found is not None
+    rise = _modulus(problem, 0) * 2e-3 / (2 * pi) * log(2)
+    assert found.corner == pytest.approx(rise / 1e9)
+    # where nothing bears it does not count
+    aside: Any = SimpleNamespace(
+        gap=lambda grid: 1e-3 * np.abs(grid.x - 5 * problem.grid.cell[0])[:, None],
+        names_scales=True,
+    )
+    elsewhere = subcell(replace(problem, source=aside), pressure)
+    assert elsewhere is not None
+    assert elsewhere.corner == 0

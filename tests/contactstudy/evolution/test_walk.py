@@ -1,0 +1,209 @@
+"""The way of a march and its companion, of a pressure that decays by implicit steps of first order."""
+
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.evolution.march import Instant
+from contactstudy.evolution.schedule import Mark, schedule
+from contactstudy.evolution.step_control import StepControl
+from contactstudy.evolution.walk import Walk
+
+GRID = cs.Grid((8, 1), (4.0, 2.0))
+CELLS = np.array([0, 0, 1, 1, 1, 1, 0, 0.0])[:, None]
+
+
+@dataclass(eq=False)
+class Decaying:
+    """Each step of length h divides the pressure by 1 + h; a jump of the load adds it."""
+
+    load: Any
+    joint: Any = None
+    told: list[tuple[float, float, float]] = field(default_factory=list)
+    jumps: list[tuple[float, int]] = field(default_factory=list)
+    fails_from: float = np.inf
+    kept: Any = (SimpleNamespace(fields=lambda state: {"age": state}),)
+
+    @property
+    def problem(self) -> Any:
+        return SimpleNamespace(grid=GRID)
+
+    def start(self, time: float) -> Instant:
+        return Instant(time, 0.0, 0 * CELLS, (time,))
+
+    def at_rest(self) -> Any:
+        return self._solution(0 * CELLS)
+
+    def _solution(self, pressure: np.ndarray, residual: float = 1e-9) -> Any:
+        return SimpleNamespace(
+            pressure=pressure, gap=1 - CELLS, approach=0.5, residual=residual, iterations=3,
+            convolutions=4.5, status=cs.Status.CONVERGED,
+        )  # fmt: skip
+
+    def advance(self, instant: Instant, end: float, load: float, onset: int) -> Any:
+        self.told.append((instant.time, end, load))
+        pressure = instant.pressure / (1 + end - instant.time)
+        residual = np.inf if end > self.fails_from else 1e-9
+        return Instant(end, load, pressure, (end,)), [self._solution(pressure, residual)]
+
+    def jump(self, instant: Instant, load: float, parts: int, onset: int) -> Any:
+        self.jumps.append((load, parts))
+        # a part that is left out shows where the path counts
+        pressure = instant.pressure + CELLS * (load - instant.load) * (1 + 0.1 / parts)
+        after = Instant(instant.time, load, pressure, (instant.time,))
+        return after, [self._solution(pressure)] * parts
+
+
+HELD = cs.LoadHistory((0.0, 4.0), (2.0, 2.0))
+
+
+def walked(times: Any, *, control: StepControl | None = None, **more: Any) -> tuple[Walk, Any]:
+    march = more.pop("march", None) or Decaying(HELD)
+    marks: tuple[Mark, ...] = schedule(march.load, times)
+    walk = Walk(
+        march=march,
+        marks=marks,
+        control=control,
+        companion=more.pop("companion", True),
+        wraps=(False, True),
+        records_all=times is None,
+        checkpoint=None,
+        progress=more.pop("progress", None),
+    )
+    walk.go()
+    return walk, march
+
+
+def heights(walk: Walk) -> list[float]:
+    return [float(frame.pressure.max()) for frame in walk.frames]
+
+
+def test_a_single_step_is_taken_in_halves_beside_a_companion_s_whole_one() -> None:
+    walk, march = walked([0.0, 4.0])
+    first = 2 * 1.1
+    assert march.told == [(0, 2, 2), (2, 4, 2), (0, 4, 2)]
+    half, whole = first / 9, first / 5
+    assert heights(walk) == pytest.approx([first, half])
+    # the difference of both over the pressure of the march
+    assert [frame.step_error for frame in walk.frames] == pytest.approx([0, (whole - half) / half])
+    last = walk.frames[-1]
+    assert (last.steps, last.iterations, last.convolutions) == (3, 9, 13.5)
+    assert (last.time, last.load, last.approach, last.residual) == (4.0, 2.0, 0.5, 1e-9)
+    assert last.fields == {"age": 4.0}
+    # a jump, and the companion's
+    assert walk.frames[0].steps == 2
+
+
+def test_the_companion_takes_every_other_of_the_steps_that_are_given() -> None:
+    walk, march = walked([1.0, 2.0, 3.0, 4.0])
+    assert march.told == [(0, 1, 2), (1, 2, 2), (0, 2, 2), (2, 3, 2), (3, 4, 2), (2, 4, 2)]
+    first = 2.2
+    assert heights(walk) == pytest.approx([first / 2, first / 4, first / 8, first / 16])
+    pairs = [4 / 3 - 1, (4 / 3) ** 2 - 1]
+    errors = [frame.step_error for frame in walk.frames]
+    # what the companion passes by has the error of where it comes up
+    assert errors == pytest.approx([pairs[0], pairs[0], pairs[1], pairs[1]])
+    assert [frame.steps for frame in walk.frames] == [3, 2, 1, 2]
+    odd, told = walked([1.0, 2.0, 3.0])
+    assert told.told[-3:] == [(2, 2.5, 2), (2.5, 3, 2), (2, 3, 2)]
+    assert len(odd.frames) == 3
+
+
+def test_without_a_companion_each_step_is_one_solve_of_no_known_error() -> None:
+    walk, march = walked([2.0, 4.0], companion=False)
+    assert march.told == [(0, 2, 2), (2, 4, 2)]
+    assert [frame.step_error for frame in walk.frames] == [np.inf, np.inf]
+    assert [frame.steps for frame in walk.frames] == [2, 1]
+
+
+def test_pairs_of_steps_begin_with_a_hundredth_and_keep_to_what_they_may_add() -> None:
+    control = StepControl(error=0.05, adds=0.002)
+    walk, march = walked([4.0], control=control)
+    firsts = [step for step in march.told if step[0] == 0]
+    # a pair of two hundredths of a second each, and the companion's of four
+    assert [end for _, end, _ in firsts[:2]] == pytest.approx([0.02, 0.04])
+    assert march.told[0][1] == pytest.approx(0.02)
+    assert march.told[1][:2] == pytest.approx((0.02, 0.04))
+    ends = sorted({end for _, end, _ in march.told})
+    assert ends[-1] == 4.0
+    # steps of first order of size h add h^2 / 2 of what there is, twice for the companion
+    longest = max(end - start for start, end, _ in march.told)
+    assert 0.05 < longest < 0.3
+    assert walk.frames[-1].step_error < 0.05
+    assert walk.frames[-1].step_error > 0.002
+
+
+def test_a_march_whose_error_grows_too_large_starts_again_with_shorter_steps() -> None:
+    walk, march = walked([4.0], control=StepControl(error=0.02, adds=0.01))
+    assert walk.restarts >= 1
+    assert walk.control is not None
+    assert walk.control.adds < 0.01
+    assert walk.frames[-1].step_error <= 0.02
+    # what was spent before counts
+    assert walk.frames[-1].steps == len(march.told) + 2 * (walk.restarts + 1)
+    assert len(walk.frames) == 1
+
+
+def test_a_pair_that_adds_too_much_is_rejected_and_halved_at_least() -> None:
+    walk, march = walked([0.0, 4.0], control=StepControl(error=0.9, adds=1e-5))
+    assert walk.rejected >= 1
+    spans = [end - start for start, end, _ in march.told]
+    assert spans[3] <= spans[0] / 2 * (1 + 1e-9)
+
+
+def test_every_pair_is_recorded_without_times_and_the_last_one_ends_on_the_mark() -> None:
+    seen = []
+    walk, _ = walked(
+        None, control=StepControl(0.5, 0.1), progress=lambda time, end: seen.append((time, end))
+    )
+    times = [frame.time for frame in walk.frames]
+    assert times[-1] == 4.0
+    assert len(times) > 3
+    assert np.all(np.diff(times) >= 0)
+    # the last two pairs are halves of what is left, and not a whole one and a crumb
+    spans = np.diff(times)
+    assert spans[-1] == pytest.approx(spans[-2])
+    assert seen[-1] == (4.0, 4.0)
+
+
+PATH = SimpleNamespace()
+
+
+def test_a_jump_whose_path_counts_is_parted_until_both_marches_agree() -> None:
+    march = Decaying(HELD, joint=PATH)
+    walk, _ = walked([0.0], march=march, control=StepControl(0.9, 0.01))
+    # 8 parts beside 4, then twice as many: they differ by 0.1 (1/4 - 1/8) of 2 N/m on four cells of 0.5 m
+    pairs = [(8, 4), (16, 8), (32, 16)]
+    # and errors of first order are half as large again
+    added = [1.5 * 2 * 4 * 0.5 / 2 * 0.1 * (1 / few - 1 / many) for many, few in pairs]
+    assert added == pytest.approx([0.0375, 0.01875, 0.009375])
+    assert [parts for _, parts in march.jumps] == [8, 4, 16, 8, 32, 16]
+    assert walk.rejected == 2
+    assert walk.frames[0].step_error == pytest.approx(added[-1])
+
+
+def test_without_a_solution_the_march_ends_with_a_frame_that_says_so() -> None:
+    walk, _ = walked([2.0, 4.0], march=Decaying(HELD, fails_from=3.0))
+    assert walk.frames[-1].residual == np.inf
+    assert walk.frames[-1].step_error == np.inf
+    assert walk.frames[-1].grid_error == 0.0
+    controlled, _ = walked(
+        [4.0], march=Decaying(HELD, fails_from=3.0), control=StepControl(0.5, 0.1)
+    )
+    assert controlled.frames[-1].step_error == np.inf
+    assert controlled.frames[-1].time < 3.0
+
+
+def test_errors_by_cells_of_bodies_that_yield_are_over_the_largest_load() -> None:
+    plain, _ = walked([0.0])
+    march = Decaying(cs.LoadHistory((0.0, 4.0), (2.0, 8.0)), joint=PATH)
+    joint, _ = walked([0.0], march=march)
+    # 8.1 of pressures on cells of 0.5 m and a load of 8 N/m, of which two are there
+    there = joint.frames[0].pressure.sum() * 0.5 / 8
+    scaled = plain.frames[0].grid_error * there
+    assert joint.frames[0].grid_error == pytest.approx(scaled)
+    assert plain.frames[0].grid_error > 0

@@ -3,12 +3,16 @@
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import DTypeLike
 
 from contactstudy.domain.devices.arrays import Array
-from contactstudy.domain.devices.device import arrays, device
-from contactstudy.domain.devices.rows import in_blocks
+from contactstudy.domain.devices.device import arrays, device, fused
+from contactstudy.domain.devices.rows import compiled, in_blocks
 from contactstudy.elasticity.extension import Extension
 from contactstudy.elasticity.transforms import Waves, transforms
+
+# Single precision has noise in all waves: in the shortest, times this, it may be as large as the longest are.
+WIDEST = 1e4
 
 
 class ApproximateInverse:
@@ -17,7 +21,8 @@ class ApproximateInverse:
     The displacement of the contact is extended to all cells first, and the pressure found on all
     cells is gathered to the contact by the transposed map, or a fragmented contact would seem far too
     stiff: by more with every halving of the cells. The mean over the grid is mapped to zero. ``room`` gives
-    the work array of a transform.
+    the work array of a transform. It works in ``real`` numbers of this type, if their digits span the range of the
+    spectrum: a preconditioner needs few.
 
     Source: Vollebregt (2014), eq. 20, there on the padded grid and with zeros outside the contact.
     """
@@ -26,10 +31,15 @@ class ApproximateInverse:
         self,
         spectrum: Array,
         cells: tuple[int, int],
-        room: Callable[[tuple[int, int]], Waves | None],
+        room: Callable[[tuple[int, int], DTypeLike], Waves | None],
+        real: DTypeLike,
     ) -> None:
-        self._inverse = 1 / spectrum
-        self._inverse[0, 0] = 0.0
+        xp = arrays()
+        inverse = 1 / spectrum
+        inverse[0, 0] = 0.0
+        if float(xp.max(inverse)) * float(xp.max(spectrum)) > WIDEST:
+            real = spectrum.dtype
+        self._inverse, self.real = xp.astype(inverse, real, copy=False), real
         self._cells, self._room = cells, room
         # displacements fall like wave numbers grow, so that the shortest waves tell the cell's sides
         self._elongation = float(spectrum[0, -1]) / float(spectrum[cells[0] // 2, 0])
@@ -45,7 +55,8 @@ class ApproximateInverse:
 
     def waves(self, displacement: Array) -> Waves:
         """Waves of the pressure on all cells that makes a ``displacement`` (x, y) of all cells."""
-        waves = transforms().forward(displacement, self._cells, self._room(self._cells))
+        room = self._room(self._cells, self.real)
+        waves = transforms().forward(displacement, self._cells, room)
         scale(waves, self._inverse)
         return waves
 
@@ -74,6 +85,10 @@ def sampled(spectrum: Array, cells: tuple[int, int], padded: tuple[int, int]) ->
 
 def scale(waves: Waves, factors: Array) -> None:
     """Multiply ``waves`` in place."""
+    kernels = fused()
+    if kernels is not None and np.isrealobj(factors):
+        compiled(kernels.scale, waves.view(factors.dtype), factors)
+        return
 
     def some(rows: slice) -> None:
         own = waves[rows, :]

@@ -6,6 +6,7 @@ from functools import cached_property
 from threading import local
 
 import numpy as np
+from numpy.typing import DTypeLike
 from scipy import fft
 
 from contactstudy.domain.checks import InvalidInput, positive
@@ -40,7 +41,7 @@ class Convolution:
         if pressure.shape != self.cells:
             raise InvalidInput(f"pressure has the shape {pressure.shape}: give it {self.cells}.")
         pair = transforms()
-        waves = pair.forward(pressure, self.padded, self.room(self.padded))
+        waves = pair.forward(pressure, self.padded, self.room(self.padded, self.spectrum.dtype))
         scale(waves, self.spectrum)
         return pair.backward(waves, self.cells, self.padded)
 
@@ -48,10 +49,10 @@ class Convolution:
     def _kept(self) -> local:
         return local()
 
-    def room(self, shape: tuple[int, int]) -> Waves | None:
+    def room(self, shape: tuple[int, int], real: DTypeLike) -> Waves | None:
         """The work array of this thread; allocating a large array costs as much as a transform.
 
-        None where a library keeps the memory it has had itself.
+        For waves of a field (px, py) of ``real`` numbers. None where a library keeps the memory it has had itself.
         """
         if not isinstance(device(), Cpu):
             return None
@@ -60,7 +61,8 @@ class Convolution:
             waves = self.padded[0] * (self.padded[1] // 2 + 1)
             kept["waves"] = np.empty(waves, dtype=np.result_type(self.spectrum, np.complex64))
         rows, columns = shape[0], shape[1] // 2 + 1
-        room: Waves = kept["waves"][: rows * columns].reshape(rows, columns)
+        numbers = kept["waves"].view(np.result_type(real, np.complex64))
+        room: Waves = numbers[: rows * columns].reshape(rows, columns)
         return room
 
     def __getstate__(self) -> dict[str, object]:
@@ -119,10 +121,14 @@ class Convolution:
         spectrum = xp.astype(spectrum, self.spectrum.dtype, copy=False)
         return Convolution(spectrum, cells, (px // across, py // along))
 
-    def approximate_inverse(self) -> ApproximateInverse:
-        """Division by the spectrum on the unpadded grid, as if it were periodic: for the cells of a contact."""
+    def approximate_inverse(self, precision: Precision | None = None) -> ApproximateInverse:
+        """Division by the spectrum on the unpadded grid, as if it were periodic: for the cells of a contact.
+
+        In the operator's own precision, unless another ``precision`` is asked for and can hold the spectrum's range.
+        """
         spectrum = sampled(self.spectrum, self.cells, self.padded)
-        return ApproximateInverse(spectrum, self.cells, self.room)
+        real = spectrum.dtype if precision is None else precision.real
+        return ApproximateInverse(spectrum, self.cells, self.room, real)
 
 
 def convolution(

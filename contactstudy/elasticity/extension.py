@@ -1,12 +1,14 @@
 """A displacement known in the contact, extended to all cells with little energy."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 from math import inf
+from typing import Any
 
 from contactstudy.domain.devices.arrays import Array
 from contactstudy.domain.devices.device import arrays, fused
-from contactstudy.domain.devices.rows import in_blocks
+from contactstudy.domain.devices.rows import in_blocks, in_parts
 
 # The weight of a block is this times the sum of the weights of its parts, and at most 1: for blocks made
 # of 2 x 2 parts and of 2. An island of one cell thus loses weight a little faster than its capacity falls.
@@ -30,14 +32,13 @@ class _Level:
     def mean(self, parts: Array) -> Array:
         """Of ``parts``, times their weights already, over blocks."""
         means = arrays().empty_like(self.inverse)
-
         kernels, two = fused(), self._two
+        if kernels is not None:
+            self._on_blocks(kernels.means, parts, two, self.inverse, means)
+            return means
 
         def some(rows: slice) -> None:
             out = self._blocks(rows)
-            if kernels is not None:
-                kernels.means(parts, two, self.inverse, means, out.start, out.stop)
-                return
             means[out, :] = _summed(parts[rows, :], self.axes) * self.inverse[out, :]
 
         in_blocks(some, parts.shape)
@@ -46,13 +47,12 @@ class _Level:
     def gathered_means(self, blocks: Array, pressure: Array) -> Array:
         """The transpose of :meth:`mean`, and of what parts keep of the ``pressure``, in place of that."""
         blocks *= self.inverse
-
         kernels, two = fused(), self._two
+        if kernels is not None:
+            self._on_parts(kernels.gathered, blocks, two, self.weight, pressure)
+            return pressure
 
         def some(rows: slice) -> None:
-            if kernels is not None:
-                kernels.gathered(blocks, two, self.weight, pressure, rows.start, rows.stop)
-                return
             own = pressure[rows, :]
             own += _repeated(blocks[self._blocks(rows), :], self.axes, own.shape)
             own *= self.weight[rows, :]
@@ -64,11 +64,11 @@ class _Level:
         """``held``, and what parts lack of weight from ``blocks``, linear between their middles."""
         xp, kernels, two = arrays(), fused(), self._two
         field = xp.empty_like(held)
+        if kernels is not None:
+            self._on_parts(kernels.filled, blocks, two, self.weight, held, field)
+            return field
 
         def some(rows: slice) -> None:
-            if kernels is not None:
-                kernels.filled(blocks, two, self.weight, held, field, rows.start, rows.stop)
-                return
             out, count = self._blocks(rows), blocks.shape[0]
             # one more at either end, once round
             around = (out.start - 1, out.stop + 1) if 0 in self.axes else (out.start, out.stop)
@@ -90,12 +90,11 @@ class _Level:
         xp, kernels, two = arrays(), fused(), self._two
         blocks = xp.empty_like(self.inverse)
         count = pressure.shape[0]
+        if kernels is not None:
+            self._on_blocks(kernels.spilled, pressure, two, self.weight, blocks)
+            return blocks
 
         def some(rows: slice) -> None:
-            if kernels is not None:
-                out = self._blocks(rows)
-                kernels.spilled(pressure, two, self.weight, blocks, out.start, out.stop)
-                return
             if 0 not in self.axes:
                 summed = (1 - self.weight[rows, :]) * pressure[rows, :]
             else:
@@ -125,6 +124,19 @@ class _Level:
     def _two(self) -> tuple[bool, bool]:
         """Whether blocks have two parts along each axis."""
         return 0 in self.axes, 1 in self.axes
+
+    def _on_parts(self, kernel: Callable[..., None], *arguments: Any) -> None:
+        """A compiled pass over rows of parts, some for each thread."""
+        in_parts(lambda rows: kernel(*arguments, rows.start, rows.stop), self.weight.shape)
+
+    def _on_blocks(self, kernel: Callable[..., None], *arguments: Any) -> None:
+        """The same over rows of blocks."""
+
+        def some(rows: slice) -> None:
+            own = self._blocks(rows)
+            kernel(*arguments, own.start, own.stop)
+
+        in_parts(some, self.weight.shape)
 
     def _blocks(self, rows: slice) -> slice:
         """The rows of blocks that these rows of parts make."""
@@ -183,12 +195,12 @@ def _coarser(weight: Array, axes: tuple[int, ...]) -> tuple[_Level, Array]:
     factor = IN_SQUARES if len(axes) == 2 else IN_STRIPS
 
     kernels, two = fused(), level._two
+    if kernels is not None:
+        level._on_blocks(kernels.weights, weight, two, factor, inverse, blocks)
+        return level, blocks
 
     def some(rows: slice) -> None:
         out = level._blocks(rows)
-        if kernels is not None:
-            kernels.weights(weight, two, factor, inverse, blocks, out.start, out.stop)
-            return
         total = _summed(weight[rows, :], axes)
         # no weight at all is no part of any mean
         inverse[out, :] = 1 / xp.where(total > 0, total, inf)

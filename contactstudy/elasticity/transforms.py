@@ -96,9 +96,14 @@ class Ducc:
         rows = waves[: cells[0]]
         if padded[1] == 1:
             return rows.real.copy()
-        field = self._fft.c2r(
-            rows, axes=(1,), lastsize=padded[1], forward=False, inorm=2, nthreads=threads()
-        )
+        if (
+            rows.dtype == np.complex64
+        ):  # this one of ducc0 (0.42) takes twice its time in double precision
+            field = fft.irfft(rows, padded[1], axis=1, overwrite_x=True, workers=threads())
+        else:
+            field = self._fft.c2r(
+                rows, axes=(1,), lastsize=padded[1], forward=False, inorm=2, nthreads=threads()
+            )
         return np.ascontiguousarray(field[:, : cells[1]])
 
 

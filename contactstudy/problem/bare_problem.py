@@ -3,11 +3,9 @@
 from dataclasses import dataclass
 from math import inf, prod
 
-import numpy as np
-
 from contactstudy.domain.devices.arrays import Array, inner, total
 from contactstudy.domain.devices.device import arrays, fused
-from contactstudy.domain.devices.rows import in_blocks
+from contactstudy.domain.devices.rows import compiled, in_blocks
 from contactstudy.problem.constraint import Constraint
 from contactstudy.problem.gap import Gap, largest
 from contactstudy.problem.operator import Operator
@@ -48,74 +46,79 @@ class BareProblem:
         return self.resultant.levelled(trial, cells, self.constraint)
 
     def residual(self, pressure: Array, gap: Gap) -> float:
-        """The measure of :func:`~contactstudy.solve`: the largest of complementarity, penetration and load."""
-        kernels, most = fused(), self.constraint.capacity(1)
-        if kernels is None:
-            borne = total(pressure)
-            left = self.constraint.residual(pressure, gap, borne)
-            return largest(left, self.resultant.error(borne))
+        """The measure of :func:`~contactstudy.solve`: the largest of complementarity, penetration and load.
 
-        def measure(rows: slice) -> tuple[float, float, float, float]:
-            found: tuple[float, float, float, float] = kernels.violations(
-                pressure[rows, :], gap.height[rows, :], most
-            )
-            return found
-
-        borne, moment, free, worst = np.array(in_blocks(measure, pressure.shape)).T
-        complementarity = moment.sum() / free.sum() if free.sum() > 0 else 0.0
-        return largest(complementarity, *worst, self.resultant.error(float(borne.sum())))
+        ``gap`` is that under ``pressure``.
+        """
+        if gap.residual is not None:
+            return gap.residual
+        borne = total(pressure)
+        left = self.constraint.residual(pressure, gap, borne)
+        return largest(left, self.resultant.error(borne))
 
     def gap(self, pressure: Array, displacement: Array, into: Gap | None = None) -> Gap:
         """The gap under ``pressure`` and the ``displacement`` it makes, ``into`` the field of another."""
         xp, kernels, most = arrays(), fused(), self.constraint.capacity(1)
         height = xp.empty_like(pressure) if into is None else into.height
+        where = self.constraint.approach
+        if kernels is not None:
+            fields = self.undeformed_gap, displacement, pressure
+            heights, cells = compiled(kernels.level, *fields, most, results=2).sum(axis=1).tolist()
+            approach = heights / cells if cells else where(pressure, fields[0] + displacement)
+            found = compiled(kernels.measured, *fields, approach, most, height, results=5)
+            borne, moment, free = found[:3].sum(axis=1).tolist()
+            complementarity = moment / free if free > 0 else 0.0
+            left = largest(complementarity, found[3].max(), self.resultant.error(borne))
+            return Gap(height, approach, left, float(found[4].max()))
 
         def add(rows: slice) -> tuple[float, float]:
-            both = self.undeformed_gap[rows, :], displacement[rows, :]
-            if kernels is not None:
-                found: tuple[float, float] = kernels.level(*both, pressure[rows, :], most)
-                return found
             free = self.constraint.free(pressure[rows, :])
-            return inner(both[0] + both[1], free), float(xp.sum(free))
+            both = self.undeformed_gap[rows, :] + displacement[rows, :]
+            return inner(both, free), float(xp.sum(free))
 
         heights, cells = map(sum, zip(*in_blocks(add, pressure.shape), strict=True))
-        where = self.constraint.approach
         approach = heights / cells if cells else where(pressure, self.undeformed_gap + displacement)
 
         def count(rows: slice) -> None:
-            both = self.undeformed_gap[rows, :], displacement[rows, :]
-            if kernels is not None:
-                kernels.heights(*both, approach, height[rows, :])
-            else:
-                height[rows, :] = both[0] + both[1] - approach
+            height[rows, :] = self.undeformed_gap[rows, :] + displacement[rows, :] - approach
 
         in_blocks(count, height.shape)
         return Gap(height, approach)
 
-    def rounding(self, displacement: Array) -> float:
-        """What rounding leaves uncertain of a gap under ``displacement``: no residual means less."""
+    def rounding(self, displacement: Array, farthest: float | None = None) -> float:
+        """What rounding leaves uncertain of a gap under ``displacement``: no residual means less.
 
+        ``farthest`` is the size of the largest, where it is known.
+        """
         xp = arrays()
 
         def highest(rows: slice) -> float:
             some = displacement[rows, :]
             return max(float(xp.max(some)), -float(xp.min(some)))
 
-        height = largest(*in_blocks(highest, displacement.shape))
-        return float(ROUNDINGS * xp.finfo(displacement.dtype).eps * height)
+        if farthest is None:
+            farthest = largest(*in_blocks(highest, displacement.shape))
+        return float(ROUNDINGS * xp.finfo(displacement.dtype).eps * farthest)
 
-    def ends(self, residual: float, displacement: Array, tolerance: float) -> bool:
+    def ends(
+        self,
+        residual: float,
+        displacement: Array,
+        tolerance: float,
+        farthest: float | None = None,
+    ) -> bool:
         """Whether no iteration can improve on ``residual``, or none needs to."""
-        return not max(tolerance, self.rounding(displacement)) < residual < inf
+        uncertain = self.rounding(displacement, farthest)
+        return not max(tolerance, uncertain) < residual < inf
 
     def coarsened(self) -> "BareProblem | None":
         """The same problem on blocks of cells, heights averaged; None where the grid does not halve."""
         across, along = self.operator.blocks
         if across * along == 1:
             return None
-        nx, ny = self.undeformed_gap.shape
-        xp = arrays()
-        parts = xp.reshape(self.undeformed_gap, (nx // across, across, ny // along, along))
-        gap = xp.mean(parts, axis=(1, 3))
+        parts = [
+            self.undeformed_gap[i::across, j::along] for i in range(across) for j in range(along)
+        ]
+        gap = sum(parts[1:], start=parts[0]) / len(parts)
         resultant = self.resultant.scaled(1.0, across * along)
         return BareProblem(gap, self.operator.coarsened(), self.constraint, resultant)

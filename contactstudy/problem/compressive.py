@@ -8,7 +8,7 @@ import numpy as np
 from contactstudy.domain.devices.arrays import Array, inner
 from contactstudy.domain.devices.arrays import total as sum_of
 from contactstudy.domain.devices.device import arrays, fused
-from contactstudy.domain.devices.rows import change, in_blocks
+from contactstudy.domain.devices.rows import change, compiled, in_blocks
 from contactstudy.problem.constraint import shifted
 from contactstudy.problem.gap import Gap, largest
 
@@ -57,43 +57,17 @@ class Compressive:
 
     def levelled(self, trial: Array, cells: Array, total: float) -> Array:
         """Shifted in Newton's steps, each of which cuts off more: the sum is convex in the shift."""
-        xp, kernels = arrays(), fused()
-
-        def chosen(rows: slice) -> float:
-            if kernels is not None:
-                return float(kernels.chosen(trial[rows, :], cells[rows, :]))
-            some = xp.maximum(trial[rows, :] * cells[rows, :], 0)
-            trial[rows, :] = some
-            return float(xp.max(some))
-
-        if max(in_blocks(chosen, trial.shape)) > total:  # numbers of this size would drown the load
+        borne, bearing, most = _chosen(trial, cells)
+        if most > total:  # numbers of this size would drown the load
             where = cells > 0
             trial[where] = shifted(trial[where], total, inf)
             return trial
         shift, before = 0.0, -1.0
-
-        def measure(rows: slice) -> tuple[float, float]:
-            if kernels is not None:
-                found: tuple[float, float] = kernels.lowered(trial[rows, :], shift)
-                return found
-            some = xp.maximum(trial[rows, :] - shift, 0)
-            return float(xp.sum(some)), int(xp.count_nonzero(some > 0))
-
-        while True:
-            borne, bearing = map(sum, zip(*in_blocks(measure, trial.shape), strict=True))
-            if not borne > total or bearing == before:
-                break
+        while borne > total and bearing != before:
             shift, before = shift + (borne - total) / bearing, bearing
-        scale = 1.0 if abs(borne / total - 1) <= 16 * xp.finfo(trial.dtype).eps else total / borne
-
-        def lower(rows: slice) -> None:
-            if kernels is not None:
-                kernels.lower(trial[rows, :], shift, scale)
-            else:
-                trial[rows, :] = xp.maximum(trial[rows, :] - shift, 0) * scale
-
-        in_blocks(lower, trial.shape)
-        return trial
+            borne, bearing = _lowered(trial, shift)
+        rounding = 16 * arrays().finfo(trial.dtype).eps
+        return _lower(trial, shift, 1.0 if abs(borne / total - 1) <= rounding else total / borne)
 
     def wrong(self, pressure: Array, height: Array) -> Array:
         """Cells that penetrate."""
@@ -109,3 +83,41 @@ class Compressive:
 
         moments, deepest = zip(*in_blocks(measure, pressure.shape), strict=True)
         return largest(sum(moments) / borne, *deepest)
+
+
+def _chosen(trial: Array, cells: Array) -> tuple[float, ...]:
+    """Tension and what is not among the ``cells`` cut off, in place; the load, in how many cells, the largest left."""
+    xp, kernels = arrays(), fused()
+    if kernels is not None:
+        found = compiled(kernels.chosen, trial, cells, results=3)
+        return (*found[:2].sum(axis=1).tolist(), float(found[2].max()))
+
+    def some(rows: slice) -> tuple[float, float, float]:
+        kept = xp.maximum(trial[rows, :] * cells[rows, :], 0)
+        trial[rows, :] = kept
+        return float(xp.sum(kept)), int(xp.count_nonzero(kept > 0)), float(xp.max(kept))
+
+    borne, bearing, most = zip(*in_blocks(some, trial.shape), strict=True)
+    return sum(borne), sum(bearing), max(most)
+
+
+def _lowered(trial: Array, shift: float) -> tuple[float, ...]:
+    """The load that is left of a pressure so much lower, and in how many cells."""
+    xp, kernels = arrays(), fused()
+    if kernels is not None:
+        return tuple(compiled(kernels.lowered, trial, shift, results=2).sum(axis=1).tolist())
+
+    def some(rows: slice) -> tuple[float, float]:
+        left = xp.maximum(trial[rows, :] - shift, 0)
+        return float(xp.sum(left)), int(xp.count_nonzero(left > 0))
+
+    return tuple(map(sum, zip(*in_blocks(some, trial.shape), strict=True)))
+
+
+def _lower(trial: Array, shift: float, scale: float) -> Array:
+    """That pressure, in place, times a factor."""
+    xp, kernels = arrays(), fused()
+    if kernels is not None:
+        compiled(kernels.lower, trial, shift, scale)
+        return trial
+    return change(trial, lambda some: xp.maximum(some - shift, 0) * scale)

@@ -13,11 +13,14 @@ class Gap:
     """``height`` (x, y) of the gap, counted from the ``approach``, all in units of the gap scale.
 
     The approach is such that cells whose pressure is at no limit have no mean height. It should be zero in these
-    cells, not below zero in cells without pressure, and not above zero in cells at an upper limit.
+    cells, not below zero in cells without pressure, and not above zero in cells at an upper limit. A pass that
+    has found the ``residual`` and the ``farthest`` displacement along with the heights leaves them here.
     """
 
     height: Array
     approach: float
+    residual: float | None = None
+    farthest: float | None = None
 
 
 def violation(pressure: Array, height: Array, free: Array) -> Array:

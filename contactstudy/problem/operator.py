@@ -2,7 +2,7 @@
 
 from typing import Any, Protocol, Self
 
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 from contactstudy.domain.devices.arrays import Array
 from contactstudy.domain.precision import Precision
@@ -24,12 +24,20 @@ class ApproximateInverse(Protocol):
     """A map from the displacement of some cells to the pressure on them, in two steps that stand alone too."""
 
     @property
+    def real(self) -> DTypeLike:
+        """The numbers it works in: those of all fields that it takes and gives."""
+        ...
+
+    @property
     def work(self) -> float:
         """Cells transformed in one application."""
         ...
 
     def extension(self, contact: Array) -> Extension:
-        """The first step, for the cells of a ``contact`` (x, y), which is 1 there and 0 elsewhere."""
+        """The first step, for the cells of a ``contact`` (x, y), which is 1 there and 0 elsewhere.
+
+        A cell of ``contact`` itself that is set to 1 later takes what is transposed, but none extends from it.
+        """
         ...
 
     def waves(self, displacement: Array) -> NDArray[Any]:
@@ -78,6 +86,6 @@ class Operator(Protocol):
         """The operator on a grid of larger cells, each a block of these."""
         ...
 
-    def approximate_inverse(self) -> ApproximateInverse:
-        """What to precondition with."""
+    def approximate_inverse(self, precision: Precision | None = None) -> ApproximateInverse:
+        """What to precondition with, in this ``precision`` if it can, else in the operator's own."""
         ...

@@ -3,9 +3,12 @@
 from dataclasses import dataclass
 from math import prod
 
+from numpy.typing import DTypeLike
+
 from contactstudy.domain.devices.arrays import Array, inner, total
 from contactstudy.domain.devices.device import arrays, fused
-from contactstudy.domain.devices.rows import in_blocks
+from contactstudy.domain.devices.rows import compiled, in_blocks
+from contactstudy.domain.precision import Precision
 from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.problem.gap import Gap
 from contactstudy.problem.operator import ApproximateInverse
@@ -17,6 +20,8 @@ WHOLE = 0.5
 # The preconditioner takes a contact to be stiffer than it is, not softer: a step is at most this many
 # times as long as it says. Nor shorter than this, or rounding could make it shorter and shorter.
 LONGEST, SHORTEST = 1.0, 0.1
+# Heights beyond this are left to double precision: their squares and sums must be numbers in single precision too.
+FAR = 1e15
 # On grids of so few cells an iteration costs the same however few they are: coarser ones save nothing.
 SMALL = 1024
 
@@ -94,8 +99,8 @@ class PreconditionedCG:
         tolerance: float,
         max_iterations: int,
     ) -> Iterate:
-        operator, constraint = problem.operator, problem.constraint
-        inverse = operator.approximate_inverse()
+        operator = problem.operator
+        inverse = operator.approximate_inverse(_precision(problem))
         pressure, work = self._begin(problem, start, tolerance)
         pressure = problem.admit(pressure)
         moved = operator(pressure)
@@ -110,48 +115,43 @@ class PreconditionedCG:
         while True:
             gap = problem.gap(pressure, moved, gap)
             left = problem.residual(pressure, gap)
-            done = problem.ends(left, moved, tolerance) or iteration == max_iterations
+            done = problem.ends(left, moved, tolerance, gap.farthest) or iteration == max_iterations
             if done or stall.sees(left):
                 return Iterate(pressure, moved, gap.approach, left, iteration, work)
             iteration += 1
-            closing, cells, unlevel, wrong = _closing(problem, inverse, pressure, gap, length)
-            same = not cut and not wrong
-            direction = _direction(unlevel, closing, cells, last if same else None)
+            closing, cells, wrong = _closing(problem, inverse, pressure, gap, length)
+            same = last if not (cut or wrong) else None
+            trial, cut = _trial(problem, pressure, gap, closing, cells, last, same, length)
             work += 1 + inverse.work / operator.work
-            trial, cut = _trial(problem, pressure, direction, length)
             trial = problem.levelled(trial, cells)
             # or they would stand through the next convolution
-            del direction, closing, cells, unlevel
-            step, slope = _difference(trial, pressure, gap, last.step if last else None)
+            del closing, cells, same
+            last = None
+            slope = _slope(trial, pressure, gap)
             if slope >= 0:
                 # balancing the load has turned the step uphill: that to the nearest pressure never is
                 cut, length = True, max(length / 4, SHORTEST)
                 trial[...] = pressure - gap.height / own
                 trial = problem.nearest(trial)
-                step, slope = _difference(trial, pressure, gap, step)
+                slope = _slope(trial, pressure, gap)
             ahead = operator(trial)
-            response, curvature = _response(ahead, moved, step, last.response if last else None)
+            curvature = _curvature(trial, pressure, ahead, moved)
             best = -slope / curvature if curvature > 0 else 0.0
             if cut:
                 # zeros are left where tension was; beyond the whole they would turn to tension
                 taken = 1.0 if best > WHOLE else best
             else:
                 # nor beyond it to just where a cell meets a limit: rounding would say which of many did
-                meets = best > 1 and _meets(problem, pressure, step, best)
+                meets = best > 1 and _meets(problem, trial, pressure, best)
                 taken = 1.0 if meets else best
-            last = _Step(step, response, curvature)
-            if taken == 1:
-                pressure, moved = trial, ahead
-            else:
-                last.scale(taken)
-                pressure += last.step
-                moved += last.response
-                constraint.clip(pressure)
-            del trial, ahead  # or they would stand through the next convolution
+            _advance(problem, trial, pressure, ahead, moved, taken)
+            last = _Step(pressure, moved, curvature * taken**2)
+            pressure, moved = trial, ahead
+            del trial, ahead  # or they would stand beside the next ones
             length = min(max(length * min(max(best, 0.3), 3.0), SHORTEST), LONGEST)
 
 
-@dataclass
+@dataclass(frozen=True)
 class _Step:
     """A step taken, the displacement it made, and their product."""
 
@@ -159,92 +159,46 @@ class _Step:
     response: Array
     curvature: float
 
-    def scale(self, factor: float) -> None:
-        """Make it so many times as long."""
-        self.step *= factor
-        self.response *= factor
-        self.curvature *= factor**2
-
-
-def _direction(gap: Array, closing: Array, cells: Array, last: _Step | None) -> Array:
-    """Against the preconditioned ``gap``, ``closing``, and conjugate to the last step where that is downhill.
-
-    Zero outside ``cells``, and such that the load stays as it is. All sums are taken first, so that it
-    is written once.
-    """
-    kernels, conjugate = fused(), last is not None and last.curvature > 0
-    if last is None or not conjugate:
-        count, closed, share, kept = total(cells), total(closing), 0.0, 0.0
-        level = closed / count
-    else:
-        count, closed, downhill, along, over, ahead, shifted = _products(
-            gap, closing, cells, last.step, last.response
-        )
-        level, kept = closed / count, 0.0
-        share = (along - level * over) / last.curvature
-        if share * ahead < downhill:
-            kept = share
-            level -= kept * shifted / count
-
-    def some(rows: slice) -> None:
-        direction = closing[rows, :]
-        if kernels is not None and last is not None:
-            kernels.direction(direction, cells[rows, :], last.step[rows, :], level, kept)
-            return
-        direction *= -1
-        direction += level
-        if kept and last is not None:
-            direction += kept * last.step[rows, :]
-        direction *= cells[rows, :]
-
-    in_blocks(some, closing.shape)
-    return closing
-
-
-def _products(
-    gap: Array, closing: Array, cells: Array, step: Array, response: Array
-) -> tuple[float, ...]:
-    """The sums that make a direction conjugate."""
-    kernels = fused()
-    if kernels is None:
-        pairs = (gap, closing), (closing, response), (cells, response), (gap, step), (cells, step)
-        return total(cells), total(closing), *(inner(*pair) for pair in pairs)
-
-    def some(rows: slice) -> tuple[float, ...]:
-        fields = gap, closing, cells, step, response
-        found: tuple[float, ...] = kernels.products(*(field[rows, :] for field in fields))
-        return found
-
-    return tuple(map(sum, zip(*in_blocks(some, gap.shape), strict=True)))
-
 
 def _closing(
     problem: BareProblem, inverse: ApproximateInverse, pressure: Array, gap: Gap, length: float
-) -> tuple[Array, Array, Array, bool]:
-    """The pressure that would close the gap of the cells that will bear, and what :func:`_bearing` says of them."""
-    cells, unlevel = _contact(problem, pressure, gap)
+) -> tuple[Array, Array, bool]:
+    """The pressure that would close the gap of the cells that will bear, these cells, and whether any joined.
+
+    The cells are those that bear pressure, and those that would penetrate after a step that closes their gap and takes
+    the surroundings along. The extension is that of the former: the latter keep their own gap in it.
+    """
+    cells, unlevel = _contact(problem, pressure, gap, inverse.real)
     extension = inverse.extension(cells)
     whole = extension(unlevel)
-    wrong = _bearing(problem, pressure, gap, whole, length, cells, unlevel)
-    if wrong:
-        del extension, whole  # or they would stand beside those of more cells
-        extension = inverse.extension(cells)
-        whole = extension(unlevel)
+    del unlevel  # or it would stand beside the waves
+    wrong = _join(problem, pressure, gap, length, cells, whole)
     waves = inverse.waves(whole)
     del whole  # or it would stand beside what comes back
-    return extension.transposed(inverse.pressure(waves)), cells, unlevel, wrong
+    return extension.transposed(inverse.pressure(waves)), cells, wrong
 
 
-def _contact(problem: BareProblem, pressure: Array, gap: Gap) -> tuple[Array, Array]:
-    """Cells that bear pressure (1, others 0) and are at no limit, and their gap."""
+def _precision(problem: BareProblem) -> Precision | None:
+    """Of the preconditioner: single where passes are compiled and heights are no strangers to it, else its own.
+
+    It halves the passes' time, not the number of iterations; array operations would have to convert every field.
+    """
+    if fused() is None or not -FAR < float(arrays().max(problem.undeformed_gap)) < FAR:
+        return None
+    return Precision.SINGLE
+
+
+def _contact(
+    problem: BareProblem, pressure: Array, gap: Gap, real: DTypeLike
+) -> tuple[Array, Array]:
+    """Cells that bear pressure (1, others 0) and are at no limit, and their gap, in ``real`` numbers of this type."""
     xp, kernels, most = arrays(), fused(), problem.constraint.capacity(1)
-    cells, unlevel = xp.empty_like(pressure), xp.empty_like(pressure)
+    cells, unlevel = (xp.empty(pressure.shape, dtype=real) for _ in range(2))
+    if kernels is not None:
+        compiled(kernels.contact, pressure, gap.height, most, cells, unlevel)
+        return cells, unlevel
 
     def some(rows: slice) -> None:
-        if kernels is not None:
-            fields = pressure, gap.height, cells, unlevel
-            kernels.contact(*(field[rows, :] for field in fields), most)
-            return
         free = problem.constraint.free(pressure[rows, :])
         cells[rows, :] = free
         unlevel[rows, :] = gap.height[rows, :] * free
@@ -253,85 +207,151 @@ def _contact(problem: BareProblem, pressure: Array, gap: Gap) -> tuple[Array, Ar
     return cells, unlevel
 
 
-def _bearing(
-    problem: BareProblem,
-    pressure: Array,
-    gap: Gap,
-    closing: Array,
-    length: float,
-    cells: Array,
-    unlevel: Array,
+def _join(
+    problem: BareProblem, pressure: Array, gap: Gap, length: float, cells: Array, whole: Array
 ) -> bool:
-    """To ``cells``, those that will bear pressure (1, others 0), and their gap; whether any of them does not yet.
+    """To ``cells``, those that will bear pressure (1, others 0); whether any does not yet.
 
-    Those that bear pressure do, and those that would penetrate after a step that closes the gap of the contact
-    and takes its surroundings along: by so much of ``closing``, the gap extended to all cells, as the
-    step is long. By the penetration as it is, a contact that is a little too high over a wide region would
-    gather all cells there whose gap is small.
+    They are expected to penetrate after a step that changes all heights by so much of ``whole``, the gap of the
+    contact extended to all cells, as the step is long. There they take their own gap. By the penetration as it is,
+    a contact that is a little too high over a wide region would gather all cells there whose gap is small.
     """
     xp, kernels, most = arrays(), fused(), problem.constraint.capacity(1)
+    if kernels is not None:
+        fields = pressure, gap.height, length, most, cells, whole
+        return bool(compiled(kernels.joined, *fields, results=1).any())
 
     def some(rows: slice) -> bool:
-        if kernels is not None:
-            fields = pressure, gap.height, closing, cells, unlevel
-            return bool(kernels.bearing(*(field[rows, :] for field in fields), length, most))
-        height = gap.height[rows, :]
-        wrong = problem.constraint.wrong(pressure[rows, :], height - length * closing[rows, :])
-        own = cells[rows, :]
-        own += wrong
-        unlevel[rows, :] = height * own
+        height, own = gap.height[rows, :], whole[rows, :]
+        wrong = problem.constraint.wrong(pressure[rows, :], height - length * own)
+        cells[rows, :] = cells[rows, :] + wrong
+        whole[rows, :] = xp.where(wrong > 0, height, own)
         return bool(xp.any(wrong > 0))
 
     return any(in_blocks(some, pressure.shape))
 
 
 def _trial(
-    problem: BareProblem, pressure: Array, direction: Array, length: float
+    problem: BareProblem,
+    pressure: Array,
+    gap: Gap,
+    closing: Array,
+    cells: Array,
+    last: _Step | None,
+    same: _Step | None,
+    length: float,
 ) -> tuple[Array, bool]:
-    """The pressure one step ahead, in place of the ``direction``, and whether a limit cuts it."""
+    """The pressure one step ahead, in place of the ``last`` one, and whether a limit cuts it.
 
+    The direction is against ``closing`` and conjugate to a step of the ``same`` cells where that is downhill. It is
+    zero outside ``cells``, and such that the load stays as it is.
+    """
     kernels, most = fused(), problem.constraint.capacity(1)
+    gap_level, kept = _direction(gap.height, closing, cells, same)
+    trial = arrays().empty_like(pressure) if last is None else last.step
+    if kernels is not None:
+        fields = pressure, closing, cells, gap_level, kept, length, most, trial
+        return trial, bool(compiled(kernels.trial, *fields, results=1).any())
 
     def some(rows: slice) -> bool:
-        ahead = direction[rows, :]
-        if kernels is not None:
-            return bool(kernels.trial(pressure[rows, :], ahead, length, most))
-        ahead *= length
-        ahead += pressure[rows, :]
-        return problem.constraint.cuts(ahead)
+        way = gap_level - closing[rows, :]
+        if kept:
+            way += kept * trial[rows, :]
+        way *= cells[rows, :]
+        way *= length
+        way += pressure[rows, :]
+        trial[rows, :] = way
+        return problem.constraint.cuts(way)
 
-    return direction, any(in_blocks(some, pressure.shape))
-
-
-def _difference(trial: Array, pressure: Array, gap: Gap, out: Array | None) -> tuple[Array, float]:
-    """The step to ``trial``, and how fast the energy grows along it."""
-    return _changed(trial, pressure, gap.height, out)
+    return trial, any(in_blocks(some, pressure.shape))
 
 
-def _response(ahead: Array, moved: Array, step: Array, out: Array | None) -> tuple[Array, float]:
-    """The change of displacement along a ``step``, and its work on it."""
-    return _changed(ahead, moved, step, out)
+def _direction(gap: Array, closing: Array, cells: Array, last: _Step | None) -> tuple[float, float]:
+    """What to add to the direction against ``closing``: a level, and so much of the last step."""
+    if last is None or last.curvature <= 0:
+        count, closed = _totals(cells, closing)
+        return closed / count, 0.0
+    count, closed, downhill, along, over, ahead, shifted = _products(gap, closing, cells, last)
+    level = closed / count
+    kept = (along - level * over) / last.curvature
+    return (level - kept * shifted / count, kept) if kept * ahead < downhill else (level, 0.0)
 
 
-def _changed(one: Array, other: Array, weight: Array, out: Array | None) -> tuple[Array, float]:
-    """``one - other``, and the sum of its product with ``weight``."""
+def _totals(cells: Array, closing: Array) -> tuple[float, ...]:
+    """The number of cells, and the pressure that would close them."""
     kernels = fused()
-    change = arrays().empty_like(one) if out is None else out
+    if kernels is None:
+        return total(cells), total(closing)
+    return tuple(compiled(kernels.totals, cells, closing, results=2).sum(axis=1).tolist())
+
+
+def _products(gap: Array, closing: Array, cells: Array, last: _Step) -> tuple[float, ...]:
+    """The sums that make a direction conjugate."""
+    kernels, fields = fused(), (gap, closing, cells, last.step, last.response)
+    if kernels is not None:
+        return tuple(compiled(kernels.products, *fields, results=7).sum(axis=1).tolist())
+
+    def some(rows: slice) -> tuple[float, ...]:
+        height, own, chosen, step, response = (field[rows, :] for field in fields)
+        pairs = (height, own), (own, response), (chosen, response), (height * chosen, step)
+        return total(chosen), total(own), *(inner(*pair) for pair in pairs), inner(chosen, step)
+
+    return tuple(map(sum, zip(*in_blocks(some, gap.shape), strict=True)))
+
+
+def _slope(trial: Array, pressure: Array, gap: Gap) -> float:
+    """How fast the energy grows along the step to ``trial``."""
+    kernels, height = fused(), gap.height
+    if kernels is not None:
+        return float(compiled(kernels.slope, trial, pressure, height, results=1).sum())
+    return sum(
+        in_blocks(
+            lambda rows: inner(height[rows, :], trial[rows, :] - pressure[rows, :]), trial.shape
+        )
+    )
+
+
+def _curvature(trial: Array, pressure: Array, ahead: Array, moved: Array) -> float:
+    """The work of the step to ``trial`` on the change of displacement that it makes."""
+    kernels = fused()
+    if kernels is not None:
+        return float(compiled(kernels.curvature, trial, pressure, ahead, moved, results=1).sum())
 
     def some(rows: slice) -> float:
-        if kernels is not None:
-            fields = one, other, weight, change
-            return float(kernels.difference(*(field[rows, :] for field in fields)))
-        change[rows, :] = own = one[rows, :] - other[rows, :]
-        return inner(weight[rows, :], own)
+        return inner(trial[rows, :] - pressure[rows, :], ahead[rows, :] - moved[rows, :])
 
-    return change, sum(in_blocks(some, one.shape))
+    return sum(in_blocks(some, trial.shape))
 
 
-def _meets(problem: BareProblem, pressure: Array, step: Array, factor: float) -> bool:
+def _meets(problem: BareProblem, trial: Array, pressure: Array, factor: float) -> bool:
     """Whether a cell is beyond a limit so many steps ahead."""
+    kernels, most = fused(), problem.constraint.capacity(1)
+    if kernels is not None:
+        return bool(compiled(kernels.beyond, trial, pressure, factor, most, results=1).any())
 
     def some(rows: slice) -> bool:
-        return problem.constraint.cuts(pressure[rows, :] + factor * step[rows, :])
+        step = trial[rows, :] - pressure[rows, :]
+        return problem.constraint.cuts(pressure[rows, :] + factor * step)
 
     return any(in_blocks(some, pressure.shape))
+
+
+def _advance(
+    problem: BareProblem, trial: Array, pressure: Array, ahead: Array, moved: Array, taken: float
+) -> None:
+    """So much of a step: pressure and displacement in place of those ahead, their changes in place of those before."""
+    kernels, most = fused(), problem.constraint.capacity(1)
+    if kernels is not None:
+        compiled(kernels.advance, trial, pressure, ahead, moved, taken, most)
+        return
+
+    def some(rows: slice) -> None:
+        step, response = trial[rows, :] - pressure[rows, :], ahead[rows, :] - moved[rows, :]
+        if taken != 1:
+            step *= taken
+            response *= taken
+            trial[rows, :] = problem.constraint.clip(pressure[rows, :] + step)
+            ahead[rows, :] = moved[rows, :] + response
+        pressure[rows, :], moved[rows, :] = step, response
+
+    in_blocks(some, trial.shape)

@@ -1,20 +1,22 @@
-"""Fields worked through in blocks of rows, which stay in the cache and which threads share."""
+"""Fields worked through by rows: in blocks that stay in the cache, or in parts, one to each thread."""
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextvars import copy_context
 from functools import cache
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
-from contactstudy.domain.devices.device import Cpu, device, using
+from contactstudy.domain.devices.device import Cpu, device, threads, using
 from contactstudy.domain.devices.namespace import Array
 
 T = TypeVar("T")
 
 # Cells of a block: half a dozen blocks of double precision fit into the cache of a core.
 BLOCK = 2**15
+# Cells of a part at least: to wake another thread takes as long as a pass over some 100 000 cells.
+PART = 2**18
 
 
 def in_blocks(work: Callable[[slice], T], shape: tuple[int, ...]) -> list[T]:
@@ -23,25 +25,40 @@ def in_blocks(work: Callable[[slice], T], shape: tuple[int, ...]) -> list[T]:
     All blocks but the last have an even number of rows. They do not depend on the number of threads, so that
     sums over blocks do not either. On a device that is no :class:`Cpu` there is one block.
     """
+    parts = _shared(lambda blocks: [work(block) for block in blocks], _blocks(shape))
+    return [each for part in parts for each in part]
+
+
+def in_parts(work: Callable[[slice], object], shape: tuple[int, ...]) -> None:
+    """Have each thread ``work`` on one part of the rows of a field with that shape, an even number of rows but the last.
+
+    For compiled passes: in other threads there is no device in use.
+    """
     rows, columns = shape
-    step = max(2, BLOCK // columns // 2 * 2)
-    chosen = device()
-    if rows <= step or not isinstance(chosen, Cpu):
-        return [work(slice(0, rows))]
-    blocks = [slice(begin, min(begin + step, rows)) for begin in range(0, rows, step)]
-    threads = min(chosen.threads, len(blocks))
-    if threads == 1:
-        return [work(block) for block in blocks]
-    size = -(-len(blocks) // threads)
-    parts = [blocks[begin : begin + size] for begin in range(0, len(blocks), size)]
-    rest = [
-        _pool(threads - 1).submit(copy_context().run, _worked_alone, work, part)
-        for part in parts[1:]
-    ]
-    done = _worked(work, parts[0])
-    for one in rest:
-        done += one.result()
-    return done
+    count = max(1, min(threads(), rows * columns // PART))
+    size = max(2, -(-rows // count // 2) * 2)
+    first, *rest = (slice(begin, min(begin + size, rows)) for begin in range(0, rows, size))
+    others = [_pool(count - 1).submit(work, part) for part in rest]
+    work(first)
+    for other in others:
+        other.result()
+
+
+def compiled(kernel: Callable[..., object], *arguments: Any, results: int = 0) -> Array:
+    """What a compiled pass over fields (x, y) finds in each of their rows, (``results``, x).
+
+    The ``kernel`` gets a thread's part of each field among its ``arguments``, the others as they are, and last that
+    part of an array for its results, if it has any: one call for each thread.
+    """
+    shape = next(one.shape for one in arguments if isinstance(one, np.ndarray))
+    found = np.empty((shape[0], results))
+
+    def some(rows: slice) -> None:
+        own = [one[rows] if isinstance(one, np.ndarray) else one for one in arguments]
+        kernel(*own, *([found[rows]] if results else []))
+
+    in_parts(some, shape)
+    return found.T
 
 
 def change(field: Array, changed: Callable[[Array], Array]) -> Array:
@@ -54,14 +71,27 @@ def change(field: Array, changed: Callable[[Array], Array]) -> Array:
     return field
 
 
-def _worked(work: Callable[[slice], T], blocks: list[slice]) -> list[T]:
-    return [work(block) for block in blocks]
+def _blocks(shape: tuple[int, ...]) -> list[slice]:
+    rows, columns = shape
+    step = max(2, BLOCK // columns // 2 * 2) if isinstance(device(), Cpu) else rows
+    return [slice(begin, min(begin + step, rows)) for begin in range(0, rows, step)]
 
 
-def _worked_alone(work: Callable[[slice], T], blocks: list[slice]) -> list[T]:
+def _shared(work: Callable[[list[slice]], T], blocks: list[slice]) -> list[T]:
+    """What ``work`` makes of the part of the ``blocks`` that each thread has, in order."""
+    count = min(threads(), len(blocks))
+    if count == 1:
+        return [work(blocks)]
+    size = -(-len(blocks) // count)
+    parts = [blocks[begin : begin + size] for begin in range(0, len(blocks), size)]
+    others = [_pool(count - 1).submit(copy_context().run, _alone, work, part) for part in parts[1:]]
+    return [work(parts[0]), *(other.result() for other in others)]
+
+
+def _alone(work: Callable[[list[slice]], T], blocks: list[slice]) -> T:
     """In a thread of the pool, which takes no others, and warns of nothing as the solve does not."""
     with using(Cpu()), np.errstate(all="ignore"):
-        return _worked(work, blocks)
+        return work(blocks)
 
 
 @cache

@@ -1,0 +1,244 @@
+"""Passes of an iteration: what is wrong with a pressure, where to go from it, and there.
+
+``most`` is the upper limit of the pressure, infinite where there is none.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from contactstudy.domain.devices.fused.jit import exact, summing
+from contactstudy.domain.devices.namespace import Array
+
+
+@summing
+def level(
+    undeformed: Array, displacement: Array, pressure: Array, most: float, found: Array
+) -> None:
+    """Sum of the gap over cells that are free, and their number."""
+    for i in range(pressure.shape[0]):
+        heights, cells = 0.0, 0.0
+        for j in range(pressure.shape[1]):
+            own = pressure[i, j]
+            free = 1.0 if (own > 0) & (own < most) else 0.0
+            heights += (undeformed[i, j] + displacement[i, j]) * free
+            cells += free
+        found[i, 0], found[i, 1] = heights, cells
+
+
+@exact
+def measured(
+    undeformed: Array, displacement: Array, pressure: Array, approach: float, most: float,
+    height: Array, found: Array,
+) -> None:  # fmt: skip
+    """The gap, counted from the approach.
+
+    The load, the moment of the gap and the load of free cells; and, of all rows in the first, the largest violation of
+    the others, and the largest displacement.
+    """
+    columns = height.shape[1]
+    bound, worst, farthest = np.empty(columns), np.zeros(columns), np.zeros(columns)
+    for i in range(height.shape[0]):
+        for j in range(columns):
+            height[i, j] = undeformed[i, j] + displacement[i, j] - approach
+        for j in range(columns):
+            own = pressure[i, j]
+            bound[j] = (1.0 if own >= most else 0.0) - (1.0 if own == 0 else 0.0)
+        found[i, 0], found[i, 1], found[i, 2] = _of_free(pressure[i], height[i], bound)
+        found[i, 3], found[i, 4] = 0.0, 0.0
+        # column by column: the largest of a row is found one by one
+        for j in range(columns):
+            left = bound[j] * height[i, j]
+            worst[j] = left if left > worst[j] else worst[j]
+        for j in range(columns):
+            size = abs(displacement[i, j])
+            farthest[j] = size if size > farthest[j] else farthest[j]
+    found[0, 3], found[0, 4] = worst.max(), farthest.max()
+
+
+@summing
+def _of_free(pressure: Array, height: Array, bound: Array) -> Any:
+    borne, moment, free_borne = 0.0, 0.0, 0.0
+    for j in range(pressure.size):
+        free = 1.0 - abs(bound[j])
+        borne += pressure[j]
+        moment += pressure[j] * abs(height[j]) * free
+        free_borne += pressure[j] * free
+    return borne, moment, free_borne
+
+
+@exact
+def contact(pressure: Array, height: Array, most: float, cells: Array, unlevel: Array) -> None:
+    """Cells that bear pressure and are at no limit, and their gap."""
+    for i in range(pressure.shape[0]):
+        for j in range(pressure.shape[1]):
+            own = pressure[i, j]
+            cells[i, j] = 1.0 if (own > 0) & (own < most) else 0.0
+        for j in range(pressure.shape[1]):
+            unlevel[i, j] = height[i, j] * cells[i, j]
+
+
+@exact
+def joined(
+    pressure: Array, height: Array, length: float, most: float, cells: Array, whole: Array,
+    found: Array,
+) -> None:  # fmt: skip
+    """To the cells, those that will bear by the gap expected, with their own gap; how many."""
+    for i in range(pressure.shape[0]):
+        count = 0
+        for j in range(pressure.shape[1]):
+            own, gap = pressure[i, j], height[i, j]
+            expected = gap - length * whole[i, j]
+            wrong = ((own == 0) & (expected < 0)) | ((own >= most) & (expected > 0))
+            count += 1 if wrong else 0
+            cells[i, j] = 1.0 if wrong else cells[i, j]
+            whole[i, j] = gap if wrong else whole[i, j]
+        found[i, 0] = count
+
+
+@summing
+def totals(cells: Array, closing: Array, found: Array) -> None:
+    """The sums that a direction needs that is conjugate to none."""
+    for i in range(cells.shape[0]):
+        count = closed = 0.0
+        for j in range(cells.shape[1]):
+            count += cells[i, j]
+            closed += closing[i, j]
+        found[i, 0], found[i, 1] = count, closed
+
+
+@summing
+def products(
+    gap: Array, closing: Array, cells: Array, step: Array, response: Array, found: Array
+) -> None:
+    """The sums that a direction needs."""
+    for i in range(gap.shape[0]):
+        count = closed = downhill = along = over = ahead = kept = 0.0
+        for j in range(gap.shape[1]):
+            own, change = closing[i, j], step[i, j] * cells[i, j]
+            count += cells[i, j]
+            closed += own
+            downhill += gap[i, j] * own
+            along += own * response[i, j]
+            over += cells[i, j] * response[i, j]
+            ahead += gap[i, j] * change
+            kept += change
+        found[i, 0], found[i, 1], found[i, 2], found[i, 3] = count, closed, downhill, along
+        found[i, 4], found[i, 5], found[i, 6] = over, ahead, kept
+
+
+@exact
+def trial(
+    pressure: Array, closing: Array, cells: Array, gap_level: float, kept: float, length: float,
+    most: float, step: Array, found: Array,
+) -> None:  # fmt: skip
+    """The pressure so far along the direction, in place of the last step, and in how many cells beyond a limit."""
+    for i in range(pressure.shape[0]):
+        cut = 0
+        for j in range(pressure.shape[1]):
+            way = gap_level - closing[i, j]
+            if kept != 0:
+                way += kept * step[i, j]
+            ahead = way * cells[i, j] * length + pressure[i, j]
+            step[i, j] = ahead
+            cut += 1 if (ahead < 0) | (ahead > most) else 0
+        found[i, 0] = cut
+
+
+@exact
+def chosen(trial: Array, cells: Array, found: Array) -> None:
+    """Tension and what is not chosen cut off, in place.
+
+    The load, in how many cells, and, of all rows in the first, the largest that is left.
+    """
+    columns = trial.shape[1]
+    most = np.zeros(columns)
+    for i in range(trial.shape[0]):
+        for j in range(columns):
+            kept = trial[i, j] * cells[i, j]
+            trial[i, j] = 0.0 if kept <= 0 else kept  # and nan stays
+        found[i, 0], found[i, 1] = _left(trial[i], 0.0)
+        found[i, 2] = 0.0
+        for j in range(columns):
+            most[j] = trial[i, j] if trial[i, j] > most[j] else most[j]
+    found[0, 2] = most.max()
+
+
+@exact
+def lowered(trial: Array, shift: float, found: Array) -> None:
+    """What is left of a pressure so much lower, and in how many cells."""
+    for i in range(trial.shape[0]):
+        found[i, 0], found[i, 1] = _left(trial[i], shift)
+
+
+@summing
+def _left(pressure: Array, shift: float) -> Any:
+    borne, cells = 0.0, 0.0
+    for j in range(pressure.size):
+        rest = pressure[j] - shift
+        borne += 0.0 if rest <= 0 else rest
+        cells += 1.0 if rest > 0 else 0.0
+    return borne, cells
+
+
+@exact
+def lower(trial: Array, shift: float, scale: float) -> None:
+    """The same in place, times a factor."""
+    for i in range(trial.shape[0]):
+        for j in range(trial.shape[1]):
+            rest = trial[i, j] - shift
+            trial[i, j] = (0.0 if rest <= 0 else rest) * scale
+
+
+@summing
+def slope(trial: Array, pressure: Array, height: Array, found: Array) -> None:
+    """The work of the gap on the step to a trial."""
+    for i in range(trial.shape[0]):
+        work = 0.0
+        for j in range(trial.shape[1]):
+            work += height[i, j] * (trial[i, j] - pressure[i, j])
+        found[i, 0] = work
+
+
+@summing
+def curvature(trial: Array, pressure: Array, ahead: Array, moved: Array, found: Array) -> None:
+    """The work of a step on the displacement that it makes."""
+    for i in range(trial.shape[0]):
+        work = 0.0
+        for j in range(trial.shape[1]):
+            work += (trial[i, j] - pressure[i, j]) * (ahead[i, j] - moved[i, j])
+        found[i, 0] = work
+
+
+@exact
+def beyond(trial: Array, pressure: Array, factor: float, most: float, found: Array) -> None:
+    """How many cells are beyond a limit so many steps ahead."""
+    for i in range(trial.shape[0]):
+        count = 0
+        for j in range(trial.shape[1]):
+            ahead = pressure[i, j] + factor * (trial[i, j] - pressure[i, j])
+            count += 1 if (ahead < 0) | (ahead > most) else 0
+        found[i, 0] = count
+
+
+@exact
+def advance(
+    trial: Array, pressure: Array, ahead: Array, moved: Array, taken: float, most: float
+) -> None:
+    """So much of a step: pressure and displacement in place of those ahead, the changes in place of those before."""
+    for i in range(trial.shape[0]):
+        if taken == 1:
+            for j in range(trial.shape[1]):
+                pressure[i, j] = trial[i, j] - pressure[i, j]
+                moved[i, j] = ahead[i, j] - moved[i, j]
+        else:
+            for j in range(trial.shape[1]):
+                step, response = (
+                    taken * (trial[i, j] - pressure[i, j]),
+                    taken * (ahead[i, j] - moved[i, j]),
+                )
+                after = pressure[i, j] + step
+                after = 0.0 if after < 0 else after
+                trial[i, j] = most if after > most else after
+                ahead[i, j] = moved[i, j] + response
+                pressure[i, j], moved[i, j] = step, response

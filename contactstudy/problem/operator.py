@@ -34,10 +34,7 @@ class ApproximateInverse(Protocol):
         ...
 
     def extension(self, contact: Array) -> Extension:
-        """The first step, for the cells of a ``contact`` (x, y), which is 1 there and 0 elsewhere.
-
-        A cell of ``contact`` itself that is set to 1 later takes what is transposed, but none extends from it.
-        """
+        """The first step, for the cells of a ``contact`` (x, y), which is 1 there and 0 elsewhere."""
         ...
 
     def waves(self, displacement: Array) -> NDArray[Any]:

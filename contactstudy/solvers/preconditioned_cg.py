@@ -166,13 +166,17 @@ def _closing(
     """The pressure that would close the gap of the cells that will bear, these cells, and whether any joined.
 
     The cells are those that bear pressure, and those that would penetrate after a step that closes their gap and takes
-    the surroundings along. The extension is that of the former: the latter keep their own gap in it.
+    the surroundings along.
     """
     cells, unlevel = _contact(problem, pressure, gap, inverse.real)
     extension = inverse.extension(cells)
     whole = extension(unlevel)
     del unlevel  # or it would stand beside the waves
     wrong = _join(problem, pressure, gap, length, cells, whole)
+    if wrong:
+        del extension  # or it would stand beside that of more cells
+        extension = inverse.extension(cells)
+        whole = extension(_held(gap, cells, whole))
     waves = inverse.waves(whole)
     del whole  # or it would stand beside what comes back
     return extension.transposed(inverse.pressure(waves)), cells, wrong
@@ -213,22 +217,35 @@ def _join(
     """To ``cells``, those that will bear pressure (1, others 0); whether any does not yet.
 
     They are expected to penetrate after a step that changes all heights by so much of ``whole``, the gap of the
-    contact extended to all cells, as the step is long. There they take their own gap. By the penetration as it is,
-    a contact that is a little too high over a wide region would gather all cells there whose gap is small.
+    contact extended to all cells, as the step is long. By the penetration as it is, a contact that is a little too
+    high over a wide region would gather all cells there whose gap is small.
     """
     xp, kernels, most = arrays(), fused(), problem.constraint.capacity(1)
     if kernels is not None:
-        fields = pressure, gap.height, length, most, cells, whole
+        fields = pressure, gap.height, whole, length, most, cells
         return bool(compiled(kernels.joined, *fields, results=1).any())
 
     def some(rows: slice) -> bool:
-        height, own = gap.height[rows, :], whole[rows, :]
-        wrong = problem.constraint.wrong(pressure[rows, :], height - length * own)
+        expected = gap.height[rows, :] - length * whole[rows, :]
+        wrong = problem.constraint.wrong(pressure[rows, :], expected)
         cells[rows, :] = cells[rows, :] + wrong
-        whole[rows, :] = xp.where(wrong > 0, height, own)
         return bool(xp.any(wrong > 0))
 
     return any(in_blocks(some, pressure.shape))
+
+
+def _held(gap: Gap, cells: Array, out: Array) -> Array:
+    """The gap of ``cells``, which are 1, others 0."""
+    kernels = fused()
+    if kernels is not None:
+        compiled(kernels.product, gap.height, cells, out)
+        return out
+
+    def some(rows: slice) -> None:
+        out[rows, :] = gap.height[rows, :] * cells[rows, :]
+
+    in_blocks(some, out.shape)
+    return out
 
 
 def _trial(

@@ -80,20 +80,26 @@ def contact(pressure: Array, height: Array, most: float, cells: Array, unlevel: 
 
 @exact
 def joined(
-    pressure: Array, height: Array, length: float, most: float, cells: Array, whole: Array,
+    pressure: Array, height: Array, whole: Array, length: float, most: float, cells: Array,
     found: Array,
 ) -> None:  # fmt: skip
-    """To the cells, those that will bear by the gap expected, with their own gap; how many."""
+    """To the cells, those that will bear by the gap expected; how many."""
     for i in range(pressure.shape[0]):
         count = 0
         for j in range(pressure.shape[1]):
-            own, gap = pressure[i, j], height[i, j]
-            expected = gap - length * whole[i, j]
+            own, expected = pressure[i, j], height[i, j] - length * whole[i, j]
             wrong = ((own == 0) & (expected < 0)) | ((own >= most) & (expected > 0))
             count += 1 if wrong else 0
             cells[i, j] = 1.0 if wrong else cells[i, j]
-            whole[i, j] = gap if wrong else whole[i, j]
         found[i, 0] = count
+
+
+@exact
+def product(one: Array, other: Array, out: Array) -> None:
+    """Of two fields."""
+    for i in range(out.shape[0]):
+        for j in range(out.shape[1]):
+            out[i, j] = one[i, j] * other[i, j]
 
 
 @summing

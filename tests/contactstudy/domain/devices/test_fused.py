@@ -28,8 +28,8 @@ def test_an_extension_is_the_same(
     shape: tuple[int, int], elongation: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     expected = extended(shape, elongation, cs.Cpu())
-    monkeypatch.setattr(rows, "BLOCK", 8)
-    with using(cs.Cpu(), 1):
+    monkeypatch.setattr(rows, "PART", 8)
+    with using(cs.Cpu(2), 1):
         assert fused() is not None
         found = extended(shape, elongation, cs.Cpu())
     for one, two in zip(found, expected, strict=True):
@@ -66,7 +66,7 @@ def test_a_rough_contact_is_the_same(
 def test_sums_do_not_depend_on_the_number_of_threads(
     hardness: float | None, line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(rows, "BLOCK", 256)
+    monkeypatch.setattr(rows, "PART", 256)
     bare = rough((37, 51), hardness, line_contact).bare()
     pressure = bare.admit(np.random.default_rng(1).exponential(size=(37, 51)))
     moved = bare.operator(pressure)

@@ -7,7 +7,7 @@ import contactstudy as cs
 from contactstudy.domain.devices import rows
 from contactstudy.domain.devices.arrays import inner, total
 from contactstudy.domain.devices.device import using
-from contactstudy.domain.devices.rows import in_blocks
+from contactstudy.domain.devices.rows import compiled, in_blocks, in_parts
 
 SHAPES = [(1, 1), (7, 3), (64, 64), (1001, 1), (2, 500)]
 
@@ -15,6 +15,7 @@ SHAPES = [(1, 1), (7, 3), (64, 64), (1001, 1), (2, 500)]
 @pytest.fixture(autouse=True)
 def small_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rows, "BLOCK", 64)
+    monkeypatch.setattr(rows, "PART", 64)
 
 
 @pytest.mark.parametrize("threads", [1, 2, 5])
@@ -36,6 +37,50 @@ def test_sums_are_the_same_to_the_last_bit_on_any_number_of_threads(shape: tuple
     assert len(sums) == 1
     # rounding of as many products
     assert sums.pop()[0] == pytest.approx((a * b).sum(), abs=a.size * 1e-15)
+
+
+@pytest.mark.parametrize("threads", [1, 2, 5])
+@pytest.mark.parametrize("shape", SHAPES, ids=str)
+def test_parts_cover_all_rows_once(shape: tuple[int, int], threads: int) -> None:
+    parts: list[slice] = []
+    with using(cs.Cpu(threads)):
+        in_parts(parts.append, shape)
+    parts.sort(key=lambda part: part.start)
+    assert [row for part in parts for row in range(part.start, part.stop)] == [*range(shape[0])]
+    assert all(part.start % 2 == 0 for part in parts)
+    # a thread has many cells or none, and no part waits for another
+    assert len(parts) <= min(threads, max(1, shape[0] * shape[1] // 64))
+
+
+def test_large_fields_have_a_part_for_each_thread() -> None:
+    parts: list[slice] = []
+    with using(cs.Cpu(3)):
+        in_parts(parts.append, (99, 9))
+    assert sorted(part.stop - part.start for part in parts) == [31, 34, 34]
+
+
+def test_a_pass_finds_something_in_each_row() -> None:
+    """In parts, and only of its fields: numbers are passed on."""
+
+    def kernel(field: np.ndarray, factor: float, out: np.ndarray, found: np.ndarray) -> None:
+        out[...] = factor * field
+        found[:, 0], found[:, 1] = field.sum(axis=1), field.max(axis=1)
+
+    field, out = np.random.default_rng(2).standard_normal((99, 9)), np.empty((99, 9))
+    with using(cs.Cpu(3)):
+        sums, largest = compiled(kernel, field, 2.0, out, results=2)
+    np.testing.assert_array_equal(out, 2 * field)
+    np.testing.assert_array_equal(sums, field.sum(axis=1))
+    np.testing.assert_array_equal(largest, field.max(axis=1))
+
+
+def test_what_a_part_raises_is_raised() -> None:
+    def refuse(part: slice) -> None:
+        if part.start > 0:
+            raise ZeroDivisionError
+
+    with using(cs.Cpu(2)), pytest.raises(ZeroDivisionError):
+        in_parts(refuse, (100, 9))
 
 
 def test_blocks_of_blocks_wait_for_no_thread() -> None:

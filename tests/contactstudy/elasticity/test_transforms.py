@@ -1,5 +1,9 @@
+import os
 import pickle
+import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
+from importlib import import_module
 from importlib.util import find_spec
 
 import numpy as np
@@ -7,6 +11,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import contactstudy as cs
+from contactstudy.domain.devices.device import using
 from contactstudy.elasticity import transforms as available
 from contactstudy.elasticity.transforms import SciPy, Transforms
 
@@ -23,18 +28,50 @@ SIZES = [
 
 @pytest.mark.parametrize("transforms", KINDS, ids=lambda kind: type(kind).__name__)
 @pytest.mark.parametrize(("cells", "padded"), SIZES)
+@pytest.mark.parametrize("real", [np.float64, np.float32])
+@pytest.mark.parametrize("threads", [1, 2])
 def test_transforms_are_those_of_the_whole_padded_field(
-    cells: tuple[int, int], padded: tuple[int, int], transforms: Transforms
+    cells: tuple[int, int],
+    padded: tuple[int, int],
+    transforms: Transforms,
+    real: type[np.floating],
+    threads: int,
 ) -> None:
-    field = np.random.default_rng(3).standard_normal(cells)
+    field = np.random.default_rng(3).standard_normal(cells).astype(real)
+    rounding = 50 * np.finfo(real).eps
     kept = field.copy()
     whole = np.zeros(padded)
     whole[: cells[0], : cells[1]] = field
-    work = np.full((padded[0], padded[1] // 2 + 1), np.nan, dtype=complex)
-    waves = transforms.forward(field, padded, work)
-    assert_allclose(waves, np.fft.rfft2(whole), rtol=0, atol=1e-13)
-    assert (field == kept).all()
-    assert_allclose(transforms.backward(waves, cells, padded), field, rtol=0, atol=1e-14)
+    work = np.full((padded[0], padded[1] // 2 + 1), np.nan, dtype=np.result_type(real, 1j))
+    with using(cs.Cpu(threads)):
+        waves = transforms.forward(field, padded, work)
+        # of sums of up to 192 numbers of size one
+        assert_allclose(waves, np.fft.rfft2(whole), rtol=0, atol=10 * rounding)
+        assert (field == kept).all()
+        back = transforms.backward(waves, cells, padded)
+    assert back.dtype == real
+    assert_allclose(back, field, rtol=0, atol=rounding)
+
+
+@pytest.mark.skipif(not find_spec("ducc0"), reason="ducc0 is not installed")
+def test_a_solve_has_the_threads_it_asks_for_whatever_the_environment_allows() -> None:
+    """Where ducc0 itself would take one, and say nothing."""
+    code = """
+import ducc0, os, contactstudy as cs
+from contactstudy.domain.devices.device import using
+import numpy as np
+before = ducc0.misc.thread_pool_size()
+operator = cs.convolution(1.0, cs.Grid((64, 48), (1.0, 0.7)), cs.ExactPeriodicity(), datum=1.0)
+operator(np.ones((64, 48)))
+assert ducc0.misc.thread_pool_size() == before == 1
+with using(cs.Cpu(2)):
+    operator(np.ones((64, 48)))
+assert ducc0.misc.thread_pool_size() == os.cpu_count()
+"""
+    if not hasattr(import_module("ducc0").misc, "resize_thread_pool"):
+        pytest.skip("this ducc0 cannot")
+    allowed = os.environ | {"OMP_NUM_THREADS": "1", "DUCC0_NUM_THREADS": "1"}
+    subprocess.run([sys.executable, "-c", code], env=allowed, check=True)
 
 
 def test_an_operator_serves_several_threads_and_travels() -> None:

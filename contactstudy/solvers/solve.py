@@ -21,6 +21,9 @@ from contactstudy.solvers.iterate import Iterate
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from contactstudy.solvers.solution import Solution, Status
 
+# Rows of fewer cells take a compiled pass longer to begin than to work through.
+NARROWEST = 4
+
 
 @runtime_checkable
 class Posable(Protocol):
@@ -112,7 +115,8 @@ def solve(
     if start is not None:
         start = _admitted(start, problem, precision)
     ours = isinstance(problem.constraint, Compressive | HardnessLimited)
-    cells = problem.undeformed_gap.size if ours else 0
+    wide = problem.undeformed_gap.shape[1] >= NARROWEST
+    cells = problem.undeformed_gap.size if ours and wide else 0
     with using(on, cells), np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         if not isinstance(on, Cpu):
             _check_other(on, problem, precision)

@@ -91,6 +91,18 @@ def test_small_fields_do_not_load_the_compiler(monkeypatch: pytest.MonkeyPatch) 
         assert fused() is None
 
 
+@pytest.mark.parametrize(("along", "times"), [(1, 0), (3, 0), (4, 1)])
+def test_rows_of_few_cells_are_left_to_array_operations(
+    along: int, times: int, line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A compiled pass would begin a row more often than it has cells to work on."""
+    monkeypatch.setattr(device, "LARGE", 1)
+    asked: list[bool] = []
+    monkeypatch.setattr(device, "_compiled", lambda: asked.append(True))
+    cs.solve(problem(line_contact, (64, along), "smooth"))
+    assert len(asked) == times
+
+
 def test_without_the_compiler_array_operations_do_the_work(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "numba", None)  # type: ignore[arg-type]
     device._compiled.cache_clear()

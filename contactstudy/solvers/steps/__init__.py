@@ -1,0 +1,1 @@
+"""The passes of an iteration: the pressure that closes the gap, the trial towards it, the line to the trial."""

@@ -1,0 +1,55 @@
+"""Text that a terminal and netCDF can hold, at the lengths where it is cut."""
+
+import pytest
+
+from studies.model.plain_text import is_storable, name_problem, one_line, thread_count
+
+
+def test_a_text_is_one_line_of_at_most_so_many_characters() -> None:
+    assert one_line("abcd", 4) == "abcd"
+    assert one_line("abcde", 4) == "abcd ..."
+    assert one_line("a \n\t b\r\nc") == "a b c"
+    assert one_line("a\x07b") == r"a\x07b"
+    assert one_line("x" * 2000) == "x" * 2000
+    assert one_line("x" * 2001) == "x" * 2000 + " ..."
+
+    class Silent:
+        def __str__(self) -> str:
+            raise ValueError
+
+    assert one_line(Silent()) == "(no text: its __str__ raises ValueError)"
+
+
+@pytest.mark.parametrize(
+    ("text", "storable"), [("a\tb\n", True), ("a\x00", False), ("\x7f", False), ("é", True)]
+)
+def test_control_characters_are_not_stored(text: str, storable: bool) -> None:  # noqa: FBT001
+    assert is_storable(text) == storable
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("a" * 250, ""),
+        ("a" * 251, "at most 250 bytes"),
+        ("é" * 125, ""),
+        ("é" * 126, "at most 250 bytes"),
+        ("_a", ""),
+        ("éa", ""),
+        ("-a", "starts with a letter"),
+        (" a", "starts with a letter"),
+        ("a ", "ends without a space"),
+        ("a/b", "a group"),
+        ("", "one letter"),
+        (3, "is text"),
+        ("a\x07", "printable"),
+        ("e\u0301", "composed form"),
+    ],
+)
+def test_a_name_that_netcdf_cannot_hold_says_why(name: object, said: str) -> None:
+    found = name_problem(name)
+    assert (said in found) if said else found == ""
+
+
+def test_one_thread_is_one() -> None:
+    assert [thread_count(n) for n in (1, 2)] == ["1 thread", "2 threads"]

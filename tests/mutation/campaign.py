@@ -17,7 +17,7 @@ from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
 
-from tests.mutation.coverage_record import CoverageRecord
+from tests.mutation.coverage_record import CoverageRecord, statement_in_function
 from tests.mutation.forked import first_failure, import_libraries
 from tests.mutation.mutations import KNOWN, Mutation, chosen, mutations
 
@@ -51,13 +51,22 @@ class Campaign:
         return SURVIVED
 
     def _stages(self, mutation: Mutation) -> list[list[str]]:
-        """The module's own files of tests, then the tests that execute the statement, the quickest first."""
+        """The module's own files of tests, then the tests that execute the statement, the quickest first.
+
+        Of a statement that is executed at the import, those of the module's folder too.
+        """
         folder = Path("tests", mutation.path).parent
         while not (self.copy / folder).is_dir():
             folder = folder.parent
         files = sorted((self.copy / folder).glob(f"test_{Path(mutation.path).stem}*.py"))
         text = (self.copy / mutation.path).read_text(encoding="utf-8")
         executing = self.record.tests_of(mutation, text)
+        if not statement_in_function(text, mutation.line):
+            # the import was noted for the test that was the first to import the module
+            own_folder = {
+                one for one in self.record.seconds if one.startswith(f"{folder.as_posix()}/")
+            }
+            executing = sorted(own_folder.union(executing), key=self.record.seconds.__getitem__)
         if not executing:  # by another process, or by nothing when that was measured
             files += sorted(set((self.copy / folder).glob("test_*.py")) - set(files))
         own = [str(file.relative_to(self.copy)) for file in files]

@@ -280,3 +280,14 @@ def test_friction_is_read_from_a_file_and_written_to_one(friction: object, tmp_p
     path = tmp_path / "scene.toml"
     cs.write_scene(scene(friction), path)
     assert cs.read_scene(path).scene == scene(friction)
+
+
+def test_dundurs_constant_of_bodies_that_differ_in_both_moduli() -> None:
+    """Johnson (1985), eq. 5.3: by (1 - 2 nu) / G and (1 - nu) / G of either."""
+    first, second = cs.HalfSpace(200e9, 0.2), cs.HalfSpace(50e9, 0.4)
+    shear1, shear2 = 200e9 / 2.4, 50e9 / 2.8
+    above = (1 - 0.4) / shear1 - (1 - 0.8) / shear2
+    below = (1 - 0.2) / shear1 + (1 - 0.4) / shear2
+    assert dundurs((first, second)) == pytest.approx(above / below / 2)
+    assert dundurs((second, first)) == pytest.approx(-above / below / 2)
+    assert dundurs((first, first)) == 0

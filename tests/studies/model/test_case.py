@@ -5,7 +5,7 @@ from inspect import signature
 import numpy as np
 
 import contactstudy as cs
-from studies.model.case import Case, Operator, flags, solver_status
+from studies.model.case import Case, Operator, contact_share, flags, solver_status
 from studies.reference.line_contact import SCENE
 
 GRID = cs.Grid((8, 4), (1e-4, 1e-4))
@@ -34,3 +34,10 @@ def test_an_operator_s_size_is_that_of_its_padded_grid() -> None:
     prepared = operator.prepare()
     assert prepared.padded == (16, 4)
     assert float(operator.record(operator.run(prepared))["padded_cells"]) == 64
+
+
+def test_every_cell_that_bears_is_in_contact_however_little() -> None:
+    """A faint load has pressures far below one pascal."""
+    share = contact_share(np.array([[0.0, 1e-9], [0.5, 2e9]]))
+    assert float(share) == 0.75
+    assert share.attrs["units"] == "1"

@@ -49,7 +49,7 @@ def test_the_figure_draws_the_bound_over_the_true_error_of_what_has_one(
     assert same(second, [0.02], [0.01])
     assert same(labelled(of_peak)[KINDS[0]], [0.01, 0.01], [0.02, 0.04])
     x, y = labelled(of_l1)["bound = error"]
-    assert x.tolist() == y.tolist()
+    assert x.tolist() == y.tolist() == [1e-7, 2.0]
     assert "(1 of the highest pressure)" in drawn.caption
 
 

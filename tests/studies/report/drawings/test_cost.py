@@ -96,14 +96,17 @@ def speed(device: str = "cpu") -> xr.Dataset:
 
 def test_the_speed_of_each_surface_stands_over_the_grid_by_threads() -> None:
     dataset = speed()
-    shown = [labelled(ax) for ax in panels("speed", dataset)]
+    axes = panels("speed", dataset)
+    shown = [labelled(ax) for ax in axes]
     rough = {"surface": "rough", "hurst": 0.2}
     affine = "self-affine, H = {} down to 2 cells, 20\u00a0%"
     where = {"rough": rough} | {
         affine.format(f"{hurst:g},"): {"surface": "self-affine", "hurst": hurst}
         for hurst in (0.2, 0.8)
     }
-    for lines, variable in zip(shown, ("solve_time", "iterations", "transform_ratio"), strict=True):
+    for ax, lines, variable in zip(
+        axes, shown, ("solve_time", "iterations", "transform_ratio"), strict=True
+    ):
         stored = dataset[variable].squeeze(("cut_off", "share", "precision", "device"), drop=True)
         counts = {", 1 thread": 1, ", 2 threads": 2}
         if variable == "iterations":
@@ -113,6 +116,8 @@ def test_the_speed_of_each_surface_stands_over_the_grid_by_threads() -> None:
                 line = lines.pop(f"{name}{words_of}")
                 assert same(line, CELLS, stored.sel(chosen | {"threads": threads}))
         law = lines.pop("N²", None)
+        assert (ax.get_yscale() == "log") == (variable == "solve_time")
+        assert ax.get_ylim()[0] == 0 or variable == "solve_time"
         assert not lines
         if variable == "solve_time":
             assert law is not None

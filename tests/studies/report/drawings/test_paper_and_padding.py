@@ -195,3 +195,8 @@ def test_the_table_of_prices_has_the_cheapest_setting_for_each_target() -> None:
         ("2.4 a", "0.10 %", "exact", "64", "0.10 %", "20"),
         ("2.4 a", "0.020 %", "none stored; the most accurate is exact", "64", "0.10 %", "20"),
     ]
+
+
+def test_one_grid_does_not_tell_what_a_digit_costs() -> None:
+    costs = findings("padding", padding().isel(grid=[1]))[1]
+    assert "an L1 error of 0.10 % costs 40 s on one thread. Measured: 0.10 % at 64" in costs

@@ -10,7 +10,7 @@ from studies.model.case import Case
 from studies.model.outcome import CaseStatus, Failure, Outcome
 from studies.reference import line_contact
 from studies.store.files.partial_file import replacing
-from studies.store.netcdf import open_folder, read, write
+from studies.store.netcdf import _shortened, open_folder, read, write
 from studies.store.table.assembly import assemble
 
 
@@ -102,3 +102,8 @@ def test_what_is_not_like_the_others_is_left_out_and_said() -> None:
         "y, a coordinate that is not the same at every point; "
         "f of 1 of 2 cases, which differs from the others' in dimensions, type or units"
     )
+
+
+@pytest.mark.parametrize(("length", "shown"), [(100, "x" * 100), (101, "x" * 100 + "...")])
+def test_a_long_name_of_a_folder_is_cut_after_a_hundred_characters(length: int, shown: str) -> None:
+    assert _shortened(Path("x" * length)) == repr(shown)

@@ -27,8 +27,8 @@ ERRORS = (
 X = np.array([-1.2, -0.6, 0.0, 0.6, 1.2])
 
 
-def paper() -> xr.Dataset:
-    axes = {"padding": PADDINGS, "images": [1, 6]}
+def paper(*images: int) -> xr.Dataset:
+    axes = {"padding": PADDINGS, "images": images or (1, 6)}
     dataset = numbered(axes, *ERRORS, "iterations", "setup_time", "solve_time")
     dataset["iterations"] = (1e4 * dataset["iterations"]).round()
     offset = (np.arange(CELLS) + 0.5) * 3 / CELLS - 1.5
@@ -200,3 +200,17 @@ def test_the_table_of_prices_has_the_cheapest_setting_for_each_target() -> None:
 def test_one_grid_does_not_tell_what_a_digit_costs() -> None:
     costs = findings("padding", padding().isel(grid=[1]))[1]
     assert "an L1 error of 0.10 % costs 40 s on one thread. Measured: 0.10 % at 64" in costs
+
+
+def test_the_largest_n_is_shown_of_any_number_of_them() -> None:
+    dataset = paper(1, 3, 6)
+    stored = dataset.sel(padding="superposed", images=6)
+    whole, error = panels("paper", dataset, 1)
+    assert same(labelled(whole)["superposed, n = 6"], X, stored["pressure"])
+    assert "superposed, n = 6" in labelled(error)
+    largest = 100 * float(stored["pressure_error_max"])
+    assert f"superposed, n = 6: {largest:.2g} %" in caption("paper", dataset, 1)
+    across, along = panels("paper", dataset)
+    for ax, name in ((across, "x"), (along, "y")):
+        shown = dataset[f"displacement_{name}"].sel(padding="zero", images=6)
+        assert same(labelled(ax)["zero padding"], dataset["offset"], shown)

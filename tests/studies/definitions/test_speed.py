@@ -68,3 +68,12 @@ def test_the_ratio_is_of_the_solve_to_as_many_transforms(monkeypatch: pytest.Mon
     found = study.measures(case, Timed(solution, 6.0))
     assert float(found["transform_ratio"]) == pytest.approx(12 / solution.convolutions)
     assert float(found["contact_share"]) == (solution.pressure > 0).mean()
+
+
+def test_two_cells_are_a_grid_and_one_is_none() -> None:
+    study = load("speed")
+    case = study.scene_at(POINT | {"surface": "rough", "grid": 2})
+    assert isinstance(case, CaseOnDevice)
+    assert case.case.grid.cells == (2, 2)
+    with pytest.raises(cs.InvalidInput, match=r"^grid is 1: give at least 2 cells"):
+        study.scene_at(POINT | {"grid": 1})

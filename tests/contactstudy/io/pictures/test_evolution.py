@@ -75,3 +75,25 @@ def test_wear_has_a_panel_of_its_depth() -> None:
     panel = evolution_picture(worn).axes[4]
     assert panel.lines[-1].get_ydata() == pytest.approx([19, 21, 23])
     assert panel.get_ylabel() == "worn depth [µm]"
+
+
+def test_yield_has_a_panel_of_its_dent_and_one_of_the_strain_under_the_middle_at_the_end() -> None:
+    dent = -1e-6 * np.arange(24.0).reshape(4, 3, 2)
+    strain = 1e-3 * np.arange(48.0).reshape(4, 2, 3, 2)
+    yielded = labelled(
+        residual_displacement=(("time", "x", "y"), dent, {"long_name": "dent"}),
+        equivalent_plastic_strain=(("time", "z", "x", "y"), strain, {"long_name": "strain"}),
+    ).assign_coords(z=[1e-3, 5e-3])
+    profiles, shown = evolution_picture(yielded).axes[4:6]
+    assert profiles.lines[-1].get_ydata() == pytest.approx([-19, -21, -23])
+    assert profiles.get_ylabel() == "dent [µm]"
+    [mesh] = shown.collections
+    values = np.asarray(mesh.get_array()).reshape(-1)
+    assert values == pytest.approx(100 * strain[-1, :, :, 1].ravel())
+    corners = np.asarray(mesh.get_coordinates())
+    # half-way between the columns at -2, 0 and 2 mm, and between the depths of 1 and 5 mm
+    assert sorted(set(corners[..., 0].ravel())) == pytest.approx([-3, -1, 1, 3])
+    assert sorted(set(corners[..., 1].ravel())) == pytest.approx([-1, 3, 7])
+    assert (shown.get_xlabel(), shown.get_ylabel()) == ("across [mm]", "depth [mm]")
+    assert shown.get_title() == "strain at the end [%]"
+    assert shown.yaxis_inverted()

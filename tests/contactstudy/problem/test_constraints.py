@@ -6,6 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import contactstudy as cs
+from contactstudy.domain.devices import device
+from contactstudy.domain.devices.device import using
 from contactstudy.problem.compressive import Compressive
 from contactstudy.problem.constraint import Constraint
 from contactstudy.problem.hardness_limited import HardnessLimited
@@ -63,6 +65,33 @@ def test_an_admissible_pressure_is_its_own_admitted_and_nearest() -> None:
         pressure = which.carrying(np.random.default_rng(1).exponential(size=(3, 4)), TOTAL)
         np.testing.assert_allclose(which.carrying(pressure.copy(), TOTAL), pressure, rtol=1e-14)
         np.testing.assert_allclose(which.nearest(pressure.copy(), TOTAL), pressure, rtol=1e-12)
+
+
+@pytest.mark.parametrize("compiled", ["", "compiled"])
+@pytest.mark.parametrize("seed", range(5))
+def test_too_much_load_is_taken_off_all_chosen_cells_alike_and_too_little_scaled(
+    seed: int, compiled: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if compiled:
+        pytest.importorskip("numba")
+    monkeypatch.setattr(device, "LARGE", 1)
+    rng = np.random.default_rng(seed)
+    cells = (rng.random((30, 40)) < 0.7) * 1.0
+    trial = rng.standard_normal((30, 40))
+    left = np.maximum(trial * cells, 0)
+    with using(cs.Cpu(), trial.size if compiled else 0):
+        lower = Compressive().levelled(trial.copy(), cells, 0.6 * left.sum())
+        higher = Compressive().levelled(trial.copy(), cells, 1.4 * left.sum())
+    bears = lower > 0
+    shifts = (left - lower)[bears]
+    shift = shifts.mean()
+    assert shift > 0
+    # to some roundings of numbers of size one
+    assert np.ptp(shifts) <= 1e-14
+    # none else could bear, and all carry the load together
+    assert left[~bears].max() <= shift + 1e-12
+    assert lower.sum() == pytest.approx(0.6 * left.sum(), rel=1e-14)
+    np.testing.assert_allclose(higher, 1.4 * left, rtol=1e-14)
 
 
 def test_a_hardness_everywhere_may_just_carry_the_load() -> None:

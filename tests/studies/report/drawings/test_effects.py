@@ -146,6 +146,17 @@ def test_friction_is_drawn_beside_cattaneo_and_mindlin_and_says_where_stress_is_
     assert y(stick, 1) == pytest.approx([1, 0.53])
     assert y(missed, 0) == pytest.approx([0.001, 0.02])
     assert y(aside, 0) == pytest.approx([0, 0.07])
+    names = [
+        (ax.get_xlabel(), ax.get_ylabel()) for ax in (stress, depth, stick, sphere, missed, aside)
+    ]
+    assert names == [
+        ("coefficient of friction", "highest von Mises / p_H"),
+        ("coefficient of friction", "its depth / a"),
+        ("Q / (mu P)", "stick / contact, cylinder"),
+        ("Q / (mu P)", "stick / contact, sphere"),
+        ("Poisson's ratio", "L1 error of superposition"),
+        ("Poisson's ratio", "shear aside / largest"),
+    ]
     text = said("friction", friction())
     assert "is 0.558 p_H without friction and 0.800 p_H at a coefficient of 0.4" in text
     assert "it lies at the surface from 0.4 on" in text

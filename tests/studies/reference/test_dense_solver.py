@@ -1,0 +1,23 @@
+"""The reference for small problems, by dense algebra of its own."""
+
+import numpy as np
+import pytest
+
+from studies.reference import dense_solver
+
+
+@pytest.mark.parametrize("count", [2, 3, 7])
+def test_the_softest_wave_is_the_least_stiff_of_those_that_shift_no_mean(count: int) -> None:
+    """Free cells alone move, and the load keeps their sum: the stiffness among sums of zero."""
+    rng = np.random.default_rng(count)
+    root = rng.standard_normal((9, 9))
+    matrix = root @ root.T + np.eye(9)
+    free = np.isin(np.arange(9), rng.choice(9, count, replace=False))
+    # an orthonormal basis of the sums of zero: what is left of the plane wave of no length
+    basis = np.linalg.qr(np.column_stack([np.ones(count), np.eye(count)[:, 1:]]))[0][:, 1:]
+    among = basis.T @ matrix[np.ix_(free, free)] @ basis
+    expected = np.linalg.eigvalsh(among)[0]
+    # eigenvalues to some roundings of the largest
+    assert dense_solver._softest(matrix, free) == pytest.approx(
+        expected, abs=1e-12 * np.trace(matrix)
+    )

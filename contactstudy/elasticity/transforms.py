@@ -73,7 +73,8 @@ class Ducc:
 
     def __init__(self) -> None:
         # no stubs, and not there for everybody
-        self._fft: Any = import_module("ducc0").fft
+        ducc0: Any = import_module("ducc0")
+        self._fft, self._misc = ducc0.fft, ducc0.misc
         self._lock, self._widened = Lock(), False
 
     def _threads(self) -> int:
@@ -85,9 +86,9 @@ class Ducc:
         count = threads()
         if count > 1 and not self._widened:
             with self._lock:
-                misc = import_module("ducc0").misc
-                if not self._widened and hasattr(misc, "resize_thread_pool"):
-                    misc.resize_thread_pool(max(os.cpu_count() or 1, misc.thread_pool_size()))
+                if not self._widened and hasattr(self._misc, "resize_thread_pool"):
+                    there = self._misc.thread_pool_size()
+                    self._misc.resize_thread_pool(max(os.cpu_count() or 1, there))
                 self._widened = True
         return count
 

@@ -6,7 +6,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -147,25 +147,3 @@ def test_a_case_that_forks_without_workers_does_not_make_two_runs(how: str, tmp_
     np.testing.assert_array_equal(dataset["own"], dataset["number"])
     lines = (tmp_path / "forking.journal.jsonl").read_bytes().splitlines()
     assert sum(b'"case":' in line[:40] for line in lines) == NUMBERS
-
-
-def test_an_answer_of_another_case_is_an_error_of_that_case() -> None:
-    import socket
-
-    from studies.engine.workers.channel import Address, Channel, ForgedError, new_key
-
-    right = Address(3, os.getpid(), new_key())
-
-    def received(sent: Address) -> bytes:
-        ours, theirs = map(Channel, socket.socketpair())
-        theirs.send(sent, b"a number")
-        return ours.receive(right)
-
-    for wrong in (
-        replace(right, case=4),
-        replace(right, process=right.process + 1),
-        replace(right, key=new_key()),
-    ):
-        with pytest.raises(ForgedError):
-            received(wrong)
-    assert received(right) == b"a number"

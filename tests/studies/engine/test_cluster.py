@@ -1,0 +1,192 @@
+"""How cases are dealt out to the workers of a scheduler, and what becomes of batches that are lost."""
+
+from collections import deque
+from dataclasses import dataclass, field
+from itertools import chain
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from contactstudy import InvalidInput
+from studies.engine import cluster
+from studies.engine.cluster import Cluster, _Flow
+from studies.model.outcome import CaseStatus, Outcome
+from tests.studies.engine.trouble import Trouble
+
+
+@dataclass(eq=False)
+class Future:
+    status: str = "pending"
+    outcomes: list[Outcome] = field(default_factory=list)
+    error: Exception | None = None
+
+    def exception(self) -> Exception | None:
+        return self.error
+
+    def result(self, timeout: float) -> list[Outcome]:
+        assert 0 < timeout <= cluster.LAST
+        return self.outcomes
+
+
+class Flow(_Flow):
+    """Of ``count`` cases, with a client that computes nothing."""
+
+    def __init__(self, count: int, threads: int = 1, patience: float = 10.0) -> None:
+        self.batches: list[int] = []
+        self.found: dict[int, Outcome] = {}
+        self.said: list[str] = []
+        self._client: Any = SimpleNamespace(
+            status="running", submit=self._submitted, nthreads=lambda: self.workers
+        )
+        self._cluster = Cluster("tcp://here:1", patience, self.said.append)
+        self._finished = self.found.__setitem__
+        self._cases = [Trouble(float(n)) for n in range(count)]
+        self._payload = b""
+        self._waiting = deque(range(count))
+        self._running = {}
+        self._completed: Any = SimpleNamespace(add=lambda future: None)
+        self._mean, self._threads = cluster.BATCH, threads
+        self._looked_at, self._idle_since = -1.0, 0.0
+        self.workers: dict[str, int] = {}
+
+    def _submitted(self, *given: Any, pure: bool) -> Future:
+        assert not pure
+        self.batches.append(len(given[2]))
+        return Future()
+
+
+def outcomes(count: int, seconds: float = 0.0) -> list[Outcome]:
+    return [Outcome(CaseStatus.OK, seconds=seconds) for _ in range(count)]
+
+
+def test_batches_take_a_quarter_of_a_second_and_each_thread_has_three() -> None:
+    flow = Flow(1000, threads=2)
+    flow._mean = 0.01
+    flow._fill()
+    assert flow.batches == [round(cluster.BATCH / 0.01)] * 2 * cluster.AHEAD
+    flow._fill()
+    assert len(flow.batches) == 2 * cluster.AHEAD
+
+
+def test_a_batch_is_half_a_thread_s_share_of_what_is_left_and_no_more_than_the_largest() -> None:
+    flow = Flow(1000, threads=2)
+    flow._mean = 0.0
+    flow._fill()
+    # of 1000, 800, 600, 449, 336 and 251 cases, a quarter and one
+    assert flow.batches == [cluster.LARGEST, cluster.LARGEST, 151, 113, 85, 63]
+    assert len(flow._waiting) == 1000 - sum(flow.batches)
+
+
+def test_long_cases_go_alone_and_the_last_batch_is_what_is_left() -> None:
+    flow = Flow(5)
+    flow._mean = 7.0
+    flow._fill()
+    assert flow.batches == [1] * cluster.AHEAD
+    assert sorted(chain.from_iterable(flow._running.values())) == [0, 1, 2]
+    flow._client.status = "connecting"
+    flow._running.clear()
+    flow._fill()
+    assert len(flow._waiting) == 2
+
+
+def test_the_mean_goes_to_what_cases_take() -> None:
+    flow = Flow(0)
+    future = Future("finished")
+    for seconds in (8.0, 0.5):
+        before = flow._mean
+        flow._running[future] = [0]
+        flow._take(future, outcomes(1, seconds))
+        assert min(before, seconds) < flow._mean < max(before, seconds)
+        flow._running[future] = list(range(60))
+        flow._take(future, outcomes(60, seconds))
+        assert flow._mean == pytest.approx(seconds)
+    assert sorted(flow.found) == list(range(60))
+
+
+def test_what_a_batch_did_not_get_to_is_the_first_to_be_sent_again() -> None:
+    flow = Flow(2)
+    done, cancelled, dead = Future("finished"), Future("cancelled"), Future("pending")
+    flow._running = {done: [7, 8, 9], cancelled: [5, 6], dead: [3]}
+    flow._take(done, outcomes(1))
+    assert list(flow.found) == [7]
+    assert list(flow._waiting) == [8, 9, 0, 1]
+    flow._take(cancelled, None)
+    assert list(flow._waiting) == [5, 6, 8, 9, 0, 1]
+    flow._take(dead, None)
+    assert flow._running == {dead: [3]}
+    flow._take(Future("finished"), outcomes(1))  # it was thought to be lost
+    assert list(flow.found) == [7]
+
+
+def test_a_look_comes_every_second_and_finds_lost_batches(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = [50.0]
+    monkeypatch.setattr(cluster, "monotonic", lambda: now[0])
+    flow = Flow(1)
+    flow.workers = {"one": 2, "two": 3}
+    flow._running = {Future("lost"): [4, 5], Future("pending"): [6]}
+    flow._look()
+    assert (flow._threads, list(flow._waiting)) == (5, [4, 5, 0])
+    flow.workers = {"one": 2}
+    now[0] += 0.5 * cluster.LOOK
+    flow._look()
+    assert flow._threads == 5
+    now[0] += 0.5 * cluster.LOOK
+    flow._look()
+    assert flow._threads == 2
+
+
+def test_a_scheduler_without_workers_is_said_once_after_a_while(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    now = [50.0]
+    monkeypatch.setattr(cluster, "monotonic", lambda: now[0])
+    flow = Flow(1, patience=10.0)
+    flow.workers = {"one": 1}
+    flow._look()
+    flow.workers = {}
+    for seconds, said in ((60.0, 0), (61.5, 1), (80.0, 1)):
+        now[0] = seconds
+        flow._look()
+        assert (len(flow.said), flow._threads) == (said, 1)
+    assert flow.said == ["waiting for workers of tcp://here:1"]
+    flow._client.status = "closed"
+    now[0] = 90.0
+    with pytest.raises(InvalidInput, match=r"^Scheduler 'tcp://here:1' is lost: start it again"):
+        flow._look()
+
+
+def test_when_a_run_stops_what_workers_have_finished_is_taken(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    now = [50.0]
+    monkeypatch.setattr(cluster, "monotonic", lambda: now[0])
+    flow = Flow(0)
+    pending = Future("pending", outcomes(1))
+    flow._running = {
+        Future("finished", outcomes(2)): [3, 4],
+        pending: [5],
+        Future("finished", outcomes(1)): [6],
+    }
+    flow._take_last()
+    assert sorted(flow.found) == [3, 4, 6]
+    assert flow._running == {pending: [5]}
+
+
+def test_of_a_batch_that_killed_its_workers_each_case_is_tried_alone() -> None:
+    distributed = pytest.importorskip("distributed")
+    flow = Flow(9)
+    killed = distributed.KilledWorker("batch", SimpleNamespace(address="tcp://there:2"), 3)
+    future = Future("error", error=killed)
+    flow._running = {future: [3, 4]}
+    flow._take(future, None)
+    assert flow.batches == [1, 1]
+    assert sorted(chain.from_iterable(flow._running.values())) == [3, 4]
+    flow._running = {future: [8]}
+    flow._take(future, None)
+    assert flow.found[8].case_status is CaseStatus.KILLED
+    assert "the last tcp://there:2" in flow.found[8].error
+    other = Future("error", error=ImportError("studies"))
+    flow._running = {other: [1]}
+    with pytest.raises(InvalidInput, match="install the same version of contactstudy there"):
+        flow._take(other, None)

@@ -1,0 +1,100 @@
+"""One case, computed or timed: what its outcome says of times, limits and failures."""
+
+import signal
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import pytest
+import xarray as xr
+
+from studies.engine.workers import compute
+from studies.engine.workers.compute import failed, time_once, timed, timed_out
+from studies.model.outcome import CaseStatus, Failure, Work
+from tests.studies.conftest import POSIX
+
+
+@dataclass(frozen=True)
+class Square:
+    number: float
+    hangs: bool = False
+    threads: int = 3
+
+    def prepare(self) -> float:
+        return self.number
+
+    def run(self, prepared: float) -> float:
+        while self.hangs:
+            pass
+        return prepared**2
+
+    def record(self, result: float) -> Mapping[str, xr.Variable]:
+        return {}
+
+
+WORK = Work(lambda case, result: {"square": result})
+
+
+def clock(readings: Iterator[float]):  # noqa: ANN201
+    return lambda: next(readings)
+
+
+def test_setup_and_solve_are_timed_apart(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Read before, between and after them; the slower of the transforms around them is the pace."""
+    monkeypatch.setattr(compute, "perf_counter", clock(iter((10.0, 12.5, 20.0))))
+    monkeypatch.setattr(compute, "process_time", clock(iter((3.0, 5.0, 11.0))))
+    for paces in ((0.25, 0.5), (0.5, 0.25)):
+        monkeypatch.setattr(compute, "_reference_time", clock(iter(paces)))
+        monkeypatch.setattr(compute, "perf_counter", clock(iter((10.0, 12.5, 20.0))))
+        monkeypatch.setattr(compute, "process_time", clock(iter((3.0, 5.0, 11.0))))
+        sample = time_once(Square(2.0))
+        assert (sample.setup, sample.solve) == (2.5, 7.5)
+        assert (sample.setup_cpu, sample.solve_cpu) == (2.0, 6.0)
+        assert (sample.threads, sample.pace) == (3, 0.5)
+
+
+def test_the_pace_is_the_quickest_transform(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(compute, "perf_counter", clock(iter((1.0, 1.75, 2.0, 2.5, 3.0, 3.875) * 2)))
+    assert compute._reference_time() == 0.5
+
+
+def test_an_outcome_says_what_it_took_of_wall_and_of_processor_time(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(compute, "perf_counter", clock(iter((10.0, 14.0))))
+    monkeypatch.setattr(compute, "process_time", clock(iter((1.0, 3.5))))
+    outcome = compute.compute(Square(3.0), WORK)
+    assert (outcome.case_status, float(outcome.variables["square"])) == (CaseStatus.OK, 9.0)
+    assert (outcome.seconds, outcome.cpu) == (4.0, 2.5)
+
+
+def test_a_failure_says_what_it_took_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(compute, "perf_counter", clock(iter((10.0, 14.0))))
+    outcome = compute.compute(Square(1e200), WORK)
+    assert outcome.case_status is CaseStatus.FAILED
+    assert outcome.failure is not None
+    assert outcome.failure.stage == "solve"
+    assert outcome.failure.kind == "OverflowError"
+    assert outcome.seconds == 4.0
+    assert failed(ValueError("v"), "setup", 0.5).seconds == 0.5
+    late = timed_out(2.5, "solve", 3.0)
+    assert (late.case_status, late.seconds) == (CaseStatus.TIMEOUT, 3.0)
+    assert late.error == "TimeLimitError: not done after 2.5 s; give more with --time-limit"
+
+
+@POSIX
+def test_an_alarm_ends_a_case_that_hangs_and_is_off_afterwards() -> None:
+    work = Work(WORK.measures, time_limit=0.05)
+    outcome = compute.compute(Square(1.0, hangs=True), work)
+    assert outcome.case_status is CaseStatus.TIMEOUT
+    assert outcome.seconds >= 0.05
+    assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
+    late = timed(Square(1.0, hangs=True), 0.05)
+    assert isinstance(late, Failure)
+    assert late.stage == "timing"
+    assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
+
+
+@POSIX
+def test_a_limit_longer_than_the_system_counts_is_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert compute.compute(Square(2.0), Work(WORK.measures, time_limit=1e300)).error == ""
+    assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)

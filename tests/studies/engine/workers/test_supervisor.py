@@ -1,0 +1,183 @@
+"""Cases in a process of their own: each is answered, whatever becomes of the others."""
+
+import os
+import pickle
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import psutil
+import pytest
+
+from studies.engine.executors import packed
+from studies.engine.workers import supervisor as module
+from studies.engine.workers.channel import Address, LateError
+from studies.engine.workers.messages import Order
+from studies.engine.workers.process import MARK, end_all
+from studies.engine.workers.supervisor import WorkerSupervisor
+from studies.model.outcome import CaseStatus, Failure, Outcome, Work
+from studies.model.timing_samples import Sample
+from tests.studies.conftest import POSIX
+from tests.studies.engine import trouble
+from tests.studies.engine.trouble import DIES, RAISES, Trouble
+
+OK, FAILED, KILLED = CaseStatus.OK, CaseStatus.FAILED, CaseStatus.KILLED
+
+
+@dataclass(frozen=True)
+class Unsendable(Trouble):
+    def __reduce__(self) -> str:
+        raise TypeError("it holds an open file")
+
+
+@dataclass(frozen=True)
+class Leaving(Trouble):
+    """Ends its process with an exit code, as some libraries do."""
+
+    def run(self, prepared: float) -> float:
+        super().run(prepared)
+        os._exit(3)
+
+
+@pytest.fixture
+def supervisor() -> Iterator[WorkerSupervisor]:
+    one = WorkerSupervisor(packed(Work(trouble.measures)))
+    yield one
+    one.end()
+
+
+def squares(outcomes: list[Outcome]) -> list[float | CaseStatus]:
+    return [
+        float(one.variables["square"]) if one.case_status is OK else one.case_status
+        for one in outcomes
+    ]
+
+
+@POSIX
+def test_every_case_of_a_batch_is_answered_in_its_order(
+    supervisor: WorkerSupervisor, tmp_path: Path
+) -> None:
+    """One that its process dies of is tried a second time, for it may have been ended from outside."""
+    log = tmp_path / "log"
+    cases = [Trouble(float(n), log=str(log)) for n in (DIES, 1, RAISES, 2, 4, DIES, 5, 6)]
+    cases.insert(4, Unsendable(9.0, log=str(log)))
+    begun = time.perf_counter()
+    outcomes = list(supervisor.run(cases))
+    taken = time.perf_counter() - begun
+    assert squares(outcomes) == [KILLED, 1, FAILED, 4, FAILED, 16, KILLED, 25, 36]
+    assert "it holds an open file" in outcomes[4].error
+    assert outcomes[4].seconds == 0
+    tried = [float(line) for line in log.read_text(encoding="utf-8").split()]
+    assert tried == [DIES, DIES, 1, RAISES, 2, 4, DIES, DIES, 5, 6]
+    assert outcomes[0].error == (
+        "Killed: its process was ended by SIGKILL, perhaps for want of memory while it was computed"
+    )
+    assert all(0 <= one.seconds <= taken for one in outcomes)
+
+
+@POSIX
+def test_a_case_that_ends_its_own_process_is_not_tried_again(
+    supervisor: WorkerSupervisor, tmp_path: Path
+) -> None:
+    log = tmp_path / "log"
+    outcomes = list(supervisor.run([Leaving(1.0, log=str(log)), Trouble(2.0)]))
+    assert squares(outcomes) == [KILLED, 4]
+    assert "its process ended with exit code 3" in outcomes[0].error
+    assert log.read_text(encoding="utf-8").split() == ["1.0"]
+
+
+def test_a_run_against_the_clock_is_a_sample_or_says_why_not(supervisor: WorkerSupervisor) -> None:
+    assert isinstance(supervisor.time_once(Trouble(2.0), None), Sample)
+    failure = supervisor.time_once(Trouble(float(RAISES)), None)
+    assert isinstance(failure, Failure)
+    assert (failure.kind, failure.stage) == ("ArithmeticError", "timing")
+    failure = supervisor.time_once(Unsendable(9.0), None)
+    assert isinstance(failure, Failure)
+    assert failure.stage == "setup"
+
+
+def test_other_work_is_done_by_the_same_process(supervisor: WorkerSupervisor) -> None:
+    (first,) = supervisor.run([Trouble(1.0)])
+    supervisor.set_work(packed(Work(process_and_limit, time_limit=50.0)))
+    before, again = supervisor.run([Trouble(1.0), Trouble(2.0)])
+    supervisor.set_work(packed(Work(process_and_limit, time_limit=70.0)))
+    (after,) = supervisor.run([Trouble(2.0)])
+    numbers = [int(one.variables["process"]) for one in (before, again, after)]
+    assert float(first.variables["square"]) == 1
+    assert len(set(numbers)) == 1
+    assert psutil.pid_exists(numbers[0])
+    supervisor.end()
+    assert not psutil.pid_exists(numbers[0])
+    assert list(supervisor.run([Trouble(1.0)])) == []
+
+
+def process_and_limit(case: Trouble, result: float) -> dict[str, float]:
+    return {"process": os.getpid()}
+
+
+def test_a_worker_s_own_alarm_comes_before_its_supervisor_s(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A tenth and half a second later it is late; without a limit it never is."""
+    asked: list[float | None] = []
+
+    def receive(address: Address, until: float | None, is_alive: object) -> bytes:
+        asked.append(until)
+        if until is None:
+            return pickle.dumps(Outcome(OK))
+        raise LateError
+
+    channel: Any = SimpleNamespace(receive=receive)
+    process: Any = SimpleNamespace(pid=1)
+    monkeypatch.setattr(module, "monotonic", lambda: 100.0)
+    monkeypatch.setattr(module, "perf_counter", lambda: 7.0)
+    one = WorkerSupervisor(packed(Work(trouble.measures)))
+    late, other = (
+        one._receive(channel, process, Order(0, b"", b"k" * 16, "compute", limit), 4.0)
+        for limit in (20.0, None)
+    )
+    assert isinstance(late, Outcome)
+    assert (late.case_status, late.seconds) == (CaseStatus.TIMEOUT, 3.0)
+    assert isinstance(other, Outcome)
+    assert other.case_status is OK
+    assert asked == [122.5, None]
+
+
+@pytest.mark.parametrize(
+    ("code", "said"),
+    [
+        (0, "ended with exit code 0"),
+        (1, "ended with exit code 1"),
+        (-15, "was ended by SIGTERM"),
+        (-9, "was ended by SIGKILL, perhaps for want of memory"),
+    ],
+)
+@POSIX
+def test_how_a_process_ended_is_said_in_words(code: int, said: str) -> None:
+    assert module._ending(code) == said
+
+
+@POSIX
+def test_what_a_worker_left_behind_ends_with_it_and_nothing_else() -> None:
+    """Told by the mark in its environment, also where it leads a session of its own."""
+
+    def waiting(mark: str) -> subprocess.Popen[bytes]:
+        return subprocess.Popen(
+            [sys.executable, "-c", "input()"],
+            stdin=subprocess.PIPE,
+            env=os.environ | {MARK: mark},
+            start_new_session=True,
+        )
+
+    leader, left, other = waiting("first"), waiting("first"), waiting("second")
+    end_all(leader.pid, "first")
+    assert other.poll() is None
+    for one in (leader, left, other):
+        one.communicate()
+    assert (leader.returncode, left.returncode) == (-9, -9)
+    assert other.returncode == 1  # of an empty input, and of no signal

@@ -122,7 +122,7 @@ class Scene:
     def hertz(self) -> HertzLine | None:
         """The smooth line contact of the largest load, these bodies and the shapes' mean curvature, if curved.
 
-        Of coated bodies, the one whose modulus is theirs at its own half-width: an estimate within some per cent.
+        Of coated bodies, the one whose modulus is theirs at its own half-width: an estimate.
         """
         curvature = sum(shape.curvature for shape in self.shapes)
         if curvature <= 0:

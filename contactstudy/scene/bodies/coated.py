@@ -15,7 +15,7 @@ from contactstudy.scene.bodies.solids import HalfSpace
 
 # Up to this ratio of shear moduli the coefficients are verified.
 LARGEST_RATIO = 1e4
-# A contact of half-width a gives way like a wave of wave number WAVE / a, within some per cent.
+# A contact of half-width a gives way about like a wave of wave number WAVE / a.
 WAVE = 1.2
 
 
@@ -56,9 +56,10 @@ class CoatedHalfSpace:
         return self.coating.compliance
 
     def compliance_at(self, half_width: float) -> float:
-        """What the body adds to 1/E* [1/Pa] in a contact of ``half_width`` [m], within some per cent.
+        """What the body adds to 1/E* [1/Pa] in a contact of ``half_width`` [m], about.
 
-        It lies between that of the coating, far below the thickness, and that of the substrate, far above.
+        A line contact is as wide as that says within a tenth for moduli a factor of 3 apart, within a quarter
+        for 8. It lies between that of the coating, far below the thickness, and that of the substrate, far above.
         """
         if self.coating == self.substrate:
             return self.compliance

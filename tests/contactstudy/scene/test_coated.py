@@ -197,6 +197,23 @@ def test_the_modulus_of_its_hertz_contact_lies_between_coat_and_substrate() -> N
     assert found[-1] == pytest.approx(bounds[1], rel=1e-3)
 
 
+@pytest.mark.parametrize("share", [0.25, 0.5, 1.0, 2.0])
+@pytest.mark.parametrize(("ratio", "within"), [(1 / 3, 0.1), (3.0, 0.1), (8.0, 0.25)])
+def test_a_contact_is_about_as_wide_as_its_compliance_says(
+    ratio: float, within: float, share: float
+) -> None:
+    """On coats from a quarter of a half-width to two of them, which is where it is between the limits."""
+    half_width, radius = 1e-4, 0.01
+    coating = cs.HalfSpace(STEEL.youngs_modulus * ratio, 0.25)
+    body = cs.CoatedHalfSpace(coating, share * half_width, STEEL)
+    load = np.pi * half_width**2 / (4 * radius * body.compliance_at(half_width))
+    scene = cs.Scene(cs.LineLoad(load), (body, RIGID), (cs.Cylinder(radius),))
+    grid = cs.Grid((256, 1), (4 * half_width, half_width))
+    solution = cs.solve(scene.problem(grid, cs.ExactPeriodicity()))
+    wide = np.count_nonzero(solution.pressure) * grid.cell[0] / (2 * half_width)
+    assert wide == pytest.approx(1, abs=within)
+
+
 @pytest.mark.parametrize(
     ("wrong", "named"),
     [

@@ -148,7 +148,6 @@ def _chosen(
             )
         own = column.kind.sizes
         clash = [dim for dim, size in own.items() if sizes.get(dim, size) != size]
-        clash += [name] if name in sizes and column.kind.dims != (name,) else []
         clash += [
             dim
             for dim in own

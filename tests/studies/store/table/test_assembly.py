@@ -1,0 +1,130 @@
+"""Outcomes of cases put into one table, by hand."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from studies.model.axis import Axis
+from studies.model.outcome import CaseStatus, Failure, Outcome
+from studies.store.table.assembly import assemble
+
+SIDE = Axis("side", ("left", "mid", "right"), "which side")
+SIZE = Axis("size", (1.0, 2.0), "how large", "m")
+
+
+def variable(value: Any, *dims: str, **attrs: Any) -> xr.Variable:
+    return xr.Variable(dims, value, attrs)
+
+
+def assembled(axes: tuple[Axis, ...], keys: str, **found: dict[str, xr.Variable]) -> xr.Dataset:
+    outcomes = {name: Outcome(CaseStatus.OK, variables) for name, variables in found.items()}
+    return assemble(axes, keys.split(), outcomes.get, {}, {"title": "by hand"})
+
+
+def test_numbers_stand_at_their_points_the_last_axis_fastest_and_cases_are_shared() -> None:
+    dataset = assembled(
+        (SIDE, SIZE),
+        "a b c a d b",
+        a={"n": variable(1, units="m"), "v": variable([1.0, 2.0, 3.0], "k")},
+        b={"n": variable(2, units="m"), "v": variable([4.0, 5.0, 6.0], "k")},
+        c={"n": variable(3, units="m"), "v": variable([7.0, 8.0, 9.0], "k")},
+        d={"n": variable(4, units="m"), "v": variable([0.0, 0.5, 0.25], "k")},
+    )
+    assert dataset["n"].dims == ("side", "size")
+    assert dataset["n"].values.tolist() == [[1, 2], [3, 1], [4, 2]]
+    assert dataset["n"].dtype.kind == "i"
+    assert dataset["v"].dims == ("side", "size", "k")
+    assert dataset["v"].sel(side="right", size=1.0).values.tolist() == [0.0, 0.5, 0.25]
+    assert dataset["case_key"].values.tolist() == [["a", "b"], ["c", "a"], ["d", "b"]]
+    assert (dataset["case_status"] == CaseStatus.OK).all()
+    assert "error" not in dataset
+    assert dataset.attrs == {"title": "by hand"}
+    assert dataset["size"].attrs == {"long_name": "how large", "units": "m"}
+    assert dataset["side"].attrs == {"long_name": "which side"}
+
+
+def test_of_variables_that_differ_those_of_the_most_cases_are_kept() -> None:
+    """Whatever their order; of another unit, type or dimension."""
+    few = {"n": variable(5.0, units="s"), "t": variable("x")}
+    most = {"n": variable(1.5, units="m"), "t": variable(7.0)}
+    for keys, expected in (("a b c", [np.nan, 1.5, 1.5]), ("b c a", [1.5, 1.5, np.nan])):
+        dataset = assembled((SIDE,), keys, a=few, b=most, c=most)
+        np.testing.assert_array_equal(dataset["n"], expected)
+        assert dataset["n"].attrs["units"] == "m"
+        np.testing.assert_array_equal(dataset["t"], np.divide(expected, 1.5) * 7)
+        assert dataset.attrs["left_out"] == (
+            "n of 1 of 3 cases, which differs from the others' in dimensions, type or units; "
+            "t of 1 of 3 cases, which differs from the others' in dimensions, type or units"
+        )
+
+
+def test_text_that_a_case_lacks_is_empty_and_a_number_is_not_a_number() -> None:
+    dataset = assembled(
+        (SIDE,),
+        "a b c",
+        a={"word": variable("long"), "words": variable(["p", "q"], "k")},
+        c={"word": variable("l"), "whole": variable(3), "single": variable(np.float32(0.5))},
+    )
+    assert dataset["word"].values.tolist() == ["long", "", "l"]
+    assert dataset["words"].values.tolist() == [["p", "q"], ["", ""], ["", ""]]
+    np.testing.assert_array_equal(dataset["whole"], [np.nan, np.nan, 3.0])
+    assert dataset["single"].dtype == np.float32
+    assert dataset["case_status"].values.tolist() == [
+        CaseStatus.OK,
+        CaseStatus.NOT_RUN,
+        CaseStatus.OK,
+    ]
+
+
+def test_a_variable_named_like_its_dimension_is_its_coordinate() -> None:
+    depth = variable([0.5, 1.5], "depth", units="m")
+    one = {"depth": depth, "stress": variable([1.0, 2.0], "depth")}
+    two = {"depth": depth, "stress": variable([3.0, 4.0], "depth")}
+    dataset = assembled((SIZE,), "a b", a=one, b=two)
+    assert dataset["depth"].dims == ("depth",)
+    assert dataset["stress"].sel(size=2.0, depth=1.5).item() == 4.0
+    assert "left_out" not in dataset.attrs
+
+
+@pytest.mark.parametrize(
+    ("second", "left_out"),
+    [
+        (variable([1.0, 2.0, 3.0], "k"), "second, since another variable has another k"),
+        (variable([1.0, 2.0], "first"), "second, since another variable has another first"),
+    ],
+)
+def test_dimensions_that_contradict_another_variable_s_are_left_out(
+    second: xr.Variable, left_out: str
+) -> None:
+    """Another length of one dimension; a dimension called like a variable that is no coordinate."""
+    first = variable([1.0, 2.0], "k")
+    dataset = assembled((SIZE,), "a a", a={"first": first, "second": second})
+    assert "second" not in dataset
+    assert dataset["first"].shape == (2, 2)
+    assert dataset.attrs["left_out"] == left_out
+
+
+@pytest.mark.parametrize("order", [("first", "k"), ("k", "first")])
+def test_a_variable_with_a_dimension_called_like_another_is_left_out(
+    order: tuple[str, str],
+) -> None:
+    both = {"first": variable([1.0, 2.0], "k"), "k": variable([5.0], "m")}
+    dataset = assembled((SIZE,), "a a", a={name: both[name] for name in order})
+    assert "first" not in dataset
+    assert dataset["k"].values.tolist() == [[5.0], [5.0]]
+    assert dataset.attrs["left_out"] == "first, since another variable has another k"
+
+
+def test_a_failure_says_what_where_and_why_at_its_points() -> None:
+    failure = Failure("ValueError", "ValueError: no", "solve")
+    found = {
+        "a": Outcome(CaseStatus.OK, {"n": variable(1)}),
+        "b": Outcome(CaseStatus.FAILED, {}, failure),
+    }
+    dataset = assemble((SIDE,), ["a", "b", "b"], found.get, {}, {})
+    assert dataset["error"].values.tolist() == ["", "ValueError: no", "ValueError: no"]
+    assert dataset["error_type"].values.tolist() == ["", "ValueError", "ValueError"]
+    assert dataset["error_stage"].values.tolist() == ["", "solve", "solve"]
+    np.testing.assert_array_equal(dataset["n"], [1.0, np.nan, np.nan])

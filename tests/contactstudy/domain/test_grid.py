@@ -13,6 +13,13 @@ def test_cell_centres_are_symmetric_to_the_last_bit() -> None:
     np.testing.assert_allclose(grid.x[-1] + grid.cell[0] / 2, 0.15, rtol=1e-15)
 
 
+def test_cells_are_the_extent_parted() -> None:
+    grid = cs.Grid(cells=(4, 2), extent=(8.0, 6.0))
+    assert (grid.cell, grid.cell_area, grid.period) == ((2, 3), 6, 6)
+    assert grid.x.tolist() == [-3, -1, 1, 3]
+    assert grid.y.tolist() == [-1.5, 1.5]
+
+
 def test_one_cell_along_the_length_is_plane_strain_and_allowed() -> None:
     assert cs.Grid(cells=(2, 1), extent=(1.0, 1.0)).y.tolist() == [0.0]
 
@@ -44,7 +51,7 @@ def test_a_bad_grid_is_refused_in_one_sentence(
 
 
 def test_cells_may_be_a_billion_times_as_long_as_wide_and_no_longer() -> None:
-    for extent in ((2.0, 0.9e9), (0.9e9 * 2, 1.0)):
+    for extent in ((2.0, 0.9e9), (0.9e9 * 2, 1.0), (2.0, 1e9), (2e9, 1.0), (2e20, 3e20)):
         assert cs.Grid(cells=(2, 1), extent=extent).extent == extent
     for extent in ((2.0, 1.1e9), (1.1e9 * 2, 1.0)):
         with pytest.raises(cs.InvalidInput, match=r"^Grid\.extent is .* times as"):

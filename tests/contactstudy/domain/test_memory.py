@@ -32,6 +32,19 @@ def test_linux_says_kibibytes_and_swap_counts(
     assert memory._of_system() == 350 * 1024
 
 
+def test_elsewhere_what_is_free_and_the_swap_are_psutil_s(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    amounts = {
+        "virtual_memory": SimpleNamespace(available=300),
+        "swap_memory": SimpleNamespace(free=50),
+    }
+    psutil = SimpleNamespace(**{name: lambda one=one: one for name, one in amounts.items()})
+    monkeypatch.setattr(memory, "Path", lambda _: tmp_path / "nowhere")
+    monkeypatch.setattr(memory, "import_module", lambda _: psutil)
+    assert memory._of_system() == 350
+
+
 def test_a_container_has_its_limit_less_what_it_uses(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -10,7 +10,7 @@ import contactstudy as cs
 from contactstudy.domain.devices import device, rows
 from contactstudy.domain.devices.device import fused, using
 from tests.conftest import LineContact
-from tests.contactstudy.domain.devices.test_devices import BOTH, agree, extended
+from tests.contactstudy.domain.devices.test_devices import BOTH, STRICT, agree, extended
 from tests.contactstudy.solvers.test_preconditioned_cg import problem
 
 
@@ -88,6 +88,16 @@ def test_heights_that_are_not_finite_are_seen(line_contact: LineContact) -> None
 def test_small_fields_do_not_load_the_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(device, "_compiled", lambda: pytest.fail("loaded"))
     with using(cs.Cpu(), device.LARGE - 1):
+        assert fused() is None
+
+
+def test_fields_of_so_many_cells_and_no_fewer_are_worked_on_by_compiled_passes(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(device, "_compiled", lambda: "passes")
+    with using(cs.Cpu(), device.LARGE):
+        assert fused() == "passes"
+    with using(STRICT, device.LARGE):
         assert fused() is None
 
 

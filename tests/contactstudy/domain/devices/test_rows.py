@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.domain.devices import rows
+from contactstudy.domain.devices import device, rows
 from contactstudy.domain.devices.arrays import inner, total
-from contactstudy.domain.devices.device import using
+from contactstudy.domain.devices.device import Library, using
 from contactstudy.domain.devices.rows import compiled, in_blocks, in_parts
 
 SHAPES = [(1, 1), (7, 3), (64, 64), (1001, 1), (2, 500)]
@@ -104,6 +104,14 @@ def test_what_a_block_raises_is_raised() -> None:
 def test_one_thread_starts_no_other() -> None:
     names = in_blocks(lambda _: threading.current_thread().name, (100, 9))
     assert set(names) == {threading.current_thread().name}
+
+
+def test_a_processor_has_one_thread_unless_told_and_a_library_s_arrays_are_left_to_it() -> None:
+    assert cs.Cpu() == cs.Cpu(1)
+    with using(cs.Cpu(3)):
+        assert device.threads() == 3
+    with using(Library(np)):  # type: ignore[arg-type]
+        assert device.threads() == 1
 
 
 @pytest.mark.parametrize("threads", [0, -1, 1.5, True, None])

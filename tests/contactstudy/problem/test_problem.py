@@ -26,3 +26,10 @@ def test_a_bare_problem_counts_heights_and_pressures_in_its_scales(
     np.testing.assert_allclose(bare.operator(pressure), moved, rtol=1e-9)
     assert bare.resultant.uniform(16) == pytest.approx(problem.resultant.uniform(16) / 4e8)
     assert raised.bare(cs.Precision.SINGLE).undeformed_gap.dtype == np.float32
+
+
+def test_a_hardness_is_counted_in_the_scale_of_pressure(line_contact: LineContact) -> None:
+    scene = replace(line_contact.scene, hardness=1e9)
+    problem = scene.problem(line_contact.grid((8, 2), 1.0), cs.ExactPeriodicity())
+    bare = replace(problem, scales=Scales(1.0, 4e8, 2e-6)).bare()
+    assert bare.constraint == cs.HardnessLimited(2.5)

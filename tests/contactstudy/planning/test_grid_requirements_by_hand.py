@@ -1,0 +1,236 @@
+"""What shapes ask of a grid, of scales that are written here."""
+
+from dataclasses import replace
+from math import acosh, erf, inf, pi, sqrt
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+import contactstudy as cs
+from contactstudy.accuracy.expected_error import smooth_l1
+from contactstudy.analytic import HertzLine
+from contactstudy.planning.grid_requirements import Needs, _common, _in_waves, _parts, halvable
+from contactstudy.scene.shapes.detail import Detail
+
+# Half-width 2 m, highest pressure 100 Pa; beside the contact the gap grows by 0.2 m times a function of x / a.
+HERTZ = HertzLine(100 * pi, 10.0, 1000.0)
+FINE = Detail(finest=(0.5, 0.25), longest=1.0, height=0.3, slope=0.3, widest=12.0)
+COARSE = Detail(finest=(0.3, 0.6), longest=0.75, height=0.1, slope=0.4, widest=9.0)
+
+
+def needs(*details: Detail, hardness: float = inf, **more: Any) -> Needs:
+    return Needs(HERTZ, details, hardness, **more)
+
+
+BOTH, SMOOTH = needs(FINE, COARSE), needs(Detail())
+
+
+def test_of_several_shapes_the_finest_the_longest_and_the_narrowest_count() -> None:
+    assert BOTH.finest == (0.3, 0.25)
+    assert (BOTH.height, BOTH.longest, BOTH.widest) == (0.4, 1.0, 9.0)
+    assert BOTH.rough
+    assert BOTH.varies
+    assert not BOTH.smooth
+    assert (BOTH.roller, needs().roller, needs().longest) == (0, 0, 0)
+    assert needs().finest == (inf, inf)
+    assert needs().widest == inf
+    assert SMOOTH.smooth
+    assert not SMOOTH.varies
+    across = needs(Detail(finest=(0.3, inf)))
+    assert across.rough
+    assert not across.varies
+
+
+def test_the_shortest_roller_counts_and_it_varies_along_its_length() -> None:
+    rollers = needs(Detail(roller=inf), Detail(roller=0.5), Detail(roller=3.0), Detail())
+    assert rollers.roller == 0.5
+    assert rollers.varies
+    assert not rollers.rough
+    assert not rollers.smooth
+    assert rollers.half_width == pytest.approx(1.5 * 2)
+    assert rollers.padding() == (cs.ZeroPadding(), cs.ZeroPadding())
+    assert BOTH.padding() == cs.ExactPeriodicity()
+
+
+@pytest.mark.parametrize("t", [1.5, 10.0])
+def test_the_contact_may_end_where_hertz_s_gap_is_as_high_as_the_highest(t: float) -> None:
+    height = 0.2 * (t * sqrt(t**2 - 1) - acosh(t))
+    assert needs(Detail(height=height)).half_width == pytest.approx(2 * t)
+
+
+def test_a_hardness_needs_a_width_for_the_load() -> None:
+    assert needs(hardness=10.0).half_width == pytest.approx(100 * pi / 20)
+    assert needs(hardness=1e9).half_width == pytest.approx(2)
+
+
+def test_the_error_is_the_smooth_contact_s_and_the_finest_wave_s() -> None:
+    # the mean pressure is pi / 4 of the highest, over the modulus; slopes add up as squares to 0.5
+    share = erf(sqrt(2) * pi / 4 * 100 / 1000 / 0.5)
+    factor = 0.35 * share**-0.65
+    assert BOTH.coefficient() == pytest.approx(factor)
+    assert SMOOTH.coefficient() == 0.35
+    # in contact is a thousandth at the least
+    assert needs(Detail(slope=1e9)).coefficient() == pytest.approx(0.35 * 1000**0.65)
+    for cell, step in (((0.1, 0.05), 1 / 3), ((0.03, 0.2), 0.8)):
+        wanted = smooth_l1(cell[0] / 2) + factor * step**1.5
+        assert BOTH.error(cell) == pytest.approx(wanted)
+
+
+@pytest.mark.parametrize("error", [0.05, 0.02])
+def test_cells_are_such_that_both_sources_of_error_are_alike(error: float) -> None:
+    """On cells that are rounded to a 32nd; what is left of the smooth one is a tenth of (cell / a)^2."""
+    found = needs(replace(FINE, finest=(inf, 0.25)))
+    grid = found.grid(error, None)
+    assert error / (1 + 2 / 32) ** 2 <= found.error(grid.cell) <= error * (1 + 1e-3)
+    rough = found.coefficient() * (grid.cell[1] / 0.25) ** 1.5
+    smooth = smooth_l1(grid.cell[0] / 2) - 0.1 * (grid.cell[0] / 2) ** 2
+    assert smooth / rough == pytest.approx(1, rel=2 * 1.5 / 32)
+
+
+def test_cells_of_a_wave_across_are_no_wider_than_it_asks() -> None:
+    found = needs(Detail(finest=(0.25, inf), slope=0.4))
+    grid = found.grid(0.1, None)
+    assert grid.cells[1] == 1
+    assert 0.1 / (1 + 2 / 32) ** 2 <= found.error(grid.cell) <= 0.1 * (1 + 1e-3)
+
+
+def test_cells_below_a_roller_are_as_long_as_wide() -> None:
+    grid = needs(Detail(roller=20.0)).grid(0.01, None)
+    assert grid.extent == pytest.approx((2 * 1.2 * 3, 20))
+    assert grid.cell[1] / grid.cell[0] == pytest.approx(1, rel=2 / 32)
+
+
+def test_a_grid_is_no_wider_than_the_surface_is_known() -> None:
+    assert needs(Detail(widest=4.0)).grid(0.1, None).extent[0] == 4
+    assert needs(Detail(widest=4.9)).grid(0.1, None).extent[0] == pytest.approx(4.8)
+
+
+WAVES = Detail(finest=(inf, 0.2))
+
+
+@pytest.mark.parametrize(
+    ("details", "period"),
+    [
+        ((Detail(),), 4.8),
+        ((Detail(roller=3.0), WAVES), 3.0),
+        # four of the longest, in whole numbers of what repeats
+        ((replace(WAVES, repeat=0.5, longest=0.75),), 3.0),
+        ((replace(WAVES, repeat=0.5, longest=0.7),), 3.0),
+        ((replace(WAVES, repeat=0.5), replace(WAVES, repeat=0.75, longest=0.75)), 3.0),
+        ((replace(WAVES, repeat=0.5),), 0.5),
+        # without any, of a quarter of the width or of the longest
+        ((replace(WAVES, longest=1.0),), 4.8),
+        ((replace(WAVES, longest=10.0),), 40.0),
+    ],
+)
+def test_a_period_holds_four_of_the_longest_and_whole_numbers_of_what_repeats(
+    details: tuple[Detail, ...], period: float
+) -> None:
+    assert needs(*details)._period(None, 4.8) == pytest.approx(period)
+    assert needs(*details)._period(7.0, 4.8) == 7
+
+
+def test_a_period_is_checked_against_what_it_has_to_hold() -> None:
+    waves = needs(replace(WAVES, repeat=0.25, longest=0.125))
+    assert "holds what repeats" in waves.period_check(0.5)
+    assert "no whole number of 0.25 m" in waves.period_check(0.6)
+    assert "holds 2 of the longest wavelength 0.125 m: give 0.5 m" in waves.period_check(0.25)
+    rough = needs(replace(WAVES, longest=0.25))
+    for share, enough in ((1, True), (1 - 0.5e-9, True), (1 - 1.5e-9, False), (0.5, False)):
+        assert ("holds what repeats" in rough.period_check(share)) == enough
+    assert "any period" in SMOOTH.period_check(0.1)
+    assert "from end to end 0.5 m" in needs(Detail(roller=0.5)).period_check(0.5)
+
+
+def test_reasons_count_cells_in_half_widths_and_waves_and_say_the_dimension() -> None:
+    grid = cs.Grid((64, 32), (8.0, 4.0))
+    _, cells, dimension, padding = BOTH.reasons(grid, 0.1)
+    assert "64 x 32 cells: 16 in a half-width, 2 in the finest wavelength, for" in cells
+    assert dimension.startswith("dimension 2: the gap varies")
+    assert padding.startswith("padding exact")
+    _, cells, dimension, _ = SMOOTH.reasons(cs.Grid((64, 2), (8.0, 4.0)), 0.1)
+    assert "16 in a half-width, for" in cells
+    assert dimension.startswith("dimension 2: as asked")
+    assert SMOOTH.reasons(cs.Grid((64, 1), (8.0, 4.0)), 0.1)[2].startswith("dimension 1")
+    assert needs(Detail(roller=3.0)).reasons(grid, 0.1)[3].startswith("padding zero")
+
+
+def coat(stiffer: float) -> Any:
+    """Of 0.4 m, so many times as stiff as a substrate of 50 Pa."""
+    return SimpleNamespace(
+        thickness=0.4,
+        compliance=1 / (50 * stiffer),
+        compliance_at=lambda half_width: half_width / 200,
+        substrate=SimpleNamespace(compliance=1 / 50),
+    )
+
+
+def test_a_coat_is_felt_as_a_modulus_between_its_own_and_the_substrate_s() -> None:
+    said = needs(coats=(coat(4.0),)).reasons(cs.Grid((80, 1), (8.0, 4.0)), 0.1)[4]
+    assert "coat 0.4 m: 0.2 half-widths and 4 cells across thick" in said
+    assert "about 100 Pa, between 200 Pa of the coating and 50 Pa" in said
+
+
+@pytest.mark.parametrize(
+    ("stiffer", "cells", "warned"),
+    [(4.0, 160, False), (4.0, 159, True), (2.0, 10, False), (2.1, 10, True), (0.25, 10, False)],
+)
+def test_a_coat_more_than_twice_as_stiff_needs_eight_cells(
+    stiffer: float,
+    cells: int,
+    warned: bool,  # noqa: FBT001
+) -> None:
+    posed = replace(needs(coats=(coat(stiffer),)), hertz=THICK)
+    said = posed.warnings(cs.Grid((cells, 1), (8.0, 4.0)))
+    assert len(said) == warned
+    assert all("give 160 for a bound" in one for one in said)
+
+
+# As wide as a tenth of the radius.
+THICK: Any = SimpleNamespace(half_width=2.0, radius=20.0)
+
+
+def test_a_contact_wider_than_a_tenth_of_the_radius_is_not_one_of_half_spaces() -> None:
+    grid = cs.Grid((64, 1), (8.0, 4.0))
+    assert Needs(THICK, (), inf).warnings(grid) == ()
+    wider: Any = SimpleNamespace(half_width=2.01, radius=20.0)
+    (said,) = Needs(wider, (), inf).warnings(grid)
+    assert "too large a share for half-spaces" in said
+
+
+def test_a_wave_needs_two_cells_along_each_axis() -> None:
+    waves = Needs(THICK, (Detail(finest=(0.5, 0.25)),), inf)
+    assert waves.warnings(cs.Grid((32, 32), (8.0, 4.0))) == ()
+    (said,) = waves.warnings(cs.Grid((31, 32), (8.0, 4.0)))
+    assert said.startswith("Grid.cells[0] is 31")
+    assert "give 32 or more" in said
+    (said,) = waves.warnings(cs.Grid((32, 31), (8.0, 4.0)))
+    assert said.startswith("Grid.cells[1] is 31")
+    assert _in_waves(cs.Grid((64, 32), (8.0, 4.0)), (0.5, 0.25)) == 2
+    assert _in_waves(cs.Grid((32, 64), (8.0, 4.0)), (0.5, 0.25)) == 2
+    odd = replace(waves, details=(replace(WAVES, repeat=0.3),))
+    assert ": give a multiple" in odd.warnings(cs.Grid((32, 64), (8.0, 4.0)))[0]
+
+
+def test_a_part_goes_a_whole_number_of_times_to_a_billionth() -> None:
+    assert _parts(6.0, 2.0) == 3
+    assert _parts(1000 + 0.5e-6, 1.0) == 1000
+    for whole, part in ((1000 + 1.5e-6, 1.0), (1000 - 1.5e-6, 1.0), (0.3, 1.0), (5.0, 2.0)):
+        assert _parts(whole, part) is None
+
+
+def test_lengths_share_the_shortest_that_is_a_whole_number_of_each() -> None:
+    assert _common({0.5, 0.75}) == 1.5
+    assert _common({2.0, 3.0, 5.0}) == 30
+    # ratios of numbers up to 64
+    assert _common({1.0, 65 / 64}) == 65
+    with pytest.raises(cs.InvalidInput, match="share no period"):
+        _common({1.0, 66 / 65})
+
+
+@pytest.mark.parametrize(
+    ("count", "cells"), [(3, 32), (32, 32), (33, 33), (63.2, 64), (65, 66), (129, 132), (500, 504)]
+)
+def test_so_many_cells_or_a_few_more_halve_down_to_a_coarse_grid(count: float, cells: int) -> None:
+    assert halvable(count) == cells

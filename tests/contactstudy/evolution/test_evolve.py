@@ -10,6 +10,9 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.domain.devices.arrays import Array
+from contactstudy.evolution.evolve import _load
+from contactstudy.evolution.memories.memory import Contribution, Step
+from contactstudy.scene.loads.load_history import SuddenLoad
 from tests.contactstudy.evolution.creeping import LOAD, RIGID, SOLID, rolling_cylinder
 
 EXACT = cs.ExactPeriodicity()
@@ -275,3 +278,23 @@ def test_a_summary_is_of_the_last_of_its_instants() -> None:
     width = np.count_nonzero(last) * GRID.cell[0]
     assert f"highest pressure {last.max():.4g} Pa, in contact {width:.4g} m" in said
     assert last.max() < 0.6 * found.pressure[0].max()
+
+
+@pytest.mark.parametrize(
+    ("times", "start"), [((1.5, 4.0), 0.0), ((-1.5, 4.0), -1.5), ((0.0,), 0.0), (0.5, 0.0)]
+)
+def test_a_load_without_times_is_sudden_at_zero_or_where_the_times_begin(
+    times: object, start: float
+) -> None:
+    assert _load(ELASTIC, times) == SuddenLoad(LOAD, start)  # type: ignore[arg-type]
+
+
+def test_a_march_may_be_told_not_to_iterate() -> None:
+    found = cs.evolve(ELASTIC, cs.Grid((8, 1), (0.6, 1.0)), EXACT, times=[0.0], max_iterations=0)
+    assert found.status is cs.Status.ITERATION_LIMIT
+
+
+def test_a_step_is_implicit_and_adds_nothing_unless_it_says_so() -> None:
+    step = Step(2.0, 5.5, (1.0, 3.0), 2.0)
+    assert (step.duration, step.explicit) == (3.5, 0.0)
+    assert Contribution() == Contribution(None, {}, {}, 0.0)

@@ -1,7 +1,10 @@
 """Steady rolling and sliding of viscoelastic contacts."""
 
 from dataclasses import replace
+from inspect import signature
 from math import inf, pi
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,6 +12,8 @@ import pytest
 import contactstudy as cs
 from contactstudy.elasticity.coefficients import Coefficients, Displacement
 from contactstudy.elasticity.trailing import Trailing
+from contactstudy.evolution.rolling import SteadyRolling, _trailing
+from contactstudy.solvers.lagged import solve_lagged
 from tests.contactstudy.evolution.creeping import RIGID, SOLID, rolling_cylinder
 
 EXACT = cs.ExactPeriodicity()
@@ -173,3 +178,44 @@ def test_a_rolling_scene_has_no_single_problem_and_no_history() -> None:
         scene.problem(grid, EXACT)
     with pytest.raises(cs.InvalidInput, match=r"call contactstudy\.solve_rolling"):
         cs.evolve(scene, grid, EXACT, times=[0.0, 1.0])
+
+
+def test_shift_and_resistance_are_means_under_the_pressure() -> None:
+    """Rows at -3, -1, 1 and 3 m; heights whose slopes are 1, 2, 4 and 5, and -1 beside them."""
+    pressure = np.array([[5.0, 0], [2, 4], [0, 1], [0, 0]])
+    heights = np.array([[0.0, 9], [2, 7], [8, 5], [18, 3]])
+    problem = SimpleNamespace(grid=cs.Grid((4, 2), (8.0, 6.0)))
+    settled: Any = SimpleNamespace(solution=SimpleNamespace(pressure=pressure, problem=problem))
+    found = SteadyRolling(settled, heights)
+    assert found.shift == pytest.approx((-3 * 5 - 1 * 6 + 1 * 1) / 12)
+    assert found.resistance == pytest.approx((1 * 5 + 2 * 2 - 4 - 1) / 12)
+
+
+TWO = cs.ViscoelasticHalfSpace(0.4, 0.0, ((0.5, 0.4), (0.2, 3.0)))
+
+
+def trails(speed: float, *bodies: object) -> Any:
+    scene = replace(rolling(TWO, speed), solids=bodies)
+    return _trailing(scene, 0.7)
+
+
+def test_each_term_trails_by_its_own_length_and_bodies_add_up() -> None:
+    still = Displacement(0.7)
+    for bodies, times in (((TWO, RIGID), 1), ((TWO, TWO), 2)):
+        even, odd = trails(0.3, *bodies)
+        for sign, found in ((1, even), (-1, odd)):
+            assert found == {
+                Trailing(still, 0.3 * time, sign): pytest.approx(times * size / pi)
+                for size, time in TWO.creep.terms
+            }
+    even, odd = trails(0.0, TWO, TWO)
+    assert even == {still: pytest.approx(2 * sum(size for size, _ in TWO.creep.terms) / pi)}
+    assert odd == {}
+    assert trails(inf, TWO, RIGID) == ({}, {})
+
+
+def test_a_rolling_contact_settles_with_the_defaults_of_what_it_is_made_of() -> None:
+    ours, lagged = (signature(one).parameters for one in (cs.solve_rolling, solve_lagged))
+    for name in ("tolerance", "change", "max_passes", "max_iterations", "solver", "precision"):
+        assert ours[name].default == lagged[name].default, name
+    assert (ours["change"].default, ours["max_passes"].default) == (1e-6, 100)

@@ -1,7 +1,12 @@
 """The instants that a march lands on, by hand."""
 
+from math import nan
+
+import pytest
+
 import contactstudy as cs
 from contactstudy.evolution.schedule import Mark, schedule
+from contactstudy.scene.loads.load_history import SuddenLoad
 
 LOAD = cs.LoadHistory(times=(0.0, 1.0, 1.0, 3.0), per_length=(0.0, 2.0, 5.0, 1.0))
 
@@ -22,3 +27,42 @@ def test_without_times_a_march_goes_to_the_end_of_the_load() -> None:
     assert [mark.time for mark in found] == [0.0, 1.0, 3.0]
     assert [mark.records for mark in found] == [0, 0, 0]
     assert found[-1].after == 1.0
+
+
+def test_a_march_passes_the_breaks_of_the_load_up_to_its_last_time() -> None:
+    assert [mark.time for mark in schedule(LOAD, (0.5, 2.5))] == [0, 0.5, 1, 2.5]
+    assert [mark.time for mark in schedule(LOAD, (0.5,))] == [0, 0.5]
+
+
+@pytest.mark.parametrize(
+    "times", [(0.0, 0.25, 0.5), (0.25, 0.25, 0.5), (0.5, 0.75, 0.75), (0.0, 0.0), (4.0,)]
+)
+def test_times_are_recorded_as_they_are_given(times: tuple[float, ...]) -> None:
+    found = schedule(LOAD, times)
+    assert [mark.time for mark in found for _ in range(mark.records)] == list(times)
+
+
+@pytest.mark.parametrize(
+    "times",
+    [
+        (),
+        (0.5, 0.25),
+        (0.5, 0.5, 0.5),
+        (-0.25, 1.0),
+        (-0.25,),
+        (0.5, nan),
+        ((0.5, 1.0), (1.5, 2.0)),
+    ],
+    ids=str,
+)
+def test_times_that_cannot_be_marched_through_are_refused(times: object) -> None:
+    with pytest.raises(cs.InvalidInput, match=r"^evolve\.times"):
+        schedule(LOAD, times)  # type: ignore[arg-type]
+
+
+def test_a_load_without_an_end_needs_times() -> None:
+    sudden = SuddenLoad(3.0, start=0.5)
+    with pytest.raises(cs.InvalidInput, match=r"Scene\.load has no end: give times"):
+        schedule(sudden, None)
+    (only,) = schedule(sudden, (0.5,))
+    assert (only.before, only.after, only.breaks) == (0, 3, True)

@@ -19,6 +19,9 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "steady"))
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
+# Seconds after which a process that still runs hangs. On a machine ten times too busy, none takes five minutes.
+HANGS = 1800.0
+
 STEEL = cs.HalfSpace(youngs_modulus=210e9, poisson_ratio=0.3)
 
 

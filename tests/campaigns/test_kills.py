@@ -14,6 +14,7 @@ import xarray as xr
 from studies.model.outcome import CaseStatus
 from tests.campaigns.conftest import share
 from tests.campaigns.victim import CASES
+from tests.conftest import HANGS
 
 ROOT = Path(__file__).parents[2]
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
@@ -51,7 +52,12 @@ def start(*words: object) -> subprocess.Popen[str]:
 
 def ended(process: subprocess.Popen[str]) -> str:
     """What it said, once it and all it started have closed their output: nobody is left."""
-    said, _ = process.communicate(timeout=120)
+    with process:
+        try:
+            said, _ = process.communicate(timeout=HANGS)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            raise
     return said
 
 

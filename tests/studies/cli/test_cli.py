@@ -13,6 +13,7 @@ from contactstudy import InvalidInput
 from studies.cli.commands import cli
 from studies.model.outcome import CaseStatus
 from studies.registry import load
+from tests.conftest import HANGS
 from tests.studies.conftest import POSIX
 
 COMMAND = str(Path(sys.executable).with_name("contactstudy"))
@@ -34,7 +35,7 @@ SMALL = [
 
 def call(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [COMMAND, *arguments], capture_output=True, text=True, cwd=cwd, timeout=300
+        [COMMAND, *arguments], capture_output=True, text=True, cwd=cwd, timeout=HANGS
     )
 
 

@@ -21,7 +21,7 @@ from studies.engine.workers.channel import (
 )
 
 RIGHT = Address(3, os.getpid(), b"k" * 16)
-PATIENCE = 20.0  # seconds until what does not come is an error
+PATIENCE = 45.0  # seconds until what does not come is an error
 
 
 def received(send: Callable[[Channel], object], address: Address = RIGHT) -> bytes:

@@ -13,6 +13,7 @@ import pytest
 from contactstudy import InvalidInput
 from studies.store.files import lock as module
 from studies.store.files.lock import locked
+from tests.conftest import HANGS
 from tests.studies.conftest import POSIX, quiet
 
 NEVER = 2**22 + 1  # beyond the numbers that processes have
@@ -65,7 +66,7 @@ def test_who_comes_second_says_who_is_first_and_waits(tmp_path: Path) -> None:
     with locked(path, quiet):
         since = json.loads(path.read_text(encoding="utf-8"))["since"]
         thread.start()
-        assert waits.wait(60)
+        assert waits.wait(HANGS)
         order.append("first")
     thread.join()
     assert order == ["first", "second"]

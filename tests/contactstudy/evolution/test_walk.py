@@ -11,9 +11,9 @@ import contactstudy as cs
 from contactstudy.evolution.march import Instant
 from contactstudy.evolution.schedule import Mark, schedule
 from contactstudy.evolution.step_control import StepControl
-from contactstudy.evolution.walk import Walk
+from contactstudy.evolution.walk import ONSET, Walk
 
-GRID = cs.Grid((8, 1), (4.0, 2.0))
+GRID = cs.Grid((8, 1), (4.0, 2.5))
 CELLS = np.array([0, 0, 1, 1, 1, 1, 0, 0.0])[:, None]
 
 
@@ -25,6 +25,7 @@ class Decaying:
     joint: Any = None
     told: list[tuple[float, float, float]] = field(default_factory=list)
     jumps: list[tuple[float, int]] = field(default_factory=list)
+    onsets: list[int] = field(default_factory=list)
     fails_from: float = np.inf
     kept: Any = (SimpleNamespace(fields=lambda state: {"age": state}),)
 
@@ -46,12 +47,14 @@ class Decaying:
 
     def advance(self, instant: Instant, end: float, load: float, onset: int) -> Any:
         self.told.append((instant.time, end, load))
+        self.onsets.append(onset)
         pressure = instant.pressure / (1 + end - instant.time)
         residual = np.inf if end > self.fails_from else 1e-9
         return Instant(end, load, pressure, (end,)), [self._solution(pressure, residual)]
 
     def jump(self, instant: Instant, load: float, parts: int, onset: int) -> Any:
         self.jumps.append((load, parts))
+        self.onsets.append(onset)
         # a part that is left out shows where the path counts
         pressure = instant.pressure + CELLS * (load - instant.load) * (1 + 0.1 / parts)
         after = Instant(instant.time, load, pressure, (instant.time,))
@@ -152,7 +155,16 @@ def test_a_pair_that_adds_too_much_is_rejected_and_halved_at_least() -> None:
     walk, march = walked([0.0, 4.0], control=StepControl(error=0.9, adds=1e-5))
     assert walk.rejected >= 1
     spans = [end - start for start, end, _ in march.told]
-    assert spans[3] <= spans[0] / 2 * (1 + 1e-9)
+    # far too much: a fifth
+    assert spans[3] == pytest.approx(spans[0] / 5)
+    little, steps = walked([0.0, 4.0], control=StepControl(error=0.9, adds=3.5e-4))
+    assert little.rejected >= 1
+    # a little too much, 1 / 1.04 - 1 / 1.02^2 = 3.7e-4: a half
+    spans = [end - start for start, end, _ in steps.told]
+    assert spans[3] == pytest.approx(spans[0] / 2)
+    # three steps a pair; the next begins where it began
+    begins = [start for start, *_ in march.told[::3]]
+    assert walk.rejected == len(begins) - len(set(begins))
 
 
 def test_every_pair_is_recorded_without_times_and_the_last_one_ends_on_the_mark() -> None:
@@ -168,6 +180,44 @@ def test_every_pair_is_recorded_without_times_and_the_last_one_ends_on_the_mark(
     spans = np.diff(times)
     assert spans[-1] == pytest.approx(spans[-2])
     assert seen[-1] == (4.0, 4.0)
+
+
+@pytest.mark.parametrize("first", [0.03, 0.04])
+def test_a_mark_that_is_no_farther_than_the_next_pair_is_reached_by_one(first: float) -> None:
+    """The first pair would take a hundredth of four seconds."""
+    _, march = walked([first, 4.0], control=StepControl(0.9, 0.5))
+    assert [end for _, end, _ in march.told[:3]] == pytest.approx([first / 2, first, first])
+
+
+def test_an_instant_given_twice_is_recorded_before_and_after_its_jump() -> None:
+    load = cs.LoadHistory((0.0, 1.0, 1.0, 4.0), (2.0, 2.0, 5.0, 5.0))
+    seen = []
+    walk, march = walked(
+        [1.0, 1.0, 4.0], march=Decaying(load), progress=lambda *times: seen.append(times)
+    )
+    assert [(frame.time, frame.load) for frame in walk.frames] == [(1, 2), (1, 5), (4, 5)]
+    # 2.2 N/m for a second in halves, and 3.3 more
+    before = 2.2 / 1.5**2
+    assert heights(walk)[:2] == pytest.approx([before, before + 3.3])
+    assert [load for load, _ in march.jumps] == [2, 2, 5, 5]
+    assert seen == [(1, 4), (1, 4), (4, 4)]
+
+
+def test_first_yield_is_looked_for_in_the_main_march_of_two_alone() -> None:
+    _, march = walked([0.0, 4.0])
+    assert march.onsets == [ONSET, 0, ONSET, ONSET, 0]
+    _, march = walked([4.0], control=StepControl(0.9, 0.5))
+    assert march.onsets[2:5] == [ONSET, ONSET, 0]
+    _, alone = walked([0.0, 4.0], companion=False)
+    assert alone.onsets == [0, 0]
+
+
+def test_a_difference_is_over_the_larger_of_two_pressures() -> None:
+    walk, _ = walked([0.0])
+    small, large = (Instant(0.0, 2.0, size * CELLS, ()) for size in (2.0, 5.0))
+    for both in ((small, large), (large, small)):
+        assert walk._relative(-CELLS, *both) == pytest.approx(1 / 5)
+    assert walk._relative(CELLS, Instant(0.0, 0.0, 0 * CELLS, ())) == 0
 
 
 PATH = SimpleNamespace()

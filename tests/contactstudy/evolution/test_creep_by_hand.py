@@ -1,0 +1,70 @@
+"""What a body that creeps keeps in one step, of numbers that are written here."""
+
+import numpy as np
+import pytest
+
+from contactstudy.elasticity.coefficients import Displacement
+from contactstudy.elasticity.prony import Creep
+from contactstudy.evolution.memories.creep import CreepMemory, weights
+from contactstudy.evolution.memories.memory import Step
+
+STILL = Displacement(0.7)
+FLUID = CreepMemory(Creep(1.0, ((2.0, 0.5), (3.0, 4.0)), fluidity=0.7), STILL)
+SOLID = CreepMemory(Creep(1.0, ((2.0, 0.5),)), STILL)
+BEFORE, AFTER = np.array([[1.0, 5.0]]), np.array([[3.0, 2.0]])
+STATE = {
+    "delayed0": np.array([[0.5, 0.25]]),
+    "delayed1": np.array([[0.125, 4.0]]),
+    "impulse": np.array([[6.0, 7.0]]),
+}
+# Of 1.5 s: three times the one relaxation time and 3/8 of the other.
+STEP = Step(2.0, 3.5, (1.0, 3.0), 2.0)
+FAST, SLOW = weights(3.0), weights(0.375)
+
+
+def test_a_body_has_a_field_for_each_term_and_a_fluid_one_more() -> None:
+    assert list(FLUID.start((3, 2))) == ["delayed0", "delayed1", "impulse"]
+    assert list(SOLID.start((3, 2))) == ["delayed0"]
+    for field in FLUID.start((3, 2)).values():
+        np.testing.assert_array_equal(field, np.zeros((3, 2)))
+    assert FLUID.fields(STATE) == {}
+
+
+def test_the_past_strains_and_a_step_softens() -> None:
+    found = FLUID.contribution(STATE, BEFORE, STEP)
+    past = 2 * (FAST[0] * STATE["delayed0"] + FAST[1] * BEFORE)
+    past += 3 * (SLOW[0] * STATE["delayed1"] + SLOW[1] * BEFORE)
+    past += 0.7 * (STATE["impulse"] + 0.75 * BEFORE)
+    np.testing.assert_allclose(found.strained[STILL], past, rtol=1e-14)
+    softer = 2 * FAST[2] + 3 * SLOW[2] + 0.7 * 0.75
+    assert found.compliance == {STILL: pytest.approx(softer)}
+    assert (found.gap, found.own) == (None, 0)
+    solid = SOLID.contribution(STATE, BEFORE, STEP)
+    assert solid.compliance == {STILL: pytest.approx(2 * FAST[2])}
+
+
+def test_delayed_pressures_and_the_impulse_are_those_of_a_pressure_that_is_linear() -> None:
+    found = FLUID.advance(STATE, BEFORE, AFTER, STEP)
+    for name, (kept, before, after) in (("delayed0", FAST), ("delayed1", SLOW)):
+        wanted = kept * STATE[name] + before * BEFORE + after * AFTER
+        np.testing.assert_allclose(found[name], wanted, rtol=1e-14)
+    np.testing.assert_allclose(found["impulse"], STATE["impulse"] + 0.75 * (BEFORE + AFTER))
+    assert list(SOLID.advance(STATE, BEFORE, AFTER, STEP)) == ["delayed0"]
+
+
+def test_a_delayed_pressure_follows_its_equation() -> None:
+    """``c' = (p - c) / lambda`` by a thousand steps of the midpoint rule, whose error falls as their square."""
+    count, duration = 1000, 1.5
+    delayed = STATE["delayed0"]
+    for n in range(count):
+        p = BEFORE + (AFTER - BEFORE) * (n + 0.5) / count
+        step = duration / count / 0.5
+        delayed = (delayed * (1 - step / 2) + step * p) / (1 + step / 2)
+    found = SOLID.advance(STATE, BEFORE, AFTER, STEP)["delayed0"]
+    np.testing.assert_allclose(found, delayed, rtol=10 * count**-2)
+
+
+@pytest.mark.parametrize("ratio", [2e-4, 9.9e-4])
+def test_the_weights_of_a_short_step_are_their_series_to_its_fourth_term(ratio: float) -> None:
+    exact = ratio / 2 - ratio**2 / 6 + ratio**3 / 24 - ratio**4 / 120
+    assert weights(ratio)[2] == pytest.approx(exact, rel=ratio**3)

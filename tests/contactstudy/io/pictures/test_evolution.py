@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.colors import to_rgb
 
 from contactstudy.io.pictures.evolution import evolution_picture
 
@@ -36,6 +37,8 @@ def test_profiles_are_those_of_the_middle_of_the_length_at_each_instant() -> Non
     for line, rows in zip(profiles.lines, PRESSURE[:, :, 1], strict=True):
         assert line.get_xydata() == pytest.approx(np.transpose([X * 1e3, rows / 1e6]))
     assert (profiles.get_xlabel(), profiles.get_ylabel()) == ("across [mm]", "pressure [MPa]")
+    brightness = [sum(to_rgb(line.get_color())) for line in profiles.lines]
+    assert (np.diff(brightness) > 0).all()
 
 
 def test_six_profiles_at_the_most_from_first_to_last() -> None:
@@ -64,6 +67,7 @@ def test_numbers_are_shares_of_their_largest_and_errors_those_that_are_known() -
     assert highest.get_ydata() == pytest.approx([0.25, 0.5, 0.75, 1])
     assert area.get_ydata() == pytest.approx([0, 0, 0, 0])
     assert load.get_label() == "load over 4 N/m"
+    assert area.get_label() == "contact area over 1 m2"
     assert numbers.get_ylim()[0] == 0
     [steps] = errors.lines
     assert steps.get_xydata() == pytest.approx(np.array([[1, 1e-3], [4, 1e-2]]))

@@ -70,6 +70,11 @@ def test_too_fine_a_grid_is_made_coarser_as_long_as_it_shows_the_waves(
 ) -> None:
     _, second = reached(monkeypatch, needing(LARGE), seen(0.01), seen(0.05))
     assert second.cells == (64, 32)
+    # the error grows with the square of the cell
+    _, second = reached(
+        monkeypatch, needing(LARGE), replace(seen(0.001), rate=2.0), replace(seen(0.05), rate=2.0)
+    )
+    assert second.cells == (64, 32)
     # cells of 1/160 m: eight in the shortest wave across, four in that along, of which it needs two
     waves = needing(LARGE, finest=(0.05, 0.025))
     _, second = reached(monkeypatch, waves, seen(0.01), seen(0.05))
@@ -177,7 +182,7 @@ def test_a_plan_of_a_given_grid_is_that_grid(
         monkeypatch.setattr(planning, "timed", lambda *_: SimpleNamespace(seconds=lambda *_: 8.0))
         found = cs.plan(line_contact.scene, grid=grid, period=5e-4)
         assert (found.grid, found.dimension, found.bytes) == (grid, dimension, needed)
-        assert found.seconds == 8
+        assert (found.seconds, found.steps) == (8, 1)
         assert any("this machine has" in said for said in found.warnings) == (not fits)
     with pytest.raises(cs.InvalidInput, match=r"^plan\.period is 0\.0006: leave it out"):
         cs.plan(line_contact.scene, grid=grid, period=6e-4)

@@ -8,8 +8,8 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
-from contactstudy.solvers.plasticity.settle import settle
-from contactstudy.solvers.plasticity.yield_law import ROOT
+from contactstudy.solvers.plasticity.settle import _energy, _newton_step, _relaxed, settle
+from contactstudy.solvers.plasticity.yield_law import ROOT, YieldLaw
 from contactstudy.solvers.plasticity.yielding_bodies import Hardening, YieldingBodies
 
 GRID = cs.Grid((6, 1), (12.0, 3.0))
@@ -80,6 +80,22 @@ def test_lists_of_both_bodies_cells_stand_one_after_the_other() -> None:
     assert lifted.ravel().tolist() == [0, 6, 9, 9, 0, 0]
 
 
+def test_one_body_alone_has_a_block_for_each_layer_on_all_its_cells_along() -> None:
+    grid = cs.Grid((6, 2), (12.0, 3.0))
+    volume = Volume(grid, 1, 4, (0.0, 1.0, 3.0))
+    blocks = np.arange(18.0).reshape(2, 3, 3)
+    operator: Any = SimpleNamespace(volume=volume, moduli=FIRST.moduli, self_blocks=blocks)
+    body = YieldingBodies((operator,), (Hardening(3.0, 20.0, 10.0),))
+    assert body.cell_area == 3.0
+    # two layers of three cells by two
+    chosen = np.arange(12) % 5 == 0
+    assert np.all(body.self_blocks(chosen) == blocks[[0, 0, 1]])
+    (flow,) = body.parted(np.arange(12.0))
+    assert flow.shape == (2, 3, 2)
+    assert flow[1, 0].tolist() == [6, 7]
+    assert body.volumes.tolist() == [3.0] * 6 + [6.0] * 6
+
+
 def test_each_cell_flows_until_its_stress_is_on_the_yield_surface() -> None:
     found = settled(1e-12)
     direction = np.array([0.6, -0.8, 0.0])[:, None]
@@ -116,3 +132,56 @@ def test_stress_from_outside_adds_to_that_of_the_pressure() -> None:
     wanted = (6 - LIMIT[2]) / (0.5 * 160 + 20)
     assert found.flow[2] == pytest.approx(ROOT * wanted)
     assert np.delete(found.flow, 2) == pytest.approx(np.delete(ROOT * FLOW, 2))
+
+
+def test_the_energy_of_a_contact_is_of_half_its_displacement_and_all_of_its_gap() -> None:
+    pressure, moved, gap = np.array([[2.0], [5.0]]), np.array([[3.0], [-1.0]]), np.array([[7], [4]])
+    solution: Any = SimpleNamespace(
+        pressure=pressure, displacement=moved, problem=SimpleNamespace(undeformed_gap=gap)
+    )
+    assert _energy(solution, 0.25) == (2 * (7 + 1.5) + 5 * (4 - 0.5)) / 4
+
+
+def test_strain_relaxes_stress_by_itself_and_by_the_pressure_that_it_changes() -> None:
+    strain = np.arange(24.0).reshape(3, 8)
+    own = BODIES.stress_of_strain(strain)
+    assert np.all(_relaxed(BODIES, None, strain) == own)
+    more = BODIES.stress_of_pressure(0.5 * BODIES.lift(strain))
+    assert np.all(_relaxed(BODIES, lambda lift: 0.5 * lift, strain) == own + more)
+
+
+class Coupled:
+    """Four cells of one volume each, whose strain takes stress from all."""
+
+    half = np.random.default_rng(6).standard_normal((12, 12))
+    matrix = half @ half.T + 2 * np.eye(12)
+
+    def stress_of_strain(self, strain: np.ndarray) -> np.ndarray:
+        return (self.matrix @ strain.ravel()).reshape(3, 4)
+
+    def self_blocks(self, cells: np.ndarray) -> np.ndarray:
+        return np.tile(np.eye(3), (int(cells.sum()), 1, 1))
+
+    def inner(self, one: np.ndarray, other: np.ndarray) -> float:
+        return float((one * other).sum())
+
+
+@pytest.mark.parametrize("size", [0.1, 3.0])
+def test_a_step_of_newton_is_that_of_the_dense_linearised_return(size: float) -> None:
+    """In cells that flow it closes the error, in others the strain goes back at once."""
+    law = YieldLaw(*(np.full(4, one) for one in (1.6, 1.0, 0.3, 0.2)))
+    random = np.random.default_rng(8)
+    stress = size * np.array([2.0, 0.1, 1.0, 0.2]) * random.standard_normal((3, 4))
+    returned = law.returned(stress, np.zeros((3, 4)), np.zeros((3, 4)), np.zeros(4))
+    residual = random.standard_normal((3, 4))
+    point: Any = SimpleNamespace(returned=returned, residual=residual, error=1e-14)
+    bodies: Any = Coupled()
+    found = _newton_step(bodies, None, point)
+    flows = returned.flows
+    assert flows.any() == (size > 1)
+    assert not flows.all()
+    np.testing.assert_array_equal(found[:, ~flows], -residual[:, ~flows])
+    # what is left of the linear system, to the smallest share that is asked for and its condition
+    both = bodies.stress_of_strain(found)[:, flows] + returned.inverse_tangent(residual)[:, flows]
+    left = both + np.einsum("kij,jk->ik", returned.stiffness, found[:, flows])
+    assert np.abs(left).max(initial=0) < 1e-4

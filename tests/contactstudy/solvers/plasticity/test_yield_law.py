@@ -72,3 +72,32 @@ def test_the_tangent_is_the_derivative_of_the_return() -> None:
     assert 5 < found.flows.sum() < 20
     values = np.linalg.eigvalsh(found.stiffness)
     assert values.min() > -1e-12
+
+
+MANY = YieldLaw(*(np.array(one) for one in ([1.6, 2.5], [1.0, 0.5], [0.3, 0.7], [0.2, 0.4])))
+
+
+def test_a_step_costs_the_work_of_the_yield_stress_and_of_hardening() -> None:
+    """Per cell: ``sqrt(2/3) (Y + H e) |step| + H |step|^2 / 3 + K |strain|^2 / 3``."""
+    before = np.array([[0.1, 0.0], [0.2, 0.0], [-0.1, 0.5]])
+    step = np.array([[0.2, 0.0], [0.0, 0.3], [0.1, 0.4]])
+    strain, equivalent = before + step, np.array([0.5, 2.0])
+    root = (2 / 3) ** 0.5
+    wanted = [
+        root * (1.0 + 0.3 * 0.5) * 0.05**0.5 + 0.3 * 0.05 / 3 + 0.2 * (0.09 + 0.04) / 3,
+        root * (0.5 + 0.7 * 2.0) * 0.5 + 0.7 * 0.25 / 3 + 0.4 * (0.09 + 0.81) / 3,
+    ]
+    assert MANY.dissipation(strain, before, equivalent) == pytest.approx(wanted)
+
+
+def test_the_stiffness_of_cells_that_flow_is_the_inverse_tangent_without_the_shear() -> None:
+    stress = np.array([[3.0, 0.1, 2.0], [-1.0, 0.2, 1.0], [0.5, 0.0, -4.0]])
+    law = YieldLaw(*(np.array(one) for one in ([1.6, 1.6, 2.5], [1.0] * 3, [0.3] * 3, [0.2] * 3)))
+    found = law.returned(stress, np.zeros((3, 3)), np.zeros((3, 3)), np.zeros(3))
+    assert found.flows.tolist() == [True, False, True]
+    assert not found.direction[:, 1].any()
+    change = np.random.default_rng(5).standard_normal((3, 3))
+    wanted = found.inverse_tangent(change) - law.twice_shear * change
+    ours = np.einsum("kij,jk->ik", found.stiffness, change[:, found.flows])
+    np.testing.assert_allclose(ours, wanted[:, found.flows], rtol=1e-12)
+    assert not found.inverse_tangent(change)[:, 1].any()

@@ -8,6 +8,7 @@ import contactstudy as cs
 from contactstudy.planning import pilot
 from contactstudy.planning.cost import memory
 from contactstudy.planning.pilot import Forecast, affordable, finer, forecast
+from tests.conftest import LineContact
 
 EXACT = cs.ExactPeriodicity()
 KNOWN = Forecast(cs.Grid((64, 32), (4.0, 1.0)), 0.01, 1.5, cut_off=False, said="", seconds=1.0)
@@ -21,6 +22,8 @@ def test_an_error_falls_with_the_larger_of_the_two_cells() -> None:
     line = Forecast(cs.Grid((64, 1), (4.0, 1.0)), 0.01, 1.0, cut_off=False, said="", seconds=1.0)
     # of one cell along, that across alone
     assert line.error_of((1 / 8, 1 / 32)) == pytest.approx(0.02)
+    two = Forecast(cs.Grid((64, 2), (4.0, 1.0)), 0.01, 1.0, cut_off=False, said="", seconds=1.0)
+    assert two.error_of((1 / 16, 1.5)) == pytest.approx(0.03)
     assert KNOWN.grid_for(0.01 / 4**1.5).cells == (256, 128)
     assert finer(line.grid, 2.0).cells == (128, 1)
     assert finer(KNOWN.grid, 2.0).extent == KNOWN.grid.extent
@@ -83,6 +86,9 @@ def test_a_grid_that_is_small_is_its_own_pilot(monkeypatch: pytest.MonkeyPatch) 
     long = cs.Grid((2**17, 8), (1.0, 1.0))
     seen, _ = piloted(monkeypatch, long, {2**13: 0.03, 2**12: 0.06})
     assert seen == [(2**13, 8), (2**12, 8)]
+    two = cs.Grid((2**17, 2), (1.0, 1.0))
+    seen, _ = piloted(monkeypatch, two, {2**15: 0.03, 2**14: 0.06})
+    assert seen == [(2**15, 2), (2**14, 2)]
     thin = cs.Grid((2**17, 3), (1.0, 1.0))
     seen, _ = piloted(monkeypatch, thin, {2**14: 0.03, 2**13: 0.06})
     assert seen == [(2**14, 3), (2**13, 3)]
@@ -102,3 +108,23 @@ def test_a_grid_that_memory_does_not_hold_is_made_the_finest_that_it_holds() -> 
     )
     assert line.cells[1] == 1
     assert 0.95 * 1000 <= line.cells[0] <= 1000
+    two = affordable(
+        cs.Grid((4096, 2), (1.0, 1.0)), EXACT, memory(cs.Grid((1000, 2), (1, 1)), EXACT)
+    )
+    assert two.cells[1] == 2
+    # two cells across are the fewest
+    fewest = cs.Grid((2, 1), (1.0, 1.0))
+    assert affordable(cs.Grid((8, 1), (1.0, 1.0)), EXACT, memory(fewest, EXACT)) == fewest
+
+
+def test_a_pilot_takes_the_time_between_its_begin_and_its_end(
+    line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clock = iter([1.5, 4.0])
+    monkeypatch.setattr(pilot, "process_time", lambda: next(clock))
+    solution, estimate, seconds = pilot._pilot(
+        line_contact.scene, line_contact.grid((16, 1), 1.0), EXACT
+    )
+    assert seconds == 2.5
+    assert solution.residual <= 1e-5
+    assert estimate.l1 == cs.error_estimate(solution).l1

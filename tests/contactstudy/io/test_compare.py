@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 
 import contactstudy as cs
+from contactstudy.io.compare import _union
 
 
 def contact(
@@ -36,7 +37,44 @@ def test_differences_are_those_computed_by_hand() -> None:
     assert found.load == pytest.approx(12 / 6 - 1)
     assert found.approach == pytest.approx(0.5)
     assert found.largest == pytest.approx(4)
-    assert -1 / 6 < found.at[0] < 0  # between a third and a half of the width, from its left end
+    # between a third and a half of the width, from its left end; one cell along is around the axis
+    assert found.at == pytest.approx((-1 / 12, 0))
+    edges = np.array([-3, -1, 0, 1, 3]) / 6
+    assert found.difference["x"].values == pytest.approx((edges[1:] + edges[:-1]) / 2)
+
+
+def test_a_cell_that_differs_is_found_along_the_length_too() -> None:
+    a = contact([[1, 2], [3, 4]], width=2.0, period=4.0)
+    b = contact([[1, 1, 2, 6], [3, 3, 4, 4]], width=2.0, period=4.0)
+    found = cs.compare(a, b)
+    # of 4 Pa on a square metre; a bears 10 Pa on two
+    assert (found.l1, found.largest, *found.at) == pytest.approx((4 / 20, 4, -0.5, 1.5))
+    assert found.difference["x"].values.tolist() == [-0.5, 0.5]
+    assert found.difference["y"].values.tolist() == [-1.5, -0.5, 0.5, 1.5]
+    assert found.difference["difference"].values.tolist() == [[0, 0, 0, 4], [0, 0, 0, 0]]
+    assert found.difference["a"].values.tolist() == [[1, 1, 2, 2], [3, 3, 4, 4]]
+    assert found.load == pytest.approx(4 / 20)
+    less = cs.compare(b, a)
+    assert (less.largest, less.peak_pressure) == pytest.approx((4, 4 / 6 - 1))
+    # both grids with one cell along
+    line = cs.compare(contact([[1], [2]]), contact([[1], [3]]))
+    assert line.at == (0.25, 0)
+
+
+def test_edges_apart_by_rounding_are_one() -> None:
+    """To a billionth of the width, which is 8 m."""
+    ends = np.array([-2.0, 6.0])
+    for apart, count in ((6e-9, 3), (1e-8, 4)):
+        edges = np.array([-2.0, apart, 6.0])
+        assert len(_union(np.insert(ends, 1, 0.0), edges)) == count
+
+
+def test_periods_apart_by_rounding_are_one() -> None:
+    one = contact([[1, 2], [3, 4]])
+    assert cs.compare(one, contact([[1, 2], [3, 4]], period=1 + 0.5e-6)).l1 < 1e-5
+    for period in (1 + 1.5e-6, 1 - 1.5e-6):
+        with pytest.raises(cs.InvalidInput, match="one period"):
+            cs.compare(one, contact([[1, 2], [3, 4]], period=period))
 
 
 def test_beyond_a_narrower_grid_there_is_no_pressure() -> None:

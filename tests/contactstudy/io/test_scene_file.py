@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.io.scene_file import TimeSteps
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 GOOD = """
@@ -199,3 +200,31 @@ def test_a_measured_surface_is_read_from_beside_the_scene(tmp_path: Path) -> Non
     surface = '[[shapes]]\nkind = "MeasuredSurface"\nfile = "not-there.x3p"\n'
     with pytest.raises(cs.InvalidInput, match=r"not-there\.x3p.*give a file that is there"):
         read(GOOD + surface, tmp_path)
+
+
+def test_instants_are_even_from_the_start_of_the_load_to_the_end() -> None:
+    load = cs.LoadHistory((1.0, 3.0), (1.0, 2.0))
+    assert TimeSteps(end=7.0, instants=4).of(load) == [1, 3, 5, 7]
+    assert TimeSteps(instants=2).of(load) == [1, 3]
+    assert TimeSteps(end=3.0, instants=2).of(cs.LineLoad(1.0)) == [0, 3]
+    assert len(TimeSteps(end=7.0).of(load) or []) == 41
+    assert TimeSteps(times=(2.0, 5.0), end=7.0).of(load) == [2, 5]
+    # an error chooses its own, up to the end of the load
+    assert TimeSteps(error=1e-3).of(load) is None
+    assert TimeSteps(error=1e-3, end=7.0, instants=2).of(load) == [1, 7]
+    with pytest.raises(cs.InvalidInput, match=r"^evolve\.instants is 1: give at least 2"):
+        TimeSteps(end=7.0, instants=1).of(load)
+    with pytest.raises(cs.InvalidInput, match=r"give evolve\.end or evolve\.times"):
+        TimeSteps().of(cs.LineLoad(1.0))
+
+
+def test_each_entry_of_a_pair_has_its_own_unit(tmp_path: Path) -> None:
+    body = 'youngs_modulus = "210 GPa"\npoisson_ratio = 0.3'
+    soft = """kind = "ViscoelasticHalfSpace"
+equilibrium_modulus = "1 MPa"
+poisson_ratio = 0.4
+relaxation = [["1.5 MPa", "200 ms"], ["0.5 MPa", 3]]"""
+    found = read(GOOD.replace(body, soft), tmp_path).scene.solids[0]
+    assert found == cs.ViscoelasticHalfSpace(1e6, 0.4, ((1.5e6, 0.2), (5e5, 3.0)))
+    with pytest.raises(cs.InvalidInput, match=r"relaxation\[0\].*it has 3 entries: give 2"):
+        read(GOOD.replace(body, soft.replace('"200 ms"', '"200 ms", 1')), tmp_path)

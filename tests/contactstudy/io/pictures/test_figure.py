@@ -1,5 +1,7 @@
 """Panels, and one legend for all of them."""
 
+from typing import Any
+
 import pytest
 
 from contactstudy.io.pictures.figure import add_legend, panels
@@ -15,13 +17,25 @@ def test_panels_fill_rows_of_three(count: int, columns: int, rows: int) -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ("share", "x", "y"), [("none", False, False), ("y", False, True), ("both", True, True)]
+)
+def test_panels_share_what_they_are_told(share: Any, x: bool, y: bool) -> None:  # noqa: FBT001
+    _, (first, second) = panels(2, share=share)
+    assert first.get_shared_x_axes().joined(first, second) == x
+    assert first.get_shared_y_axes().joined(first, second) == y
+
+
 def test_a_legend_names_each_line_once_and_a_single_decade_is_widened() -> None:
     figure, (first, second) = panels(2, width=3.4)
     first.plot([1, 2], label="a")
     second.plot([1, 2], label="a")
     second.loglog([1, 100], [5.0, 5.0], label="b")
     second.set_ylim(5.0, 5.001)
+    first.set_yscale("log")
+    first.set_ylim(5.0, 7.5)
     add_legend(figure)
+    assert first.get_ylim() == pytest.approx((5, 7.5))
     [legend] = figure.legends
     assert [text.get_text() for text in legend.get_texts()] == ["a", "b"]
     assert second.get_ylim() == pytest.approx((2.5, 10.002))

@@ -45,6 +45,7 @@ def test_the_study_of_solvers_has_three_surfaces_on_a_width_of_4_8_and_a_period_
     assert rough.rms == pytest.approx(0.6 * GAP)
     assert half_widths(1.2, 0.15) == (rough.roll_off, rough.cut_off)
     assert (rough.hurst, rough.seed) == (0.8, 1)
+    assert of("solvers", solver="polonsky_keer", surface="smooth", grid=2).grid.cells == (2, 2)
 
 
 def test_effects_are_on_a_width_of_3_6_and_a_period_of_0_9_with_square_cells() -> None:
@@ -64,6 +65,7 @@ def test_effects_are_on_a_width_of_3_6_and_a_period_of_0_9_with_square_cells() -
     assert isinstance(rough, cs.Roughness)
     assert rough.rms == pytest.approx(0.1 * FLATTENING)
     assert half_widths(0.225, 0.06) == (rough.roll_off, rough.cut_off)
+    assert rough.hurst == 0.8
     coat: Any = effects.COATED.solids[0]
     assert coat.coating == cs.HalfSpace(250e9, 0.22)
     assert coat.thickness == pytest.approx(0.03 * A)
@@ -90,12 +92,31 @@ def test_effects_in_time_are_a_sudden_load_and_one_step_and_yield_comes_in_two()
     assert worn.speed == 1.0
     both = of("effects", effect=effects.YIELD, grid=64)
     assert both.times == (1.0, 2.0)
+    assert half_widths(3.6, 0.9) == both.grid.extent
+    assert both.scene.load.at(0.0) == 0
     assert both.scene.load.at(1.0) == pytest.approx(SCENE.load.largest / 2)
     assert both.scene.load.at(2.0) == pytest.approx(SCENE.load.largest)
     plastic = both.scene.solids[0]
+    assert (plastic.youngs_modulus, plastic.poisson_ratio) == (210e9, 0.3)
+    assert body.poisson_ratio == 0.3
     assert plastic.yield_stress == pytest.approx(0.4 * P_H)
     assert plastic.hardening_modulus == pytest.approx(4.2e9)
     assert of("effects", effect=effects.YIELD, grid=4).grid.cells == (2, 1)
+
+
+def test_accuracy_has_a_price_with_one_cell_along_a_length_on_which_nothing_varies() -> None:
+    point = {"images": 6, "grid": 32, "solver_tolerance": 1e-6, "solver": "polonsky_keer"}
+    line, long = (of("pareto", padding="line", period=period, **point) for period in (0.6, 9.6))
+    # one computation for all periods
+    assert line == long
+    assert line.grid.cells == (32, 1)
+    assert half_widths(2.4, 2.4) == line.grid.extent
+    assert line.padding == cs.ExactPeriodicity()
+    square = of("pareto", padding="circular", period=9.6, **point)
+    assert square.grid.cells == (32, 32)
+    assert half_widths(2.4, 9.6) == square.grid.extent
+    assert square.padding == cs.CircularSuperposition(6)
+    assert (square.tolerance, square.solver) == (1e-6, cs.PolonskyKeer())
 
 
 def test_rough_surfaces_repeat_after_3_2_across_and_2_4_along() -> None:
@@ -159,5 +180,6 @@ def test_programs_are_compared_on_a_cylinder_a_sphere_and_a_rough_flat() -> None
     assert isinstance(rough, cs.Roughness)
     assert rough.rms == pytest.approx(GAP)
     assert half_widths(1.0, 0.1) == (rough.roll_off, rough.cut_off)
+    assert rough.hurst == 0.8
     solved = cs.solve(peers.ProgramRun("contactstudy", "periodic", 64).problem())
     assert (solved.pressure > 0).mean() == pytest.approx(1 / 7, abs=0.01)

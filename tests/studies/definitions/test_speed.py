@@ -1,12 +1,16 @@
 """What the study of growing grids measures."""
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.special import erf
 
 import contactstudy as cs
+from studies.definitions.cost import speed as module
 from studies.definitions.cost.speed import SLOPE, CaseOnDevice, Timed, self_affine
-from studies.reference.line_contact import SCENE
+from studies.reference.line_contact import HERTZ, SCENE
 from studies.registry import load
 
 POINT = {
@@ -34,6 +38,10 @@ def test_a_self_affine_surface_bears_the_load_of_its_share_and_ends_at_so_many_c
     grid = cs.Grid((64, 64), (3e-3, 3e-3))
     scene = self_affine(grid, 0.5, 4.0, 0.3)
     mean = scene.load.largest / 3e-3
+    shape = scene.shapes[0]
+    assert isinstance(shape, cs.Roughness)
+    assert shape.rms == cs.RmsSlope(0.1)
+    assert shape.roll_off == pytest.approx(3e-3 / 4)
     assert erf(np.sqrt(2) * mean / (SCENE.contact_modulus * SLOPE)) == pytest.approx(0.3)
     waves = np.abs(np.fft.rfft2(scene.shapes[0].gap(grid)))  # type: ignore[union-attr]
     index = np.hypot(*np.meshgrid(np.fft.fftfreq(64), np.fft.rfftfreq(64), indexing="ij"))
@@ -70,10 +78,66 @@ def test_the_ratio_is_of_the_solve_to_as_many_transforms(monkeypatch: pytest.Mon
     assert float(found["contact_share"]) == (solution.pressure > 0).mean()
 
 
+def test_memory_is_counted_in_fields_of_double_precision(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("studies.definitions.cost.speed.transform_seconds", lambda *_: 0.5)
+    study = load("speed")
+    case = study.scene_at(POINT)
+    assert isinstance(case, CaseOnDevice)
+    solution = case.solved(case.prepare(), 2000)
+    hoard = 40_000_000
+
+    def solved(*_: object) -> np.ndarray:
+        return np.ones(hoard, dtype=np.int8)[:1].copy()
+
+    monkeypatch.setattr(CaseOnDevice, "solved", solved)
+    found = study.measures(case, Timed(solution, 6.0))
+    assert float(found["memory"]) == pytest.approx(hoard / (8 * 32 * 32), rel=1e-2)
+
+
+def test_a_solve_is_timed_from_its_beginning_to_its_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    case = load("speed").scene_at(POINT)
+    assert isinstance(case, CaseOnDevice)
+    at = iter((100.0, 107.5))
+    monkeypatch.setattr(module, "clock_of", lambda _: lambda: next(at))
+    monkeypatch.setattr(CaseOnDevice, "solved", lambda *_: "solution")
+    assert case.run(None) == Timed("solution", 7.5)  # type: ignore[arg-type]
+
+
+def test_of_three_pairs_of_transforms_the_quickest_counts(monkeypatch: pytest.MonkeyPatch) -> None:
+    case = load("speed").scene_at(POINT)
+    assert isinstance(case, CaseOnDevice)
+    # of 5 s, 3 s and 4 s
+    at = iter((0.0, 5.0, 10.0, 13.0, 20.0, 24.0))
+    monkeypatch.setattr(module, "clock_of", lambda _: lambda: next(at))
+    operator = case.prepare().operator
+    assert module.transform_seconds(operator, cs.Precision.DOUBLE, cs.Cpu()) == 3
+    assert not [*at]
+
+
+def test_single_precision_is_solved_to_1e_5_and_another_device_takes_one_thread() -> None:
+    study = load("speed")
+    for precision, tolerance in (("single", 1e-5), ("double", 1e-8)):
+        case = study.scene_at(POINT | {"precision": precision, "threads": 3})
+        assert isinstance(case, CaseOnDevice)
+        assert (case.case.tolerance, case.threads) == (tolerance, 3)
+    elsewhere: Any = SimpleNamespace()
+    assert CaseOnDevice(case.case, elsewhere).threads == 1
+
+
+def test_the_finest_wave_is_so_many_cells_across_and_the_load_is_of_the_length() -> None:
+    grid = cs.Grid((64, 32), (2e-3, 3e-3))
+    scene = self_affine(grid, 0.5, 4.0, 0.3)
+    assert scene.shapes[0].cut_off == pytest.approx(4 * 2e-3 / 64)  # type: ignore[attr-defined]
+    square = self_affine(cs.Grid((64, 32), (3e-3, 3e-3)), 0.5, 4.0, 0.3)
+    assert scene.load.largest == pytest.approx(square.load.largest)
+
+
 def test_two_cells_are_a_grid_and_one_is_none() -> None:
     study = load("speed")
     case = study.scene_at(POINT | {"surface": "rough", "grid": 2})
     assert isinstance(case, CaseOnDevice)
     assert case.case.grid.cells == (2, 2)
+    side = HERTZ.half_width
+    assert study.scene_at(POINT).case.grid.extent == (side, side)  # type: ignore[attr-defined]
     with pytest.raises(cs.InvalidInput, match=r"^grid is 1: give at least 2 cells"):
         study.scene_at(POINT | {"grid": 1})

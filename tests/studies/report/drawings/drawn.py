@@ -57,6 +57,11 @@ def bands(ax: Axes) -> list[np.ndarray]:
     return found
 
 
+def named(ax: Axes) -> tuple[str, str, str]:
+    """What stands at x, at y and above a panel."""
+    return ax.get_xlabel(), ax.get_ylabel(), ax.get_title() or ax.get_title(loc="right")
+
+
 def same(found: object, x: object, y: object) -> bool:
     """Whether a line has these x and y, to rounding."""
     wanted = np.array([x, y], dtype=float)

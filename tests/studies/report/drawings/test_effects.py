@@ -6,6 +6,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from studies.registry import load_drawing
+from tests.studies.report.drawings.drawn import named
 
 SPACE = "\u00a0"
 
@@ -24,7 +25,7 @@ def y(ax: Axes, line: int) -> np.ndarray:
     return np.asarray(ax.lines[line].get_ydata(), dtype=float)
 
 
-STEPS, GRID = [10, 20, 40], [64, 128]
+STEPS, GRID = [10, 20, 40], [64, 96, 128]
 
 
 def wear() -> xr.Dataset:
@@ -57,6 +58,11 @@ def test_wear_is_drawn_between_its_two_laws_and_says_what_implicit_steps_save() 
     assert steps.lines[0].get_xydata() == pytest.approx(np.transpose([STEPS, [0.1, 0.05, 0.02]]))
     assert steps.lines[2].get_xdata() == pytest.approx([25, 25])
     assert solves.lines[1].get_xydata() == pytest.approx(np.transpose([[60] * 3, [9, 5, 0.01]]))
+    assert [named(ax) for ax in (widths, steps, solves)] == [
+        ("distance over the whole", "half-width over Hertz's", "dotted: rigid; dashed: cubes added"),
+        ("steps", "relative L1 error at the end", "dotted: explicit limit"),
+        ("solves", "relative L1 error at the end", ""),
+    ]  # fmt: skip
     text = said("wear", wear())
     assert "20 implicit steps of wear are as good as 5.0 %" in text
     assert "ones are out by 500 %" in text
@@ -68,15 +74,15 @@ def test_wear_is_drawn_between_its_two_laws_and_says_what_implicit_steps_save() 
 def creep() -> xr.Dataset:
     """The error by the steps falls as their square, down to four times that of the cells."""
     time = [0.0, 1.0]
-    by_steps = np.array([0.64, 0.16, 0.04])[:, None] * np.array([1.0, 0.5])
+    by_steps = np.array([0.64, 0.16, 0.04])[:, None] * np.array([1.0, 0.75, 0.5])
     return xr.Dataset(
         {
-            "half_width": (("steps", "grid", "time"), np.arange(12.0).reshape(3, 2, 2)),
-            "highest_pressure": (("steps", "grid", "time"), np.arange(12.0, 24).reshape(3, 2, 2)),
-            "pressure_error_l1": (("steps", "grid"), by_steps / [[2, 2], [4, 4], [5, 5]]),
+            "half_width": (("steps", "grid", "time"), np.arange(18.0).reshape(3, 3, 2)),
+            "highest_pressure": (("steps", "grid", "time"), np.arange(18.0, 36).reshape(3, 3, 2)),
+            "pressure_error_l1": (("steps", "grid"), by_steps / [[2], [4], [5]]),
             "step_error": (("steps", "grid"), by_steps),
-            "grid_error": (("steps", "grid"), np.full((3, 2), 0.03)),
-            "convolutions": (("steps", "grid"), np.full((3, 2), 100.0)),
+            "grid_error": (("steps", "grid"), np.tile([0.01, 0.01, 0.03], (3, 1))),
+            "convolutions": (("steps", "grid"), np.full((3, 3), 100.0)),
         },
         coords={"steps": STEPS, "grid": GRID, "time": time},
     )
@@ -88,11 +94,18 @@ def test_creep_is_drawn_beside_its_closed_form_and_says_what_a_digit_costs() -> 
     closed, end = y(widths, 0), widths.lines[0].get_xdata()[-1]
     assert closed[[0, -1]] == pytest.approx([1, (1 + 1.5 * (1 - np.exp(-end))) ** 0.5], rel=1e-6)
     assert y(peaks, 0)[0] == pytest.approx(1, rel=1e-6)
-    assert y(widths, 1) == pytest.approx([10, 11])
-    assert y(peaks, 1) == pytest.approx([22, 23])
+    assert y(widths, 1) == pytest.approx([16, 17])
+    assert y(peaks, 1) == pytest.approx([34, 35])
     assert y(errors, 0) == pytest.approx([0.32, 0.04, 0.008])
     assert y(errors, 1) == pytest.approx([0.64, 0.16, 0.04])
-    assert costs.lines[1].get_xdata() == pytest.approx([12800] * 3)
+    assert costs.lines[2].get_xdata() == pytest.approx([12800] * 3)
+    over_time, closed_form = "time over that of creep", "dotted: closed form"
+    assert [named(ax) for ax in (widths, peaks, errors, costs)] == [
+        (over_time, "half-width over the sudden one", closed_form),
+        (over_time, "highest pressure over the sudden one", closed_form),
+        ("steps", "largest relative L1 error", "dashed: estimated, by steps"),
+        ("transform pairs times cells", "largest relative L1 error", ""),
+    ]
     text = said("creep", creep())
     assert "like N^{−2.00}, so a digit in time costs 3.2 times" in text
     assert "With 40 steps and 128 cells the pressure is known to 0.40 %" in text
@@ -116,7 +129,7 @@ def friction() -> xr.Dataset:
             ),
             "depth": (
                 ("grid", "rough_grid", "poisson_ratio", "coefficient"),
-                np.array([[[[0.7, 0.6, 0.0], [0.7, 0.5, 0.0]]]]),
+                np.array([[[[0.7, 0.6, 0.0], [0.7, 0.015, 0.0]]]]),
             ),
             "stick": (("grid", "rough_grid", "poisson_ratio", "share"), [[[[1, 0.4], [1, 0.53]]]]),
             "stick_sphere": (
@@ -159,6 +172,7 @@ def test_friction_is_drawn_beside_cattaneo_and_mindlin_and_says_where_stress_is_
     ]
     text = said("friction", friction())
     assert "is 0.558 p_H without friction and 0.800 p_H at a coefficient of 0.4" in text
+    # at 0.2 a little below it
     assert "it lies at the surface from 0.4 on" in text
     # Cattaneo's is 0.5
     assert "within 0.030 half-widths" in text
@@ -186,6 +200,8 @@ def coating() -> xr.Dataset:
 
 def test_a_coating_is_drawn_beside_its_own_half_space_and_says_where_it_matters() -> None:
     widths, peaks, shear, tension, image, _ = panels("coating", coating())
+    scales = [(ax.get_xscale(), ax.get_yscale()) for ax in (widths, peaks, shear, tension, image)]
+    assert scales == [("log", "linear")] * 4 + [("log", "log")]
     # Hertz's half-width goes as the root of the compliance, his pressure as that of the modulus
     assert y(widths, 0) == pytest.approx([1.01, 1.5, 2.1])
     assert y(widths, 1) == pytest.approx([2, 2])

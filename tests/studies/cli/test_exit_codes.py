@@ -1,0 +1,133 @@
+"""How the command ends: its exit codes, the cost that it announces and the times that it says."""
+
+import os
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import click
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+
+import contactstudy as cs
+from studies.cli import commands, evolving, scenes
+from tests.studies.scene_study.conftest import SMOOTH
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "said"),
+    [
+        (cs.InvalidInput("radius is 0."), 2, "contactstudy: radius is 0.\n"),
+        (click.ClickException("no"), 1, "Error: no\n"),
+        (KeyboardInterrupt(), 130, "contactstudy: stopped; what a study had stored is kept.\n"),
+        (click.Abort(), 130, "contactstudy: stopped; what a study had stored is kept.\n"),
+        (BrokenPipeError(), 141, ""),
+        (ModuleNotFoundError("No module named 'x'", name="x"), 1, "contactstudy: "),
+        (OSError(28, "No space left on device", "a.nc"), 1, "No space left on device: a.nc\n"),
+        (MemoryError(), 1, "contactstudy: there is not enough memory"),
+    ],
+    ids=lambda part: type(part).__name__,
+)
+def test_each_way_to_end_has_its_exit_code(
+    error: BaseException,
+    code: int,
+    said: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def fails(**_: object) -> None:
+        raise error
+
+    monkeypatch.setattr(commands.cli, "main", fails)
+    # the last thing that a broken pipe does is to leave its output
+    monkeypatch.setattr("sys.stdout", SimpleNamespace())
+    with pytest.raises(SystemExit) as ended:
+        commands.main()
+    assert ended.value.code == code
+    assert said in capsys.readouterr().err
+
+
+def test_two_workers_and_two_repeats_are_the_default() -> None:
+    shown = " ".join(CliRunner().invoke(commands.cli, ["report", "--help"]).output.split())
+    assert "0 computes in this process alone. [default: 2; 0<=x<=1024]" in shown
+    assert "the minimum is used. [default: 2; x>=1]" in shown
+
+
+class Enough(Exception):
+    """Where a test needs no more of a command."""
+
+
+@pytest.mark.parametrize(
+    ("seconds", "size", "said"),
+    [(60.0, 4e9, ""), (61.0, 1e6, "61 s and 0.001 GB"), (1.0, 4.1e9, "1 s and 4.1 GB")],
+)
+def test_a_solve_of_more_than_a_minute_or_four_gigabytes_is_announced(
+    seconds: float, size: float, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "smooth.toml"
+    path.write_text(SMOOTH, encoding="utf-8")
+    planned = SimpleNamespace(seconds=seconds, bytes=size, warnings=())
+
+    def enough(*_: object) -> None:
+        raise Enough
+
+    monkeypatch.setattr(cs.SceneFile, "plan", lambda *_, **__: planned)
+    monkeypatch.setattr(scenes, "_solved", enough)
+    result = CliRunner().invoke(commands.cli, ["solve", str(path), "--out", str(tmp_path / "out")])
+    assert isinstance(result.exception, Enough)
+    assert ("estimated cost" in result.output) == bool(said)
+    assert said in result.output
+
+
+def test_a_solve_says_its_seconds(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "smooth.toml"
+    path.write_text(SMOOTH, encoding="utf-8")
+    clock = iter((10.0, 12.5))
+    monkeypatch.setattr(scenes, "perf_counter", lambda: next(clock))
+    result = CliRunner().invoke(commands.cli, ["solve", str(path), "--out", str(tmp_path / "out")])
+    assert result.exit_code == 0, result.output
+    assert ", 2.5 s\n" in result.output
+
+
+def test_one_core_is_there_where_none_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delattr(os, "sched_getaffinity", raising=False)
+    monkeypatch.setattr(os, "cpu_count", lambda: None)
+    assert scenes._cores() == 1
+    monkeypatch.setattr(os, "cpu_count", lambda: 6)
+    assert scenes._device("cpu", None) == cs.Cpu(6)
+
+
+@pytest.mark.parametrize("status", [cs.Status.CONVERGED, cs.Status.STALLED])
+def test_a_march_says_its_seconds_and_ends_with_one_where_a_step_did_not_converge(
+    status: cs.Status,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    clock = iter((10.0, 12.5))
+    monkeypatch.setattr(evolving, "perf_counter", lambda: next(clock))
+    monkeypatch.setattr(
+        "contactstudy.io.pictures.evolution.evolution_picture",
+        lambda _: SimpleNamespace(savefig=lambda path: Path(path).write_bytes(b"")),
+    )
+    evolution = SimpleNamespace(
+        to_dataset=lambda: xr.Dataset({"load": 1.0}), summary=lambda: "summed up",
+        grid=cs.Grid((8, 3), (1.0, 1.0)), status=status,
+    )  # fmt: skip
+
+    def evolve(planned: object, *, folder: Path, progress: Any) -> SimpleNamespace:
+        folder.mkdir()
+        progress(0.5, 2.0)
+        return evolution
+
+    described: Any = SimpleNamespace(evolve=evolve)
+    code = None
+    try:
+        evolving.evolve(Path("rubber.toml"), described, None, tmp_path)
+    except SystemExit as ended:
+        code = ended.code
+    assert code == (None if status is cs.Status.CONVERGED else 1)
+    assert "  8 x 3 cells, 2.5 s\n" in capsys.readouterr().out
+    assert not (tmp_path / "rubber.march").exists()
+    assert (tmp_path / "rubber.nc").is_file()

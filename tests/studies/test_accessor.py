@@ -37,6 +37,15 @@ def test_the_order_of_a_power_is_its_exponent(dataset: xr.Dataset) -> None:
         assert found.points == 4
 
 
+def test_three_points_have_an_order_and_one_may_be_the_first_number(dataset: xr.Dataset) -> None:
+    cells = np.array([1.0, 2.0, 8.0])
+    few = dataset.isel(grid=slice(3)).assign_coords(grid=cells)
+    few["error_max"][0] = 5 * cells**-1.5
+    found = few.study.order("error_max", "grid", mode="a")
+    assert found.order == pytest.approx(1.5, abs=1e-12)
+    assert found.points == 3
+
+
 def test_the_uncertainty_of_an_order_is_that_of_a_line(dataset: xr.Dataset) -> None:
     noise = np.array([0.1, -0.1, -0.1, 0.1])
     dataset["error_max"][0] *= np.exp(noise)
@@ -60,6 +69,9 @@ def test_the_front_and_the_cheapest_are_those_by_hand(dataset: xr.Dataset) -> No
     best = dataset.study.cheapest("error_max", 0.005)
     good = [point for point in error if error[point] <= 0.005]
     assert (best["mode"], best["grid"]) == min(good, key=lambda point: cost[point])
+    # the least of all is small enough for itself
+    least = dataset.study.cheapest("error_max", min(error.values()))
+    assert (least["mode"], least["grid"]) == ("b", 128)
 
 
 def test_a_failed_case_is_no_setting(dataset: xr.Dataset) -> None:

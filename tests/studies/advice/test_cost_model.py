@@ -70,6 +70,30 @@ def test_without_a_fit_one_and_six_images_are_timed_and_others_lie_on_their_line
     # on one cell along another sample
     model.seconds(cs.Grid((64, 1), (1.0, 1.0)), cs.ExactPeriodicity(), 1e-8, 40.0)
     assert len(timed) == 4
+    # and more cells along are more of the same
+    for along in (2, 64):
+        model.seconds(cs.Grid((64, along), (1.0, 1.0)), cs.ExactPeriodicity(), 1e-8, 40.0)
+    assert len(timed) == 4
+
+
+@pytest.mark.parametrize(
+    ("few", "many", "images", "wanted"),
+    [
+        # more images are never quicker
+        (3.0, 1.0, 11, 3.0),
+        # and no set-up takes less than no time
+        (0.5, 5.5, 0, 0.0),
+    ],
+)
+def test_a_line_through_two_samples_neither_falls_nor_goes_below_nothing(
+    few: float, many: float, images: int, wanted: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def time(_: cs.Grid, padding: cs.CircularSuperposition) -> Timed:
+        return Timed(2048, 4096, few if padding.images == 1 else many, 0.01)
+
+    monkeypatch.setattr(module, "timed", time)
+    timed = CostModel({})._timed("circular", GRID, cs.CircularSuperposition(images))
+    assert timed.setup == wanted
 
 
 def stored(tolerances: list[float]) -> xr.Dataset:

@@ -13,13 +13,18 @@ from contactstudy.accuracy.estimate import ErrorParts
 from contactstudy.accuracy.metric import Edges, Metric
 from contactstudy.accuracy.truncation import expected_truncation
 from contactstudy.planning.pilot import Forecast
+from contactstudy.planning.plan import SHARE
+from studies.advice import recommendation
 from studies.advice.recommendation import (
+    ACROSS,
+    TOLERANCES,
     Limits,
     RoughContact,
     Setting,
     SmoothContact,
     candidates,
     choose,
+    contact_of,
 )
 
 EXACT = cs.ExactPeriodicity()
@@ -118,6 +123,7 @@ def test_a_smooth_contact_is_tried_with_every_mode_and_edges_in_l1_alone() -> No
     for grid, _, _ in ways:
         assert grid.extent == pytest.approx((1.2, 3.0))
     assert ways[0][1] == EXACT
+    assert all((grid.cells[1] == 1) == (padding == EXACT) for grid, padding, _ in ways)
     assert len([*contact.ways(Limits(0.1, Metric.HALF_WIDTH))]) == 8
 
 
@@ -141,6 +147,92 @@ def test_a_rough_contact_is_tried_on_the_plan_s_grid_on_finer_ones_and_on_those_
     assert len(of_plan) % (2 * 13 + 3) == 0
     strict = [*contact.ways(Limits(0.005))]
     assert max(grid.cells[0] for grid, _, _ in strict) > 128
+
+
+def test_a_finer_grid_of_a_rough_contact_is_finer_across_or_misses_the_error() -> None:
+    asked: list[float] = []
+    offered = iter(
+        [
+            cs.Grid((65, 8), (4.0, 2.0)),
+            # finer along alone
+            cs.Grid((63, 64), (4.0, 2.0)),
+            cs.Grid((63, 16), (4.0, 2.0)),
+            cs.Grid((64, 4), (4.0, 2.0)),
+        ]
+    )
+
+    def grid_for(error: float) -> cs.Grid:
+        asked.append(error)
+        return next(offered, GRID)
+
+    # what is kept to is not beyond it
+    errors = {2.0 / 16: 0.021, 2.0 / 4: 0.02}
+    planned = SimpleNamespace(
+        grid=GRID, error=0.01, grid_for=grid_for, error_of=lambda cell: errors.get(cell[1], 0.001)
+    )
+    contact: Any = RoughContact(NEEDS, planned)  # type: ignore[arg-type]
+    grids = dict.fromkeys(grid.cells for grid, _, _ in contact.ways(Limits(0.02)))
+    assert [*grids] == [(64, 32), (65, 8), (63, 16)]
+    # a little less than all of it to a half for the cells, and what then fails by little and by much
+    assert asked == pytest.approx([0.019, 0.016, 0.01, 0.04, 0.1, 0.4, 2.0])
+
+
+def test_cells_across_halve_to_at_most_56_and_tolerances_are_decades_from_1e_4_to_1e_11() -> None:
+    assert len(set(ACROSS)) == 64
+    assert max(ACROSS) == 56 * 2**15
+    assert {cells for cells in ACROSS if cells // 2 not in ACROSS} == {32, 40, 48, 56}
+    assert all(cells % 2 == 0 for cells in ACROSS)
+    assert pytest.approx([1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11]) == TOLERANCES
+    contact = SmoothContact(1.0, 1.0)
+    assert (contact.across, contact.tolerances) == (ACROSS, TOLERANCES)
+
+
+@pytest.fixture
+def needed(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
+    """What the scene is said to need: a smooth contact of half-width 0.3, whose pressure peaks at 5."""
+    needs = SimpleNamespace(smooth=True, hertz=SimpleNamespace(peak_pressure=5.0, half_width=0.3))
+    monkeypatch.setattr(recommendation, "needs_of", lambda _: needs)
+    return needs
+
+
+def scene(hardness: float) -> Any:
+    return SimpleNamespace(hardness=hardness)
+
+
+@pytest.mark.usefixtures("needed")
+def test_a_smooth_contact_has_the_period_given_or_is_as_long_as_the_grid_is_wide() -> None:
+    given, chosen = (contact_of(scene(5.1), period, Limits(0.1)) for period in (2.0, None))
+    assert isinstance(given, SmoothContact)
+    assert isinstance(chosen, SmoothContact)
+    assert (given.half_width, given.period) == (0.3, 2.0)
+    # a fifth more than the contact
+    assert chosen.period == pytest.approx(0.72)
+
+
+@pytest.mark.parametrize(("memory", "most"), [(inf, 1000 * SHARE), (10.0, 10.0)])
+def test_a_contact_that_yields_is_planned_within_the_memory_there_is(
+    memory: float, most: float, needed: SimpleNamespace, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[Any] = []
+    planned = SimpleNamespace(error=0.02, cut_off=False, said="")
+
+    def reaching(*words: Any) -> Any:
+        asked.append(words)
+        return planned
+
+    monkeypatch.setattr(recommendation, "available_bytes", lambda: 1000)
+    monkeypatch.setattr(recommendation, "reaching", reaching)
+    body = scene(5.0)
+    limits = Limits(0.1, memory=memory)
+    found = contact_of(body, 2.0, limits)
+    assert isinstance(found, RoughContact)
+    assert (found.needs, found.planned) == (needed, planned)
+    assert asked == [(body, needed, 0.1, 2.0, most)]
+    with pytest.raises(cs.InvalidInput, match="give l1"):
+        contact_of(body, 2.0, replace(limits, metric=Metric.HALF_WIDTH))
+    planned.error = inf
+    with pytest.raises(cs.NotDefined, match="small solutions do not show the surface"):
+        contact_of(body, 2.0, limits)
 
 
 def test_a_roller_has_one_padding_and_a_plan_without_an_error_one_grid() -> None:

@@ -1,6 +1,7 @@
 import pytest
+import xarray as xr
 
-from studies.report.formatting import percent, select_evenly
+from studies.report.formatting import percent, power, select_evenly, variation_text
 
 
 @pytest.mark.parametrize(
@@ -24,3 +25,15 @@ def test_a_figure_has_room_for_the_first_the_last_and_those_between() -> None:
     assert select_evenly([1, 2, 4]) == [1, 2, 4]
     assert select_evenly([1, 2, 4, 8, 16]) == [1, 4, 16]
     assert select_evenly(range(10), 4) == [0, 3, 6, 9]
+
+
+@pytest.mark.parametrize(
+    ("variation", "text"),
+    [(0.012, "1.2\u00a0% of p_{H}"), (1.5e-12, "1.5e-10\u00a0% of p_{H}"), (1e-12, "rounding only")],
+)
+def test_what_varies_by_no_more_than_1e_12_is_rounding(variation: float, text: str) -> None:
+    assert variation_text(xr.Dataset({"length_variation": variation})) == text
+
+
+def test_a_power_has_two_digits_unless_told_otherwise() -> None:
+    assert power("N", -1.5) == "N^{−1.50}"

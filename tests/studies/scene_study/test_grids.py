@@ -68,6 +68,8 @@ def test_one_cell_along_stays_one_unless_another_point_varies(
     assert grids.posed([point(1.0), point(2.0)])[0][0].grid.cells == (128, 1)
     planned[3.0] = cs.Grid((32, 40), (2.0, 2.0))
     assert grids.posed([point(1.0), point(3.0)])[0][0].grid.cells == (64, 40)
+    planned[1.0] = cs.Grid((64, 2), (4.0, 2.0))
+    assert grids.posed([point(1.0)])[0][0].grid.cells[1] > 1
 
 
 def test_the_longest_period_is_taken_where_it_suits_all_and_else_each_has_its_own(
@@ -91,6 +93,11 @@ def test_a_measured_surface_bounds_the_width_and_the_period(planned: dict[float,
     # 3 m of cells of 3/64, one m of cells of 1/32
     assert {one.grid for one in found} == {cs.Grid((64, 32), (3.0, 1.0))}
     assert "may become 4 m wide, but a measured surface is 3 m wide" in notes[1]
+    # of two the narrower one
+    narrow = cs.MeasuredSurface(np.eye(8) * 1e-9, extent=(2.25, 2.0), seam=cs.Tapered())
+    found, notes = grids.posed([point(1.0, SURFACE), point(2.0, narrow)])
+    assert {one.grid.extent for one in found} == {(2.25, 1.0)}
+    assert "a measured surface is 2.25 m wide" in notes[1]
     # one that has its width needs no note
     planned[1.0] = cs.Grid((64, 32), (3.0, 1.0))
     assert len(grids.posed([point(1.0, SURFACE), point(2.0, SURFACE)])[1]) == 1
@@ -132,6 +139,7 @@ def test_random_surfaces_get_the_widest_extent_and_the_part_that_periods_share(
         (SURFACE, cs.Grid((32, 32), (3.01, 1.0)), "is 3 m wide, and the grid 3.01 m"),
         # two lengths of a surface that is turned round at its seam
         (SURFACE, cs.Grid((32, 32), (3.0, 3.0)), "period"),
+        (SURFACE, cs.Grid((32, 2), (3.0, 3.0)), "period"),
         (SURFACE, cs.Grid((32, 1), (3.0, 3.0)), ""),
         (replace(ROUGH, extent=(3.0, 1.0)), cs.Grid((32, 32), (4.0, 2.0)), ""),
         (replace(ROUGH, extent=(3.0, 1.5)), cs.Grid((32, 32), (4.0, 2.0)), "extent"),

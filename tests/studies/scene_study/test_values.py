@@ -44,11 +44,13 @@ def test_lists_ranges_and_units(text: str, whole: bool, wanted: list[object]) ->
         ("-1:2:3:log", False, "give ends above 0"),
         ("1 um:2 mm:3", False, "has the units"),
         ("3:1", True, "give a rising range of whole numbers"),
+        ("0.5:3", True, "give a rising range of whole numbers"),
         ("1:2:100001", False, "100000"),
         ("[1,2", False, "close its brackets"),
         ("'a", False, "close its brackets"),
         ("1,2 mm,3", False, ""),
         ("a,1,2 mm", False, "some numbers have a unit"),
+        ("1,a,2 mm", False, "some numbers have a unit"),
     ],
 )
 def test_what_is_none_of_these_is_refused(text: str, whole: bool, said: str) -> None:  # noqa: FBT001

@@ -13,6 +13,7 @@ from tests.studies.report.drawings.drawn import (
     curves,
     findings,
     labelled,
+    named,
     numbered,
     panels,
     rows,
@@ -73,6 +74,9 @@ def test_what_a_solver_takes_stands_over_the_grid_beside_the_square() -> None:
     assert "4.0 to 32.0 times faster" in said
     assert "wavy: 6 iterations in 64 s against 15 iterations in 7.2e+02 s" in said
     assert not findings("solvers", dataset.isel(solver=[0]))
+    # two grids tell a growth, and one does not
+    assert "growing like N^{1.0}" in caption("solvers", dataset.isel(grid=[0, 1]))
+    assert "growing" not in caption("solvers", dataset.isel(grid=[2]))
 
 
 def speed(device: str = "cpu") -> xr.Dataset:
@@ -131,6 +135,17 @@ def test_the_speed_of_each_surface_stands_over_the_grid_by_threads() -> None:
     assert "on a graphics processor" in caption("speed", speed("gpu"))
 
 
+def test_precisions_and_devices_are_named_where_there_are_several() -> None:
+    dataset = speed().squeeze(("precision", "device"), drop=True)
+    single = dataset.expand_dims(precision=["double", "single"])
+    both = single.expand_dims(device=["cpu", "gpu"]).isel(hurst=[0])
+    shown = labelled(panels("speed", both)[0])
+    ways = ("cpu, 1 thread", "cpu, 2 threads", "gpu")
+    wanted = {f"rough, {size}, {on}" for size in ("double", "single") for on in ways}
+    assert {name for name in shown if name.startswith("rough")} == wanted
+    assert findings("speed", speed().isel(grid=[0, 2]))
+
+
 def test_the_speed_is_said_from_the_coarsest_grid_to_the_finest() -> None:
     [said] = findings("speed", speed())
     # 27 over 25 of the first surface is the largest growth
@@ -155,6 +170,13 @@ def test_programs_are_drawn_by_the_time_of_set_up_and_solve() -> None:
     }
     dataset = numbered(axes, "setup_time", "solve_time", "difference")
     dataset["solve_time"].loc[{"program": "tamaas", "boundary": "semi-periodic"}] = np.nan
+    # larger on the coarser grids
+    dataset["difference"] *= xr.DataArray([100.0, 10.0, 1.0], coords={"grid": CELLS})
+    said = [named(ax) for ax in panels("peers", dataset)]
+    assert said == [
+        ("cells across and along", "wall time, set-up and solve [s]", "semi-periodic"),
+        ("cells across and along", "", "free"),
+    ]
     first, second = (labelled(ax) for ax in panels("peers", dataset))
     assert list(first) == ["contactstudy, 1 thread", "contactstudy, 4 threads"]
     assert list(second) == [*first, "tamaas, 1 thread", "tamaas, 4 threads"]
@@ -175,7 +197,7 @@ def test_programs_are_drawn_by_the_time_of_set_up_and_solve() -> None:
 def effects() -> xr.Dataset:
     """Half of the set-up of one cell along, and a quarter of its solve."""
     names = ["smooth, 1-D", "smooth, 2-D", "waviness", "one step of wear", YIELD]
-    axes = {"effect": names, "grid": [64, 256]}
+    axes = {"effect": names, "grid": [64, 128, 256]}
     dataset = numbered(axes, "setup_time", "solve_time", "memory", "iterations", "convolutions")
     for name in ("memory", "iterations", "convolutions"):
         dataset[name] = (dataset[name] * 1e4).round()
@@ -211,6 +233,7 @@ def test_effects_are_bars_of_the_finest_grid_with_their_numbers() -> None:
     assert "in 42 % of the time" in text
     assert "one cell along and 64 across" in text
     assert "Creep and wear are alone" in text
+    assert "of the time" in caption("effects", dataset.isel(effect=[0, 1]))
     few = caption("effects", dataset.isel(effect=[0, 2]))
     assert "of the time" not in few
     assert "Creep and wear" not in few

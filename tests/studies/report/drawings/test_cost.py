@@ -146,6 +146,13 @@ def test_precisions_and_devices_are_named_where_there_are_several() -> None:
     assert findings("speed", speed().isel(grid=[0, 2]))
 
 
+def test_of_three_numbers_of_threads_the_first_and_the_last_are_compared() -> None:
+    four = speed().isel(threads=[0]).assign_coords(threads=[4])
+    four["solve_time"] = four["solve_time"] / 2.5
+    [said] = findings("speed", xr.concat([speed(), four], "threads"))
+    assert "is 2.5 to 2.5 times as fast on 4 threads as on 1 thread" in said
+
+
 def test_the_speed_is_said_from_the_coarsest_grid_to_the_finest() -> None:
     [said] = findings("speed", speed())
     # 27 over 25 of the first surface is the largest growth
@@ -319,7 +326,12 @@ def test_the_front_is_of_the_settings_that_no_other_beats() -> None:
             for start, end in spans:
                 assert end == pytest.approx(1.5 * start)
             assert len(spans) == 6
-    assert [ax.get_title() for ax in axes[:3]] == [f"period L = {period:g} a" for period in PERIODS]
+    times, errors = "wall time, set-up and solve [s]", ("L1 error as solved", "L1 error, corrected")
+    assert [named(ax) for ax in axes] == [
+        (times if row else "", errors[row] if period == 0.6 else "", "" if row else f"period L = {period:g} a")
+        for row in (0, 1)
+        for period in PERIODS
+    ]  # fmt: skip
 
 
 def test_the_cost_of_a_decade_is_that_of_the_cheapest_setting_that_reaches_it() -> None:
@@ -337,6 +349,11 @@ def test_the_cost_of_a_decade_is_that_of_the_cheapest_setting_that_reaches_it() 
         low, high = bands(ax)[list(labelled(ax)).index("exact")]
         assert low == pytest.approx(cost[::-1])
         assert high == pytest.approx(1.5 * cost[::-1])
+    assert [named(ax)[:2] for ax in axes] == [
+        ("requested error", "shortest wall time that reaches it [s]"),
+        ("requested error", ""),
+        ("requested error", ""),
+    ]
     text = caption("pareto", pareto(), 1)
     assert "at L = 2.4 a" in text
     assert "highest pressure 0.010 % (exact, 128 cells)" in text

@@ -7,16 +7,19 @@ import xarray as xr
 import contactstudy as cs
 from studies.definitions.periodicity.paper import CELLS
 from studies.model.outcome import CaseStatus
+from studies.report.formatting import percent
 from tests.studies.report.drawings.drawn import (
     bands,
     caption,
     curves,
     findings,
     labelled,
+    named,
     numbered,
     panels,
     rows,
     same,
+    words,
 )
 
 PADDINGS = ["zero", "duplicated", "superposed", "circular", "exact"]
@@ -57,6 +60,11 @@ def test_the_displacement_stands_over_the_offset_beside_that_of_one_contact() ->
         assert law[outside] == pytest.approx(closed)
         assert not lines
     assert hertz.contact_radius == pytest.approx(0.75 ** (1 / 3))
+    away = "distance from centre / contact radius"
+    assert [named(ax) for ax in panels("paper", dataset)] == [
+        (away, "displacement / Hertz's at the centre", "across the contact"),
+        (away, "", "along the length"),
+    ]
     text = caption("paper", dataset)
     # of n = 6, the second row of 120 numbers: 60 in the middle, the first at the edge
     assert "zero padding it is 0.0181 at the centre, 0.0121 at the edge across" in text
@@ -102,25 +110,25 @@ def test_the_table_of_the_paper_has_a_row_for_each_n_that_counts() -> None:
     assert zero[0] == "zero (not periodic)"
 
 
-PERIODS, GRID = [0.6, 2.4, 4.8], [16, 64]
+PERIODS = [0.6, 2.4, 4.8]
 
 
-def padding() -> xr.Dataset:
+def padding(images: tuple[int, ...] = (1, 6), grid: tuple[int, ...] = (16, 64)) -> xr.Dataset:
     """Circular with six images is best of those that are cheap; exact is best of all.
 
     Times are 1 s, 2 s, ... in the order of the paddings, twice that for n = 6 and four times on the finer grid.
     """
-    axes = {"padding": PADDINGS, "images": [1, 6], "period": PERIODS, "grid": GRID}
+    axes = {"padding": PADDINGS, "images": images, "period": PERIODS, "grid": grid}
     dataset = numbered(axes, "peak_pressure_error", "length_variation")
     dataset["peak_pressure_error"] *= -1
     order = xr.DataArray(np.arange(1.0, 6), coords={"padding": PADDINGS})
-    dearer = xr.DataArray([1.0, 2.0], coords={"images": [1, 6]})
-    finer = xr.DataArray([1.0, 4.0], coords={"grid": GRID})
+    dearer = xr.DataArray([{1: 1.0, 3: 1.5, 6: 2.0}[n] for n in images], coords={"images": [*images]})
+    finer = xr.DataArray([n / 16 for n in grid], coords={"grid": [*grid]})
     alike = xr.DataArray([1.0, 1.0, 1.0], coords={"period": PERIODS})
     time = (order * dearer * alike * finer).transpose(*axes)
     dataset["setup_time"], dataset["solve_time"] = 0.25 * time, 0.75 * time
     window = xr.DataArray([0.5, 0.05, 0.04, 0.02, 0.0], coords={"padding": PADDINGS})
-    own = xr.DataArray([8e-3, 1e-3], coords={"grid": GRID})
+    own = xr.DataArray([{16: 8e-3, 32: 3e-3, 64: 1e-3}[n] for n in grid], coords={"grid": [*grid]})
     dataset["pressure_error_l1"] = (window / dearer**2 * alike + own).transpose(*axes)
     return dataset.assign(
         case_status=(tuple(axes), np.full(tuple(map(len, axes.values())), CaseStatus.OK))
@@ -184,6 +192,25 @@ def test_the_findings_of_padding_are_of_the_longest_period_and_the_finest_grid()
         "one tenth of the error takes"
         not in findings("padding", rising)[1].partition("Measured")[0]
     )
+
+
+def test_of_three_grids_and_three_n_the_last_are_said_and_drawn() -> None:
+    dataset = padding((1, 3, 6), (16, 32, 64))
+    which, costs = findings("padding", dataset)
+    last = -dataset["peak_pressure_error"].sel(images=6, period=4.8, grid=64)
+    exact, six = (percent(last.sel(padding=name)) for name in ("exact", "superposed"))
+    assert words(f"At 64 x 64 cells and L = 4.8 a the error of its peak pressure is {exact}") in which
+    assert words(f"superposed, n = 6: {six} in 24 s") in which
+    assert "costs 40 s on one thread" in costs
+    assert f"one tenth of the error takes {10 ** (np.log(4) / np.log(8)):.0f} times" in costs
+    [ax] = panels("padding", dataset, 1)
+    stored = -dataset["peak_pressure_error"].sel(padding="zero", images=1, grid=64)
+    assert same(labelled(ax)["zero"], np.array(PERIODS) / 2, stored)
+    assert [named(one)[:2] for one in (ax, *panels("padding", dataset))] == [
+        ("reach of the window D / half-width a", "|peak-pressure error|"),
+        ("wall time, set-up and solve [s]", "relative L1 error of the pressure"),
+        ("wall time, set-up and solve [s]", ""),
+    ]
 
 
 def test_the_table_of_prices_has_the_cheapest_setting_for_each_target() -> None:

@@ -1,19 +1,24 @@
 """What the drawings of roughness and of yield plot and say of numbers that are written here."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 import xarray as xr
 
 from studies.definitions.effects.plastic import REFERENCE
+from studies.report.formatting import percent
 from tests.studies.report.drawings.drawn import (
     bands,
     caption,
     curves,
     findings,
     labelled,
+    named,
     numbered,
     panels,
     same,
+    words,
 )
 
 RMS, SEEDS, PADDINGS = (
@@ -32,20 +37,20 @@ PLACES = np.arange(3)
 
 
 def rough() -> xr.Dataset:
-    """On the first grid and period all is a hundred times as large, and nothing is said of it."""
-    axes = {
+    """On the coarser grids and shorter periods all is larger by far, and nothing is said of it."""
+    axes: dict[str, Any] = {
         "rms": RMS,
         "hurst": [0.3, 0.8],
         "peklenik": [0.5, 2.0],
         "seed": SEEDS,
         "images": [6],
-        "period": [2.4, 4.8],
-        "grid": [40, 160],
+        "period": [1.2, 2.4, 4.8],
+        "grid": [40, 80, 160],
         "padding": PADDINGS,
     }
     dataset = numbered(axes, *ANSWERS, *ERRORS)
-    dataset *= xr.DataArray([100.0, 1.0], coords={"grid": [40, 160]})
-    dataset *= xr.DataArray([100.0, 1.0], coords={"period": [2.4, 4.8]})
+    for name in ("grid", "period"):
+        dataset *= xr.DataArray([100.0, 50.0, 1.0], coords={name: axes[name]})
     dataset = dataset.transpose(*axes)
     dataset["half_width_error"] *= -1
     shape = tuple(map(len, axes.values()))
@@ -181,8 +186,8 @@ SHOWN = ("highest_pressure", "half_width", "dent", "plastic_depth")
 CAPS = {"highest_pressure": "cap_pressure", "half_width": "cap_half_width", "dent": "cap_dent"}
 
 
-def plastic() -> xr.Dataset:
-    axes = {"pressure": PRESSURES, "hardening": [0.1, 0.5], "steps": STEPS, "grid": GRID}
+def plastic(steps: list[int] = STEPS, grid: list[int] = GRID) -> xr.Dataset:
+    axes = {"pressure": PRESSURES, "hardening": [0.1, 0.5], "steps": steps, "grid": grid}
     errors = ("highest_pressure_error", "dent_error", "plastic_strain_error")
     dataset = numbered(
         axes, *SHOWN, *CAPS.values(), "cap_difference", *errors, "layers", "convolutions"
@@ -223,6 +228,40 @@ def test_what_yields_stands_over_the_load_beside_a_hardness_and_the_known_contac
     assert not without[4].lines
     assert not without[5].lines
     assert not panels("plastic", dataset.sel(hardening=[0.5]))[4].lines
+
+
+def test_of_three_grids_and_three_numbers_of_steps_the_last_are_said_and_drawn() -> None:
+    dataset = plastic([2, 4, 8], [24, 32, 48])
+    finest = dataset.sel(steps=8, grid=48)
+    axes = panels("plastic", dataset)
+    for ax, name in zip(axes, SHOWN, strict=False):
+        shown = labelled(ax)["plastic, H = 0.1 E"]
+        assert same(shown, PRESSURES, finest[name].sel(hardening=0.1))
+    known = dataset.sel(pressure=3.0, hardening=0.1)
+    wrong, layers = known["highest_pressure_error"], known["layers"].sel(steps=8, grid=32)
+    assert same(
+        labelled(axes[4])[f"32 cells, {float(layers):g} layers"], [2, 4, 8], wrong.sel(grid=32)
+    )
+    first = float(wrong.sel(grid=48, steps=2))
+    assert same(curves(axes[4])[3], [2, 4, 8], [first, first / 2, first / 4])
+    over = "p_H / Y"
+    assert [named(ax) for ax in axes] == [
+        (over, "highest pressure / p_H", ""),
+        (over, "half-width / a", ""),
+        (over, "dent / (a Y / E)", ""),
+        (over, "plastic depth / a", ""),
+        ("steps in load", "error of the highest pressure", "dotted: first order"),
+        ("transform pairs times cells", "error of the highest pressure", ""),
+    ]
+    cap, cost = findings("plastic", dataset)
+    least, most = (finest["cap_difference"].sel(hardening=0.1, pressure=p) for p in (2.0, 4.0))
+    assert words(f"differs by {percent(most)} in L1") in cap
+    assert words(f"At 2 Y it differs by {percent(least)}") in cap
+    dent = percent(known["dent_error"].sel(steps=8, grid=48))
+    assert "With 8 steps and 48 cells" in cost
+    assert words(f"the dent within {dent} and") in cost
+    fall = float(wrong.sel(grid=48, steps=2) / wrong.sel(grid=48, steps=8))
+    assert f"falls by a factor of {fall:.1f}" in cost
 
 
 def test_the_findings_of_yield_are_of_the_most_steps_and_the_finest_grid() -> None:

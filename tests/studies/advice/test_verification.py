@@ -50,6 +50,9 @@ def test_a_setting_is_found_by_its_mode_grid_tolerance_and_n() -> None:
     assert _places(EVERY, setting("exact", 32, EXACT, 1e-4)).tolist() == [3]
     assert _places(EVERY, SIX).tolist() == [5]
     assert _places(EVERY, setting("circular", 32, cs.CircularSuperposition(1))).tolist() == [4]
+    # cells across, of which one stands for all along a line
+    line = SimpleNamespace(**(vars(COARSE) | {"grid": cs.Grid((32, 1), (1.0, 1.0))}))
+    assert _places(EVERY, line).tolist() == [0]  # type: ignore[arg-type]
     assert not _places(EVERY, setting("zero", 32, cs.ZeroPadding())).size
 
 
@@ -130,7 +133,9 @@ def test_each_period_is_recommended_for_by_the_times_of_the_others(
     a = HERTZ.half_width
     lengths = [contact.period for contact in contacts]
     assert lengths == pytest.approx([period * a for period in periods for _ in range(2)])
-    for contact, modes in zip(contacts, len(periods) * [("exact", "line", "zero"), ("exact", "zero")], strict=True):
+    for contact, modes in zip(
+        contacts, len(periods) * [("exact", "line", "zero"), ("exact", "zero")], strict=True
+    ):
         assert (contact.half_width, contact.modes) == (a, modes)
         assert (contact.across, contact.images) == ((32, 48), (1, 6))
         assert contact.tolerances == (1e-4, 1e-6, 1e-8)

@@ -9,6 +9,7 @@ import contactstudy as cs
 from contactstudy.domain.padding import Paddings, across_and_along
 from contactstudy.planning.cost import Timed, padded
 from studies.cli.commands import cli
+from studies.reference.line_contact import HERTZ
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 
@@ -48,6 +49,11 @@ def test_a_smooth_contact_wants_one_cell_along_its_length() -> None:
     text = run("--error", "1e-4").output
     for words in ("use: exact, one cell along the length", "runner-up:", "s on one thread", "MB"):
         assert words in text
+
+
+def test_the_period_of_the_sweeps_contact_is_in_half_widths() -> None:
+    _, length = fields("--period", "1.5")["best"]["grid"]["extent"]  # type: ignore[index]
+    assert length == pytest.approx(1.5 * HERTZ.half_width)
 
 
 def test_units_of_memory_and_time_are_read() -> None:

@@ -29,6 +29,23 @@ def test_one_case_counts_once_at_however_many_points(made_up: xr.Dataset) -> Non
     assert rows[1][:5] == ("highest pressure", "circular", "2", "50 %", "2.2")
 
 
+def test_an_error_of_nothing_has_no_ratio(made_up: xr.Dataset) -> None:
+    for truth, _ in estimate_validation.ESTIMATES.values():
+        made_up[truth][1, 1] = 0.0
+    rows = estimate_validation.table({"one": made_up}).rows
+    assert rows[1][:4] == ("highest pressure", "circular", "1", "0 %")
+
+
+def test_a_sweep_needs_its_estimates_its_errors_and_its_paddings(made_up: xr.Dataset) -> None:
+    names, causes = estimate_validation.ESTIMATES, estimate_validation.CAUSES
+    least = made_up.drop_vars(
+        [*(f"{name}_{cause}" for name in names for cause in causes), "images"]
+    )
+    assert [*estimate_validation.sweeps_with_estimates({"least": least})] == ["least"]
+    less = least.drop_vars("pressure_error_l1")
+    assert not estimate_validation.sweeps_with_estimates({"less": less})
+
+
 def test_an_estimate_below_its_error_shows_in_the_claim(made_up: xr.Dataset) -> None:
     assert "67 % of 3 cases" in estimate_validation.finding({"one": made_up}).claim
 

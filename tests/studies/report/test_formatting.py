@@ -29,7 +29,11 @@ def test_a_figure_has_room_for_the_first_the_last_and_those_between() -> None:
 
 @pytest.mark.parametrize(
     ("variation", "text"),
-    [(0.012, "1.2\u00a0% of p_{H}"), (1.5e-12, "1.5e-10\u00a0% of p_{H}"), (1e-12, "rounding only")],
+    [
+        (0.012, "1.2\u00a0% of p_{H}"),
+        (1.5e-12, "1.5e-10\u00a0% of p_{H}"),
+        (1e-12, "rounding only"),
+    ],
 )
 def test_what_varies_by_no_more_than_1e_12_is_rounding(variation: float, text: str) -> None:
     assert variation_text(xr.Dataset({"length_variation": variation})) == text

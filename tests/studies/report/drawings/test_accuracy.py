@@ -64,3 +64,19 @@ def test_the_ratio_is_of_errors_that_are_known_and_not_nothing(made_up: xr.Datas
     assert "contact area: 100.0 % bounded, in the median 2 times too large" in finding.measured
     assert "1 bounds are missing without a reason" in finding.measured
     assert tables(made_up)[1].rows[0] == ("c", "pressure in L1", "0.02", "0.01")
+
+
+def test_kinds_are_counted_apart_and_a_bound_that_equals_its_error_holds(
+    made_up: xr.Dataset,
+) -> None:
+    made_up["kind"][:] = [0, 1, 1, 1]
+    made_up["l1_bound"][2] = 0.02
+    made_up["contact_area_error"][0] = UNKNOWN
+    of_first, of_second = tables(made_up)[0].rows
+    assert (of_first[:3], of_second[:3]) == (
+        (KINDS[0], "1", "100.0 %"),
+        (KINDS[1], "3", "100.0 %"),
+    )
+    # two of three highest pressures; of an error that nobody knows nothing is missed
+    assert of_second[5] == "66.7 %"
+    assert of_first[8:] == ("100.0 %", "inf", "0")

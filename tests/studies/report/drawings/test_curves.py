@@ -150,6 +150,10 @@ def test_the_findings_of_the_period_are_of_the_finest_grid_and_the_largest_n() -
     dataset = swept("peak_pressure_error")
     dataset["case_status"] = (AXES, np.full(dataset["peak_pressure_error"].shape, CaseStatus.OK))
     stored = dataset["peak_pressure_error"].isel(grid=-1, images=-1)
+    assert len(load_drawing("period").findings(dataset.isel(period=[0, 2]))) == 2
+    ends = [percent(stored.sel(padding="zero", period=period)) for period in (0.6, 4.8)]
+    text = load_drawing("period").figure(dataset.assign(pressure_error_max=stored))[0].caption
+    assert f"zero: {ends[0]} at L = 0.6 a, {ends[1]} at 4.8 a" in text
     first, second = (finding.measured for finding in load_drawing("period").findings(dataset))
     shown = {name: [percent(one) for one in stored.sel(padding=name)] for name in PADDINGS}
     assert (

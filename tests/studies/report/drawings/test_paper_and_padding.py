@@ -122,7 +122,9 @@ def padding(images: tuple[int, ...] = (1, 6), grid: tuple[int, ...] = (16, 64)) 
     dataset = numbered(axes, "peak_pressure_error", "length_variation")
     dataset["peak_pressure_error"] *= -1
     order = xr.DataArray(np.arange(1.0, 6), coords={"padding": PADDINGS})
-    dearer = xr.DataArray([{1: 1.0, 3: 1.5, 6: 2.0}[n] for n in images], coords={"images": [*images]})
+    dearer = xr.DataArray(
+        [{1: 1.0, 3: 1.5, 6: 2.0}[n] for n in images], coords={"images": [*images]}
+    )
     finer = xr.DataArray([n / 16 for n in grid], coords={"grid": [*grid]})
     alike = xr.DataArray([1.0, 1.0, 1.0], coords={"period": PERIODS})
     time = (order * dearer * alike * finer).transpose(*axes)
@@ -199,7 +201,9 @@ def test_of_three_grids_and_three_n_the_last_are_said_and_drawn() -> None:
     which, costs = findings("padding", dataset)
     last = -dataset["peak_pressure_error"].sel(images=6, period=4.8, grid=64)
     exact, six = (percent(last.sel(padding=name)) for name in ("exact", "superposed"))
-    assert words(f"At 64 x 64 cells and L = 4.8 a the error of its peak pressure is {exact}") in which
+    assert (
+        words(f"At 64 x 64 cells and L = 4.8 a the error of its peak pressure is {exact}") in which
+    )
     assert words(f"superposed, n = 6: {six} in 24 s") in which
     assert "costs 40 s on one thread" in costs
     assert f"one tenth of the error takes {10 ** (np.log(4) / np.log(8)):.0f} times" in costs

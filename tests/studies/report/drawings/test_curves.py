@@ -6,7 +6,7 @@ import xarray as xr
 from studies.model.outcome import CaseStatus
 from studies.registry import load_drawing
 from studies.report.formatting import percent
-from tests.studies.report.drawings.drawn import curves, named, numbered, panels, same
+from tests.studies.report.drawings.drawn import curves, findings, named, numbered, panels, same
 
 PADDINGS = ["zero", "duplicated", "superposed", "circular", "exact"]
 IMAGES, PERIODS, CELLS = np.array([1, 6, 7]), np.array([0.6, 1.2, 4.8]), np.array([16, 32, 64])
@@ -55,6 +55,25 @@ def test_errors_stand_over_the_grid_beside_their_laws() -> None:
     middle = np.exp(np.log(stored["pressure_error_max"].sel(padding="exact")).mean())
     assert same(largest[0], CELLS, float(middle) * (CELLS / 32) ** -0.5)
     assert same(half_width[0], CELLS, (2.4 / CELLS) ** 3 / 50)
+
+
+def test_the_finding_of_the_grid_is_of_exact_periodicity_over_the_longest_period() -> None:
+    """L1 errors of 0.008, 0.008 / 2^1.5 and 0.001, the largest ones half a power of two apart."""
+    dataset = swept("pressure_error_l1", "pressure_error_max", "setup_time", "solve_time")
+    dataset["case_status"] = (AXES, np.full(dataset["setup_time"].shape, CaseStatus.OK))
+    last = {"padding": "exact", "images": 7, "period": 4.8}
+    dataset["pressure_error_l1"].loc[last] = [0.008, 0.008 / 2**1.5, 0.001]
+    dataset["pressure_error_max"].loc[last] = 0.2 * (CELLS / 16) ** -0.5
+    dataset["setup_time"].loc[last], dataset["solve_time"].loc[last] = [1, 2, 3], [2, 3, 25]
+    [said] = findings("grid", dataset)
+    assert said.startswith("64 cells across 2.4 a for 0.1 %")
+    assert "like N^{−1.50}, from 0.80 % at 16 cells across in 3 s to 0.10 % at 64 in 28 s" in said
+    assert "like N^{−0.50} and not monotonically: it is 10 % of p_{H} at 64" in said
+    # in any order, and where no grid is fine enough
+    dataset["pressure_error_l1"].loc[last] *= 1.5
+    [said] = findings("grid", dataset.isel(grid=[2, 0, 1]))
+    assert said.startswith("More than 64 cells across")
+    assert not findings("grid", dataset.isel(grid=[0, 2]))
 
 
 def test_errors_of_kernels_stand_over_n_and_a_half_beside_their_law() -> None:

@@ -197,6 +197,29 @@ def test_the_modulus_of_its_hertz_contact_lies_between_coat_and_substrate() -> N
     assert found[-1] == pytest.approx(bounds[1], rel=1e-3)
 
 
+@pytest.mark.parametrize("wave", [(1, 0), (0, 1), (2, 3)], ids=str)
+@pytest.mark.parametrize("coating", [DLC, cs.HalfSpace(20e9, 0.4)], ids=["stiff", "soft"])
+def test_a_wave_of_pressure_moves_a_coat_as_its_response_says(
+    coating: cs.HalfSpace, wave: tuple[int, int]
+) -> None:
+    """Doubly periodic: beside a bare body's 2 / (k E*), what the substrate adds, on cells of a mean pressure."""
+    grid, thickness = cs.Grid((24, 20), (1.1e-3, 0.8e-3)), 0.25e-3
+    body = cs.CoatedHalfSpace(coating, thickness, STEEL)
+    kx, ky = (2 * np.pi * n / side for n, side in zip(wave, grid.extent, strict=True))
+    k = np.hypot(kx, ky)
+    pressure = np.cos(kx * grid.x[:, None] + ky * grid.y)
+    coated, bare = (
+        cs.superposed(one.response(1e-4), grid, PADDINGS["lattice"]) for one in (body, coating)
+    )
+    rest = float(body._layer.rest(np.array([k * thickness]))[0])
+    below = body._layer.contrast * np.exp(-2 * k * thickness) + rest
+    mean = np.sinc(wave[0] / grid.cells[0]) * np.sinc(wave[1] / grid.cells[1])
+    expected = coating.compliance * 2 / k * below * mean * pressure
+    # shorter waves than the grid's, which it takes for this one, fall as exp(-2 k h): below 1e-11
+    found = coated(pressure) - bare(pressure)
+    assert np.abs(found - expected).max() < 1e-10 * np.abs(bare(pressure)).max()
+
+
 @pytest.mark.parametrize("share", [0.25, 0.5, 1.0, 2.0])
 @pytest.mark.parametrize(("ratio", "within"), [(1 / 3, 0.1), (3.0, 0.1), (8.0, 0.25)])
 def test_a_contact_is_about_as_wide_as_its_compliance_says(

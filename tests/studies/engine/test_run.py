@@ -1,5 +1,6 @@
 import re
 from dataclasses import replace
+from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
@@ -80,6 +81,9 @@ def test_the_file_says_where_its_numbers_come_from(dataset: xr.Dataset) -> None:
         "timing",
     ):
         assert dataset.attrs[name], name
+    # the instant of the first run, and its command
+    assert datetime.fromisoformat(dataset.attrs["date_created"]).tzinfo == UTC
+    assert dataset.attrs["history"].startswith(dataset.attrs["date_created"] + " ")
     assert f"contactstudy {cs.__version__}" in dataset.attrs["source"]
     assert "LineLoad(per_length=100000.0)" in dataset.attrs["first_case"]
 

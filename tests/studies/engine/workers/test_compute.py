@@ -55,6 +55,7 @@ def test_setup_and_solve_are_timed_apart(monkeypatch: pytest.MonkeyPatch) -> Non
 def test_the_pace_is_the_quickest_transform(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(compute, "perf_counter", clock(iter((1.0, 1.75, 2.0, 2.5, 3.0, 3.875) * 2)))
     assert compute._reference_time() == 0.5
+    assert compute.WAVE.shape == (128, 128)
 
 
 def test_an_outcome_says_what_it_took_of_wall_and_of_processor_time(

@@ -1,11 +1,13 @@
 from collections import Counter
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 from scipy.special import erfinv
 
 import contactstudy as cs
+from contactstudy.solvers import preconditioned_cg
 from contactstudy.solvers.polonsky_keer import PolonskyKeer
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from tests.conftest import LineContact
@@ -53,6 +55,28 @@ def test_both_solvers_give_one_answer(
     difference = np.abs(ours.pressure - reference.pressure).max() / posed.scales.pressure
     assert difference < 64 * 1e-11 * 10
     assert ours.note == ""
+
+
+@pytest.mark.parametrize("heights", ROUGH)
+def test_the_work_of_the_last_step_is_that_of_the_part_that_was_taken(
+    heights: str, line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By it the next direction is made conjugate, whatever part of a trial it was."""
+    off, trial_along = [], preconditioned_cg.trial_along
+
+    def seen(*given: Any) -> Any:
+        last = given[5]
+        if last is not None:
+            # two displacements are subtracted: their rounding over that of the step
+            work = float((last.step * last.response).sum())
+            rounding = 1e-14 * np.abs(given[1]).sum() * np.abs(given[2].height).max()
+            off.append(abs(last.curvature - work) <= 1e-9 * abs(work) + rounding)
+        return trial_along(*given)
+
+    monkeypatch.setattr(preconditioned_cg, "trial_along", seen)
+    cs.solve(problem(line_contact, 64, heights), tolerance=1e-6)
+    assert len(off) > 2
+    assert all(off)
 
 
 @pytest.mark.parametrize("heights", ROUGH)

@@ -173,6 +173,19 @@ def test_a_file_without_sizes_is_refused(tmp_path: Path, written: Path) -> None:
         read(heights)
 
 
+def test_points_are_written_at_the_middle_of_their_cells(tmp_path: Path) -> None:
+    path = tmp_path / "surface.nc"
+    cs.MeasuredSurface(HEIGHTS, (6e-6, 8e-6)).write(path)
+    with xr.open_dataset(path) as dataset:
+        for name, size, count in zip("xy", (6e-6, 8e-6), HEIGHTS.shape, strict=True):
+            expected = [size * (n + 0.5) / count for n in range(count)]
+            np.testing.assert_allclose(dataset[name], expected, rtol=1e-14)
+            assert dataset[name].attrs["units"] == "m"
+    points, extent = read(path)
+    np.testing.assert_array_equal(points, HEIGHTS)
+    assert extent == pytest.approx((6e-6, 8e-6), rel=1e-14)
+
+
 def test_without_the_library_its_extra_is_named(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

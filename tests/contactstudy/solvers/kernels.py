@@ -1,0 +1,36 @@
+"""Stands for compiled passes: what each is asked, and what it finds in every row."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+
+class Kernels:
+    """Each pass finds these ``results`` in every row, and nothing if it is not named."""
+
+    def __init__(self, **results: tuple[float, ...]) -> None:
+        self.results = results
+        self.asked: dict[str, tuple[Any, ...]] = {}
+
+    def __getattr__(self, name: str) -> Any:
+        def kernel(*arguments: Any) -> None:
+            self.asked[name] = arguments
+            if name in self.results:
+                found = arguments[-1]
+                assert found.shape[1] == len(self.results[name]), name
+                found[...] = self.results[name]
+
+        return kernel
+
+
+def limited(most: float) -> Any:
+    """A problem whose cells bear so much each."""
+    constraint = SimpleNamespace(
+        capacity=lambda cells: cells * most,
+        clip=lambda trial: np.clip(trial, 0, most),
+        cuts=lambda trial: bool(trial.min() < 0 or trial.max() > most),
+        free=lambda pressure: ((pressure > 0) & (pressure < most)) * 1.0,
+        wrong=lambda pressure, height: ((pressure == 0) & (height < 0)) * 1.0,
+    )
+    return SimpleNamespace(constraint=constraint)

@@ -111,6 +111,7 @@ def test_the_numbers_of_a_plan_in_time_are_those_of_its_laws() -> None:
     flowing = extremes(rolling_cylinder(fluid, cs.LoadHistory((1.0, 4.0), (LOAD, LOAD))), error)
     assert flowing.width == pytest.approx(2 * 1.2 * 0.1 * 2, rel=1e-12)
     assert flowing.steps == round(1 + 7 * error**-0.37)
+    assert flowing.fields == 2 * 1 + 8
 
     # worn until it is twice as wide: a^3 = 0.1^3 + 1.5 R k P t
     rate = 7 * 0.1**3 / (1.5 * LOAD)
@@ -127,3 +128,41 @@ def test_the_numbers_of_a_plan_in_time_are_those_of_its_laws() -> None:
     rolling = extremes(rolling_cylinder(SOLID, rolling=cs.Rolling(0.1)), error)
     assert rolling.width == pytest.approx(2 * 1.2 * 0.1 * 2.5**0.5 * 1.5, rel=1e-12)
     assert (rolling.steps, rolling.fields) == (8 * 3.5, 4 * 8)
+
+
+RIGID = cs.HalfSpace(np.inf, 0.3)
+HELD = cs.LineLoad(0.02 * np.pi)
+HISTORY = cs.LoadHistory((0.0, 2.0), (0.02 * np.pi, 0.02 * np.pi))
+
+
+def rolled(body: cs.Body, load: object = HISTORY, **named: object) -> cs.Scene:
+    """A cylinder of 4 m on a body of 2 Pa at once: a half-width of 0.4 m."""
+    return cs.Scene(load, (body, RIGID), (cs.Cylinder(4.0),), **named)  # type: ignore[arg-type]
+
+
+def test_laws_hold_of_any_radius_and_modulus() -> None:
+    creeps = cs.ViscoelasticHalfSpace(0.8, 0.0, ((1.2, 0.4),))
+    assert extremes(rolled(creeps), 0.01).width == pytest.approx(2 * 1.2 * 0.4 * 2.5**0.5)
+    rolling = extremes(rolled(creeps, HELD, rolling=cs.Rolling(0.1)), 0.01)
+    assert rolling.steps == 8 * 3.5
+    # worn until it is twice as wide: a^3 = 0.4^3 + 1.5 R k P t
+    elastic = cs.HalfSpace(2.0, 0.0)
+    wear = cs.Wear(7 * 0.4**3 / (1.5 * 4 * 0.02 * np.pi * 2), 1.0)
+    worn = extremes(rolled(elastic, wear=wear), 0.01)
+    assert worn.width == pytest.approx(2 * 1.2 * 0.8)
+    assert worn.steps == round(1 + 1.2 * 2 / 0.01)
+    # a load without an end wears for no known time
+    still = extremes(rolled(elastic, HELD, wear=wear), 0.01)
+    assert (still.steps, still.width) == (1, pytest.approx(2 * 1.2 * 0.4))
+
+
+@pytest.mark.parametrize("ratio", [1.5, 6.0])
+def test_what_yields_takes_its_steps_and_its_width_where_that_is_larger(ratio: float) -> None:
+    """The highest pressure is 0.1 Pa; the zone reaches 1.25 (0.62 + 0.07 r^2) half-widths."""
+    body = cs.ElasticPlasticHalfSpace(2.0, 0.0, 0.1 / ratio)
+    found = extremes(rolled(body), 0.02)
+    assert found.plastic is not None
+    assert found.plastic.ratio == pytest.approx(ratio)
+    assert found.steps == 1 + found.plastic.steps(0.02)
+    reach = 1.25 * (0.62 + 0.07 * ratio**2)
+    assert found.width == pytest.approx(2 * 0.4 * max(1.2, reach))

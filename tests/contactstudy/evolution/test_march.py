@@ -56,12 +56,16 @@ def test_two_stages_part_a_step_and_its_load_at_their_own_time() -> None:
     assert second.explicit == Scheme.TWO_STAGE.stages[1][1]
     assert (after.time, after.load, solutions) == (4.0, 8.0, [1, 2])
     assert second.duration == pytest.approx(4 - middle)
+    # the last stage ends under the load that is given, such as the one before a jump
+    after, _ = told.advance(at(2.0, 4.0), 4.0, 9.0)
+    assert (after.load, told.told[-1].loads[1]) == (9, 9)
 
 
 def test_what_has_no_stages_is_stepped_at_once_and_a_jump_takes_no_time() -> None:
     told = march(Scheme.TWO_STAGE, stages=False)
     told.advance(at(2.0, 4.0), 4.0, 8.0)
     assert len(told.told) == 1
+    assert told.told[0].explicit == 0
     told.advance(at(4.0, 8.0), 4.0, 3.0)
     jump = told.told[-1]
     assert (jump.start, jump.end, jump.loads, jump.mean_load) == (4.0, 4.0, (8.0, 3.0), 3.0)

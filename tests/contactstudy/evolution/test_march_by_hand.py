@@ -125,6 +125,21 @@ def test_a_stage_ends_with_its_pressure_and_what_each_memory_keeps(
     assert [state["kept"] for state in after.states] == [(BEFORE, PRESSURE)] * 2  # type: ignore[comparison-overlap]
 
 
+def test_a_march_begins_without_load_and_pressure(
+    problem: cs.Problem, line_contact: LineContact
+) -> None:
+    class Begins:
+        has_stages = False
+
+        def start(self, shape: tuple[int, int]) -> Any:
+            return {"shape": shape}
+
+    memory: Any = Begins()
+    begun = replace(march(problem, line_contact), memories=(memory,)).start(2.5)
+    assert (begun.time, begun.load, begun.states) == (2.5, 0, ({"shape": (8, 2)},))
+    np.testing.assert_array_equal(begun.pressure, np.zeros((8, 2)))
+
+
 def test_what_is_joint_is_found_with_the_contact_and_kept_last(
     problem: cs.Problem, line_contact: LineContact
 ) -> None:

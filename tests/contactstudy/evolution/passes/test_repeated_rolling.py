@@ -81,6 +81,8 @@ def test_what_a_pass_adds_is_counted_from_the_pass_before() -> None:
 def test_it_has_shaken_down_from_the_first_pass_on_that_adds_nothing() -> None:
     assert THREE.shaken_down == 3
     assert rolled(*THREE.passes[:2]).shaken_down is None
+    more = left((0.002, 0.001, 0.007), equivalent=(0.009,))
+    assert rolled(one(FIRST, 7.0), one(SECOND, 8.0), one(more, 8.0)).shaken_down is None
     nowhere = left((0.0, 0.0, 0.0), equivalent=(0.0,))
     assert rolled(one(nowhere, 1.0), one(nowhere, 1.0)).shaken_down == 1
     assert THREE.status is cs.Status.STALLED
@@ -93,6 +95,8 @@ def test_the_summary_counts_steps_and_says_where_stress_is_lowest() -> None:
     lowest = THREE.residual_stress[-1, 0]
     assert f"{lowest.min():.4g} Pa at a depth of 0.5 m" in text
     assert "the last pass moves the surface by 0 m" in text
+    back = rolled(one(FIRST, 7.0), one(SECOND, 8.0), one(FIRST, 7.0))
+    assert f"{back.residual_stress[0, 0].min():.4g} Pa at" in back.summary()
     two = rolled(*THREE.passes[:2]).summary()
     assert "the last pass yields still" in two
     assert f"by {THREE.forward_displacement[1]:.4g} m" in two

@@ -61,6 +61,13 @@ def test_a_cell_that_differs_is_found_along_the_length_too() -> None:
     assert line.at == (0.25, 0)
 
 
+def test_cells_count_by_their_area() -> None:
+    """Halves and thirds of a period of 6 m: cells of 2, 1, 1 and 2 m, of which two differ, by 4 and 3 Pa."""
+    a, b = contact([[1, 2]] * 2, period=6.0), contact([[1, 5, 2]] * 2, period=6.0)
+    found = cs.compare(a, b)
+    assert (found.l1, found.load) == pytest.approx((7 / 9, 7 / 9))
+
+
 def test_edges_apart_by_rounding_are_one() -> None:
     """To a billionth of the width, which is 8 m."""
     ends = np.array([-2.0, 6.0])

@@ -43,6 +43,9 @@ def test_a_direction_is_level_and_conjugate_to_the_last_step_where_that_is_downh
     ):
         kept = _direction(HEIGHT, CLOSING, CELLS, replace(STEP, curvature=curvature))[1]
         assert bool(kept) == conjugate
+    # a step that had lowered the energy, however little it bends
+    back = replace(STEP, step=-STEP.step, curvature=0.5)
+    assert _direction(HEIGHT, CLOSING, CELLS, back)[1] == pytest.approx(8 * KEPT)
 
 
 def test_a_trial_goes_against_the_closing_pressure_and_keeps_the_load() -> None:

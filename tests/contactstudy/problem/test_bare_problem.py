@@ -6,10 +6,14 @@ from typing import cast
 import numpy as np
 import pytest
 
+from contactstudy.problem import bare_problem
 from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.problem.compressive import Compressive
+from contactstudy.problem.gap import Gap
+from contactstudy.problem.hardness_limited import HardnessLimited
 from contactstudy.problem.operator import Operator
 from contactstudy.problem.resultant import PrescribedLoad
+from tests.contactstudy.solvers.kernels import Kernels
 
 HEIGHTS = np.array([[0.0, 1.0, 2.0, 5.0], [3.0, 4.0, 1.0, 2.0]])
 
@@ -69,3 +73,40 @@ def test_blocks_of_cells_have_the_mean_height_and_bear_the_same_load() -> None:
     assert along is not None
     np.testing.assert_array_equal(along.undeformed_gap, [[0.5, 3.5], [3.5, 1.5]])
     assert along.resultant == PrescribedLoad(8.0)
+
+
+@pytest.mark.parametrize(
+    ("measured", "residual"),
+    [
+        # in two rows: the load, the moment of the gap, the load of free cells, a violation, a displacement
+        ((8.0, 0.4, 0.25, 0.3, 0.7), 1.6),
+        ((8.0, 0.05, 0.25, 0.3, 0.7), 0.3),
+        ((12.0, 0.05, 0.25, 0.3, 0.7), 0.5),
+        ((8.0, 0.9, 0.0, 0.3, 0.7), 0.3),
+    ],
+)
+def test_compiled_passes_leave_the_residual_and_the_farthest_displacement(
+    measured: tuple[float, ...], residual: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # the largest of all rows is in the first
+    rows = [measured, (*measured[:3], 0.0, 0.0)]
+    kernels = Kernels(level=(3.0, 2.0), measured=rows)
+    monkeypatch.setattr(bare_problem, "fused", lambda: kernels)
+    hard = replace(PROBLEM, constraint=HardnessLimited(4.0))
+    pressure, moved = np.full((2, 4), 4.0), np.full((2, 4), 0.5)
+    found = hard.gap(pressure, moved)
+    assert (found.approach, found.farthest) == (1.5, 0.7)
+    assert found.residual == hard.residual(pressure, found) == pytest.approx(residual)
+    assert kernels.asked["level"][3] == 4
+    assert kernels.asked["measured"][3:5] == (1.5, 4.0)
+    # where none is free, what closes the widest gap: 5.5
+    kernels.results["level"] = (3.0, 0.0)
+    assert hard.gap(pressure, moved, Gap(np.empty((2, 4)), 0.0)).approach == 5.5
+    assert hard.rounding(moved, 3.0) == 2 * 2.0**-52 * 3
+
+
+def test_where_no_cell_is_free_the_approach_closes_the_widest_gap() -> None:
+    hard = replace(PROBLEM, constraint=HardnessLimited(4.0))
+    found = hard.gap(np.full((2, 4), 4.0), np.full((2, 4), 0.5))
+    assert found.approach == 5.5
+    np.testing.assert_array_equal(found.height, HEIGHTS - 5.0)

@@ -7,9 +7,9 @@ import numpy as np
 
 
 class Kernels:
-    """Each pass finds these ``results`` in every row, and nothing if it is not named."""
+    """Each pass finds these ``results``, in every row or row by row, and nothing if it is not named."""
 
-    def __init__(self, **results: tuple[float, ...]) -> None:
+    def __init__(self, **results: tuple[float, ...] | list[tuple[float, ...]]) -> None:
         self.results = results
         self.asked: dict[str, tuple[Any, ...]] = {}
 
@@ -17,9 +17,9 @@ class Kernels:
         def kernel(*arguments: Any) -> None:
             self.asked[name] = arguments
             if name in self.results:
-                found = arguments[-1]
-                assert found.shape[1] == len(self.results[name]), name
-                found[...] = self.results[name]
+                found, wanted = arguments[-1], np.atleast_2d(self.results[name])
+                assert found.shape[1] == wanted.shape[1], name
+                found[...] = wanted
 
         return kernel
 

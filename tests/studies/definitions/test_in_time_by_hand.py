@@ -30,6 +30,15 @@ def test_creep_is_of_a_load_that_is_held_for_two_times_of_creep() -> None:
     for t in (0.3, 1.0):
         grown = float(creep.CLOSED.half_width(t)) / 0.1
         assert grown**2 == pytest.approx(1 + 1.5 * (1 - exp(-t)))
+    # Hertz's pressure at first, a / 2 R times E*, and then always one that bears the load; the midpoint rule
+    # errs at a root like the 1.5th power of its step
+    x = (np.arange(2000) + 0.5) * 0.36 / 2000 - 0.18
+    assert float(creep.CLOSED.pressure(0.0, 0.0)) == pytest.approx(0.05)
+    for t in (0.1, 0.5, 2.0):
+        carried = float(creep.CLOSED.pressure(x, t).sum()) * 0.36 / 2000
+        assert carried == pytest.approx(pi * 0.1**2 / 4, rel=1e-3)
+    least: Any = load("creep").scene_at({"steps": 2, "grid": 4})
+    assert (len(least.times), least.grid.cells) == (3, (4, 1))
 
 
 def test_creep_records_eleven_instants_over_the_sudden_contact_s_numbers() -> None:
@@ -41,6 +50,8 @@ def test_creep_records_eleven_instants_over_the_sudden_contact_s_numbers() -> No
         exact = creep.CLOSED.pressure(x, time)
         # a share too much in every cell, the more the later, but for the frames in between
         wrong = 1 + (0.01 * n if n % 2 == 0 else 0.9)
+        # the jump counts for nothing, and the record after it for the most
+        wrong = {0: 1.5, 2: 1.3}.get(n, wrong)
         frames.append(frame(time, exact * wrong, step_error=1e-4 * n, grid_error=1e-3 * (21 - n)))
     found = load("creep").measures(case, SimpleNamespace(frames=frames))  # type: ignore[arg-type]
     assert found["time"].values == pytest.approx(np.linspace(0, 2, 11))
@@ -50,12 +61,13 @@ def test_creep_records_eleven_instants_over_the_sudden_contact_s_numbers() -> No
         assert found["half_width"].values[record] == pytest.approx(width / 0.1)
         assert found["highest_pressure"].values[record] == pytest.approx(one.pressure.max() / 0.05)
     # of all records, those in between left out
-    assert float(found["pressure_error_l1"]) == pytest.approx(0.2)
+    assert float(found["pressure_error_l1"]) == pytest.approx(0.3)
     assert float(found["last_error_l1"]) == pytest.approx(0.2)
     assert float(found["step_error"]) == pytest.approx(2e-3)
     # the first, after the jump, left out
     assert float(found["grid_error"]) == pytest.approx(19e-3)
     five = load("creep").measures(case, SimpleNamespace(frames=frames[:5]))  # type: ignore[arg-type]
+    assert five["half_width"].shape == (11,)
     assert np.isnan(five["half_width"].values[5:]).all()
     assert float(five["last_error_l1"]) == pytest.approx(0.04)
 
@@ -68,6 +80,12 @@ def test_wear_goes_on_to_twice_the_half_width_of_a_rigid_cylinder() -> None:
     hertz = cs.analytic.hertz_line(case.scene.load.largest, 1.0, 1.0)
     assert hertz.half_width == pytest.approx(0.1)
     assert len(case.times) == 17
+    assert case.times[0] == 0
+    # half-widths and depths are of E* = 1 and k = 1
+    assert case.scene.contact_modulus == pytest.approx(1)
+    assert (case.scene.wear.coefficient, case.scene.wear.speed) == (1, 1)
+    least: Any = load("wear").scene_at({"scheme": "implicit", "steps": 2, "grid": 4})
+    assert (len(least.times), least.grid.cells) == (3, (4, 1))
     volume = case.scene.load.largest * case.times[-1]
     assert volume == pytest.approx(2 * 0.2**3 / 3)
 
@@ -81,8 +99,8 @@ def test_wear_records_nine_instants_and_the_last_one_s_errors(
     for n in range(17):
         pressure = np.zeros(64)
         pressure[30 - n : 34 + n] = 0.02
-        # half as much again as Archard's volume at the end
-        depth = np.full((64, 1), 1.5 * wear.LOAD * wear.DISTANCE / 0.5)
+        # three quarters more than Archard's volume at the end
+        depth = np.full((64, 1), 1.75 * wear.LOAD * wear.DISTANCE / 0.5)
         fields = {"worn_depth": SimpleNamespace(values=depth)}
         frames.append(frame(n, pressure, fields=fields))
     fine = np.zeros((64, 1))
@@ -96,7 +114,7 @@ def test_wear_records_nine_instants_and_the_last_one_s_errors(
     assert float(found["pressure_error_l1"]) == pytest.approx(
         (36 * 0.002 + 4 * 0.018) / (40 * 0.018)
     )
-    assert float(found["volume_error"]) == pytest.approx(0.5)
+    assert float(found["volume_error"]) == pytest.approx(0.75)
     assert float(found["highest_pressure"]) == pytest.approx(0.02 / 0.05)
     step = wear.DISTANCE / 16
     # Johnson's compliance of a cell's own mean: the longest explicit step is 1.484 cells by k E*
@@ -110,7 +128,7 @@ def test_a_fine_march_of_wear_has_512_steps_of_second_order(
 
     def run(case: Any, _: object) -> SimpleNamespace:
         seen.append((len(case.times) - 1, case.scheme, case.grid.cells))
-        return SimpleNamespace(frames=[None, SimpleNamespace(pressure="last")])
+        return SimpleNamespace(frames=[None, None, SimpleNamespace(pressure="last")])
 
     monkeypatch.setattr(wear.EvolutionCase, "run", run)
     assert wear._fine.__wrapped__(48) == "last"

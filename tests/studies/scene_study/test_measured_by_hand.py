@@ -82,8 +82,8 @@ def test_the_highest_stress_is_said_with_its_depth(recorded: Any) -> None:
 class Dense:
     """An operator that is a matrix over six cells."""
 
-    rows = np.arange(6.0)
-    matrix = 1.0 + 4.0 * np.exp(-abs(rows[:, None] - rows)) + np.diag(0.5 * rows)
+    # cells as unlike as these are not levelled in one step
+    matrix = 1.0 + np.diag([1.0, 3.0, 10.0, 2.0, 30.0, 6.0])
 
     def __call__(self, pressure: np.ndarray) -> np.ndarray:
         return (self.matrix @ pressure.ravel()).reshape(pressure.shape)
@@ -105,13 +105,15 @@ def test_stiffness_is_what_moves_the_cells_in_contact_alike(touching: list[int])
     solution: Any = SimpleNamespace(problem=problem, pressure=pressure)
     inside = Dense.matrix[np.ix_(touching, touching)]
     carried = np.linalg.solve(inside, np.ones(len(touching))).sum()
-    # cells of 5 m^2, over 5 m of length; the energy errs by the square of what the iteration leaves
+    # cells of 5 m^2, over 5 m of length; the energy errs by the square of what the iteration leaves, times how
+    # much softer than the mean a cell is, 30 over 8.7
+    error = 4 * RESIDUAL**2
     wanted = carried * 5 / 5
-    assert normal_stiffness(solution) == pytest.approx(wanted, rel=RESIDUAL**2)
+    assert normal_stiffness(solution) == pytest.approx(wanted, rel=error)
     longer = SimpleNamespace(**(vars(problem) | {"grid": cs.Grid((3, 2), (12.0, 7.0))}))
     solution = SimpleNamespace(problem=longer, pressure=pressure)
     # cells of 4 m by 3.5 m over 7 m
-    assert normal_stiffness(solution) == pytest.approx(carried * 14 / 7, rel=RESIDUAL**2)
+    assert normal_stiffness(solution) == pytest.approx(carried * 14 / 7, rel=error)
     none: Any = SimpleNamespace(problem=problem, pressure=0 * pressure)
     assert np.isnan(normal_stiffness(none))
 

@@ -127,4 +127,5 @@ def test_a_pilot_takes_the_time_between_its_begin_and_its_end(
     )
     assert seconds == 2.5
     assert solution.residual <= 1e-5
-    assert estimate.l1 == cs.error_estimate(solution).l1
+    # of that solution, but for the rounding of its transforms
+    assert estimate.l1.total == pytest.approx(cs.error_estimate(solution).l1.total, rel=1e-6)

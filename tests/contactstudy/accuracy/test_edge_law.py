@@ -3,7 +3,15 @@
 import numpy as np
 import pytest
 
-from contactstudy.accuracy.edge_law import MODES, modes, offset, powers
+from contactstudy.accuracy.edge_law import (
+    EDGE_RANGE,
+    MODES,
+    edge_error,
+    edge_place,
+    modes,
+    offset,
+    powers,
+)
 
 
 def logarithm(steps: np.ndarray) -> np.ndarray:
@@ -43,3 +51,30 @@ def test_modes_tend_to_their_powers(mode: int) -> None:
     rate = max(mode, 2) - 4.5
     assert left[0] < d[0] ** rate
     assert np.polyfit(np.log(d), np.log(left), 1)[0] < rate + 0.5
+
+
+LAST, INNER = np.array([0.3, 0.9, 1.4, 2.0]), np.array([1.0, 1.5, 2.0, 2.5])
+
+
+@pytest.mark.parametrize("unit", [1e-9, 1.0, 1e9])
+def test_an_edge_is_found_whatever_the_unit_of_pressure(unit: float) -> None:
+    np.testing.assert_allclose(edge_place(unit * LAST, unit * INNER), edge_place(LAST, INNER))
+    np.testing.assert_allclose(
+        edge_error(unit * LAST, unit * INNER), unit * edge_error(LAST, INNER)
+    )
+
+
+def test_the_higher_the_last_cell_the_farther_out_is_the_edge() -> None:
+    places = edge_place(LAST, INNER)
+    assert (np.diff(places) > 0).all()
+    assert (EDGE_RANGE[0] <= places).all()
+    assert (places <= EDGE_RANGE[1]).all()
+
+
+def test_of_a_cell_alone_the_edge_lies_half_way_and_its_error_is_that_of_the_farthest() -> None:
+    alone = np.array([0.5, 3.0])
+    np.testing.assert_allclose(edge_place(alone, np.zeros(2)), (EDGE_RANGE[0] + EDGE_RANGE[1]) / 2)
+    # where the last cell is the higher, the law has ended: the error goes as that cell alone
+    errors = edge_error(alone, np.zeros(2))
+    assert errors[1] / errors[0] == pytest.approx(6)
+    np.testing.assert_allclose(edge_error(alone, 0.1 * alone), errors)

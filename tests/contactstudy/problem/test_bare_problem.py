@@ -6,6 +6,9 @@ from typing import cast
 import numpy as np
 import pytest
 
+import contactstudy as cs
+from contactstudy.domain.devices import device
+from contactstudy.domain.devices.device import using
 from contactstudy.problem import bare_problem
 from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.problem.compressive import Compressive
@@ -110,3 +113,30 @@ def test_where_no_cell_is_free_the_approach_closes_the_widest_gap() -> None:
     found = hard.gap(np.full((2, 4), 4.0), np.full((2, 4), 0.5))
     assert found.approach == 5.5
     np.testing.assert_array_equal(found.height, HEIGHTS - 5.0)
+
+
+@pytest.mark.parametrize(
+    "pressure",
+    [
+        np.array([[1.0, 2.0, 0.0, 0.5], [0.0, 0.25, 1.0, 2.0]]),
+        np.full((2, 4), 2.0),  # at the limit, and none is free
+        np.array([[2.0, 2.0, 0.0, 0.0], [0.0, 2.0, 2.0, 0.0]]),
+        np.array([[2.0, 0.25, 0.0, 0.5], [0.0, 2.0, 2.0, 0.0]]),
+    ],
+    ids=["some free", "all at the limit", "at a limit each", "free ones bear little"],
+)
+def test_compiled_passes_find_the_residual_of_array_operations(
+    pressure: np.ndarray, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("numba")
+    hard = replace(PROBLEM, constraint=HardnessLimited(2.0))
+    displacement = np.linspace(-3.0, 0.5, 8).reshape(2, 4)
+    gap = hard.gap(pressure, displacement)
+    residual = hard.residual(pressure, gap)
+    monkeypatch.setattr(device, "LARGE", 1)
+    with using(cs.Cpu(), pressure.size):
+        found = hard.gap(pressure, displacement)
+        assert found.residual == pytest.approx(residual, rel=1e-14)
+        assert found.approach == pytest.approx(gap.approach, rel=1e-14)
+        np.testing.assert_allclose(found.height, gap.height, rtol=0, atol=1e-14)
+        assert found.farthest == 3.0

@@ -12,6 +12,7 @@ import xarray as xr
 from studies.engine.options import RunOptions
 from studies.engine.run import run
 from studies.registry import load
+from studies.store import fields
 from tests.studies.conftest import quiet
 
 KEPT = RunOptions(workers=0, repeats=1, fields="kept")
@@ -35,6 +36,17 @@ def test_fields_are_groups_by_the_key_of_the_case(out: Path) -> None:
         assert pressure.attrs["units"] == "Pa"
         load_per_length = float(pressure.sum() * (pressure["x"][1] - pressure["x"][0]) / 24)
         assert load_per_length == pytest.approx(1e5, rel=1e-8)
+
+
+def test_fields_of_one_case_come_back_with_their_coordinates(tmp_path: Path) -> None:
+    x = xr.Variable(("x",), [1.5, 2.5, 3.5], {"units": "m"})
+    pressure = xr.Variable(("x",), [0.0, 2.0, 1.0], {"units": "Pa"})
+    fields.save(tmp_path / "kept", "abc", {"x": x, "pressure": pressure})
+    assert fields.exist(tmp_path / "kept", "abc")
+    assert not fields.exist(tmp_path / "kept", "abd")
+    found = fields.load(tmp_path / "kept", "abc")
+    assert found is not None
+    xr.testing.assert_identical(found, xr.Dataset({"pressure": pressure}, {"x": x}))
 
 
 def test_the_root_opens_as_a_plain_dataset(out: Path) -> None:

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from studies.reference.accuracy.case import Errors, errors
+from studies.reference.accuracy.case import Errors, Shifted, errors
 from studies.reference.accuracy.matrix import matrix
+from studies.reference.line_contact import HERTZ
 
 EVERY = 11  # a prime, so that no kind's own order is followed
 THINNED = tuple(matrix())[::EVERY]
@@ -30,6 +31,13 @@ def test_the_matrix_has_every_kind_of_surface_and_three_hundred_cases() -> None:
     assert len({case.kind for case in matrix().values()}) >= 14
     kinds = {matrix()[name].kind for name in THINNED}
     assert len(kinds) >= 10
+
+
+def test_a_cylinder_aside_is_a_parabola_about_its_axis() -> None:
+    shifted = Shifted(aside=0.25, radius=0.5)
+    grid = cs.Grid((4, 1), (2.0, 1.0))
+    np.testing.assert_allclose(shifted.gap(grid)[:, 0], [1.0, 0.25, 0.0, 0.25], rtol=1e-14)
+    assert shifted.curvature == 1 / HERTZ.radius
 
 
 @pytest.mark.parametrize("metric", METRICS)

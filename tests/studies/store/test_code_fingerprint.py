@@ -1,3 +1,4 @@
+import re
 import shutil
 import textwrap
 from pathlib import Path
@@ -86,6 +87,13 @@ def test_a_change_of_what_makes_the_numbers_is_noticed(old: str, new: str, tmp_p
 def test_a_change_of_words_figures_and_axes_is_none(old: str, new: str, tmp_path: Path) -> None:
     before = fingerprint(tmp_path / "one.py", FILE)
     assert fingerprint(tmp_path / "two.py", FILE.replace(old, new)) == before
+
+
+def test_a_fingerprint_has_the_twelve_digits_that_stored_cases_go_by(tmp_path: Path) -> None:
+    (tmp_path / "kernel.py").write_text("A = 1", encoding="utf-8")
+    digits = "[0-9a-f]{12}"
+    assert re.fullmatch(digits, source_fingerprint(tmp_path))
+    assert re.fullmatch(digits, measures_fingerprint(load("grid").measures, frozenset()))
 
 
 def test_studies_measure_differently() -> None:

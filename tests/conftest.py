@@ -15,6 +15,11 @@ settings.register_profile("random", steady, derandomize=False)
 settings.register_profile("steady", steady, derandomize=True)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "steady"))
 
+# A length in metres may be below 1e-12, which is what approx takes for nothing beside any number but zero.
+type(pytest.approx(1.0)).DEFAULT_ABSOLUTE_TOLERANCE = property(
+    lambda self: 1e-12 if self.expected == 0 else 0.0
+)
+
 # A shell without job control starts what runs in the background deaf to Ctrl-C, and its children with it.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)

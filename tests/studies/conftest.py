@@ -11,6 +11,7 @@ from studies.registry import load
 
 # for tests that send signals, fork, or read what a shell of POSIX says
 POSIX = pytest.mark.skipif(not hasattr(os, "killpg"), reason="this system has no POSIX signals")
+NEVER = 2**22 + 1  # beyond the numbers that processes have
 SMALL = {"images": "0:2", "period": "0.6,2.4", "grid": "16,24"}
 
 

@@ -70,12 +70,12 @@ def test_a_crew_goes_from_study_to_study_and_outlives_their_troubles(tmp_path: P
         assert float(found[0].variables["square"]) == 4
         processes = []
         for _ in range(2):
-            pool.run([Trouble(1.0)], Work(process), found.__setitem__, Stop())
+            pool.run([Trouble(1.0)], Work(trouble.process), found.__setitem__, Stop())
             processes.append(int(found[0].variables["process"]))
         assert processes[0] == processes[1] != os.getpid()
         settings = RunOptions(time_limit=LIMIT, repeats=1)
         examine(run(trouble.study(), tmp_path, options=settings, log=quiet, executor=pool))
-        pool.run([Trouble(1.0)], Work(process), found.__setitem__, Stop())
+        pool.run([Trouble(1.0)], Work(trouble.process), found.__setitem__, Stop())
         processes.append(int(found[0].variables["process"]))
     for one in processes:
         assert not psutil.pid_exists(one)
@@ -112,10 +112,6 @@ def test_what_workers_had_finished_when_a_run_was_stopped_is_not_lost(tmp_path: 
         pool.run(cases, Work(trouble.measures), finished, Stop())
     assert sorted(found) == list(range(8))
     assert {outcome.case_status for outcome in found.values()} == {CaseStatus.OK}
-
-
-def process(case: Trouble, result: float) -> dict[str, float]:
-    return {"process": os.getpid()}
 
 
 SCRIPT = """

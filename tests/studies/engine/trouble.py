@@ -61,6 +61,11 @@ def measures(case: Trouble, result: float) -> Mapping[str, xr.Variable | float]:
     }
 
 
+def process(case: Trouble, result: float) -> dict[str, float]:
+    """In which process it was computed."""
+    return {"process": os.getpid()}
+
+
 def study(
     numbers: object = range(20), log: str = "", seconds: float = 0.0, hangs_from: float = math.inf
 ) -> Study:

@@ -103,9 +103,9 @@ def test_a_run_against_the_clock_is_a_sample_or_says_why_not(supervisor: WorkerS
 
 def test_other_work_is_done_by_the_same_process(supervisor: WorkerSupervisor) -> None:
     (first,) = supervisor.run([Trouble(1.0)])
-    supervisor.set_work(packed(Work(process_and_limit, time_limit=50.0)))
+    supervisor.set_work(packed(Work(trouble.process, time_limit=50.0)))
     before, again = supervisor.run([Trouble(1.0), Trouble(2.0)])
-    supervisor.set_work(packed(Work(process_and_limit, time_limit=70.0)))
+    supervisor.set_work(packed(Work(trouble.process, time_limit=70.0)))
     (after,) = supervisor.run([Trouble(2.0)])
     numbers = [int(one.variables["process"]) for one in (before, again, after)]
     assert float(first.variables["square"]) == 1
@@ -114,10 +114,6 @@ def test_other_work_is_done_by_the_same_process(supervisor: WorkerSupervisor) ->
     supervisor.end()
     assert not psutil.pid_exists(numbers[0])
     assert list(supervisor.run([Trouble(1.0)])) == []
-
-
-def process_and_limit(case: Trouble, result: float) -> dict[str, float]:
-    return {"process": os.getpid()}
 
 
 def test_a_worker_s_own_alarm_comes_before_its_supervisor_s(

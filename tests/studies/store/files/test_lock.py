@@ -14,9 +14,7 @@ from contactstudy import InvalidInput
 from studies.store.files import lock as module
 from studies.store.files.lock import locked
 from tests.conftest import HANGS
-from tests.studies.conftest import POSIX, quiet
-
-NEVER = 2**22 + 1  # beyond the numbers that processes have
+from tests.studies.conftest import NEVER, POSIX, quiet
 
 
 def signed(path: Path, **held: object) -> Path:

@@ -11,8 +11,7 @@ import pytest
 
 from studies.store.files.descriptor import open_descriptor, read_at, write_whole
 from studies.store.files.partial_file import is_alive, reason, remove_partial_files, replacing
-
-NEVER = 2**22 + 1  # beyond the numbers that processes have
+from tests.studies.conftest import NEVER
 
 
 def test_a_file_stays_as_it_was_until_the_new_one_is_whole(tmp_path: Path) -> None:

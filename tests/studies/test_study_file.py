@@ -73,3 +73,16 @@ def test_a_scene_that_is_none_is_said_with_its_point(body: str, said: str, tmp_p
     path.write_text(GOOD.replace('return Number(point["number"])', body))
     with pytest.raises(InvalidInput, match=said):
         Request.of(load(str(path)))
+
+
+def test_the_first_line_of_its_text_is_the_title(tmp_path: Path) -> None:
+    path = tmp_path / "mine.py"
+    for text, title in (
+        ("Plain numbers.\n\nMore.", "Plain numbers."),
+        ("x" * 300, "x" * 300),
+        ("x" * 301, "x" * 300 + " ..."),
+    ):
+        path.write_text(GOOD.replace("Plain numbers.", text))
+        assert load(str(path)).title == title
+    path.write_text(GOOD.replace('"""Plain numbers."""', ""))
+    assert load(str(path)).title == "mine"

@@ -19,7 +19,7 @@ CELLS = np.array([0, 0, 1, 1, 1, 1, 0, 0.0])[:, None]
 
 @dataclass(eq=False)
 class Decaying:
-    """Each step of length h divides the pressure by 1 + h; a jump of the load adds it."""
+    """Each step of h times ``second`` divides the pressure by 1 + h; a jump of the load adds it."""
 
     load: Any
     joint: Any = None
@@ -27,6 +27,7 @@ class Decaying:
     jumps: list[tuple[float, int]] = field(default_factory=list)
     onsets: list[int] = field(default_factory=list)
     fails_from: float = np.inf
+    second: float = 1.0
     kept: Any = (SimpleNamespace(fields=lambda state: {"age": state}),)
 
     @property
@@ -48,7 +49,7 @@ class Decaying:
     def advance(self, instant: Instant, end: float, load: float, onset: int) -> Any:
         self.told.append((instant.time, end, load))
         self.onsets.append(onset)
-        pressure = instant.pressure / (1 + end - instant.time)
+        pressure = instant.pressure / (1 + (end - instant.time) / self.second)
         residual = np.inf if end > self.fails_from else 1e-9
         return Instant(end, load, pressure, (end,)), [self._solution(pressure, residual)]
 
@@ -138,6 +139,18 @@ def test_pairs_of_steps_begin_with_a_hundredth_and_keep_to_what_they_may_add() -
     assert 0.05 < longest < 0.3
     assert walk.frames[-1].step_error < 0.05
     assert walk.frames[-1].step_error > 0.002
+
+
+@pytest.mark.parametrize("second", [2.0**-30, 2.0**30])
+def test_time_counts_in_parts_of_the_whole(second: float) -> None:
+    """Beginning with a pair that is rejected; powers of two leave rounding as it is."""
+    control = StepControl(error=0.9, adds=1e-5)
+    walk, march = walked([0.0, 4.0], control=control)
+    load = cs.LoadHistory((0.0, 4 * second), (2.0, 2.0))
+    other = Decaying(load, second=second)
+    scaled, _ = walked([0.0, 4 * second], control=control, march=other)
+    assert scaled.rejected == walk.rejected >= 1
+    assert [end / second for _, end, _ in other.told] == [end for _, end, _ in march.told]
 
 
 def test_a_march_whose_error_grows_too_large_starts_again_with_shorter_steps() -> None:

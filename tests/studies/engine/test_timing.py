@@ -7,7 +7,7 @@ import pytest
 from contactstudy import InvalidInput
 from studies.engine.options import RunOptions
 from studies.engine.run import run
-from studies.engine.timing import rounds, time_cases
+from studies.engine.timing import longest, rounds, time_cases
 from studies.model.outcome import CaseStatus, Failure
 from studies.model.timing_samples import Sample, is_contended, timing_variables
 from tests.studies.conftest import quiet
@@ -16,6 +16,16 @@ from tests.studies.engine import trouble
 
 def sample(wall: float, cpu: float | None = None) -> Sample:
     return Sample(0.25 * wall, 0.75 * wall, 0.0, wall if cpu is None else cpu, 1)
+
+
+@pytest.mark.parametrize(
+    ("expected", "limit", "seconds"), [(0.0, None, 5), (2.0, None, 25), (2.0, 30.0, 25), (2.0, 9.0, 9)]
+)  # fmt: skip
+def test_a_timed_run_is_given_up_after_ten_times_what_it_took(
+    expected: float, limit: float | None, seconds: float
+) -> None:
+    """And five seconds, which a start may take; after the limit at the latest."""
+    assert longest(expected, limit) == seconds
 
 
 def test_repeats_are_interleaved_between_cases() -> None:

@@ -153,6 +153,30 @@ def test_time_counts_in_parts_of_the_whole(second: float) -> None:
     assert [end / second for _, end, _ in other.told] == [end for _, end, _ in march.told]
 
 
+@dataclass(eq=False)
+class Jumping(Decaying):
+    """The first of every two steps from the beginning is a tenth off, however short it is."""
+
+    begun: int = 0
+
+    def advance(self, instant: Instant, end: float, load: float, onset: int) -> Any:
+        found, solutions = super().advance(instant, end, load, onset)
+        if instant.time == 0:
+            assert end > 1e-13
+            self.begun += 1
+            found.pressure[:] *= 1 + 0.1 * (self.begun % 2)
+        return found, solutions
+
+
+def test_a_pair_of_a_millionth_of_a_millionth_of_the_whole_is_taken_as_it_is() -> None:
+    march = Jumping(HELD)
+    walk, _ = walked([0.0, 0.25, 4.0], march=march, control=StepControl(error=0.9, adds=0.01))
+    pairs = [end for start, end, _ in march.told if start == 0][1::2]
+    assert len(pairs) == walk.rejected + 1
+    assert pairs[-1] <= 4e-12 < pairs[-2]
+    assert walk.frames[-1].time == 4.0
+
+
 def test_a_march_whose_error_grows_too_large_starts_again_with_shorter_steps() -> None:
     walk, march = walked([4.0], control=StepControl(error=0.02, adds=0.01))
     assert walk.restarts >= 1

@@ -44,6 +44,8 @@ def remove() -> None:
     for module, names in GONE.items():
         for name in names.split():
             vars(module).pop(name, None)
+    if hasattr(os, "process_cpu_count"):  # from Python 3.13 on; it asks what is gone
+        os.process_cpu_count = os.cpu_count
     for name in ("remove", "rename", "replace", "unlink"):
         setattr(os, name, _refusing(getattr(os, name)))
     socket.socket.share = _share  # type: ignore[attr-defined]

@@ -6,13 +6,18 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.solvers.polonsky_keer import PolonskyKeer
 from tests.conftest import LineContact
 
 
+def bare_problem(scene: cs.Scene, grid: cs.Grid) -> BareProblem:
+    return scene.problem(grid, cs.ExactPeriodicity()).bare(cs.Precision.DOUBLE)
+
+
 @pytest.fixture
-def problem(line_contact: LineContact) -> cs.Problem:
-    return line_contact.scene.problem(line_contact.grid((24, 2), 0.3), cs.ExactPeriodicity())
+def bare(line_contact: LineContact) -> BareProblem:
+    return bare_problem(line_contact.scene, line_contact.grid((24, 2), 0.3))
 
 
 def published(
@@ -42,10 +47,9 @@ def published(
 @pytest.mark.parametrize("iterations", [0, 1, 2, 3, 4, 5, 6, 8, 10])
 @pytest.mark.parametrize("bearing", [slice(None), slice(10, 15), slice(4, 9)])
 def test_it_takes_the_steps_of_the_paper(
-    problem: cs.Problem, bearing: slice, iterations: int
+    bare: BareProblem, bearing: slice, iterations: int
 ) -> None:
     """From all cells it loses some, from a few in the middle it gains some, from a few aside it does both."""
-    bare = problem.bare(cs.Precision.DOUBLE)
     cells = bare.undeformed_gap.shape
     each = np.eye(cells[0] * cells[1]).reshape(-1, *cells)
     operator = np.transpose([bare.operator(one).ravel() for one in each])
@@ -64,23 +68,20 @@ def test_no_iteration_raises_the_energy_where_a_hardness_cuts_the_step(
 ) -> None:
     """``p (K p / 2 + gap)`` over all cells is convex: a step uphill on its slope would raise it."""
     hard = replace(line_contact.scene, hardness=0.8 * line_contact.hertz.peak_pressure)
-    problem = hard.problem(line_contact.grid((24, 2), 0.3), cs.ExactPeriodicity())
-    bare = problem.bare(cs.Precision.DOUBLE)
+    bare = bare_problem(hard, line_contact.grid((24, 2), 0.3))
     own = bare.undeformed_gap
     heights = 3 * np.abs(own).max() * np.random.default_rng(rough).standard_normal(own.shape)
     bare = replace(bare, undeformed_gap=own + heights)
-    energies = []
+    solver, energies = PolonskyKeer(), []
     for iterations in range(8):
-        solver = PolonskyKeer()
         pressure = solver.iterate(bare, tolerance=1e-14, max_iterations=iterations).pressure
         each = pressure * (bare.operator(pressure) / 2 + bare.undeformed_gap)
         energies.append(float(each.sum()))
     assert (np.diff(energies) <= 1e-12 * np.abs(energies).max()).all()
 
 
-def test_around_a_single_cell_the_others_close_their_own_gaps(problem: cs.Problem) -> None:
+def test_around_a_single_cell_the_others_close_their_own_gaps(bare: BareProblem) -> None:
     """It is level with itself; where the others overlap, each takes the pressure that lifts it alone."""
-    bare = problem.bare(cs.Precision.DOUBLE)
     alone = np.zeros_like(bare.undeformed_gap)
     load = float(bare.uniform().sum())
     alone[12, 0] = load

@@ -9,10 +9,8 @@ if _TYPE_CHECKING:
     from studies.engine.options import RunOptions
     from studies.engine.run import run
     from studies.model.axis import Axis
-    from studies.model.case import Case, Operator
-    from studies.model.drawing import CaptionedFigure, Drawing
-    from studies.model.estimate import error_estimates
-    from studies.model.finding import Finding, Table
+    from studies.model.case import Case, Operator, error_estimates
+    from studies.model.drawing import CaptionedFigure, Drawing, Finding, Table
     from studies.model.study import Study
     from studies.registry import load
 
@@ -22,12 +20,12 @@ _PUBLIC = {
     "CaptionedFigure": "studies.model.drawing",
     "Case": "studies.model.case",
     "Drawing": "studies.model.drawing",
-    "Finding": "studies.model.finding",
+    "Finding": "studies.model.drawing",
     "Operator": "studies.model.case",
     "RunOptions": "studies.engine.options",
     "Study": "studies.model.study",
-    "Table": "studies.model.finding",
-    "error_estimates": "studies.model.estimate",
+    "Table": "studies.model.drawing",
+    "error_estimates": "studies.model.case",
     "load": "studies.registry",
     "panels": "contactstudy.io.pictures.figure",
     "run": "studies.engine.run",

@@ -16,8 +16,7 @@ from studies.cli.show import show
 from studies.cli.study_help import StudyCommand
 from studies.cli.vary import FIGURES, VARY, load_scene_study
 from studies.model.axis import MOST_POINTS
-from studies.model.error_place import place_of
-from studies.model.plain_text import one_line
+from studies.model.plain_text import one_line, place_of
 from studies.registry import BUILT_IN, OPTIONAL, load, load_drawing
 
 # What runs is imported by the commands that run, and what draws by those that draw: help comes at once.

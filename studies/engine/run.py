@@ -16,9 +16,8 @@ from studies.engine.progress import Progress
 from studies.engine.stop import Stop, end_like
 from studies.engine.timing import longest, time_cases
 from studies.engine.workers.compute import StopRun
-from studies.model.outcome import CaseStatus, Failure, Outcome, Work, summary_messages
+from studies.model.outcome import CaseStatus, Failure, Outcome, Sample, Work, summary_messages
 from studies.model.study import Study
-from studies.model.timing_samples import Sample
 from studies.store import fields as stored_fields
 from studies.store.files.lock import locked
 from studies.store.files.partial_file import remove_partial_files

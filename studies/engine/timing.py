@@ -3,8 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping
 from itertools import chain
 
-from studies.model.outcome import Failure
-from studies.model.timing_samples import Sample
+from studies.model.outcome import Failure, Sample
 
 # What a process does but once (imports, memory from the system) is done by an untimed run of the longest
 # case of each kind that is shorter than this; in a longer one it is lost.

@@ -1,7 +1,7 @@
 """One computation of a study: a value that says what to compute, and how exactly."""
 
 from collections.abc import Hashable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
@@ -121,3 +121,19 @@ def flags(
         "flag_meanings": " ".join(meanings),
     }
     return xr.Variable(tuple(dims), values.astype(np.int8), attrs)
+
+
+def error_estimates(solution: cs.Solution) -> Mapping[str, xr.Variable]:
+    """``<metric>_estimate`` and its parts ``<metric>_estimate_<cause>``, for the highest pressure and L1."""
+    estimate = cs.error_estimate(solution)
+    metrics = {
+        "highest_pressure": ("highest pressure", estimate.peak_pressure),
+        "pressure_l1": ("pressure in L1", estimate.l1),
+    }
+    measured: dict[str, xr.Variable] = {}
+    for name, (what, parts) in metrics.items():
+        said = f"estimated relative error of the {what}"
+        measured[f"{name}_estimate"] = number(parts.total, said)
+        for cause, part in asdict(parts).items():
+            measured[f"{name}_estimate_{cause}"] = number(part, f"{said}, by {cause}")
+    return measured

@@ -1,4 +1,4 @@
-"""How a study is drawn: figures with captions, findings and tables, all from its stored Dataset."""
+"""How a study is drawn: captioned figures, findings and tables, all read from its stored Dataset."""
 
 from __future__ import annotations
 
@@ -7,12 +7,41 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from contactstudy import InvalidInput
-from studies.model.finding import Finding, Table
 from studies.model.plain_text import name_problem, one_line
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
+
+
+Row = tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A claim in a few words, what was measured, and the reader's question that this answers, if one does."""
+
+    claim: str
+    measured: str
+    question: str = ""
+
+
+@dataclass(frozen=True)
+class Table:
+    """A head, rows of text, and a caption; a column whose every cell starts with a number is one of numbers."""
+
+    caption: str
+    head: Row
+    rows: tuple[Row, ...]
+
+    @property
+    def kinds(self) -> Row:
+        """``number`` or ``text`` for each column."""
+        columns = zip(*self.rows, strict=True) if self.rows else [()] * len(self.head)
+        return tuple(
+            "number" if all(cell.lstrip("-−<> ")[:1].isdigit() for cell in column) else "text"
+            for column in columns
+        )
 
 
 @dataclass(frozen=True, eq=False)

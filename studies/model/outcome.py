@@ -1,13 +1,15 @@
-"""What became of a computation, as numbers a Dataset can hold."""
+"""Outcomes of computations, and samples of their times, as variables that a Dataset can hold."""
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Any, Protocol, runtime_checkable
 
+import numpy as np
 import xarray as xr
 
+from studies.model.case import flags
 from studies.model.study import Measures
 
 
@@ -125,3 +127,88 @@ class Work:
 
 
 Finished = Callable[[int, Outcome], None]
+
+
+# A neighbour on the core takes CPU time away; one on the memory bus, or a slower clock, makes repeats
+# differ, or a fixed piece of work take longer. Times are to hold within 10 %.
+LEAST_SHARE = 0.95
+SPREAD = 1.1
+
+
+@dataclass(frozen=True)
+class Sample:
+    """One timed run of a case [s]: wall and CPU time of set-up and solve, and the threads of the case.
+
+    ``pace``: what a fixed piece of work took beside it, the longer of before and after.
+    """
+
+    setup: float
+    solve: float
+    setup_cpu: float
+    solve_cpu: float
+    threads: int
+    pace: float = 0.0
+
+
+def is_contended(samples: Sequence[Sample], pace: float = np.inf) -> bool:
+    """Whether the least time may be too long by a tenth.
+
+    CPU time lacks, no repeat confirms it, or the processor was then slower than at its best, when
+    the fixed piece of work took ``pace`` [s].
+    """
+    wall = np.array([sample.setup + sample.solve for sample in samples])
+    cpu = np.array([sample.setup_cpu + sample.solve_cpu for sample in samples])
+    least = int(wall.argmin())
+    lacks = cpu[least] < LEAST_SHARE * wall[least]
+    confirmed = len(wall) > 1 and np.sort(wall)[1] <= SPREAD * wall[least]
+    return bool(lacks or not confirmed or samples[least].pace > SPREAD * pace)
+
+
+CONTENDED = ("no", "yes", "not_timed")
+PARTS = {
+    "setup": "to set up coefficients and transforms",
+    "solve": "to solve, or to apply an operator once",
+}
+
+
+def timing_variables(
+    names: tuple[str, ...], index: np.ndarray, samples: Sequence[Sequence[Sample]]
+) -> Mapping[str, xr.Variable]:
+    """Least, median and CPU time of each case, every sample along ``repeat``, and whether it can be trusted.
+
+    ``samples`` of distinct cases; ``index`` says which of them is at each point.
+    """
+    data = {}
+    repeats = max((len(one) for one in samples), default=0)
+
+    def seconds(attribute: str) -> np.ndarray:
+        rows = [[getattr(s, attribute) for s in one] for one in samples]
+        filled = [row + [np.nan] * (repeats - len(row)) for row in rows]
+        return np.array(filled, dtype=float).reshape(len(samples), repeats)
+
+    def variable(values: np.ndarray, what: str, *more: str) -> xr.Variable:
+        return xr.Variable(names + more, values[index], {"units": "s", "long_name": what})
+
+    for part, what in PARTS.items():
+        wall, cpu = seconds(part), seconds(f"{part}_cpu")
+        least, middle, least_cpu = np.full((3, len(samples)), np.nan)
+        for row, one in enumerate(samples):
+            if one:
+                chosen = wall[row, : len(one)]
+                least[row], middle[row] = chosen.min(), np.median(chosen)
+                least_cpu[row] = cpu[row, chosen.argmin()]
+        name = f"{part}_time"
+        data[name] = variable(least, f"wall time {what}, one case at a time, least of the repeats")
+        data[f"{name}_median"] = variable(middle, f"wall time {what}, median of the repeats")
+        data[f"{name}_cpu"] = variable(
+            least_cpu, f"CPU time {what}, in the repeat of least wall time"
+        )
+        if repeats:
+            data[f"{name}_all"] = variable(wall, f"wall time {what}, every repeat", "repeat")
+    pace = min((sample.pace for one in samples for sample in one), default=np.inf)
+    marks = [
+        int(is_contended(one, pace)) if one else CONTENDED.index("not_timed") for one in samples
+    ]
+    what = "whether something else may have slowed the timing down by a tenth"
+    data["contended"] = flags(names, np.array(marks, dtype=np.int8)[index], CONTENDED, what)
+    return data

@@ -1,8 +1,11 @@
-"""Text that a terminal, JSON and netCDF can hold: one line, without control characters."""
+"""Text that a terminal, JSON and netCDF can hold, and the place in a study's code where an error was raised."""
 
 import re
+import sysconfig
+import traceback
 import unicodedata
-from functools import lru_cache
+from functools import cache, lru_cache
+from pathlib import Path
 from typing import SupportsInt
 
 LONGEST = 2000  # characters of an error, a title or the like
@@ -49,3 +52,22 @@ def name_problem(name: object) -> str:
 def thread_count(threads: SupportsInt) -> str:
     """So many threads, in words."""
     return f"{int(threads)} thread{'s' if int(threads) > 1 else ''}"
+
+
+def place_of(error: BaseException, *others: str) -> str:
+    """`` in function (file, line n)``: the innermost place that is no library's, nor in the files ``others``.
+
+    Nothing where there is none.
+    """
+    frames = traceback.extract_tb(error.__traceback__, limit=-50)
+    own = [frame for frame in frames if not frame.filename.startswith((*_libraries(), *others))]
+    if not own:
+        return ""
+    place = own[-1]
+    return one_line(f" in {place.name} ({Path(place.filename).name}, line {place.lineno})", 300)
+
+
+@cache
+def _libraries() -> tuple[str, ...]:
+    paths = sysconfig.get_paths()
+    return paths["stdlib"], paths["purelib"], paths["platlib"], "<"

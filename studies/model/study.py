@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any
 from contactstudy import InvalidInput
 from contactstudy.domain.checks import suggestion
 from studies.model.axis import MOST_POINTS, Axis, Value, check_count, one_of
-from studies.model.error_place import place_of
-from studies.model.plain_text import one_line
+from studies.model.plain_text import one_line, place_of
 
 if TYPE_CHECKING:
     import xarray as xr

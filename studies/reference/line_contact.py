@@ -10,8 +10,7 @@ from contactstudy.accuracy.contact_edge import corrected_pressure, half_widths
 from contactstudy.domain.checks import positive, whole
 from contactstudy.domain.devices.arrays import Array
 from studies.model.axis import Axis, one_of
-from studies.model.case import Case, number
-from studies.model.estimate import error_estimates
+from studies.model.case import Case, error_estimates, number
 from studies.model.outcome import CaseStatus
 from studies.model.study import Point
 

@@ -5,8 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
-from studies.model.drawing import CaptionedFigure
-from studies.model.finding import Finding, Table
+from studies.model.drawing import CaptionedFigure, Finding, Table
 from studies.report.formatting import paddings
 from studies.report.style import LAW_STYLE, add_legend, padding_style, panels
 

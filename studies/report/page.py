@@ -10,8 +10,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 
 from contactstudy import InvalidInput
 from studies.engine.progress import Progress
-from studies.model.drawing import CaptionedFigure, Drawing
-from studies.model.finding import Finding, Table
+from studies.model.drawing import CaptionedFigure, Drawing, Finding, Table
 from studies.model.study import Study
 from studies.registry import BUILT_IN, load, load_drawing
 from studies.report import estimate_validation

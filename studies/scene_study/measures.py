@@ -6,8 +6,7 @@ import numpy as np
 import xarray as xr
 
 import contactstudy as cs
-from studies.model.case import number
-from studies.model.estimate import error_estimates
+from studies.model.case import error_estimates, number
 from studies.scene_study.scene_case import SceneCase, Solved
 from studies.scene_study.stiffness import normal_stiffness
 

@@ -15,8 +15,7 @@ from typing import Any, Self
 import xarray as xr
 
 from contactstudy import InvalidInput
-from studies.model.outcome import CaseStatus, Failure, Outcome
-from studies.model.timing_samples import Sample
+from studies.model.outcome import CaseStatus, Failure, Outcome, Sample
 from studies.store.files.descriptor import open_descriptor, read_at
 from studies.store.files.partial_file import reason, replacing
 from studies.store.identity import Tree, differences, text

@@ -13,11 +13,17 @@ import xarray as xr
 
 from studies.model import measured
 from studies.model.case import Computation
-from studies.model.error_place import place_of
 from studies.model.measured import measured_variables
-from studies.model.outcome import RESERVED_NAMES, CaseStatus, Failure, HasFields, Outcome, Work
-from studies.model.plain_text import one_line
-from studies.model.timing_samples import Sample
+from studies.model.outcome import (
+    RESERVED_NAMES,
+    CaseStatus,
+    Failure,
+    HasFields,
+    Outcome,
+    Sample,
+    Work,
+)
+from studies.model.plain_text import one_line, place_of
 
 WAVE = np.outer(np.cos(np.arange(128.0)), np.sin(np.arange(128.0)))
 LONGEST_ALARM = 1e8  # seconds, three years: the system's timer takes no more

@@ -33,8 +33,7 @@ from studies.engine.workers.compute import failed, timed_out
 from studies.engine.workers.messages import REQUEST, REQUEST_KEY, SETUP, Order, Setup, Task
 from studies.engine.workers.process import end_all, start
 from studies.model.case import Computation
-from studies.model.outcome import CaseStatus, Failure, Outcome
-from studies.model.timing_samples import Sample
+from studies.model.outcome import CaseStatus, Failure, Outcome, Sample
 
 START = 120.0  # seconds in which a new process must be ready
 STARTS = 3  # processes that may end before their first case

@@ -4,8 +4,7 @@ import numpy as np
 import xarray as xr
 
 from studies.definitions.accuracy import KINDS, METRICS
-from studies.model.drawing import CaptionedFigure
-from studies.model.finding import Finding, Table
+from studies.model.drawing import CaptionedFigure, Finding, Table
 from studies.report.style import LAW_STYLE, add_legend, panels
 
 LABELS = {

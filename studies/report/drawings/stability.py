@@ -4,8 +4,7 @@ import numpy as np
 import xarray as xr
 
 from studies.definitions.stability import VERDICTS
-from studies.model.drawing import CaptionedFigure
-from studies.model.finding import Finding, Table
+from studies.model.drawing import CaptionedFigure, Finding, Table
 from studies.reference.hard_cases import CASES, GROUPS
 from studies.report.formatting import percent
 from studies.report.style import add_legend, panels

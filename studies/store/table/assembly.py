@@ -10,8 +10,7 @@ import xarray as xr
 
 from studies.model.axis import Axis
 from studies.model.case import flags
-from studies.model.outcome import CaseStatus, Failure, Outcome
-from studies.model.timing_samples import Sample, timing_variables
+from studies.model.outcome import CaseStatus, Failure, Outcome, Sample, timing_variables
 
 # attributes by which two variables of one name are not one quantity
 MEANING = ("units", "standard_name", "flag_values", "flag_meanings", "positive")

@@ -11,7 +11,7 @@ import xarray as xr
 import contactstudy as cs
 from studies.engine.workers import compute as timing
 from studies.model.case import Operator
-from studies.model.timing_samples import timing_variables
+from studies.model.outcome import timing_variables
 from studies.reference.line_contact import HERTZ, SCENE
 from studies.registry import load
 

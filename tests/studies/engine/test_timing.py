@@ -8,8 +8,7 @@ from contactstudy import InvalidInput
 from studies.engine.options import RunOptions
 from studies.engine.run import run
 from studies.engine.timing import longest, rounds, time_cases
-from studies.model.outcome import CaseStatus, Failure
-from studies.model.timing_samples import Sample, is_contended, timing_variables
+from studies.model.outcome import CaseStatus, Failure, Sample, is_contended, timing_variables
 from tests.studies.conftest import quiet
 from tests.studies.engine import trouble
 

@@ -1,8 +1,10 @@
 """Text that a terminal and netCDF can hold, at the lengths where it is cut."""
 
+import json
+
 import pytest
 
-from studies.model.plain_text import is_storable, name_problem, one_line, thread_count
+from studies.model.plain_text import is_storable, name_problem, one_line, place_of, thread_count
 
 
 def test_a_text_is_one_line_of_at_most_so_many_characters() -> None:
@@ -53,3 +55,33 @@ def test_a_name_that_netcdf_cannot_hold_says_why(name: object, said: str) -> Non
 
 def test_one_thread_is_one() -> None:
     assert [thread_count(n) for n in (1, 2)] == ["1 thread", "2 threads"]
+
+
+def outer() -> None:
+    inner()
+
+
+def inner() -> None:
+    json.loads("{")  # line 13
+
+
+def deep(times: int) -> None:
+    if times:
+        deep(times - 1)
+    else:
+        json.loads("{")
+
+
+def raised_by(call: object, *words: object) -> BaseException:
+    try:
+        call(*words)  # type: ignore[operator]
+    except ValueError as error:
+        return error
+    raise AssertionError
+
+
+def test_it_is_the_innermost_that_is_no_library_s() -> None:
+    assert place_of(raised_by(outer)) == " in inner (test_error_place.py, line 13)"
+    assert place_of(raised_by(outer), __file__) == ""
+    # the last fifty of a deep recursion are looked at
+    assert "in deep (" in place_of(raised_by(deep, 200))

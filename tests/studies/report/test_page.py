@@ -9,8 +9,7 @@ import xarray as xr
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from studies.engine.run import run
-from studies.model.drawing import CaptionedFigure, Drawing
-from studies.model.finding import Finding, Table
+from studies.model.drawing import CaptionedFigure, Drawing, Finding, Table
 from studies.model.outcome import CaseStatus
 from studies.model.study import Study
 from studies.reference.accuracy.matrix import matrix

@@ -9,8 +9,7 @@ import pytest
 import xarray as xr
 
 from contactstudy import InvalidInput
-from studies.model.outcome import CaseStatus, Outcome
-from studies.model.timing_samples import Sample
+from studies.model.outcome import CaseStatus, Outcome, Sample
 from studies.store import journal as module
 from studies.store.journal import CaseIdentity, Journal
 

@@ -7,7 +7,7 @@ import xarray as xr
 
 from studies.advice.settings_table import NOISE, STORED_ERRORS, settings
 from studies.advice.verification import verify
-from studies.model.finding import Finding, Table
+from studies.model.drawing import Finding, Table
 from studies.reference.line_contact import LINE, covers
 from studies.report.formatting import paddings, percent
 

@@ -4,8 +4,7 @@ import numpy as np
 import xarray as xr
 
 from studies.definitions.cost.solvers import SOLVERS
-from studies.model.drawing import CaptionedFigure
-from studies.model.finding import Finding
+from studies.model.drawing import CaptionedFigure, Finding
 from studies.model.outcome import CaseStatus
 from studies.report.formatting import power
 from studies.report.style import LAW_STYLE, add_legend, panels

@@ -6,8 +6,7 @@ import numpy as np
 import xarray as xr
 
 from studies.definitions.cost.speed import ROUGH, SELF_AFFINE
-from studies.model.drawing import CaptionedFigure
-from studies.model.finding import Finding
+from studies.model.drawing import CaptionedFigure, Finding
 from studies.model.outcome import CaseStatus
 from studies.model.plain_text import thread_count
 from studies.report.formatting import percent

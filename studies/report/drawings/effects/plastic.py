@@ -3,8 +3,7 @@
 import xarray as xr
 
 from studies.definitions.effects.plastic import CAP, FAR, HARDENING, PRESSURE, REFERENCE
-from studies.model.drawing import CaptionedFigure
-from studies.model.finding import Finding
+from studies.model.drawing import CaptionedFigure, Finding
 from studies.report.formatting import percent
 from studies.report.style import LAW_STYLE, add_legend, panels
 

@@ -7,8 +7,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from contactstudy.analytic import truncation_error
-from studies.model.drawing import CaptionedFigure
-from studies.model.finding import Finding
+from studies.model.drawing import CaptionedFigure, Finding
 from studies.reference.line_contact import covers, padding_at
 from studies.report.formatting import paddings, percent, setting_label
 from studies.report.style import LAW_STYLE, add_legend, padding_style, panels

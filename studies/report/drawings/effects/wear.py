@@ -4,8 +4,7 @@ import numpy as np
 import xarray as xr
 
 from studies.definitions.effects.wear import WORN
-from studies.model.drawing import CaptionedFigure
-from studies.model.finding import Finding
+from studies.model.drawing import CaptionedFigure, Finding
 from studies.report.formatting import percent
 from studies.report.style import LAW_STYLE, add_legend, panels
 

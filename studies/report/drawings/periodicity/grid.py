@@ -5,8 +5,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from contactstudy.analytic import truncation_error
-from studies.model.drawing import CaptionedFigure
-from studies.model.finding import Finding
+from studies.model.drawing import CaptionedFigure, Finding
 from studies.reference.line_contact import WIDTH, covers, padding_at, total_time
 from studies.report.formatting import paddings, percent, power, setting_label
 from studies.report.style import LAW_STYLE, add_legend, padding_style, panels

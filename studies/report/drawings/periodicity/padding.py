@@ -7,8 +7,7 @@ import xarray as xr
 
 from contactstudy.analytic import truncation_error
 from studies.advice.pareto_front import pareto_front
-from studies.model.drawing import CaptionedFigure
-from studies.model.finding import Finding, Table
+from studies.model.drawing import CaptionedFigure, Finding, Table
 from studies.reference.line_contact import (
     COUNTS_IMAGES,
     covers,

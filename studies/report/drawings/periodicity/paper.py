@@ -7,8 +7,7 @@ import xarray as xr
 
 import contactstudy as cs
 from studies.definitions.periodicity.paper import CELLS
-from studies.model.drawing import CaptionedFigure
-from studies.model.finding import Table
+from studies.model.drawing import CaptionedFigure, Table
 from studies.reference.line_contact import COUNTS_IMAGES
 from studies.report.formatting import paddings, percent, setting_label
 from studies.report.style import LAW_STYLE, add_legend, padding_style, panels

@@ -20,8 +20,7 @@ from studies.engine.workers.channel import Address, LateError
 from studies.engine.workers.messages import Order
 from studies.engine.workers.process import MARK, end_all
 from studies.engine.workers.supervisor import WorkerSupervisor
-from studies.model.outcome import CaseStatus, Failure, Outcome, Work
-from studies.model.timing_samples import Sample
+from studies.model.outcome import CaseStatus, Failure, Outcome, Sample, Work
 from tests.studies.conftest import POSIX
 from tests.studies.engine import trouble
 from tests.studies.engine.trouble import DIES, RAISES, Trouble

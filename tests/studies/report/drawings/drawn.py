@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 from matplotlib.axes import Axes
 
-from studies.model.finding import Row
+from studies.model.drawing import Row
 from studies.registry import load_drawing
 
 

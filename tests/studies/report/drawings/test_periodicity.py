@@ -4,7 +4,7 @@ import pytest
 import xarray as xr
 
 from studies.engine.run import run
-from studies.model.finding import Table
+from studies.model.drawing import Table
 from studies.registry import load
 from studies.report.drawings.periodicity import grid, images, padding, paper, period
 from studies.store.netcdf import read

@@ -1,9 +1,47 @@
-"""Times of made-up repeats, by hand."""
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
+import xarray as xr
 
-from studies.model.timing_samples import CONTENDED, Sample, is_contended, timing_variables
+import contactstudy as cs
+from studies.model.case import solver_status
+from studies.model.outcome import (
+    CONTENDED,
+    CaseStatus,
+    Sample,
+    is_contended,
+    summary_messages,
+    timing_variables,
+)
+
+
+@dataclass(frozen=True)
+class Solved:
+    """A stored case whose solve ended in a status."""
+
+    status: cs.Status
+    case_status: CaseStatus = CaseStatus.OK
+    error: str = ""
+
+    def variable(self, name: str) -> xr.Variable | None:
+        return (
+            solver_status(self.status, "how the solver ended") if name == "solver_status" else None
+        )
+
+
+def test_a_run_names_the_statuses_of_solves_that_did_not_converge() -> None:
+    ended = [
+        cs.Status.CONVERGED,
+        cs.Status.CONTACT_AT_EDGE,
+        cs.Status.STALLED,
+        cs.Status.CONTACT_AT_EDGE,
+    ]
+    assert list(summary_messages(map(Solved, ended))) == [
+        "2 of 4 solves ended with CONTACT_AT_EDGE; see 'solver_status'",
+        "1 of 4 solves ended with STALLED; see 'solver_status'",
+    ]
+    assert not list(summary_messages([Solved(cs.Status.CONVERGED)]))
 
 
 def sample(wall: float, cpu: float | None = None, pace: float = 0.0) -> Sample:

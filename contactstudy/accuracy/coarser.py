@@ -21,7 +21,7 @@ class Change:
     """What of a solution changes from cells of twice the size to its own, relative.
 
     ``l1`` is the difference of the pressure as means over the coarse cells; ``peak_pressure`` by what share
-    the highest pressure grows; ``contact_area`` and ``mean_gap`` by what shares these differ.
+    the peak pressure grows; ``contact_area`` and ``mean_gap`` by what shares these differ.
     """
 
     l1: float

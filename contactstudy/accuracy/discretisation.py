@@ -11,7 +11,7 @@ EDGES = 1 / 12
 
 
 def discretisation(pressure: Array, wraps: tuple[bool, bool]) -> tuple[float, float]:
-    """Relative error of the highest pressure, and of all of it in L1, by the grid.
+    """Relative error of the peak pressure, and of all of it in L1, by the grid.
 
     ``pressure`` (x, y); ``wraps``: which axes close on themselves. The maximum lies beside a
     cell's centre, above it by the parabola through three cells, and the cell's pressure is a 24th of

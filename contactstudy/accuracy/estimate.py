@@ -21,7 +21,7 @@ from contactstudy.solvers.solution import Solution, Status
 MARGIN = 2.0
 # What cells hide over the error of smooth edges: below SMOOTH that error is all there is, and no coarser solution
 # is needed; up to RESOLVED the pressure in L1 is in error by no more than so many times it. The error of the
-# highest pressure grows by so many times what they hide, up to half of that.
+# peak pressure grows by so many times what they hide, up to half of that.
 SMOOTH, RESOLVED = 0.25, 2.0
 L1_RESOLVED, PEAK_RESOLVED = 1.6, 2.0
 # Error over the change from cells of twice the size, and over the share of the load whose cells hide heights:
@@ -30,7 +30,7 @@ CHANGE, AREA_CHANGE, HIDDEN, LARGEST = 1.4, 1.25, 0.5, 2.0
 # A pressure that rises like the inverse root of the cell, which is not bounded, by 41 % at a halving. One
 # whose rise shrinks like the root of the cell has 2.4 times as much to come.
 UNBOUNDED, RISE, FALL = 0.2, 2.5, 1.5
-# A corner may add so much of the highest pressure at each halving before it counts as sharp.
+# A corner may add so much of the peak pressure at each halving before it counts as sharp.
 SHARP = 0.01
 # The mean gap is that much less in error by smooth edges than the pressure, and more by images left out; its
 # own change from cells of twice the size counts so much.
@@ -43,7 +43,7 @@ AT_END = 0.5
 # thickness: with fewer cells in it, errors were up to three times too low (ratios up to 300).
 STIFF_COAT, IN_COAT, COAT_FACTOR = 2.0, 8, 3.5
 SHARP_EDGE = "a sharp edge or corner"
-# Beyond such an error of the whole, the highest pressure is not known either.
+# Beyond such an error of the whole, the peak pressure is not known either.
 LOST = 0.5
 
 
@@ -63,7 +63,7 @@ class ErrorParts:
 
 @dataclass(frozen=True)
 class ErrorEstimate:
-    """Relative errors of the highest pressure, the pressure in L1, the contact area and the mean gap.
+    """Relative errors of the peak pressure, the pressure in L1, the contact area and the mean gap.
 
     The pressure in L1 is judged against the true pressure's cell means: that is what a cell of constant
     pressure stands for. ``warnings`` say in a sentence each why a bound is infinite, or what to change.
@@ -223,7 +223,7 @@ def _lost(share: float) -> float:
 
 
 def _spot(pressure: np.ndarray, wraps: tuple[bool, bool]) -> int:
-    """How many cells touch in a row through the highest pressure, along the axis where they are fewest."""
+    """How many cells touch in a row through the peak pressure, along the axis where they are fewest."""
     highest = np.unravel_index(np.argmax(pressure), pressure.shape)
     fewest = pressure.size
     for axis, closed in enumerate(wraps):
@@ -259,9 +259,7 @@ def _unbounded(
         why = "the grid hardly shows the surface: give more cells"
     if not why:
         return cells
-    return replace(
-        cells, peak_pressure=inf, warnings=(f"No bound for the highest pressure: {why}.",)
-    )
+    return replace(cells, peak_pressure=inf, warnings=(f"No bound for the peak pressure: {why}.",))
 
 
 def _unseen(problem: Problem) -> str:
@@ -278,7 +276,7 @@ def _unseen(problem: Problem) -> str:
 
 
 def _at_hardness(solution: Solution) -> bool:
-    """Whether the highest pressure is a limit of the constraint, which finer cells have too."""
+    """Whether the peak pressure is a limit of the constraint, which finer cells have too."""
     pressure = solution.pressure
     free = solution.problem.constraint.free(pressure)
     return bool(((pressure == pressure.max()) & (free == 0)).any())

@@ -41,7 +41,7 @@ class Contact:
         """Upper estimate of the relative error by cause; infinite where no law holds.
 
         ``padding`` along the length. The half-width is that of :func:`~contactstudy.accuracy.contact_edge.half_widths`.
-        ``edges`` matter to the L1 error alone, as they leave the highest pressure as it is.
+        ``edges`` matter to the L1 error alone, as they leave the peak pressure as it is.
         """
         cell = grid.cell[0] / self.half_width
         cut = expected_truncation(self.half_width, grid, padding)

@@ -6,7 +6,7 @@ from enum import Enum
 class Metric(Enum):
     """What of a solution is to be accurate."""
 
-    PEAK_PRESSURE = "highest pressure"
+    PEAK_PRESSURE = "peak pressure"
     L1 = "pressure in L1"
     HALF_WIDTH = "half-width"
 

@@ -26,7 +26,7 @@ class Subcell:
     A cell hides what a cubic through the centres misses, by the pressure that would flatten it, at most
     the highest there. A corner that points out of the body by a slope S raises the pressure by
     ``E* S / (2 pi) ln 2`` each time the cell is halved, and so without limit; ``corner`` is the largest such
-    rise in the contact over the highest pressure. ``stands_out``: whether a shape that names no
+    rise in the contact over the peak pressure. ``stands_out``: whether a shape that names no
     scales stands out of a cell so far that it would carry all of the pressure there, and more.
     """
 
@@ -87,7 +87,7 @@ def _lines(cells: tuple[int, int], axis: int, points: int) -> tuple[int, int]:
 
 
 def _with_neighbours(pressure: Array, problem: Problem) -> Array:
-    """The highest pressure of each cell and those beside it."""
+    """The peak pressure of each cell and those beside it."""
     assert problem.paddings is not None
     highest = pressure
     for axis, padding in enumerate(problem.paddings):

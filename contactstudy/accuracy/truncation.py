@@ -18,7 +18,7 @@ END, END_POWER = 0.5, 0.7
 
 
 def truncation(pressure: Array, grid: Grid, paddings: Paddings) -> tuple[float, float]:
-    """Relative error of the highest pressure, and of all of it in L1, by the images a padding leaves out.
+    """Relative error of the peak pressure, and of all of it in L1, by the images a padding leaves out.
 
     ``pressure`` (x, y). A window that reaches D to each side takes ``x^2 / (2 D^2)`` from
     the logarithm of each image row, and so makes the contact, of half-width ``a = 2 rms(x)``, too highly curved
@@ -49,7 +49,7 @@ def truncation(pressure: Array, grid: Grid, paddings: Paddings) -> tuple[float, 
 
 @dataclass(frozen=True)
 class ExpectedTruncation:
-    """Relative errors of the highest pressure, of all of it in L1, and of the half-width."""
+    """Relative errors of the peak pressure, of all of it in L1, and of the half-width."""
 
     peak_pressure: float
     l1: float

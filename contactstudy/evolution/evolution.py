@@ -58,9 +58,9 @@ class Evolution:
         return np.stack([frame.gap for frame in self.frames])
 
     @property
-    def highest_pressure(self) -> Array:
+    def peak_pressure(self) -> Array:
         """(time,) [Pa]"""
-        return np.array([frame.highest_pressure for frame in self.frames])
+        return np.array([frame.peak_pressure for frame in self.frames])
 
     @property
     def contact_area(self) -> Array:
@@ -112,7 +112,7 @@ class Evolution:
                 f"  {len(self.frames)} instants from {first.time:.4g} s to {last.time:.4g} s, {self.steps} "
                 f"solves, {self.iterations} iterations, {self.rejected} pairs of steps rejected, "
                 f"{self.restarts} marches started again",
-                f"  at the end: highest pressure {last.pressure.max():.4g} Pa, in contact "
+                f"  at the end: peak pressure {last.pressure.max():.4g} Pa, in contact "
                 f"{np.mean(last.pressure > 0) * self.grid.extent[0]:.4g} m of the width on average, approach "
                 f"{last.approach:.4g} m",
                 f"  estimated error of the pressure in L1, at most: steps in time {self.step_error:.1g}, "

@@ -38,6 +38,6 @@ class Frame:
     kept: Mapping[str, Array] = field(default_factory=dict)
 
     @property
-    def highest_pressure(self) -> float:
+    def peak_pressure(self) -> float:
         """[Pa]"""
         return float(self.pressure.max())

@@ -39,7 +39,7 @@ class Comparison:
         return "\n".join(
             (
                 f"pressure in L1: {self.l1:.3g} of all pressure",
-                f"highest pressure: {self.peak_pressure:+.3g} of it",
+                f"peak pressure: {self.peak_pressure:+.3g} of it",
                 f"contact area: {self.contact_area:+.3g} of it",
                 f"load: {self.load:+.3g} of it",
                 f"approach: {self.approach:+.4g} m",

@@ -104,7 +104,7 @@ def _of_scene(source: object) -> Mapping[str, tuple[float, str, str]]:
         found["hertz_peak_pressure"] = (
             hertz.peak_pressure,
             "Pa",
-            "highest pressure of Hertz's line contact",
+            "peak pressure of Hertz's line contact",
         )
     return found
 
@@ -150,7 +150,7 @@ def _with(dataset: xr.Dataset, estimate: ErrorEstimate) -> xr.Dataset:
 
 def _estimated(estimate: ErrorEstimate) -> dict[str, xr.DataArray]:
     named = {
-        "peak_pressure": ("highest pressure", estimate.peak_pressure),
+        "peak_pressure": ("peak pressure", estimate.peak_pressure),
         "pressure_l1": ("pressure in L1", estimate.l1),
         "contact_area": ("contact area", estimate.contact_area),
         "mean_gap": ("mean gap", estimate.mean_gap),

@@ -36,7 +36,7 @@ def evolution_dataset(evolution: Evolution) -> xr.Dataset:
             ),
             "load": series("load", "N m-1", "load per length"),
             "approach": series("approach", "m", "approach of the bodies"),
-            "highest_pressure": series("highest_pressure", "Pa", "highest pressure"),
+            "peak_pressure": series("peak_pressure", "Pa", "peak pressure"),
             "contact_area": (
                 "time",
                 evolution.contact_area,

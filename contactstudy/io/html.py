@@ -15,7 +15,7 @@ def html(solution: Solution) -> str:
     rows = {
         "status": str(solution.status),
         "grid": f"{nx} x {ny} cells",
-        "highest pressure": f"{solution.pressure.max():.5g} Pa",
+        "peak pressure": f"{solution.pressure.max():.5g} Pa",
         "share in contact": f"{100 * np.mean(solution.pressure > 0):.3g} %",
         "approach": f"{solution.approach:.5g} m",
         "solver": f"{solution.iterations} iterations, residual {solution.residual:.1e}",

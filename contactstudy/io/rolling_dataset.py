@@ -37,8 +37,8 @@ def rolling_dataset(rolling: RepeatedRolling) -> xr.Dataset:
             "yielding": labelled(
                 rolling.yielding, "1", "largest equivalent plastic strain added by the pass", "pass"
             ),
-            "highest_pressure": labelled(
-                rolling.highest_pressure, "Pa", "highest pressure at the end of the pass", "pass"
+            "peak_pressure": labelled(
+                rolling.peak_pressure, "Pa", "peak pressure at the end of the pass", "pass"
             ),
             "distance": labelled(
                 np.array([one.distance for one in passes]), "m", "distance rolled", "pass"

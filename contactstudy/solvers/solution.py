@@ -119,7 +119,7 @@ class Solution:
     def __repr__(self) -> str:
         nx, ny = self.pressure.shape
         return (
-            f"<Solution {self.status.name}: {nx} x {ny} cells, highest pressure "
+            f"<Solution {self.status.name}: {nx} x {ny} cells, peak pressure "
             f"{self.pressure.max():.4g} Pa, {self.iterations} iterations, residual {self.residual:.1e}>"
         )
 

@@ -10,7 +10,7 @@ from studies.reference.line_contact import padding_label, total_time
 
 # What of a contact may be asked to be accurate, and the stored errors of it; the second is nearly free.
 STORED_ERRORS: dict[str, tuple[str, ...]] = {
-    "highest pressure": ("highest_pressure_error",),
+    "peak pressure": ("peak_pressure_error",),
     "pressure in L1": ("pressure_error_l1", "corrected_error_l1"),
     "half-width": ("half_width_error",),
 }

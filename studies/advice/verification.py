@@ -14,7 +14,7 @@ from studies.reference.line_contact import COUNTS_IMAGES, HERTZ, LINE
 
 TARGETS = 10.0 ** np.arange(-1, -6.1, -0.5)
 WHAT = {
-    Metric.PEAK_PRESSURE: "highest pressure",
+    Metric.PEAK_PRESSURE: "peak pressure",
     Metric.L1: "pressure in L1",
     Metric.HALF_WIDTH: "half-width",
 }

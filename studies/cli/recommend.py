@@ -213,7 +213,7 @@ def _setting_text(setting: Setting) -> str:
 def _cost_text(setting: Setting) -> str:
     parts = setting.error
     return (
-        f"estimated error <= {parts.total:.2g} (images {parts.truncation:.1g}, cells "
-        f"{parts.discretisation:.1g}, solver {parts.residual:.1g}), {setting.seconds:.2g} s on one thread, "
+        f"estimated error <= {parts.total:.2g} (truncation {parts.truncation:.1g}, discretisation "
+        f"{parts.discretisation:.1g}, residual {parts.residual:.1g}), {setting.seconds:.2g} s on one thread, "
         f"{setting.bytes / 1e6:.3g} MB"
     )

@@ -153,19 +153,19 @@ def solve(scene: Path, out: Path, threads: int | None, device: str, start: Path 
         f"residual {solution.residual:.1e}, {seconds:.2g} s"
     )
     click.echo(
-        f"  highest pressure {solution.pressure.max():.4g} Pa, in contact "
+        f"  peak pressure {solution.pressure.max():.4g} Pa, in contact "
         f"{np.mean(solution.pressure > 0) * solution.problem.grid.extent[0]:.4g} m of the width on the "
         f"mean, approach {solution.approach:.4g} m"
     )
     for what, parts in (
-        ("highest pressure", estimate.peak_pressure),
+        ("peak pressure", estimate.peak_pressure),
         ("pressure in L1", estimate.l1),
         ("contact area", estimate.contact_area),
         ("mean gap", estimate.mean_gap),
     ):
         click.echo(
-            f"  estimated error of the {what} <= {parts.total:.1g}: images {parts.truncation:.1g}, "
-            f"cells {parts.discretisation:.1g}, solver {parts.residual:.1g}"
+            f"  estimated error of the {what} <= {parts.total:.1g}: truncation {parts.truncation:.1g}, "
+            f"discretisation {parts.discretisation:.1g}, residual {parts.residual:.1g}"
         )
     for warning in estimate.warnings:
         click.echo(f"  warning: {warning}")

@@ -71,7 +71,7 @@ def scene_at(point: Point) -> HardCaseRun:
 
 
 def measures(case: HardCaseRun, solution: cs.Solution) -> Mapping[str, xr.Variable]:
-    """Largest error of the pressure and the error stated for it, over the highest pressure."""
+    """Largest error of the pressure and the error stated for it, over the peak pressure."""
     hard = CASES[case.case]
     error, stated, verdict = 0.0, inf, "not_applicable"
     expected = solution.status in hard.may_end(case.padding)
@@ -83,7 +83,7 @@ def measures(case: HardCaseRun, solution: cs.Solution) -> Mapping[str, xr.Variab
         verdict = "explained_by_status" if expected else "wrong"
     index = np.asarray(VERDICTS.index(verdict))
     return {
-        "pressure_error": number(error, "largest pressure error over highest pressure"),
+        "pressure_error": number(error, "largest pressure error over peak pressure"),
         "stated_error": number(stated, "stated error, infinite where none is stated"),
         "verdict": flags((), index, VERDICTS, "what became of the case"),
     }

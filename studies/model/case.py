@@ -124,10 +124,10 @@ def flags(
 
 
 def error_estimates(solution: cs.Solution) -> Mapping[str, xr.Variable]:
-    """``<metric>_estimate`` and its parts ``<metric>_estimate_<cause>``, for the highest pressure and L1."""
+    """``<metric>_estimate`` and its parts ``<metric>_estimate_<cause>``, for the peak pressure and L1."""
     estimate = cs.error_estimate(solution)
     metrics = {
-        "highest_pressure": ("highest pressure", estimate.peak_pressure),
+        "peak_pressure": ("peak pressure", estimate.peak_pressure),
         "pressure_l1": ("pressure in L1", estimate.l1),
     }
     measured: dict[str, xr.Variable] = {}

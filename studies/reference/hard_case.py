@@ -40,7 +40,7 @@ EXACT_TO_ROUNDING = frozenset({cs.Status.CONVERGED, cs.Status.PRECISION_LIMIT})
 class Twin:
     """The same contact told otherwise: its pressure, brought ``back``, differs by no more than ``within``.
 
-    Relative to the highest pressure. Where the heights are others, ``within`` comes on top of what their
+    Relative to the peak pressure. Where the heights are others, ``within`` comes on top of what their
     difference over the softest wave allows.
     """
 
@@ -89,7 +89,7 @@ class HardCase:
     def judge(
         self, solution: cs.Solution, padding: cs.Padding | cs.Paddings, solver: cs.Solver
     ) -> tuple[float, float]:
-        """The error of the pressure and the error stated for it, over the highest pressure."""
+        """The error of the pressure and the error stated for it, over the peak pressure."""
         highest = float(solution.pressure.max())
         unit = solution.problem.scales.pressure
         other, allowed = None, 0.0

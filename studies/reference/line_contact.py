@@ -81,12 +81,12 @@ def measures(case: Case, solution: cs.Solution) -> Mapping[str, xr.Variable]:
     axis = np.abs(grid.x) < 0.75 * grid.cell[0]
     edge = half_widths(pressure, grid.x).mean() / hertz.half_width
     return {
-        "peak_pressure_error": number(
+        "axis_pressure_error": number(
             float(pressure[axis].mean() - 1),
             "relative error of the pressure beside the axis, its mean along the length",
         ),
-        "highest_pressure_error": number(
-            float(pressure.max() - 1), "relative error of the highest pressure anywhere"
+        "peak_pressure_error": number(
+            float(pressure.max() - 1), "relative error of the peak pressure anywhere"
         ),
         "pressure_error_max": number(
             float(np.abs(error).max()), "largest pressure error over Hertz peak pressure"

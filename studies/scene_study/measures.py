@@ -27,7 +27,7 @@ def measures(case: SceneCase, solved: Solved) -> Mapping[str, xr.Variable]:
             "m",
             "length of the cells' edges at which contact ends",
         ),
-        "peak_pressure": _number(float(pressure.max()), "Pa", "highest pressure"),
+        "peak_pressure": _number(float(pressure.max()), "Pa", "peak pressure"),
         "mean_pressure": _number(mean, "Pa", "mean pressure of the cells in contact"),
         "approach": _number(
             solution.approach, "m", "approach of the bodies" + _counted(solved.datum)

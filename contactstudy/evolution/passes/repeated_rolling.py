@@ -101,7 +101,7 @@ class RepeatedRolling:
         return self.shear @ self.track.operator.volume.thicknesses
 
     @property
-    def highest_pressure(self) -> Array:
+    def peak_pressure(self) -> Array:
         """(pass,) [Pa] at the end of each."""
         return np.array([one.solution.pressure.max() for one in self.passes])
 

@@ -97,10 +97,10 @@ def _map(ax: Axes, evolved: xr.Dataset) -> None:
 
 
 def _numbers(ax: Axes, evolved: xr.Dataset) -> None:
-    """Load, highest pressure and contact area over their largest values."""
+    """Load, peak pressure and contact area over their largest values."""
     for name, color in (
         ("load", "#595959"),
-        ("highest_pressure", "#0072B2"),
+        ("peak_pressure", "#0072B2"),
         ("contact_area", "#009E73"),
     ):
         values = evolved[name]

@@ -82,13 +82,13 @@ def measures(case: Case, solution: cs.Solution) -> Mapping[str, xr.Variable]:
     known = _reference_error(ratio, case.grid.cells[0])
     return {
         "half_width": number(float(edges[0]) / A, "half-width over Hertz's on the substrate"),
-        "peak_pressure": number(highest / P_H, "highest pressure over Hertz's on the substrate"),
+        "peak_pressure": number(highest / P_H, "peak pressure over Hertz's on the substrate"),
         "interface_shear": number(
-            shear / highest, "largest shear at the interface over the highest pressure"
+            shear / highest, "largest shear at the interface over the peak pressure"
         ),
         "interface_tension": number(
             tension / highest,
-            "largest tension in the coating at the interface over the highest pressure",
+            "largest tension in the coating at the interface over the peak pressure",
         ),
         "image_error": number(
             float(without), "L1 error of the pressure with the image at 2 h alone"
@@ -98,7 +98,7 @@ def measures(case: Case, solution: cs.Solution) -> Mapping[str, xr.Variable]:
         if known is None
         else {
             "reference_error": number(
-                known, "largest relative error of the highest pressure of contacts that are known"
+                known, "largest relative error of the peak pressure of contacts that are known"
             )
         }
     )

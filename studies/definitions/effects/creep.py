@@ -42,7 +42,7 @@ def scene_at(point: Point) -> EvolutionCase:
 
 
 def measures(case: EvolutionCase, result: cs.Evolution) -> Mapping[str, xr.Variable]:
-    """Half-width and highest pressure over time, and errors against the closed form."""
+    """Half-width and peak pressure over time, and errors against the closed form."""
     x = case.grid.x
     # away from the first step, which follows a jump; a whole number of records of every number of steps
     places = np.unique(np.linspace(0, len(result.frames) - 1, RECORDS + 1).round().astype(int))
@@ -65,9 +65,9 @@ def measures(case: EvolutionCase, result: cs.Evolution) -> Mapping[str, xr.Varia
             [np.count_nonzero(frame.pressure) * cell / 2 / HALF_WIDTH for frame in frames],
             "half-width over that of a sudden load",
         ),
-        "highest_pressure": series(
-            [frame.highest_pressure / (HALF_WIDTH / 2) for frame in frames],
-            "highest pressure over that of a sudden load",
+        "peak_pressure": series(
+            [frame.peak_pressure / (HALF_WIDTH / 2) for frame in frames],
+            "peak pressure over that of a sudden load",
         ),
         "pressure_error_l1": number(max(wrong), "largest relative L1 error of the pressure"),
         "last_error_l1": number(wrong[-1], "relative L1 error of the pressure at the end"),

@@ -35,14 +35,14 @@ ANSWERS = {
     "contact_area": "contact area over Hertz's",
     "half_width": "effective half-width over Hertz's",
     "contact_extent": "farthest contact from the axis over Hertz half-width",
-    "peak_pressure": "highest pressure over Hertz peak pressure",
+    "peak_pressure": "peak pressure over Hertz peak pressure",
     "load_spread": "standard deviation of the load along the length over its mean",
     "smooth_difference": "relative L1 difference of the pressure from the smooth contact's",
 }
 ERRORS = {
     "pressure_error_l1": "relative L1 error of the pressure",
     "half_width_error": "relative error of the effective half-width",
-    "highest_pressure_error": "relative error of the highest pressure",
+    "peak_pressure_error": "relative error of the peak pressure",
     "pressure_error_max": "largest pressure error over Hertz peak pressure",
     "curved_difference": "relative L1 difference from exact on a cylinder more curved by a²/(4D²)",
 }
@@ -160,7 +160,7 @@ def _errors(pressure: Array, exact: Array, grid: cs.Grid) -> dict[str, float]:
     return {
         "pressure_error_l1": l1_error(pressure, exact, exact.sum()),
         "half_width_error": _half_width(pressure, grid) / _half_width(exact, grid) - 1,
-        "highest_pressure_error": float(pressure.max() / exact.max()) - 1,
+        "peak_pressure_error": float(pressure.max() / exact.max()) - 1,
         "pressure_error_max": float(np.abs(pressure - exact).max()) / P_H,
     }
 

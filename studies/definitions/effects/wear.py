@@ -86,8 +86,8 @@ def measures(case: EvolutionCase, result: cs.Evolution) -> Mapping[str, xr.Varia
         "volume_error": number(
             abs(volume / (LOAD * DISTANCE) - 1), "relative error of the worn volume"
         ),
-        "highest_pressure": number(
-            last.highest_pressure / (HALF_WIDTH / 2), "highest pressure over Hertz's at the end"
+        "peak_pressure": number(
+            last.peak_pressure / (HALF_WIDTH / 2), "peak pressure over Hertz's at the end"
         ),
         "longest_explicit": number(
             1.484 * cell * (len(frames) - 1) / DISTANCE, "longest explicit step over this one"

@@ -104,7 +104,7 @@ class AccuracyCase:
 
 @dataclass(frozen=True)
 class Errors:
-    """True errors, relative: of the pressure in L1, the highest pressure, the contact area, the mean gap."""
+    """True errors, relative: of the pressure in L1, the peak pressure, the contact area, the mean gap."""
 
     l1: float
     peak_pressure: float

@@ -96,7 +96,7 @@ def waves() -> Iterator[AccuracyCase]:
 
 
 def sharp() -> Iterator[AccuracyCase]:
-    """A flat punch and a wedge, whose highest pressure is infinite."""
+    """A flat punch and a wedge, whose peak pressure is infinite."""
     load = SCENE.load.largest
     for cells in (64, 128, 250, 512):
         grid = cs.Grid((cells, 1), (4 * A, A))

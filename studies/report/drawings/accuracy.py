@@ -9,7 +9,7 @@ from studies.report.style import LAW_STYLE, add_legend, panels
 
 LABELS = {
     "l1": "pressure in L1",
-    "peak_pressure": "highest pressure",
+    "peak_pressure": "peak pressure",
     "contact_area": "contact area",
     "mean_gap": "mean gap",
 }
@@ -42,7 +42,7 @@ def _caption(dataset: xr.Dataset) -> str:
     return (
         f"Bounds beside true errors of {dataset.sizes['case']} contacts. The truth is a closed form or a grid 4 to 200 "
         "times finer; pressures are compared as cell means. Marks on or above the line are bounded. Not drawn are "
-        f"infinite bounds ({missing} of the highest pressure), which come with a reason."
+        f"infinite bounds ({missing} of the peak pressure), which come with a reason."
     )
 
 

@@ -35,7 +35,7 @@ def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
             ax.text(1e-16, row, ends_of(dataset, name), va="center", fontsize="x-small")
     ax.set_xscale("log")
     ax.set_yticks(rows, names, fontsize="x-small")
-    ax.set(ylim=(len(names) - 0.5, -0.5), xlabel="largest pressure error / highest pressure")
+    ax.set(ylim=(len(names) - 0.5, -0.5), xlabel="largest pressure error / peak pressure")
     add_legend(fig)
     return (CaptionedFigure("stability", fig, _caption(dataset)),)
 

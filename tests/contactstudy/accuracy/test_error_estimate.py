@@ -16,7 +16,7 @@ MODULUS = cs.Scene(cs.LineLoad(1.0), (STEEL, STEEL)).contact_modulus
 
 
 def ratios(solution: cs.Solution, true: Array, highest: float) -> tuple[float, float]:
-    """Estimate over error: of the highest pressure, and in L1."""
+    """Estimate over error: of the peak pressure, and in L1."""
     estimate = cs.error_estimate(solution)
     true = np.broadcast_to(true, solution.pressure.shape)
     l1 = np.abs(solution.pressure - true).sum() / true.sum()

@@ -17,7 +17,7 @@ from contactstudy.accuracy.estimate import _all_alone, _spot
 from contactstudy.accuracy.subcell import Subcell
 from tests.conftest import STEEL, LineContact
 
-# By smooth edges: of the highest pressure, in L1, of the area; and by images left out.
+# By smooth edges: of the peak pressure, in L1, of the area; and by images left out.
 PEAK, L1, AREA, PEAK_CUT, L1_CUT = 0.02, 0.01, 0.05, 0.001, 0.003
 
 
@@ -112,7 +112,7 @@ def test_what_cells_hide_or_a_coarser_solution_shows_counts_by_the_more(
     assert not found.warnings
 
 
-def test_a_corner_counts_by_the_change_and_a_sharp_one_has_no_highest_pressure(
+def test_a_corner_counts_by_the_change_and_a_sharp_one_has_no_peak_pressure(
     estimated: Estimated,
 ) -> None:
     blunt = estimated.show(L1, SEEN, corner=0.01)
@@ -137,7 +137,7 @@ def test_a_peak_that_grows_by_a_fifth_or_a_load_half_astray_has_no_bound(
     assert found.peak_pressure.total == inf
     assert found.l1.total < 1
     [warning] = found.warnings
-    assert warning.startswith("No bound for the highest pressure:")
+    assert warning.startswith("No bound for the peak pressure:")
     assert said in warning
     # a little less is bounded
     less = Change(*(0.99 * part for part in (seen.l1, seen.peak_pressure, 0.2, 0.3)))
@@ -149,7 +149,7 @@ def test_the_pressure_in_l1_is_at_most_two_astray_and_a_lost_area_has_no_bound(
 ) -> None:
     found = estimated.show(3 * L1, Change(1.9, 0.1, 0.8, 0.3))
     assert of_cells(found) == pytest.approx((inf, 2.0, inf, 0.9))
-    assert found.warnings[0].startswith("No bound for the highest pressure: the grid hardly shows")
+    assert found.warnings[0].startswith("No bound for the peak pressure: the grid hardly shows")
     assert found.warnings[1].startswith("No bound for the contact area")
 
 
@@ -204,7 +204,7 @@ def test_the_residual_is_twice_the_pressure_that_closes_the_gap_left() -> None:
     assert found.contact_area.residual == found.mean_gap.residual == found.l1.residual
 
 
-def test_the_spot_of_the_highest_pressure_is_counted_along_the_shorter_axis() -> None:
+def test_the_spot_of_the_peak_pressure_is_counted_along_the_shorter_axis() -> None:
     pressure = np.zeros((7, 6))
     pressure[1:5, 2] = 1, 2, 5, 1
     pressure[3, 2:5] = 5, 1, 1

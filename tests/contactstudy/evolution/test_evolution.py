@@ -40,7 +40,7 @@ FOUR = evolution(*FRAMES)
 def test_each_instant_has_its_numbers_and_the_worst_of_them_is_said() -> None:
     assert FOUR.times.tolist() == [0.5, 1.5, 2.5, 4.0]
     assert FOUR.loads.tolist() == [3, 5, 3, 6]
-    assert FOUR.highest_pressure.tolist() == [7, 9, 7, 5]
+    assert FOUR.peak_pressure.tolist() == [7, 9, 7, 5]
     assert FOUR.contact_area.tolist() == [6, 18, 6, 12]
     assert FOUR.pressure[1, :, 0].tolist() == [0, 4, 9, 2]
     assert FOUR.gap[:, 0, 0].tolist() == [0, 1, 0, 0]
@@ -63,5 +63,5 @@ def test_the_summary_is_from_the_first_to_the_last(frames: tuple[Frame, ...], sa
 def test_the_summary_says_how_much_of_the_width_is_in_contact_at_the_end() -> None:
     """Two cells of four, in a width of 8 m."""
     text = FOUR.summary()
-    assert "highest pressure 5 Pa, in contact 4 m of the width on average, approach 0.125 m" in text
+    assert "peak pressure 5 Pa, in contact 4 m of the width on average, approach 0.125 m" in text
     assert "at most: steps in time 0.07, cells 0.009" in text

@@ -125,7 +125,7 @@ def test_a_dataset_names_all_that_was_found() -> None:
     assert dataset["pressure"].dims == ("time", "x", "y")
     assert dataset["worn_depth"].dims == ("time", "x", "y")
     assert dataset["von_mises"].dims[0] == "time"
-    for name in ("approach", "contact_area", "highest_pressure", "load", "status", "step_error"):
+    for name in ("approach", "contact_area", "peak_pressure", "load", "status", "step_error"):
         assert dataset[name].dims == ("time",)
     load = dataset["pressure"].sum(("x", "y")) * grid.cell_area / grid.period
     np.testing.assert_allclose(load, LOAD, rtol=1e-7)
@@ -276,7 +276,7 @@ def test_a_summary_is_of_the_last_of_its_instants() -> None:
     assert "3 instants from 1 s to 2 s" in said
     last = found.pressure[-1]
     width = np.count_nonzero(last) * GRID.cell[0]
-    assert f"highest pressure {last.max():.4g} Pa, in contact {width:.4g} m" in said
+    assert f"peak pressure {last.max():.4g} Pa, in contact {width:.4g} m" in said
     assert last.max() < 0.6 * found.pressure[0].max()
 
 

@@ -17,7 +17,7 @@ from contactstudy.solvers.lagged import solve_lagged
 from tests.contactstudy.evolution.creeping import RIGID, SOLID, rolling_cylinder
 
 EXACT = cs.ExactPeriodicity()
-A, P = 0.1, 0.05  # Hertz's half-width and highest pressure for a sudden load
+A, P = 0.1, 0.05  # Hertz's half-width and peak pressure for a sudden load
 
 
 def rolling(body: cs.ViscoelasticHalfSpace, speed: float) -> cs.Scene:

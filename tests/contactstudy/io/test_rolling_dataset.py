@@ -34,7 +34,7 @@ def test_passes_are_counted_from_one_and_the_window_is_that_of_the_last(
     assert found["z"].values.tolist() == [0.5, 2.0]
     assert found["x"].values.tolist() == [-1.5, -0.5, 0.5, 1.5]
     assert found["pressure"].values.tolist() == [0, 9, 4.5, 0]
-    assert found["highest_pressure"].values.tolist() == [7, 8, 9]
+    assert found["peak_pressure"].values.tolist() == [7, 8, 9]
     assert found["distance"].values.tolist() == [5, 5, 5]
     meanings = found["status"].attrs["flag_meanings"].split()
     assert meanings[int(found["status"][1])] == "STALLED"

@@ -13,7 +13,7 @@ from contactstudy.analytic import HertzLine
 from contactstudy.planning.grid_requirements import Needs, _common, _in_waves, _parts, halvable
 from contactstudy.scene.shapes.detail import Detail
 
-# Half-width 2 m, highest pressure 100 Pa; beside the contact the gap grows by 0.2 m times a function of x / a.
+# Half-width 2 m, peak pressure 100 Pa; beside the contact the gap grows by 0.2 m times a function of x / a.
 HERTZ = HertzLine(100 * pi, 10.0, 1000.0)
 FINE = Detail(finest=(0.5, 0.25), longest=1.0, height=0.3, slope=0.3, widest=12.0)
 COARSE = Detail(finest=(0.3, 0.6), longest=0.75, height=0.1, slope=0.4, widest=9.0)

@@ -158,7 +158,7 @@ def test_laws_hold_of_any_radius_and_modulus() -> None:
 
 @pytest.mark.parametrize("ratio", [1.5, 6.0])
 def test_what_yields_takes_its_steps_and_its_width_where_that_is_larger(ratio: float) -> None:
-    """The highest pressure is 0.1 Pa; the zone reaches 1.25 (0.62 + 0.07 r^2) half-widths."""
+    """The peak pressure is 0.1 Pa; the zone reaches 1.25 (0.62 + 0.07 r^2) half-widths."""
     body = cs.ElasticPlasticHalfSpace(2.0, 0.0, 0.1 / ratio)
     found = extremes(rolled(body), 0.02)
     assert found.plastic is not None

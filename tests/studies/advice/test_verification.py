@@ -73,7 +73,7 @@ def test_targets_are_two_in_a_decade_from_a_tenth_to_a_millionth() -> None:
 
 # stored errors of the one setting, and whether its edges are corrected
 ERRORS = {
-    "highest_pressure_error": 2e-3,
+    "peak_pressure_error": 2e-3,
     "half_width_error": 4e-4,
     "pressure_error_l1": 9e-4,
     "corrected_error_l1": 5e-4,

@@ -72,8 +72,8 @@ def test_a_setting_is_said_with_its_cost(
     lines = recommend._report_lines(found, "here", None, FITTED)
     where = "64 x 32 cells over 0.0004 m x 0.0002 m, tolerance 1e-06"
     cost = (
-        "    estimated error <= 0.00081 (images 0.0003, cells 0.0005, solver 1e-05), 0.25 s on one thread, "
-        "3.4 MB"
+        "    estimated error <= 0.00081 (truncation 0.0003, discretisation 0.0005, residual 1e-05), "
+        "0.25 s on one thread, 3.4 MB"
     )
     assert lines[1:6] == [
         f"  {first}: circular, n = 6; {where}, pressure corrected at its edges",

@@ -36,7 +36,7 @@ def test_the_row_of_yield_yields_on_a_quarter_of_the_cells() -> None:
     # Hertz's peak is 1.77 and 2.5 times the yield stress: first yield is at 1.794
     assert not (half.kept["equivalent0"] > 0).any()
     assert (full.kept["equivalent0"] > 0).any()
-    assert full.highest_pressure < P_H
+    assert full.peak_pressure < P_H
 
 
 def test_every_effect_counts_and_is_shown(tmp_path: Path) -> None:

@@ -15,7 +15,7 @@ from studies.registry import load
 
 def frame(time: float, pressure: np.ndarray, **more: Any) -> SimpleNamespace:
     return SimpleNamespace(
-        time=time, pressure=pressure[:, None], highest_pressure=float(pressure.max()), **more
+        time=time, pressure=pressure[:, None], peak_pressure=float(pressure.max()), **more
     )
 
 
@@ -66,7 +66,7 @@ def test_creep_records_eleven_instants_over_the_sudden_contact_s_numbers() -> No
     for record, one in enumerate(frames[::2]):
         width = np.count_nonzero(one.pressure) * cell / 2
         assert found["half_width"].values[record] == pytest.approx(width / 0.1)
-        assert found["highest_pressure"].values[record] == pytest.approx(one.pressure.max() / 0.05)
+        assert found["peak_pressure"].values[record] == pytest.approx(one.pressure.max() / 0.05)
     # of all records, those in between left out
     assert float(found["pressure_error_l1"]) == pytest.approx(0.3)
     assert float(found["last_error_l1"]) == pytest.approx(0.2)
@@ -122,7 +122,7 @@ def test_wear_records_nine_instants_and_the_last_one_s_errors(
         (36 * 0.002 + 4 * 0.018) / (40 * 0.018)
     )
     assert float(found["volume_error"]) == pytest.approx(0.75)
-    assert float(found["highest_pressure"]) == pytest.approx(0.02 / 0.05)
+    assert float(found["peak_pressure"]) == pytest.approx(0.02 / 0.05)
     step = wear.DISTANCE / 16
     # Johnson's compliance of a cell's own mean: the longest explicit step is 1.484 cells by k E*
     assert float(found["longest_explicit"]) == pytest.approx(1.484 * cell / step)
@@ -184,7 +184,7 @@ def test_yield_is_recorded_over_hertz_s_contact_and_the_yield_strain(
         name: float(one)
         for name, one in load("plastic").measures(case, yielded(case, pressure)).items()  # type: ignore[arg-type]
     }
-    assert found["highest_pressure"] == pytest.approx(pressure.max() / peak)
+    assert found["peak_pressure"] == pytest.approx(pressure.max() / peak)
     assert found["half_width"] == pytest.approx(pressure.sum())
     assert found["cap_half_width"] == pytest.approx(capped.pressure.sum())
     # from the middle to three half-widths away the surface falls by 0.003, less by what lies between cell

@@ -82,7 +82,7 @@ def test_zero_padding_ends_the_length_and_exact_errs_nowhere() -> None:
         "curved_difference",
     ):
         assert float(exact[error]) == 0
-    assert float(zero["highest_pressure_error"]) > 0.1  # the pressure of a free end
+    assert float(zero["peak_pressure_error"]) > 0.1  # the pressure of a free end
     assert (found["converged"] == 1).all()
 
 

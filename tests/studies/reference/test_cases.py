@@ -56,7 +56,7 @@ def test_a_name_stands_for_the_same_contact_as_before() -> None:
 
 
 @pytest.mark.parametrize("name", CLOSED)
-def test_a_closed_form_carries_its_load_on_its_area_up_to_its_highest_pressure(name: str) -> None:
+def test_a_closed_form_carries_its_load_on_its_area_up_to_its_peak_pressure(name: str) -> None:
     """Sampled at points that fall anywhere: the load to the share of them at an edge or beside a pole."""
     case: AccuracyCase = matrix()[name]
     truth = case.find_truth

@@ -24,7 +24,7 @@ def judged(case: HardCase, solution: cs.Solution) -> tuple[float, float]:
     return case.judge(solution, padding, solver)
 
 
-def test_a_pressure_is_judged_by_the_dense_answer_over_the_highest_pressure(
+def test_a_pressure_is_judged_by_the_dense_answer_over_the_peak_pressure(
     solution: cs.Solution,
 ) -> None:
     """A pressure that is wrong in one cell is wrong by that, and is not said to be right."""

@@ -25,15 +25,15 @@ def made_up() -> xr.Dataset:
 
 def test_one_case_counts_once_at_however_many_points(made_up: xr.Dataset) -> None:
     rows = estimate_validation.table({"one": made_up, "again": made_up}).rows
-    assert rows[0][:5] == ("highest pressure", "exact", "1", "100 %", "2")
-    assert rows[1][:5] == ("highest pressure", "circular", "2", "50 %", "2.2")
+    assert rows[0][:5] == ("peak pressure", "exact", "1", "100 %", "2")
+    assert rows[1][:5] == ("peak pressure", "circular", "2", "50 %", "2.2")
 
 
 def test_an_error_of_nothing_has_no_ratio(made_up: xr.Dataset) -> None:
     for truth, _ in estimate_validation.ESTIMATES.values():
         made_up[truth][1, 1] = 0.0
     rows = estimate_validation.table({"one": made_up}).rows
-    assert rows[1][:4] == ("highest pressure", "circular", "1", "0 %")
+    assert rows[1][:4] == ("peak pressure", "circular", "1", "0 %")
 
 
 def test_a_sweep_needs_its_estimates_its_errors_and_its_paddings(made_up: xr.Dataset) -> None:
@@ -57,8 +57,7 @@ def test_only_sweeps_with_an_estimate_are_compared(small_run: Path, made_up: xr.
         "padding"
     ]
     assert (
-        estimate_validation.figure({"padding": sweep}).figure.axes[0].get_title()
-        == "highest pressure"
+        estimate_validation.figure({"padding": sweep}).figure.axes[0].get_title() == "peak pressure"
     )
 
 
@@ -85,6 +84,4 @@ def test_the_figure_and_the_table_are_of_bound_over_error_and_what_it_is_made_of
     assert circular[4:6] == ("7.5", "11")
     said = estimate_validation.finding({"one": made_up})
     assert said.claim == "The error estimate bounds the true error in 100 % of 4 cases."
-    assert (
-        "highest pressure by a factor of 2.5 and pressure in L1 by a factor of 2.5" in said.measured
-    )
+    assert "peak pressure by a factor of 2.5 and pressure in L1 by a factor of 2.5" in said.measured

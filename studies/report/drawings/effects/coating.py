@@ -15,7 +15,7 @@ def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     finest = dataset.isel(grid=-1)
     labels = {
         "half_width": "half-width / a",
-        "peak_pressure": "highest pressure / p_H",
+        "peak_pressure": "peak pressure / p_H",
         "interface_shear": "shear at the interface / p_max",
         "interface_tension": "tension there / p_max",
         "image_error": "L1 error of the image alone",
@@ -55,7 +55,7 @@ def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     from_coating = abs(thick["half_width"] * np.sqrt(thick["ratio"]) - 1).max()
     error = float(finest["reference_error"].max(skipna=True))
     known = "Known contacts (a collocation of the layered problem) are met "
-    known = f"{known}to {error:.1e} in the highest pressure. " if np.isfinite(error) else ""
+    known = f"{known}to {error:.1e} in the peak pressure. " if np.isfinite(error) else ""
     worst = finest["image_error"].max(("thickness", "ratio"))
     place = finest["image_error"].where(finest["image_error"] == worst, drop=True)
     shear = finest["interface_shear"].max(("thickness", "ratio"))
@@ -68,7 +68,7 @@ def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
             f"that on the substrate, at {float(thick['thickness']):g} a within {percent(from_coating)} of that on the "
             f"coating. {known}The image alone would be off by up to {percent(worst)} in L1 (E1/E2 = "
             f"{float(place['ratio'][0]):g}, thickness {float(place['thickness'][0]):g} a). The shear at the "
-            f"interface is largest, {float(shear):.2f} of the highest pressure, at E1/E2 = "
+            f"interface is largest, {float(shear):.2f} of the peak pressure, at E1/E2 = "
             f"{float(where['ratio'][0]):g} and a thickness of {float(where['thickness'][0]):g} a.",
             "What does a coating do?",
         ),

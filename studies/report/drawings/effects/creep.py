@@ -12,7 +12,7 @@ COLORS = ("#E69F00", "#009E73", "#0072B2", "#D55E00", "#CC79A7")
 
 
 def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
-    """Half-width and highest pressure beside the closed forms; errors against steps and cost."""
+    """Half-width and peak pressure beside the closed forms; errors against steps and cost."""
     fig, axes = panels(4, columns=2, width=4.4, height=3.0)
     finest = dataset.isel(steps=-1, grid=-1)
     time = np.linspace(0, END, 100)
@@ -21,7 +21,7 @@ def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     axes[1].plot(time, peak, **LAW_STYLE)
     for ax, name, label in (
         (axes[0], "half_width", "half-width"),
-        (axes[1], "highest_pressure", "highest pressure"),
+        (axes[1], "peak_pressure", "peak pressure"),
     ):
         ax.plot(finest["time"], finest[name], "o", color="#0072B2")
         ax.set(xlabel="time over that of creep", ylabel=f"{label} over the sudden one")
@@ -44,7 +44,7 @@ def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
 def _caption(dataset: xr.Dataset) -> str:
     return (
         "A rigid cylinder pressed suddenly into a viscoelastic half-space, creep 1 + 1.5 (1 - exp(-t)), and held. "
-        "Half-width and highest pressure are those of Lee & Radok's closed form, the half-width to a cell. The error "
+        "Half-width and peak pressure are those of Lee & Radok's closed form, the half-width to a cell. The error "
         "is the largest over time, after the first tenth. It falls with the steps until what the "
         "cells leave is larger; the dashed estimate, from a second march with steps twice as long, sees the "
         "steps alone."

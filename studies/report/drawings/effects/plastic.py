@@ -9,7 +9,7 @@ from studies.report.style import LAW_STYLE, add_legend, panels
 
 COLORS = ("#0072B2", "#E69F00", "#009E73", "#D55E00")
 LABELS = {
-    "highest_pressure": ("highest pressure / p_H", "cap_pressure"),
+    "peak_pressure": ("peak pressure / p_H", "cap_pressure"),
     "half_width": ("half-width / a", "cap_half_width"),
     "dent": ("dent / (a Y / E)", "cap_dent"),
     "plastic_depth": ("plastic depth / a", None),
@@ -37,16 +37,16 @@ def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
             break
         one = known.sel(grid=cells)
         text = f"{cells} cells, {float(one['layers'][-1]):g} layers"
-        wrong = one["highest_pressure_error"]
+        wrong = one["peak_pressure_error"]
         axes[4].loglog(one["steps"], wrong, "o-", color=color, label=text)
         axes[5].loglog(one["convolutions"] * cells, wrong, "o-", color=color, label=text)
     if known is not None:
         steps = known["steps"].values
-        first = float(known["highest_pressure_error"].isel(steps=0, grid=-1))
+        first = float(known["peak_pressure_error"].isel(steps=0, grid=-1))
         axes[4].loglog(steps, first * steps[0] / steps, **LAW_STYLE)
-    axes[4].set(xlabel="steps in load", ylabel="error of the highest pressure")
+    axes[4].set(xlabel="steps in load", ylabel="error of the peak pressure")
     axes[4].set_title("dotted: first order", loc="right", fontsize="small")
-    axes[5].set(xlabel="transform pairs times cells", ylabel="error of the highest pressure")
+    axes[5].set(xlabel="transform pairs times cells", ylabel="error of the peak pressure")
     add_legend(fig)
     return (
         CaptionedFigure(
@@ -77,8 +77,8 @@ def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     found = [
         Finding(
             "A hardness is no substitute for plastic strain below the surface.",
-            f"At p_H = {float(last['pressure']):g} Y, where the highest pressure is "
-            f"{float(last['highest_pressure'] * last['pressure']):.2f} Y, a hardness of {CAP:g} Y gives a pressure that "
+            f"At p_H = {float(last['pressure']):g} Y, where the peak pressure is "
+            f"{float(last['peak_pressure'] * last['pressure']):.2f} Y, a hardness of {CAP:g} Y gives a pressure that "
             f"differs by {percent(last['cap_difference'])} in L1, and a depth of yielding of "
             f"{float(last['cap_dent']):.2g} a Y / E in the place of a dent of {float(last['dent']):.2g}. At "
             f"{float(first['pressure']):g} Y it differs by {percent(first['cap_difference'])}. The body yields from "
@@ -89,14 +89,14 @@ def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     known = _known(dataset)
     if known is not None:
         fine = known.isel(steps=-1, grid=-1)
-        wrong = known["highest_pressure_error"].isel(grid=-1)
+        wrong = known["peak_pressure_error"].isel(grid=-1)
         steps = known["steps"].values
         found.append(
             Finding(
-                f"{steps[-1]} steps in load give the highest pressure on a body that yields to "
-                f"{percent(fine['highest_pressure_error'])}.",
+                f"{steps[-1]} steps in load give the peak pressure on a body that yields to "
+                f"{percent(fine['peak_pressure_error'])}.",
                 f"With {steps[-1]} steps and {int(dataset['grid'][-1])} cells ({float(fine['layers']):g} layers) "
-                f"the highest pressure is within {percent(fine['highest_pressure_error'])} of the known one, the dent "
+                f"the peak pressure is within {percent(fine['peak_pressure_error'])} of the known one, the dent "
                 f"within {percent(fine['dent_error'])} and the largest plastic strain within "
                 f"{percent(fine['plastic_strain_error'])}. From {steps[0]} steps to {steps[-1]} the error of the "
                 f"pressure falls by a factor of {float(wrong[0] / wrong[-1]):.1f}: it is of first order in the steps, "

@@ -28,7 +28,7 @@ def _shift(dataset: xr.Dataset) -> CaptionedFigure:
         "contact_area": "contact area / Hertz's",
         "half_width": "effective half-width / a",
         "contact_extent": "farthest contact / a",
-        "peak_pressure": "highest pressure / p_H",
+        "peak_pressure": "peak pressure / p_H",
         "load_spread": "spread of the load along",
         "smooth_difference": "L1 difference from smooth",
     }
@@ -43,7 +43,7 @@ def _shift(dataset: xr.Dataset) -> CaptionedFigure:
     add_legend(fig)
     rough = dataset.isel(rms=-1)
     facts = "; ".join(
-        f"lay {float(lay):g}: area {float(one['contact_area'].mean()):.2f}, highest pressure "
+        f"lay {float(lay):g}: area {float(one['contact_area'].mean()):.2f}, peak pressure "
         f"{float(one['peak_pressure'].mean()):.1f} p_{{H}}"
         for lay, one in rough.groupby("peklenik")
     )
@@ -62,7 +62,7 @@ def _paddings(dataset: xr.Dataset) -> CaptionedFigure:
     labels = {
         "pressure_error_l1": "relative L1 error",
         "half_width_error": "|half-width error|",
-        "highest_pressure_error": "|highest-pressure error|",
+        "peak_pressure_error": "|peak-pressure error|",
         "pressure_error_max": "largest error / p_H",
     }
     fig, axes = panels(len(labels), columns=2, width=3.6, height=2.9)
@@ -160,7 +160,7 @@ def _rough_surfaces(dataset: xr.Dataset) -> Finding:
             f"{percent(before['pressure_error_max'])} to {percent(after['pressure_error_max'])} of p_{{H}}"
         )
         highest.append(
-            f"{percent(before['highest_pressure_error'])} to {percent(after['highest_pressure_error'])}"
+            f"{percent(before['peak_pressure_error'])} to {percent(after['peak_pressure_error'])}"
         )
         left.append(percent(after["curved_difference"] / after["pressure_error_l1"]))
     ratios = [
@@ -181,7 +181,7 @@ def _rough_surfaces(dataset: xr.Dataset) -> Finding:
         "more curved by a²/(4D²), whatever its roughness. Compared with exact periodicity on a cylinder of "
         f"that curvature, {' and '.join(left)} of those L1 errors remain. Roughness changes where "
         f"the error is located: the largest error of any cell grows from {' and from '.join(cells)}, since "
-        "asperities in light contact appear and disappear, while the error of the highest pressure, which is now "
+        "asperities in light contact appear and disappear, while the error of the peak pressure, which is now "
         f"under an asperity, falls from {' and from '.join(highest)}. Roughness itself changes the pressure by "
         f"{percent(shift)} (L1) at an rms of {float(shift['rms']):g}{systematic if low > 0 else ''}.",
         "Does roughness change the error of a padding?",

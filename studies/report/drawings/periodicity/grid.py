@@ -11,7 +11,7 @@ from studies.report.formatting import paddings, percent, power, setting_label
 from studies.report.style import LAW_STYLE, add_legend, padding_style, panels
 
 PANELS = {
-    "peak_pressure_error": "|peak-pressure error|",
+    "axis_pressure_error": "|axis-pressure error|",
     "pressure_error_l1": "relative L1 error of the pressure",
     "pressure_error_max": "largest pressure error / p_H",
     "half_width_error": "|half-width error|",
@@ -42,7 +42,7 @@ def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
 def _law(ax: Axes, variable: str, chosen: xr.Dataset) -> None:
     """What theory says of one panel, dotted, and named above it."""
     cells = chosen["grid"].values
-    if variable == "peak_pressure_error":
+    if variable == "axis_pressure_error":
         name = "a²/(8D²)"
         reaches = (
             padding_at(padding, int(chosen["images"])).reach(float(chosen["period"]))

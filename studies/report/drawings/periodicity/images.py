@@ -25,12 +25,12 @@ def _peak(dataset: xr.Dataset) -> CaptionedFigure:
     half = dataset["images"].values + 0.5
     for ax, period in zip(axes, periods, strict=True):
         for name in paddings(dataset):
-            error = abs(dataset["peak_pressure_error"].sel(padding=name, period=period))
+            error = abs(dataset["axis_pressure_error"].sel(padding=name, period=period))
             ax.loglog(half, error, label=name, **style_over_images(name))
         reach = [padding_at("superposed", int(n)).reach(period) for n in dataset["images"]]
         ax.loglog(half, truncation_error(1, reach), label="law a²/(8D²), D = (n + ½)L", **LAW_STYLE)
         ax.set(title=f"period L = {period:g} a", xlabel=LABEL)
-    axes[0].set_ylabel("|peak-pressure error|")
+    axes[0].set_ylabel("|axis-pressure error|")
     add_legend(fig)
     return CaptionedFigure("peak_error", fig, _peak_caption(dataset, periods))
 
@@ -43,7 +43,7 @@ def _peak_caption(dataset: xr.Dataset, periods: list[float]) -> str:
     )
     if not {"superposed", "duplicated"} <= set(paddings(dataset)):
         return words
-    errors = abs(dataset["peak_pressure_error"])
+    errors = abs(dataset["axis_pressure_error"])
     facts = []
     for period in periods:
         duplicated = float(errors.sel(padding="duplicated", period=period)[0])
@@ -95,7 +95,7 @@ def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
 
 
 def _what_n(dataset: xr.Dataset) -> Finding:
-    errors = abs(dataset["peak_pressure_error"].isel(grid=-1))
+    errors = abs(dataset["axis_pressure_error"].isel(grid=-1))
     facts = []
     for period in select_evenly(dataset["period"].values):
         meets = (errors.sel(padding="circular", period=period) <= TARGET).values
@@ -116,15 +116,15 @@ def _what_n(dataset: xr.Dataset) -> Finding:
 def _six_images(dataset: xr.Dataset) -> Finding:
     here = dataset.sel(period=2.4).isel(grid=-1)
     copied, six = here.sel(padding="duplicated", images=6), here.sel(padding="superposed", images=6)
-    ratio = abs(float(copied["peak_pressure_error"] / six["peak_pressure_error"]))
+    ratio = abs(float(copied["axis_pressure_error"] / six["axis_pressure_error"]))
     return Finding(
         "“n ≥ 6 gives very similar results to duplicated padding”: the computed errors differ.",
         f"At L = 2.4 a the error of the peak pressure (mean along the length) is "
-        f"{percent(copied['peak_pressure_error'])} with duplicated padding and "
-        f"{percent(six['peak_pressure_error'])} with n = 6, a factor of {ratio:.0f}: a copy of the pressure "
+        f"{percent(copied['axis_pressure_error'])} with duplicated padding and "
+        f"{percent(six['axis_pressure_error'])} with n = 6, a factor of {ratio:.0f}: a copy of the pressure "
         "reaches one period to each side, as n = ½ would. Superposition has another error, along the "
         f"length: with n = 6 the pressure of a uniform cylinder varies by {variation_text(six)} and exceeds "
-        f"p_{{H}} nowhere by more than {percent(six['highest_pressure_error'])}; with duplicated padding it "
+        f"p_{{H}} nowhere by more than {percent(six['peak_pressure_error'])}; with duplicated padding it "
         f"varies by {variation_text(copied)}. In a plot of the pressure such as the paper's Fig. 5 these "
         "differences are hardly visible.",
         "The paper's first claim",

@@ -40,7 +40,7 @@ def _reach(dataset: xr.Dataset) -> CaptionedFigure:
             dataset["images"].values if name in COUNTS_IMAGES else dataset["images"].values[:1]
         ):
             for period in dataset["period"].values:
-                chosen = dataset["peak_pressure_error"].sel(
+                chosen = dataset["axis_pressure_error"].sel(
                     padding=name, images=images, period=period
                 )
                 errors.append(abs(float(chosen)))
@@ -54,7 +54,7 @@ def _reach(dataset: xr.Dataset) -> CaptionedFigure:
     if spans:
         reach = np.geomspace(min(spans), max(spans))
         ax.loglog(reach, truncation_error(1, reach), label="law a²/(8D²)", **LAW_STYLE)
-    ax.set(xlabel="reach of the window D / half-width a", ylabel="|peak-pressure error|")
+    ax.set(xlabel="reach of the window D / half-width a", ylabel="|axis-pressure error|")
     add_legend(fig)
     return CaptionedFigure(
         "reach",
@@ -123,13 +123,13 @@ def _which_padding(dataset: xr.Dataset) -> Finding:
     exact = here.sel(padding="exact")
     others = (here.sel(padding=name) for name in ("duplicated", "superposed", "circular"))
     costs = "; ".join(
-        f"{setting_label(one)}: {percent(one['peak_pressure_error'])} in {float(total_time(one)):.2g} s"
+        f"{setting_label(one)}: {percent(one['axis_pressure_error'])} in {float(total_time(one)):.2g} s"
         for one in others
     )
     return Finding(
         "Use exact periodicity: it has no n to choose and no truncation error, at any period.",
         f"At {int(here['grid'])} x {int(here['grid'])} cells and L = {float(here['period']):g} a the error of its "
-        f"peak pressure is {percent(exact['peak_pressure_error'])}, which is the discretisation error; the pressure "
+        f"peak pressure is {percent(exact['axis_pressure_error'])}, which is the discretisation error; the pressure "
         f"varies along the length by {variation_text(exact)}; the time is {float(total_time(exact)):.2g} s. "
         f"Error of the peak pressure and time of the others: {costs}.",
         "Which padding?",

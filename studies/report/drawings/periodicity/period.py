@@ -19,7 +19,7 @@ def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
         one = chosen.sel(padding=name)
         peak.loglog(
             periods,
-            abs(one["peak_pressure_error"]),
+            abs(one["axis_pressure_error"]),
             label=setting_label(one),
             **padding_style(name),
         )
@@ -32,7 +32,7 @@ def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
         if np.isfinite(reach).all() and name != "zero":
             law = truncation_error(1, reach[beyond])
             peak.loglog(periods[beyond], law, label="law a²/(8D²)", **LAW_STYLE)
-    peak.set(xlabel="period L / half-width a", ylabel="|peak-pressure error|")
+    peak.set(xlabel="period L / half-width a", ylabel="|axis-pressure error|")
     largest.set(xlabel="period L / half-width a", ylabel="largest pressure error / p_H")
     add_legend(fig)
     return (CaptionedFigure("period", fig, _caption(chosen)),)
@@ -41,8 +41,8 @@ def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
 def _caption(chosen: xr.Dataset) -> str:
     shortest, longest = float(chosen["period"].min()), float(chosen["period"].max())
     facts = [
-        f"{setting_label(one)}: {percent(one.sel(period=shortest)['peak_pressure_error'])} at "
-        f"L = {shortest:g} a, {percent(one.sel(period=longest)['peak_pressure_error'])} at {longest:g} a"
+        f"{setting_label(one)}: {percent(one.sel(period=shortest)['axis_pressure_error'])} at "
+        f"L = {shortest:g} a, {percent(one.sel(period=longest)['axis_pressure_error'])} at {longest:g} a"
         for one in (chosen.sel(padding=name) for name in paddings(chosen))
     ]
     return (
@@ -60,7 +60,7 @@ def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
 
 
 def _what_period(dataset: xr.Dataset) -> Finding:
-    here = dataset["peak_pressure_error"].isel(grid=-1, images=-1)
+    here = dataset["axis_pressure_error"].isel(grid=-1, images=-1)
     copied, exact = (abs(here.sel(padding=name)) for name in ("duplicated", "exact"))
     worst = copied.idxmax("period")
     return Finding(
@@ -77,11 +77,11 @@ def _any_period(dataset: xr.Dataset) -> Finding:
     here = dataset.isel(grid=-1, images=-1)
     short, long = float(here["period"].min()), float(here["period"].max())
     facts = " and ".join(
-        f"from {percent(one.sel(period=short)['peak_pressure_error'])} to "
-        f"{percent(one.sel(period=long)['peak_pressure_error'])} with {setting_label(one)}"
+        f"from {percent(one.sel(period=short)['axis_pressure_error'])} to "
+        f"{percent(one.sel(period=long)['axis_pressure_error'])} with {setting_label(one)}"
         for one in (here.sel(padding=name) for name in ("duplicated", "superposed"))
     )
-    exact = here["peak_pressure_error"].sel(padding="exact")
+    exact = here["axis_pressure_error"].sel(padding="exact")
     return Finding(
         "“Independent of the domain extent in the length direction”: true only for exact periodicity.",
         f"Between L = {short:g} a and L = {long:g} a the peak-pressure error goes {facts}; "

@@ -75,7 +75,7 @@ def test_what_a_pass_adds_is_counted_from_the_pass_before() -> None:
     assert THREE.shear == pytest.approx(shear)
     # over layers of 1 m and 2 m
     assert THREE.forward_displacement == pytest.approx(shear @ [1.0, 2.0])
-    assert THREE.highest_pressure.tolist() == [7, 8, 8]
+    assert THREE.peak_pressure.tolist() == [7, 8, 8]
 
 
 def test_it_has_shaken_down_from_the_first_pass_on_that_adds_nothing() -> None:

@@ -21,7 +21,7 @@ def labelled(**more: object) -> xr.Dataset:
         {
             "pressure": (("time", "x", "y"), PRESSURE, {"long_name": "pressure", "units": "Pa"}),
             "load": named([1.0, 2.0, 4.0, 4.0], "load", "N/m"),
-            "highest_pressure": named([6e6, 12e6, 18e6, 24e6], "highest pressure", "Pa"),
+            "peak_pressure": named([6e6, 12e6, 18e6, 24e6], "peak pressure", "Pa"),
             "contact_area": named([0.0, 0.0, 0.0, 0.0], "contact area", "m2"),
             "step_error": named([0.0, 1e-3, np.inf, 1e-2], "step error", "1"),
             "grid_error": named([np.inf] * 4, "grid error", "1"),

@@ -27,7 +27,7 @@ def test_the_table_counts_by_kind_and_lists_every_miss(made_up: xr.Dataset) -> N
     assert by_kind.rows[0][:5] == (KINDS[0], "2", "100.0 %", "3", "0")
     assert by_kind.rows[1][:5] == (KINDS[1], "2", "50.0 %", "0.5", "1")
     assert [row[:2] for row in misses.rows] == [
-        ("c", "pressure in L1"), ("c", "highest pressure"), ("c", "contact area"),
+        ("c", "pressure in L1"), ("c", "peak pressure"), ("c", "contact area"),
     ]  # fmt: skip
 
 
@@ -50,7 +50,7 @@ def test_the_figure_draws_the_bound_over_the_true_error_of_what_has_one(
     assert same(labelled(of_peak)[KINDS[0]], [0.01, 0.01], [0.02, 0.04])
     x, y = labelled(of_l1)["bound = error"]
     assert x.tolist() == y.tolist() == [1e-7, 2.0]
-    assert "(1 of the highest pressure)" in drawn.caption
+    assert "(1 of the peak pressure)" in drawn.caption
 
 
 def test_the_ratio_is_of_errors_that_are_known_and_not_nothing(made_up: xr.Dataset) -> None:
@@ -77,6 +77,6 @@ def test_kinds_are_counted_apart_and_a_bound_that_equals_its_error_holds(
         (KINDS[0], "1", "100.0 %"),
         (KINDS[1], "3", "100.0 %"),
     )
-    # two of three highest pressures; of an error that nobody knows nothing is missed
+    # two of three peak pressures; of an error that nobody knows nothing is missed
     assert of_second[5] == "66.7 %"
     assert of_first[8:] == ("100.0 %", "inf", "0")

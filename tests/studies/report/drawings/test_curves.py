@@ -18,8 +18,8 @@ def swept(*variables: str) -> xr.Dataset:
 
 
 def test_errors_stand_over_the_period_beside_the_law_of_windows_beyond_the_contact() -> None:
-    dataset = swept("peak_pressure_error", "pressure_error_max")
-    dataset["peak_pressure_error"] *= -1
+    dataset = swept("axis_pressure_error", "pressure_error_max")
+    dataset["axis_pressure_error"] *= -1
     peak, largest = (curves(ax) for ax in panels("period", dataset))
     stored = dataset.isel(grid=-1, images=-1)
     # after each of the three windows its law: a^2 / (8 D^2) where D = L, 7.5 L and 7.5 L, beyond the contact
@@ -27,13 +27,13 @@ def test_errors_stand_over_the_period_beside_the_law_of_windows_beyond_the_conta
     assert same(laws[0], [1.2, 4.8], [1 / (8 * 1.2**2), 1 / (8 * 4.8**2)])
     for law in laws[1:]:
         assert same(law, PERIODS, 1 / (8 * (7.5 * PERIODS) ** 2))
-    for shown, variable in ((peak, "peak_pressure_error"), (largest, "pressure_error_max")):
+    for shown, variable in ((peak, "axis_pressure_error"), (largest, "pressure_error_max")):
         for name, curve in zip(PADDINGS, shown, strict=True):
             assert same(curve, PERIODS, abs(stored[variable].sel(padding=name)))
 
 
 def test_errors_stand_over_the_grid_beside_their_laws() -> None:
-    names = ("peak_pressure_error", "pressure_error_l1", "pressure_error_max", "half_width_error")
+    names = ("axis_pressure_error", "pressure_error_l1", "pressure_error_max", "half_width_error")
     dataset = swept(*names, "corrected_error_max")
     exact = dataset["pressure_error_l1"].sel(padding="exact", images=7, period=4.8)
     dataset["pressure_error_l1"].loc[exact.coords] = [0.08, 0.08 / 2**1.5, 0.01]
@@ -110,17 +110,17 @@ def test_errors_of_kernels_stand_over_n_and_a_half_beside_their_law() -> None:
 
 
 def test_errors_of_images_stand_over_n_and_a_half_and_fall_with_its_square() -> None:
-    dataset = swept("peak_pressure_error", "length_variation")
-    dataset["peak_pressure_error"] *= -1
+    dataset = swept("axis_pressure_error", "length_variation")
+    dataset["axis_pressure_error"] *= -1
     half = IMAGES + 0.5
     for ax, period in zip(panels("images", dataset), PERIODS, strict=True):
         *errors, law = curves(ax)
         for name, curve in zip(PADDINGS, errors, strict=True):
-            stored = dataset["peak_pressure_error"].sel(padding=name, period=period, grid=64)
+            stored = dataset["axis_pressure_error"].sel(padding=name, period=period, grid=64)
             assert same(curve, half, -stored)
         assert same(law, half, 1 / (8 * (half * period) ** 2))
     said = [named(ax) for ax in panels("images", dataset)]
-    assert [y for _, y, _ in said] == ["|peak-pressure error|", "", ""]
+    assert [y for _, y, _ in said] == ["|axis-pressure error|", "", ""]
     assert [title for *_, title in said] == [f"period L = {period:g} a" for period in PERIODS]
     [variation] = panels("images", dataset, 1)
     for number, period in enumerate(PERIODS):
@@ -143,8 +143,8 @@ def test_n_is_enough_where_it_and_all_larger_ones_meet_a_thousandth() -> None:
     axes = {"padding": ["circular", "exact", "duplicated", "superposed"], "images": images}
     dataset = xr.Dataset(
         {
-            "peak_pressure_error": (AXES, error),
-            "highest_pressure_error": (AXES, np.full(error.shape, 0.016)),
+            "axis_pressure_error": (AXES, error),
+            "peak_pressure_error": (AXES, np.full(error.shape, 0.016)),
             "length_variation": (AXES, np.full(error.shape, 0.017)),
             "case_status": (AXES, np.full(error.shape, CaseStatus.OK)),
         },
@@ -166,9 +166,9 @@ def test_n_is_enough_where_it_and_all_larger_ones_meet_a_thousandth() -> None:
 
 
 def test_the_findings_of_the_period_are_of_the_finest_grid_and_the_largest_n() -> None:
-    dataset = swept("peak_pressure_error")
-    dataset["case_status"] = (AXES, np.full(dataset["peak_pressure_error"].shape, CaseStatus.OK))
-    stored = dataset["peak_pressure_error"].isel(grid=-1, images=-1)
+    dataset = swept("axis_pressure_error")
+    dataset["case_status"] = (AXES, np.full(dataset["axis_pressure_error"].shape, CaseStatus.OK))
+    stored = dataset["axis_pressure_error"].isel(grid=-1, images=-1)
     assert len(load_drawing("period").findings(dataset.isel(period=[0, 2]))) == 2
     ends = [percent(stored.sel(padding="zero", period=period)) for period in (0.6, 4.8)]
     text = load_drawing("period").figure(dataset.assign(pressure_error_max=stored))[0].caption

@@ -78,7 +78,7 @@ def creep() -> xr.Dataset:
     return xr.Dataset(
         {
             "half_width": (("steps", "grid", "time"), np.arange(18.0).reshape(3, 3, 2)),
-            "highest_pressure": (("steps", "grid", "time"), np.arange(18.0, 36).reshape(3, 3, 2)),
+            "peak_pressure": (("steps", "grid", "time"), np.arange(18.0, 36).reshape(3, 3, 2)),
             "pressure_error_l1": (("steps", "grid"), by_steps / [[2], [4], [5]]),
             "step_error": (("steps", "grid"), by_steps),
             "grid_error": (("steps", "grid"), np.tile([0.01, 0.01, 0.03], (3, 1))),
@@ -102,7 +102,7 @@ def test_creep_is_drawn_beside_its_closed_form_and_says_what_a_digit_costs() -> 
     over_time, closed_form = "time over that of creep", "dotted: closed form"
     assert [named(ax) for ax in (widths, peaks, errors, costs)] == [
         (over_time, "half-width over the sudden one", closed_form),
-        (over_time, "highest pressure over the sudden one", closed_form),
+        (over_time, "peak pressure over the sudden one", closed_form),
         ("steps", "largest relative L1 error", "dashed: estimated, by steps"),
         ("transform pairs times cells", "largest relative L1 error", ""),
     ]
@@ -217,5 +217,5 @@ def test_a_coating_is_drawn_beside_its_own_half_space_and_says_where_it_matters(
     assert "at 10 a within 5.0 % of that on the coating" in text
     assert "met to 2.0e-04" in text
     assert "off by up to 50 % in L1 (E1/E2 = 4, thickness 1 a)" in text
-    assert "largest, 0.31 of the highest pressure, at E1/E2 = 4 and a thickness of 0.1 a" in text
+    assert "largest, 0.31 of the peak pressure, at E1/E2 = 4 and a thickness of 0.1 a" in text
     assert not load_drawing("coating").findings(coating().isel(thickness=[0, 1]))

@@ -30,7 +30,7 @@ ANSWERS = (
     "contact_area", "half_width", "contact_extent", "peak_pressure", "load_spread", "smooth_difference",
 )  # fmt: skip
 ERRORS = (
-    "pressure_error_l1", "half_width_error", "highest_pressure_error", "pressure_error_max",
+    "pressure_error_l1", "half_width_error", "peak_pressure_error", "pressure_error_max",
     "curved_difference",
 )  # fmt: skip
 PLACES = np.arange(3)
@@ -88,7 +88,7 @@ def test_what_roughness_does_stands_over_its_rms_by_lay_and_hurst_exponent() -> 
         area, peak = (
             float(most[name].sel(peklenik=lay).mean()) for name in ("contact_area", "peak_pressure")
         )
-        assert f"lay {lay:g}: area {area:.2f}, highest pressure {peak:.1f} p_{{H}}" in text
+        assert f"lay {lay:g}: area {area:.2f}, peak pressure {peak:.1f} p_{{H}}" in text
     assert "At an rms of 0.3" in text
 
 
@@ -98,7 +98,7 @@ def test_errors_of_paddings_stand_over_the_rms_beside_what_roughness_does() -> N
     names = (
         "pressure_error_l1",
         "half_width_error",
-        "highest_pressure_error",
+        "peak_pressure_error",
         "pressure_error_max",
     )
     for ax, name in zip(panels("roughness", dataset, 1), names, strict=True):
@@ -145,7 +145,7 @@ def test_the_finding_compares_the_smooth_contact_with_the_roughest() -> None:
     for name, before, after in (
         ("pressure_error_l1", 0.01, 0.012),
         ("pressure_error_max", 0.002, 0.05),
-        ("highest_pressure_error", 0.011, 0.004),
+        ("peak_pressure_error", 0.011, 0.004),
         ("curved_difference", 0.5, 0.003),
     ):
         assert set(middle[name].dims) == {"rms", "padding"}
@@ -182,13 +182,13 @@ def test_the_finding_compares_the_smooth_contact_with_the_roughest() -> None:
 
 
 PRESSURES, STEPS, GRID = [2.0, 3.0, 4.0], [2, 8], [24, 48]
-SHOWN = ("highest_pressure", "half_width", "dent", "plastic_depth")
-CAPS = {"highest_pressure": "cap_pressure", "half_width": "cap_half_width", "dent": "cap_dent"}
+SHOWN = ("peak_pressure", "half_width", "dent", "plastic_depth")
+CAPS = {"peak_pressure": "cap_pressure", "half_width": "cap_half_width", "dent": "cap_dent"}
 
 
 def plastic(steps: list[int] = STEPS, grid: list[int] = GRID) -> xr.Dataset:
     axes = {"pressure": PRESSURES, "hardening": [0.1, 0.5], "steps": steps, "grid": grid}
-    errors = ("highest_pressure_error", "dent_error", "plastic_strain_error")
+    errors = ("peak_pressure_error", "dent_error", "plastic_strain_error")
     dataset = numbered(
         axes, *SHOWN, *CAPS.values(), "cap_difference", *errors, "layers", "convolutions"
     )
@@ -214,7 +214,7 @@ def test_what_yields_stands_over_the_load_beside_a_hardness_and_the_known_contac
         assert not lines
     known = dataset.sel(pressure=3.0, hardening=0.1)
     steps, cost = axes[4:]
-    wrong = known["highest_pressure_error"]
+    wrong = known["peak_pressure_error"]
     # the layers follow 11 times 24 numbers; those of 8 steps at 3 Y are the 11th and 12th
     for number, cells in enumerate(GRID):
         label = f"{cells} cells, {11 * 24 + 11 + number} layers"
@@ -238,7 +238,7 @@ def test_of_three_grids_and_three_numbers_of_steps_the_last_are_said_and_drawn()
         shown = labelled(ax)["plastic, H = 0.1 E"]
         assert same(shown, PRESSURES, finest[name].sel(hardening=0.1))
     known = dataset.sel(pressure=3.0, hardening=0.1)
-    wrong, layers = known["highest_pressure_error"], known["layers"].sel(steps=8, grid=32)
+    wrong, layers = known["peak_pressure_error"], known["layers"].sel(steps=8, grid=32)
     assert same(
         labelled(axes[4])[f"32 cells, {float(layers):g} layers"], [2, 4, 8], wrong.sel(grid=32)
     )
@@ -246,12 +246,12 @@ def test_of_three_grids_and_three_numbers_of_steps_the_last_are_said_and_drawn()
     assert same(curves(axes[4])[3], [2, 4, 8], [first, first / 2, first / 4])
     over = "p_H / Y"
     assert [named(ax) for ax in axes] == [
-        (over, "highest pressure / p_H", ""),
+        (over, "peak pressure / p_H", ""),
         (over, "half-width / a", ""),
         (over, "dent / (a Y / E)", ""),
         (over, "plastic depth / a", ""),
-        ("steps in load", "error of the highest pressure", "dotted: first order"),
-        ("transform pairs times cells", "error of the highest pressure", ""),
+        ("steps in load", "error of the peak pressure", "dotted: first order"),
+        ("transform pairs times cells", "error of the peak pressure", ""),
     ]
     cap, cost = findings("plastic", dataset)
     least, most = (finest["cap_difference"].sel(hardening=0.1, pressure=p) for p in (2.0, 4.0))
@@ -268,18 +268,18 @@ def test_the_findings_of_yield_are_of_the_most_steps_and_the_finest_grid() -> No
     dataset = plastic()
     cap, cost = findings("plastic", dataset)
     # the 20th of 24 numbers at 4 Y: 0.0020 of p_H
-    assert "At p_H = 4 Y, where the highest pressure is 0.01 Y" in cap
+    assert "At p_H = 4 Y, where the peak pressure is 0.01 Y" in cap
     # the 20th after 168, and the 4th
     assert "differs by 1.9 % in L1" in cap
     assert "At 2 Y it differs by 1.7 %" in cap
     # the 20th after 144, and a hundred times the 20th after 48
     assert "a depth of yielding of 0.016 a Y / E in the place of a dent of 0.68." in cap
     # the 12th after 192, 216 and 240, and after 264
-    assert "8 steps in load give the highest pressure on a body that yields to 2.0 %" in cost
+    assert "8 steps in load give the peak pressure on a body that yields to 2.0 %" in cost
     assert "With 8 steps and 48 cells (276 layers)" in cost
     assert "the dent within 2.3 % and the largest plastic strain within 2.5 %" in cost
     fallen = dataset.copy(deep=True)
-    fallen["highest_pressure_error"].loc[{"pressure": 3.0, "hardening": 0.1, "grid": 48}] = [
+    fallen["peak_pressure_error"].loc[{"pressure": 3.0, "hardening": 0.1, "grid": 48}] = [
         0.1,
         0.04,
     ]

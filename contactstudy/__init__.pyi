@@ -2,8 +2,7 @@
 from . import analytic, kernels
 from .accuracy.estimate import ErrorEstimate, ErrorParts, error_estimate
 from .domain.checks import InvalidInput, NotDefined
-from .domain.devices.device import Cpu
-from .domain.devices.gpu import Gpu
+from .domain.device import Cpu, Gpu, Precision
 from .domain.grid import Grid
 from .domain.padding import (
     CircularSuperposition,
@@ -14,7 +13,6 @@ from .domain.padding import (
     Superposition,
     ZeroPadding,
 )
-from .domain.precision import Precision
 from .elasticity.coefficients import Coefficients
 from .elasticity.convolution import Convolution, convolution, superposed
 from .evolution.evolution import Evolution
@@ -29,14 +27,10 @@ from .io.dataset import to_dataset
 from .io.scene_file import SceneFile, read_scene
 from .io.scene_writer import write_scene
 from .planning.plan import Plan, plan
-from .problem.bare_problem import BareProblem
-from .problem.compressive import Compressive
-from .problem.constraint import Constraint
-from .problem.gap import Gap
-from .problem.hardness_limited import HardnessLimited
+from .problem.bare_problem import BareProblem, PrescribedLoad, Resultant
+from .problem.constraint import Compressive, Constraint, Gap, HardnessLimited
 from .problem.operator import Operator
 from .problem.problem import Problem, Scales
-from .problem.resultant import PrescribedLoad, Resultant
 from .scene.bodies.coated import CoatedHalfSpace
 from .scene.bodies.elastic_plastic import ElasticPlasticHalfSpace
 from .scene.bodies.solids import Body, HalfSpace

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contactstudy.domain.checks import positive, set_fields
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 
 # Points in a panel of a quadrature over time, panels to each end, and halvings of a time.
 GAUSS, PANELS, BISECTIONS = 10, 16, 60

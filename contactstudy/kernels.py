@@ -4,8 +4,10 @@
 a lattice of images along both axes.
 """
 
-from contactstudy.elasticity.kernels.cell import boussinesq_cell
-from contactstudy.elasticity.kernels.lattice import boussinesq_cell_doubly_periodic
-from contactstudy.elasticity.kernels.row import boussinesq_cell_periodic
+from contactstudy.elasticity.kernels.displacement import (
+    boussinesq_cell,
+    boussinesq_cell_doubly_periodic,
+    boussinesq_cell_periodic,
+)
 
 __all__ = ["boussinesq_cell", "boussinesq_cell_doubly_periodic", "boussinesq_cell_periodic"]

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from contactstudy import InvalidInput, NotDefined
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from studies.advice.pareto_front import pareto_front
 from studies.model.axis import one_of
 from studies.model.outcome import CaseStatus

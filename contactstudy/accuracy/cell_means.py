@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 
 
 def on_cells(field: Array, cells: tuple[int, int]) -> Array:

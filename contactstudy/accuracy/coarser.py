@@ -6,7 +6,7 @@ import numpy as np
 
 from contactstudy.accuracy.cell_means import on_cells
 from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.problem.problem import Problem, Source
 from contactstudy.solvers.solution import Solution

@@ -3,7 +3,7 @@
 import numpy as np
 
 from contactstudy.accuracy.edge_law import edge_place
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 
 # Of a cell: how far the place of a single edge is uncertain, how far that of all in the mean, and how far
 # that of a plateau's.

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactstudy.accuracy.edge_law import modes, offset, powers
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 
 # The law is fitted to these cells. An edge is resolved where so many touch without a break, the next
 # rows end in the same cell, and the fit misses no pressure by more than this share of the largest.

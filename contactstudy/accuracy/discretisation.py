@@ -3,7 +3,7 @@
 import numpy as np
 
 from contactstudy.accuracy.edge_law import edge_error
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 
 # How far a maximum moves, over its second difference, with where the edges fall in their cells: by 1/16
 # between two straight edges that fall alike; here a third more, for those that are neither.

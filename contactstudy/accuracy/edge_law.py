@@ -15,8 +15,8 @@ from math import gamma
 
 import numpy as np
 
-from contactstudy.domain.devices.arrays import Array
-from contactstudy.elasticity.kernels.cell import gauss
+from contactstudy.domain.fields import Array
+from contactstudy.elasticity.kernels.displacement import gauss
 
 # modes k = 1 ... MODES behave like d^(k - 3/2) at d cells from the edge
 MODES = 4

@@ -11,7 +11,7 @@ from contactstudy.accuracy.discretisation import discretisation
 from contactstudy.accuracy.subcell import Subcell, subcell
 from contactstudy.accuracy.truncation import truncation
 from contactstudy.domain.checks import NotDefined
-from contactstudy.problem.gap import violation
+from contactstudy.problem.constraint import violation
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies.solids import Layered
 from contactstudy.scene.scene import PosedScene

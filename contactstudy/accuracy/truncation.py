@@ -6,7 +6,7 @@ from math import inf
 import numpy as np
 
 from contactstudy.domain.checks import NotDefined
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Padding, Paddings
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contactstudy.domain.checks import InvalidInput, in_range, pair, whole
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.domain.units import Metres
 
 LONGEST = 1e9  # times as long as wide

@@ -5,12 +5,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from contactstudy.domain.devices.arrays import Array
-from contactstudy.elasticity.kernels.layer.frf import LayerResponse
-from contactstudy.elasticity.kernels.layer.image import image_cell, image_lattice, image_row
-from contactstudy.elasticity.kernels.layer.rest_cell import rest_cell
-from contactstudy.elasticity.kernels.layer.rest_lattice import rest_lattice
-from contactstudy.elasticity.kernels.layer.rest_row import rest_row
+from contactstudy.domain.fields import Array
+from contactstudy.elasticity.kernels.layer_image import image_cell, image_lattice, image_row
+from contactstudy.elasticity.kernels.layer_response import LayerResponse
+from contactstudy.elasticity.kernels.layer_rest import rest_cell, rest_lattice, rest_row
 
 
 @dataclass(frozen=True)

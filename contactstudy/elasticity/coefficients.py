@@ -6,12 +6,14 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Padding, Paddings
-from contactstudy.elasticity.kernels.cell import boussinesq_cell
-from contactstudy.elasticity.kernels.lattice import boussinesq_cell_doubly_periodic
-from contactstudy.elasticity.kernels.row import boussinesq_cell_periodic
+from contactstudy.elasticity.kernels.displacement import (
+    boussinesq_cell,
+    boussinesq_cell_doubly_periodic,
+    boussinesq_cell_periodic,
+)
 
 
 class Coefficients(Protocol):

@@ -10,11 +10,10 @@ from numpy.typing import DTypeLike
 from scipy import fft
 
 from contactstudy.domain.checks import InvalidInput, positive
-from contactstudy.domain.devices.arrays import Array
-from contactstudy.domain.devices.device import Cpu, arrays, device
+from contactstudy.domain.device import Cpu, Precision, arrays, device
+from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Padding, Paddings, across_and_along
-from contactstudy.domain.precision import Precision
 from contactstudy.elasticity.approximate_inverse import ApproximateInverse, sampled, scale
 from contactstudy.elasticity.coefficients import Coefficients, Displacement, kernel
 from contactstudy.elasticity.transforms import Waves, transforms

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Paddings
 from contactstudy.elasticity.coefficients import Coefficients, Displacement, kernel

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from contactstudy.domain.devices.arrays import Array
-from contactstudy.domain.devices.device import Cpu, arrays, device, threads
+from contactstudy.domain.device import Cpu, arrays, device, threads
+from contactstudy.domain.fields import Array
 
 Waves = NDArray[np.complexfloating[Any, Any]]
 

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.evolution.frame import Frame
 from contactstudy.evolution.march import Instant
-from contactstudy.problem.derived import Field
+from contactstudy.problem.problem import Field
 from contactstudy.solvers.solution import Status
 
 

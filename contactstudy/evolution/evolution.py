@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.imports import import_for
 from contactstudy.evolution.frame import Frame
 from contactstudy.evolution.march import worst
 from contactstudy.evolution.memories.memory import JointMemory
-from contactstudy.problem.derived import Derived
+from contactstudy.problem.problem import Derived
 from contactstudy.scene.scene import PosedScene
 from contactstudy.solvers.solution import Status
 

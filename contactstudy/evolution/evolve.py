@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contactstudy.domain.checks import InvalidInput, positive, whole
+from contactstudy.domain.device import Precision
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Padding, Paddings, across_and_along
-from contactstudy.domain.precision import Precision
 from contactstudy.evolution.checkpoint import Checkpoint
 from contactstudy.evolution.evolution import Evolution
 from contactstudy.evolution.march import March, SolverOptions

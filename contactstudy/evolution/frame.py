@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from contactstudy.domain.devices.arrays import Array
-from contactstudy.problem.derived import Field
+from contactstudy.domain.fields import Array
+from contactstudy.problem.problem import Field
 from contactstudy.solvers.solution import Status
 
 

@@ -9,8 +9,8 @@ from math import log2, sqrt
 import numpy as np
 
 from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.devices.arrays import Array
-from contactstudy.domain.precision import Precision
+from contactstudy.domain.device import Precision
+from contactstudy.domain.fields import Array
 from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.convolution import Convolution, combined, superposed
 from contactstudy.evolution.memories.memory import (
@@ -22,8 +22,8 @@ from contactstudy.evolution.memories.memory import (
     Step,
 )
 from contactstudy.evolution.scheme import Scheme
+from contactstudy.problem.bare_problem import PrescribedLoad
 from contactstudy.problem.problem import Problem, Scales
-from contactstudy.problem.resultant import PrescribedLoad
 from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import Solver, solve

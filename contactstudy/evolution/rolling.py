@@ -8,13 +8,13 @@ from math import inf, pi
 import numpy as np
 
 from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.device import Precision
+from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Padding, Paddings
-from contactstudy.domain.precision import Precision
 from contactstudy.elasticity.coefficients import Coefficients, Displacement
 from contactstudy.elasticity.convolution import antisymmetric, superposed
-from contactstudy.elasticity.trailing import Trailing
+from contactstudy.elasticity.viscoelastic import Trailing
 from contactstudy.scene.bodies.solids import response, sudden
 from contactstudy.scene.bodies.viscoelastic import ViscoelasticHalfSpace
 from contactstudy.scene.loads.load import LineLoad

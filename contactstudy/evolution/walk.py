@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from contactstudy.accuracy.discretisation import discretisation
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.evolution.checkpoint import Checkpoint
 from contactstudy.evolution.frame import Frame
 from contactstudy.evolution.march import Instant, March, worst

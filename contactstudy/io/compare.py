@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.domain.imports import import_for
 from contactstudy.solvers.solution import Solution
 

@@ -13,7 +13,7 @@ from contactstudy.accuracy.estimate import ErrorEstimate
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.version import VERSION
 from contactstudy.io.scene_writer import scene_text
-from contactstudy.problem.derived import Sheared
+from contactstudy.problem.problem import Sheared
 from contactstudy.scene.scene import PosedScene
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
 from contactstudy.solvers.solution import Solution, Status, Traction

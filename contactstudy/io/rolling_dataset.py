@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.domain.version import VERSION
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
 from contactstudy.evolution.passes.repeated_rolling import RepeatedRolling

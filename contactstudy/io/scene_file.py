@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from contactstudy.domain.checks import InvalidInput, whole
-from contactstudy.domain.devices.arrays import Array
-from contactstudy.domain.devices.device import Cpu, Device
+from contactstudy.domain.device import Cpu, Device, Precision
+from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import (
     CircularSuperposition,
@@ -23,7 +23,6 @@ from contactstudy.domain.padding import (
     Superposition,
     ZeroPadding,
 )
-from contactstudy.domain.precision import Precision
 from contactstudy.domain.units import Metres, Number, Pascals, Seconds
 from contactstudy.io.structuring import NO_KIND, structured
 from contactstudy.planning.plan import Plan, plan

@@ -6,7 +6,7 @@ from time import perf_counter
 
 import numpy as np
 
-from contactstudy.domain.devices.device import ONE_THREAD, Device, using
+from contactstudy.domain.device import ONE_THREAD, Device, using
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Padding, Paddings, across_and_along
 from contactstudy.elasticity.convolution import Convolution, convolution, padded_cells

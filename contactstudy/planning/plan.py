@@ -6,7 +6,7 @@ from importlib import import_module
 from math import inf, prod
 
 from contactstudy.domain.checks import InvalidInput, NotDefined, positive
-from contactstudy.domain.devices.device import ONE_THREAD, Device, checked
+from contactstudy.domain.device import ONE_THREAD, Device, checked
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.memory import available_bytes
 from contactstudy.domain.padding import Padding, Paddings, across_and_along

@@ -5,7 +5,7 @@ from math import log
 
 import numpy as np
 
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 
 # Prior widths, all of natural logarithms: any scale, exponents and curvatures of ordinary size, and the spread that
 # is assumed where too little was measured, which counts as so many measurements.

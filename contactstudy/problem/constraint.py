@@ -1,11 +1,40 @@
-"""What limits the pressure of each cell, whatever load they carry together."""
+"""The gap under a pressure, and what limits the pressure of each cell, whatever load they carry together."""
 
-from math import inf
+from dataclasses import dataclass
+from math import inf, nan, prod
 from typing import Protocol, Self
 
-from contactstudy.domain.devices.arrays import Array
-from contactstudy.domain.devices.device import arrays
-from contactstudy.problem.gap import Gap
+import numpy as np
+
+from contactstudy.domain.device import arrays, fused
+from contactstudy.domain.fields import Array, change, compiled, in_blocks, inner
+from contactstudy.domain.fields import total as sum_of
+
+
+@dataclass(frozen=True, eq=False)
+class Gap:
+    """``height`` (x, y) of the gap, counted from the ``approach``, all in units of the gap scale.
+
+    The approach is such that cells whose pressure is at no limit have no mean height. It should be zero in these
+    cells, not below zero in cells without pressure, and not above zero in cells at an upper limit. A pass that
+    has found the ``residual`` and the ``farthest`` displacement along with the heights leaves them here.
+    """
+
+    height: Array
+    approach: float
+    residual: float | None = None
+    farthest: float | None = None
+
+
+def violation(pressure: Array, height: Array, free: Array) -> Array:
+    """How far cells that are not ``free`` violate a limit: penetration where p = 0, an open gap where they yield."""
+    xp = arrays()
+    return xp.maximum(xp.where(pressure == 0, -height, height) * (1 - free), 0)
+
+
+def largest(*measures: float) -> float:
+    """The largest, or nan where any is nan: Python's own ``max`` forgets a nan that comes later."""
+    return float(np.max(measures))
 
 
 class Constraint(Protocol):
@@ -99,3 +128,210 @@ def shifted(trial: Array, total: float, most: float) -> Array:
     below += shift
     trial[...] = xp.astype(xp.clip(below, 0.0, most), trial.dtype, copy=False)
     return trial
+
+
+@dataclass(frozen=True)
+class Compressive:
+    """``p >= 0``."""
+
+    def scaled(self, pressure: float) -> "Compressive":
+        """The same in any unit."""
+        return self
+
+    def of(self, pressure: Array, unit: float) -> Array:
+        """``pressure`` in this unit."""
+        return np.multiply(pressure, unit, dtype=np.float64)
+
+    def capacity(self, cells: int) -> float:
+        """Infinite."""
+        return inf
+
+    def free(self, pressure: Array) -> Array:
+        """Cells that bear pressure."""
+        return arrays().astype(pressure > 0, pressure.dtype)
+
+    def approach(self, pressure: Array, height: Array) -> float:
+        """None: pressure that carries a load has free cells."""
+        return nan
+
+    def cuts(self, trial: Array) -> bool:
+        """Whether there is tension."""
+        return bool(arrays().min(trial) < 0)
+
+    def clip(self, trial: Array) -> Array:
+        """Tension is set to zero."""
+        return change(trial, lambda some: arrays().maximum(some, 0))
+
+    def carrying(self, trial: Array, total: float) -> Array:
+        """Tension is set to zero, the rest scaled."""
+        self.clip(trial)
+        trial *= float(np.divide(total, sum_of(trial)))
+        return trial
+
+    def nearest(self, trial: Array, total: float) -> Array:
+        """Shifted, then cut off."""
+        return shifted(trial, total, inf)
+
+    def levelled(self, trial: Array, cells: Array, total: float) -> Array:
+        """Shifted in Newton's steps, each of which cuts off more: the sum is convex in the shift."""
+        borne, bearing, most = _chosen(trial, cells)
+        if most > total:  # numbers of this size would drown the load
+            where = cells > 0
+            trial[where] = shifted(trial[where], total, inf)
+            return trial
+        shift, before = 0.0, -1.0
+        while borne > total and bearing != before:
+            shift, before = shift + (borne - total) / bearing, bearing
+            borne, bearing = _lowered(trial, shift)
+        rounding = 16 * arrays().finfo(trial.dtype).eps
+        return _lower(trial, shift, 1.0 if abs(borne / total - 1) <= rounding else total / borne)
+
+    def wrong(self, pressure: Array, height: Array) -> Array:
+        """Cells that penetrate."""
+        return arrays().astype((pressure == 0) & (height < 0), height.dtype)
+
+    def residual(self, pressure: Array, gap: Gap, borne: float) -> float:
+        """Complementarity and penetration."""
+        xp = arrays()
+
+        def measure(rows: slice) -> tuple[float, float]:
+            some, height = pressure[rows, :], gap.height[rows, :]
+            return inner(some, xp.abs(height)), float(xp.max((self.free(some) - 1) * height))
+
+        moments, deepest = zip(*in_blocks(measure, pressure.shape), strict=True)
+        return largest(sum(moments) / borne, *deepest)
+
+
+def _chosen(trial: Array, cells: Array) -> tuple[float, ...]:
+    """Tension and what is not among the ``cells`` cut off, in place; the load, in how many cells, the largest left."""
+    xp, kernels = arrays(), fused()
+    if kernels is not None:
+        found = compiled(kernels.chosen, trial, cells, results=3)
+        return (*found[:2].sum(axis=1).tolist(), float(found[2].max()))
+
+    def some(rows: slice) -> tuple[float, float, float]:
+        kept = xp.maximum(trial[rows, :] * cells[rows, :], 0)
+        trial[rows, :] = kept
+        return float(xp.sum(kept)), int(xp.count_nonzero(kept > 0)), float(xp.max(kept))
+
+    borne, bearing, most = zip(*in_blocks(some, trial.shape), strict=True)
+    return sum(borne), sum(bearing), max(most)
+
+
+def _lowered(trial: Array, shift: float) -> tuple[float, ...]:
+    """The load that is left of a pressure so much lower, and in how many cells."""
+    xp, kernels = arrays(), fused()
+    if kernels is not None:
+        return tuple(compiled(kernels.lowered, trial, shift, results=2).sum(axis=1).tolist())
+
+    def some(rows: slice) -> tuple[float, float]:
+        left = xp.maximum(trial[rows, :] - shift, 0)
+        return float(xp.sum(left)), int(xp.count_nonzero(left > 0))
+
+    return tuple(map(sum, zip(*in_blocks(some, trial.shape), strict=True)))
+
+
+def _lower(trial: Array, shift: float, scale: float) -> Array:
+    """That pressure, in place, times a factor."""
+    xp, kernels = arrays(), fused()
+    if kernels is not None:
+        compiled(kernels.lower, trial, shift, scale)
+        return trial
+    return change(trial, lambda some: xp.maximum(some - shift, 0) * scale)
+
+
+@dataclass(frozen=True)
+class HardnessLimited:
+    """``0 <= p <= hardness``: perfectly plastic above the hardness.
+
+    Where p is at the hardness the bodies may overlap, by what the softer one gives way.
+    Source: Almqvist, Sahlin, Larsson & Glavatskih (2007), sect. 2.
+    """
+
+    hardness: float
+
+    def scaled(self, pressure: float) -> "HardnessLimited":
+        """The same in another unit."""
+        return HardnessLimited(float(self.hardness * pressure))
+
+    def of(self, pressure: Array, unit: float) -> Array:
+        """In this unit; what yielded there has the hardness to the last bit here."""
+        yielding = pressure >= self.scaled(1 / unit).hardness
+        return np.where(yielding, self.hardness, np.multiply(pressure, unit, dtype=np.float64))
+
+    def capacity(self, cells: int) -> float:
+        """The hardness in every cell."""
+        return self.hardness * cells
+
+    def free(self, pressure: Array) -> Array:
+        """Cells that bear pressure below the hardness."""
+        return arrays().astype((pressure > 0) & (pressure < self.hardness), pressure.dtype)
+
+    def approach(self, pressure: Array, height: Array) -> float:
+        """The least that leaves no gap open where all have yielded."""
+        return float(arrays().max(height[pressure > 0]))
+
+    def cuts(self, trial: Array) -> bool:
+        """Tension, or more than the hardness."""
+        xp = arrays()
+        return bool(xp.min(trial) < 0 or xp.max(trial) > self.hardness)
+
+    def clip(self, trial: Array) -> Array:
+        """No tension, and nothing above the hardness."""
+        return change(trial, lambda some: arrays().clip(some, 0.0, self.hardness))
+
+    def carrying(self, trial: Array, total: float) -> Array:
+        """Scaled before it is cut off at the hardness, by the one factor that gives the sum ``total``."""
+        xp = arrays()
+        change(trial, lambda some: xp.maximum(some, 0))
+        bearing = trial > 0
+        count = int(xp.count_nonzero(bearing))
+        if count * self.hardness <= total:
+            others = max(prod(trial.shape) - count, 1)
+            spread = min((total - self.hardness * count) / others, self.hardness)
+            trial[~bearing] = spread
+            trial[bearing] = self.hardness
+            return trial
+        borne = trial[bearing]
+        rounding = 8 * float(xp.finfo(trial.dtype).eps)
+        if xp.max(borne) == self.hardness and abs(float(xp.sum(borne)) / total - 1) <= rounding:
+            return trial  # a factor one bit below 1 would take yielding cells off their limit
+        # what is carried grows with the factor along a concave broken line: Newton's steps from the left
+        # never pass the root, and end on its own segment
+        factor = total / float(xp.sum(borne))
+        while True:
+            yielding = borne * factor >= self.hardness
+            rest = total - self.hardness * int(xp.count_nonzero(yielding))
+            below = float(xp.sum(borne[~yielding]))
+            if not (below > 0 and rest / below > factor):
+                break
+            factor = rest / below
+        return change(trial, lambda some: xp.minimum(some * factor, self.hardness))
+
+    def nearest(self, trial: Array, total: float) -> Array:
+        """Shifted, then cut off."""
+        return shifted(trial, total, self.hardness)
+
+    def levelled(self, trial: Array, cells: Array, total: float) -> Array:
+        """Shifted, if these cells can make up for the others."""
+        xp = arrays()
+        self.clip(trial)
+        chosen = cells > 0
+        rest = total - float(xp.sum(trial[~chosen]))
+        if not 0 < rest < self.capacity(int(xp.count_nonzero(chosen))):
+            return self.carrying(trial, total)
+        trial[chosen] = shifted(trial[chosen], rest, self.hardness)
+        return trial
+
+    def wrong(self, pressure: Array, height: Array) -> Array:
+        """Cells that penetrate without pressure, and that are open at the hardness."""
+        left = violation(pressure, height, self.free(pressure))
+        return arrays().astype(left > 0, height.dtype)
+
+    def residual(self, pressure: Array, gap: Gap, borne: float) -> float:
+        """Complementarity of the free cells, penetration, and gaps that yielding cells leave open."""
+        xp = arrays()
+        free = self.free(pressure)
+        moment, of_free = inner(pressure, xp.abs(gap.height) * free), inner(pressure, free)
+        complementarity = moment / of_free if of_free > 0 else 0.0
+        return largest(complementarity, float(xp.max(violation(pressure, gap.height, free))))

@@ -3,11 +3,10 @@
 from math import prod
 
 from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.devices.device import Device
+from contactstudy.domain.device import Device, Precision
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.memory import available_bytes
 from contactstudy.domain.padding import Paddings
-from contactstudy.domain.precision import Precision
 from contactstudy.elasticity.convolution import Convolution, padded_cells
 from contactstudy.problem.problem import Problem
 

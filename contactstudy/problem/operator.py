@@ -4,8 +4,8 @@ from typing import Any, Protocol, Self
 
 from numpy.typing import DTypeLike, NDArray
 
-from contactstudy.domain.devices.arrays import Array
-from contactstudy.domain.precision import Precision
+from contactstudy.domain.device import Precision
+from contactstudy.domain.fields import Array
 
 
 class Extension(Protocol):

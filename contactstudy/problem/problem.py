@@ -1,18 +1,49 @@
-"""The contact problem in SI units: a gap, an operator, a constraint, a resultant."""
+"""The contact problem in SI units: a gap, an operator, a constraint, a resultant, and what follows from its pressure."""
 
-from dataclasses import dataclass
-from typing import Any, Protocol
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Protocol, runtime_checkable
 
-from contactstudy.domain.devices.arrays import Array
-from contactstudy.domain.devices.device import device
+from numpy.typing import NDArray
+
+from contactstudy.domain.device import Precision, device
+from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Paddings
-from contactstudy.domain.precision import Precision
-from contactstudy.problem.bare_problem import BareProblem
+from contactstudy.problem.bare_problem import BareProblem, Resultant
 from contactstudy.problem.constraint import Constraint
-from contactstudy.problem.derived import Derived
 from contactstudy.problem.operator import Operator
-from contactstudy.problem.resultant import Resultant
+
+
+@dataclass(frozen=True, eq=False)
+class Field:
+    """Values with their dimensions, unit, long name and other CF attributes.
+
+    A field named like its only dimension is a coordinate.
+    """
+
+    dimensions: tuple[str, ...]
+    values: NDArray[Any]
+    units: str
+    long_name: str
+    attributes: Mapping[str, str] = field(default_factory=dict)
+
+
+class Derived(Protocol):
+    """What follows from the pressure on one grid, found when it is called for."""
+
+    def fields(self, pressure: Array) -> Mapping[str, Field]:
+        """Fields by name, under ``pressure`` (x, y) [Pa]."""
+        ...
+
+
+@runtime_checkable
+class Sheared(Protocol):
+    """What follows from shear on the surface as well."""
+
+    def under(self, shear: Array) -> Derived:
+        """The same under ``shear`` (component, x, y) [Pa] on the first body."""
+        ...
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 
 from contactstudy.domain.checks import InvalidInput, finite, in_range, set_fields
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Paddings
 from contactstudy.domain.units import NewtonsPerMetre, Number
@@ -19,8 +19,7 @@ from contactstudy.elasticity.tangential import (
 )
 from contactstudy.problem.problem import FrictionLaw
 from contactstudy.scene.bodies.solids import Body, HalfSpace
-from contactstudy.solvers.partial_slip import CoulombDisks, Superposed
-from contactstudy.solvers.sliding import FullSliding
+from contactstudy.solvers.friction import CoulombDisks, FullSliding, Superposed
 
 # Bodies are alike in shear where Dundurs' beta is below this: the difference is rounding.
 ALIKE = 1e-14

@@ -4,7 +4,7 @@ from typing import Protocol, runtime_checkable
 
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Paddings
-from contactstudy.problem.derived import Derived
+from contactstudy.problem.problem import Derived
 from contactstudy.scene.bodies.solids import Body
 
 

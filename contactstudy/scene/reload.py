@@ -3,8 +3,8 @@
 from dataclasses import replace
 
 from contactstudy.domain.checks import InvalidInput
+from contactstudy.problem.bare_problem import PrescribedLoad
 from contactstudy.problem.problem import Problem
-from contactstudy.problem.resultant import PrescribedLoad
 from contactstudy.scene.loads.load import LineLoad
 from contactstudy.scene.scene import PosedScene
 

@@ -9,17 +9,15 @@ import numpy as np
 
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import InvalidInput, in_range, set_fields
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Padding, Paddings, across_and_along
 from contactstudy.domain.units import Pascals
 from contactstudy.elasticity.convolution import superposed
-from contactstudy.problem.compressive import Compressive
-from contactstudy.problem.constraint import Constraint
-from contactstudy.problem.hardness_limited import HardnessLimited
+from contactstudy.problem.bare_problem import PrescribedLoad
+from contactstudy.problem.constraint import Compressive, Constraint, HardnessLimited
 from contactstudy.problem.memory import refuse_too_large
 from contactstudy.problem.problem import Problem, Scales
-from contactstudy.problem.resultant import PrescribedLoad
 from contactstudy.scene.bodies.solids import Body, Layered, Particular, contact_modulus, response
 from contactstudy.scene.loads.load import LineLoad
 from contactstudy.scene.outputs import Output

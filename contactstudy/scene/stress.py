@@ -7,7 +7,7 @@ from math import isinf
 import numpy as np
 
 from contactstudy.domain.checks import InvalidInput, finite, set_fields, whole
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Paddings
 from contactstudy.domain.units import Metres
@@ -19,7 +19,7 @@ from contactstudy.elasticity.kernels.stress_periodic import (
     stress_cell_periodic,
 )
 from contactstudy.elasticity.transforms import TRANSFORMS, Waves
-from contactstudy.problem.derived import Field
+from contactstudy.problem.problem import Field
 from contactstudy.scene.bodies.solids import Body, Homogeneous
 
 Z = {"axis": "Z", "positive": "down"}

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 
 
 @dataclass(frozen=True, eq=False)

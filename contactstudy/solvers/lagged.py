@@ -6,8 +6,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from contactstudy.domain.devices.arrays import Array
-from contactstudy.domain.precision import Precision
+from contactstudy.domain.device import Precision
+from contactstudy.domain.fields import Array
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from contactstudy.solvers.solution import Solution, Status

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from contactstudy.domain.devices.arrays import Array, inner, mean_over
-from contactstudy.domain.devices.device import arrays
+from contactstudy.domain.device import arrays
+from contactstudy.domain.fields import Array, inner, mean_over
 from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.solvers.iterate import Iterate, Stall
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactstudy.domain.checks import NotDefined
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.domain.imports import import_for
 from contactstudy.problem.problem import Problem
 

@@ -1,20 +1,18 @@
-"""Problem -> Solution."""
+"""Solve a contact problem: its options, its checks, and the solution with its status."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, fields, replace
 from math import inf
 from typing import Protocol, runtime_checkable
 
 import numpy as np
 
 from contactstudy.domain.checks import InvalidInput, positive, whole
-from contactstudy.domain.devices.arrays import Array
-from contactstudy.domain.devices.device import Cpu, Device, using
-from contactstudy.domain.precision import Precision
+from contactstudy.domain.device import Cpu, Device, Precision, device, using
+from contactstudy.domain.fields import Array
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.problem.bare_problem import BareProblem
-from contactstudy.problem.compressive import Compressive
-from contactstudy.problem.hardness_limited import HardnessLimited
+from contactstudy.problem.constraint import Compressive, Gap, HardnessLimited
 from contactstudy.problem.memory import refuse_on, refuse_solve
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.iterate import Iterate
@@ -224,3 +222,47 @@ def _status(
     if last.pressure[across].any() or last.pressure[:, along].any():
         return Status.CONTACT_AT_EDGE
     return Status.CONVERGED
+
+
+# Takes the residual and the pressure (x, y), dimensionless; the pressure is the solver's own and changes.
+See = Callable[[float, Array], object]
+
+
+@dataclass(frozen=True)
+class Watched:
+    """``solver``, which calls ``see(residual, pressure)`` in every iteration on the grid itself, not on coarser ones.
+
+    The pressure is in the unit ``problem.scales.pressure``; who keeps it makes a copy.
+    """
+
+    see: See = field(compare=False)
+    solver: Solver = field(default_factory=PreconditionedCG)
+
+    def iterate(
+        self,
+        problem: BareProblem,
+        *,
+        tolerance: float,
+        max_iterations: int,
+        start: Array | None = None,
+    ) -> Iterate:
+        """As the solver does."""
+        seen = _Seen(
+            **{one.name: getattr(problem, one.name) for one in fields(BareProblem)}, see=self.see
+        )
+        return self.solver.iterate(
+            seen, tolerance=tolerance, max_iterations=max_iterations, start=start
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class _Seen(BareProblem):
+    """A problem that shows each residual."""
+
+    see: See = field(kw_only=True)
+
+    def residual(self, pressure: Array, gap: Gap) -> float:
+        """Shown before it is returned."""
+        found = super().residual(pressure, gap)
+        self.see(found, device().take(pressure))
+        return found

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 import contactstudy as cs
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.domain.padding import Paddings
 from contactstudy.planning.cost import SMOOTH_ITERATIONS, Timed, padded, timed
 from studies.model.outcome import CaseStatus

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from studies.reference.line_contact import padding_label, total_time
 
 # What of a contact may be asked to be accurate, and the stored errors of it; the second is nearly free.

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from contactstudy.accuracy.metric import Edges, Metric
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from studies.advice.cost_model import cost_model
 from studies.advice.recommendation import Limits, Setting, SmoothContact, candidates, choose
 from studies.advice.settings_table import STORED_ERRORS, Settings, settings

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contactstudy import InvalidInput
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -202,7 +202,7 @@ def _solved(
     import xarray as xr
 
     from contactstudy.io.dataset import X, Y
-    from contactstudy.solvers.watched import Watched
+    from contactstudy.solvers.solve import Watched
     from studies.cli.progress import pressure_in, progress, stopped
     from studies.store.netcdf import write
 

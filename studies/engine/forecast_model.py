@@ -12,7 +12,7 @@ from math import exp, log
 
 import numpy as np
 
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.planning.power_law import PowerLaw
 from studies.store.identity import DEFAULTS, Tree, text
 

@@ -7,11 +7,13 @@ from functools import lru_cache
 import numpy as np
 
 import contactstudy as cs
-from contactstudy.domain.devices.arrays import Array
-from contactstudy.elasticity.kernels.cell import boussinesq_cell
-from contactstudy.elasticity.kernels.lattice import boussinesq_cell_doubly_periodic
-from contactstudy.elasticity.kernels.row import boussinesq_cell_periodic
-from contactstudy.problem.gap import violation
+from contactstudy.domain.fields import Array
+from contactstudy.elasticity.kernels.displacement import (
+    boussinesq_cell,
+    boussinesq_cell_doubly_periodic,
+    boussinesq_cell_periodic,
+)
+from contactstudy.problem.constraint import violation
 
 # Of influence coefficients and of one transform pair, over the largest displacement.
 ROUNDING = 1e-13

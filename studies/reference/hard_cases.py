@@ -6,7 +6,7 @@ from math import inf
 import numpy as np
 
 import contactstudy as cs
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from studies.reference.equivalent_cases import perturbation, units
 from studies.reference.hard_case import (
     AT_EDGE,

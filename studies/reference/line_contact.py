@@ -8,7 +8,7 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.accuracy.contact_edge import corrected_pressure, half_widths
 from contactstudy.domain.checks import positive, whole
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from studies.model.axis import Axis, one_of
 from studies.model.case import Case, error_estimates, number
 from studies.model.outcome import CaseStatus

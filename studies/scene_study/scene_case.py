@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 import contactstudy as cs
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.scene.reload import under_load
 from studies.model.case import Case
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 import contactstudy as cs
-from contactstudy.domain.devices.arrays import Array, inner
+from contactstudy.domain.fields import Array, inner
 
 # The error of the stiffness is the square of the relative error of the iteration.
 RESIDUAL = 3e-2

@@ -74,7 +74,7 @@ KNOWN = (
     KnownMutation("contactstudy/planning/cost.py", "SETUP = 0.8", "SETUP = 1.6"),
     KnownMutation("contactstudy/scene/shapes/texture.py", "slope = 2 *", "slope = 1 *"),
     KnownMutation(
-        "contactstudy/problem/hardness_limited.py",
+        "contactstudy/problem/constraint.py",
         ".max(height[pressure > 0])",
         ".min(height[pressure > 0])",
     ),

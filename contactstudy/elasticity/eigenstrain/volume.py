@@ -5,7 +5,7 @@ from typing import Protocol
 
 import numpy as np
 
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 
 

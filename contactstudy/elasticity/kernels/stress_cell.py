@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contactstudy.domain.devices.arrays import Array
-from contactstudy.elasticity.kernels.cell import gauss
+from contactstudy.domain.fields import Array
+from contactstudy.elasticity.kernels.displacement import gauss
 
 # Distances in the longer side of a cell. Up to NEAR the difference of corners loses a factor of
 # NEAR^2 and the cell's aspect; from there on a point's field is analytic in a Bernstein ellipse of

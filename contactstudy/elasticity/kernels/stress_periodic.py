@@ -7,8 +7,8 @@ from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import ArrayLike
 from scipy.linalg import eigh_tridiagonal
 
-from contactstudy.domain.devices.arrays import Array
-from contactstudy.elasticity.kernels.cell import gauss
+from contactstudy.domain.fields import Array
+from contactstudy.elasticity.kernels.displacement import gauss
 from contactstudy.elasticity.kernels.stress_cell import (
     Component,
     Strip,

@@ -6,7 +6,7 @@ that rows and lattices of cells are summed by the same functions. x runs across,
 
 import numpy as np
 
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, Component, Field, Strip
 
 

@@ -7,11 +7,11 @@ from typing import ClassVar
 
 import numpy as np
 
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.elasticity.coefficients import Coefficients
-from contactstudy.elasticity.prony import Creep
+from contactstudy.elasticity.viscoelastic import Creep
 from contactstudy.evolution.memories.memory import Contribution, State, Step
-from contactstudy.problem.derived import Field
+from contactstudy.problem.problem import Field
 
 
 @dataclass(frozen=True)

@@ -4,10 +4,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.elasticity.coefficients import Coefficients
-from contactstudy.problem.derived import Field
-from contactstudy.problem.problem import Problem
+from contactstudy.problem.problem import Field, Problem
 from contactstudy.solvers.solution import Solution
 
 # The fields (x, y) that a memory keeps, by name: all that a checkpoint needs of it.

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from math import pi
 
 from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.precision import Precision
+from contactstudy.domain.device import Precision
 from contactstudy.elasticity.coefficients import Displacement
 from contactstudy.evolution.memories.creep import CreepMemory
 from contactstudy.evolution.memories.memory import JointMemory, Memory

@@ -7,22 +7,19 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from contactstudy.domain.devices.arrays import Array
-from contactstudy.domain.precision import Precision
+from contactstudy.domain.device import Precision
+from contactstudy.domain.fields import Array
 from contactstudy.elasticity.eigenstrain.plane_strain import PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import EigenstrainOperator, Moduli, Volume
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
 from contactstudy.evolution.memories.memory import Contact, State
 from contactstudy.evolution.memories.yielding_volume import both, first_volume, larger, spread
-from contactstudy.problem.derived import Field
-from contactstudy.problem.problem import Problem
+from contactstudy.problem.problem import Field, Problem
 from contactstudy.scene.bodies.elastic_plastic import ElasticPlasticHalfSpace
 from contactstudy.scene.scene import Scene
-from contactstudy.solvers.plasticity.contact_tangent import ContactTangent
-from contactstudy.solvers.plasticity.settle import Settled, settle
-from contactstudy.solvers.plasticity.yield_law import ROOT
-from contactstudy.solvers.plasticity.yielding_bodies import Hardening, YieldingBodies
+from contactstudy.solvers.settle import ContactTangent, Settled, settle
 from contactstudy.solvers.solution import Solution, Status
+from contactstudy.solvers.yielding_bodies import ROOT, Hardening, YieldingBodies
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.evolution.memories.memory import Contribution, State, Step
-from contactstudy.problem.derived import Field
+from contactstudy.problem.problem import Field
 
 
 @dataclass(frozen=True)

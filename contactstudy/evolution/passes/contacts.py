@@ -4,11 +4,10 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Protocol
 
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.evolution.march import LoweredContact, SolverOptions, lowered, unloaded
 from contactstudy.problem.problem import Problem
-from contactstudy.solvers.plasticity.contact_tangent import ContactTangent
-from contactstudy.solvers.plasticity.settle import Tangent
+from contactstudy.solvers.settle import ContactTangent, Tangent
 from contactstudy.solvers.solution import Solution
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.imports import import_for
 from contactstudy.evolution.march import worst

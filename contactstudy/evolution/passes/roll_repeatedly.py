@@ -6,10 +6,10 @@ from math import inf
 import numpy as np
 
 from contactstudy.domain.checks import InvalidInput, positive, whole
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.device import Precision
+from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Padding, Paddings
-from contactstudy.domain.precision import Precision
 from contactstudy.elasticity.eigenstrain.plane_strain import PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import Volume
 from contactstudy.evolution.march import SolverOptions, worst

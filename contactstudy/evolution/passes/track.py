@@ -5,15 +5,14 @@ from functools import partial
 
 import numpy as np
 
-from contactstudy.domain.devices.arrays import Array
-from contactstudy.elasticity.eigenstrain.half_lines import HalfLines
-from contactstudy.elasticity.eigenstrain.plane_strain import PlaneStrainOperator
+from contactstudy.domain.fields import Array
+from contactstudy.elasticity.eigenstrain.plane_strain import HalfLines, PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import Volume
 from contactstudy.evolution.memories.yielding_volume import larger, spread
 from contactstudy.evolution.passes.contacts import Contact
-from contactstudy.solvers.plasticity.settle import Settled, settle
-from contactstudy.solvers.plasticity.yielding_bodies import Hardening, YieldingBodies
+from contactstudy.solvers.settle import Settled, settle
 from contactstudy.solvers.solution import Solution
+from contactstudy.solvers.yielding_bodies import Hardening, YieldingBodies
 
 
 @dataclass(frozen=True, eq=False)

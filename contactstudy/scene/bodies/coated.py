@@ -10,7 +10,7 @@ from contactstudy.domain.checks import InvalidInput, in_range, set_fields
 from contactstudy.domain.units import Metres
 from contactstudy.elasticity.coating import CoatingDisplacement
 from contactstudy.elasticity.coefficients import Coefficients, Displacement
-from contactstudy.elasticity.kernels.layer.frf import LayerResponse
+from contactstudy.elasticity.kernels.layer_response import LayerResponse
 from contactstudy.scene.bodies.solids import HalfSpace
 
 # Up to this ratio of shear moduli the coefficients are verified.

@@ -13,7 +13,7 @@ from contactstudy.domain.checks import (
 )
 from contactstudy.domain.units import Number, Pascals, Seconds
 from contactstudy.elasticity.coefficients import Coefficients, Displacement
-from contactstudy.elasticity.prony import Creep, creep
+from contactstudy.elasticity.viscoelastic import Creep, creep
 from contactstudy.scene.bodies.solids import HalfSpace, poisson_ratio
 
 

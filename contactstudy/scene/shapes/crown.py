@@ -8,7 +8,7 @@ import numpy as np
 
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import InvalidInput, in_range, in_range_from_zero, set_fields
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Metres
 from contactstudy.scene.shapes.detail import Detail

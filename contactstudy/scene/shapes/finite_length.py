@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contactstudy.domain.checks import in_range, set_fields
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Metres
 from contactstudy.scene.shapes.detail import Detail

@@ -15,7 +15,7 @@ from contactstudy.domain.checks import (
     set_fields,
     whole,
 )
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Metres, Number
 from contactstudy.scene.shapes.detail import Detail

@@ -2,7 +2,7 @@
 
 from typing import Protocol, runtime_checkable
 
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 
 

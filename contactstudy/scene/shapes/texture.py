@@ -15,7 +15,7 @@ from contactstudy.domain.checks import (
     positive,
     set_fields,
 )
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Metres
 from contactstudy.scene.shapes.detail import Detail

@@ -10,7 +10,7 @@ from typing import Any, Self
 import numpy as np
 
 from contactstudy.domain.checks import InvalidInput, divides, in_range, pair, set_fields
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Metres
 from contactstudy.scene.shapes.detail import Detail

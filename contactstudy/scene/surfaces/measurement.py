@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.domain.imports import import_for
 
 # Points and their sizes (x, y) [m], if they have any.

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactstudy.domain.checks import InvalidInput, positive, set_fields
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 
 
 class Missing(Protocol):

@@ -4,7 +4,7 @@ from typing import Literal
 
 import numpy as np
 
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 
 # The boundary condition of scipy.interpolate.CubicSpline.
 Ends = Literal["periodic", "not-a-knot"]

@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 
 from contactstudy.domain.checks import InvalidInput, positive, set_fields
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 
 
 class Seam(Protocol):

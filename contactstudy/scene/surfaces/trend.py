@@ -4,7 +4,7 @@ from enum import Enum
 
 import numpy as np
 
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 
 
 class Trend(Enum):

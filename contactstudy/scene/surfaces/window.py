@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from contactstudy.domain.checks import InvalidInput, pair, set_fields, whole
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 
 
 @dataclass(frozen=True)

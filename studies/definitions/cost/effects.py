@@ -7,7 +7,7 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.domain.checks import whole
-from contactstudy.problem.derived import Sheared
+from contactstudy.problem.problem import Sheared
 from contactstudy.scene.bodies.coated import CoatedHalfSpace
 from contactstudy.scene.friction import Sliding
 from studies.definitions.cost.peak_memory import peak_bytes

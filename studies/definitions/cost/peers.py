@@ -13,7 +13,7 @@ from threadpoolctl import threadpool_limits
 
 import contactstudy as cs
 from contactstudy.domain.checks import whole
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from studies.model.axis import Axis, one_of
 from studies.model.case import number
 from studies.model.study import Point

@@ -11,7 +11,7 @@ from scipy.special import erfinv
 
 import contactstudy as cs
 from contactstudy.domain.checks import in_range, positive, whole
-from contactstudy.domain.devices.device import Device, using
+from contactstudy.domain.device import Device, using
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.elasticity.transforms import transforms
 from studies.definitions.cost import solvers

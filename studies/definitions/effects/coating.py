@@ -11,9 +11,9 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.accuracy.contact_edge import half_widths
 from contactstudy.domain.checks import positive, whole
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.elasticity.coating import CoatingDisplacement
-from contactstudy.elasticity.kernels.layer.image import image_cell, image_lattice, image_row
+from contactstudy.elasticity.kernels.layer_image import image_cell, image_lattice, image_row
 from contactstudy.scene.bodies.coated import CoatedHalfSpace
 from contactstudy.scene.bodies.solids import response
 from studies.model.axis import Axis

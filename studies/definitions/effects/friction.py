@@ -8,10 +8,10 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.domain.checks import finite, whole
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.scene.friction import PartialSlip
 from contactstudy.scene.stress import StressBelow, von_mises
-from contactstudy.solvers.partial_slip import Superposed
+from contactstudy.solvers.friction import Superposed
 from studies.model.axis import Axis
 from studies.model.case import Case, number
 from studies.model.study import Point

@@ -10,7 +10,7 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.accuracy.contact_edge import half_widths
 from contactstudy.domain.checks import non_negative, positive, whole
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from studies.definitions.evolution_case import EvolutionCase
 from studies.model.axis import Axis
 from studies.model.case import number

@@ -9,7 +9,7 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.analytic import truncation_error
 from contactstudy.domain.checks import divides, non_negative, positive, whole
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from studies.model.axis import Axis
 from studies.model.case import Case
 from studies.model.study import Point

@@ -9,7 +9,7 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.domain.checks import whole
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from studies.definitions.evolution_case import EvolutionCase
 from studies.model.axis import Axis, one_of
 from studies.model.case import number

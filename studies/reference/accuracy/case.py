@@ -7,7 +7,7 @@ from math import inf, nan
 import numpy as np
 
 import contactstudy as cs
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from studies.reference.line_contact import HERTZ, SCENE
 
 A, P_H = HERTZ.half_width, HERTZ.peak_pressure

@@ -6,7 +6,7 @@ import numpy as np
 from scipy import ndimage
 
 import contactstudy as cs
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from studies.reference.accuracy.case import (
     EXACT,
     FLATTENED,

@@ -8,7 +8,7 @@ import numpy as np
 
 import contactstudy as cs
 from contactstudy.analytic import Westergaard
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from studies.reference.accuracy.case import (
     EXACT,
     FLATTENED,

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from tests.conftest import STEEL, LineContact
 
 FREE, EXACT = cs.ZeroPadding(), cs.ExactPeriodicity()

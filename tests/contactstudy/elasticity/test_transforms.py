@@ -11,7 +11,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import contactstudy as cs
-from contactstudy.domain.devices.device import using
+from contactstudy.domain.device import using
 from contactstudy.elasticity import transforms as available
 from contactstudy.elasticity.transforms import SciPy, Transforms
 
@@ -58,7 +58,7 @@ def test_a_solve_has_the_threads_it_asks_for_whatever_the_environment_allows() -
     """Where ducc0 itself would take one, and say nothing."""
     code = """
 import ducc0, os, contactstudy as cs
-from contactstudy.domain.devices.device import using
+from contactstudy.domain.device import using
 import numpy as np
 before = ducc0.misc.thread_pool_size()
 operator = cs.convolution(1.0, cs.Grid((64, 48), (1.0, 0.7)), cs.ExactPeriodicity(), datum=1.0)

@@ -3,7 +3,7 @@
 from math import inf, pi
 
 import contactstudy as cs
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 
 RIGID = cs.HalfSpace(inf, 0.3)
 LOAD, RADIUS = 0.01 * pi / 4, 1.0  # a = 0.1 and p0 = 0.05 for E* = 1

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from contactstudy.elasticity.coefficients import Displacement
-from contactstudy.elasticity.prony import Creep
+from contactstudy.elasticity.viscoelastic import Creep
 from contactstudy.evolution.memories.creep import CreepMemory, weights
 from contactstudy.evolution.memories.memory import Step
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.evolution.evolve import _load
 from contactstudy.evolution.memories.memory import Contribution, Step
 from contactstudy.scene.loads.load_history import SuddenLoad

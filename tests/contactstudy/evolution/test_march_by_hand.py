@@ -9,12 +9,12 @@ import pytest
 import contactstudy as cs
 from contactstudy.elasticity.coefficients import Displacement
 from contactstudy.elasticity.convolution import superposed
-from contactstudy.elasticity.trailing import Trailing
+from contactstudy.elasticity.viscoelastic import Trailing
 from contactstudy.evolution import march as marching
 from contactstudy.evolution.march import Instant, LoweredContact, March, SolverOptions, lowered
 from contactstudy.evolution.memories.memory import Contribution, Step
 from contactstudy.evolution.scheme import Scheme
-from contactstudy.problem.resultant import PrescribedLoad
+from contactstudy.problem.bare_problem import PrescribedLoad
 from contactstudy.scene.bodies.solids import response
 from tests.conftest import LineContact
 

@@ -11,7 +11,7 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.evolution.memories import yielding_volume
-from contactstudy.solvers.plasticity import settle
+from contactstudy.solvers import settle
 
 EXACT = cs.ExactPeriodicity()
 YOUNG, NU, YIELD = 210e9, 0.3, 1e9

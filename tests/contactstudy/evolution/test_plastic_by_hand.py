@@ -15,8 +15,8 @@ from contactstudy.evolution.memories.plastic import (
     _meets_edge,
     concluded,
 )
-from contactstudy.solvers.plasticity.settle import Settled
-from contactstudy.solvers.plasticity.yielding_bodies import Hardening
+from contactstudy.solvers.settle import Settled
+from contactstudy.solvers.yielding_bodies import Hardening
 from tests.conftest import STEEL, LineContact
 
 GRID = cs.Grid((6, 2), (12.0, 3.0))

@@ -11,7 +11,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.elasticity.coefficients import Coefficients, Displacement
-from contactstudy.elasticity.trailing import Trailing
+from contactstudy.elasticity.viscoelastic import Trailing
 from contactstudy.evolution.rolling import SteadyRolling, _trailing
 from contactstudy.solvers.lagged import solve_lagged
 from tests.contactstudy.evolution.creeping import RIGID, SOLID, rolling_cylinder

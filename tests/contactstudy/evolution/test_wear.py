@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.evolution.memories.wear import WearMemory, explicit_limit
 from contactstudy.evolution.scheme import Scheme
 from tests.contactstudy.evolution.creeping import LOAD, RIGID, SOLID, rolling_cylinder

@@ -8,7 +8,7 @@ import numpy as np
 import contactstudy as cs
 from contactstudy.evolution.evolution import Evolution
 from contactstudy.evolution.frame import Frame
-from contactstudy.problem.derived import Field
+from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import PosedScene
 from tests.conftest import LineContact
 

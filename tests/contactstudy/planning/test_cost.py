@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.domain.devices.device import threads
+from contactstudy.domain.device import threads
 from contactstudy.planning import cost
 from contactstudy.planning.cost import Timed, memory, padded, times_faster
 

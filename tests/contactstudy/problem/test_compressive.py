@@ -5,10 +5,8 @@ from math import inf, isnan
 import numpy as np
 import pytest
 
-from contactstudy.problem import compressive
-from contactstudy.problem.compressive import Compressive
-from contactstudy.problem.constraint import shifted
-from contactstudy.problem.gap import Gap
+from contactstudy.problem import constraint as compressive
+from contactstudy.problem.constraint import Compressive, Gap, shifted
 from tests.contactstudy.solvers.kernels import Kernels
 
 WHICH = Compressive()

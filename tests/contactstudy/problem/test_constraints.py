@@ -6,12 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import contactstudy as cs
-from contactstudy.domain.devices import device
-from contactstudy.domain.devices.device import using
-from contactstudy.problem.compressive import Compressive
-from contactstudy.problem.constraint import Constraint
-from contactstudy.problem.hardness_limited import HardnessLimited
-from contactstudy.problem.resultant import PrescribedLoad
+from contactstudy.domain import device
+from contactstudy.domain.device import using
+from contactstudy.problem.bare_problem import PrescribedLoad
+from contactstudy.problem.constraint import Compressive, Constraint, HardnessLimited
 from contactstudy.solvers.polonsky_keer import PolonskyKeer
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from tests.conftest import LineContact

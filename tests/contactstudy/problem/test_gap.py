@@ -4,7 +4,7 @@ from math import isnan, nan
 
 import numpy as np
 
-from contactstudy.problem.gap import largest, violation
+from contactstudy.problem.constraint import largest, violation
 
 
 def test_a_limit_is_violated_by_penetration_without_pressure_and_by_a_gap_at_the_upper_one() -> (

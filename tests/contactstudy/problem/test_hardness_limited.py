@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from contactstudy.problem.gap import Gap
-from contactstudy.problem.hardness_limited import HardnessLimited
+from contactstudy.problem.constraint import Gap, HardnessLimited
 
 WHICH = HardnessLimited(4.0)
 

@@ -11,7 +11,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.elasticity.tangential import shear_response
 from contactstudy.scene.friction import dundurs
-from contactstudy.solvers.partial_slip import CoulombDisks, Superposed, _nearest
+from contactstudy.solvers.friction import CoulombDisks, Superposed, _nearest
 from contactstudy.solvers.solve import Repeat
 from tests.conftest import STEEL
 

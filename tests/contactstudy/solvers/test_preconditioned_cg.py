@@ -1,5 +1,8 @@
+"""When an iteration is taken to have stalled."""
+
 from collections import Counter
 from dataclasses import replace
+from math import nan
 from typing import Any
 
 import numpy as np
@@ -8,9 +11,20 @@ from scipy.special import erfinv
 
 import contactstudy as cs
 from contactstudy.solvers import preconditioned_cg
+from contactstudy.solvers.iterate import Stall
 from contactstudy.solvers.polonsky_keer import PolonskyKeer
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from tests.conftest import LineContact
+
+
+def test_a_residual_stalls_after_so_many_iterations_without_halving() -> None:
+    stall = Stall(3)
+    # the first is a best one, and so is what is below its half
+    assert [stall.sees(one) for one in (1.0, 0.6, 0.5, 0.49)] == [False] * 4
+    assert [stall.sees(one) for one in (0.245, 0.3, 9.0)] == [False, False, True]
+    stall = Stall(2)
+    assert [stall.sees(nan), stall.sees(nan)] == [False, True]
+
 
 PADDINGS: list[cs.Padding | cs.Paddings] = [
     cs.ZeroPadding(),

@@ -7,11 +7,17 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.problem.bare_problem import PrescribedLoad
 from contactstudy.problem.problem import Problem, Scales
-from contactstudy.problem.resultant import PrescribedLoad
-from contactstudy.solvers import sliding
-from contactstudy.solvers.partial_slip import CoulombDisks, Superposed, _nearest, _with
-from contactstudy.solvers.sliding import FullSliding, _difference
+from contactstudy.solvers import friction
+from contactstudy.solvers.friction import (
+    CoulombDisks,
+    FullSliding,
+    Superposed,
+    _difference,
+    _nearest,
+    _with,
+)
 from contactstudy.solvers.solution import Traction
 from contactstudy.solvers.solve import Repeat
 
@@ -100,7 +106,7 @@ def test_a_change_of_the_gap_by_the_tolerance_is_small_enough() -> None:
 
 
 def test_passes_that_do_not_settle_are_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sliding, "MOST_PASSES", 2)
+    monkeypatch.setattr(friction, "MOST_PASSES", 2)
     told = Told(ONE, TWO)
     found = SLIDING.solved(PROBLEM, told.repeat(1e-9))
     assert len(told.asked) == 2

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import contactstudy as cs
-from contactstudy.domain.devices import rows
+from contactstudy.domain import fields as rows
 from tests.conftest import STEEL, LineContact
 
 PADDINGS = [

@@ -9,7 +9,7 @@ import xarray as xr
 from click.testing import CliRunner
 
 import contactstudy as cs
-from contactstudy.solvers.watched import Watched
+from contactstudy.solvers.solve import Watched
 from studies.cli.commands import cli
 from tests.studies.scene_study.conftest import ROUGH, SMOOTH
 

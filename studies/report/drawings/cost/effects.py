@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from studies.definitions.cost.effects import COARSER, IN_TIME, PERIOD, WIDTH, YIELD
 from studies.model.drawing import CaptionedFigure
 from studies.reference.line_contact import total_time

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.elasticity.eigenstrain.half_lines import HalfLines
-from contactstudy.elasticity.eigenstrain.plane_strain import BASIS, PlaneStrainOperator
+from contactstudy.elasticity.eigenstrain.plane_strain import BASIS, HalfLines, PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 
 MODULI = Moduli(2.0, 0.3)

@@ -6,7 +6,7 @@ import pytest
 from contactstudy.domain.grid import Grid
 from contactstudy.elasticity.eigenstrain.plane_strain import BASIS, PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
-from contactstudy.elasticity.kernels.cell import gauss
+from contactstudy.elasticity.kernels.displacement import gauss
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, strip
 from contactstudy.elasticity.kernels.stress_periodic import plane_strain
 

@@ -7,12 +7,10 @@ import numpy as np
 import pytest
 
 from contactstudy.domain.grid import Grid
-from contactstudy.elasticity.eigenstrain.antiplane import AntiplaneOperator
-from contactstudy.elasticity.eigenstrain.direction import Components
 from contactstudy.elasticity.eigenstrain.plane_strain import PlaneStrainOperator
-from contactstudy.elasticity.eigenstrain.rows import RowOperator
+from contactstudy.elasticity.eigenstrain.rows import AntiplaneOperator, RowOperator
 from contactstudy.elasticity.eigenstrain.volume import EigenstrainOperator, Moduli, Volume
-from contactstudy.elasticity.eigenstrain.wave import Layer, Sources, by_layers
+from contactstudy.elasticity.eigenstrain.wave import Components, Layer, Sources, by_layers
 from contactstudy.elasticity.eigenstrain.waves import Waves
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
 from contactstudy.elasticity.kernels.stress_periodic import stress_cell_periodic

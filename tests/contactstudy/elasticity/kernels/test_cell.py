@@ -13,7 +13,13 @@ from numpy.testing import assert_allclose, assert_array_equal
 from numpy.typing import ArrayLike, NDArray
 from scipy.integrate import dblquad, quad
 
-from contactstudy.elasticity.kernels.cell import FAR, MULTIPOLES, NEAR, boussinesq_cell, multipoles
+from contactstudy.elasticity.kernels.displacement import (
+    FAR,
+    MULTIPOLES,
+    NEAR,
+    boussinesq_cell,
+    multipoles,
+)
 
 Array = NDArray[np.float64]
 Corner = Callable[[mp.mpf, mp.mpf], mp.mpf]

@@ -8,8 +8,12 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from numpy.typing import ArrayLike
 
-from contactstudy.elasticity.kernels.cell import boussinesq_cell
-from contactstudy.elasticity.kernels.row import FOURIER_END, HANDOVER, boussinesq_cell_periodic
+from contactstudy.elasticity.kernels.displacement import (
+    FOURIER_END,
+    HANDOVER,
+    boussinesq_cell,
+    boussinesq_cell_periodic,
+)
 from tests.contactstudy.elasticity.kernels.test_cell import (
     DIGITS,
     EPS,

@@ -8,13 +8,12 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.elasticity.eigenstrain.half_lines import HalfLines
-from contactstudy.elasticity.eigenstrain.plane_strain import PlaneStrainOperator
+from contactstudy.elasticity.eigenstrain.plane_strain import HalfLines, PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 from contactstudy.evolution.memories.yielding_volume import layers
 from contactstudy.evolution.passes import track as tracks
 from contactstudy.evolution.passes.track import Profile, Track, _over
-from contactstudy.solvers.plasticity.yielding_bodies import Hardening
+from contactstudy.solvers.yielding_bodies import Hardening
 
 GRID = cs.Grid((6, 1), (6.0, 1.0))
 VOLUME = Volume(GRID, 0, 6, (0.0, 1.0, 2.0, 4.0))

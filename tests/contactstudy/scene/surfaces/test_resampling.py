@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from contactstudy.domain.devices.arrays import Array
+from contactstudy.domain.fields import Array
 from contactstudy.scene.surfaces.resampling import Ends, cell_means
 
 ROUGH = np.random.default_rng(0).standard_normal((5, 24)) + 7

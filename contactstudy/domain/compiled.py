@@ -1,0 +1,400 @@
+"""Passes over fields compiled by numba (extra ``fast``): each reads and writes its fields once.
+
+They do what array operations do elsewhere in several passes. Fields (x, y) are C-contiguous: others would be compiled
+for anew. ``found`` (x, results) takes what a pass finds in each row, so that sums do not depend on who works on which
+rows. ``most`` is the upper limit of the pressure, infinite where there is none. Results differ by rounding from those
+of array operations.
+"""
+
+from collections.abc import Callable
+from typing import Any, TypeVar, cast
+
+import numpy as np
+from numba import njit
+
+from contactstudy.domain.device import Array
+
+Pass = TypeVar("Pass", bound=Callable[..., Any])
+
+# Reordered sums; nan and inf keep their meaning.
+SUMS = {"reassoc", "nsz"}
+
+
+def exact(function: Pass) -> Pass:
+    """In the order that is written."""
+    return cast(Pass, njit(cache=True, nogil=True, error_model="numpy")(function))
+
+
+def summing(function: Pass) -> Pass:
+    """With sums in any order."""
+    return cast(Pass, njit(cache=True, nogil=True, error_model="numpy", fastmath=SUMS)(function))
+
+
+@exact
+def scale(parts: Array, factors: Array) -> None:
+    """Real and imaginary ``parts`` of waves, one after the other, times real factors, in place."""
+    for i in range(factors.shape[0]):
+        for j in range(factors.shape[1]):
+            parts[i, 2 * j] *= factors[i, j]
+            parts[i, 2 * j + 1] *= factors[i, j]
+
+
+@summing
+def level(
+    undeformed: Array, displacement: Array, pressure: Array, most: float, found: Array
+) -> None:
+    """Sum of the gap over cells that are free, and their number."""
+    for i in range(pressure.shape[0]):
+        heights, cells = 0.0, 0.0
+        for j in range(pressure.shape[1]):
+            own = pressure[i, j]
+            free = 1.0 if (own > 0) & (own < most) else 0.0
+            heights += (undeformed[i, j] + displacement[i, j]) * free
+            cells += free
+        found[i, 0], found[i, 1] = heights, cells
+
+
+@exact
+def measured(
+    undeformed: Array, displacement: Array, pressure: Array, approach: float, most: float,
+    height: Array, found: Array,
+) -> None:  # fmt: skip
+    """The gap, counted from the approach.
+
+    The load, the moment of the gap and the load of free cells; and, of all rows in the first, the largest violation of
+    the others, and the largest displacement.
+    """
+    columns = height.shape[1]
+    bound, worst, farthest = np.empty(columns), np.zeros(columns), np.zeros(columns)
+    for i in range(height.shape[0]):
+        for j in range(columns):
+            height[i, j] = undeformed[i, j] + displacement[i, j] - approach
+        for j in range(columns):
+            own = pressure[i, j]
+            bound[j] = (1.0 if own >= most else 0.0) - (1.0 if own == 0 else 0.0)
+        found[i, 0], found[i, 1], found[i, 2] = _of_free(pressure[i], height[i], bound)
+        found[i, 3], found[i, 4] = 0.0, 0.0
+        # column by column: the largest of a row is found one by one
+        for j in range(columns):
+            left = bound[j] * height[i, j]
+            worst[j] = left if left > worst[j] else worst[j]
+        for j in range(columns):
+            size = abs(displacement[i, j])
+            farthest[j] = size if size > farthest[j] else farthest[j]
+    found[0, 3], found[0, 4] = worst.max(), farthest.max()
+
+
+@summing
+def _of_free(pressure: Array, height: Array, bound: Array) -> Any:
+    borne, moment, free_borne = 0.0, 0.0, 0.0
+    for j in range(pressure.size):
+        free = 1.0 - abs(bound[j])
+        borne += pressure[j]
+        moment += pressure[j] * abs(height[j]) * free
+        free_borne += pressure[j] * free
+    return borne, moment, free_borne
+
+
+@exact
+def contact(pressure: Array, height: Array, most: float, cells: Array, unlevel: Array) -> None:
+    """Cells that bear pressure and are at no limit, and their gap."""
+    for i in range(pressure.shape[0]):
+        for j in range(pressure.shape[1]):
+            own = pressure[i, j]
+            cells[i, j] = 1.0 if (own > 0) & (own < most) else 0.0
+        for j in range(pressure.shape[1]):
+            unlevel[i, j] = height[i, j] * cells[i, j]
+
+
+@exact
+def joined(
+    pressure: Array, height: Array, whole: Array, length: float, most: float, cells: Array,
+    found: Array,
+) -> None:  # fmt: skip
+    """To the cells, those that will bear by the gap expected; how many."""
+    for i in range(pressure.shape[0]):
+        count = 0
+        for j in range(pressure.shape[1]):
+            own, expected = pressure[i, j], height[i, j] - length * whole[i, j]
+            wrong = ((own == 0) & (expected < 0)) | ((own >= most) & (expected > 0))
+            count += 1 if wrong else 0
+            cells[i, j] = 1.0 if wrong else cells[i, j]
+        found[i, 0] = count
+
+
+@exact
+def product(one: Array, other: Array, out: Array) -> None:
+    """Of two fields."""
+    for i in range(out.shape[0]):
+        for j in range(out.shape[1]):
+            out[i, j] = one[i, j] * other[i, j]
+
+
+@summing
+def totals(cells: Array, closing: Array, found: Array) -> None:
+    """The sums that a direction needs that is conjugate to none."""
+    for i in range(cells.shape[0]):
+        count = closed = 0.0
+        for j in range(cells.shape[1]):
+            count += cells[i, j]
+            closed += closing[i, j]
+        found[i, 0], found[i, 1] = count, closed
+
+
+@summing
+def products(
+    gap: Array, closing: Array, cells: Array, step: Array, response: Array, found: Array
+) -> None:
+    """The sums that a direction needs."""
+    for i in range(gap.shape[0]):
+        count = closed = downhill = along = over = ahead = kept = 0.0
+        for j in range(gap.shape[1]):
+            own, change = closing[i, j], step[i, j] * cells[i, j]
+            count += cells[i, j]
+            closed += own
+            downhill += gap[i, j] * own
+            along += own * response[i, j]
+            over += cells[i, j] * response[i, j]
+            ahead += gap[i, j] * change
+            kept += change
+        found[i, 0], found[i, 1], found[i, 2], found[i, 3] = count, closed, downhill, along
+        found[i, 4], found[i, 5], found[i, 6] = over, ahead, kept
+
+
+@exact
+def trial(
+    pressure: Array, closing: Array, cells: Array, gap_level: float, kept: float, length: float,
+    most: float, step: Array, found: Array,
+) -> None:  # fmt: skip
+    """The pressure so far along the direction, in place of the last step, and in how many cells beyond a limit."""
+    for i in range(pressure.shape[0]):
+        cut = 0
+        for j in range(pressure.shape[1]):
+            way = gap_level - closing[i, j]
+            if kept != 0:
+                way += kept * step[i, j]
+            ahead = way * cells[i, j] * length + pressure[i, j]
+            step[i, j] = ahead
+            cut += 1 if (ahead < 0) | (ahead > most) else 0
+        found[i, 0] = cut
+
+
+@exact
+def chosen(trial: Array, cells: Array, found: Array) -> None:
+    """Tension and what is not chosen cut off, in place.
+
+    The load, in how many cells, and, of all rows in the first, the largest that is left.
+    """
+    columns = trial.shape[1]
+    most = np.zeros(columns)
+    for i in range(trial.shape[0]):
+        for j in range(columns):
+            kept = trial[i, j] * cells[i, j]
+            trial[i, j] = 0.0 if kept <= 0 else kept  # and nan stays
+        found[i, 0], found[i, 1] = _left(trial[i], 0.0)
+        found[i, 2] = 0.0
+        for j in range(columns):
+            most[j] = trial[i, j] if trial[i, j] > most[j] else most[j]
+    found[0, 2] = most.max()
+
+
+@exact
+def lowered(trial: Array, shift: float, found: Array) -> None:
+    """What is left of a pressure so much lower, and in how many cells."""
+    for i in range(trial.shape[0]):
+        found[i, 0], found[i, 1] = _left(trial[i], shift)
+
+
+@summing
+def _left(pressure: Array, shift: float) -> Any:
+    borne, cells = 0.0, 0.0
+    for j in range(pressure.size):
+        rest = pressure[j] - shift
+        borne += 0.0 if rest <= 0 else rest
+        cells += 1.0 if rest > 0 else 0.0
+    return borne, cells
+
+
+@exact
+def lower(trial: Array, shift: float, scale: float) -> None:
+    """The same in place, times a factor."""
+    for i in range(trial.shape[0]):
+        for j in range(trial.shape[1]):
+            rest = trial[i, j] - shift
+            trial[i, j] = (0.0 if rest <= 0 else rest) * scale
+
+
+@summing
+def slope(trial: Array, pressure: Array, height: Array, found: Array) -> None:
+    """The work of the gap on the step to a trial."""
+    for i in range(trial.shape[0]):
+        work = 0.0
+        for j in range(trial.shape[1]):
+            work += height[i, j] * (trial[i, j] - pressure[i, j])
+        found[i, 0] = work
+
+
+@summing
+def curvature(trial: Array, pressure: Array, ahead: Array, moved: Array, found: Array) -> None:
+    """The work of a step on the displacement that it makes."""
+    for i in range(trial.shape[0]):
+        work = 0.0
+        for j in range(trial.shape[1]):
+            work += (trial[i, j] - pressure[i, j]) * (ahead[i, j] - moved[i, j])
+        found[i, 0] = work
+
+
+@exact
+def beyond(trial: Array, pressure: Array, factor: float, most: float, found: Array) -> None:
+    """How many cells are beyond a limit so many steps ahead."""
+    for i in range(trial.shape[0]):
+        count = 0
+        for j in range(trial.shape[1]):
+            ahead = pressure[i, j] + factor * (trial[i, j] - pressure[i, j])
+            count += 1 if (ahead < 0) | (ahead > most) else 0
+        found[i, 0] = count
+
+
+@exact
+def advance(
+    trial: Array, pressure: Array, ahead: Array, moved: Array, taken: float, most: float
+) -> None:
+    """So much of a step: pressure and displacement in place of those ahead, the changes in place of those before."""
+    for i in range(trial.shape[0]):
+        if taken == 1:
+            for j in range(trial.shape[1]):
+                pressure[i, j] = trial[i, j] - pressure[i, j]
+                moved[i, j] = ahead[i, j] - moved[i, j]
+        else:
+            for j in range(trial.shape[1]):
+                step, response = (
+                    taken * (trial[i, j] - pressure[i, j]),
+                    taken * (ahead[i, j] - moved[i, j]),
+                )
+                after = pressure[i, j] + step
+                after = 0.0 if after < 0 else after
+                trial[i, j] = most if after > most else after
+                ahead[i, j] = moved[i, j] + response
+                pressure[i, j], moved[i, j] = step, response
+
+
+@exact
+def weights(
+    weight: Array, two: tuple[bool, bool], factor: float, inverse: Array, blocks: Array,
+    begin: int, end: int,
+) -> None:  # fmt: skip
+    """Of blocks of parts, and one over the sum of the parts' weights."""
+    line = np.zeros(2 * weight.shape[1] + 2, dtype=weight.dtype)
+    for k in range(begin, end):
+        _sum(weight, two, k, line)
+        for m in range(blocks.shape[1]):
+            total = line[m]
+            inverse[k, m] = 1 / total if total > 0 else 0.0
+            total *= factor
+            blocks[k, m] = total if total < 1 else 1.0
+
+
+@exact
+def means(
+    parts: Array, two: tuple[bool, bool], inverse: Array, out: Array, begin: int, end: int
+) -> None:
+    """Of parts over blocks."""
+    line = np.zeros(2 * parts.shape[1] + 2, dtype=parts.dtype)
+    for k in range(begin, end):
+        _sum(parts, two, k, line)
+        for m in range(out.shape[1]):
+            out[k, m] = line[m] * inverse[k, m]
+
+
+@exact
+def _sum(parts: Array, two: tuple[bool, bool], k: int, line: Array) -> None:
+    """The sums of a row of blocks, at the beginning of a line that is zero from the number of parts on."""
+    count = parts.shape[1]
+    i = 2 * k if two[0] else k
+    if two[0] and i + 1 < parts.shape[0]:
+        for j in range(count):
+            line[j] = parts[i, j] + parts[i + 1, j]
+    else:
+        for j in range(count):
+            line[j] = parts[i, j]
+    if two[1]:
+        for m in range((count + 1) // 2):
+            line[m] = line[2 * m] + line[2 * m + 1]
+
+
+@exact
+def gathered(
+    blocks: Array, two: tuple[bool, bool], weight: Array, pressure: Array, begin: int, end: int
+) -> None:
+    """What parts keep of a pressure, and their share in that of their blocks, in place."""
+    columns, count = blocks.shape[1], pressure.shape[1]
+    line = np.empty(2 * columns, dtype=pressure.dtype)
+    for i in range(begin, end):
+        k = i // 2 if two[0] else i
+        if two[1]:
+            for m in range(columns):
+                line[2 * m] = blocks[k, m]
+                line[2 * m + 1] = blocks[k, m]
+            for j in range(count):
+                pressure[i, j] = (pressure[i, j] + line[j]) * weight[i, j]
+        else:
+            for j in range(count):
+                pressure[i, j] = (pressure[i, j] + blocks[k, j]) * weight[i, j]
+
+
+@exact
+def filled(
+    blocks: Array, two: tuple[bool, bool], weight: Array, held: Array, out: Array,
+    begin: int, end: int,
+) -> None:  # fmt: skip
+    """What is held, and what parts lack of weight from blocks, linear between their middles."""
+    rows, columns = blocks.shape
+    count = held.shape[1]
+    near = np.empty(columns + 2, dtype=held.dtype)  # one more at either end, once round
+    line = np.empty(2 * columns, dtype=held.dtype)
+    for i in range(begin, end):
+        k = i // 2 if two[0] else i
+        far = (k + (1 if i % 2 else rows - 1)) % rows
+        for j in range(columns):
+            near[j + 1] = 0.75 * blocks[k, j] + 0.25 * blocks[far, j] if two[0] else blocks[k, j]
+        if two[1]:
+            near[0], near[columns + 1] = near[columns], near[1]
+            for m in range(columns):
+                most = 0.75 * near[m + 1]
+                line[2 * m] = most + 0.25 * near[m]
+                line[2 * m + 1] = most + 0.25 * near[m + 2]
+        else:
+            for j in range(count):
+                line[j] = near[j + 1]
+        for j in range(count):
+            out[i, j] = line[j] * (1 - weight[i, j]) + held[i, j]
+
+
+@exact
+def spilled(
+    pressure: Array, two: tuple[bool, bool], weight: Array, blocks: Array, begin: int, end: int
+) -> None:
+    """The transpose of :func:`filled`: what parts give to blocks."""
+    rows, count = pressure.shape
+    columns = blocks.shape[1]
+    line = np.zeros(2 * columns + 2, dtype=pressure.dtype)  # one more at either end, once round
+    for k in range(begin, end):
+        if two[0]:
+            for j in range(count):
+                line[j + 1] = 0.75 * ((1 - weight[2 * k, j]) * pressure[2 * k, j])
+            for part, share in ((1, 0.75), (2, 0.25), (-1, 0.25)):
+                i = (2 * k + part) % (2 * blocks.shape[0])
+                if i < rows:  # an odd number lacks the last part
+                    for j in range(count):
+                        line[j + 1] += share * ((1 - weight[i, j]) * pressure[i, j])
+        else:
+            for j in range(count):
+                line[j + 1] = (1 - weight[k, j]) * pressure[k, j]
+        if two[1]:
+            line[0], line[2 * columns + 1] = line[2 * columns], line[1]
+            for m in range(columns):
+                most = 0.75 * (line[2 * m + 1] + line[2 * m + 2])
+                blocks[k, m] = most + 0.25 * (line[2 * m] + line[2 * m + 3])
+        else:
+            for j in range(count):
+                blocks[k, j] = line[j + 1]

@@ -1,0 +1,137 @@
+"""Fields (x, y) worked through by rows, in blocks that stay in the cache or in parts, one a thread; and their sums."""
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from contextvars import copy_context
+from functools import cache
+from math import prod
+from typing import Any, TypeVar
+
+import numpy as np
+
+from contactstudy.domain.device import Array, Cpu, arrays, device, threads, using
+
+T = TypeVar("T")
+
+# Cells of a block: half a dozen blocks of double precision fit into the cache of a core.
+BLOCK = 2**15
+# Cells of a part at least: to wake another thread takes as long as a pass over some 100 000 cells.
+PART = 2**18
+
+
+def in_blocks(work: Callable[[slice], T], shape: tuple[int, ...]) -> list[T]:
+    """What ``work`` makes of every block of rows of a field with that shape, in order.
+
+    All blocks but the last have an even number of rows. They do not depend on the number of threads, so that
+    sums over blocks do not either. On a device that is no :class:`Cpu` there is one block.
+    """
+    parts = _shared(lambda blocks: [work(block) for block in blocks], _blocks(shape))
+    return [each for part in parts for each in part]
+
+
+def in_parts(work: Callable[[slice], object], shape: tuple[int, ...]) -> None:
+    """Have each thread ``work`` on one part of the rows of a field with that shape, an even number of rows but the last.
+
+    For compiled passes: in other threads there is no device in use.
+    """
+    rows, columns = shape
+    count = max(1, min(threads(), rows * columns // PART))
+    size = max(2, -(-rows // count // 2) * 2)
+    first, *rest = (slice(begin, min(begin + size, rows)) for begin in range(0, rows, size))
+    others = [_pool(count - 1).submit(work, part) for part in rest]
+    work(first)
+    for other in others:
+        other.result()
+
+
+def compiled(kernel: Callable[..., object], *arguments: Any, results: int = 0) -> Array:
+    """What a compiled pass over fields (x, y) finds in each of their rows, (``results``, x).
+
+    The ``kernel`` gets a thread's part of each field among its ``arguments``, the others as they are, and last that
+    part of an array for its results, if it has any: one call for each thread.
+    """
+    shape = next(one.shape for one in arguments if isinstance(one, np.ndarray))
+    found = np.empty((shape[0], results))
+
+    def some(rows: slice) -> None:
+        own = [one[rows] if isinstance(one, np.ndarray) else one for one in arguments]
+        kernel(*own, *([found[rows]] if results else []))
+
+    in_parts(some, shape)
+    return found.T
+
+
+def change(field: Array, changed: Callable[[Array], Array]) -> Array:
+    """``field``, block by block in place of itself as it is ``changed``."""
+
+    def some(rows: slice) -> None:
+        field[rows, :] = changed(field[rows, :])
+
+    in_blocks(some, field.shape)
+    return field
+
+
+def _blocks(shape: tuple[int, ...]) -> list[slice]:
+    rows, columns = shape
+    step = max(2, BLOCK // columns // 2 * 2) if isinstance(device(), Cpu) else rows
+    return [slice(begin, min(begin + step, rows)) for begin in range(0, rows, step)]
+
+
+def _shared(work: Callable[[list[slice]], T], blocks: list[slice]) -> list[T]:
+    """What ``work`` makes of the part of the ``blocks`` that each thread has, in order."""
+    count = min(threads(), len(blocks))
+    if count == 1:
+        return [work(blocks)]
+    size = -(-len(blocks) // count)
+    parts = [blocks[begin : begin + size] for begin in range(0, len(blocks), size)]
+    others = [_pool(count - 1).submit(copy_context().run, _alone, work, part) for part in parts[1:]]
+    return [work(parts[0]), *(other.result() for other in others)]
+
+
+def _alone(work: Callable[[list[slice]], T], blocks: list[slice]) -> T:
+    """In a thread of the pool, which takes no others, and warns of nothing as the solve does not."""
+    with using(Cpu()), np.errstate(all="ignore"):
+        return work(blocks)
+
+
+@cache
+def _pool(threads: int) -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(threads, thread_name_prefix="contactstudy")
+
+
+__all__ = ["Array", "inner", "mean_over", "product", "total"]
+
+
+# Up to this many cells BLAS starts no threads, and single precision needs no sums by rows.
+SMALL = 1024
+
+
+def inner(a: Array, b: Array) -> float:
+    """Sum of ``a b`` over fields (x, y).
+
+    Row by row: BLAS would start threads for a whole large field, and on a busy machine they
+    cost a hundred times what they save.
+    """
+    return sum(in_blocks(lambda rows: _inner(a[rows, :], b[rows, :]), a.shape))
+
+
+def _inner(a: Array, b: Array) -> float:
+    xp = arrays()
+    if prod(a.shape) <= SMALL:
+        return float(xp.vecdot(xp.reshape(a, (-1,)), xp.reshape(b, (-1,))))
+    return float(xp.sum(xp.vecdot(a, b)))
+
+
+def total(field: Array) -> float:
+    """Sum over a field (x, y)."""
+    return sum(in_blocks(lambda rows: float(arrays().sum(field[rows, :])), field.shape))
+
+
+def mean_over(cells: Array, field: Array) -> float:
+    """Mean of ``field`` over the cells where ``cells`` is 1; it is 0 elsewhere."""
+    return inner(field, cells) / total(cells)
+
+
+def product(a: Array, b: Array) -> Array:
+    """The matrix product of numpy arrays, row by row for the same reason."""
+    return np.asarray(np.matmul(a[:, None], b)[:, 0])

@@ -1,0 +1,219 @@
+"""A loaded cell as seen from a depth: its image below the surface, alone, in a row, in a lattice."""
+
+from collections.abc import Callable
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import k0
+
+from contactstudy.domain.fields import Array
+from contactstudy.elasticity.kernels.displacement import (
+    FAR,
+    FAR_POINTS,
+    FOURIER_END,
+    FOURIER_TERMS,
+    HANDOVER,
+    NEAR,
+    NEAR_POINTS,
+    REACH,
+    ROUNDING,
+    further_images,
+    gauss,
+    harmonics_along,
+    line,
+)
+
+# A cell wider than the period is cut into strips that end where only the logarithm is left.
+STRIPS, STRIPS_END = 15, 7.2
+
+
+def image_cell(x: ArrayLike, y: ArrayLike, dx: float, dy: float, depth: float) -> Array:
+    """Integral of ``1 / sqrt(r^2 + depth^2)`` over a ``dx * dy`` cell ``(x, y)`` away; x and y broadcast.
+
+    Lengths in one common unit, the result in that unit, ``depth`` above zero. Error below 1e-14 of the
+    result at the origin, or of its own beyond the cell.
+    """
+    x, y = np.broadcast_arrays(*(np.abs(np.asarray(a, dtype=np.float64)) for a in (x, y)))
+    half_x, half_y = dx / 2, dy / 2
+    steps_x = np.maximum(x, depth) / half_x
+    steps_y = np.maximum(y, depth) / half_y
+    steps = np.maximum(steps_x, steps_y)
+    result = np.empty(x.shape)
+    near = steps < 2 * NEAR
+    result[near] = _corners(x[near], y[near], half_x, half_y, depth)
+    middle = ~near & (steps < 2 * FAR)
+    for zone, points in ((middle, NEAR_POINTS), (~near & ~middle, FAR_POINTS)):
+        wide = zone & (steps_x >= steps_y)
+        result[wide] = _lines(x[wide], y[wide], half_x, half_y, depth, points)
+        long = zone & ~wide
+        result[long] = _lines(y[long], x[long], half_y, half_x, depth, points)
+    return result
+
+
+def _lines(x: Array, y: Array, half_x: float, half_y: float, depth: float, points: int) -> Array:
+    """Gauss points across the cell, each a line along it."""
+    total = np.zeros(x.shape)
+    for node, weight in gauss(points):
+        aside = np.hypot(x + node * half_x, depth)
+        total += weight * line(aside, y, np.full(y.shape, half_y))
+    return 2 * half_x * total
+
+
+def _corners(x: Array, y: Array, half_x: float, half_y: float, depth: float) -> Array:
+    """The four edges: ``(x, y) / (r + depth)``, r the distance from the image, has this divergence."""
+    total = np.zeros(x.shape)
+    for u, v, half_u, half_v in ((x, y, half_x, half_y), (y, x, half_y, half_x)):
+        for outward in (1, -1):
+            distance = u + outward * half_u
+            side = line(np.hypot(distance, depth), v, np.full(v.shape, half_v))
+            total += outward * distance * side
+            for end in (1, -1):
+                w = v + end * half_v
+                square = distance**2 + w**2
+                seen = np.sqrt(square + depth**2)
+                # atan(w / d) - atan(depth w / (d r)), as one angle
+                angle = np.arctan2(
+                    distance * w * square / (seen + depth), distance**2 * seen + depth * w**2
+                )
+                total -= outward * end * depth * angle
+    return total
+
+
+def image_row(x: Array, y: Array, dx: float, dy: float, period: float, depth: float) -> Array:
+    """:func:`image_cell` repeated with ``period`` along y; x a column and y a row.
+
+    Without the divergent rigid shift, as in :func:`~contactstudy.kernels.boussinesq_cell_periodic`:
+    the mean over a period is ``-(dx dy / L) mean ln(x^2 + depth^2)``.
+
+    Source: there, with the distance from the axis in place of x.
+    """
+    across, along = np.abs(x).ravel(), np.fmod(np.abs(y.ravel()), period)
+    along = np.minimum(along, period - along)
+    mean = -(dx * dy / period) * log_mean(across, dx / 2, depth)
+    return mean[:, None] + image_harmonics(across, along, dx, dy, period, depth)
+
+
+def image_harmonics(x: Array, y: Array, dx: float, dy: float, period: float, depth: float) -> Array:
+    """What of the row varies along y, shape (x, y); both flat, x from 0 on and y up to half a period."""
+    result = np.zeros((x.size, y.size))
+    if dy == period:
+        return result
+    inner = np.hypot(np.maximum(x - dx / 2, 0), depth) / period
+    felt = inner < FOURIER_END
+    if dx > period:
+        marks = np.linspace(-STRIPS_END, STRIPS_END, STRIPS + 1) * period
+        for row in np.flatnonzero(felt):
+            for start, end in pairwise(marks.tolist()):
+                left, right = max(x[row] - dx / 2, start), min(x[row] + dx / 2, end)
+                if left < right:
+                    middle = np.array([abs(left + right) / 2])
+                    result[row] += image_harmonics(middle, y, right - left, dy, period, depth)[0]
+        return result
+    forms: dict[Callable[..., Array], NDArray[np.bool_]] = {
+        _fourier: felt & (inner >= HANDOVER),
+        _images: felt & (inner < HANDOVER),
+    }
+    for form, rows in forms.items():
+        if rows.any():
+            result[rows] = form(x[rows], y, dx, dy, period, depth)
+    return result
+
+
+def _fourier(x: Array, y: Array, dx: float, dy: float, period: float, depth: float) -> Array:
+    inner = float(np.hypot(np.maximum(x - dx / 2, 0), depth).min()) / period
+    count = int(np.ceil(FOURIER_TERMS * HANDOVER / inner))
+    wave = 2 * np.pi / period * np.arange(1, count + 1)
+    across = np.zeros((x.size, count))
+    for node, weight in _points(x, dx / 2, depth):
+        across += 4 * weight * k0(np.multiply.outer(np.hypot(x + node * dx / 2, depth), wave))
+    along = harmonics_along(y, dy / 2, period, count)
+    return np.asarray(across @ along * (dx * dy / period))
+
+
+def _images(x: Array, y: Array, dx: float, dy: float, period: float, depth: float) -> Array:
+    """The nearest images one by one, and what all further ones make together."""
+    farthest = float(np.hypot(x + dx / 2, depth).max())
+    reach = float(np.hypot(farthest, y.max(initial=0.0) + dy / 2)) / period
+    images = max(1, int(np.ceil(reach / REACH)) - 1)
+    total = np.zeros((x.size, y.size))
+    for m in range(-images, images + 1):
+        total += image_cell(x[:, None], y + m * period, dx, dy, depth)
+    terms = int(np.log(ROUNDING) / (2 * np.log(reach / (images + 1)))) + 1
+    powers_x = _even_powers(x, dx / 2, depth, period, terms)
+    powers_y = _even_powers(y, dy / 2, 0.0, period, terms)
+    further = powers_x @ further_images(images, terms) @ powers_y.T - 2 * np.log(2 * period)
+    further += log_mean(x, dx / 2, depth)[:, None]
+    return np.asarray(total + further * (dx * dy / period))
+
+
+def _even_powers(x: Array, half: float, depth: float, period: float, terms: int) -> Array:
+    """``((x^2 + depth^2) / L^2)^k`` averaged over segments about each x, shape (x, k)."""
+    total = np.zeros((x.size, terms))
+    for node, weight in gauss(terms):
+        square = ((x + node * half) ** 2 + depth**2) / period**2
+        total += weight * np.vander(square, terms, increasing=True)
+    return total
+
+
+def image_lattice(
+    x: Array, y: Array, dx: float, dy: float, width: float, period: float, depth: float
+) -> Array:
+    """:func:`image_cell` repeated along both axes, counted from its mean; x a column and y a row."""
+    if period > width:
+        turned = y.reshape(-1, 1), x.reshape(1, -1)
+        return image_lattice(*turned, dy, dx, period, width, depth).T
+    across, along = (np.fmod(np.abs(a.ravel()), length) for a, length in ((x, width), (y, period)))
+    across, along = np.minimum(across, width - across), np.minimum(along, period - along)
+    total = -(dx * dy / period) * _log_mean_periodic(across, dx / 2, depth, width)[:, None]
+    rows = int(np.ceil(FOURIER_END * period / width)) + 1
+    for m in range(-rows, rows + 1):
+        distance = np.abs(across + m * width)
+        total = total + image_harmonics(distance, along, dx, dy, period, depth)
+    return np.asarray(total)
+
+
+def log_mean(x: Array, half: float, depth: float) -> Array:
+    """Mean of ``ln(x^2 + depth^2)`` over segments of half-length ``half`` about each x."""
+    result = np.empty(x.shape)
+    near = np.hypot(x, depth) < 3 * half
+    if not near.all():
+        far = x[~near]
+        result[~near] = sum(
+            weight * np.log((far + node * half) ** 2 + depth**2)
+            for node, weight in _points(np.array([3 * half]), half, 0.0)
+        )
+    upper, lower = (_log_integral(x[near] + end * half, depth) for end in (1, -1))
+    result[near] = (upper - lower) / (2 * half)
+    return result
+
+
+def _log_integral(x: Array, depth: float) -> Array:
+    return np.asarray(x * np.log(x * x + depth**2) - 2 * x + 2 * depth * np.arctan(x / depth))
+
+
+def _log_mean_periodic(x: Array, half: float, depth: float, width: float) -> Array:
+    """The same summed over periods, ``ln |2 sin(pi (x + i depth) / W)|^2``, without its mean over a period.
+
+    x up to half the width (Johnson 1985, sect. 13.2).
+    """
+    waves = int(np.ceil(-np.log(ROUNDING) / (2 * np.pi * depth / width)))
+    if waves <= 200:
+        k = np.arange(1, waves + 1)
+        strength = 2 / k * np.exp(-2 * np.pi * k * depth / width) * np.sinc(2 * k * half / width)
+        return np.asarray(-np.cos(np.multiply.outer(x, 2 * np.pi * k / width)) @ strength)
+    near = log_mean(x, half, depth) + log_mean(width - x, half, depth)
+    near += log_mean(width + x, half, depth)
+    # what is left of the sine is smooth: the next zeros lie two widths away
+    rest = np.zeros(x.shape)
+    for node, weight in gauss(24):
+        w = (x + node * half + 1j * depth) / width
+        rest += weight * 2 * np.log(np.abs(2 * np.sin(np.pi * w) / (w * (1 - w) * (1 + w))))
+    return np.asarray(near + rest - 6 * np.log(width) - 2 * np.pi * depth / width)
+
+
+def _points(x: Array, half: float, depth: float) -> tuple[tuple[float, float], ...]:
+    """Gauss points over segments, of what is singular at ``+-i depth`` from the axis."""
+    away = (x + 1j * depth) / half
+    radius = np.abs(away + np.sqrt(away - 1) * np.sqrt(away + 1)).min()
+    return gauss(1 + int(np.log(ROUNDING) / (-2 * np.log(radius))))

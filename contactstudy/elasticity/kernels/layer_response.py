@@ -1,0 +1,209 @@
+"""How a layered half-space answers one wave of pressure, and the layer's rest in space.
+
+The rest consists of two functions of one distance, tabulated once for each pair of materials.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.polynomial.legendre import leggauss
+from numpy.typing import NDArray
+from scipy.special import j1, k1
+
+from contactstudy.domain.fields import Array
+
+Numbers = NDArray[np.inexact[Any]]
+
+# Below this the difference sinh k - k is summed as a series.
+SERIES_END = 1.0
+
+
+@dataclass(frozen=True)
+class LayerResponse:
+    """Displacement of a layer on a half-space under a wave of pressure, over that of the layer's own half-space.
+
+    With k the wave number times the thickness, the quotient is ``1 + D(k)`` with
+    ``D = d0 exp(-2 k) + R(k)``; ``d0`` is ``contrast``, and ``R`` is ``rest``, which is zero at k = 0 and
+    decays like ``k^2 exp(-2 k)``. ``shear_ratio`` is the layer's shear modulus over the substrate's,
+    from 0 (a rigid substrate) on.
+
+    Source: plane strain of a bonded layer under normal pressure, without shear on its surface
+    (Burmister 1945; Johnson 1985, sect. 5.8), which holds for every direction of the wave.
+    """
+
+    shear_ratio: float
+    coating_poisson_ratio: float
+    substrate_poisson_ratio: float
+
+    @cached_property
+    def _mismatch(self) -> tuple[float, float, float, float]:
+        """lambda and kappa, and what each leaves of one."""
+        m, nu1, nu2 = (
+            self.shear_ratio,
+            self.coating_poisson_ratio,
+            self.substrate_poisson_ratio,
+        )
+        below, above = 1 + m * (3 - 4 * nu2), m + 3 - 4 * nu1
+        lam = (m * (3 - 4 * nu2) - (3 - 4 * nu1)) / below
+        return lam, (m - 1) / above, 4 * (1 - nu1) / below, 4 * (1 - nu1) / above
+
+    @property
+    def contrast(self) -> float:
+        """d0: the layer's plane-strain modulus over the substrate's, less one."""
+        ratio = (1 - self.substrate_poisson_ratio) / (1 - self.coating_poisson_ratio)
+        return self.shear_ratio * ratio - 1
+
+    @property
+    def slope(self) -> float:
+        """R'(0)."""
+        lam, kap, one_lam, one_kap = self._mismatch
+        cross = lam * one_kap + kap * one_lam
+        return (4 * kap + 2 * (2 * lam * kap - self.contrast * cross)) / (one_lam * one_kap)
+
+    @property
+    def nearest_pole(self) -> float:
+        """R has no singularity nearer to k = 0 than this."""
+        return 0.2 / max(self.shear_ratio, 1.0)
+
+    @property
+    def first_pole(self) -> float:
+        """R has no pole in the right half-plane nearer to the real axis than this."""
+        return 0.85 * min(1.0, self.shear_ratio ** (-1 / 3) if self.shear_ratio else 1.0)
+
+    def rest(self, k: Numbers) -> Numbers:
+        """R(k), written so that nothing cancels for small k or for very unlike materials."""
+        lam, kap, one_lam, one_kap = self._mismatch
+        cross = lam * one_kap + kap * one_lam
+        t, u = np.exp(-2 * k), -np.expm1(-2 * k)
+        # (1 - t)^2 - 4 k^2 t, of order k^4
+        fourth = u * u - 4 * k * k * t
+        small = np.abs(k) < SERIES_END
+        if small.any():
+            fourth[small] = 4 * t[small] * _sinh_square_less_square(k[small])
+        bent = lam * fourth - 4 * k * k * t * one_lam
+        d0 = self.contrast
+        above = 4 * kap * k * (1 + k) + u * (2 * lam * kap - d0 * cross) - d0 * kap * bent
+        return np.asarray(t * above / (one_lam * one_kap + u * cross + kap * bent))
+
+    def taylor(self) -> tuple[float, float, float]:
+        """Coefficients of k^2, k^4 and k^6 in R, which its far field decays by."""
+        around = 0.5 * self.nearest_pole
+        turn = np.exp(2j * np.pi * np.arange(64) / 64)
+        series = np.real(np.fft.fft(self.rest(around * turn))) / 64
+        second, fourth, sixth = (float(series[n] / around**n) for n in (2, 4, 6))
+        return second, fourth, sixth
+
+
+def _sinh_square_less_square(k: Numbers) -> Numbers:
+    """``sinh(k)^2 - k^2`` for small k: ``sum (2 k)^(2 n) / (2 (2 n)!)`` from n = 2 on."""
+    square = 4 * k * k
+    term = square * square / 48
+    total = term.copy()
+    for n in range(3, 14):
+        term = term * square / ((2 * n - 1) * (2 * n))
+        total = total + term
+    return np.asarray(total)
+
+
+# The tables' pieces are [0, 1], [1, 2], [2, 4] ... thicknesses: singularities at two thicknesses and, of
+# the far form, at zero lie outside a Bernstein ellipse of rho = 5.8.
+ORDER = 22
+# R is below 1e-16 of its largest beyond this k.
+LAST_WAVE = 20.0
+# Gauss points on each piece of k, at most two oscillations long.
+POINTS = 18
+# What decays like exp(-x) ends here.
+LOST = 42.0
+
+
+class RestInSpace:
+    """``edge`` and ``strip`` of one :class:`LayerResponse`, distances in thicknesses."""
+
+    def __init__(self, response: LayerResponse) -> None:
+        self.response = response
+        self._edge: dict[int, Array] = {}
+        self._strip: dict[int, Array] = {}
+
+    def edge(self, s: Array) -> Array:
+        """``(1 / s) int R(k) J1(k s) / k dk``: the radial field whose divergence is ``int R(k) J0(k s) dk``."""
+        return self._interpolated(s, self._edge, self._edge_at)
+
+    def strip(self, s: Array) -> Array:
+        """``int R(k) sin(k s) / k^2 dk``: the integral from 0 to s of ``int R(k) cos(k s) / k dk``; odd."""
+        return np.asarray(s * self._interpolated(np.abs(s), self._strip, self._strip_at))
+
+    @cached_property
+    def taylor(self) -> tuple[float, float, float]:
+        """:meth:`LayerResponse.taylor`."""
+        return self.response.taylor()
+
+    def _interpolated(
+        self, s: Array, pieces: dict[int, Array], exact: Callable[[Array], Array]
+    ) -> Array:
+        # frexp: s in [2^(e-1), 2^e)
+        piece = np.maximum(np.frexp(s)[1], 0)
+        result = np.empty(s.shape)
+        for number in np.unique(piece).tolist():
+            start, end = (0.0, 1.0) if number == 0 else (2.0 ** (number - 1), 2.0**number)
+            if number not in pieces:
+                nodes = chebyshev.chebpts1(ORDER)
+                values = exact((start + end) / 2 + (end - start) / 2 * nodes)
+                pieces[number] = chebyshev.chebfit(nodes, values, ORDER - 1)
+            chosen = piece == number
+            local = (2 * s[chosen] - start - end) / (end - start)
+            result[chosen] = chebyshev.chebval(local, pieces[number])
+        return result
+
+    def _edge_at(self, s: Array) -> Array:
+        response = self.response
+        if s[0] >= LOST / response.first_pole:
+            # along the imaginary axis, where J1 decays as K1; what is cut off is below rounding
+            tau, weight = self._imaginary(float(s[0]))
+            even = np.real(response.rest(1j * tau)) / tau
+            far = k1(np.multiply.outer(s, tau)) @ (even * weight)
+            return np.asarray((response.slope / s - 2 / np.pi * far) / s)
+        k, weight = self._real(float(s[-1]))
+        share = np.real(response.rest(k)) / k * weight
+        return np.asarray(j1(np.multiply.outer(s, k)) @ share / s)
+
+    def _strip_at(self, s: Array) -> Array:
+        response = self.response
+        if s[0] >= LOST / response.first_pole:
+            tau, weight = self._imaginary(float(s[0]))
+            even = np.real(response.rest(1j * tau)) / tau**2
+            far = np.exp(-np.multiply.outer(s, tau)) @ (even * weight)
+            return np.asarray((np.pi / 2 * response.slope - far) / s)
+        k, weight = self._real(float(s[-1]))
+        share = np.real(response.rest(k)) / k * weight
+        return np.asarray(np.sinc(np.multiply.outer(s, k) / np.pi) @ share)
+
+    def _real(self, s: float) -> tuple[Array, Array]:
+        """Gauss points for integrals over k of what oscillates with ``k s``."""
+        longest = min(0.5, 4 * np.pi / max(s, 1.0))
+        ends = [0.0, min(self.response.nearest_pole, longest)]
+        while ends[-1] < LAST_WAVE:
+            ends.append(ends[-1] + min(ends[-1], longest))
+        return _composite(np.array(ends))
+
+    def _imaginary(self, s: float) -> tuple[Array, Array]:
+        """Gauss points for integrals over tau of what decays like ``exp(-s tau)``."""
+        end = min(self.response.first_pole, LOST / s)
+        start = 1e-3 * min(self.response.nearest_pole, 1 / s)
+        count = int(np.ceil(np.log2(end / start)))
+        return _composite(np.concatenate([[0.0], np.geomspace(start, end, count + 1)]))
+
+
+@lru_cache(maxsize=32)
+def rest_in_space(response: LayerResponse) -> RestInSpace:
+    """The tables of one pair of materials, filled as they are used."""
+    return RestInSpace(response)
+
+
+def _composite(ends: Array) -> tuple[Array, Array]:
+    nodes, weights = leggauss(POINTS)
+    middle, half = (ends[1:] + ends[:-1]) / 2, np.diff(ends) / 2
+    return (middle[:, None] + half[:, None] * nodes).ravel(), (half[:, None] * weights).ravel()

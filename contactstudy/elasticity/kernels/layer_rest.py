@@ -1,0 +1,397 @@
+"""The layer's rest under a loaded cell: alone, repeated along the length, repeated along both axes."""
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.polynomial.legendre import leggauss
+from numpy.typing import NDArray
+from scipy.special import binom, digamma, zeta
+
+from contactstudy.domain.fields import Array
+from contactstudy.elasticity.kernels.displacement import gauss
+from contactstudy.elasticity.kernels.layer_response import (
+    LAST_WAVE,
+    LayerResponse,
+    RestInSpace,
+    rest_in_space,
+)
+
+# Gauss points leave this share of what they integrate.
+ROUNDING = 1e-17
+# Values at a time, so that work arrays stay small.
+AT_ONCE = 1 << 20
+
+
+def rest_cell(
+    response: LayerResponse, thickness: float, x: Array, y: Array, dx: float, dy: float
+) -> Array:
+    """Integral of ``g(r / h) / h``, ``g(s) = int R(k) J0(k s) dk``, over a cell ``(x, y)`` away; x and y broadcast.
+
+    Lengths in one common unit, the result in that unit, for any thickness h. What depends on x and on y
+    alone is found once for each of their values, so x and y should be few or form a grid.
+
+    Source: the radial field with this divergence, integrated along the four edges of the cell, each by
+    Gauss points on pieces that grow with their distance from the observer.
+    """
+    x, y = (np.asarray(a, dtype=np.float64) for a in (x, y))
+    shape = np.broadcast_shapes(x.shape, y.shape)
+    xs, at_x = np.unique(np.abs(x), return_inverse=True)
+    ys, at_y = np.unique(np.abs(y), return_inverse=True)
+    sides = [_Edges(xs / thickness, dx / thickness), _Edges(ys / thickness, dy / thickness)]
+    corners = quadrant(rest_in_space(response), sides[0].levels, sides[1].levels)
+    cells = sides[1].difference(sides[0].difference(corners).T).T * thickness
+    at_x, at_y = at_x.reshape(x.shape), at_y.reshape(y.shape)
+    return np.asarray(cells[at_x, at_y]).reshape(shape)
+
+
+class _Edges:
+    """The two edges of each cell along one axis, equal ones once."""
+
+    def __init__(self, centres: Array, size: float) -> None:
+        ends = np.concatenate([centres + size / 2, centres - size / 2])
+        self.levels, self._which = levels(np.abs(ends))
+        self._sign = np.sign(ends)
+
+    def difference(self, values: Array) -> Array:
+        """An odd function of the edges, given at ``levels`` along the first axis, between each two edges."""
+        upper, lower = np.split(values[self._which] * self._sign[:, None], 2)
+        return np.asarray(upper - lower)
+
+
+def levels(values: Array) -> tuple[Array, NDArray[np.intp]]:
+    """Values that differ by more than rounding, in order, and which of them each is."""
+    order = np.argsort(values, kind="stable")
+    ordered = values[order]
+    apart = np.diff(ordered, prepend=-np.inf) > 64 * np.finfo(np.float64).eps * ordered[-1]
+    which = np.empty(values.size, dtype=np.intp)
+    which[order] = np.cumsum(apart) - 1
+    return ordered[apart], which
+
+
+def quadrant(table: RestInSpace, x: Array, y: Array) -> Array:
+    """Integral of ``g`` over rectangles from the observer to each (x, y), both from 0 on in thicknesses."""
+    across = x[:, None] * _along_edges(table, x, y)
+    along = y[:, None] * _along_edges(table, y, x)
+    return np.asarray(across + along.T)
+
+
+def _along_edges(table: RestInSpace, aside: Array, ends: Array) -> Array:
+    """``int_0^t edge(sqrt(d^2 + t'^2)) dt'`` for all distances d ``aside`` and all t in ``ends``, both in order."""
+    scale = float(np.hypot(aside[0], 2.0))
+    marks, wanted = _marks(ends, scale)
+    middle, half = (marks[1:] + marks[:-1]) / 2, np.diff(marks) / 2
+    away = (middle + 1j * scale) / half
+    radius = np.log(np.abs(away + np.sqrt(away - 1) * np.sqrt(away + 1)))
+    counts = np.ceil(np.log(ROUNDING) / (-2 * radius)).astype(int)
+    pieces = np.empty((aside.size, half.size))
+    for count in np.unique(counts).tolist():
+        nodes, weights = _gauss(count)
+        chosen = np.flatnonzero(counts == count)
+        square = (middle[chosen, None] + half[chosen, None] * nodes) ** 2
+        step = max(1, AT_ONCE // square.size)
+        for start in range(0, aside.size, step):
+            rows = slice(start, start + step)
+            distance = np.sqrt(square + (aside[rows] ** 2)[:, None, None])
+            pieces[rows, chosen] = (table.edge(distance) @ weights) * half[chosen]
+    summed = np.concatenate([np.zeros((aside.size, 1)), np.cumsum(pieces, axis=1)], axis=1)
+    return np.asarray(summed[:, wanted])
+
+
+def _marks(ends: Array, scale: float) -> tuple[Array, NDArray[np.intp]]:
+    """Ends of pieces from zero on, among them all of ``ends``, and where these are.
+
+    None is longer than its distance from the observer, or than ``scale`` next to it.
+    """
+    farthest = max(float(ends[-1]), scale)
+    growing = scale * 2.0 ** np.arange(np.ceil(np.log2(farthest / scale)))
+    after = np.searchsorted(ends, growing)
+    before = np.where(after > 0, ends[np.maximum(after - 1, 0)], 0.0)
+    gap = ends[np.minimum(after, ends.size - 1)] - before
+    useful = growing[(gap > growing / 2) & (after < ends.size)]
+    marks = np.unique(np.concatenate([[0.0], ends, useful]))
+    return marks, np.searchsorted(marks, ends)
+
+
+@cache
+def _gauss(points: int) -> tuple[Array, Array]:
+    nodes, weights = leggauss(points)
+    return nodes, weights
+
+
+# exp(-DECAY) is lost in rounding. Harmonics of the period decay like exp(-2 pi x / L): END periods away
+# from a cell nothing varies along the length.
+DECAY, END = 37.0, 6.0
+# Evaluations of the response that a Fourier series may take; beyond it images are summed in space. Sums
+# over waves cost so much less each.
+MOST_WAVES, SUM = 5e6, 0.02
+# Further away than this, in distances over which the singularity of R nearest to zero is felt, three powers
+# of the distance tell all.
+FAR = 100.0
+
+
+def rest_row(
+    response: LayerResponse,
+    thickness: float,
+    x: Array,
+    y: Array,
+    dx: float,
+    dy: float,
+    period: float,
+) -> Array:
+    """:func:`~contactstudy.elasticity.kernels.layer_rest.rest_cell` repeated with ``period`` along y.
+
+    x a column and y a row, of any sign. The rest is short-ranged, so that nothing diverges. What does
+    not vary along the length is :func:`rest_strip`; what does is :func:`harmonics`.
+    """
+    across, along = np.abs(x).ravel(), y.ravel()
+    mean = rest_strip(response, thickness, across, dx) * (dy / period)
+    return mean[:, None] + harmonics(response, thickness, across, along, dx, dy, period)
+
+
+def rest_strip(response: LayerResponse, thickness: float, x: Array, dx: float) -> Array:
+    """The rest under a strip of width ``dx`` endless along y: an integral of one function of one distance."""
+    table = rest_in_space(response)
+    upper, lower = ((x + side * dx / 2) / thickness for side in (1, -1))
+    return np.asarray(2 * thickness * (table.strip(upper) - table.strip(lower)))
+
+
+def harmonics(
+    response: LayerResponse,
+    thickness: float,
+    x: Array,
+    y: Array,
+    dx: float,
+    dy: float,
+    period: float,
+) -> Array:
+    """What of the row varies along y, shape (x, y): all but its mean over the period.
+
+    A Fourier series where the layer is thick, and where it is thin a sum over images. x and y flat, x from
+    0 on; both forms are exact.
+    """
+    result = np.zeros((x.size, y.size))
+    near = np.flatnonzero(x - dx / 2 < END * period)
+    if dy == period or not near.size:
+        return result
+    if dx > 2 * END * period:  # beyond that, a cell adds nothing that varies
+        end = END * period
+        for n in near.tolist():
+            left, right = max(x[n] - dx / 2, -end), min(x[n] + dx / 2, end)
+            middle = np.array([abs(left + right) / 2])
+            result[n] = harmonics(response, thickness, middle, y, right - left, dy, period)[0]
+        return result
+    row = _Row(response, thickness, dx, dy, period)
+    form = row.series if row.waves(float(x[near].max())) <= MOST_WAVES else row.images
+    result[near] = form(x[near], y)
+    return result
+
+
+@dataclass(frozen=True)
+class _Row:
+    response: LayerResponse
+    thickness: float
+    dx: float
+    dy: float
+    period: float
+
+    @property
+    def _count(self) -> int:
+        """Harmonics along the length that the rest holds."""
+        return int(LAST_WAVE / self.thickness * self.period / (2 * np.pi))
+
+    def _groups(self, farthest: float) -> list[tuple[int, int, float, float]]:
+        """Harmonics from a first to a last, how far across they are felt, and the period across to sum with."""
+        groups, first = [], 1
+        while first <= self._count:
+            decay = DECAY * self.period / (2 * np.pi * first)
+            felt = min(farthest, decay + self.dx / 2)
+            groups.append(
+                (first, min(2 * first, self._count + 1), felt, felt + self.dx / 2 + decay)
+            )
+            first *= 2
+        return groups
+
+    def waves(self, farthest: float) -> float:
+        """What :meth:`series` costs, in evaluations of the response."""
+        cost = 0.0
+        for first, end, felt, across in self._groups(farthest):
+            waves = (end - first) * LAST_WAVE / self.thickness * across / (2 * np.pi)
+            cost += waves * (1 + SUM * felt / self.dx)
+        return cost
+
+    def series(self, x: Array, y: Array) -> Array:
+        """Harmonics along y, each an integral over the waves across by the trapezoidal rule.
+
+        The integrand is analytic within the harmonic's own wave number of the real axis, so that the rule,
+        which repeats the coefficients across, leaves nothing once the repeats have decayed.
+        """
+        total = np.zeros((x.size, y.size))
+        for first, end, felt, across in self._groups(float(x.max(initial=0.0))):
+            rows = np.flatnonzero(x <= felt)
+            along = 2 * np.pi / self.period * np.arange(first, end)
+            step = 2 * np.pi / across
+            # no wave is longer than the group's first harmonic lets it be
+            last = np.sqrt(max((LAST_WAVE / self.thickness) ** 2 - along[0] ** 2, 0.0))
+            crossing = step * np.arange(int(last / step) + 1)
+            weight = 4 * step * np.sinc(crossing * self.dx / (2 * np.pi))
+            weight[0] /= 2
+            wave = np.hypot(crossing[:, None], along)
+            wave *= self.thickness
+            spectrum = np.zeros(wave.shape)
+            within = wave < LAST_WAVE
+            k = wave[within]
+            spectrum[within] = np.real(self.response.rest(k)) / k
+            spectrum *= weight[:, None] * self.thickness
+            spectrum *= np.sinc(along * self.dy / (2 * np.pi))
+            fields = np.cos(np.multiply.outer(x[rows], crossing)) @ spectrum
+            total[rows] += fields @ np.cos(np.multiply.outer(along, y))
+        return total * (self.dx * self.dy / self.period)
+
+    def images(self, x: Array, y: Array) -> Array:
+        """The three nearest images cell by cell, further ones on Chebyshev points; less the mean."""
+        cell = self.dx, self.dy
+        y = np.abs(y - self.period * np.round(y / self.period))
+        near = y + self.period * np.arange(-1.0, 2)[:, None]
+        shape = x[:, None], near.ravel()
+        total = rest_cell(self.response, self.thickness, *shape, *cell)
+        total = total.reshape(x.size, 3, y.size).sum(axis=1)
+        mean = rest_strip(self.response, self.thickness, x, self.dx) * (self.dy / self.period)
+        total -= mean[:, None]
+        return np.asarray(total + self._further(x, y))
+
+    def _further(self, x: Array, y: Array) -> Array:
+        """All images but the nearest three: smooth on the scale of the period."""
+        period = self.period
+        reach = max(float(x.max()), self.dx / 2)
+        # singular where an image's edge is met, at least a period away
+        slim = period / reach
+        count = int(np.ceil(DECAY / np.arcsinh(slim))) + 2
+        nodes_x = reach * chebyshev.chebpts1(count)
+        nodes_y = period / 2 * chebyshev.chebpts1(24)
+        felt = FAR * self.thickness / self.response.nearest_pole
+        last = int(np.ceil(max(felt, 2 * (reach + self.dx / 2)) / period)) + 2
+        values = self._tail(nodes_x, nodes_y, last)
+        images = np.arange(2.0, last + 1)
+        for block in np.array_split(images, max(1, images.size // 64)):
+            ahead = np.concatenate([-block, block])
+            away = (nodes_y + period * ahead[:, None]).ravel()
+            cells = rest_cell(
+                self.response, self.thickness, nodes_x[:, None], away, self.dx, self.dy
+            )
+            values += cells.reshape(count, ahead.size, nodes_y.size).sum(axis=1)
+        across = _interpolation(nodes_x.size, x / reach)
+        along = _interpolation(nodes_y.size, y / (period / 2))
+        return np.asarray(across @ values @ along.T)
+
+    def _tail(self, x: Array, y: Array, last: int) -> Array:
+        """Images beyond the ``last``, where it is ``-r2 h^2 / r^3 + 9 r4 h^4 / r^5 - 225 r6 h^6 / r^7``."""
+        second, fourth, sixth = rest_in_space(self.response).taylor
+        h, period = self.thickness, self.period
+        powers = (3, -second * h**2), (5, 9 * fourth * h**4), (7, -225 * sixth * h**6)
+        total = np.zeros((x.size, y.size))
+        for node_x, weight_x in gauss(4):
+            u = np.abs(x + node_x * self.dx / 2)[:, None]
+            for node_y, weight_y in gauss(4):
+                v = y + node_y * self.dy / 2
+                for power, strength in powers:
+                    for k in range(14):
+                        order = power + 2 * k
+                        ends = sum(zeta(order, last + 1 + side * v / period) for side in (1, -1))
+                        term = binom(-power / 2, k) * (u / period) ** (2 * k) * ends
+                        total += weight_x * weight_y * strength * term / period**power
+        return total * (self.dx * self.dy)
+
+
+def _interpolation(count: int, points: Array) -> Array:
+    """Matrix from values at first-kind Chebyshev points to values at ``points``, shape (points, count)."""
+    nodes = chebyshev.chebvander(chebyshev.chebpts1(count), count - 1)
+    norm = np.full(count, 2.0 / count)
+    norm[0] /= 2
+    return np.asarray(chebyshev.chebvander(points, count - 1) @ (nodes * norm).T)
+
+
+# Waves that a Fourier series of both axes may take, and one of the strips; beyond them it is summed in space.
+MOST_LATTICE_WAVES, MOST_ACROSS = 4e6, 3000
+
+
+def rest_lattice(
+    response: LayerResponse,
+    thickness: float,
+    x: Array,
+    y: Array,
+    dx: float,
+    dy: float,
+    width: float,
+    period: float,
+) -> Array:
+    """The rest repeated with ``width`` along x and ``period`` along y, counted from its mean.
+
+    x a column and y a row. A Fourier series where the layer is thick. Where it is thin, rows of the shorter
+    period: what varies along these dies out within a few of their periods, and what does not is
+    :func:`rest_strips`.
+    """
+    largest = LAST_WAVE / thickness / (2 * np.pi)
+    waves = int(largest * width), int(largest * period)
+    if waves[0] * waves[1] <= MOST_LATTICE_WAVES:
+        return _series(response, thickness, x.ravel(), y.ravel(), (dx, dy), (width, period), waves)
+    if period > width:
+        turned = y.reshape(-1, 1), x.reshape(1, -1)
+        return rest_lattice(response, thickness, *turned, dy, dx, period, width).T
+    across, along = np.abs(np.fmod(x.ravel(), width)), y.ravel()
+    rows = int(np.ceil(END * period / width)) + 1
+    shifts = width * np.arange(-rows, rows + 1.0)
+    distances = np.abs(across + shifts[:, None])
+    varying = harmonics(response, thickness, distances.ravel(), along, dx, dy, period)
+    mean = rest_strips(response, thickness, across, dx, width) * (dy / period)
+    return np.asarray(mean[:, None] + varying.reshape(*distances.shape, along.size).sum(axis=0))
+
+
+def _series(
+    response: LayerResponse,
+    thickness: float,
+    x: Array,
+    y: Array,
+    cell: tuple[float, float],
+    periods: tuple[float, float],
+    waves: tuple[int, int],
+) -> Array:
+    q, fields = [], []
+    for offset, size, period, count in zip((x, y), cell, periods, waves, strict=True):
+        q.append(2 * np.pi / period * np.arange(count + 1))
+        weight = 2 * size / period * np.sinc(q[-1] * size / (2 * np.pi))
+        weight[0] /= 2
+        fields.append(np.cos(np.multiply.outer(offset, q[-1])) * weight)
+    wave = np.hypot(q[0][:, None], q[1])
+    within = (wave > 0) & (wave * thickness < LAST_WAVE)
+    spectrum = np.zeros(wave.shape)
+    spectrum[within] = 2 * np.pi * np.real(response.rest(wave[within] * thickness)) / wave[within]
+    return np.asarray(fields[0] @ spectrum @ fields[1].T)
+
+
+def rest_strips(
+    response: LayerResponse, thickness: float, x: Array, dx: float, width: float
+) -> Array:
+    """Strips of width ``dx``, endless along y, repeated with ``width`` along x and counted from their mean."""
+    waves = int(LAST_WAVE / thickness * width / (2 * np.pi))
+    if waves <= MOST_ACROSS:
+        q = 2 * np.pi / width * np.arange(1, waves + 1)
+        share = np.real(response.rest(q * thickness)) / q * np.sinc(q * dx / (2 * np.pi))
+        return np.asarray(np.cos(np.multiply.outer(x, q)) @ share * (4 * np.pi / width * dx))
+    felt = FAR * thickness / response.nearest_pole
+    last = int(np.ceil(max(felt, 2 * dx) / width)) + 20
+    total = -2 * np.pi * response.slope * thickness * dx / width * np.ones_like(x)
+    second, fourth, sixth = rest_in_space(response).taylor
+    share = thickness / width
+    for side in (1, -1):
+        # beyond, the integral over a strip is between ends of 2 r2 h^2 / x - 4 r4 h^4 / x^3 + 48 r6 h^6 / x^5
+        for end in (1, -1):
+            edge = last + 1 + (side * x + end * dx / 2) / width
+            far = -2 * second * share * digamma(edge)
+            far -= 4 * fourth * share**3 * zeta(3, edge)
+            far += 48 * sixth * share**5 * zeta(5, edge)
+            total += end * thickness * far
+        for image in range(1, last + 1):
+            total += rest_strip(response, thickness, image * width + side * x, dx)
+    return np.asarray(total + rest_strip(response, thickness, x, dx))

@@ -1,0 +1,259 @@
+"""Viscoelastic bodies: relaxation and creep as sums of exponentials, and the coefficients of a body that rolls.
+
+In steady rolling a memory in time becomes one in space: :class:`Trailing` has its influence coefficients.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from math import exp
+
+import numpy as np
+from scipy.special import eval_legendre, ive
+
+from contactstudy.domain.fields import Array
+from contactstudy.elasticity.coefficients import Coefficients
+
+# Halvings, in the logarithm, of a bracket as wide as the floating-point numbers: down to rounding.
+BISECTIONS = 80
+
+
+@dataclass(frozen=True)
+class Creep:
+    """``instantaneous + fluidity t + sum(J_i (1 - exp(-t / lambda_i)))``, the answer to a unit step.
+
+    ``instantaneous`` and every ``J_i`` in one unit, ``fluidity`` in that unit per second; ``terms`` are pairs
+    (J_i, lambda_i [s]).
+    """
+
+    instantaneous: float
+    terms: tuple[tuple[float, float], ...] = ()
+    fluidity: float = 0.0
+
+    def __call__(self, time: float | Array) -> Array:
+        """Its value at ``time`` [s] from 0 on."""
+        time = np.asarray(time, dtype=np.float64)
+        value = self.instantaneous + self.fluidity * time
+        for size, duration in self.terms:
+            value = value - size * np.expm1(-time / duration)
+        return value
+
+    @property
+    def equilibrium(self) -> float:
+        """Its limit after infinite time; infinite for a fluid."""
+        if self.fluidity:
+            return float("inf")
+        return self.instantaneous + sum(size for size, _ in self.terms)
+
+    def times(self, factor: float) -> "Creep":
+        """The same, ``factor`` times as large."""
+        terms = tuple((factor * size, duration) for size, duration in self.terms)
+        return Creep(factor * self.instantaneous, terms, factor * self.fluidity)
+
+
+def creep(equilibrium: float, relaxation: tuple[tuple[float, float], ...]) -> Creep:
+    """The creep of a body whose modulus relaxes as ``equilibrium + sum(E_i exp(-t / tau_i))``.
+
+    ``relaxation`` are pairs (E_i > 0, tau_i > 0 [s]); without an ``equilibrium`` modulus the body is a Maxwell
+    fluid. The rates 1 / lambda_i are the zeros of ``E(s) = equilibrium + sum(E_i s / (s + 1 / tau_i))``, which lie one
+    between each pair of neighbouring rates 1 / tau_i, so each is bracketed.
+    Source: Park & Schapery (1999), Int. J. Solids Struct. 36, eqs. 13 to 23.
+    """
+    merged: dict[float, float] = {}
+    for modulus, time in relaxation:
+        merged[1 / time] = merged.get(1 / time, 0.0) + modulus
+    rates = np.array(sorted(merged))
+    moduli = np.array([merged[rate] for rate in rates])
+    instantaneous = 1 / (equilibrium + float(moduli.sum()))
+    if equilibrium == 0:
+        # one zero is at s = 0: what flows
+        fluidity = 1 / float((moduli / rates).sum())
+        low, high = rates[:-1], rates[1:]
+    else:
+        fluidity = 0.0
+        slowest = rates[:1] * min(0.5, equilibrium / (2 * moduli.sum())) if rates.size else rates
+        low, high = np.concatenate([slowest, rates[:-1]]), rates
+    zeros = _zeros(equilibrium, moduli, rates, low.copy(), high.copy())
+    steepness = (moduli * rates / (rates - zeros[:, None]) ** 2).sum(axis=1)
+    sizes = 1 / (zeros * steepness)
+    terms = tuple((float(size), float(1 / zero)) for size, zero in zip(sizes, zeros, strict=True))
+    return Creep(instantaneous, terms, fluidity)
+
+
+def _zeros(equilibrium: float, moduli: Array, rates: Array, low: Array, high: Array) -> Array:
+    """Where ``equilibrium + sum(E_i z / (z - 1 / tau_i))`` falls through zero, in each bracket, by halving."""
+    for _ in range(BISECTIONS):
+        middle = np.sqrt(low) * np.sqrt(high)
+        middle = np.clip(middle, np.nextafter(low, high), np.nextafter(high, low))
+        value = equilibrium + (moduli * middle[:, None] / (middle[:, None] - rates)).sum(axis=1)
+        low, high = np.where(value > 0, middle, low), np.where(value > 0, high, middle)
+    return np.asarray(np.sqrt(low) * np.sqrt(high))
+
+
+# Gauss points in a panel: coefficients are smooth from one cell to the next, a kink at half a cell apart.
+POINTS = 8
+# Panels shrink towards the kink by halves, so many times.
+HALVINGS = 10
+# What is older than so many times has been forgotten.
+FORGOTTEN = 40.0
+
+Field = Callable[[Array], Array]
+
+
+@dataclass(frozen=True)
+class Trailing:
+    """A part of ``V(x) = int_0^inf exp(-t / length) / length K(x + t) dt`` with K those of ``inner``.
+
+    The displacement that follows a pressure which moves to larger x (axis 0) at a speed v, in a body that takes
+    the time ``length / v`` for it. ``sign``: 1 for the part that is even in x, -1 for the odd one.
+    """
+
+    inner: Coefficients
+    length: float
+    sign: int
+    axis: int = 0
+
+    @property
+    def parity(self) -> tuple[int, int]:
+        """That of the part along the axis of motion."""
+        return (self.sign, 1) if self.axis == 0 else (1, self.sign)
+
+    def turned(self) -> "Trailing":
+        """Moving along the other axis."""
+        return replace(self, inner=self.inner.turned(), axis=1 - self.axis)
+
+    def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
+        """One cell."""
+        if self.axis == 1:
+            return self.turned().cell(y, x, dy, dx)
+
+        def at(s: Array) -> Array:
+            return self.inner.cell(s[:, None], np.ravel(y), dx, dy)
+
+        found = self._part(_free(at, np.ravel(x), dx, self.length))
+        return found if np.ndim(y) < 2 else found.T
+
+    def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
+        """Infinitely many images along y."""
+        if self.axis == 1:
+
+            def beside(s: Array) -> Array:
+                return self.inner.row(np.ravel(x)[:, None], s, dx, dy, period).T
+
+            return self._part(_closed(beside, np.ravel(y), dy, period, self.length)).T
+
+        def at(s: Array) -> Array:
+            return self.inner.row(s[:, None], np.ravel(y), dx, dy, period)
+
+        return self._part(_free(at, np.ravel(x), dx, self.length))
+
+    def lattice(
+        self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
+    ) -> Array:
+        """Infinitely many images along both axes."""
+        if self.axis == 1:
+            return self.turned().lattice(y.T, x.T, dy, dx, period, width).T
+
+        def at(s: Array) -> Array:
+            return self.inner.lattice(s[:, None], np.ravel(y), dx, dy, width, period)
+
+        return self._part(_closed(at, np.ravel(x), dx, width, self.length))
+
+    def _part(self, both: tuple[Array, Array]) -> Array:
+        ahead, behind = both
+        return (ahead + self.sign * behind) / 2
+
+
+def _free(at: Field, x: Array, step: float, length: float) -> tuple[Array, Array]:
+    """V at ``x`` and ``-x``, multiples of ``step`` from 0 on; ``at`` is even and goes on for ever."""
+    index = np.round(x / step).astype(int)
+    last = max(int(index.max()), 1)
+    onward, backward = _panels(at, last, step, length)
+    left = exp(-step / length)
+    value = _beyond(at, last * step, step, length)
+    ahead = np.empty((last + 1, *value.shape))
+    ahead[last] = value
+    for k in range(last - 1, -1, -1):
+        value = onward[k] + left * value
+        ahead[k] = value
+    behind = np.empty_like(ahead)
+    behind[0] = value
+    for k in range(last):
+        value = backward[k] + left * value
+        behind[k + 1] = value
+    return ahead[index], behind[index]
+
+
+def _closed(at: Field, x: Array, step: float, period: float, length: float) -> tuple[Array, Array]:
+    """The same where ``at`` repeats after ``period``."""
+    count = round(period / step)
+    half = (count + 1) // 2
+    onward, backward = _panels(at, half, step, length)
+    panels = [onward[k] if k < half else backward[count - 1 - k] for k in range(count)]
+    left = exp(-step / length)
+    value = np.zeros_like(panels[0])
+    for k in range(count - 1, -1, -1):
+        value = panels[k] + left * value
+    value = value / -np.expm1(-period / length)
+    around = np.empty((count, *value.shape))
+    for k in range(count - 1, -1, -1):
+        value = panels[k] + left * value
+        around[k] = value
+    index = np.round(x / step).astype(int) % count
+    return around[index], around[-index % count]
+
+
+def _panels(at: Field, count: int, step: float, length: float) -> tuple[Array, Array]:
+    """Integrals over each of ``count`` panels, weighted from its near end on, and from its far end backwards."""
+    halves = np.concatenate([[0.0], np.sort(0.5 - 0.5 ** np.arange(2.0, HALVINGS + 2)), [0.5]])
+    edges = step * np.concatenate([halves, 1 - halves[-2::-1]])
+    first = [_integral(at, 0.0, edges, length, sign) for sign in (1, -1)]
+    nodes, weights = _rule(step, length)
+    starts = step * np.arange(1, count)
+    places = (starts[:, None] + step * nodes).ravel()
+    values = at(places) if count > 1 else np.zeros((0, *first[0].shape))
+    values = values.reshape(count - 1, POINTS, *values.shape[1:])
+    onward = np.tensordot(weights, values, (0, 1))
+    # read backwards, the points lie as they do forwards
+    backward = np.tensordot(weights[::-1], values, (0, 1))
+    return (
+        np.concatenate([first[0][None], onward]),
+        np.concatenate([first[1][None], backward]),
+    )
+
+
+def _integral(at: Field, start: float, edges: Array, length: float, sign: int) -> Array:
+    """Over the panels between ``edges``, weighted from the first of them on (1) or from the last backwards (-1)."""
+    total: Array | float = 0.0
+    for near, far in pairwise(edges):
+        nodes, weights = _rule(far - near, length)
+        if sign < 0:
+            weights = weights[::-1] * exp(-(edges[-1] - far) / length)
+        else:
+            weights = weights * exp(-(near - edges[0]) / length)
+        total = total + np.tensordot(weights, at(start + near + (far - near) * nodes), (0, 0))
+    return np.asarray(total)
+
+
+def _beyond(at: Field, start: float, step: float, length: float) -> Array:
+    """V at ``start``, by panels that grow with their distance."""
+    reach = FORGOTTEN * length
+    edges = [0.0, step]
+    while edges[-1] < reach:
+        edges.append(2 * edges[-1])
+    return _integral(at, start, np.array(edges), length, 1)
+
+
+def _rule(size: float, length: float) -> tuple[Array, Array]:
+    """Points in a panel from 0 to 1 and weights for ``int f(t) exp(-t / length) / length dt`` over ``size``.
+
+    Exact for polynomials of degree ``POINTS - 1`` at any ratio: moments of Legendre's polynomials under an
+    exponential are modified spherical Bessel functions (DLMF 10.54.2).
+    """
+    nodes, gauss = np.polynomial.legendre.leggauss(POINTS)
+    half = max(size / (2 * length), 1e-12)
+    orders = np.arange(POINTS)
+    moments = (-1.0) ** orders * np.sqrt(np.pi / (2 * half)) * ive(orders + 0.5, half)
+    shapes = np.array([eval_legendre(n, nodes) for n in orders])
+    weights = half * gauss * (((2 * orders + 1) * moments) @ shapes)
+    return (nodes + 1) / 2, weights

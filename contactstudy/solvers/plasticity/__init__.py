@@ -1,1 +1,0 @@
-"""Contact and plastic strain, found together. May import `solve` and below."""

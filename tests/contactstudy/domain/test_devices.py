@@ -1,0 +1,281 @@
+"""Every array library there is gives numpy's answers: a strict one, PyTorch and a GPU where they are at hand."""
+
+import sys
+from collections.abc import Iterator
+from dataclasses import replace
+from importlib import import_module
+from importlib.util import find_spec
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.domain.device import Device, Library, using
+from contactstudy.domain.fields import Array
+from contactstudy.elasticity.approximate_inverse import Extension
+from contactstudy.problem.constraint import Constraint
+from contactstudy.solvers.solve import Watched
+from tests.conftest import LineContact
+from tests.contactstudy.solvers.test_preconditioned_cg import problem
+
+# The strict one has nothing beyond the array API standard, so that no call of numpy's alone is left.
+LIBRARIES = ["array_api_strict", "array_api_compat.torch"]
+
+
+def devices() -> Iterator[Device]:
+    yield cs.Cpu(2)
+    for name in LIBRARIES:
+        if find_spec(name.partition(".")[0]) and find_spec(name.rpartition(".")[2]):
+            yield Library(import_module(name))
+    try:
+        yield cs.Gpu()
+    except cs.InvalidInput:
+        return
+
+
+def name(device: Device) -> str:
+    return "Cpu" if isinstance(device, cs.Cpu) else str(getattr(device.arrays, "__name__", device))
+
+
+on_every_device = pytest.mark.parametrize("device", list(devices()), ids=name)
+
+BOTH = cs.ExactPeriodicity(), cs.ExactPeriodicity()
+FREE = cs.ZeroPadding(), cs.ZeroPadding()
+GRIDS: dict[str, tuple[tuple[int, int], cs.Padding | cs.Paddings]] = {
+    "semi-periodic": ((64, 48), cs.ExactPeriodicity()),
+    "doubly periodic": ((64, 64), BOTH),
+    "free": ((36, 40), FREE),
+    "some images": ((33, 40), cs.Superposition(2)),
+    "circular images": ((40, 33), cs.CircularSuperposition(2)),
+    "odd": ((37, 51), BOTH),
+    "odd, free along x": ((45, 31), (cs.ZeroPadding(), cs.ExactPeriodicity())),
+    "one row along": ((129, 1), cs.ExactPeriodicity()),
+}
+
+
+@on_every_device
+@pytest.mark.parametrize("grid", GRIDS)
+@pytest.mark.parametrize("hardness", [None, 0.8])
+def test_a_rough_contact_is_the_same(
+    grid: str, hardness: float | None, device: Device, line_contact: LineContact
+) -> None:
+    cells, padding = GRIDS[grid]
+    posed = problem(line_contact, cells, "30 %", padding)
+    if hardness is not None:
+        limit = cs.HardnessLimited(hardness * line_contact.hertz.peak_pressure)
+        posed = replace(posed, constraint=limit)
+    ours, other = (cs.solve(posed, tolerance=1e-10, on=on) for on in (cs.Cpu(), device))
+    agree(ours, other, 1e-10)
+    assert other.status is ours.status
+    if hardness is not None:
+        assert np.count_nonzero(other.pressure == other.pressure.max()) > 1
+
+
+def agree(ours: cs.Solution, other: cs.Solution, tolerance: float) -> None:
+    assert max(ours.residual, other.residual) <= tolerance
+    for field in (other.pressure, other.displacement, other.gap):
+        assert type(field) is np.ndarray
+        assert field.dtype == np.float64
+    scales = ours.problem.scales
+    # a gap of the tolerance is a pressure of that times the operator's condition, up to so many waves across
+    bound = 10 * max(other.pressure.shape) * tolerance
+    assert np.abs(ours.pressure - other.pressure).max() / scales.pressure < bound
+    assert abs(ours.approach - other.approach) / scales.gap < bound
+
+
+@on_every_device
+def test_single_precision_reaches_what_it_can(device: Device, line_contact: LineContact) -> None:
+    posed = problem(line_contact, 64, "80 %")
+    ours = cs.solve(posed, tolerance=1e-10)
+    other = cs.solve(posed, tolerance=1e-5, precision="single", on=device)
+    assert other.status is cs.Status.CONVERGED
+    agree(ours, other, 1e-5)
+
+
+@on_every_device
+def test_a_warm_start_needs_no_more_than_its_pressure(
+    device: Device, line_contact: LineContact
+) -> None:
+    posed = problem(line_contact, 48, "80 %", BOTH)
+    ours = cs.solve(posed, tolerance=1e-10)
+    begin = ours.pressure.copy()
+    again = cs.solve(posed, tolerance=1e-8, start=begin, on=device)
+    assert again.iterations == 0
+    np.testing.assert_array_equal(begin, ours.pressure)
+    agree(ours, again, 1e-8)
+
+
+@on_every_device
+def test_polonsky_and_keer_s_scheme_is_the_same(device: Device, line_contact: LineContact) -> None:
+    posed = problem(line_contact, 32, "smooth")
+    ours, other = (
+        cs.solve(posed, tolerance=1e-9, solver=cs.PolonskyKeer(), on=on)
+        for on in (cs.Cpu(), device)
+    )
+    agree(ours, other, 1e-9)
+
+
+@on_every_device
+def test_a_contact_with_friction_is_solved_there_too(
+    device: Device, line_contact: LineContact
+) -> None:
+    scene = replace(line_contact.scene, friction=cs.PartialSlip(0.3, 1.2e4))
+    posed = scene.problem(line_contact.grid((64, 1), 2.4), cs.ExactPeriodicity())
+    ours, other = (cs.solve(posed, on=on) for on in (cs.Cpu(), device))
+    scale = ours.pressure.max()
+    # two contacts of one operator, each to the tolerance
+    np.testing.assert_allclose(other.shear, ours.shear, rtol=0, atol=2 * 10 * 64 * 1e-8 * scale)
+
+
+@on_every_device
+def test_who_watches_sees_numpy(device: Device, line_contact: LineContact) -> None:
+    posed = problem(line_contact, 32, "smooth")
+    seen: list[Array] = []
+    found = cs.solve(posed, on=device, solver=Watched(lambda _, p: seen.append(p.copy())))
+    assert {type(one) for one in seen} == {np.ndarray}
+    np.testing.assert_array_equal(seen[-1] * posed.scales.pressure, found.pressure)
+
+
+def extended(shape: tuple[int, int], elongation: float, device: Device) -> tuple[Array, Array]:
+    """An extension from a random contact, and its transpose, of random fields, as it is worked out at present."""
+    rng = np.random.default_rng(5)
+    contact = (rng.random(shape) < 0.3).astype(float)
+    contact[0, 0] = 1
+    known, pressure = rng.standard_normal((2, *shape))
+    known *= contact
+    extension = Extension(device.put(contact), elongation)
+    found = extension(device.put(known)), extension.transposed(device.put(pressure))
+    return device.take(found[0]), device.take(found[1])
+
+
+@on_every_device
+@pytest.mark.parametrize("shape", [(16, 16), (13, 10), (25, 1)], ids=str)
+@pytest.mark.parametrize("elongation", [1.0, 0.02, 30.0])
+def test_an_extension_is_the_same(
+    shape: tuple[int, int], elongation: float, device: Device
+) -> None:
+    expected = extended(shape, elongation, cs.Cpu())
+    with using(device):
+        found = extended(shape, elongation, device)
+    for one, two in zip(found, expected, strict=True):
+        # sums of at most so many terms of size one
+        np.testing.assert_allclose(one, two, rtol=0, atol=1e-15 * two.size)
+
+
+CONSTRAINTS: list[Constraint] = [cs.Compressive(), *map(cs.HardnessLimited, (4.0, 1.0, 10 / 12))]
+
+
+@on_every_device
+@pytest.mark.parametrize("which", CONSTRAINTS, ids=str)
+def test_what_a_constraint_admits_is_the_same(which: Constraint, device: Device) -> None:
+    rng = np.random.default_rng(3)
+    trial = rng.standard_normal((3, 4))
+    cells = (trial > -0.5).astype(float)
+    expected = (
+        which.carrying(trial.copy(), 10.0),
+        which.nearest(trial.copy(), 10.0),
+        which.levelled(trial.copy(), cells, 10.0),
+    )
+    with using(device):
+        found = (
+            which.carrying(device.put(trial.copy()), 10.0),
+            which.nearest(device.put(trial.copy()), 10.0),
+            which.levelled(device.put(trial.copy()), device.put(cells), 10.0),
+        )
+    for one, two in zip(found, expected, strict=True):
+        np.testing.assert_allclose(device.take(one), two, rtol=1e-14, atol=1e-15)
+
+
+class Spring:
+    """An operator of somebody's own."""
+
+    work, own, blocks = 1.0, 1.0, (1, 1)
+
+    def scaled(self, factor: float, precision: cs.Precision) -> "Spring":
+        return self
+
+
+STRICT = Library(import_module(LIBRARIES[0]))
+
+
+def test_an_operator_of_one_s_own_is_refused(line_contact: LineContact) -> None:
+    posed = replace(problem(line_contact, 8, "smooth"), operator=Spring())  # type: ignore[arg-type]
+    with pytest.raises(cs.InvalidInput, match=r"^solve\.on is .* of your own .*, give Cpu\(\)\.$"):
+        cs.solve(posed, on=STRICT)
+
+
+def test_what_the_device_has_no_room_for_is_refused(
+    line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    posed = problem(line_contact, (8, 4), "smooth", BOTH)
+    # 14 fields of 32 cells, and as many as 4 of the transforms, of 8 bytes each
+    monkeypatch.setattr(Library, "available_bytes", 18 * 32 * 8)
+    cs.solve(posed, on=STRICT)
+    monkeypatch.setattr(Library, "available_bytes", 18 * 32 * 8 - 1)
+    with pytest.raises(cs.InvalidInput, match=r"needs 4\.61e-06 GB and it has 4\.61e-06 GB left"):
+        cs.solve(posed, on=STRICT)
+    cs.solve(posed, on=STRICT, precision="single")
+
+
+def without_cupy(monkeypatch: pytest.MonkeyPatch) -> None:
+    for module in ("cupy", "array_api_compat.cupy"):
+        monkeypatch.setitem(sys.modules, module, None)
+
+
+class NoDriverError(Exception):
+    pass
+
+
+def counted(number: int | None) -> Any:
+    """CuPy on a machine with so many graphics processors; None without a driver. Its arrays are the strict ones."""
+
+    def count() -> int:
+        if number is None:
+            raise NoDriverError("no driver")
+        return number
+
+    runtime = SimpleNamespace(
+        getDeviceCount=count, CUDARuntimeError=NoDriverError, memGetInfo=lambda: (10**6, 10**9)
+    )
+    return SimpleNamespace(
+        cuda=SimpleNamespace(runtime=runtime),
+        asarray=STRICT.put,
+        asnumpy=STRICT.take,
+        get_default_memory_pool=lambda: SimpleNamespace(free_bytes=lambda: 24),
+    )
+
+
+def with_cupy(number: int | None, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "cupy", counted(number))
+    monkeypatch.setitem(sys.modules, "array_api_compat.cupy", STRICT.arrays)  # type: ignore[arg-type]
+
+
+def test_no_cupy_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
+    without_cupy(monkeypatch)
+    with pytest.raises(cs.InvalidInput, match=r"^Gpu needs CuPy, .*: pip install .*, or give"):
+        cs.Gpu()
+
+
+@pytest.mark.parametrize("number", [0, None])
+def test_no_graphics_processor_is_one_sentence(
+    number: int | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with_cupy(number, monkeypatch)
+    with pytest.raises(cs.InvalidInput, match=r"^Gpu found no graphics processor.*: give Cpu\(\)"):
+        cs.Gpu()
+
+
+def test_a_graphics_processor_solves_with_the_arrays_of_its_library(
+    monkeypatch: pytest.MonkeyPatch, line_contact: LineContact
+) -> None:
+    with_cupy(1, monkeypatch)
+    posed = problem(line_contact, 32, "smooth")
+    found = cs.solve(posed, tolerance=1e-10, on=cs.Gpu())
+    agree(cs.solve(posed, tolerance=1e-10), found, 1e-10)
+    # what is free, and what CuPy keeps
+    assert cs.Gpu().available_bytes == 10**6 + 24
+    large = problem(line_contact, (256, 64), "smooth")
+    with pytest.raises(cs.InvalidInput, match=r"^solve\.on is Gpu\(\): .* has 0\.001 GB left"):
+        cs.solve(large, on=cs.Gpu())

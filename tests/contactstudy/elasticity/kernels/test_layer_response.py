@@ -1,0 +1,111 @@
+"""The response of a layer to one wave, against the boundary-value problem itself."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from mpmath import diff, lu_solve, matrix, mp, mpf
+from mpmath import exp as mp_exp
+
+from contactstudy.elasticity.kernels.layer_response import LayerResponse
+from tests.contactstudy.elasticity.kernels.layer_materials import LAYERS
+
+
+def rest(layer: LayerResponse, k: float) -> float:
+    return float(np.real(layer.rest(np.array([k])))[0])
+
+
+def solved(layer: LayerResponse, k: float) -> mpf:
+    """1 + D by the layered problem in plane strain: Airy functions, six conditions, 60 digits.
+
+    With unit wave number and the layer from z = 0 to k: ``phi = (a + b z) e^-z + (c + d z) e^z`` in the
+    layer, the first two alone below; ``s_zz = -phi``, ``s_xz ~ phi'``.
+    """
+    with mp.workdps(60):
+        h = mpf(k)
+        above = [
+            lambda z: mp_exp(-z),
+            lambda z: z * mp_exp(-z),
+            lambda z: mp_exp(z - h),
+            lambda z: z * mp_exp(z - h),
+        ]
+        below = [lambda z: mp_exp(h - z), lambda z: z * mp_exp(h - z)]
+        bodies = (
+            (above, 1, mpf(layer.coating_poisson_ratio)),
+            (below, mpf(layer.shear_ratio), mpf(layer.substrate_poisson_ratio)),
+        )
+
+        def at(body: Any, z: mpf) -> list[list[mpf]]:
+            """phi, phi', 2 G1 times the displacements along and down, for each of the body's functions."""
+            functions, ratio, nu = body
+            found = []
+            for function in functions:
+                d = [diff(function, z, n) for n in range(4)]
+                along = ratio * ((1 - nu) * d[2] + nu * d[0])
+                down = ratio * ((1 - nu) * d[3] - (2 - nu) * d[1])
+                found.append([d[0], d[1], along, down])
+            return found
+
+        surface, top, bottom = at(bodies[0], mpf(0)), at(bodies[0], h), at(bodies[1], h)
+        system, right = matrix(6), matrix([1, 0, 0, 0, 0, 0])
+        for column in range(4):
+            system[0, column], system[1, column] = surface[column][0], surface[column][1]
+            for row in range(4):
+                system[2 + row, column] = top[column][row]
+        for column in range(2):
+            for row in range(4):
+                system[2 + row, 4 + column] = -bottom[column][row]
+        strength = lu_solve(system, right)
+        moved = sum(strength[column] * surface[column][3] for column in range(4))
+        return moved / (2 * (1 - mpf(layer.coating_poisson_ratio)))
+
+
+@pytest.mark.parametrize("name", LAYERS)
+@pytest.mark.parametrize("k", [1e-4, 0.013, 0.4, 1.7, 6.0])
+def test_the_response_is_that_of_the_layered_boundary_value_problem(name: str, k: float) -> None:
+    layer = LAYERS[name]
+    wanted = solved(layer, k)
+    found = 1 + layer.contrast * np.exp(-2 * k) + rest(layer, k)
+    # roundings of d0 and of R, and those of d0 e^-2k in a sum that may cancel
+    rounding = 16 * np.finfo(float).eps * (1 + abs(layer.contrast))
+    assert abs(found - float(wanted)) <= rounding + 1e-13 * abs(rest(layer, k))
+
+
+def test_the_response_has_the_known_values() -> None:
+    layer = LayerResponse(4.0, 0.25, 0.35)
+    assert layer.contrast == pytest.approx(37 / 15, rel=1e-15)
+    for k, wanted in ((0.1, 3.363641337945017), (1.0, 2.156741925746687), (3.0, 1.065289721029706)):
+        found = 1 + layer.contrast * np.exp(-2 * k) + rest(layer, k)
+        assert found == pytest.approx(wanted, rel=4e-16 * 8)
+
+
+def test_a_layer_of_its_substrates_material_has_no_rest() -> None:
+    alike = LayerResponse(1.0, 0.3, 0.3)
+    k = np.geomspace(1e-6, 20, 50)
+    assert alike.contrast == 0
+    assert np.abs(alike.rest(k)).max() <= 4 * np.finfo(float).eps
+
+
+def test_the_first_order_is_the_thin_film_constant() -> None:
+    """A film squeezed uniaxially, stretched with its substrate, its membrane force pulling back."""
+    for layer in LAYERS.values():
+        nu1, nu2 = layer.coating_poisson_ratio, layer.substrate_poisson_ratio
+        if layer.shear_ratio == 0 or nu1 == 0.5:
+            continue
+        shear1, shear2 = layer.shear_ratio, 1.0
+        e = -(1 - 2 * nu2) / (2 * shear2)
+        s = -nu1 / (1 - nu1) + 2 * shear1 * e / (1 - nu1)
+        uniaxial = 2 * shear1 * (1 - nu1) / (1 - 2 * nu1)
+        lateral = 2 * shear1 * nu1 / (1 - 2 * nu1)
+        alpha = (1 + lateral * e) / uniaxial + (1 - 2 * nu2) / (2 * shear2) * s
+        # C = (2 / E1*)(1 + D) / q, so that alpha h is (2 / E1*) D'(0) h
+        wanted = alpha * shear1 / (1 - nu1) + 2 * layer.contrast
+        assert layer.slope == pytest.approx(wanted, rel=1e-9)
+
+
+def test_the_first_order_on_a_rigid_base_is_uniaxial_compression() -> None:
+    for nu in (-0.3, 0.0, 0.3, 0.5):
+        layer = LayerResponse(0.0, nu, 0.2)
+        assert layer.contrast == -1
+        # D'(0) = R'(0) - 2 d0
+        assert layer.slope + 2 == pytest.approx((1 - 2 * nu) / (2 * (1 - nu) ** 2), abs=1e-14)

@@ -1,0 +1,287 @@
+"""Conjugate gradients beside dense algebra."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
+from contactstudy.solvers.settle import (
+    ContactTangent,
+    _energy,
+    _newton_step,
+    _relaxed,
+    conjugate_gradients,
+    settle,
+)
+from contactstudy.solvers.yielding_bodies import ROOT, Hardening, YieldingBodies, YieldLaw
+from tests.conftest import LineContact
+
+RNG = np.random.default_rng(3)
+HALF = RNG.standard_normal((6, 6))
+MATRIX = HALF @ HALF.T + np.eye(6)
+WANTED = RNG.standard_normal(6)
+RIGHT = np.linalg.solve(MATRIX, WANTED)
+
+
+def solved(share: float, most: int, diagonal: np.ndarray) -> np.ndarray:
+    return conjugate_gradients(
+        lambda x: MATRIX @ x,
+        lambda r: r / diagonal,
+        lambda a, b: float(a @ b),
+        WANTED,
+        share,
+        most,
+    )
+
+
+@pytest.mark.parametrize("diagonal", [np.ones(6), np.diag(MATRIX)])
+def test_six_products_solve_six_equations(diagonal: np.ndarray) -> None:
+    # to rounding times the condition, some hundreds
+    np.testing.assert_allclose(solved(1e-14, 6, diagonal), RIGHT, rtol=1e-9)
+    assert np.abs(solved(1e-14, 5, diagonal) - RIGHT).max() > 1e-6
+
+
+def test_the_first_step_is_that_of_steepest_descent() -> None:
+    length = (WANTED @ WANTED) / (WANTED @ MATRIX @ WANTED)
+    np.testing.assert_allclose(solved(1e-14, 1, np.ones(6)), length * WANTED)
+    assert not solved(1e-14, 0, np.ones(6)).any()
+
+
+@pytest.mark.parametrize("share", [0.5, 0.1, 0.01])
+def test_it_ends_with_the_first_residual_below_the_share(share: float) -> None:
+    residuals = [np.linalg.norm(WANTED - MATRIX @ solved(1e-14, n, np.ones(6))) for n in range(7)]
+    ends = next(n for n, size in enumerate(residuals) if size <= share * residuals[0])
+    np.testing.assert_allclose(solved(share, 100, np.ones(6)), solved(1e-14, ends, np.ones(6)))
+
+
+def test_without_curvature_it_ends() -> None:
+    flat = np.diag([1.0, 0.0])
+    found = conjugate_gradients(
+        lambda x: flat @ x, lambda r: r, lambda a, b: float(a @ b), np.array([0.0, 1.0]), 1e-9, 9
+    )
+    assert not found.any()
+    nothing = conjugate_gradients(
+        lambda x: flat @ x, lambda r: r, lambda a, b: float(a @ b), np.zeros(2), 1e-9, 9
+    )
+    assert not nothing.any()
+
+
+@pytest.fixture
+def solution(line_contact: LineContact) -> cs.Solution:
+    problem = line_contact.scene.problem(line_contact.grid((24, 2), 0.3), cs.ExactPeriodicity())
+    return cs.solve(problem, tolerance=1e-12)
+
+
+def test_it_is_the_inverse_of_the_dense_operator_under_a_fixed_load(solution: cs.Solution) -> None:
+    """``K^-1 - K^-1 1 1^T K^-1 / (1^T K^-1 1)`` on the cells that bear, to a hundredth in its own norm."""
+    problem = solution.problem
+    bears = (solution.pressure > 0).ravel()
+    columns = []
+    for one in np.eye(bears.size)[bears]:
+        columns.append(problem.operator(one.reshape(24, 2)).ravel()[bears])
+    inverse = np.linalg.inv(np.transpose(columns))
+    ones = np.ones(bears.sum())
+    dense = inverse - np.outer(inverse @ ones, ones @ inverse) / (ones @ inverse @ ones)
+    gap = 1e-8 * np.random.default_rng(0).standard_normal((24, 2))
+    found = ContactTangent.of(solution, cs.Precision.DOUBLE)(gap)
+    wanted = dense @ gap.ravel()[bears]
+    assert not found.ravel()[~bears].any()
+    assert found.sum() == pytest.approx(0, abs=1e-9 * np.abs(found).sum())
+    # the residual falls to a hundredth in the norm of the preconditioner, which is near that of the operator
+    assert np.linalg.norm(found.ravel()[bears] - wanted) < 0.05 * np.linalg.norm(wanted)
+
+
+def test_a_gap_that_opens_takes_pressure_away(solution: cs.Solution) -> None:
+    """Beside the contact over a little more gap, whose cells are the same."""
+    x = solution.problem.grid.x
+    opened = 1e-11 * np.cos(np.pi * x / x[-1] / 2)[:, None] * np.ones((24, 2))
+    problem = solution.problem
+    other = replace(problem, undeformed_gap=problem.undeformed_gap + opened)
+    change = cs.solve(other, tolerance=1e-13).pressure - solution.pressure
+    found = ContactTangent.of(solution, cs.Precision.DOUBLE)(opened)
+    assert np.linalg.norm(change + found) < 0.05 * np.linalg.norm(found)
+
+
+def test_one_cell_cannot_change(solution: cs.Solution) -> None:
+    alone = replace(solution, pressure=np.eye(24, 2) * np.eye(1, 2))
+    assert (alone.pressure > 0).sum() == 1
+    assert not ContactTangent.of(alone, cs.Precision.DOUBLE)(np.ones((24, 2))).any()
+
+
+GRID = cs.Grid((6, 1), (12.0, 3.0))
+
+
+class Local:
+    """A body whose strain takes ``share`` of 2 G from its own cell's stress; pressure is borne in one direction."""
+
+    def __init__(self, first: int, last: int, edges: tuple[float, ...], young: float) -> None:
+        self.volume, self.moduli = Volume(GRID, first, last, edges), Moduli(young, 0.25)
+        self.takes = 0.5 * 2 * self.moduli.shear
+
+    @property
+    def self_blocks(self) -> np.ndarray:
+        return np.tile(self.takes * np.eye(3), (self.volume.shape[0], 1, 1))
+
+    def stress_of_pressure(self, pressure: np.ndarray) -> np.ndarray:
+        below = np.broadcast_to(pressure[self.volume.rows], self.volume.shape)
+        depth = np.array([1.0, 0.5, 0.25])[: self.volume.shape[0], None, None]
+        return np.stack([0.6 * below * depth, -0.8 * below * depth, 0 * below])
+
+    def stress_of_strain(self, strain: np.ndarray) -> np.ndarray:
+        return self.takes * strain
+
+    def lift(self, strain: np.ndarray) -> np.ndarray:
+        found = np.zeros(GRID.cells)
+        found[self.volume.rows] = strain.sum(axis=(0, 1))
+        return found
+
+
+FIRST, SECOND = Local(1, 4, (0.0, 1.0, 3.0), 200.0), Local(2, 4, (0.0, 2.0), 100.0)
+BODIES = YieldingBodies((FIRST, SECOND), (Hardening(3.0, 20.0, 10.0), Hardening(2.0, 0.0, 0.0)))  # type: ignore[arg-type]
+PRESSURE = np.array([0, 4.0, 6.0, 1.0, 0, 0])[:, None]
+
+
+def contact(_: np.ndarray) -> Any:
+    problem = SimpleNamespace(undeformed_gap=np.zeros(GRID.cells))
+    return SimpleNamespace(pressure=PRESSURE, displacement=np.zeros(GRID.cells), problem=problem)
+
+
+def settled(tolerance: float, before: np.ndarray | None = None, around: Any = None) -> Any:
+    start = np.zeros((3, 8)) if before is None else before
+    return settle(BODIES, contact, lambda _: None, start, np.zeros(8), tolerance, around)
+
+
+# |stress| of each cell: two layers of three cells, then two cells; 2 G is 160 and 80
+SIZE = np.array([4, 6, 1, 2, 3, 0.5, 6, 1])
+LIMIT = ROOT * np.array([3.0] * 6 + [2.0] * 2)
+TWICE_SHEAR = np.array([160.0] * 6 + [80.0] * 2)
+SLOPE = np.array([20.0] * 6 + [0.0] * 2)
+FLOW = np.maximum(SIZE - LIMIT, 0) / (0.5 * TWICE_SHEAR + SLOPE)
+
+
+def test_lists_of_both_bodies_cells_stand_one_after_the_other() -> None:
+    assert np.all(BODIES.law.twice_shear == TWICE_SHEAR)
+    assert np.allclose(BODIES.law.slope, SLOPE)
+    assert np.allclose(BODIES.unit, [3 / 200] * 6 + [2 / 100] * 2)
+    # cells of 2 m by 3 m, in layers of 1 m and 2 m, and of 2 m
+    assert BODIES.volumes.tolist() == [6.0] * 3 + [12.0] * 3 + [12.0] * 2
+    assert BODIES.cell_area == 6.0
+    fields = np.arange(24.0).reshape(3, 8)
+    assert np.all(BODIES.joined(BODIES.parted(fields)) == fields)
+    assert BODIES.parted(fields)[1].shape == (3, 1, 2, 1)
+    assert BODIES.inner(fields, fields) == pytest.approx((fields**2 * BODIES.volumes).sum())
+    chosen = np.arange(8) == 6
+    assert np.all(BODIES.self_blocks(chosen) == [40 * np.eye(3)])
+    lifted = BODIES.lift(np.ones((3, 8)))
+    assert lifted.ravel().tolist() == [0, 6, 9, 9, 0, 0]
+
+
+def test_one_body_alone_has_a_block_for_each_layer_on_all_its_cells_along() -> None:
+    grid = cs.Grid((6, 2), (12.0, 3.0))
+    volume = Volume(grid, 1, 4, (0.0, 1.0, 3.0))
+    blocks = np.arange(18.0).reshape(2, 3, 3)
+    operator: Any = SimpleNamespace(volume=volume, moduli=FIRST.moduli, self_blocks=blocks)
+    body = YieldingBodies((operator,), (Hardening(3.0, 20.0, 10.0),))
+    assert body.cell_area == 3.0
+    # two layers of three cells by two
+    chosen = np.arange(12) % 5 == 0
+    assert np.all(body.self_blocks(chosen) == blocks[[0, 0, 1]])
+    (flow,) = body.parted(np.arange(12.0))
+    assert flow.shape == (2, 3, 2)
+    assert flow[1, 0].tolist() == [6, 7]
+    assert body.volumes.tolist() == [3.0] * 6 + [6.0] * 6
+
+
+def test_each_cell_flows_until_its_stress_is_on_the_yield_surface() -> None:
+    found = settled(1e-12)
+    direction = np.array([0.6, -0.8, 0.0])[:, None]
+    np.testing.assert_allclose(found.strain, FLOW * direction, atol=1e-12)
+    np.testing.assert_allclose(found.flow, ROOT * FLOW, atol=1e-12)
+    assert found.residual <= 1e-12
+    # linear hardening along a straight path: one step of Newton, and one solution of the contact for it
+    assert found.iterations == 1
+    assert len(found.contacts) == 2
+
+
+def test_the_residual_is_the_largest_error_over_the_yield_strain() -> None:
+    found = settled(1e9)
+    assert found.iterations == 0
+    flow = np.maximum(SIZE - LIMIT, 0) / (TWICE_SHEAR + SLOPE)
+    np.testing.assert_allclose(found.strain[1], -0.8 * flow, rtol=1e-12)
+    assert found.residual == pytest.approx((0.8 * flow / BODIES.unit).max())
+
+
+def test_what_is_elastic_has_settled_at_once_and_keeps_its_strain() -> None:
+    before = 1e-9 * np.ones((3, 8)) * (SIZE < 1.5)
+    quiet = settle(
+        YieldingBodies(BODIES.operators, (Hardening(1e3, 0, 0), Hardening(1e3, 0, 0))),
+        contact, lambda _: None, before, np.zeros(8), 1e-12,
+    )  # fmt: skip
+    assert (quiet.iterations, quiet.residual) == (0, 0.0)
+    np.testing.assert_array_equal(quiet.strain, before)
+
+
+def test_stress_from_outside_adds_to_that_of_the_pressure() -> None:
+    around = np.zeros((3, 8))
+    around[:, 2] = np.array([0.6, -0.8, 0.0]) * 5
+    found = settled(1e-12, around=around)
+    wanted = (6 - LIMIT[2]) / (0.5 * 160 + 20)
+    assert found.flow[2] == pytest.approx(ROOT * wanted)
+    assert np.delete(found.flow, 2) == pytest.approx(np.delete(ROOT * FLOW, 2))
+
+
+def test_the_energy_of_a_contact_is_of_half_its_displacement_and_all_of_its_gap() -> None:
+    pressure, moved, gap = np.array([[2.0], [5.0]]), np.array([[3.0], [-1.0]]), np.array([[7], [4]])
+    solution: Any = SimpleNamespace(
+        pressure=pressure, displacement=moved, problem=SimpleNamespace(undeformed_gap=gap)
+    )
+    assert _energy(solution, 0.25) == (2 * (7 + 1.5) + 5 * (4 - 0.5)) / 4
+
+
+def test_strain_relaxes_stress_by_itself_and_by_the_pressure_that_it_changes() -> None:
+    strain = np.arange(24.0).reshape(3, 8)
+    own = BODIES.stress_of_strain(strain)
+    assert np.all(_relaxed(BODIES, None, strain) == own)
+    more = BODIES.stress_of_pressure(0.5 * BODIES.lift(strain))
+    assert np.all(_relaxed(BODIES, lambda lift: 0.5 * lift, strain) == own + more)
+
+
+class Coupled:
+    """Four cells of one volume each, whose strain takes stress from all."""
+
+    half = np.random.default_rng(6).standard_normal((12, 12))
+    matrix = half @ half.T + 2 * np.eye(12)
+
+    def stress_of_strain(self, strain: np.ndarray) -> np.ndarray:
+        return (self.matrix @ strain.ravel()).reshape(3, 4)
+
+    def self_blocks(self, cells: np.ndarray) -> np.ndarray:
+        return np.tile(np.eye(3), (int(cells.sum()), 1, 1))
+
+    def inner(self, one: np.ndarray, other: np.ndarray) -> float:
+        return float((one * other).sum())
+
+
+@pytest.mark.parametrize("size", [0.1, 3.0])
+def test_a_step_of_newton_is_that_of_the_dense_linearised_return(size: float) -> None:
+    """In cells that flow it closes the error, in others the strain goes back at once."""
+    law = YieldLaw(*(np.full(4, one) for one in (1.6, 1.0, 0.3, 0.2)))
+    random = np.random.default_rng(8)
+    stress = size * np.array([2.0, 0.1, 1.0, 0.2]) * random.standard_normal((3, 4))
+    returned = law.returned(stress, np.zeros((3, 4)), np.zeros((3, 4)), np.zeros(4))
+    residual = random.standard_normal((3, 4))
+    point: Any = SimpleNamespace(returned=returned, residual=residual, error=1e-14)
+    bodies: Any = Coupled()
+    found = _newton_step(bodies, None, point)
+    flows = returned.flows
+    assert flows.any() == (size > 1)
+    assert not flows.all()
+    np.testing.assert_array_equal(found[:, ~flows], -residual[:, ~flows])
+    # what is left of the linear system, to the smallest share that is asked for and its condition
+    both = bodies.stress_of_strain(found)[:, flows] + returned.inverse_tangent(residual)[:, flows]
+    left = both + np.einsum("kij,jk->ik", returned.stiffness, found[:, flows])
+    assert np.abs(left).max(initial=0) < 1e-4

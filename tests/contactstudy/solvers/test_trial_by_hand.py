@@ -1,0 +1,84 @@
+"""A trial pressure by hand, and by compiled passes that are told what they find."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from contactstudy.problem.constraint import Gap
+from contactstudy.solvers import preconditioned_cg as trials
+from contactstudy.solvers.preconditioned_cg import Step, _direction, trial_along
+from tests.contactstudy.solvers.kernels import Kernels, limited
+
+PRESSURE = np.array([[1.0, 2.0], [0.5, 0.0], [3.0, 1.5]])
+CELLS = np.array([[1.0, 1.0], [1.0, 0.0], [1.0, 0.0]])
+CLOSING = np.array([[0.5, -1.0], [2.0, 0.0], [0.25, 0.0]])
+HEIGHT = np.array([[0.5, -1.0], [2.0, 4.0], [0.25, 0.5]])
+# Of other cells, too.
+STEP = Step(
+    np.array([[0.25, -0.5], [1.0, 5.0], [0.5, 0.0]]),
+    np.array([[1.0, -2.0], [3.0, 7.0], [0.5, 0.25]]),
+    curvature=4.0,
+)
+# Four cells that 1.75 would close; 9.0625 along what the step moved, 2.5 of that in these cells.
+LEVEL = 1.75 / 4
+ALONG = 0.5 + 2 + 6 + 0.125
+KEPT = (ALONG - LEVEL * 2.5) / 4
+
+
+def test_a_direction_is_level_and_conjugate_to_the_last_step_where_that_is_downhill() -> None:
+    assert _direction(HEIGHT, CLOSING, CELLS, None) == (LEVEL, 0)
+    # the step changed these cells by 1.25 together
+    found = _direction(HEIGHT, CLOSING, CELLS, STEP)
+    assert found == pytest.approx((LEVEL - KEPT * 1.25 / 4, KEPT))
+    # 5.3125 downhill against the gap, of which so much of the step would lose 2.75 a time
+    assert (HEIGHT * CLOSING).sum() == 5.3125
+    assert (HEIGHT * CELLS * STEP.step).sum() == 2.75
+    for curvature, conjugate in (
+        (4.0, True),
+        (3.9, True),
+        (3.8, False),
+        (0.0, False),
+        (-4.0, False),
+    ):
+        kept = _direction(HEIGHT, CLOSING, CELLS, replace(STEP, curvature=curvature))[1]
+        assert bool(kept) == conjugate
+    # a step that had lowered the energy, however little it bends
+    back = replace(STEP, step=-STEP.step, curvature=0.5)
+    assert _direction(HEIGHT, CLOSING, CELLS, back)[1] == pytest.approx(8 * KEPT)
+
+
+def test_a_trial_goes_against_the_closing_pressure_and_keeps_the_load() -> None:
+    gap = Gap(HEIGHT, 0.0)
+    alone, cut = trial_along(limited(4.0), PRESSURE, gap, CLOSING, CELLS, None, None, 0.5)
+    np.testing.assert_allclose(alone, PRESSURE + 0.5 * (LEVEL - CLOSING) * CELLS)
+    assert alone.sum() == pytest.approx(PRESSURE.sum())
+    # 0.5 Pa less 0.78
+    assert cut
+    last = replace(STEP, step=STEP.step.copy())
+    both, cut = trial_along(limited(4.0), PRESSURE, gap, CLOSING, CELLS, last, last, 0.25)
+    way = LEVEL - KEPT * 1.25 / 4 - CLOSING + KEPT * STEP.step
+    np.testing.assert_allclose(both, PRESSURE + 0.25 * way * CELLS)
+    assert both is last.step
+    assert both.sum() == pytest.approx(PRESSURE.sum())
+    assert not cut
+    assert trial_along(limited(3.0), PRESSURE, gap, CLOSING, CELLS, None, None, 0.25)[1]
+
+
+def test_compiled_passes_are_asked_for_the_sums_of_all_rows(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of three rows: four cells with 1.5 to close; then seven sums."""
+    kernels = Kernels(totals=(4 / 3, 0.5), trial=(0.0,))
+    monkeypatch.setattr(trials, "fused", lambda: kernels)
+    gap = Gap(HEIGHT, 0.0)
+    found, cut = trial_along(limited(4.0), PRESSURE, gap, CLOSING, CELLS, None, None, 0.5)
+    assert not cut
+    assert found.shape == PRESSURE.shape
+    assert kernels.asked["trial"][3:7] == pytest.approx((1.5 / 4, 0.0, 0.5, 4.0))
+    # count, closed, downhill, along, over, ahead, shifted
+    kernels.results |= {"products": (1.0, 2.0, 30.0, 4.0, 0.5, 1.0, 3.0), "trial": (1.0,)}
+    _, cut = trial_along(limited(4.0), PRESSURE, gap, CLOSING, CELLS, STEP, STEP, 0.5)
+    assert cut
+    # a level of 2, (12 - 2 * 1.5) / 4 of the step, which had shifted three cells by 9
+    assert kernels.asked["trial"][3:5] == pytest.approx((2 - 2.25 * 9 / 3, 2.25))

@@ -1,0 +1,103 @@
+"""Von Mises plasticity of one cell, in cycles of tension, against the law of a bar."""
+
+import numpy as np
+import pytest
+
+from contactstudy.solvers.yielding_bodies import YieldLaw
+
+TWICE_SHEAR, YIELD = 1.6, 1.0
+
+
+def stressed(law: YieldLaw, deviators: list[float]) -> tuple[float, float]:
+    """Plastic strain and equivalent strain in tension after tension by these stresses, one after the other."""
+    # a bar under s has the deviator sqrt(2/3) s along (2, -1, -1) / sqrt(6), its strain sqrt(3/2) e
+    strain, equivalent = np.zeros((3, 1)), np.zeros(1)
+    for tension in deviators:
+        stress = np.array([[(2 / 3) ** 0.5 * tension], [0.0], [0.0]])
+        # dead weights: the strain that makes the trial stress come back to this stress
+        guess = strain
+        for _ in range(200):
+            found = law.returned(stress, guess, strain, equivalent)
+            if np.abs(found.strain - guess).max() < 1e-15:
+                break
+            guess = found.strain
+        equivalent = equivalent + (2 / 3) ** 0.5 * np.abs(guess - strain).max(axis=0) * 1.0
+        strain = guess
+    return float((2 / 3) ** 0.5 * strain[0, 0]), float(equivalent[0])
+
+
+def law(isotropic: float, kinematic: float) -> YieldLaw:
+    return YieldLaw(*(np.array([one]) for one in (TWICE_SHEAR, YIELD, isotropic, kinematic)))
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
+def test_a_bar_in_tension_hardens_by_both_moduli_together(share: float) -> None:
+    both = 0.8
+    strain, equivalent = stressed(law(share * both, (1 - share) * both), [0.9, 1.2, 1.4])
+    assert strain == pytest.approx(0.4 / both, rel=1e-12)
+    assert equivalent == pytest.approx(0.4 / both, rel=1e-12)
+
+
+def test_isotropic_hardening_widens_the_range_without_yield() -> None:
+    strain, _ = stressed(law(0.5, 0.0), [1.4, -1.4])
+    assert strain == pytest.approx(0.8, rel=1e-12)
+    back, equivalent = stressed(law(0.5, 0.0), [1.4, -1.6])
+    assert back == pytest.approx(0.8 - 0.4, rel=1e-12)
+    assert equivalent == pytest.approx(1.2, rel=1e-12)
+
+
+def test_kinematic_hardening_moves_it() -> None:
+    """From 1.4 down it yields at -0.6 (Bauschinger), with a modulus of 0.5."""
+    strain, _ = stressed(law(0.0, 0.5), [1.4, -0.59])
+    assert strain == pytest.approx(0.8, rel=1e-12)
+    back, _ = stressed(law(0.0, 0.5), [1.4, -0.8])
+    assert back == pytest.approx(0.8 - 0.2 / 0.5, rel=1e-12)
+
+
+def test_the_tangent_is_the_derivative_of_the_return() -> None:
+    random = np.random.default_rng(1)
+    many = YieldLaw(*(np.full(20, one) for one in (TWICE_SHEAR, YIELD, 0.3, 0.2)))
+    stress, before = random.standard_normal((3, 20)), 0.1 * random.standard_normal((3, 20))
+    equivalent, change = random.random(20), random.standard_normal((3, 20))
+    found = many.returned(stress, before, before, equivalent)
+    step = 1e-6
+    ahead, behind = (
+        many.returned(stress + sign * step * change, before, before, equivalent).strain
+        for sign in (1, -1)
+    )
+    derivative = (ahead - behind) / (2 * step)
+    back = found.inverse_tangent(derivative)
+    # a central difference of 1e-6: rounding 1e-10 times the stiffest of 20 cells
+    np.testing.assert_allclose(back[:, found.flows], change[:, found.flows], atol=1e-6)
+    assert 5 < found.flows.sum() < 20
+    values = np.linalg.eigvalsh(found.stiffness)
+    assert values.min() > -1e-12
+
+
+MANY = YieldLaw(*(np.array(one) for one in ([1.6, 2.5], [1.0, 0.5], [0.3, 0.7], [0.2, 0.4])))
+
+
+def test_a_step_costs_the_work_of_the_yield_stress_and_of_hardening() -> None:
+    """Per cell: ``sqrt(2/3) (Y + H e) |step| + H |step|^2 / 3 + K |strain|^2 / 3``."""
+    before = np.array([[0.1, 0.0], [0.2, 0.0], [-0.1, 0.5]])
+    step = np.array([[0.2, 0.0], [0.0, 0.3], [0.1, 0.4]])
+    strain, equivalent = before + step, np.array([0.5, 2.0])
+    root = (2 / 3) ** 0.5
+    wanted = [
+        root * (1.0 + 0.3 * 0.5) * 0.05**0.5 + 0.3 * 0.05 / 3 + 0.2 * (0.09 + 0.04) / 3,
+        root * (0.5 + 0.7 * 2.0) * 0.5 + 0.7 * 0.25 / 3 + 0.4 * (0.09 + 0.81) / 3,
+    ]
+    assert MANY.dissipation(strain, before, equivalent) == pytest.approx(wanted)
+
+
+def test_the_stiffness_of_cells_that_flow_is_the_inverse_tangent_without_the_shear() -> None:
+    stress = np.array([[3.0, 0.1, 2.0], [-1.0, 0.2, 1.0], [0.5, 0.0, -4.0]])
+    law = YieldLaw(*(np.array(one) for one in ([1.6, 1.6, 2.5], [1.0] * 3, [0.3] * 3, [0.2] * 3)))
+    found = law.returned(stress, np.zeros((3, 3)), np.zeros((3, 3)), np.zeros(3))
+    assert found.flows.tolist() == [True, False, True]
+    assert not found.direction[:, 1].any()
+    change = np.random.default_rng(5).standard_normal((3, 3))
+    wanted = found.inverse_tangent(change) - law.twice_shear * change
+    ours = np.einsum("kij,jk->ik", found.stiffness, change[:, found.flows])
+    np.testing.assert_allclose(ours, wanted[:, found.flows], rtol=1e-12)
+    assert not found.inverse_tangent(change)[:, 1].any()

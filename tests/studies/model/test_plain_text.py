@@ -62,7 +62,7 @@ def outer() -> None:
 
 
 def inner() -> None:
-    json.loads("{")  # line 13
+    json.loads("{")  # line 65
 
 
 def deep(times: int) -> None:
@@ -81,7 +81,7 @@ def raised_by(call: object, *words: object) -> BaseException:
 
 
 def test_it_is_the_innermost_that_is_no_library_s() -> None:
-    assert place_of(raised_by(outer)) == " in inner (test_error_place.py, line 13)"
+    assert place_of(raised_by(outer)) == " in inner (test_plain_text.py, line 65)"
     assert place_of(raised_by(outer), __file__) == ""
     # the last fifty of a deep recursion are looked at
     assert "in deep (" in place_of(raised_by(deep, 200))

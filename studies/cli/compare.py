@@ -18,8 +18,8 @@ FILE = click.Path(path_type=Path)
 def compare(first: Path, second: Path, out: Path | None) -> None:
     """Say how B differs from A: two solutions on any grids of one period, or two runs of one study."""
     import contactstudy as cs
+    from contactstudy.domain.files import replacing
     from studies.report.changes import changes
-    from studies.store.files.partial_file import replacing
     from studies.store.netcdf import open_folder, read_any
 
     a, b = read_any(first), read_any(second)

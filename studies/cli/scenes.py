@@ -96,7 +96,7 @@ def solve(scene: Path, out: Path, threads: int | None, device: str, start: Path 
 
     The exit code is 0 if the solution converged, else 1; the result is written in both cases.
     """
-    from studies.store.files.partial_file import replacing
+    from contactstudy.domain.files import replacing
     from studies.store.netcdf import check_kind, open_folder, write
     from studies.store.provenance import provenance
 

@@ -34,7 +34,7 @@ FORMATS = ("png", "pdf", "svg", "vtk")
 )
 def show(file: Path, out: Path | None, formats: str, figures: str) -> None:
     """Draw what is in FILE: a solution, with pressure, gap, profiles and stress, or a study."""
-    from studies.store.files.partial_file import replacing
+    from contactstudy.domain.files import replacing
     from studies.store.netcdf import open_folder, read_any
 
     chosen = [one.strip().lower().lstrip(".") for one in formats.split(",")]

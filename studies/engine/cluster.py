@@ -20,7 +20,7 @@ from studies.engine.workers.compute import failed
 from studies.engine.workers.supervisor import WorkerSupervisor
 from studies.model.case import Computation
 from studies.model.outcome import CaseStatus, Failure, Finished, Outcome, Work
-from studies.store.code_fingerprint import versions
+from studies.store.fingerprint import versions
 
 if TYPE_CHECKING:
     from distributed import Client

@@ -1,6 +1,12 @@
-"""What a run will take, before it starts; and how far off that was, after it."""
+"""Predicts what a case will cost from what similar cases did cost.
 
-from collections.abc import Mapping
+Cases that agree in everything but numbers (same padding, solver, kinds of shapes) form a mode. In each mode a
+quantity is ``N log N`` for N cells, if it is a time, times a power law of all numbers of the case
+(:class:`~contactstudy.planning.power_law.PowerLaw`).
+"""
+
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import islice
@@ -10,9 +16,148 @@ from pathlib import Path
 import numpy as np
 
 from contactstudy import InvalidInput
-from studies.engine.forecast_model import Estimate, ForecastModel, Observation, total
+from contactstudy.domain.fields import Array
+from contactstudy.planning.power_law import PowerLaw
 from studies.model.outcome import CaseStatus
+from studies.store.identity import DEFAULTS, Tree, text
 from studies.store.journal import Contents, Journal
+
+UNLIKE = 1.0  # standard deviation, in logarithms, between one mode and another
+CALLS = 5e4  # time of a small transform, in units of N log N: that of 80 x 80 cells
+LARGEST = 100.0  # limit of any logarithm, against overflow
+CELLS = ".cells"  # in the names of a grid's numbers; nothing is predicted across modes without them
+DIGITS = "tolerance"  # a number whose digits, not whose size, cost time
+MOST = 300  # cases of a mode that are used, the last ones
+
+
+@dataclass(frozen=True)
+class Observation:
+    """A case, and what is known of it: ``case``, ``setup``, ``solve`` [s], ``iterations``, ``bytes``."""
+
+    tree: Tree
+    known: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A positive number, right within ``factor`` in 19 of 20 cases."""
+
+    value: float
+    factor: float
+
+
+@dataclass(frozen=True, eq=False)
+class ForecastModel:
+    """Fitted to ``observations``, anew for each question."""
+
+    observations: Sequence[Observation]
+
+    def predict(self, quantity: str, trees: Sequence[Tree]) -> list[Estimate | None]:
+        """``quantity`` of each case; None where nothing comparable is stored."""
+        by_mode: dict[str, list[tuple[Mapping[str, float], float]]] = defaultdict(list)
+        for one in self.observations:
+            value = one.known.get(quantity, 0.0)
+            if value > 0:
+                named, numbers = _described(one.tree)
+                by_mode[named].append((numbers, log(value) - _work(quantity, numbers)))
+        everything = [row for rows in by_mode.values() for row in rows if _has_cells(row[0])]
+        groups: dict[tuple[str, ...], list[int]] = defaultdict(list)
+        described = [_described(tree) for tree in trees]
+        for place, (mode, numbers) in enumerate(described):
+            if mode in by_mode:
+                groups[mode,].append(place)
+            elif _has_cells(numbers):
+                # a new mode is predicted from all others that have the same numbers
+                groups["", *sorted(numbers)].append(place)
+        found: list[Estimate | None] = [None] * len(trees)
+        for (mode, *_), places in groups.items():
+            rows = by_mode.get(mode) or everything
+            if not rows:
+                continue
+            means, deviations = _fitted(rows[-MOST:], [described[place][1] for place in places])
+            for place, mean, deviation in zip(places, means, deviations, strict=True):
+                logarithm = mean + _work(quantity, described[place][1])
+                spread = 2 * np.hypot(deviation, 0.0 if mode in by_mode else UNLIKE)
+                found[place] = Estimate(
+                    exp(np.clip(logarithm, -LARGEST, LARGEST)), exp(min(spread, LARGEST))
+                )
+        return found
+
+
+def total(estimates: Iterable[Estimate]) -> Estimate:
+    """The sum; the errors of its parts are taken to be fully correlated."""
+    each = list(estimates)
+    value = sum(one.value for one in each)
+    sd = sum(one.value * log(one.factor) for one in each) / value if value else 0.0
+    return Estimate(value, exp(sd))
+
+
+def _has_cells(numbers: Mapping[str, float]) -> bool:
+    return any(CELLS in name for name in numbers)
+
+
+def _work(quantity: str, numbers: Mapping[str, float]) -> float:
+    """The logarithm of N log N, and of the calls that any N takes, for what takes time so."""
+    if quantity not in ("case", "setup", "solve"):
+        return 0.0
+    cells = sum(value for name, value in numbers.items() if CELLS in name)
+    return log(exp(cells) * cells + CALLS) if cells > 0 else 0.0
+
+
+def mode(tree: Tree) -> str:
+    """All that is named in a case, whatever its numbers."""
+    return _described(tree)[0]
+
+
+def _described(tree: Tree) -> tuple[str, Mapping[str, float]]:
+    """The mode of a case, and the logarithms of its numbers."""
+    names: list[str] = []
+    numbers: dict[str, float] = {}
+    _walk(tree, "", names, numbers)
+    return text(names), numbers
+
+
+def _walk(tree: Tree, path: str, names: list[str], numbers: dict[str, float]) -> None:
+    if isinstance(tree, dict):
+        names.append(f"{path}:{tree.get('', '')}")
+        parts = {**tree.get(DEFAULTS, {}), **tree}
+        for name in sorted(parts.keys() - {"", DEFAULTS}):
+            _walk(parts[name], f"{path}.{name}", names, numbers)
+    elif isinstance(tree, list):
+        for place, item in enumerate(tree):
+            _walk(item, f"{path}[{place}]", names, numbers)
+    elif isinstance(tree, str):
+        try:
+            value = abs(float(tree))
+        except ValueError:
+            names.append(f"{path}={tree}")
+            return
+        if value == np.inf:
+            names.append(f"{path}=inf")
+        elif tree.lstrip("-").isdigit():  # a count may be zero
+            numbers[path] = log(value + 0.5)
+        elif value == 0:
+            names.append(f"{path}=0")
+        elif path.endswith(DIGITS) and value < 1:
+            numbers[path] = log(-log(value))
+        else:
+            numbers[path] = log(value)
+
+
+def _fitted(
+    rows: Sequence[tuple[Mapping[str, float], float]], wanted: Sequence[Mapping[str, float]]
+) -> tuple[Array, Array]:
+    """Mean and standard deviation of the logarithm at ``wanted``, by the numbers that all have."""
+    names = sorted(set.intersection(*(set(numbers) for numbers, _ in rows), *map(set, wanted)))
+
+    def logarithms(all_numbers: Iterable[Mapping[str, float]]) -> Array:
+        return np.array([[numbers[name] for name in names] for numbers in all_numbers], ndmin=2)
+
+    law = PowerLaw.fit(
+        logarithms(numbers for numbers, _ in rows), np.array([value for _, value in rows])
+    )
+    return law.predict(logarithms(wanted))
+
 
 SAMPLE = 1000  # cases that are looked at
 

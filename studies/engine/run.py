@@ -9,8 +9,16 @@ from typing import TYPE_CHECKING
 
 import xarray as xr
 
-from studies.engine.forecast import Forecast, describe_score, fit_model, forecast, score
-from studies.engine.forecast_model import ForecastModel, mode
+from contactstudy.domain.files import locked, remove_partial_files
+from studies.engine.forecast import (
+    Forecast,
+    ForecastModel,
+    describe_score,
+    fit_model,
+    forecast,
+    mode,
+    score,
+)
 from studies.engine.options import RunOptions
 from studies.engine.progress import Progress
 from studies.engine.stop import Stop, end_like
@@ -18,15 +26,12 @@ from studies.engine.timing import longest, time_cases
 from studies.engine.workers.compute import StopRun
 from studies.model.outcome import CaseStatus, Failure, Outcome, Sample, Work, summary_messages
 from studies.model.study import Study
-from studies.store import fields as stored_fields
-from studies.store.files.lock import locked
-from studies.store.files.partial_file import remove_partial_files
 from studies.store.journal import Journal, Record
 from studies.store.netcdf import check_kind, open_folder
 from studies.store.provenance import machine, provenance
 from studies.store.request import Request, recompute_reasons
-from studies.store.result_file import ResultFile
-from studies.store.table.stored_table import requested_table, stored_table
+from studies.store.result_file import ResultFile, has_fields, save_fields
+from studies.store.table import requested_table, stored_table
 
 if TYPE_CHECKING:
     from studies.engine.executors import Executor
@@ -247,7 +252,7 @@ class _Run:
     def _is_done(self, name: str, case_status: CaseStatus) -> bool:
         wants_fields = self.options.fields == "kept" and case_status is CaseStatus.OK
         return case_status not in self.options.retry and (
-            not wants_fields or stored_fields.exist(self.file.fields_folder, name)
+            not wants_fields or has_fields(self.file.fields_folder, name)
         )
 
     def _solve(self, missing: Sequence[str]) -> None:
@@ -259,7 +264,7 @@ class _Run:
             nonlocal not_on_disk
             name = missing[number]
             if outcome.fields:
-                stored_fields.save(self.file.fields_folder, name, outcome.fields)
+                save_fields(self.file.fields_folder, name, outcome.fields)
                 outcome = replace(outcome, fields={})
             is_on_disk = self.journal.add(self.request.identities[name], outcome)
             not_on_disk += 1

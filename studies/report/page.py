@@ -9,13 +9,13 @@ import xarray as xr
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
 from contactstudy import InvalidInput
+from contactstudy.domain.files import replacing
 from studies.engine.progress import Progress
 from studies.model.drawing import CaptionedFigure, Drawing, Finding, Table
 from studies.model.study import Study
 from studies.registry import BUILT_IN, load, load_drawing
 from studies.report import estimate_validation
 from studies.report.formatting import marked, plain
-from studies.store.files.partial_file import replacing
 from studies.store.netcdf import read
 
 

@@ -15,12 +15,17 @@ from typing import Any, Self
 import xarray as xr
 
 from contactstudy import InvalidInput
+from contactstudy.domain.files import open_descriptor, read_at, reason, replacing
 from studies.model.outcome import CaseStatus, Failure, Outcome, Sample
-from studies.store.files.descriptor import open_descriptor, read_at
-from studies.store.files.partial_file import reason, replacing
 from studies.store.identity import Tree, differences, text
-from studies.store.lines.encoding import VariableTypes
-from studies.store.lines.journal_line import FIRST_FORMAT, START, decoded, encoded, short_hash
+from studies.store.journal_lines import (
+    FIRST_FORMAT,
+    START,
+    VariableTypes,
+    decoded,
+    encoded,
+    short_hash,
+)
 
 # A case that took longer is on disk at once, shorter ones together: a write to disk takes 0.3 ms.
 TOGETHER = 0.05
@@ -150,7 +155,7 @@ class Journal:
 
     Every line starts with a checksum of the rest. A line that fails it goes to ``<path>.damaged`` when the
     journal is opened for writing, and what it held counts as not stored; a torn last line is cut off. Lines are ``run``
-    (versions, machine, time), ``kind`` (see :class:`~studies.store.lines.encoding.VariableTypes`), ``axis``, ``begin``,
+    (versions, machine, time), ``kind`` (see :class:`~studies.store.journal_lines.VariableTypes`), ``axis``, ``begin``,
     ``case``, ``time``, ``untimed``, ``retime`` and ``score``. Each names what it refers to, so that
     none depends on its place; ``run``, ``kind`` and ``axis``, which many lines need, are written twice.
     Records of another ``context``, and times of another ``machine``, are kept apart; without a context all

@@ -1,16 +1,18 @@
 """A Dataset as a netCDF file, whole or not at all."""
 
 import os
+import signal
 import tempfile
-from collections.abc import Hashable, Iterable
+import threading
+from collections.abc import Hashable, Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Literal
 
 import xarray as xr
 
 from contactstudy import InvalidInput
-from studies.store.files.interrupt import interrupts_deferred
-from studies.store.files.partial_file import reason, replacing
+from contactstudy.domain.files import reason, replacing
 
 
 def open_folder(path: Path) -> Path:
@@ -91,3 +93,20 @@ def read(path: Path, what: str = "Study file", remedy: str = "run the study firs
         raise InvalidInput(
             f"{what} {_shortened(path)} cannot be read ({reason(error)}): {remedy}."
         ) from None
+
+
+@contextmanager
+def interrupts_deferred() -> Iterator[None]:
+    """Ctrl-C comes after the block: xarray's locks stay locked where it falls between two of them."""
+    before = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or not callable(before):
+        yield
+        return
+    came: list[int] = []
+    signal.signal(signal.SIGINT, lambda number, _: came.append(number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+    if came:
+        before(signal.SIGINT, None)

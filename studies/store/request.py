@@ -8,7 +8,7 @@ from studies.model.case import Computation
 from studies.model.outcome import RESERVED_NAMES
 from studies.model.plain_text import one_line
 from studies.model.study import Point, Study
-from studies.store.code_fingerprint import measures_fingerprint, versions
+from studies.store.fingerprint import measures_fingerprint, versions
 from studies.store.identity import Memory, Tree, canonical, key
 from studies.store.journal import CaseIdentity, Contents
 

@@ -1,5 +1,6 @@
-"""The netCDF file of a study: written anew, from the journal, as often as is wanted."""
+"""Fields of a study's cases: a file each while they are computed, groups of the study's netCDF in the end."""
 
+import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
@@ -8,16 +9,57 @@ from time import monotonic
 
 import xarray as xr
 
+from contactstudy import InvalidInput
+from contactstudy.domain.files import reason, replacing
 from studies.model.outcome import CaseStatus, Outcome
 from studies.model.plain_text import one_line
 from studies.model.study import Study
-from studies.store import fields as stored_fields
 from studies.store.identity import key
 from studies.store.journal import Journal
+from studies.store.journal_lines import VariableTypes, decoded, encoded
 from studies.store.netcdf import read, write
 from studies.store.request import Request
-from studies.store.table.assembly import assemble
-from studies.store.table.stored_table import Table
+from studies.store.table import PointTable, assemble
+
+
+def save_fields(folder: Path, key: str, variables: Mapping[str, xr.Variable]) -> None:
+    """``variables`` of the case ``key``, on disk when this returns."""
+    kinds, values = VariableTypes().encode(variables)
+    try:
+        with replacing(folder / f"{key}.json") as partial, partial.open("xb") as file:
+            file.write(encoded({"kinds": kinds, "values": values}))
+            file.flush()
+            os.fsync(file.fileno())
+    except OSError as error:
+        raise InvalidInput(
+            f"Fields in {str(folder)!r} cannot be written ({reason(error, folder / key)}): what was stored is "
+            "kept; make room or give another folder with --out, and run the same command again."
+        ) from None
+
+
+def has_fields(folder: Path, key: str) -> bool:
+    """Whether the case ``key`` has its fields here."""
+    return (folder / f"{key}.json").is_file()
+
+
+def load_fields(folder: Path, key: str) -> xr.Dataset | None:
+    """The fields of the case ``key``; a variable named like its dimension is its coordinate.
+
+    None for a damaged file, which is renamed, so that the case is computed for its fields again.
+    """
+    path = folder / f"{key}.json"
+    held = decoded(path.read_bytes())
+    if held is None:
+        path.replace(path.with_suffix(".damaged"))
+        return None
+    kinds = VariableTypes()
+    for name, kind in held["kinds"].items():
+        kinds.add(name, kind)
+    variables = kinds.decode(held["values"])
+    coords = {name: v for name, v in variables.items() if v.dims == (name,)}
+    data = {name: v for name, v in variables.items() if name not in coords}
+    return xr.Dataset(data, coords)
+
 
 OFTEN = 60.0  # seconds between two writes while cases are computed
 SHARE = 20  # a write takes at most one part in so many of the time
@@ -34,7 +76,7 @@ class ResultFile:
     request: Request
     folder: Path
     journal: Journal
-    table: Table
+    table: PointTable
     provenance: Mapping[str, str] = field(default_factory=dict)
     skipped: set[str] = field(default_factory=set)
     next_write: float = 0.0
@@ -92,8 +134,8 @@ class ResultFile:
     def _groups(self) -> Iterator[tuple[str, xr.Dataset]]:
         """Of every case with fields, read when it is written."""
         for name in dict.fromkeys(self.table.keys):
-            if name and stored_fields.exist(self.fields_folder, name):
-                held = stored_fields.load(self.fields_folder, name)
+            if name and has_fields(self.fields_folder, name):
+                held = load_fields(self.fields_folder, name)
                 if held is not None:
                     yield f"fields/case_{name}", held
 

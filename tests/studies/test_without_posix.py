@@ -24,7 +24,7 @@ from contactstudy import InvalidInput
 from contactstudy.domain.memory import available_bytes
 from studies.engine.options import RunOptions
 from studies.engine.run import run
-from studies.store.files.lock import locked
+from contactstudy.domain.files import locked
 from tests.studies.engine import trouble
 
 for package in ("contactstudy", "studies"):

@@ -12,6 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from multiprocessing.connection import wait
 from time import monotonic
+from typing import Literal
 
 KEY = 16  # bytes
 # mark, case, process, length of the body, seal
@@ -132,3 +133,33 @@ def channel_pair() -> tuple[Channel, socket.socket]:
     """One end for this process, and the bare other for a worker."""
     ours, theirs = socket.socketpair()
     return Channel(ours), theirs
+
+
+# requests come from one process only, and are addressed with this
+REQUEST_KEY, REQUEST = b"\0" * KEY, -1
+SETUP = -2
+
+Task = Literal["compute", "clock"]
+
+
+@dataclass(frozen=True)
+class Setup:
+    """The supervisor's import paths, and the ``work`` (pickled) from here on; the answer is empty, or an error."""
+
+    path: tuple[str, ...]
+    work: bytes
+    key: bytes
+
+
+@dataclass(frozen=True)
+class Order:
+    """A ``case`` (pickled) by its ``number``: to compute, or to run once against the clock.
+
+    The answer, sealed with ``key``, is an Outcome, or a Sample or the Failure in its place. ``limit`` [s].
+    """
+
+    number: int
+    case: bytes
+    key: bytes
+    task: Task
+    limit: float | None

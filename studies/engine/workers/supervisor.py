@@ -21,17 +21,22 @@ import cloudpickle
 
 from contactstudy import InvalidInput
 from studies.engine.workers.channel import (
+    REQUEST,
+    REQUEST_KEY,
+    SETUP,
     Address,
     Channel,
     ClosedError,
     ForgedError,
     LateError,
+    Order,
+    Setup,
+    Task,
     channel_pair,
     new_key,
 )
 from studies.engine.workers.compute import failed, timed_out
-from studies.engine.workers.messages import REQUEST, REQUEST_KEY, SETUP, Order, Setup, Task
-from studies.engine.workers.process import end_all, start
+from studies.engine.workers.worker import end_all, start
 from studies.model.case import Computation
 from studies.model.outcome import CaseStatus, Failure, Outcome, Sample
 

@@ -15,13 +15,13 @@ import pytest
 import xarray as xr
 
 from contactstudy import InvalidInput
+from contactstudy.domain.files import locked
 from studies.engine.options import RunOptions
 from studies.engine.run import run
 from studies.model.axis import Axis
 from studies.model.outcome import CaseStatus
 from studies.model.study import Point
 from studies.store import request as request
-from studies.store.files.lock import locked
 from tests.studies.conftest import quiet
 from tests.studies.engine import trouble
 from tests.studies.engine.trouble import Trouble

@@ -1,16 +1,29 @@
 import json
-from math import exp, log
+from math import e, exp, log
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studies.engine.forecast import Forecast, forecast, observations, score
-from studies.engine.forecast_model import Estimate, ForecastModel, Observation, total
+from studies.engine.forecast import (
+    Estimate,
+    Forecast,
+    ForecastModel,
+    Observation,
+    describe_score,
+    forecast,
+    mode,
+    observations,
+    score,
+    total,
+)
 from studies.engine.options import RunOptions
 from studies.engine.run import estimate_cost, run
+from studies.engine.workers.channel import REQUEST, SETUP
 from studies.reference.line_contact import scene_at
 from studies.registry import load
 from studies.store.identity import canonical
@@ -189,3 +202,141 @@ def test_a_dry_run_estimates_the_cost_and_leaves_nothing_and_a_run_keeps_its_sco
     dataset = run(grown, tmp_path, workers=0, repeats=1, log=quiet)
     assert dataset.attrs["predicted_seconds"] == pytest.approx(forecast.seconds.value)
     assert dataset.attrs["taken_seconds"] > 0
+
+
+def model(**values: float) -> Any:
+    """Each tree is a number, and each quantity so many times that, within a factor of 2; none below zero."""
+
+    def predict(quantity: str, trees: list[float]) -> list[Estimate | None]:
+        return [Estimate(values[quantity] * one, 2.0) if one >= 0 else None for one in trees]
+
+    return SimpleNamespace(predict=predict)
+
+
+COSTS = model(case=10.0, setup=1.0, solve=3.0, bytes=1000.0)
+
+
+def test_seconds_and_bytes_of_all_cases_add_up_and_repeats_count_in_the_timing() -> None:
+    found = forecast(COSTS, {"a": 1.0, "b": 2.0}, {"a": (1.0, 3), "c": (5.0, 1)})
+    assert found.cases == 2
+    assert found.seconds is not None
+    assert found.timing is not None
+    assert found.size is not None
+    assert found.seconds.value == pytest.approx(30)
+    assert found.timing.value == pytest.approx((1 + 3) * (3 * 1 + 5))
+    assert found.size.value == pytest.approx(3000)
+    assert {name: one.value for name, one in found.each.items()} == {"a": 10, "b": 20}
+    text = str(found)
+    assert text.startswith("30 s (within a factor ")
+    assert "to compute (shared by the workers), 32 s (within" in text
+    assert "to time, 3 kB (within" in text
+
+
+def test_of_very_many_cases_every_third_is_looked_at_and_stands_for_three() -> None:
+    trees = {str(n): float(n % 3 == 0) for n in range(3000)}
+    found = forecast(COSTS, trees, {name: (one, 2) for name, one in trees.items()})
+    assert len(found.each) == 1000
+    assert found.seconds is not None
+    assert found.timing is not None
+    assert found.seconds.value == pytest.approx(3 * 1000 * 10)
+    assert found.timing.value == pytest.approx(3 * 2 * 1000 * 4)
+    # two thousand by every second; two thousand and one by every third, each for three
+    assert len(forecast(COSTS, dict(list(trees.items())[:2000]), {}).each) == 1000
+    odd = forecast(COSTS, dict(list(trees.items())[:2001]), {})
+    assert len(odd.each) == 667
+    assert odd.seconds is not None
+    assert odd.seconds.value == pytest.approx(2001 * 10)
+
+
+def test_where_one_case_is_like_none_before_nothing_is_claimed() -> None:
+    found = forecast(COSTS, {"a": 1.0, "b": -1.0}, {"a": (1.0, 1)})
+    assert (found.cases, found.seconds, found.timing, found.size) == (2, None, None, None)
+    assert set(found.each) == {"a"}
+    assert "not known" in str(found)
+    nothing = forecast(COSTS, {}, {})
+    assert nothing.cases == 0
+
+
+def test_a_score_is_the_factor_by_which_cases_were_off_either_way() -> None:
+    each = {name: Estimate(value, 1.5) for name, value in (("a", 1.0), ("b", 4.0), ("c", 10.0))}
+    predicted = Forecast(3, Estimate(15.0, 3.0), None, None, each)
+    found = score(predicted, {"a": 2.0, "b": 1.0, "c": 30.0, "d": 9.0, "e": 0.0})
+    assert found == pytest.approx(
+        {
+            "predicted_seconds": 15.0,
+            "predicted_within_factor": 3.0,
+            "taken_seconds": 33.0,
+            # twice, a quarter, thrice
+            "prediction_error_factor_median": exp(log(3)),
+            "prediction_error_factor_largest": 4.0,
+        }
+    )
+    assert describe_score(found) == (
+        "predicted 15 s of CPU time, taken 33 s; half of the cases within a factor 3"
+    )
+    assert score(predicted, {"d": 9.0}) == {}
+    assert score(predicted, {"a": 0.0}) == {}
+    assert score(Forecast(3, None, None, None, each), {"a": 1.0}) == {}
+
+
+def case(cells: int, padding: str = "Exact", tolerance: str = "1e-8") -> dict[str, object]:
+    grid = {"": "Grid", "cells": [str(cells), "1"]}
+    return {"": "Case", "grid": grid, "padding": {"": padding}, "tolerance": tolerance}
+
+
+def test_a_sum_is_as_uncertain_as_its_parts_by_their_shares() -> None:
+    found = total([Estimate(1.0, e), Estimate(3.0, e**2)])
+    assert found.value == 4
+    assert found.factor == pytest.approx(exp((1 * 1 + 3 * 2) / 4), rel=1e-12)
+    assert total([]) == Estimate(0.0, 1.0)
+
+
+def test_a_mode_is_what_is_named_and_not_how_large_it_is() -> None:
+    assert mode(case(64)) == mode(case(128, tolerance="1e-4"))
+    assert mode(case(64)) != mode(case(64, "Zero"))
+    assert mode({"": "A", "x": "0.0"}) != mode({"": "A", "x": "1.5"})
+    assert mode({"": "A", "x": "inf"}) != mode({"": "A", "x": "1.5"})
+    # a count may be zero
+    assert mode({"": "A", "x": "0"}) == mode({"": "A", "x": "7"})
+
+
+@pytest.mark.parametrize("quantity", ["solve", "bytes"])
+def test_equal_cases_are_predicted_as_they_were(quantity: str) -> None:
+    known = [Observation(case(64), {quantity: 2.0})] * 20
+    [found] = ForecastModel(known).predict(quantity, [case(64)])
+    assert found is not None
+    assert found.value == pytest.approx(2.0, rel=1e-9)
+    assert 1 < found.factor < e
+
+
+def test_times_grow_as_n_log_n_beside_the_time_of_a_small_transform() -> None:
+    """N counts a cell more by a half on each axis."""
+
+    def work(cells: int) -> float:
+        n = (cells + 0.5) * 1.5
+        return n * log(n) + 5e4
+
+    sizes = [2**k for k in range(6, 17)]
+    known = [Observation(case(n), {"solve": 1e-8 * work(n)}) for n in sizes]
+    [found] = ForecastModel(known).predict("solve", [case(1000)])
+    assert found is not None
+    assert found.value == pytest.approx(1e-8 * work(1000), rel=1e-6)
+
+
+def test_an_unknown_mode_is_predicted_from_the_others_within_a_larger_factor() -> None:
+    model = ForecastModel([Observation(case(64), {"solve": 2.0})] * 20)
+    [known] = model.predict("solve", [case(64)])
+    [unknown] = model.predict("solve", [case(64, "Zero")])
+    assert known is not None
+    assert unknown is not None
+    assert unknown.value == pytest.approx(2.0, rel=1e-9)
+    # a standard deviation of one in the logarithm, twice
+    assert log(unknown.factor) == pytest.approx((log(known.factor) ** 2 + 4) ** 0.5, rel=1e-6)
+    assert model.predict("bytes", [case(64)]) == [None]
+    assert model.predict("solve", [{"": "Other", "x": "1.5"}]) == [None]
+
+
+def test_what_is_no_case_has_a_number_that_no_case_has() -> None:
+    assert REQUEST < 0
+    assert SETUP < 0
+    assert REQUEST != SETUP

@@ -1,3 +1,5 @@
+import signal
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -5,13 +7,13 @@ import pytest
 import xarray as xr
 
 from contactstudy import InvalidInput
+from contactstudy.domain.files import replacing
 from studies.model.axis import Axis
 from studies.model.case import Case
 from studies.model.outcome import CaseStatus, Failure, Outcome
 from studies.reference import line_contact
-from studies.store.files.partial_file import replacing
-from studies.store.netcdf import _shortened, open_folder, read, write
-from studies.store.table.assembly import assemble
+from studies.store.netcdf import _shortened, interrupts_deferred, open_folder, read, write
+from studies.store.table import assemble
 
 
 def test_a_file_stays_until_the_new_one_is_whole(tmp_path: Path) -> None:
@@ -107,3 +109,60 @@ def test_what_is_not_like_the_others_is_left_out_and_said() -> None:
 @pytest.mark.parametrize(("length", "shown"), [(100, "x" * 100), (101, "x" * 100 + "...")])
 def test_a_long_name_of_a_folder_is_cut_after_a_hundred_characters(length: int, shown: str) -> None:
     assert _shortened(Path("x" * length)) == repr(shown)
+
+
+def test_an_interrupt_comes_after_what_must_not_be_left_half_way() -> None:
+    done = []
+
+    def work() -> None:
+        with interrupts_deferred():
+            signal.raise_signal(signal.SIGINT)
+            done.append("whole")
+        done.append("beyond")
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            work()
+        assert done == ["whole"]
+        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def test_what_goes_wrong_meanwhile_is_not_hidden_by_an_interrupt() -> None:
+    def work() -> None:
+        with interrupts_deferred():
+            signal.raise_signal(signal.SIGINT)
+            raise OSError("full")
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(OSError, match="full"):
+            work()
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def test_where_an_interrupt_is_ignored_it_stays_so() -> None:
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        with interrupts_deferred():
+            signal.raise_signal(signal.SIGINT)
+        assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def test_in_another_thread_nothing_is_held_back() -> None:
+    entered = []
+
+    def work() -> None:
+        with interrupts_deferred():
+            entered.append(signal.getsignal(signal.SIGINT))
+
+    before = signal.getsignal(signal.SIGINT)
+    thread = threading.Thread(target=work)
+    thread.start()
+    thread.join()
+    assert entered == [before]

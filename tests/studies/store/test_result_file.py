@@ -1,12 +1,22 @@
 """How often a result is written while cases are computed."""
 
+import json
+import subprocess
+import sys
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
+import xarray as xr
 
+from studies.engine.options import RunOptions
+from studies.engine.run import run
+from studies.registry import load
 from studies.store import result_file
-from studies.store.result_file import ResultFile
+from studies.store.result_file import ResultFile, has_fields, load_fields, save_fields
+from tests.studies.conftest import quiet
 
 
 @pytest.mark.parametrize(("took", "pause"), [(0.5, 60.0), (3.0, 60.0), (4.0, 80.0)])
@@ -24,3 +34,71 @@ def test_a_write_takes_a_twentieth_of_the_time_and_waits_a_minute_at_least(
     written = ResultFile(study, None, tmp_path, journal, table)  # type: ignore[arg-type]
     written.write()
     assert written.next_write == pytest.approx(100 + took + pause)
+
+
+KEPT = RunOptions(workers=0, repeats=1, fields="kept")
+
+
+@pytest.fixture(scope="module")
+def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("fields")
+    study = load("grid").override({"padding": "exact,zero", "grid": "16,24"})
+    run(study, folder, options=KEPT, log=quiet)
+    return folder
+
+
+def test_fields_are_groups_by_the_key_of_the_case(out: Path) -> None:
+    tree = xr.open_datatree(out / "grid.nc")
+    with tree:
+        one = tree.to_dataset().sel(padding="exact", images=6, period=2.4, grid=24)
+        pressure = tree[f"fields/case_{one['case_key'].item()}"]["pressure"]
+        assert pressure.dims == ("x", "y")
+        assert pressure.shape == (24, 24)
+        assert pressure.attrs["units"] == "Pa"
+        load_per_length = float(pressure.sum() * (pressure["x"][1] - pressure["x"][0]) / 24)
+        assert load_per_length == pytest.approx(1e5, rel=1e-8)
+
+
+def test_fields_of_one_case_come_back_with_their_coordinates(tmp_path: Path) -> None:
+    x = xr.Variable(("x",), [1.5, 2.5, 3.5], {"units": "m"})
+    pressure = xr.Variable(("x",), [0.0, 2.0, 1.0], {"units": "Pa"})
+    save_fields(tmp_path / "kept", "abc", {"x": x, "pressure": pressure})
+    assert has_fields(tmp_path / "kept", "abc")
+    assert not has_fields(tmp_path / "kept", "abd")
+    found = load_fields(tmp_path / "kept", "abc")
+    assert found is not None
+    xr.testing.assert_identical(found, xr.Dataset({"pressure": pressure}, {"x": x}))
+
+
+def test_the_root_opens_as_a_plain_dataset(out: Path) -> None:
+    with xr.open_dataset(out / "grid.nc") as dataset:
+        assert "pressure" not in dataset
+        assert (dataset["case_status"] == 1).all()
+
+
+def test_what_lacks_its_fields_is_computed_for_them_and_nothing_else(tmp_path: Path) -> None:
+    study = load("grid").override({"padding": "exact", "grid": "16"})
+    run(study, tmp_path, workers=0, repeats=1, log=quiet)
+    assert not (tmp_path / "grid.fields").exists()
+    said: list[str] = []
+    grown = study.override({"grid": "16,24"})
+    first = run(grown, tmp_path, options=KEPT, log=said.append)
+    assert len(list((tmp_path / "grid.fields").iterdir())) == 2
+    said.clear()
+    again = run(grown, tmp_path, options=KEPT, log=said.append)
+    assert any("2 cases are stored, 0 to compute" in line for line in said)
+    np.testing.assert_array_equal(first["residual"], again["residual"])
+
+
+def test_a_cf_checker_finds_nothing(out: Path) -> None:
+    pytest.importorskip("compliance_checker")
+    command = [str(Path(sys.executable).with_name("compliance-checker")), "--test=cf:1.11"]
+    report = out / "report.json"
+    subprocess.run(
+        [*command, "--format", "json", "--output", str(report), str(out / "grid.nc")],
+        capture_output=True,
+    )
+    found = json.loads(report.read_text(encoding="utf-8"))["cf:1.11"]
+    for priority in ("high_priorities", "medium_priorities"):
+        problems = [message for check in found[priority] for message in check["msgs"]]
+        assert problems == [], priority

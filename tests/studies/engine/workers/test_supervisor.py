@@ -16,10 +16,9 @@ import pytest
 
 from studies.engine.executors import packed
 from studies.engine.workers import supervisor as module
-from studies.engine.workers.channel import Address, LateError
-from studies.engine.workers.messages import Order
-from studies.engine.workers.process import MARK, end_all
+from studies.engine.workers.channel import Address, LateError, Order
 from studies.engine.workers.supervisor import WorkerSupervisor
+from studies.engine.workers.worker import MARK, end_all
 from studies.model.outcome import CaseStatus, Failure, Outcome, Sample, Work
 from tests.studies.conftest import POSIX
 from tests.studies.engine import trouble

@@ -7,7 +7,7 @@ import pytest
 
 import contactstudy
 from studies.registry import load
-from studies.store.code_fingerprint import measures_fingerprint, source_fingerprint
+from studies.store.fingerprint import measures_fingerprint, source_fingerprint
 
 FILE = '''
 """A study."""

@@ -1,1 +1,0 @@
-"""Files and locks that survive kills, full disks and links."""

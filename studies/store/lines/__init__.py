@@ -1,1 +1,0 @@
-"""What the lines of a journal are made of."""

@@ -31,31 +31,28 @@ from .problem.bare_problem import BareProblem, PrescribedLoad, Resultant
 from .problem.constraint import Compressive, Constraint, Gap, HardnessLimited
 from .problem.operator import Operator
 from .problem.problem import Problem, Scales
-from .scene.bodies.coated import CoatedHalfSpace
-from .scene.bodies.elastic_plastic import ElasticPlasticHalfSpace
-from .scene.bodies.solids import Body, HalfSpace
-from .scene.bodies.viscoelastic import ViscoelasticHalfSpace
+from .scene.bodies import Body, HalfSpace
+from .scene.coated import CoatedHalfSpace
 from .scene.friction import PartialSlip, Sliding
-from .scene.loads.load import LineLoad
-from .scene.loads.load_history import LoadHistory, SineLoad
-from .scene.outputs import Output
-from .scene.rolling import Rolling
-from .scene.scene import Scene
-from .scene.shapes.crown import Crown, LundbergProfile
-from .scene.shapes.detail import Detail
-from .scene.shapes.finite_length import FiniteLength
+from .scene.inelastic import ElasticPlasticHalfSpace, ViscoelasticHalfSpace
+from .scene.load import LineLoad, LoadHistory, SineLoad
+from .scene.motion import Rolling, Wear
+from .scene.scene import Output, Scene
+from .scene.shapes.roller import Crown, Cylinder, FiniteLength, LundbergProfile, Sphere
 from .scene.shapes.roughness import RmsSlope, Roughness
-from .scene.shapes.round import Cylinder, Sphere
-from .scene.shapes.shape import Shape
-from .scene.shapes.texture import Cosine, Dimple, FlatBottomed, Groove, Parabolic, Texture
-from .scene.shapes.waviness import Waviness
+from .scene.shapes.shape import Detail, Shape
+from .scene.shapes.texture import Cosine, Dimple, FlatBottomed, Groove, Parabolic, Texture, Waviness
 from .scene.stress import SubsurfaceStress
 from .scene.surfaces.measured_surface import MeasuredSurface
-from .scene.surfaces.missing_points import HarmonicFill, RefuseMissing
-from .scene.surfaces.seam import AsMeasured, Mirrored, Tapered
-from .scene.surfaces.trend import Trend
-from .scene.surfaces.window import Window
-from .scene.wear import Wear
+from .scene.surfaces.preparation import (
+    AsMeasured,
+    HarmonicFill,
+    Mirrored,
+    RefuseMissing,
+    Tapered,
+    Trend,
+    Window,
+)
 from .solvers.iterate import Iterate
 from .solvers.polonsky_keer import PolonskyKeer
 from .solvers.preconditioned_cg import PreconditionedCG

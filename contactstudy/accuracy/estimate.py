@@ -13,7 +13,7 @@ from contactstudy.accuracy.truncation import truncation
 from contactstudy.domain.checks import NotDefined
 from contactstudy.problem.constraint import violation
 from contactstudy.problem.problem import Problem
-from contactstudy.scene.bodies.solids import Layered
+from contactstudy.scene.bodies import Layered
 from contactstudy.scene.scene import PosedScene
 from contactstudy.solvers.solution import Solution, Status
 

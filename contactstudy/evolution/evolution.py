@@ -123,6 +123,6 @@ class Evolution:
     def to_dataset(self) -> "xr.Dataset":
         """Fields over (time, x, y), numbers over (time,), with units, long names, and where they came from."""
         # by name: a Dataset stands on evolutions, not evolutions on Datasets
-        labelled = import_for("Evolution.to_dataset", "contactstudy.io.evolution_dataset")
+        labelled = import_for("Evolution.to_dataset", "contactstudy.io.dataset")
         made: xr.Dataset = labelled.evolution_dataset(self)
         return made

@@ -21,9 +21,8 @@ from contactstudy.evolution.schedule import schedule
 from contactstudy.evolution.scheme import Scheme
 from contactstudy.evolution.step_control import StepControl
 from contactstudy.evolution.walk import Walk
-from contactstudy.scene.bodies.solids import response, sudden
-from contactstudy.scene.loads.load import LineLoad
-from contactstudy.scene.loads.load_history import ChangingLoad, SuddenLoad
+from contactstudy.scene.bodies import response, sudden
+from contactstudy.scene.load import ChangingLoad, LineLoad, SuddenLoad
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from contactstudy.solvers.solve import Solver

@@ -24,7 +24,7 @@ from contactstudy.evolution.memories.memory import (
 from contactstudy.evolution.scheme import Scheme
 from contactstudy.problem.bare_problem import PrescribedLoad
 from contactstudy.problem.problem import Problem, Scales
-from contactstudy.scene.loads.load_history import ChangingLoad
+from contactstudy.scene.load import ChangingLoad
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import Solver, solve
 

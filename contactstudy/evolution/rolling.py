@@ -15,9 +15,9 @@ from contactstudy.domain.padding import Padding, Paddings
 from contactstudy.elasticity.coefficients import Coefficients, Displacement
 from contactstudy.elasticity.convolution import antisymmetric, superposed
 from contactstudy.elasticity.viscoelastic import Trailing
-from contactstudy.scene.bodies.solids import response, sudden
-from contactstudy.scene.bodies.viscoelastic import ViscoelasticHalfSpace
-from contactstudy.scene.loads.load import LineLoad
+from contactstudy.scene.bodies import response, sudden
+from contactstudy.scene.inelastic import ViscoelasticHalfSpace
+from contactstudy.scene.load import LineLoad
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.solvers.lagged import Settled, solve_lagged
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG

@@ -50,7 +50,7 @@ class Comparison:
     def plot(self) -> "Figure":
         """The difference as a map, and both pressures across the place where it is largest."""
         # by name, and when it is wanted: a picture stands on what it shows
-        drawing = import_for("Comparison.plot", "contactstudy.io.pictures.comparison")
+        drawing = import_for("Comparison.plot", "contactstudy.io.pictures.contact")
         figure: Figure = drawing.compare_picture(self)
         return figure
 

@@ -1,22 +1,29 @@
-"""Solution -> labelled xarray.Dataset."""
+"""Labelled datasets (xarray) of a solution, of a march in time and of repeated rolling."""
 
 import shlex
 import sys
 from collections.abc import Mapping
 from dataclasses import asdict
 from datetime import UTC, datetime
+from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
 
 from contactstudy.accuracy.estimate import ErrorEstimate
 from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.fields import Array
 from contactstudy.domain.version import VERSION
+from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
 from contactstudy.io.scene_writer import scene_text
 from contactstudy.problem.problem import Sheared
 from contactstudy.scene.scene import PosedScene
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
 from contactstudy.solvers.solution import Solution, Status, Traction
+
+if TYPE_CHECKING:
+    from contactstudy.evolution.evolution import Evolution
+    from contactstudy.evolution.passes.repeated_rolling import RepeatedRolling
 
 X = {"units": "m", "axis": "X", "long_name": "position across the contact"}
 Y = {"units": "m", "axis": "Y", "long_name": "position along the contact"}
@@ -170,3 +177,163 @@ def _estimated(estimate: ErrorEstimate) -> dict[str, xr.DataArray]:
         )
         for metric, (what, parts) in named.items()
     }
+
+
+def evolution_dataset(evolution: "Evolution") -> xr.Dataset:
+    """``evolution`` with dimensions (time, x, y), units and long names; ``status`` as CF flags.
+
+    What ``Scene.outputs`` asks for is found here, at every instant.
+    """
+    frames, grid = evolution.frames, evolution.grid
+    fields = ("time", "x", "y")
+
+    def series(name: str, units: str, long_name: str) -> tuple[str, object, dict[str, str]]:
+        values = np.array([getattr(frame, name) for frame in frames])
+        return "time", values, {"units": units, "long_name": long_name}
+
+    statuses = list(Status)
+    dataset = xr.Dataset(
+        {
+            "pressure": (
+                fields,
+                np.stack([one.pressure for one in frames]),
+                _label("Pa", "contact pressure"),
+            ),
+            "gap": (
+                fields,
+                np.stack([one.gap for one in frames]),
+                _label("m", "gap after deformation"),
+            ),
+            "load": series("load", "N m-1", "load per length"),
+            "approach": series("approach", "m", "approach of the bodies"),
+            "peak_pressure": series("peak_pressure", "Pa", "peak pressure"),
+            "contact_area": (
+                "time",
+                evolution.contact_area,
+                _label("m2", "area in contact, over the grid"),
+            ),
+            "step_error": series("step_error", "1", "estimated L1 error by steps in time"),
+            "grid_error": series("grid_error", "1", "estimated L1 error by cells"),
+            "residual": series("residual", "1", "residual of the solver"),
+            "steps": series("steps", "1", "solves since the instant before"),
+            "iterations": series("iterations", "1", "iterations since the instant before"),
+            "convolutions": series("convolutions", "1", "transform pairs since the instant before"),
+            "status": (
+                "time",
+                np.array([statuses.index(frame.status) for frame in frames], dtype=np.int8),
+                {
+                    "long_name": "worst status since the instant before",
+                    "flag_values": np.arange(len(statuses), dtype=np.int8),
+                    "flag_meanings": " ".join(one.name for one in statuses),
+                },
+            ),
+        },
+        coords={
+            # an offset from the start of the march, not a date
+            "time": (
+                "time",
+                evolution.times,
+                {"long_name": "time since the start", "units": "s", "axis": "T"},
+            ),
+            "x": ("x", grid.x, X),
+            "y": ("y", grid.y, Y),
+        },
+        attrs={
+            "Conventions": "CF-1.11",
+            "title": "evolution of a line contact",
+            "source": f"contactstudy {VERSION}",
+            "scene": scene_attribute(evolution.description),
+        },
+    )
+    for name, first in frames[0].fields.items():
+        values = np.stack([frame.fields[name].values for frame in frames])
+        dataset[name] = ("time", *first.dimensions), values, _label(first.units, first.long_name)
+    if evolution.joint is not None:
+        kept = [one.kept for one in frames]
+        shown = evolution.joint.over_time(kept, [one.pressure for one in frames])
+        for name, one in shown.items():
+            label = _label(one.units, one.long_name) | dict(one.attributes)
+            dataset[name] = one.dimensions, one.values, label
+    for output in evolution.outputs:
+        found = [output.fields(frame.pressure) for frame in frames]
+        for name, one in found[0].items():
+            label = _label(one.units, one.long_name) | dict(one.attributes)
+            if one.dimensions == (name,):  # a coordinate, the same at every instant
+                dataset[name] = one.dimensions, one.values, label
+            else:
+                values = np.stack([fields_of[name].values for fields_of in found])
+                dataset[name] = ("time", *one.dimensions), values, label
+    return dataset
+
+
+def _label(units: str, long_name: str) -> dict[str, str]:
+    return {"units": units, "long_name": long_name}
+
+
+def rolling_dataset(rolling: "RepeatedRolling") -> xr.Dataset:
+    """What each pass leaves, over (pass, component, z), and the window at its end over (component, z, x)."""
+    passes, track, volume = rolling.passes, rolling.track, rolling.track.operator.volume
+    tensors = "pass", "component", "z"
+    statuses = list(Status)
+    window = np.einsum("ct,cl...->tl...", track.operator.basis, track.strain)
+
+    def labelled(values: Array, units: str, long_name: str, *dimensions: str) -> xr.Variable:
+        return xr.Variable(dimensions, values, {"units": units, "long_name": long_name})
+
+    return xr.Dataset(
+        {
+            "plastic_strain": labelled(rolling.plastic_strain, "1", "plastic strain", *tensors),
+            "equivalent_plastic_strain": labelled(
+                rolling.equivalent_plastic_strain, "1", "equivalent plastic strain", "pass", "z"
+            ),
+            "residual_stress": labelled(
+                rolling.residual_stress, "Pa", "stress far behind the contact, tension positive", *tensors
+            ),
+            "shear": labelled(rolling.shear, "1", "shear strain added by the pass", "pass", "z"),
+            "forward_displacement": labelled(
+                rolling.forward_displacement, "m", "surface moved against the travel by the pass", "pass"
+            ),
+            "yielding": labelled(
+                rolling.yielding, "1", "largest equivalent plastic strain added by the pass", "pass"
+            ),
+            "peak_pressure": labelled(
+                rolling.peak_pressure, "Pa", "peak pressure at the end of the pass", "pass"
+            ),
+            "distance": labelled(
+                np.array([one.distance for one in passes]), "m", "distance rolled", "pass"
+            ),
+            "status": xr.Variable(
+                "pass",
+                np.array([statuses.index(one.status) for one in passes], dtype=np.int8),
+                {
+                    "long_name": "worst status of the steps",
+                    "flag_values": np.arange(len(statuses), dtype=np.int8),
+                    "flag_meanings": " ".join(one.name for one in statuses),
+                },
+            ),
+            "pressure": labelled(
+                passes[-1].solution.pressure[:, 0], "Pa", "contact pressure in the last pass", "x"
+            ),
+            "window_plastic_strain": labelled(
+                window[..., 0], "1", "plastic strain below the contact in the last pass",
+                "component", "z", "x",
+            ),
+            "window_residual_stress": labelled(
+                rolling.removed.residual_stress()[..., 0], "Pa",
+                "stress where the last contact was lifted off, tension positive",
+                "component", "z", "x",
+            ),
+        },
+        coords={
+            "pass": ("pass", np.arange(1, len(passes) + 1), {"long_name": "number of the pass"}),
+            "component": ("component", list(COMPONENTS)),
+            "z": ("z", volume.depths, {"units": "m", "long_name": "depth", "axis": "Z", "positive": "down"}),
+            "x": ("x", volume.grid.x, X),
+        },
+        attrs={
+            "Conventions": "CF-1.11",
+            "title": "repeated rolling of a line contact",
+            "source": f"contactstudy {VERSION}",
+            "scene": scene_attribute(rolling.description),
+        },
+    )  # fmt: skip

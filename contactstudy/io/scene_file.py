@@ -27,30 +27,37 @@ from contactstudy.domain.units import Metres, Number, Pascals, Seconds
 from contactstudy.io.structuring import NO_KIND, structured
 from contactstudy.planning.plan import Plan, plan
 from contactstudy.problem.problem import Problem
-from contactstudy.scene.bodies.coated import CoatedHalfSpace
-from contactstudy.scene.bodies.elastic_plastic import ElasticPlasticHalfSpace
-from contactstudy.scene.bodies.solids import Body, HalfSpace
-from contactstudy.scene.bodies.viscoelastic import ViscoelasticHalfSpace
+from contactstudy.scene.bodies import Body, HalfSpace
+from contactstudy.scene.coated import CoatedHalfSpace
 from contactstudy.scene.friction import Friction, PartialSlip, Sliding
-from contactstudy.scene.loads.load import LineLoad
-from contactstudy.scene.loads.load_history import ChangingLoad, LoadHistory, SineLoad
-from contactstudy.scene.outputs import Output
-from contactstudy.scene.rolling import Rolling
-from contactstudy.scene.scene import Scene
-from contactstudy.scene.shapes.crown import Crown, LundbergProfile
-from contactstudy.scene.shapes.finite_length import FiniteLength
+from contactstudy.scene.inelastic import ElasticPlasticHalfSpace, ViscoelasticHalfSpace
+from contactstudy.scene.load import ChangingLoad, LineLoad, LoadHistory, SineLoad
+from contactstudy.scene.motion import Rolling, Wear
+from contactstudy.scene.scene import Output, Scene
+from contactstudy.scene.shapes.roller import Crown, Cylinder, FiniteLength, LundbergProfile, Sphere
 from contactstudy.scene.shapes.roughness import Roughness
-from contactstudy.scene.shapes.round import Cylinder, Sphere
 from contactstudy.scene.shapes.shape import Shape
-from contactstudy.scene.shapes.texture import Cosine, FlatBottomed, Parabolic, Profile, Texture
-from contactstudy.scene.shapes.waviness import Waviness
+from contactstudy.scene.shapes.texture import (
+    Cosine,
+    FlatBottomed,
+    Parabolic,
+    Profile,
+    Texture,
+    Waviness,
+)
 from contactstudy.scene.stress import SubsurfaceStress
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
-from contactstudy.scene.surfaces.missing_points import HarmonicFill, Missing, RefuseMissing
-from contactstudy.scene.surfaces.seam import AsMeasured, Mirrored, Seam, Tapered
-from contactstudy.scene.surfaces.trend import Trend
-from contactstudy.scene.surfaces.window import Window
-from contactstudy.scene.wear import Wear
+from contactstudy.scene.surfaces.preparation import (
+    AsMeasured,
+    HarmonicFill,
+    Mirrored,
+    Missing,
+    RefuseMissing,
+    Seam,
+    Tapered,
+    Trend,
+    Window,
+)
 from contactstudy.solvers.polonsky_keer import PolonskyKeer
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from contactstudy.solvers.solution import Solution

@@ -12,8 +12,8 @@ from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import InvalidInput, positive
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import ExactPeriodicity, Padding, Paddings, ZeroPadding
-from contactstudy.scene.bodies.solids import Layered
-from contactstudy.scene.shapes.detail import Detail
+from contactstudy.scene.bodies import Layered
+from contactstudy.scene.shapes.shape import Detail
 
 # Relative L1 error of the pressure of a rough contact over (cell / finest wavelength)^1.5, times its contact
 # area's share to a power: fitted to 9 %, 30 % and 80 % in contact.

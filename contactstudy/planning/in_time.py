@@ -7,10 +7,9 @@ import numpy as np
 
 from contactstudy.planning.grid_requirements import ROOM
 from contactstudy.planning.yielding import Yielding, yielding
-from contactstudy.scene.bodies.solids import Body, sudden
-from contactstudy.scene.bodies.viscoelastic import ViscoelasticHalfSpace
-from contactstudy.scene.loads.load import LineLoad
-from contactstudy.scene.loads.load_history import ChangingLoad
+from contactstudy.scene.bodies import Body, sudden
+from contactstudy.scene.inelastic import ViscoelasticHalfSpace
+from contactstudy.scene.load import ChangingLoad, LineLoad
 from contactstudy.scene.scene import Scene
 
 # Solves of a march, with its companion and what is rejected, for an error of 1: of a held load, by the power CREEP_RATE

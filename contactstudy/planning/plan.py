@@ -13,7 +13,7 @@ from contactstudy.domain.padding import Padding, Paddings, across_and_along
 from contactstudy.planning.cost import SMOOTH_ITERATIONS, memory, timed, times_faster
 from contactstudy.planning.grid_requirements import RATE, Needs, halvable
 from contactstudy.planning.pilot import Forecast, affordable, finer, forecast
-from contactstudy.scene.bodies.solids import Layered
+from contactstudy.scene.bodies import Layered
 from contactstudy.scene.scene import Scene
 
 # Pilots show a grid that is too narrow or too coarse; each round mends it, the width by so much.

@@ -18,7 +18,7 @@ from contactstudy.elasticity.tangential import (
     shear_response,
 )
 from contactstudy.problem.problem import FrictionLaw
-from contactstudy.scene.bodies.solids import Body, HalfSpace
+from contactstudy.scene.bodies import Body, HalfSpace
 from contactstudy.solvers.friction import CoulombDisks, FullSliding, Superposed
 
 # Bodies are alike in shear where Dundurs' beta is below this: the difference is rounding.

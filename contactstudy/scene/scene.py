@@ -1,9 +1,10 @@
 """A scene names the effects of a contact and makes a problem of them on a grid."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from importlib import import_module
 from math import inf, log2
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -17,18 +18,75 @@ from contactstudy.elasticity.convolution import superposed
 from contactstudy.problem.bare_problem import PrescribedLoad
 from contactstudy.problem.constraint import Compressive, Constraint, HardnessLimited
 from contactstudy.problem.memory import refuse_too_large
-from contactstudy.problem.problem import Problem, Scales
-from contactstudy.scene.bodies.solids import Body, Layered, Particular, contact_modulus, response
-from contactstudy.scene.loads.load import LineLoad
-from contactstudy.scene.outputs import Output
+from contactstudy.problem.problem import Derived, Problem, Scales
+from contactstudy.scene.bodies import Body, Layered, Particular, contact_modulus, response
+from contactstudy.scene.load import LineLoad
 from contactstudy.scene.shapes.shape import Shape
-from contactstudy.scene.source import ShapesSource, ends_along, sized
 
 if TYPE_CHECKING:
     from contactstudy.scene.friction import Friction
-    from contactstudy.scene.loads.load_history import ChangingLoad
-    from contactstudy.scene.rolling import Rolling
-    from contactstudy.scene.wear import Wear
+    from contactstudy.scene.load import ChangingLoad
+    from contactstudy.scene.motion import Rolling, Wear
+
+
+@runtime_checkable
+class Output(Protocol):
+    """A value in ``Scene.outputs``."""
+
+    def check(self, solids: tuple[Body, ...]) -> None:
+        """Raise :class:`~contactstudy.InvalidInput` if these bodies cannot give it."""
+        ...
+
+    def of(self, solids: tuple[Body, ...], grid: Grid, paddings: Paddings) -> Derived:
+        """The same for these bodies on a grid; nothing is computed yet."""
+        ...
+
+
+@dataclass(frozen=True)
+class ShapesSource:
+    """``shapes`` whose heights are sampled anew on each grid; ``make`` builds the problem there.
+
+    ``ends_along`` says whether one of them ends a roller.
+    """
+
+    shapes: tuple[Shape, ...]
+    ends_along: bool
+    make: Callable[[Grid], Problem]
+
+    @property
+    def finest(self) -> tuple[float, float]:
+        """The shortest of all shapes that name theirs."""
+        details = [shape.detail for shape in self.shapes if hasattr(shape, "detail")]
+        return (
+            min((one.finest[0] for one in details), default=inf),
+            min((one.finest[1] for one in details), default=inf),
+        )
+
+    @property
+    def names_scales(self) -> bool:
+        """Whether every shape has a ``detail``."""
+        return all(hasattr(shape, "detail") for shape in self.shapes)
+
+    def gap(self, grid: Grid) -> Array:
+        """The sum of all shapes, no larger than it must be."""
+        total: Array = sum((shape.gap(grid) for shape in self.shapes), start=grid.x[:, None] * 0)
+        return total
+
+    def problem(self, grid: Grid) -> Problem:
+        """The scene's own."""
+        return self.make(grid)
+
+
+def sized(shapes: tuple[Shape, ...], grid: Grid) -> tuple[Shape, ...]:
+    """``shapes`` that can be sampled on other grids: heights given cell for cell get the extent of ``grid``."""
+    return tuple(shape.sized(grid) if hasattr(shape, "sized") else shape for shape in shapes)
+
+
+def ends_along(shapes: tuple[Shape, ...], grid: Grid) -> bool:
+    """Whether a roller ends within the period of ``grid``, so that contact may reach its ends."""
+    lengths = [shape.detail.roller for shape in shapes if hasattr(shape, "detail")]
+    return any(0 < length <= grid.period * (1 + 1e-9) for length in lengths)
+
 
 # The modulus of layered bodies and the half-width that follows from it settle to a per mille in so many steps.
 PASSES = 12
@@ -61,16 +119,16 @@ class Scene:
 
     def __post_init__(self) -> None:
         if not isinstance(self.load, LineLoad):
-            from contactstudy.scene.loads.load_history import ChangingLoad
+            from contactstudy.scene.load import ChangingLoad
 
             remedy = "give a LineLoad, or one that changes in time, such as a LoadHistory"
             _instance("Scene.load", self.load, ChangingLoad, remedy)
         if self.wear is not None:
-            from contactstudy.scene.wear import Wear
+            from contactstudy.scene.motion import Wear
 
             _typed("Scene.wear", self.wear, Wear, "give a Wear, or None")
         if self.rolling is not None:
-            from contactstudy.scene.rolling import Rolling
+            from contactstudy.scene.motion import Rolling
 
             _typed("Scene.rolling", self.rolling, Rolling, "give a Rolling, or None")
         for name, remedy in (
@@ -240,3 +298,24 @@ def _instance(field: str, value: object, kind: type, remedy: str) -> None:
     """A value that has the members of a protocol; the class itself has them too, and is none."""
     if isinstance(value, type) or not isinstance(value, kind):
         raise InvalidInput(f"{field} is {value!r}: {remedy}.")
+
+
+def under_load(problem: Problem, load: LineLoad) -> Problem:
+    """``problem``, made from a scene, under ``load``: it shares heights and operator, and so costs nothing.
+
+    The operator keeps its datum, so that approaches under several loads count from one place.
+    Raises :class:`~contactstudy.InvalidInput` for a problem that was not made from a scene.
+    """
+    posed = problem.description
+    if not isinstance(posed, PosedScene):
+        raise InvalidInput(
+            "under_load.problem was not made from a scene: give scene.problem(grid, padding)."
+        )
+    grid, scene = posed.grid, replace(posed.scene, load=load)
+    return replace(
+        problem,
+        resultant=PrescribedLoad(load.per_length * grid.period / grid.cell_area),
+        scales=scene.scales(grid),
+        source=scene.source_on(grid, posed.padding),
+        description=PosedScene(scene, grid, posed.padding),
+    )

@@ -20,7 +20,7 @@ from contactstudy.elasticity.kernels.stress_periodic import (
 )
 from contactstudy.elasticity.transforms import TRANSFORMS, Waves
 from contactstudy.problem.problem import Field
-from contactstudy.scene.bodies.solids import Body, Homogeneous
+from contactstudy.scene.bodies import Body, Homogeneous
 
 Z = {"axis": "Z", "positive": "down"}
 

@@ -14,7 +14,7 @@ import contactstudy as cs
 from contactstudy.accuracy.metric import Edges, Metric
 from contactstudy.domain.checks import positive
 from contactstudy.domain.units import BYTES, SECONDS
-from contactstudy.io.quantity import quantity
+from contactstudy.io.structuring import quantity
 from studies.model.axis import one_of
 
 if TYPE_CHECKING:

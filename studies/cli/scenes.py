@@ -120,7 +120,7 @@ def solve(scene: Path, out: Path, threads: int | None, device: str, start: Path 
                 err=True,
             )
     if described.scene.rolling is None and described.scene.changing is not None:
-        from studies.cli.evolving import evolve
+        from studies.cli.progress import evolve
 
         evolve(scene, described, planned, folder)
         return

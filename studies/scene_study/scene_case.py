@@ -11,7 +11,7 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.domain.fields import Array
-from contactstudy.scene.reload import under_load
+from contactstudy.scene.scene import under_load
 from studies.model.case import Case
 
 # Of the pressure that would close a cell's gap alone, how much stands for the gap in a forecast of the

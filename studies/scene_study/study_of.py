@@ -1,21 +1,161 @@
-"""A study from a scene and the fields of it that are varied."""
+"""A study of a scene: the fields varied, the cases, and the grids that the points share."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import product
 from os import PathLike
 from pathlib import Path
 
-from contactstudy import InvalidInput, Scene
+import contactstudy as cs
+from contactstudy import InvalidInput, MeasuredSurface, Roughness, Scene
+from contactstudy.domain.checks import divides
 from contactstudy.io.scene_file import SceneFile, read_scene, scene_file_of
 from contactstudy.io.scene_writer import scene_text
+from contactstudy.planning.grid_requirements import halvable
+from contactstudy.planning.plan import needs_of
 from studies.model.axis import Value, check_count
 from studies.model.study import Point, Study
 from studies.scene_study.fields import document_of
-from studies.scene_study.grids import Posed, posed
 from studies.scene_study.measures import measures
 from studies.scene_study.scene_case import SceneCase
 from studies.scene_study.variation import Variation, variation
+
+
+@dataclass(frozen=True)
+class Posed:
+    """A scene on the grid and with the padding that it is solved on."""
+
+    scene: cs.Scene
+    grid: cs.Grid
+    padding: cs.Padding | cs.Paddings
+
+
+def posed(points: Sequence[SceneFile]) -> tuple[list[Posed], tuple[str, ...]]:
+    """Every point on its grid, and what there is to say about the grids.
+
+    Points whose file says the same of the grid and of the plan share a grid: the width of the widest, the
+    cells of the finest. Random surfaces without an extent get that of the widest grid, so that each is
+    the same surface at all points. Raises :class:`~contactstudy.InvalidInput` where a surface does not
+    fit its grid.
+    """
+    groups: dict[object, list[int]] = {}
+    for number, point in enumerate(points):
+        asked = point.plan_settings if point.grid is None else None
+        groups.setdefault((asked, point.grid), []).append(number)
+    grids: dict[int, cs.Grid] = {}
+    notes: list[str] = []
+    for numbers in groups.values():
+        chosen, said = _shared([points[number] for number in numbers])
+        grids.update(zip(numbers, chosen, strict=True))
+        notes += said
+    extent, said = _extent([grids[number] for number in range(len(points))])
+    if any(
+        isinstance(shape, Roughness) and shape.extent is None
+        for p in points
+        for shape in p.scene.shapes
+    ):
+        notes += said
+    found = [_on(point, grids[number], extent) for number, point in enumerate(points)]
+    return found, tuple(dict.fromkeys(notes))
+
+
+def _on(point: SceneFile, grid: cs.Grid, extent: tuple[float, float] | None) -> Posed:
+    shapes = tuple(
+        replace(shape, extent=extent)
+        if isinstance(shape, Roughness) and shape.extent is None and extent is not None
+        else shape
+        for shape in point.scene.shapes
+    )
+    for number, shape in enumerate(shapes):
+        _check(f"Scene.shapes[{number}]", shape, grid)
+    padding = point.padding or needs_of(point.scene).padding()
+    return Posed(replace(point.scene, shapes=shapes), grid, padding)
+
+
+def _check(name: str, shape: object, grid: cs.Grid) -> None:
+    """Whether ``grid`` can hold a surface that has a size of its own, before anything is solved."""
+    if isinstance(shape, Roughness) and shape.extent is not None and shape.rms:
+        divides(f"{name}.extent[1]", shape.extent[1], grid.period)
+    if not isinstance(shape, MeasuredSurface) or shape.extent is None:
+        return
+    width, length = shape.extent
+    if grid.extent[0] > width * (1 + 1e-9):
+        raise InvalidInput(
+            f"{name} is {width:.4g} m wide, and the grid {grid.extent[0]:.4g} m: give a grid no wider than "
+            "the surface."
+        )
+    period = shape.seam.lengths * length
+    if grid.period > period * (1 + 1e-9) and grid.cells[1] > 1:
+        divides(f"The period of {name}", period, grid.period)
+
+
+def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
+    """One grid for all ``points``, or one for each where no period suits all."""
+    first = points[0]
+    if first.grid is not None:
+        return [first.grid] * len(points), [
+            f"grid {_size_text(first.grid)}, given, for {_counted(points)}"
+        ]
+    needs = [needs_of(point.scene) for point in points]
+    planned = [
+        one.grid(point.plan_settings.error, point.plan_settings.period)
+        for one, point in zip(needs, points, strict=True)
+    ]
+    width = max(grid.extent[0] for grid in planned)
+    periods = {grid.period for grid in planned}
+    measured = [
+        shape for point in points for shape in point.scene.shapes
+        if isinstance(shape, MeasuredSurface) and shape.extent is not None
+    ]  # fmt: skip
+    notes = []
+    narrowest = min((shape.extent[0] for shape in measured if shape.extent), default=width)
+    if narrowest < width:
+        notes.append(
+            f"the contact may become {width:.4g} m wide, but a measured surface is {narrowest:.4g} m wide, which "
+            "the grid takes: where contact reaches its edge, the outcome says so"
+        )
+        width = narrowest
+    # of a longer measured surface a grid shows the middle
+    period = min(periods) if measured else max(periods)
+    fits = (
+        len(periods) == 1
+        or measured
+        or all(": give" not in one.period_check(period) for one in needs)
+    )
+    if not fits:
+        said = f"no period suits all of {_counted(points)}, so that each has a grid of its own"
+        return planned, [said, *notes]
+    cells = (
+        halvable(width / min(grid.cell[0] for grid in planned)),
+        max(1, *(halvable(period / grid.cell[1]) if grid.cells[1] > 1 else 1 for grid in planned)),
+    )
+    grid = cs.Grid(cells, (width, period))
+    said = f"grid {_size_text(grid)}, planned once for {_counted(points)}"
+    return [grid] * len(points), [said, *notes]
+
+
+def _extent(grids: Sequence[cs.Grid]) -> tuple[tuple[float, float] | None, list[str]]:
+    """The extent of random surfaces that name none; None where the periods differ."""
+    width, period = max(grid.extent[0] for grid in grids), min(grid.period for grid in grids)
+    whole = all(abs(grid.period / period - round(grid.period / period)) < 1e-9 for grid in grids)
+    if not whole:
+        said = (
+            "random surfaces differ from grid to grid, since the periods of the grids have no common part: give "
+            "Roughness an extent whose length divides all periods for one surface"
+        )
+        return None, [said]
+    return (width, period), [
+        f"random surfaces are fixed at {width:.4g} m x {period:.4g} m for all points"
+    ]
+
+
+def _size_text(grid: cs.Grid) -> str:
+    return f"{grid.cells[0]} x {grid.cells[1]} cells over {grid.extent[0]:.4g} m x {grid.extent[1]:.4g} m"
+
+
+def _counted(points: Sequence[SceneFile]) -> str:
+    return f"{len(points)} points" if len(points) > 1 else "1 point"
+
 
 ORDER = ("file", "window", "turn")  # what makes a surface comes before what is done with it
 MOST = 100_000

@@ -10,7 +10,7 @@ from contactstudy.evolution.memories.creep import CreepMemory
 from contactstudy.evolution.memories.memory import JointMemory, Memory
 from contactstudy.evolution.memories.wear import WearMemory
 from contactstudy.problem.problem import Problem
-from contactstudy.scene.bodies.viscoelastic import ViscoelasticHalfSpace
+from contactstudy.scene.inelastic import ViscoelasticHalfSpace
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Solution
 

@@ -15,7 +15,7 @@ from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
 from contactstudy.evolution.memories.memory import Contact, State
 from contactstudy.evolution.memories.yielding_volume import both, first_volume, larger, spread
 from contactstudy.problem.problem import Field, Problem
-from contactstudy.scene.bodies.elastic_plastic import ElasticPlasticHalfSpace
+from contactstudy.scene.inelastic import ElasticPlasticHalfSpace
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.settle import ContactTangent, Settled, settle
 from contactstudy.solvers.solution import Solution, Status

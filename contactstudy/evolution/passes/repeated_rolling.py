@@ -139,7 +139,7 @@ class RepeatedRolling:
     def to_dataset(self) -> "xr.Dataset":
         """By pass and depth, and the window after the last pass, with units and long names."""
         # by name: a Dataset stands on results, not results on Datasets
-        labelled = import_for("RepeatedRolling.to_dataset", "contactstudy.io.rolling_dataset")
+        labelled = import_for("RepeatedRolling.to_dataset", "contactstudy.io.dataset")
         made: xr.Dataset = labelled.rolling_dataset(self)
         return made
 

@@ -24,8 +24,8 @@ from contactstudy.evolution.passes.contacts import (
 from contactstudy.evolution.passes.repeated_rolling import RepeatedRolling, RollingPass
 from contactstudy.evolution.passes.track import Track, padded
 from contactstudy.problem.problem import Problem
-from contactstudy.scene.bodies.solids import sudden
-from contactstudy.scene.loads.load import LineLoad
+from contactstudy.scene.bodies import sudden
+from contactstudy.scene.load import LineLoad
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from contactstudy.solvers.solution import Solution, Status

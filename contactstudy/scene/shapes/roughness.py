@@ -18,7 +18,7 @@ from contactstudy.domain.checks import (
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Metres, Number
-from contactstudy.scene.shapes.detail import Detail
+from contactstudy.scene.shapes.shape import Detail
 
 # The highest of a surface, in its rms heights.
 HIGHEST = 4.0

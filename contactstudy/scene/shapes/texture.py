@@ -1,4 +1,4 @@
-"""Machined textures: dimples and grooves that repeat."""
+"""Machined textures, such as dimples and grooves, and waviness."""
 
 from dataclasses import dataclass, field
 from math import inf, pi
@@ -9,16 +9,18 @@ import numpy as np
 from contactstudy.domain.checks import (
     InvalidInput,
     divides,
+    finite,
     in_range,
     in_range_from_zero,
+    in_range_or_zero,
     pair,
     positive,
     set_fields,
 )
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
-from contactstudy.domain.units import Metres
-from contactstudy.scene.shapes.detail import Detail
+from contactstudy.domain.units import Metres, Radians
+from contactstudy.scene.shapes.shape import Detail
 
 
 class Profile(Protocol):
@@ -211,3 +213,54 @@ def _from_nearest(position: Array, pitch: float) -> Array:
 def _is_profile(name: str, profile: object) -> None:
     if isinstance(profile, type) or not callable(profile):
         raise InvalidInput(f"{name} is {profile!r}: give a profile, such as Cosine().")
+
+
+@dataclass(frozen=True)
+class Waviness:
+    """A plane wave of height, ``amplitude cos(2 pi (x / across + y / along) + phase)``.
+
+    ``amplitude`` [m]; wavelengths ``across`` and ``along`` [m], infinite by default, which is none in
+    that direction; ``phase`` [rad]. Raises :class:`~contactstudy.InvalidInput` where a period of the
+    grid does not hold a whole number of waves along.
+    """
+
+    amplitude: Metres
+    across: Metres = inf
+    along: Metres = inf
+    phase: Radians = 0.0
+
+    def __post_init__(self) -> None:
+        set_fields(
+            self,
+            amplitude=in_range_or_zero("Waviness.amplitude", self.amplitude, "give a height in m"),
+            phase=finite("Waviness.phase", self.phase, "give an angle in rad"),
+        )
+        for name in ("across", "along"):
+            if getattr(self, name) != inf:
+                length = in_range(
+                    f"Waviness.{name}", getattr(self, name), "give a wavelength above 0 m"
+                )
+                set_fields(self, **{name: length})
+
+    @property
+    def curvature(self) -> float:
+        """Zero in the mean."""
+        return 0.0
+
+    @property
+    def detail(self) -> Detail:
+        """One wave."""
+        if self.amplitude == 0:
+            return Detail()
+        repeat = self.along if self.along < inf else 0.0
+        slope = np.sqrt(2) * np.pi * abs(self.amplitude) * np.hypot(1 / self.across, 1 / self.along)
+        return Detail(
+            (self.across, self.along), repeat, 0.0, height=abs(self.amplitude), slope=float(slope)
+        )
+
+    def gap(self, grid: Grid) -> Array:
+        """The wave at the cell centres [m], shape (x, y), or (nx, 1) without waves along."""
+        divides("Waviness.along", self.along, grid.period)
+        y = grid.y if self.amplitude and self.along < inf else np.zeros(1)
+        angle = 2 * np.pi * (grid.x[:, None] / self.across + y / self.along) + self.phase
+        return np.asarray(self.amplitude * np.cos(angle))

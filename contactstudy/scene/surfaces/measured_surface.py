@@ -13,13 +13,18 @@ from contactstudy.domain.checks import InvalidInput, divides, in_range, pair, se
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Metres
-from contactstudy.scene.shapes.detail import Detail
+from contactstudy.scene.shapes.shape import Detail
 from contactstudy.scene.surfaces import measurement
-from contactstudy.scene.surfaces.missing_points import Missing, RefuseMissing
-from contactstudy.scene.surfaces.resampling import cell_means
-from contactstudy.scene.surfaces.seam import AsMeasured, Seam, Tapered
-from contactstudy.scene.surfaces.trend import Trend
-from contactstudy.scene.surfaces.window import Window
+from contactstudy.scene.surfaces.preparation import (
+    AsMeasured,
+    Missing,
+    RefuseMissing,
+    Seam,
+    Tapered,
+    Trend,
+    Window,
+    cell_means,
+)
 
 
 @dataclass(frozen=True)

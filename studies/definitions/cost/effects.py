@@ -8,7 +8,7 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.domain.checks import whole
 from contactstudy.problem.problem import Sheared
-from contactstudy.scene.bodies.coated import CoatedHalfSpace
+from contactstudy.scene.coated import CoatedHalfSpace
 from contactstudy.scene.friction import Sliding
 from studies.definitions.cost.peak_memory import peak_bytes
 from studies.definitions.evolution_case import EvolutionCase

@@ -14,8 +14,8 @@ from contactstudy.domain.checks import positive, whole
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.coating import CoatingDisplacement
 from contactstudy.elasticity.kernels.layer_image import image_cell, image_lattice, image_row
-from contactstudy.scene.bodies.coated import CoatedHalfSpace
-from contactstudy.scene.bodies.solids import response
+from contactstudy.scene.bodies import response
+from contactstudy.scene.coated import CoatedHalfSpace
 from studies.model.axis import Axis
 from studies.model.case import Case, number
 from studies.model.study import Point

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.scene.bodies.solids import contact_modulus
+from contactstudy.scene.bodies import contact_modulus
 
 
 @pytest.mark.parametrize(("ratio", "wide"), [(0.03, 8), (3, 100), (10, 100), (40, 1000)])

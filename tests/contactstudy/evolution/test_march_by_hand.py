@@ -15,7 +15,7 @@ from contactstudy.evolution.march import Instant, LoweredContact, March, SolverO
 from contactstudy.evolution.memories.memory import Contribution, Step
 from contactstudy.evolution.scheme import Scheme
 from contactstudy.problem.bare_problem import PrescribedLoad
-from contactstudy.scene.bodies.solids import response
+from contactstudy.scene.bodies import response
 from tests.conftest import LineContact
 
 LOAD = cs.LoadHistory((0.0, 10.0), (0.0, 1e5))

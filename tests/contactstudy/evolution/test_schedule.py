@@ -6,7 +6,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.evolution.schedule import Mark, schedule
-from contactstudy.scene.loads.load_history import SuddenLoad
+from contactstudy.scene.load import SuddenLoad
 
 LOAD = cs.LoadHistory(times=(0.0, 1.0, 1.0, 3.0), per_length=(0.0, 2.0, 5.0, 1.0))
 

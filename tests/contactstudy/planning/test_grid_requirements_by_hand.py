@@ -11,7 +11,7 @@ import contactstudy as cs
 from contactstudy.accuracy.expected_error import smooth_l1
 from contactstudy.analytic import HertzLine
 from contactstudy.planning.grid_requirements import Needs, _common, _in_waves, _parts, halvable
-from contactstudy.scene.shapes.detail import Detail
+from contactstudy.scene.shapes.shape import Detail
 
 # Half-width 2 m, peak pressure 100 Pa; beside the contact the gap grows by 0.2 m times a function of x / a.
 HERTZ = HertzLine(100 * pi, 10.0, 1000.0)

@@ -11,7 +11,7 @@ import xarray as xr
 from click.testing import CliRunner
 
 import contactstudy as cs
-from studies.cli import commands, evolving, scenes
+from studies.cli import commands, progress, scenes
 from tests.studies.scene_study.conftest import SMOOTH
 
 
@@ -106,7 +106,7 @@ def test_a_march_says_its_seconds_and_ends_with_one_where_a_step_did_not_converg
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     clock = iter((10.0, 12.5))
-    monkeypatch.setattr(evolving, "perf_counter", lambda: next(clock))
+    monkeypatch.setattr(progress, "perf_counter", lambda: next(clock))
     monkeypatch.setattr(
         "contactstudy.io.pictures.evolution.evolution_picture",
         lambda _: SimpleNamespace(savefig=lambda path: Path(path).write_bytes(b"")),
@@ -124,7 +124,7 @@ def test_a_march_says_its_seconds_and_ends_with_one_where_a_step_did_not_converg
     described: Any = SimpleNamespace(evolve=evolve)
     code = None
     try:
-        evolving.evolve(Path("rubber.toml"), described, None, tmp_path)
+        progress.evolve(Path("rubber.toml"), described, None, tmp_path)
     except SystemExit as ended:
         code = ended.code
     assert code == (None if status is cs.Status.CONVERGED else 1)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.scene.bodies.coated import CoatedHalfSpace
+from contactstudy.scene.coated import CoatedHalfSpace
 from contactstudy.scene.stress import StressBelow
 from studies.definitions.effects.coating import A, coated, interface
 from studies.engine.run import run

@@ -9,7 +9,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.elasticity.coating import CoatingDisplacement
 from contactstudy.elasticity.kernels.layer_image import image_cell, image_lattice, image_row
-from contactstudy.scene.bodies.coated import CoatedHalfSpace
+from contactstudy.scene.coated import CoatedHalfSpace
 from studies.definitions.effects import coating
 from studies.registry import load
 

@@ -10,8 +10,8 @@ import xarray as xr
 import contactstudy as cs
 from studies.scene_study import measures as module
 from studies.scene_study import scene_case
+from studies.scene_study.measures import RESIDUAL, normal_stiffness
 from studies.scene_study.scene_case import SceneCase, Solved
-from studies.scene_study.stiffness import RESIDUAL, normal_stiffness
 from tests.conftest import STEEL
 
 GRID = cs.Grid((4, 5), (4 * 2e-5, 5 * 3e-5))

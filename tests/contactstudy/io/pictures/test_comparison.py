@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from contactstudy.io.compare import Comparison
-from contactstudy.io.pictures.comparison import compare_picture
+from contactstudy.io.pictures.contact import compare_picture
 
 X, Y = np.array([-1e-5, 0.0, 1e-5]), np.array([0.0, 2e-3])
 A = 1e6 * np.array([[1.0, 2], [3, 4], [5, 6]])

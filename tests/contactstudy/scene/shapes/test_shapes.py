@@ -1,8 +1,12 @@
 from dataclasses import replace
+from math import inf, pi
+from typing import Any
 
 import numpy as np
+import pytest
 
 import contactstudy as cs
+from contactstudy.scene.shapes.shape import Detail
 from tests.conftest import LineContact
 
 GRID = cs.Grid(cells=(16, 8), extent=(1e-3, 5e-4))
@@ -31,3 +35,135 @@ def test_no_amplitude_is_the_scene_without_waves(line_contact: LineContact) -> N
         cs.solve(scene.problem(grid, cs.ExactPeriodicity())) for scene in (line_contact.scene, wavy)
     ]
     np.testing.assert_array_equal(solutions[0].pressure, solutions[1].pressure)
+
+
+def test_a_plain_cylinder_has_no_detail() -> None:
+    """No wave, nothing that repeats, no roller's end, no height and no slope."""
+    nothing = Detail()
+    assert nothing.finest == (inf, inf)
+    assert (nothing.repeat, nothing.longest, nothing.roller) == (0, 0, 0)
+    assert (nothing.height, nothing.slope) == (0, 0)
+    assert cs.Cylinder(0.01).detail == nothing
+
+
+def measured(shape: Any, grid: cs.Grid) -> tuple[float, float]:
+    """The highest above the mean, and the rms slope, of heights (a gap counts the other way)."""
+    heights = -np.broadcast_to(shape.gap(grid), grid.cells)
+    slopes = [
+        (np.roll(heights, -1, axis) - heights) / step if count > 1 else np.zeros(1)
+        for axis, (count, step) in enumerate(zip(grid.cells, grid.cell, strict=True))
+    ]
+    rms = np.sqrt(sum((one**2).mean() for one in slopes))
+    return float(heights.max() - heights.mean()), float(rms)
+
+
+FINE = cs.Grid((512, 512), (2.0, 3.0))
+
+
+@pytest.mark.parametrize(("across", "along"), [(0.5, inf), (inf, 0.75), (0.5, 0.75), (2.0, 0.3)])
+def test_a_wave_has_its_lengths_its_amplitude_and_its_slope(across: float, along: float) -> None:
+    wave = cs.Waviness(-0.01, across=across, along=along, phase=0.3)
+    height, slope = measured(wave, FINE)
+    detail = wave.detail
+    assert detail.finest == (across, along)
+    assert detail.repeat == (along if along < inf else 0.0)
+    # a difference over a step is less than a slope by (2 pi step / length)^2 / 24
+    assert detail.height == pytest.approx(height, rel=1e-3)
+    assert detail.slope == pytest.approx(slope, rel=2e-3)
+    assert (detail.longest, detail.roller, detail.widest) == (0.0, 0.0, inf)
+    assert wave.curvature == 0
+    assert cs.Waviness(0.0, across=across).detail == Detail()
+
+
+def test_a_wave_s_heights_are_those_of_its_cosine() -> None:
+    grid = cs.Grid((7, 6), (2.0, 3.0))
+    wave = cs.Waviness(0.01, across=0.9, along=1.5, phase=0.4)
+    x, y = grid.x[:, None], grid.y
+    wanted = 0.01 * np.cos(2 * pi * (x / 0.9 + y / 1.5) + 0.4)
+    np.testing.assert_allclose(wave.gap(grid), wanted, atol=1e-15)
+    with pytest.raises(cs.InvalidInput, match=r"Waviness\.along"):
+        cs.Waviness(0.01, along=0.9).gap(grid)
+    for name in ("across", "along"):
+        with pytest.raises(cs.InvalidInput, match=f"Waviness.{name}"):
+            cs.Waviness(0.01, **{name: 0.0})
+
+
+@pytest.mark.parametrize(
+    ("feature", "pitch", "finest", "slope"),
+    [
+        # lands of a fifth between dimples of 0.3, on which pi 0.15^2 of 0.5 x 0.75 is textured
+        (
+            cs.Dimple(0.01, 0.3), (0.5, 0.75), (0.2, 0.3),
+            2 * 0.01 / 0.3 * (pi * 0.15**2 / (0.5 * 0.75)) ** 0.5,
+        ),
+        (cs.Groove(0.01, 0.3), (0.5, inf), (0.2, inf), 2 * 0.01 / 0.3 * 0.6**0.5),
+        (cs.Groove(0.02, 0.1), (inf, 0.75), (inf, 0.1), 2 * 0.02 / 0.1 * (0.1 / 0.75) ** 0.5),
+    ],
+)  # fmt: skip
+def test_a_texture_is_as_fine_as_its_features_and_lands(
+    feature: Any, pitch: tuple[float, float], finest: tuple[float, float], slope: float
+) -> None:
+    detail = cs.Texture(feature, pitch).detail
+    assert detail.finest == pytest.approx(finest)
+    assert detail.repeat == (pitch[1] if pitch[1] < inf else 0.0)
+    assert detail.slope == pytest.approx(slope)
+    assert (detail.height, detail.roller) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("peklenik", [0.5, 1.0, 2.0])
+def test_a_rough_surface_has_its_waves_by_its_lay_and_its_slope(peklenik: float) -> None:
+    shape = cs.Roughness(
+        0.01, hurst=0.7, roll_off=0.5, cut_off=0.05, seed=3, peklenik=peklenik, extent=(2.0, 3.0)
+    )
+    detail = shape.detail
+    wide, long = max(peklenik, 1), max(1 / peklenik, 1)
+    assert detail.finest == pytest.approx((0.05 * wide, 0.05 * long))
+    assert (detail.repeat, detail.longest) == pytest.approx((3.0, 0.5 * long))
+    # four times the rms height, of some hundred waves a side
+    height, slope = measured(shape, FINE)
+    assert detail.height == pytest.approx(0.04)
+    assert 0.5 * detail.height < height < 1.25 * detail.height
+    if peklenik == 1:
+        # one sample, of which a difference over a tenth of the finest wave sees all but a few hundredths
+        assert detail.slope == pytest.approx(slope, rel=0.1)
+    by_slope = cs.Roughness(
+        cs.RmsSlope(detail.slope), hurst=0.7, roll_off=0.5, cut_off=0.05, seed=3, peklenik=peklenik
+    ).detail
+    assert by_slope.height == pytest.approx(0.04)
+    assert by_slope.repeat == 0
+    assert cs.Roughness(0.0, hurst=0.7, roll_off=0.5, cut_off=0.05, seed=3).detail == Detail()
+
+
+def test_a_measured_surface_is_as_fine_as_two_points_and_as_wide_as_it_is() -> None:
+    heights = np.random.default_rng(0).standard_normal((8, 6))
+    surface = cs.MeasuredSurface(heights, extent=(4.0, 1.5), seam=cs.Mirrored())
+    detail = surface.detail
+    assert detail.finest == (1.0, 0.5)
+    assert (detail.repeat, detail.widest) == (3.0, 4.0)
+    assert detail.height == pytest.approx(heights.max() - heights.mean())
+    across, along = np.diff(heights, axis=0) / 0.5, np.diff(heights, axis=1) / 0.25
+    assert detail.slope == pytest.approx(np.sqrt((across**2).mean() + (along**2).mean()))
+    bare = cs.MeasuredSurface(heights).detail
+    assert bare == Detail(height=detail.height)
+    profile = cs.MeasuredSurface(heights[:, :1], extent=(4.0, 1.5)).detail
+    assert (profile.finest, profile.repeat) == ((1.0, inf), 0.0)
+
+
+def test_rollers_say_their_length() -> None:
+    assert cs.FiniteLength(2.0).detail == Detail(roller=2.0)
+    assert cs.Crown(5.0).detail == Detail(roller=inf)
+    assert cs.Crown(inf).detail == Detail()
+    assert cs.Sphere(1.0).detail == Detail(roller=inf)
+    assert cs.LundbergProfile(1e-6, 1e-5, 2.0).detail == Detail(roller=2.0)
+
+
+def test_round_bodies_and_ends_have_their_heights() -> None:
+    grid = cs.Grid((4, 3), (4.0, 6.0))
+    x, y = np.array([-1.5, -0.5, 0.5, 1.5]), np.array([-2.0, 0.0, 2.0])
+    assert cs.Cylinder(5.0).gap(grid) == pytest.approx((x**2 / 10)[:, None])
+    assert cs.Cylinder(5.0).curvature == 0.2
+    assert cs.Sphere(5.0).gap(grid) == pytest.approx((x[:, None] ** 2 + y**2) / 10)
+    assert cs.Crown(5.0).gap(grid) == pytest.approx((y**2 / 10)[None])
+    # 4 m long: the middle cell and those whose centres lie on the ends
+    assert cs.FiniteLength(4.0).gap(grid).tolist() == [[0.0]] * 4
+    assert cs.FiniteLength(3.9).gap(grid).tolist() == [[3.9, 0.0, 3.9]]

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from contactstudy.domain.fields import Array
-from contactstudy.scene.surfaces.resampling import Ends, cell_means
+from contactstudy.scene.surfaces.preparation import Ends, cell_means
 
 ROUGH = np.random.default_rng(0).standard_normal((5, 24)) + 7
 

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 import contactstudy as cs
 from contactstudy.domain.units import Unit
-from contactstudy.io.quantity import quantity
+from contactstudy.io.structuring import quantity
 
 METRES = Unit("m", "a length", "10 mm")
 PASCALS = Unit("Pa", "a pressure", "1.2 GPa")

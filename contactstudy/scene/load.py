@@ -1,4 +1,4 @@
-"""Loads that change in time."""
+"""The load that presses the bodies together: constant, or changing in time."""
 
 from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
@@ -14,6 +14,23 @@ from contactstudy.domain.checks import (
     set_fields,
 )
 from contactstudy.domain.units import Hertz, NewtonsPerMetre, Radians, Seconds
+
+
+@dataclass(frozen=True)
+class LineLoad:
+    """A normal load ``per_length`` [N/m] of contact length, above zero."""
+
+    per_length: NewtonsPerMetre
+
+    def __post_init__(self) -> None:
+        load = in_range("LineLoad.per_length", self.per_length, "give a load above 0 N/m")
+        set_fields(self, per_length=load)
+
+    @property
+    def largest(self) -> float:
+        """The load [N/m], as of one that changes."""
+        return self.per_length
+
 
 # What a load that should be zero comes out as, over the largest.
 ROUNDING = 1e-13

@@ -3,7 +3,7 @@
 import pytest
 
 from contactstudy import InvalidInput
-from studies.scene_study.values import parse_values
+from studies.scene_study.variation import parse_values
 
 
 @pytest.mark.parametrize(

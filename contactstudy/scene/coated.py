@@ -1,4 +1,4 @@
-"""A body with a coating."""
+"""A half-space with a coating."""
 
 import math
 from collections.abc import Mapping
@@ -11,7 +11,7 @@ from contactstudy.domain.units import Metres
 from contactstudy.elasticity.coating import CoatingDisplacement
 from contactstudy.elasticity.coefficients import Coefficients, Displacement
 from contactstudy.elasticity.kernels.layer_response import LayerResponse
-from contactstudy.scene.bodies.solids import HalfSpace
+from contactstudy.scene.bodies import HalfSpace
 
 # Up to this ratio of shear moduli the coefficients are verified.
 LARGEST_RATIO = 1e4

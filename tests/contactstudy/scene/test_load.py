@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.scene.loads.load_history import SuddenLoad
+from contactstudy.scene.load import SuddenLoad
 
 
 def test_a_history_is_linear_jumps_and_is_held() -> None:

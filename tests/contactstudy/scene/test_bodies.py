@@ -6,7 +6,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.elasticity.coefficients import Displacement
-from contactstudy.scene.bodies.solids import contact_modulus, response, sudden
+from contactstudy.scene.bodies import contact_modulus, response, sudden
 
 # E / (1 - nu^2): 80, 75 and 64 GPa
 FIRST = cs.HalfSpace(60e9, 0.5)

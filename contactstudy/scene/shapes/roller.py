@@ -1,4 +1,4 @@
-"""Profiles along the length that take the pressure off a roller's ends."""
+"""Rollers: round bodies, profiles along their length, and where they end."""
 
 from dataclasses import dataclass
 from math import expm1, inf, log, pi
@@ -11,7 +11,64 @@ from contactstudy.domain.checks import InvalidInput, in_range, in_range_from_zer
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Metres
-from contactstudy.scene.shapes.detail import Detail
+from contactstudy.scene.shapes.shape import Detail
+
+
+@dataclass(frozen=True)
+class Cylinder:
+    """A parabolic cylinder about the length axis, ``x^2 / (2 R)``, as in Hertz's theory.
+
+    ``radius`` R [m], above zero, else :class:`~contactstudy.InvalidInput`. Two cylinders in one scene
+    are two curved bodies: curvatures add.
+    """
+
+    radius: Metres
+
+    def __post_init__(self) -> None:
+        set_fields(self, radius=in_range("Cylinder.radius", self.radius, "give a radius above 0 m"))
+
+    @property
+    def curvature(self) -> float:
+        """1 / R [1/m]."""
+        return 1 / self.radius
+
+    @property
+    def detail(self) -> Detail:
+        """Smooth."""
+        return Detail()
+
+    def gap(self, grid: Grid) -> Array:
+        """``x^2 / (2 R)``, shape (nx, 1) [m]."""
+        return (grid.x**2 / (2 * self.radius))[:, None]
+
+
+@dataclass(frozen=True)
+class Sphere:
+    """A paraboloid about the origin, ``(x^2 + y^2) / (2 R)``, as in Hertz's theory of a sphere.
+
+    ``radius`` R [m], above zero, else :class:`~contactstudy.InvalidInput`. Along a free length it is a
+    point contact under the load per length times the grid's period.
+    """
+
+    radius: Metres
+
+    def __post_init__(self) -> None:
+        set_fields(self, radius=in_range("Sphere.radius", self.radius, "give a radius above 0 m"))
+
+    @property
+    def curvature(self) -> float:
+        """Zero: it adds no curvature to the line contact."""
+        return 0.0
+
+    @property
+    def detail(self) -> Detail:
+        """A roller whose length is not known."""
+        return Detail(roller=inf)
+
+    def gap(self, grid: Grid) -> Array:
+        """``(x^2 + y^2) / (2 R)``, shape (x, y) [m]."""
+        return np.asarray((grid.x[:, None] ** 2 + grid.y**2) / (2 * self.radius))
+
 
 HEIGHT = "give a height of 0 m or more"
 
@@ -127,3 +184,43 @@ class LundbergProfile:
         # in a form that keeps the parabola which it is where A is far above d
         drop = -self.amplitude * np.log1p(expm1(-self.end_drop / self.amplitude) * t**2)
         return np.where(inside, drop, self.end_drop)[None, :]
+
+
+@dataclass(frozen=True)
+class FiniteLength:
+    """A roller that ends at ``|y| = length / 2``, with flat, sharp-edged faces.
+
+    ``length`` [m], above zero, else :class:`~contactstudy.InvalidInput`. Cells whose centre lies beyond
+    the ends stand back by ``length``: more than any elastic displacement, which is a small part of
+    the body's own size, and finite, so that averages over blocks of cells stay finite too. The end is
+    therefore resolved to a cell, and exactly where it falls between two. Under a scene's load per length
+    of the grid, the roller carries that times the grid's period over its own length. Along a free length a
+    grid of the roller's own length ends it as well, without a cell to spare.
+    """
+
+    length: Metres
+
+    def __post_init__(self) -> None:
+        set_fields(
+            self,
+            length=in_range(
+                "FiniteLength.length", self.length, "give the roller's length above 0 m"
+            ),
+        )
+
+    @property
+    def curvature(self) -> float:
+        """None."""
+        return 0.0
+
+    @property
+    def detail(self) -> Detail:
+        """The roller."""
+        return Detail(roller=self.length)
+
+    def gap(self, grid: Grid) -> Array:
+        """Zero on the roller, ``length`` beyond it, shape (1, length), or (nx, 1) without an end [m]."""
+        beyond = np.abs(grid.y) > self.length / 2
+        if not beyond.any():
+            return np.zeros((grid.cells[0], 1))
+        return np.where(beyond, self.length, 0.0)[None, :]

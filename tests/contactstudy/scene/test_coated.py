@@ -11,7 +11,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.elasticity.coefficients import kernel
 from contactstudy.elasticity.convolution import Convolution
-from contactstudy.scene.bodies.solids import response
+from contactstudy.scene.bodies import response
 from tests.conftest import STEEL
 
 RIGID = cs.HalfSpace(inf, 0.3)

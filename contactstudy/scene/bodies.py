@@ -1,4 +1,4 @@
-"""The bodies, by how their surfaces respond to pressure."""
+"""Bodies, described by how their surfaces respond to pressure."""
 
 import math
 from collections import Counter

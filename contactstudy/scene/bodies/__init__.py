@@ -1,1 +1,0 @@
-"""The bodies: half-spaces, coated and viscoelastic ones. May import `elasticity` and `domain`."""

@@ -1,1 +1,0 @@
-"""Loads, constant or changing in time. May import `domain`."""

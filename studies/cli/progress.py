@@ -87,8 +87,8 @@ def evolve(scene: Path, described: cs.SceneFile, planned: cs.Plan | None, folder
     What is found is kept in a folder beside them until the march is complete, so that a command that
     was stopped goes on from there. The exit code is 0 where every step converged, else 1.
     """
-    from contactstudy.io.pictures.evolution import evolution_picture
     from contactstudy.domain.files import replacing
+    from contactstudy.io.pictures.evolution import evolution_picture
     from studies.store.netcdf import write
 
     march = folder / f"{scene.stem}.march"

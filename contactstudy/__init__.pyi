@@ -1,6 +1,7 @@
 # The public names, each with the module that defines it: what `import contactstudy` offers, imported on first use.
 from . import analytic, kernels
-from .accuracy.estimate import ErrorEstimate, ErrorParts, error_estimate
+from .accuracy.estimate import ErrorEstimate, error_estimate
+from .accuracy.expected_error import ErrorParts
 from .domain.checks import InvalidInput, NotDefined
 from .domain.device import Cpu, Gpu, Precision
 from .domain.grid import Grid
@@ -17,11 +18,10 @@ from .elasticity.coefficients import Coefficients
 from .elasticity.convolution import Convolution, convolution, superposed
 from .evolution.evolution import Evolution
 from .evolution.evolve import StepError, evolve
-from .evolution.passes.contacts import RollingPressure
-from .evolution.passes.repeated_rolling import RepeatedRolling, RollingPass
-from .evolution.passes.roll_repeatedly import roll_repeatedly
+from .evolution.repeated_rolling import RepeatedRolling, RollingPass, roll_repeatedly
 from .evolution.rolling import SteadyRolling, solve_rolling
-from .evolution.scheme import Scheme
+from .evolution.steps import Scheme
+from .evolution.track import RollingPressure
 from .io.compare import Comparison, compare
 from .io.dataset import to_dataset
 from .io.scene_file import SceneFile, read_scene

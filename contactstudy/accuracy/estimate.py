@@ -6,8 +6,8 @@ from math import inf
 import numpy as np
 
 from contactstudy.accuracy.coarser import Change, change, coarse_solution
-from contactstudy.accuracy.contact_area import contact_area
-from contactstudy.accuracy.discretisation import discretisation
+from contactstudy.accuracy.discretisation import contact_area, discretisation
+from contactstudy.accuracy.expected_error import ErrorParts
 from contactstudy.accuracy.subcell import Subcell, subcell
 from contactstudy.accuracy.truncation import truncation
 from contactstudy.domain.checks import NotDefined
@@ -45,20 +45,6 @@ STIFF_COAT, IN_COAT, COAT_FACTOR = 2.0, 8, 3.5
 SHARP_EDGE = "a sharp edge or corner"
 # Beyond such an error of the whole, the peak pressure is not known either.
 LOST = 0.5
-
-
-@dataclass(frozen=True)
-class ErrorParts:
-    """A relative error's upper estimate by cause: images left out, cells, and the solver stopping."""
-
-    truncation: float
-    discretisation: float
-    residual: float
-
-    @property
-    def total(self) -> float:
-        """Of all three, should they have one sign."""
-        return self.truncation + self.discretisation + self.residual
 
 
 @dataclass(frozen=True)

@@ -1,20 +1,47 @@
-"""How far a solution will be from a smooth line contact, said before it is solved, by cause.
-
-The grid's share is the worst over where the contact edge falls in its cell, which no one chooses. With
-a cell of dx and a half-width a, the discrete edge law (:mod:`~contactstudy.accuracy.edge_law`) and the parabola of a
-maximum give the powers; the factors that no closed form gives are measured, as the worst of
-solutions whose edges fall all over a cell, on 20 to 2048 cells.
-"""
+"""What of a solution an error may be asked of."""
 
 from dataclasses import dataclass
+from enum import Enum
 from math import inf, pi, sqrt
 
-from contactstudy.accuracy.edge_law import worst_edge_error
-from contactstudy.accuracy.estimate import ErrorParts
-from contactstudy.accuracy.metric import Edges, Metric
+from contactstudy.accuracy.contact_edge import worst_edge_error
 from contactstudy.accuracy.truncation import expected_truncation
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Padding
+
+
+class Metric(Enum):
+    """What of a solution is to be accurate."""
+
+    PEAK_PRESSURE = "peak pressure"
+    L1 = "pressure in L1"
+    HALF_WIDTH = "half-width"
+
+
+class Edges(Enum):
+    """Which pressure counts: as the cells have it, or :func:`~contactstudy.accuracy.contact_edge.corrected_pressure`."""
+
+    AS_SOLVED = "as solved"
+    CORRECTED = "corrected"
+
+
+@dataclass(frozen=True)
+class ErrorParts:
+    """Upper estimate of a relative error by cause.
+
+    ``truncation`` is that of the images left out, ``discretisation`` that of the cells, and ``residual`` that of
+    the solver having stopped.
+    """
+
+    truncation: float
+    discretisation: float
+    residual: float
+
+    @property
+    def total(self) -> float:
+        """Sum of the parts: the error if all of them have the same sign."""
+        return self.truncation + self.discretisation + self.residual
+
 
 # A maximum lies up to half a cell from a centre, where the parabola is dx^2 / (8 a^2) lower; the cell
 # shows a 24th of the second difference more; the edges move it by a 16th.

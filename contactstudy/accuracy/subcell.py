@@ -5,7 +5,7 @@ from math import log, pi
 
 import numpy as np
 
-from contactstudy.accuracy.cell_means import on_cells
+from contactstudy.accuracy.coarser import on_cells
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid

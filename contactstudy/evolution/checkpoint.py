@@ -11,7 +11,7 @@ import numpy as np
 
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
-from contactstudy.evolution.frame import Frame
+from contactstudy.evolution.evolution import Frame
 from contactstudy.evolution.march import Instant
 from contactstudy.problem.problem import Field
 from contactstudy.solvers.solution import Status

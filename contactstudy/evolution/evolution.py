@@ -1,6 +1,7 @@
-"""What a march gives back: frames, and how they were found."""
+"""A contact at one instant of its evolution, as it is recorded."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -8,15 +9,49 @@ import numpy as np
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.imports import import_for
-from contactstudy.evolution.frame import Frame
 from contactstudy.evolution.march import worst
-from contactstudy.evolution.memories.memory import JointMemory
-from contactstudy.problem.problem import Derived
+from contactstudy.evolution.memory import JointMemory
+from contactstudy.problem.problem import Derived, Field
 from contactstudy.scene.scene import PosedScene
 from contactstudy.solvers.solution import Status
 
 if TYPE_CHECKING:
     import xarray as xr
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """Fields of shape (x, y) at ``time`` [s] under ``load`` [N/m]: ``pressure`` [Pa], ``gap`` [m].
+
+    ``fields`` are what memories show, such as the worn depth. ``step_error`` is the estimated relative L1
+    error of the pressure from the steps in time, ``grid_error`` that from the cells (see
+    :func:`~contactstudy.accuracy.discretisation.discretisation`); both are infinite where there is no
+    estimate, and relative to the pressure of the largest load where bodies yield.
+    ``status`` is the worst of the steps since the frame before. ``steps``, ``iterations`` and
+    ``convolutions`` are counted since then, with those of rejected steps and of the companion march.
+    ``residual`` is that of the last solve. ``kept`` is what was found together with the pressure, such as plastic
+    strain, in arrays of its own.
+    """
+
+    time: float
+    load: float
+    pressure: Array
+    gap: Array
+    approach: float
+    fields: Mapping[str, Field]
+    status: Status
+    residual: float
+    step_error: float
+    grid_error: float
+    steps: int
+    iterations: int
+    convolutions: float
+    kept: Mapping[str, Array] = field(default_factory=dict)
+
+    @property
+    def peak_pressure(self) -> float:
+        """[Pa]"""
+        return float(self.pressure.max())
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,8 +1,9 @@
-"""Scene -> Evolution: one loop over bare problems for all memories."""
+"""Which memories a scene asks for."""
 
 from collections.abc import Callable
 from dataclasses import replace
 from enum import Enum
+from math import pi
 from os import PathLike
 from pathlib import Path
 
@@ -13,19 +14,56 @@ from contactstudy.domain.checks import InvalidInput, positive, whole
 from contactstudy.domain.device import Precision
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Padding, Paddings, across_and_along
+from contactstudy.elasticity.coefficients import Displacement
 from contactstudy.evolution.checkpoint import Checkpoint
 from contactstudy.evolution.evolution import Evolution
 from contactstudy.evolution.march import March, SolverOptions
-from contactstudy.evolution.memories.of_scene import joint_memory, memories
-from contactstudy.evolution.schedule import schedule
-from contactstudy.evolution.scheme import Scheme
-from contactstudy.evolution.step_control import StepControl
+from contactstudy.evolution.memory import CreepMemory, JointMemory, Memory, WearMemory
+from contactstudy.evolution.steps import Scheme, StepControl, schedule
 from contactstudy.evolution.walk import Walk
+from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import response, sudden
+from contactstudy.scene.inelastic import ViscoelasticHalfSpace
 from contactstudy.scene.load import ChangingLoad, LineLoad, SuddenLoad
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
+from contactstudy.solvers.solution import Solution
 from contactstudy.solvers.solve import Solver
+
+
+def memories(scene: Scene, datum: float) -> tuple[Memory, ...]:
+    """Those of its bodies, then that of its wear; ``datum`` [m] as in a body's ``response``."""
+    found: list[Memory] = [
+        CreepMemory(body.creep.times(1 / pi), Displacement(datum))
+        for body in scene.solids
+        if isinstance(body, ViscoelasticHalfSpace) and body.creeps
+    ]
+    if scene.wear is not None and scene.wear.rate > 0:
+        found.append(WearMemory(scene.wear.rate))
+    return tuple(found)
+
+
+def joint_memory(
+    scene: Scene, problem: Problem, solved: Callable[[Problem], Solution], precision: Precision
+) -> JointMemory | None:
+    """That of bodies that yield, from the elastic ``problem`` of the largest load; None without any.
+
+    Raises :class:`~contactstudy.InvalidInput` for a padding on which plastic strain has no operator.
+    """
+    if not any(getattr(body, "yields", False) for body in scene.solids):
+        return None
+    # here, for those who name such a body
+    from contactstudy.evolution.plastic import PlasticMemory, YieldingBody
+
+    paddings = problem.paddings
+    assert paddings is not None
+    across, along = paddings
+    if not problem.open_edges or along.window is not None:
+        raise InvalidInput(
+            f"evolve.padding is {across!r} across and {along!r} along: plastic strain is known below a surface "
+            "that goes on across and repeats along, give ExactPeriodicity()."
+        )
+    return PlasticMemory(YieldingBody.all_of(scene), solved(problem), precision)
 
 
 class StepError(Enum):

@@ -13,7 +13,7 @@ from contactstudy.domain.device import Precision
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.convolution import Convolution, combined, superposed
-from contactstudy.evolution.memories.memory import (
+from contactstudy.evolution.memory import (
     Contribution,
     JointMemory,
     Kept,
@@ -21,7 +21,7 @@ from contactstudy.evolution.memories.memory import (
     State,
     Step,
 )
-from contactstudy.evolution.scheme import Scheme
+from contactstudy.evolution.steps import Scheme
 from contactstudy.problem.bare_problem import PrescribedLoad
 from contactstudy.problem.problem import Problem, Scales
 from contactstudy.scene.load import ChangingLoad

@@ -11,10 +11,9 @@ import numpy as np
 from contactstudy.accuracy.discretisation import discretisation
 from contactstudy.domain.fields import Array
 from contactstudy.evolution.checkpoint import Checkpoint
-from contactstudy.evolution.frame import Frame
+from contactstudy.evolution.evolution import Frame
 from contactstudy.evolution.march import Instant, March, worst
-from contactstudy.evolution.schedule import Mark
-from contactstudy.evolution.step_control import FIRST, StepControl
+from contactstudy.evolution.steps import FIRST, Mark, StepControl
 from contactstudy.solvers.solution import Solution, Status
 
 # Pairs of steps this short over the whole time are taken as they are.

@@ -23,7 +23,7 @@ from contactstudy.solvers.solution import Solution, Status, Traction
 
 if TYPE_CHECKING:
     from contactstudy.evolution.evolution import Evolution
-    from contactstudy.evolution.passes.repeated_rolling import RepeatedRolling
+    from contactstudy.evolution.repeated_rolling import RepeatedRolling
 
 X = {"units": "m", "axis": "X", "long_name": "position across the contact"}
 Y = {"units": "m", "axis": "Y", "long_name": "position along the contact"}

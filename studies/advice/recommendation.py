@@ -5,17 +5,14 @@ from dataclasses import dataclass, field
 from math import inf, isfinite, prod
 
 import contactstudy as cs
-from contactstudy.accuracy.estimate import ErrorParts
-from contactstudy.accuracy.expected_error import L1_LEFT, Contact
-from contactstudy.accuracy.metric import Edges, Metric
+from contactstudy.accuracy.expected_error import L1_LEFT, Contact, Edges, ErrorParts, Metric
 from contactstudy.accuracy.truncation import expected_truncation
 from contactstudy.domain.checks import positive
 from contactstudy.domain.memory import available_bytes
 from contactstudy.domain.padding import Paddings
 from contactstudy.planning.cost import ROUGH_ITERATIONS, SMOOTH_ITERATIONS, memory
 from contactstudy.planning.grid_requirements import ROOM, Needs
-from contactstudy.planning.pilot import Forecast
-from contactstudy.planning.plan import SHARE, needs_of, reaching
+from contactstudy.planning.plan import SHARE, Forecast, needs_of, reaching
 from studies.advice.cost_model import CostModel, mode_of
 from studies.reference.line_contact import COUNTS_IMAGES, LINE, PADDINGS, padding_at
 

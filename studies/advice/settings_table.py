@@ -1,4 +1,4 @@
-"""Stored settings as flat lists, and what accuracy costs among them."""
+"""The settings that no other beats on both counts."""
 
 from dataclasses import dataclass
 
@@ -7,6 +7,19 @@ import xarray as xr
 
 from contactstudy.domain.fields import Array
 from studies.reference.line_contact import padding_label, total_time
+
+
+def pareto_front(cost: Array, error: Array) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
+    """Indices of the points with no other both cheaper and more accurate, by growing cost.
+
+    ``cost`` and ``error`` are flat and of one length; points with nan are left out.
+    """
+    order = np.lexsort((error, cost))
+    order = order[np.isfinite(cost[order]) & np.isfinite(error[order])]
+    best = np.minimum.accumulate(error[order])
+    is_better = np.concatenate(([True], best[1:] < best[:-1]))[: len(order)]
+    return order[is_better]
+
 
 # What of a contact may be asked to be accurate, and the stored errors of it; the second is nearly free.
 STORED_ERRORS: dict[str, tuple[str, ...]] = {

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from contactstudy.accuracy.metric import Edges, Metric
+from contactstudy.accuracy.expected_error import Edges, Metric
 from contactstudy.domain.fields import Array
 from studies.advice.cost_model import cost_model
 from studies.advice.recommendation import Limits, Setting, SmoothContact, candidates, choose

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import contactstudy as cs
-from contactstudy.accuracy.metric import Edges, Metric
+from contactstudy.accuracy.expected_error import Edges, Metric
 from contactstudy.domain.checks import positive
 from contactstudy.domain.units import BYTES, SECONDS
 from contactstudy.io.structuring import quantity

@@ -2,7 +2,7 @@
 
 Cases that agree in everything but numbers (same padding, solver, kinds of shapes) form a mode. In each mode a
 quantity is ``N log N`` for N cells, if it is a time, times a power law of all numbers of the case
-(:class:`~contactstudy.planning.power_law.PowerLaw`).
+(:class:`~contactstudy.planning.cost.PowerLaw`).
 """
 
 from collections import defaultdict
@@ -17,7 +17,7 @@ import numpy as np
 
 from contactstudy import InvalidInput
 from contactstudy.domain.fields import Array
-from contactstudy.planning.power_law import PowerLaw
+from contactstudy.planning.cost import PowerLaw
 from studies.model.outcome import CaseStatus
 from studies.store.identity import DEFAULTS, Tree, text
 from studies.store.journal import Contents, Journal

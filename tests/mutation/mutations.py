@@ -91,7 +91,7 @@ KNOWN = (
         'solved["y"] * length, middle',
     ),
     KnownMutation(
-        "contactstudy/accuracy/contact_area.py", "ALL * ends + EACH", "ALL * ends - EACH"
+        "contactstudy/accuracy/discretisation.py", "ALL * ends + EACH", "ALL * ends - EACH"
     ),
     KnownMutation(
         "contactstudy/problem/bare_problem.py",

@@ -1,9 +1,217 @@
-"""The whole matrix of accuracy cases, by name."""
+"""Waves, grooves and dimples on the cylinder, against the same scene on a much finer grid."""
 
+from collections.abc import Iterator
 from functools import cache
+from math import inf, pi
 
-from studies.reference.accuracy import rough, smooth, textured
-from studies.reference.accuracy.case import AccuracyCase
+import numpy as np
+from scipy import ndimage
+
+import contactstudy as cs
+from contactstudy.domain.fields import Array
+from studies.reference.accuracy import smooth
+from studies.reference.accuracy.case import (
+    EXACT,
+    FLATTENED,
+    FREE,
+    MODULUS,
+    P_H,
+    A,
+    AccuracyCase,
+    Finer,
+    scene,
+)
+from studies.reference.line_contact import HERTZ, SCENE
+
+PROFILES = (cs.FlatBottomed(), cs.Parabolic(), cs.Cosine())
+
+
+def textured_waves() -> Iterator[AccuracyCase]:
+    """Across, along and oblique."""
+    for height in (0.3, 1.0, 5.0):
+        for length, cells in ((0.5, 97), (0.5, 256), (0.23, 150), (0.23, 320)):
+            wavy = scene(cs.Waviness(height * FLATTENED, across=length * A, phase=0.4))
+            grid = cs.Grid((cells, 1), (2.4 * A + A * (2 * height / 1.2) ** 0.5, A))
+            yield AccuracyCase("waves", wavy, grid, EXACT, Finer((16, 1), EXACT))
+    for height in (0.2, 1.0):
+        for across, along, cells in ((inf, 0.6, 48), (0.5, 1.2, 64), (0.7, 0.6, 90)):
+            wavy = scene(cs.Waviness(height * FLATTENED, across=across * A, along=along * A))
+            grid = cs.Grid((cells, cells // 2), (3.4 * A, 1.2 * A))
+            yield AccuracyCase("waves", wavy, grid, EXACT, Finer((4, 4), EXACT))
+
+
+def grooves() -> Iterator[AccuracyCase]:
+    """Along the length: every profile, from narrow grooves to narrow lands, coarse and fine."""
+    number = 0
+    for profile in PROFILES:
+        for share in (0.2, 0.5, 0.8, 0.9, 0.95, 0.98, 0.99, 0.995):
+            for depth in (0.1, 0.5, 20.0):
+                # pitches and cells by turns, so that lands fall anywhere between the centres
+                pitch = (0.45, 0.1, 0.23)[number % 3]
+                cells = (60, 131, 256, 701)[number % 4]
+                number += 1
+                groove = cs.Groove(depth * FLATTENED, share * pitch * A, profile)
+                grooved = scene(cs.Texture(groove, (pitch * A, inf)))
+                grid = cs.Grid((cells, 1), (2.6 * A + (depth == 20.0) * 0.4 * A, A))
+                factor = max(16, round(8 * grid.extent[0] / cells / ((1 - share) * pitch * A)))
+                truth = Finer((min(factor, 200), 1), EXACT)
+                yield AccuracyCase("grooves along", grooved, grid, EXACT, truth)
+
+
+def grooves_across() -> Iterator[AccuracyCase]:
+    """Across the length."""
+    for profile in PROFILES:
+        for share, depth, cells in ((0.3, 0.3, 24), (0.7, 1.0, 50), (0.9, 0.2, 37)):
+            groove = cs.Groove(depth * FLATTENED, share * 0.6 * A, profile)
+            grooved = scene(cs.Texture(groove, (inf, 0.6 * A)))
+            grid = cs.Grid((2 * cells, cells), (3.0 * A, 0.6 * A))
+            yield AccuracyCase("grooves across", grooved, grid, EXACT, Finer((4, 6), EXACT))
+
+
+def dimples() -> Iterator[AccuracyCase]:
+    """From a few cells across a dimple on."""
+    for profile in PROFILES:
+        for share in (0.4, 0.9):
+            for depth in (0.1, 1.0):
+                for cells in (48, 100):
+                    dimple = cs.Dimple(depth * FLATTENED, share * 0.6 * A, profile)
+                    dimpled = scene(cs.Texture(dimple, (0.6 * A, 0.6 * A)))
+                    grid = cs.Grid((cells, cells // 4), (2.6 * A, 0.6 * A))
+                    yield AccuracyCase("dimples", dimpled, grid, EXACT, Finer((6, 6), EXACT))
+
+
+def windows() -> Iterator[AccuracyCase]:
+    """Every padding on a uniform and on a wavy contact, against all images."""
+    paddings: list[cs.Padding] = [
+        cs.ZeroPadding(),
+        cs.DuplicatedPadding(),
+        *(cs.Superposition(images) for images in (0, 1, 6)),
+        *(cs.CircularSuperposition(images) for images in (1, 6)),
+    ]
+    for padding in paddings:
+        for period in (0.3, 1.2, 4.8):
+            grid = cs.Grid((48, 4 if padding.wraps else 32), (2.6 * A, period * A))
+            yield AccuracyCase("every padding", scene(), grid, padding, Finer((8, 1), EXACT))
+        if padding == cs.ZeroPadding():
+            continue  # a free length, which cuts off what varies along it
+        for height in (0.3, 2.0):
+            wavy = scene(cs.Waviness(height * FLATTENED, along=2.4 * A, phase=pi))
+            grid = cs.Grid((90, 48), (4.6 * A, 2.4 * A))
+            yield AccuracyCase("every padding", wavy, grid, padding, Finer((4, 4), EXACT))
+
+
+POINT = 0.05 * A  # of the measured surface
+FINER = Finer((4, 4), EXACT)
+
+
+def rollers() -> Iterator[AccuracyCase]:
+    """Flat ends, profiles and crowns on a free length, the grid as long as the roller or longer."""
+    length = 12 * A
+    truth = Finer((4, 4), (FREE, FREE))
+    lundberg = cs.LundbergProfile.for_load(
+        SCENE.load.largest, contact_modulus=MODULUS, radius=HERTZ.radius, length=length
+    )
+    ended = cs.FiniteLength(length)
+    for cells in ((32, 48), (60, 100)):
+        for shapes, width, longer in (
+            ((ended,), 3.2, 1.0),
+            ((ended,), 3.2, 1.25),
+            ((lundberg,), 3.2, 1.0),
+            ((lundberg, ended), 3.2, 1.25),
+            ((ended, cs.Crown.of_drop(2 * FLATTENED, length)), 3.6, 1.0),
+            ((ended, cs.Crown.of_drop(30 * FLATTENED, length)), 5.0, 1.0),
+            ((ended, cs.Crown.of_drop(300 * FLATTENED, length)), 8.0, 1.0),
+            ((cs.Crown.of_drop(100 * FLATTENED, length),), 6.0, 1.0),
+        ):
+            grid = cs.Grid(cells, (width * A, longer * length))
+            yield AccuracyCase("rollers", scene(*shapes), grid, (FREE, FREE), truth)
+
+
+def roughness() -> Iterator[AccuracyCase]:
+    """Cut off at one cell to sixteen, from a light roughness to one that leaves a tenth in contact."""
+    for number, cut_off in enumerate((0.3, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 16.0)):
+        for rms in (0.05, 0.3, 1.0):
+            for hurst, cells in ((0.8, 90), (0.4, 128)):
+                grid = cs.Grid((cells, cells // 2), (3.6 * A, 1.8 * A))
+                shape = cs.Roughness(
+                    rms * FLATTENED,
+                    hurst=hurst,
+                    roll_off=max(0.9 * A, cut_off * grid.cell[0]),
+                    cut_off=cut_off * grid.cell[0],
+                    seed=number,
+                )
+                yield AccuracyCase("roughness", scene(shape), grid, EXACT, FINER)
+    for number, lay in enumerate((0.2, 0.5, 2.0, 5.0)):
+        shape = cs.Roughness(
+            0.3 * FLATTENED, hurst=0.7, roll_off=0.6 * A, cut_off=0.1 * A, seed=number, peklenik=lay
+        )
+        grid = cs.Grid((120, 64), (3.6 * A, 1.8 * A))
+        yield AccuracyCase("roughness", scene(shape), grid, EXACT, FINER)
+
+
+def hard() -> Iterator[AccuracyCase]:
+    """A hardness that no cell reaches, some do, most do; smooth and rough."""
+    for share in (0.6, 0.8, 0.95, 1.5):
+        for cells in (50, 128):
+            grid = cs.Grid((cells, 1), (3.0 * A, A))
+            soft = scene(hardness=share * P_H)
+            yield AccuracyCase("hardness", soft, grid, EXACT, Finer((32, 1), EXACT, 1e-7))
+    for number, share in enumerate((0.8, 1.2, 2.0, 5.0)):
+        for rms in (0.2, 0.8):
+            shape = cs.Roughness(
+                rms * FLATTENED, hurst=0.8, roll_off=0.9 * A, cut_off=0.15 * A, seed=number
+            )
+            grid = cs.Grid((100, 50), (3.6 * A, 1.8 * A))
+            soft = scene(shape, hardness=share * P_H)
+            yield AccuracyCase("hardness", soft, grid, EXACT, FINER)
+
+
+def ground(points: tuple[int, int], seed: int) -> Array:
+    """Heights of a ground surface with unit rms: a lay along the length, and waves down to its points."""
+    rng = np.random.default_rng(seed)
+    heights = np.zeros(points)
+    for across, along, weight in ((8.0, 30.0, 1.0), (2.5, 10.0, 0.5), (0.7, 3.0, 0.25)):
+        noise = ndimage.gaussian_filter(rng.standard_normal(points), (across, along), mode="wrap")
+        heights += weight * noise / noise.std()
+    heights += 0.05 * rng.standard_normal(points)
+    return np.asarray(heights / heights.std())
+
+
+def measured() -> Iterator[AccuracyCase]:
+    """A measured surface at one, two and three cells per point, and at cells between."""
+    for seed in range(3):
+        heights = ground((80, 40), seed)
+        for rms in (0.02, 0.1, 0.5):
+            surface = cs.MeasuredSurface(
+                heights * rms * FLATTENED, (80 * POINT, 40 * POINT), seam=cs.Tapered()
+            )
+            for per_point in (1.0, 1.35, 2.0, 3.0):
+                cells = round(72 * per_point), round(40 * per_point)
+                grid = cs.Grid(cells, (72 * POINT, 40 * POINT))
+                yield AccuracyCase("measured surface", scene(surface), grid, EXACT, FINER)
+    for seed in (3, 4):
+        grid = cs.Grid((80, 40), (80 * POINT, 40 * POINT))
+        given = cs.MeasuredSurface(ground((80, 40), seed) * 0.1 * FLATTENED)
+        yield AccuracyCase("measured surface", scene(given), grid, EXACT, FINER)
+
+
+def point_loads() -> Iterator[AccuracyCase]:
+    """A rough sphere on a free length."""
+    point = cs.analytic.hertz_point(30.0, 0.01, MODULUS)
+    size = 2.6 * point.contact_radius
+    grown = point.peak_pressure * point.contact_radius / MODULUS
+    for number, cut_off in enumerate((3.0, 8.0)):
+        grid = cs.Grid((72, 72), (size, size))
+        shape = cs.Roughness(
+            0.05 * grown,
+            hurst=0.8,
+            roll_off=size / 4,
+            cut_off=cut_off * grid.cell[0],
+            seed=number,
+        )
+        ball = cs.Scene(cs.LineLoad(30.0 / size), SCENE.solids, (cs.Sphere(0.01), shape))
+        yield AccuracyCase("sphere", ball, grid, (FREE, FREE), Finer((4, 4), (FREE, FREE)))
+
 
 BUILDERS = (
     smooth.cylinders,
@@ -12,16 +220,16 @@ BUILDERS = (
     smooth.waves,
     smooth.sharp,
     smooth.yielding,
-    textured.waves,
-    textured.grooves,
-    textured.grooves_across,
-    textured.dimples,
-    textured.windows,
-    rough.rollers,
-    rough.rough,
-    rough.hard,
-    rough.measured,
-    rough.point_loads,
+    textured_waves,
+    grooves,
+    grooves_across,
+    dimples,
+    windows,
+    rollers,
+    roughness,
+    hard,
+    measured,
+    point_loads,
 )
 
 

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from contactstudy.accuracy.contact_area import ALL, EACH, HALF, contact_area
-from contactstudy.accuracy.edge_law import EDGE_RANGE, edge_place
+from contactstudy.accuracy.contact_edge import EDGE_RANGE, edge_place
+from contactstudy.accuracy.discretisation import ALL, EACH, HALF, contact_area
 
 OPEN, CLOSED = (False, False), (True, True)
 RISING = [0.0, 1.0, 2.0, 3.0, 4.0, 3.5, 2.5, 1.5, 0.0]  # two ends, 7 cells that touch

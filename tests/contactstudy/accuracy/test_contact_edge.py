@@ -5,8 +5,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.accuracy import contact_edge
-from contactstudy.accuracy.contact_edge import RESOLVED, corrected_pressure, half_widths
-from contactstudy.accuracy.edge_law import modes
+from contactstudy.accuracy.contact_edge import RESOLVED, corrected_pressure, half_widths, modes
 from tests.conftest import STEEL, LineContact
 
 EXACT = cs.ExactPeriodicity()

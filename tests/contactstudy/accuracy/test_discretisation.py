@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.accuracy.contact_edge import edge_error
 from contactstudy.accuracy.discretisation import discretisation
-from contactstudy.accuracy.edge_law import edge_error
 from tests.conftest import LineContact
 
 EXACT = cs.ExactPeriodicity()

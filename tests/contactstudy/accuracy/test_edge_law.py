@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from contactstudy.accuracy.edge_law import (
+from contactstudy.accuracy.contact_edge import (
     EDGE_RANGE,
     MODES,
     edge_error,

@@ -7,8 +7,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.accuracy.contact_edge import corrected_pressure, half_widths
-from contactstudy.accuracy.expected_error import Contact, l1_factor
-from contactstudy.accuracy.metric import Edges, Metric
+from contactstudy.accuracy.expected_error import Contact, Edges, Metric, l1_factor
 from tests.conftest import LineContact
 
 ASKED = [

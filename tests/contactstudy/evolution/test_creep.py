@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.evolution.memories.creep import weights
+from contactstudy.evolution.memory import weights
 from tests.contactstudy.evolution.creeping import (
     LOAD,
     RIGID,

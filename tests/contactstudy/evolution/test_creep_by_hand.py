@@ -5,8 +5,7 @@ import pytest
 
 from contactstudy.elasticity.coefficients import Displacement
 from contactstudy.elasticity.viscoelastic import Creep
-from contactstudy.evolution.memories.creep import CreepMemory, weights
-from contactstudy.evolution.memories.memory import Step
+from contactstudy.evolution.memory import CreepMemory, Step, weights
 
 STILL = Displacement(0.7)
 FLUID = CreepMemory(Creep(1.0, ((2.0, 0.5), (3.0, 4.0)), fluidity=0.7), STILL)

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.evolution.evolution import Evolution
-from contactstudy.evolution.frame import Frame
+from contactstudy.evolution.evolution import Evolution, Frame
 
 # Cells of 2 m by 3 m.
 GRID = cs.Grid((4, 1), (8.0, 3.0))

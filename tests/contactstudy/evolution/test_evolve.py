@@ -11,7 +11,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.domain.fields import Array
 from contactstudy.evolution.evolve import _load
-from contactstudy.evolution.memories.memory import Contribution, Step
+from contactstudy.evolution.memory import Contribution, Step
 from contactstudy.scene.load import SuddenLoad
 from tests.contactstudy.evolution.creeping import LOAD, RIGID, SOLID, rolling_cylinder
 

@@ -10,7 +10,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.evolution.march import Instant, March, unloaded, worst
-from contactstudy.evolution.scheme import STAGE, Scheme
+from contactstudy.evolution.steps import STAGE, Scheme
 from contactstudy.problem.problem import Scales
 from tests.conftest import LineContact
 

@@ -12,8 +12,8 @@ from contactstudy.elasticity.convolution import superposed
 from contactstudy.elasticity.viscoelastic import Trailing
 from contactstudy.evolution import march as marching
 from contactstudy.evolution.march import Instant, LoweredContact, March, SolverOptions, lowered
-from contactstudy.evolution.memories.memory import Contribution, Step
-from contactstudy.evolution.scheme import Scheme
+from contactstudy.evolution.memory import Contribution, Step
+from contactstudy.evolution.steps import Scheme
 from contactstudy.problem.bare_problem import PrescribedLoad
 from contactstudy.scene.bodies import response
 from tests.conftest import LineContact

@@ -6,9 +6,8 @@ from math import pi
 import pytest
 
 import contactstudy as cs
-from contactstudy.evolution.memories.creep import CreepMemory
-from contactstudy.evolution.memories.of_scene import memories
-from contactstudy.evolution.memories.wear import WearMemory
+from contactstudy.evolution.evolve import memories
+from contactstudy.evolution.memory import CreepMemory, WearMemory
 from tests.conftest import STEEL, LineContact
 
 RUBBER = cs.ViscoelasticHalfSpace(1e6, 0.3, ((2e6, 1.0),))

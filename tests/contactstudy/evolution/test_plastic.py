@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 
 import contactstudy as cs
-from contactstudy.evolution.memories import yielding_volume
+from contactstudy.evolution import plastic as yielding_volume
 from contactstudy.solvers import settle
 
 EXACT = cs.ExactPeriodicity()

@@ -8,7 +8,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
-from contactstudy.evolution.memories.plastic import (
+from contactstudy.evolution.plastic import (
     ABRUPT,
     PlasticMemory,
     YieldingBody,

@@ -5,7 +5,7 @@ from math import nan
 import pytest
 
 import contactstudy as cs
-from contactstudy.evolution.schedule import Mark, schedule
+from contactstudy.evolution.steps import Mark, schedule
 from contactstudy.scene.load import SuddenLoad
 
 LOAD = cs.LoadHistory(times=(0.0, 1.0, 1.0, 3.0), per_length=(0.0, 2.0, 5.0, 1.0))

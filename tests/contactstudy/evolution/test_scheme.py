@@ -4,7 +4,7 @@ from math import exp
 
 import pytest
 
-from contactstudy.evolution.scheme import Scheme
+from contactstudy.evolution.steps import Scheme
 
 
 def grown(scheme: Scheme, z: float) -> float:

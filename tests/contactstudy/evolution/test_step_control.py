@@ -3,7 +3,7 @@
 import pytest
 
 from contactstudy.domain.checks import InvalidInput
-from contactstudy.evolution.step_control import StepControl
+from contactstudy.evolution.steps import StepControl
 
 CONTROL = StepControl.of(1e-2, 1e-8)
 

@@ -9,8 +9,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.evolution.march import Instant
-from contactstudy.evolution.schedule import Mark, schedule
-from contactstudy.evolution.step_control import StepControl
+from contactstudy.evolution.steps import Mark, StepControl, schedule
 from contactstudy.evolution.walk import ONSET, Walk
 
 GRID = cs.Grid((8, 1), (4.0, 2.5))

@@ -9,8 +9,8 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.domain.fields import Array
-from contactstudy.evolution.memories.wear import WearMemory, explicit_limit
-from contactstudy.evolution.scheme import Scheme
+from contactstudy.evolution.memory import WearMemory, explicit_limit
+from contactstudy.evolution.steps import Scheme
 from tests.contactstudy.evolution.creeping import LOAD, RIGID, SOLID, rolling_cylinder
 
 EXACT = cs.ExactPeriodicity()
@@ -242,7 +242,7 @@ def test_the_edge_of_a_finite_roller_wears_away() -> None:
 def test_the_shares_of_a_step_carry_its_mean_load(
     loads: tuple[float, float], explicit: float
 ) -> None:
-    from contactstudy.evolution.memories.memory import Step
+    from contactstudy.evolution.memory import Step
 
     step = Step(0.0, 2.0, loads, sum(loads) / 2, explicit)
     after = WearMemory(3.0).advance(

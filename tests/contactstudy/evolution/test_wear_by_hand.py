@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from contactstudy.evolution.memories.memory import Step
-from contactstudy.evolution.memories.wear import WearMemory, explicit_limit
+from contactstudy.evolution.memory import Step, WearMemory, explicit_limit
 
 # 3 m/(Pa s) for 2 s: 6 m for each pascal.
 MEMORY = WearMemory(3.0)

@@ -5,7 +5,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.elasticity.eigenstrain.volume import Volume
-from contactstudy.evolution.memories.yielding_volume import (
+from contactstudy.evolution.plastic import (
     both,
     first_volume,
     larger,

@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 
 import contactstudy as cs
-from contactstudy.evolution.evolution import Evolution
-from contactstudy.evolution.frame import Frame
+from contactstudy.evolution.evolution import Evolution, Frame
 from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import PosedScene
 from tests.conftest import LineContact

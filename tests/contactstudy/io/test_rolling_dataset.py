@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.evolution.passes.repeated_rolling import RepeatedRolling
+from contactstudy.evolution.repeated_rolling import RepeatedRolling
 from contactstudy.scene.scene import PosedScene
 from tests.conftest import LineContact
-from tests.contactstudy.evolution.passes.test_repeated_rolling import (
+from tests.contactstudy.evolution.test_repeated_rolling import (
     BASIS,
     FIRST,
     GRID,

@@ -5,9 +5,9 @@ from types import SimpleNamespace
 import pytest
 
 import contactstudy as cs
-from contactstudy.planning import pilot
+from contactstudy.planning import plan as pilot
 from contactstudy.planning.cost import memory
-from contactstudy.planning.pilot import Forecast, affordable, finer, forecast
+from contactstudy.planning.plan import Forecast, affordable, finer, forecast
 from tests.conftest import LineContact
 
 EXACT = cs.ExactPeriodicity()

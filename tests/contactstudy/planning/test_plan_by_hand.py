@@ -11,10 +11,16 @@ import contactstudy as cs
 from contactstudy.planning import in_time
 from contactstudy.planning import plan as planning
 from contactstudy.planning.cost import memory
-from contactstudy.planning.in_time import Extremes
-from contactstudy.planning.pilot import Forecast
-from contactstudy.planning.plan import ALMOST, ROUNDS, WASTE, _warnings, expected, reaching
-from contactstudy.planning.yielding import Yielding
+from contactstudy.planning.in_time import Extremes, Yielding
+from contactstudy.planning.plan import (
+    ALMOST,
+    ROUNDS,
+    WASTE,
+    Forecast,
+    _warnings,
+    expected,
+    reaching,
+)
 from tests.conftest import LineContact
 
 EXACT = cs.ExactPeriodicity()

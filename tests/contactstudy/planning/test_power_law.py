@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from contactstudy.planning.power_law import EXPONENT, SPREAD, PowerLaw
+from contactstudy.planning.cost import EXPONENT, SPREAD, PowerLaw
 
 
 def grid(*ranges: tuple[float, float]) -> np.ndarray:

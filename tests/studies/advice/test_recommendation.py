@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 import contactstudy as cs
-from contactstudy.accuracy.metric import Edges, Metric
+from contactstudy.accuracy.expected_error import Edges, Metric
 from contactstudy.planning.cost import padded
 from studies.advice.cost_model import CostModel, Fit, cost_model
 from studies.advice.recommendation import (

@@ -9,11 +9,9 @@ from typing import Any
 import pytest
 
 import contactstudy as cs
-from contactstudy.accuracy.estimate import ErrorParts
-from contactstudy.accuracy.metric import Edges, Metric
+from contactstudy.accuracy.expected_error import Edges, ErrorParts, Metric
 from contactstudy.accuracy.truncation import expected_truncation
-from contactstudy.planning.pilot import Forecast
-from contactstudy.planning.plan import SHARE
+from contactstudy.planning.plan import SHARE, Forecast
 from studies.advice import recommendation
 from studies.advice.recommendation import (
     ACROSS,

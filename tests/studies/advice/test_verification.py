@@ -8,8 +8,7 @@ import pytest
 import xarray as xr
 
 import contactstudy as cs
-from contactstudy.accuracy.estimate import ErrorParts
-from contactstudy.accuracy.metric import Edges, Metric
+from contactstudy.accuracy.expected_error import Edges, ErrorParts, Metric
 from studies.advice import verification
 from studies.advice.recommendation import Limits, Setting, SmoothContact
 from studies.advice.settings_table import Settings

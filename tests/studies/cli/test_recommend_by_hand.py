@@ -8,8 +8,7 @@ from typing import Any
 import pytest
 
 import contactstudy as cs
-from contactstudy.accuracy.estimate import ErrorParts
-from contactstudy.accuracy.metric import Edges, Metric
+from contactstudy.accuracy.expected_error import Edges, ErrorParts, Metric
 from studies.advice.recommendation import Limits, Recommendation, Setting
 from studies.cli import recommend
 

@@ -6,8 +6,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from studies.advice.pareto_front import pareto_front
-from studies.advice.settings_table import STORED_ERRORS, Settings, settings
+from studies.advice.settings_table import STORED_ERRORS, Settings, pareto_front, settings
 from studies.model.drawing import CaptionedFigure
 from studies.reference.line_contact import LINE
 from studies.report.drawings.cost.pareto_findings import findings, tables

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from contactstudy.analytic import truncation_error
-from studies.advice.pareto_front import pareto_front
+from studies.advice.settings_table import pareto_front
 from studies.model.drawing import CaptionedFigure, Finding, Table
 from studies.reference.line_contact import (
     COUNTS_IMAGES,

@@ -10,11 +10,11 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.elasticity.eigenstrain.volume import Volume
-from contactstudy.evolution.memories.yielding_volume import layers
-from contactstudy.evolution.passes import roll_repeatedly as rolling
-from contactstudy.evolution.passes.roll_repeatedly import LONGEST, _change, _Rolling
-from contactstudy.evolution.passes.track import Profile
-from tests.contactstudy.evolution.passes.test_roll_repeatedly import COARSE, EXACT, E, scene
+from contactstudy.evolution import repeated_rolling as rolling
+from contactstudy.evolution.plastic import layers
+from contactstudy.evolution.repeated_rolling import LONGEST, _change, _Rolling
+from contactstudy.evolution.track import Profile
+from tests.contactstudy.evolution.test_roll_repeatedly import COARSE, EXACT, E, scene
 
 # Cells of 0.5 m.
 GRID = cs.Grid((4, 1), (2.0, 1.0))

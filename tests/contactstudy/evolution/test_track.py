@@ -10,9 +10,9 @@ import pytest
 import contactstudy as cs
 from contactstudy.elasticity.eigenstrain.plane_strain import HalfLines, PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
-from contactstudy.evolution.memories.yielding_volume import layers
-from contactstudy.evolution.passes import track as tracks
-from contactstudy.evolution.passes.track import Profile, Track, _over
+from contactstudy.evolution import track as tracks
+from contactstudy.evolution.plastic import layers
+from contactstudy.evolution.track import Profile, Track, _over
 from contactstudy.solvers.yielding_bodies import Hardening
 
 GRID = cs.Grid((6, 1), (6.0, 1.0))

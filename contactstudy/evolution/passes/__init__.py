@@ -1,1 +1,0 @@
-"""A contact that rolls over the same half-space again and again."""

@@ -467,9 +467,8 @@ class Journal:
                 mended.write(read_at(self._descriptor, start - at, at))
                 file.write(read_at(self._descriptor, size, start))
                 at = start + size
-            for written in (file, mended):
-                written.flush()
-                os.fsync(written.fileno())
+            file.flush()
+            os.fsync(file.fileno())
             self._close()  # Windows replaces no open file
         lines = len(self._damaged)
         self._read()

@@ -50,8 +50,6 @@ def write(dataset: xr.Dataset, path: Path, groups: Iterable[tuple[str, xr.Datase
                 group.to_netcdf(
                     partial, engine="netcdf4", group=name, mode="a", encoding=_encoding(group)
                 )
-            with partial.open("r+b") as file:  # Windows keeps only what may be written to
-                os.fsync(file.fileno())
     except (OSError, RuntimeError) as error:  # the latter is the netCDF library's
         raise InvalidInput(
             f"Study file {_shortened(path)} cannot be written ({reason(error, path)}): what was stored is kept; "

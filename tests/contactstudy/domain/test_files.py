@@ -19,10 +19,12 @@ from contactstudy.domain.files import (
     locked,
     open_descriptor,
     read_at,
+    read_sealed,
     reason,
     remove_partial_files,
     replacing,
-    write_whole,
+    set_aside,
+    write_sealed,
 )
 from tests.conftest import HANGS
 from tests.studies.conftest import NEVER, POSIX, quiet
@@ -75,19 +77,41 @@ def test_why_a_file_was_not_written_is_said_in_words(
         assert reason(denied, path) == said
 
 
-def test_bytes_are_read_at_a_place_and_written_in_place_of_all(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_bytes_are_read_at_a_place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Also where a system has no reading at a place."""
     path = tmp_path / "file"
-    descriptor = open_descriptor(path, os.O_RDWR | os.O_CREAT)
+    path.write_bytes(b"0123456789")
+    descriptor = open_descriptor(path, os.O_RDONLY)
     for _ in range(2):
-        write_whole(descriptor, b"0123456789")
         assert read_at(descriptor, 3, 4) == b"456"
-        write_whole(descriptor, b"abc")
-        assert (read_at(descriptor, 10, 0), path.read_bytes()) == (b"abc", b"abc")
+        assert read_at(descriptor, 10, 8) == b"89"
         monkeypatch.delattr(os, "pread", raising=False)
     os.close(descriptor)
+
+
+def test_a_sealed_file_gives_its_content_back_or_shows_that_it_is_damaged(tmp_path: Path) -> None:
+    path = tmp_path / "state"
+    for content in (b"", b"\n", bytes(range(256))):
+        write_sealed(path, content)
+        assert read_sealed(path) == content
+    raw = path.read_bytes()
+    for place in range(len(raw)):
+        path.write_bytes(raw[:place] + bytes([raw[place] ^ 1]) + raw[place + 1 :])
+        assert read_sealed(path) is None
+        path.write_bytes(raw[:place])
+        assert read_sealed(path) is None
+    aside = set_aside(path)
+    assert (path.exists(), aside.read_bytes()) == (False, raw[:-1])
+
+
+def test_a_disk_without_inodes_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    full = SimpleNamespace(f_files=100, f_favail=0)
+    monkeypatch.setattr(os, "statvfs", lambda _: full)
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(free=2**30))
+    error = OSError(errno.ENOSPC, "No space left on device")
+    assert "no inode is left" in reason(error, tmp_path / "file")
+    full.f_files = 0  # a file system that does not count them
+    assert reason(error, tmp_path / "file") == "No space left on device"
 
 
 def signed(path: Path, **held: object) -> Path:
@@ -151,11 +175,11 @@ def test_who_signed_is_read_to_the_letter(tmp_path: Path) -> None:
     with path.open() as file:
         held = module._signature(file.fileno())
     assert held == {"pid": 17, "host": "there", "since": "2026-01-02T03:04:05"}
-    assert module._who(held) == "process 17 on there (since 2026-01-02T03:04:05)"
+    assert module._in_words(held) == "process 17 on there (since 2026-01-02T03:04:05)"
     path.write_text("{", encoding="utf-8")
     with path.open() as file:
         assert module._signature(file.fileno()) is None
-    assert module._who(None) == "another process"
+    assert module._in_words(None) == "another process"
 
 
 def test_a_holder_here_is_alive_if_there_is_its_process_and_one_elsewhere_may_be() -> None:

@@ -57,7 +57,7 @@ from .solvers.iterate import Iterate
 from .solvers.polonsky_keer import PolonskyKeer
 from .solvers.preconditioned_cg import PreconditionedCG
 from .solvers.solution import Solution, Status
-from .solvers.solve import Solver, solve
+from .solvers.solve import SolveOptions, Solver, solve
 
 __version__: str
 
@@ -129,6 +129,7 @@ __all__ = [
     "SineLoad",
     "Sliding",
     "Solution",
+    "SolveOptions",
     "Solver",
     "Sphere",
     "Status",

@@ -83,7 +83,7 @@ def test_the_table_of_paddings_has_the_errors_that_are_measured() -> None:
             half_digit = 10.0 ** int(number.as_tuple().exponent) / 2 if number else 0.0
             measured = abs(100 * float(found[column]))
             assert measured == pytest.approx(
-                float(number), rel=0, abs=half_digit + 100 * 10 * case.tolerance
+                float(number), rel=0, abs=half_digit + 100 * 10 * case.options.tolerance
             ), f"{name}({images}): {column}"
 
 

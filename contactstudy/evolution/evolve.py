@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from enum import Enum
+from functools import partial
 from math import pi
 from os import PathLike
 from pathlib import Path
@@ -10,14 +11,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contactstudy.domain.checks import InvalidInput, positive, whole
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import Precision
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Padding, Paddings, across_and_along
 from contactstudy.elasticity.coefficients import Displacement
 from contactstudy.evolution.checkpoint import Checkpoint
 from contactstudy.evolution.evolution import Evolution
-from contactstudy.evolution.march import March, SolverOptions
+from contactstudy.evolution.march import March, solved_or_unloaded
 from contactstudy.evolution.memory import CreepMemory, JointMemory, Memory, WearMemory
 from contactstudy.evolution.steps import Scheme, StepControl, schedule
 from contactstudy.evolution.walk import Walk
@@ -28,7 +29,7 @@ from contactstudy.scene.load import ChangingLoad, LineLoad, SuddenLoad
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from contactstudy.solvers.solution import Solution
-from contactstudy.solvers.solve import Solver
+from contactstudy.solvers.solve import SolveOptions, Solver
 
 
 def memories(scene: Scene, datum: float) -> tuple[Memory, ...]:
@@ -111,8 +112,7 @@ def evolve(
     """
     if times is None and error is None:
         raise InvalidInput("evolve.times and evolve.error are None: give one of them, or both.")
-    positive("evolve.tolerance", tolerance, "give a dimensionless tolerance above 0, such as 1e-8")
-    whole("evolve.max_iterations", max_iterations, 0, "give a whole number of iterations from 0 on")
+    options = SolveOptions(tolerance, max_iterations, solver, precision)
     if scene.rolling is not None:
         raise InvalidInput(
             "Scene.rolling is steady, so it has no history: leave it out, or call contactstudy.solve_rolling."
@@ -125,13 +125,12 @@ def evolve(
     elastic = _sudden(scene, load)
     problem = elastic.problem(grid, padding)
     datum = problem.scales.length
-    options = SolverOptions(tolerance, max_iterations, solver, precision)
     march = March(
         problem=problem,
         load=load,
         weights=dict(response(elastic.solids, datum)),
         memories=memories(scene, datum),
-        joint=joint_memory(scene, problem, options.solved, precision),
+        joint=joint_memory(scene, problem, partial(solved_or_unloaded, options), precision),
         scheme=scheme,
         options=options,
     )

@@ -9,7 +9,6 @@ from math import log2, sqrt
 import numpy as np
 
 from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.device import Precision
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.convolution import Convolution, combined, superposed
@@ -26,7 +25,7 @@ from contactstudy.problem.bare_problem import PrescribedLoad
 from contactstudy.problem.problem import Problem, Scales
 from contactstudy.scene.load import ChangingLoad
 from contactstudy.solvers.solution import Solution, Status
-from contactstudy.solvers.solve import Solver, solve
+from contactstudy.solvers.solve import SolveOptions
 
 # A contact is solved to this share of the tolerance where something is found together with it, which sees its error.
 CLOSER = 0.01
@@ -44,27 +43,14 @@ class Instant:
     states: tuple[State, ...]
 
 
-@dataclass(frozen=True)
-class SolverOptions:
-    """Those of :func:`~contactstudy.solve`."""
-
-    tolerance: float
-    max_iterations: int
-    solver: Solver
-    precision: Precision
-
-    def solved(self, problem: Problem, start: Array | None = None, share: float = 1.0) -> Solution:
-        """``problem`` solved from a pressure (x, y) [Pa], to a ``share`` of the tolerance; without load, as it is."""
-        if problem.resultant.uniform(1) == 0:
-            return unloaded(problem)
-        return solve(
-            problem,
-            tolerance=share * self.tolerance,
-            max_iterations=self.max_iterations,
-            solver=self.solver,
-            precision=self.precision,
-            start=start if start is not None and start.any() else None,
-        )
+def solved_or_unloaded(
+    options: SolveOptions, problem: Problem, start: Array | None = None, share: float = 1.0
+) -> Solution:
+    """Return the solution from a pressure (x, y) [Pa], to a `share` of the tolerance; without load, as it is."""
+    if problem.resultant.uniform(1) == 0:
+        return unloaded(problem)
+    begin = start if start is not None and start.any() else None
+    return replace(options, tolerance=share * options.tolerance).solved(problem, begin)
 
 
 @dataclass(eq=False)
@@ -72,12 +58,12 @@ class LoweredContact:
     """The contact of ``problem`` over a surface that is lowered, solved from the pressure found ``last``."""
 
     problem: Problem
-    options: SolverOptions
+    options: SolveOptions
     last: Array
 
     def __call__(self, lift: Array) -> Solution:
         """Over a surface that is lowered by ``lift`` (x, y) [m]."""
-        solution = self.options.solved(lowered(self.problem, lift), self.last, CLOSER)
+        solution = solved_or_unloaded(self.options, lowered(self.problem, lift), self.last, CLOSER)
         self.last = solution.pressure
         return solution
 
@@ -96,7 +82,7 @@ class March:
     memories: tuple[Memory, ...]
     joint: JointMemory | None
     scheme: Scheme
-    options: SolverOptions
+    options: SolveOptions
 
     @property
     def kept(self) -> tuple[Kept, ...]:
@@ -170,7 +156,7 @@ class March:
             )
             joint = (state,)
         else:
-            solution = self.options.solved(problem, instant.pressure)
+            solution = solved_or_unloaded(self.options, problem, instant.pressure)
         after = solution.pressure
         states = tuple(
             memory.advance(state, instant.pressure, after, step)

@@ -15,7 +15,7 @@ from contactstudy.domain.imports import import_for
 from contactstudy.domain.padding import Padding, Paddings
 from contactstudy.elasticity.eigenstrain.plane_strain import PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import Volume
-from contactstudy.evolution.march import SolverOptions, worst
+from contactstudy.evolution.march import worst
 from contactstudy.evolution.plastic import YieldingBody, concluded, layers, spread
 from contactstudy.evolution.track import (
     Contact,
@@ -32,7 +32,7 @@ from contactstudy.scene.load import LineLoad
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from contactstudy.solvers.solution import Solution, Status
-from contactstudy.solvers.solve import Solver
+from contactstudy.solvers.solve import SolveOptions, Solver
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -216,14 +216,13 @@ def roll_repeatedly(
     """
     count = whole("roll_repeatedly.passes", passes, 1, "give a whole number of passes from 1 on")
     positive("roll_repeatedly.steady", steady, "give a part of the yield strain, such as 5e-3")
-    positive("roll_repeatedly.tolerance", tolerance, "give a dimensionless tolerance, such as 1e-8")
     if distance is not None:
         positive("roll_repeatedly.distance", distance, "give a distance above 0 m, or None")
     body = _yielding(scene)
     problem = replace(scene, solids=sudden(scene.solids)).problem(grid, padding)
     _check_grid(problem)
     length, cell = problem.scales.length, grid.cell[0]
-    options = SolverOptions(tolerance, max_iterations, solver, precision)
+    options = SolveOptions(tolerance, max_iterations, solver, precision)
     volume = Volume(grid, 0, grid.cells[0], layers(grid, length, DEPTH * length))
     operator = PlaneStrainOperator(volume, body.moduli)
     rolling = _Rolling(

@@ -22,7 +22,7 @@ from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.solvers.lagged import Settled, solve_lagged
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from contactstudy.solvers.solution import Solution
-from contactstudy.solvers.solve import Solver
+from contactstudy.solvers.solve import SolveOptions, Solver
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,12 +94,9 @@ def solve_rolling(
     settled = solve_lagged(
         problem,
         antisymmetric(odd, grid, padding) if odd else None,
-        tolerance=tolerance,
+        SolveOptions(tolerance, max_iterations, solver, precision),
         change=change,
         max_passes=max_passes,
-        max_iterations=max_iterations,
-        solver=solver,
-        precision=precision,
     )
     return SteadyRolling(settled, problem.undeformed_gap)
 

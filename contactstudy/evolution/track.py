@@ -10,11 +10,12 @@ import numpy as np
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.eigenstrain.plane_strain import HalfLines, PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import Volume
-from contactstudy.evolution.march import LoweredContact, SolverOptions, lowered, unloaded
+from contactstudy.evolution.march import LoweredContact, lowered, solved_or_unloaded, unloaded
 from contactstudy.evolution.plastic import larger, spread
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.settle import ContactTangent, Settled, Tangent, settle
 from contactstudy.solvers.solution import Solution
+from contactstudy.solvers.solve import SolveOptions
 from contactstudy.solvers.yielding_bodies import Hardening, YieldingBodies
 
 
@@ -59,9 +60,9 @@ class FixedContact:
         """None: the pressure does not change."""
 
 
-def rolling_contact(problem: Problem, options: SolverOptions, kind: RollingPressure) -> Contact:
+def rolling_contact(problem: Problem, options: SolveOptions, kind: RollingPressure) -> Contact:
     """Of ``problem``, which is elastic."""
-    elastic = options.solved(problem)
+    elastic = solved_or_unloaded(options, problem)
     if kind is RollingPressure.ELASTIC:
         return FixedContact(elastic)
     return SettledContact(problem, options, elastic.pressure)

@@ -2,7 +2,7 @@
 
 import tomllib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from enum import Enum
 from importlib import import_module
 from math import inf
@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from contactstudy.domain.checks import InvalidInput, whole
-from contactstudy.domain.device import Cpu, Device, Precision
+from contactstudy.domain.device import Cpu, Device
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import (
@@ -61,7 +61,7 @@ from contactstudy.scene.surfaces.preparation import (
 from contactstudy.solvers.polonsky_keer import PolonskyKeer
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from contactstudy.solvers.solution import Solution
-from contactstudy.solvers.solve import Solver, solve
+from contactstudy.solvers.solve import SolveOptions, Solver
 
 if TYPE_CHECKING:
     from contactstudy.evolution.evolution import Evolution
@@ -102,16 +102,6 @@ class PlanSettings:
 
     error: Number = 1e-3
     period: Metres | None = None
-
-
-@dataclass(frozen=True)
-class SolverSettings:
-    """Tolerance, iterations, solver and precision of a solve."""
-
-    tolerance: Number = 1e-8
-    max_iterations: int = 2000
-    solver: Solver = field(default_factory=PreconditionedCG)
-    precision: Precision = Precision.DOUBLE
 
 
 @dataclass(frozen=True)
@@ -159,7 +149,7 @@ class Document:
     padding: Padding | None = None
     padding_across: Padding | None = None
     plan: PlanSettings = field(default_factory=PlanSettings)
-    solve: SolverSettings = field(default_factory=SolverSettings)
+    solve: SolveOptions = field(default_factory=SolveOptions)
 
 
 # Types that stand for others in a file.
@@ -222,7 +212,7 @@ class SceneFile:
 
     scene: Scene
     plan_settings: PlanSettings = field(default_factory=PlanSettings)
-    settings: SolverSettings = field(default_factory=SolverSettings)
+    settings: SolveOptions = field(default_factory=SolveOptions)
     grid: Grid | None = None
     padding: Padding | Paddings | None = None
     time_steps: TimeSteps = field(default_factory=TimeSteps)
@@ -247,7 +237,7 @@ class SceneFile:
 
         ``on`` is the device, as for :func:`~contactstudy.solve`.
         """
-        return solve(self.problem(planned), start=start, on=on, **self._options)
+        return self.settings.solved(self.problem(planned), start, on)
 
     def evolve(
         self,
@@ -285,13 +275,8 @@ class SceneFile:
 
     @property
     def _options(self) -> dict[str, Any]:
-        settings = self.settings
-        return {
-            "tolerance": settings.tolerance,
-            "max_iterations": settings.max_iterations,
-            "solver": settings.solver,
-            "precision": settings.precision,
-        }
+        """The options of a solve by their names."""
+        return {one.name: getattr(self.settings, one.name) for one in fields(self.settings)}
 
 
 def read_scene(path: str | PathLike[str]) -> SceneFile:

@@ -6,7 +6,7 @@ from typing import Any, Protocol, runtime_checkable
 
 from numpy.typing import NDArray
 
-from contactstudy.domain.device import Precision, device
+from contactstudy.domain.device import Device, Precision, device
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Paddings
@@ -85,8 +85,8 @@ class Source(Protocol):
 class FrictionLaw(Protocol):
     """What adds shear to the pressure of a problem."""
 
-    def solved(self, problem: "Problem", repeat: Any) -> Any:
-        """The Solution of ``problem`` with its shear; ``repeat`` solves problems without friction."""
+    def solved(self, problem: "Problem", options: Any, start: Array | None, on: Device) -> Any:
+        """Return the Solution of a frictionless `problem` with its shear, by SolveOptions, from a pressure [Pa]."""
         ...
 
 

@@ -4,11 +4,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from contactstudy.domain.device import Device
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.tangential import Correlated, ShearResponse
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.solution import Solution, Status, Traction
-from contactstudy.solvers.solve import Repeat
+from contactstudy.solvers.solve import SolveOptions
 
 # Errors fall by at least 1.7 from one pass to the next where both bodies are elastic and friction is below 1.
 MOST_PASSES = 200
@@ -25,13 +26,15 @@ class FullSliding:
     coefficient: float
     coupling: Correlated | None
 
-    def solved(self, problem: Problem, repeat: Repeat) -> Solution:
+    def solved(
+        self, problem: Problem, options: SolveOptions, start: Array | None, on: Device
+    ) -> Solution:
         """The pressure, in one pass or with the shear of the pass before until it no longer changes.
 
         The coupling is odd, so that it has no place in a symmetric operator: its displacement is added to the
         gap. The pass is the last whose own shear changes the gap by less than the tolerance.
         """
-        found = repeat.solve(problem, repeat.start)
+        found = options.solved(problem, start, on)
         if self.coupling is None:
             return replace(found, traction=self._traction(found.pressure, 1))
         moved = np.zeros_like(found.gap)
@@ -41,18 +44,18 @@ class FullSliding:
             now = self.coefficient * self.coupling(found.pressure)
             convolutions += 1
             left = _difference(now - moved, found.pressure) / problem.scales.gap
-            if left <= repeat.tolerance or passes == MOST_PASSES or not np.isfinite(left):
+            if left <= options.tolerance or passes == MOST_PASSES or not np.isfinite(left):
                 break
             moved = now
             shifted = replace(problem, undeformed_gap=problem.undeformed_gap + moved)
-            found = repeat.solve(shifted, found.pressure)
+            found = options.solved(shifted, found.pressure, on)
             iterations, convolutions = (
                 iterations + found.iterations,
                 convolutions + found.convolutions,
             )
             passes += 1
         status = found.status
-        if status is Status.CONVERGED and not left <= repeat.tolerance:
+        if status is Status.CONVERGED and not left <= options.tolerance:
             status = Status.STALLED
         return replace(
             found,
@@ -97,15 +100,17 @@ class Superposed:
     coefficient: float
     share: float
 
-    def solved(self, problem: Problem, repeat: Repeat) -> Solution:
+    def solved(
+        self, problem: Problem, options: SolveOptions, start: Array | None, on: Device
+    ) -> Solution:
         """Two normal contacts; the status is that of the worse."""
-        found = repeat.solve(problem, repeat.start)
+        found = options.solved(problem, start, on)
         if self.share == 0:
             shear = np.zeros((2, *found.pressure.shape))
             stick = found.pressure > 0
             return replace(found, traction=Traction(shear, stick, "Ciavarella-Jaeger", 1))
         less = replace(problem, resultant=problem.resultant.scaled(1 - abs(self.share)))
-        inner = repeat.solve(less, found.pressure)
+        inner = options.solved(less, found.pressure, on)
         across = self.coefficient * np.maximum(found.pressure - inner.pressure, 0)
         across *= np.sign(self.share)
         # what clipping has left of the resultant
@@ -131,16 +136,18 @@ class CoulombDisks:
     share: float
     response: ShearResponse
 
-    def solved(self, problem: Problem, repeat: Repeat) -> Solution:
+    def solved(
+        self, problem: Problem, options: SolveOptions, start: Array | None, on: Device
+    ) -> Solution:
         """The normal contact, then shear by projected gradients, accelerated, from Ciavarella and Jaeger's."""
-        start = Superposed(self.coefficient, self.share).solved(problem, repeat)
-        assert start.traction is not None
-        if self.share == 0 or start.status is Status.NO_ADMISSIBLE_PRESSURE:
-            return start
-        radius = self.coefficient * start.pressure
+        normal = Superposed(self.coefficient, self.share).solved(problem, options, start, on)
+        assert normal.traction is not None
+        if self.share == 0 or normal.status is Status.NO_ADMISSIBLE_PRESSURE:
+            return normal
+        radius = self.coefficient * normal.pressure
         total = np.array([self.share * radius.sum(), 0.0])
         scale = self.coefficient * problem.scales.gap
-        shear = _nearest(start.traction.shear, radius, total)
+        shear = _nearest(normal.traction.shear, radius, total)
         ahead, inertia, step = shear, 1.0, 1 / self.response.largest
         left, iteration, best = np.inf, 0, np.inf
         last_better = 0
@@ -153,7 +160,7 @@ class CoulombDisks:
                 best, last_better = left, iteration
             iteration += 1
             stalled = iteration - last_better > 400
-            if left <= repeat.tolerance or iteration >= repeat.max_iterations or stalled:
+            if left <= options.tolerance or iteration >= options.max_iterations or stalled:
                 shear = trial
                 break
             change = trial - shear
@@ -163,14 +170,14 @@ class CoulombDisks:
             ahead = trial + (inertia - 1) / following * change
             shear, inertia = trial, following
         status = Status.CONVERGED
-        if left > repeat.tolerance:
-            limited = iteration >= repeat.max_iterations
+        if left > options.tolerance:
+            limited = iteration >= options.max_iterations
             status = Status.ITERATION_LIMIT if limited else Status.STALLED
         size = np.hypot(*shear)
         rounding = 1e-9 * radius.max()
         stick = (radius > 0) & (size < radius - rounding)
         traction = Traction(shear, stick, "Coulomb disks", iteration)
-        return _with(start, status, left, iteration, 2.0 * iteration, traction)
+        return _with(normal, status, left, iteration, 2.0 * iteration, traction)
 
 
 def _with(

@@ -6,12 +6,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from contactstudy.domain.device import Precision
 from contactstudy.domain.fields import Array
 from contactstudy.problem.problem import Problem
-from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from contactstudy.solvers.solution import Solution, Status
-from contactstudy.solvers.solve import Solver, solve
+from contactstudy.solvers.solve import SolveOptions
 
 # Pressures that the next one is mixed of, and how much finer than the change in a pass each solve is.
 DEPTH, FINER = 6, 1e-3
@@ -34,13 +32,10 @@ class Settled:
 def solve_lagged(
     problem: Problem,
     lagged: Callable[[Array], Array] | None,
+    options: SolveOptions = SolveOptions(),  # noqa: B008 (a frozen value)
     *,
-    tolerance: float = 1e-8,
     change: float = 1e-6,
     max_passes: int = 100,
-    max_iterations: int = 2000,
-    solver: Solver = PreconditionedCG(),  # noqa: B008 (a frozen value)
-    precision: Precision = Precision.DOUBLE,
 ) -> Settled:
     """Solve ``problem`` with ``lagged(pressure)`` [m] added to its gap, until the pressure stays.
 
@@ -59,14 +54,8 @@ def solve_lagged(
         if lagged is not None and passes:
             gap = gap + lagged(guess)
         coarse = 0.0 if lagged is None else min(FINER * found, 1e-4)
-        solution = solve(
-            replace(problem, undeformed_gap=gap),
-            tolerance=max(tolerance, coarse),
-            max_iterations=max_iterations,
-            solver=solver,
-            precision=precision,
-            start=start,
-        )
+        loose = replace(options, tolerance=max(options.tolerance, coarse))
+        solution = loose.solved(replace(problem, undeformed_gap=gap), start)
         passes += 1
         iterations += solution.iterations
         convolutions += solution.convolutions
@@ -77,7 +66,7 @@ def solve_lagged(
             return Settled(solution, np.inf, passes, iterations, convolutions)
         step = solution.pressure - guess
         found = float(np.abs(step).sum() / solution.pressure.sum())
-        settled = found <= change and solution.residual <= tolerance
+        settled = found <= change and solution.residual <= options.tolerance
         if settled or passes == max_passes:
             if not settled:
                 solution = replace(solution, status=Status.ITERATION_LIMIT)

@@ -8,8 +8,9 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 
 from contactstudy.domain.checks import InvalidInput, positive, whole
-from contactstudy.domain.device import Cpu, Device, Precision, device, using
+from contactstudy.domain.device import Cpu, Device, Precision, checked, device, using
 from contactstudy.domain.fields import Array
+from contactstudy.domain.units import Number
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.problem.constraint import Compressive, Gap, HardnessLimited
@@ -48,13 +49,105 @@ class Solver(Protocol):
 
 
 @dataclass(frozen=True)
-class Repeat:
-    """How a friction law has problems solved: with the options of the solve that it is part of."""
+class SolveOptions:
+    """How closely a problem is solved, and by which method: all that an answer depends on beside the problem itself.
 
-    solve: Callable[[Problem, Array | None], Solution]
-    start: Array | None
-    tolerance: float
-    max_iterations: int
+    Parameters
+    ----------
+    tolerance
+        Largest dimensionless residual, see :func:`~contactstudy.solve`; above 0.
+    max_iterations
+        Iterations after which a solve ends with :attr:`~contactstudy.Status.ITERATION_LIMIT`.
+    solver
+        The iteration, such as :class:`~contactstudy.PreconditionedCG`.
+    precision
+        The floating-point numbers of the iteration.
+
+    Raises
+    ------
+    InvalidInput
+        If the tolerance is not above 0, or the limit is no whole number from 0 on.
+    """
+
+    tolerance: Number = 1e-8
+    max_iterations: int = 2000
+    solver: Solver = field(default_factory=PreconditionedCG)
+    precision: Precision = Precision.DOUBLE
+
+    def __post_init__(self) -> None:
+        positive(
+            "solve.tolerance",
+            self.tolerance,
+            "give a dimensionless tolerance above 0, such as 1e-8",
+        )
+        whole(
+            "solve.max_iterations",
+            self.max_iterations,
+            0,
+            "give a whole number of iterations from 0 on",
+        )
+
+    def solved(
+        self,
+        problem: Problem,
+        start: Array | None = None,
+        on: Device = Cpu(),  # noqa: B008 (a frozen value)
+    ) -> Solution:
+        """Return the solution of `problem`.
+
+        Parameters
+        ----------
+        problem
+            The contact in SI units.
+        start
+            Pressure (x, y) [Pa] to begin with; None begins on coarser grids.
+        on
+            The device that the fields of the iteration are held on.
+        """
+        if not isinstance(problem, Problem):
+            raise InvalidInput(f"solve.problem is {problem!r}: give scene.problem(grid, padding).")
+        if start is not None:
+            start = _finite_pressure(start, problem)
+        if problem.friction is not None:
+            frictionless = replace(problem, friction=None)
+            solution: Solution = problem.friction.solved(frictionless, self, start, on)
+            return replace(solution, problem=problem)
+        if not problem.resultant.is_met_by(problem.constraint, problem.undeformed_gap.size):
+            return _without_pressure(problem)
+        if isinstance(on, Cpu):
+            refuse_solve(problem, self.precision)
+        else:
+            _check_other(checked(on, "solve.on"), problem, self.precision)
+        if start is not None:
+            start = _admitted(start, problem, self.precision)
+        built_in = isinstance(problem.constraint, Compressive | HardnessLimited)
+        wide = problem.undeformed_gap.shape[1] >= NARROWEST
+        cells = problem.undeformed_gap.size if built_in and wide else 0
+        with using(on, cells), np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            bare = problem.bare(self.precision)
+            last = self.solver.iterate(
+                bare,
+                tolerance=self.tolerance,
+                max_iterations=self.max_iterations,
+                start=None if start is None else on.put(start),
+            )
+        pressure, displacement = on.take(last.pressure), on.take(last.displacement)
+        last = replace(last, pressure=pressure, displacement=displacement)
+        scales = problem.scales
+        displacement = np.multiply(displacement, scales.gap, dtype=np.float64)
+        approach = last.approach * scales.gap + problem.datum
+        return Solution(
+            problem=problem,
+            pressure=problem.constraint.of(pressure, scales.pressure),
+            displacement=displacement,
+            gap=problem.undeformed_gap + displacement - approach,
+            approach=approach,
+            status=_status(bare, last, self, problem),
+            iterations=last.iterations,
+            convolutions=last.convolutions,
+            residual=last.residual,
+            note=last.note,
+        )
 
 
 def solve(
@@ -80,67 +173,10 @@ def solve(
     :class:`~contactstudy.Status`; only a tolerance that is not above zero, a negative limit, a start
     that is no pressure, or a grid that does not fit in memory raises :class:`~contactstudy.InvalidInput`.
     """
-    positive("solve.tolerance", tolerance, "give a dimensionless tolerance above 0, such as 1e-8")
-    whole("solve.max_iterations", max_iterations, 0, "give a whole number of iterations from 0 on")
-    precision = Precision.named(precision)
     if isinstance(problem, Posable):
         problem = problem.planned()
-    if not isinstance(problem, Problem):
-        raise InvalidInput(f"solve.problem is {problem!r}: give scene.problem(grid, padding).")
-    if start is not None:
-        start = _finite_pressure(start, problem)
-    if problem.friction is not None:
-
-        def again(other: Problem, from_pressure: Array | None) -> Solution:
-            return solve(
-                replace(other, friction=None),
-                tolerance=tolerance,
-                max_iterations=max_iterations,
-                solver=solver,
-                precision=precision,
-                start=from_pressure,
-                on=on,
-            )
-
-        found: Solution = problem.friction.solved(
-            problem, Repeat(again, start, tolerance, max_iterations)
-        )
-        return replace(found, problem=problem)
-    if not problem.resultant.is_met_by(problem.constraint, problem.undeformed_gap.size):
-        return _without_pressure(problem)
-    if isinstance(on, Cpu):
-        refuse_solve(problem, precision)
-    if start is not None:
-        start = _admitted(start, problem, precision)
-    ours = isinstance(problem.constraint, Compressive | HardnessLimited)
-    wide = problem.undeformed_gap.shape[1] >= NARROWEST
-    cells = problem.undeformed_gap.size if ours and wide else 0
-    with using(on, cells), np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        if not isinstance(on, Cpu):
-            _check_other(on, problem, precision)
-        bare = problem.bare(precision)
-        last = solver.iterate(
-            bare,
-            tolerance=tolerance,
-            max_iterations=max_iterations,
-            start=None if start is None else on.put(start),
-        )
-    last = replace(last, pressure=on.take(last.pressure), displacement=on.take(last.displacement))
-    scales = problem.scales
-    moved = np.multiply(last.displacement, scales.gap, dtype=np.float64)
-    approach = last.approach * scales.gap + problem.datum
-    return Solution(
-        problem=problem,
-        pressure=problem.constraint.of(last.pressure, scales.pressure),
-        displacement=moved,
-        gap=problem.undeformed_gap + moved - approach,
-        approach=approach,
-        status=_status(bare, last, tolerance, max_iterations, problem),
-        iterations=last.iterations,
-        convolutions=last.convolutions,
-        residual=last.residual,
-        note=last.note,
-    )
+    options = SolveOptions(tolerance, max_iterations, solver, Precision.named(precision))
+    return options.solved(problem, start, on)
 
 
 def _check_other(on: Device, problem: Problem, precision: Precision) -> None:
@@ -204,19 +240,14 @@ def _without_pressure(problem: Problem) -> Solution:
     )
 
 
-def _status(
-    bare: BareProblem,
-    last: Iterate,
-    tolerance: float,
-    max_iterations: int,
-    problem: Problem,
-) -> Status:
+def _status(bare: BareProblem, last: Iterate, options: SolveOptions, problem: Problem) -> Status:
+    """Return how the iteration ended in `last`."""
     if not np.isfinite(last.residual):
         return Status.NOT_FINITE
-    if last.residual > tolerance:
-        if bare.ends(last.residual, last.displacement, tolerance):
+    if last.residual > options.tolerance:
+        if bare.ends(last.residual, last.displacement, options.tolerance):
             return Status.PRECISION_LIMIT
-        limited = last.iterations >= max_iterations
+        limited = last.iterations >= options.max_iterations
         return Status.ITERATION_LIMIT if limited else Status.STALLED
     across, along = list(problem.open_edges), list(problem.open_ends)
     if last.pressure[across].any() or last.pressure[:, along].any():

@@ -71,7 +71,6 @@ INNER = (
     "evolution.evolution.Frame",
     "evolution.memory.JointMemory",
     "io.scene_file.PlanSettings",
-    "io.scene_file.SolverSettings",
     "io.scene_file.TimeSteps",
     "problem.problem.Derived",
     "problem.problem.Field",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sys
-from dataclasses import asdict, fields, replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from time import perf_counter
 
@@ -212,12 +212,7 @@ def _solved(
         watched = replace(settings, solver=Watched(seen.see, settings.solver))
         problem = described.problem(planned)
         try:
-            solution = cs.solve(
-                problem,
-                start=begin,
-                on=on,
-                **{one.name: getattr(watched, one.name) for one in fields(watched)},
-            )
+            solution = watched.solved(problem, begin, on)
         except KeyboardInterrupt:
             if seen.pressure is None:
                 raise

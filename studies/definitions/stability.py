@@ -75,7 +75,9 @@ def measures(case: HardCaseRun, solution: cs.Solution) -> Mapping[str, xr.Variab
     hard = CASES[case.case]
     error, stated, verdict = 0.0, inf, "not_applicable"
     expected = solution.status in hard.may_end(case.padding)
-    claims = solution.residual <= hard.tolerance or solution.status is cs.Status.PRECISION_LIMIT
+    claims = (
+        solution.residual <= hard.options.tolerance or solution.status is cs.Status.PRECISION_LIMIT
+    )
     if case.applies and claims:
         error, stated = hard.judge(solution, PADDINGS[case.padding], SOLVERS[case.solver])
         verdict = "within_stated_error" if error <= stated and expected else "wrong"

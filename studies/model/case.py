@@ -37,10 +37,7 @@ class Case:
     scene: cs.Scene
     grid: cs.Grid
     padding: cs.Padding | cs.Paddings
-    tolerance: float = 1e-8
-    max_iterations: int = 2000
-    solver: cs.Solver = field(default_factory=cs.PreconditionedCG)
-    precision: cs.Precision = cs.Precision.DOUBLE
+    options: cs.SolveOptions = field(default_factory=cs.SolveOptions)
 
     def prepare(self) -> cs.Problem:
         """Influence coefficients, transforms, gap."""
@@ -48,13 +45,7 @@ class Case:
 
     def run(self, prepared: cs.Problem) -> cs.Solution:
         """The solve proper."""
-        return cs.solve(
-            prepared,
-            tolerance=self.tolerance,
-            max_iterations=self.max_iterations,
-            solver=self.solver,
-            precision=self.precision,
-        )
+        return self.options.solved(prepared)
 
     def record(self, result: cs.Solution) -> Mapping[str, xr.Variable]:
         """The solver's own numbers, and its status as CF flags."""

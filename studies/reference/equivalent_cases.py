@@ -45,7 +45,7 @@ def units() -> dict[str, HardCase]:
             grid(),
             AT_EDGE,
             Twin(other, grid(metre=metre), _Divided(pascal), 1e-10),
-            tolerance=1e-12,
+            options=cs.SolveOptions(tolerance=1e-12),
         )
     return cases
 
@@ -59,7 +59,14 @@ def perturbation() -> dict[str, HardCase]:
 
     def case(hard: str, twin: Twin, paddings: tuple[str, ...] = tuple(PADDINGS)) -> HardCase:
         return HardCase(
-            "perturbation", hard, scene, on, ENDED, twin, tolerance=1e-12, paddings=paddings
+            "perturbation",
+            hard,
+            scene,
+            on,
+            ENDED,
+            twin,
+            cs.SolveOptions(tolerance=1e-12),
+            paddings=paddings,
         )
 
     whole = tuple(name for name, padding in PADDINGS.items() if across_and_along(padding)[1].wraps)

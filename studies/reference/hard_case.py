@@ -1,7 +1,7 @@
 """What a hard case is: a contact, how it may end, and what its answer is held to."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -64,22 +64,14 @@ class HardCase:
     grid: cs.Grid
     ends: frozenset[cs.Status] = ENDED
     twin: Twin | None = None
-    tolerance: float = 1e-10
-    max_iterations: int = 2000
-    precision: cs.Precision = cs.Precision.DOUBLE
+    options: cs.SolveOptions = field(default_factory=lambda: cs.SolveOptions(1e-10))
     start: Start | None = None
     paddings: tuple[str, ...] = tuple(PADDINGS)
 
     def solve(self, problem: cs.Problem, solver: cs.Solver) -> cs.Solution:
         """The solution of ``problem`` with this case's settings."""
-        return cs.solve(
-            problem,
-            tolerance=self.tolerance,
-            max_iterations=self.max_iterations,
-            solver=solver,
-            precision=self.precision,
-            start=self.start(problem, solver) if self.start else None,
-        )
+        start = self.start(problem, solver) if self.start else None
+        return replace(self.options, solver=solver).solved(problem, start)
 
     def may_end(self, padding: str) -> frozenset[cs.Status]:
         """The statuses it may end in with that padding: a free length cuts off whatever varies along it."""

@@ -121,7 +121,7 @@ def _material() -> dict[str, HardCase]:
         replace(thin, hardness=0.321 * P_H),
         grid((15, 2), 110.95259085951773, 0.4464264239955842),
         AT_EDGE,
-        tolerance=1e-9,
+        options=cs.SolveOptions(tolerance=1e-9),
     )
     full = bumpy(0.08086197949648571 * noise((7, 7), 632285552), FLAT)
     found["hardness beside the mean"] = HardCase(
@@ -130,7 +130,7 @@ def _material() -> dict[str, HardCase]:
         replace(full, hardness=0.03661931369241763 * P_H),
         grid((7, 7), 44.29302973822934, 2.0062328974336388),
         AT_EDGE | {cs.Status.STALLED},
-        tolerance=1e-9,
+        options=cs.SolveOptions(tolerance=1e-9),
     )
     found["hardness 0.3 p_H"] = HardCase(
         "material",
@@ -192,17 +192,19 @@ def _solver() -> dict[str, HardCase]:
         "tolerance 1e-14": replace(
             rough,
             hard="a tolerance beside rounding",
-            tolerance=1e-14,
+            options=cs.SolveOptions(tolerance=1e-14),
             ends=EXACT_TO_ROUNDING | AT_EDGE,
         ),
-        "tolerance 1e-2": replace(rough, hard="a loose tolerance", tolerance=1e-2),
+        "tolerance 1e-2": replace(
+            rough, hard="a loose tolerance", options=cs.SolveOptions(tolerance=1e-2)
+        ),
         "one iteration": replace(
-            rough, hard="a limit of one iteration", max_iterations=1, ends=limited
+            rough, hard="a limit of one iteration", options=cs.SolveOptions(1e-10, 1), ends=limited
         ),
         "single precision": replace(
             rough,
             hard="a tolerance beyond single precision",
-            precision=cs.Precision.SINGLE,
+            options=cs.SolveOptions(1e-10, precision=cs.Precision.SINGLE),
             ends=frozenset({cs.Status.PRECISION_LIMIT}),
         ),
         "start at a wrong corner": replace(

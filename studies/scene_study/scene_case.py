@@ -53,14 +53,8 @@ class SceneCase(Case):
         """The solve, from the pressures at the loads before."""
         problem, seconds = prepared
         start = perf_counter()
-        solution = cs.solve(
-            problem,
-            tolerance=self.tolerance,
-            max_iterations=self.max_iterations,
-            solver=self.solver,
-            precision=self.precision,
-            start=_LAST.pressure_for(problem, self.load.per_length),
-        )
+        start_pressure = _LAST.pressure_for(problem, self.load.per_length)
+        solution = self.options.solved(problem, start_pressure)
         seconds += perf_counter() - start
         if solution.status is cs.Status.CONVERGED:
             _LAST.add(self.load.per_length, solution)

@@ -266,13 +266,4 @@ def _rank(one: Variation) -> int:
 
 
 def _case(one: Posed, described: SceneFile) -> SceneCase:
-    solve = described.settings
-    return SceneCase(
-        one.scene,
-        one.grid,
-        one.padding,
-        tolerance=solve.tolerance,
-        max_iterations=solve.max_iterations,
-        solver=solve.solver,
-        precision=solve.precision,
-    )
+    return SceneCase(one.scene, one.grid, one.padding, described.settings)

@@ -43,10 +43,10 @@ def ends_well(name: str, padding: str, solver: str) -> cs.Solution:
         return solution
     carried = solution.pressure.sum() / problem.resultant.total
     # the solver's own sum is rounded: each pressure, and its way through the sum by halves
-    rounding = np.finfo(case.precision.real).eps / 2 * (1 + np.log2(solution.pressure.size))
+    rounding = np.finfo(case.options.precision.real).eps / 2 * (1 + np.log2(solution.pressure.size))
     assert carried == pytest.approx(1, rel=max(solution.residual, rounding, 1e-12))
     error, stated = case.judge(solution, PADDINGS[padding], SOLVERS[solver])
     assert error <= stated
     # and is worth stating: a residual times the condition of a few dozen elongated cells
-    assert stated < max(1e-4, 100 * case.tolerance)
+    assert stated < max(1e-4, 100 * case.options.tolerance)
     return solution

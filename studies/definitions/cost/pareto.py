@@ -36,7 +36,8 @@ def scene_at(point: Point) -> Case:
     known: Point = {"padding": "exact", "period": line_contact.WIDTH} if lined else {}
     case = line_contact.scene_at({**point, **known})
     grid = replace(case.grid, cells=(case.grid.cells[0], 1)) if lined else case.grid
-    return replace(case, grid=grid, tolerance=float(point["solver_tolerance"]), solver=solver)
+    options = cs.SolveOptions(float(point["solver_tolerance"]), solver=solver)
+    return replace(case, grid=grid, options=options)
 
 
 def measures(case: Case, solution: cs.Solution) -> Mapping[str, xr.Variable]:

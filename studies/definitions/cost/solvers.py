@@ -43,14 +43,13 @@ def scene_at(point: Point) -> Case:
         scene=replace(SCENE, shapes=SCENE.shapes + SURFACES[surface]),
         grid=cs.Grid(cells=(cells, cells), extent=(WIDTH * A, PERIOD * A)),
         padding=cs.ExactPeriodicity(),
-        max_iterations=5000,
-        solver=SOLVERS[solver],
+        options=cs.SolveOptions(max_iterations=5000, solver=SOLVERS[solver]),
     )
 
 
 def measures(case: Case, result: cs.Solution) -> Mapping[str, xr.Variable]:
     """The share in contact, and the most memory a solve holds."""
-    few = replace(case, max_iterations=ENOUGH)
+    few = replace(case, options=replace(case.options, max_iterations=ENOUGH))
     problem = few.prepare()
     peak = peak_bytes(lambda: few.run(problem))
     return {

@@ -1,7 +1,7 @@
 """What grows with the grid: time, iterations and memory, by device, and on surfaces as fine as the cells."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, prod, sqrt
 from time import perf_counter, process_time
 
@@ -68,18 +68,13 @@ class CaseOnDevice:
         """The solve proper."""
         clock = clock_of(self.on)
         before = clock()
-        solution = self.solved(prepared, self.case.max_iterations)
+        solution = self.solved(prepared, self.case.options.max_iterations)
         return Timed(solution, clock() - before)
 
     def solved(self, problem: cs.Problem, max_iterations: int) -> cs.Solution:
         """The solution, or what it is after so many iterations."""
-        return cs.solve(
-            problem,
-            tolerance=self.case.tolerance,
-            max_iterations=max_iterations,
-            precision=self.case.precision,
-            on=self.on,
-        )
+        options = replace(self.case.options, max_iterations=max_iterations)
+        return options.solved(problem, on=self.on)
 
     def record(self, result: Timed) -> Mapping[str, xr.Variable]:
         """The solver's own numbers."""
@@ -104,7 +99,8 @@ def scene_at(point: Point) -> CaseOnDevice:
         grid = cs.Grid(cells=(cells, cells), extent=(HERTZ.half_width, HERTZ.half_width))
         scene = self_affine(grid, *(float(point[name]) for name in ("hurst", "cut_off", "share")))
         padding = (cs.ExactPeriodicity(), cs.ExactPeriodicity())
-    case = Case(scene, grid, padding, tolerance=TOLERANCES[precision], precision=precision)
+    options = cs.SolveOptions(TOLERANCES[precision], precision=precision)
+    case = Case(scene, grid, padding, options)
     return CaseOnDevice(case, DEVICES[one_of("device", point["device"], DEVICES)](threads))
 
 
@@ -133,7 +129,7 @@ def measures(case: CaseOnDevice, result: Timed) -> Mapping[str, xr.Variable]:
     """The share in contact, the most memory a solve holds, and its time over that of its transforms."""
     problem = result.solution.problem
     peak = peak_bytes(lambda: case.solved(problem, ENOUGH))
-    pair = transform_seconds(problem.operator, case.case.precision, case.on)
+    pair = transform_seconds(problem.operator, case.case.options.precision, case.on)
     return {
         "contact_share": contact_share(result.solution.pressure),
         "memory": number(

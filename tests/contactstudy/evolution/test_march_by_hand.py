@@ -11,11 +11,12 @@ from contactstudy.elasticity.coefficients import Displacement
 from contactstudy.elasticity.convolution import superposed
 from contactstudy.elasticity.viscoelastic import Trailing
 from contactstudy.evolution import march as marching
-from contactstudy.evolution.march import Instant, LoweredContact, March, SolverOptions, lowered
+from contactstudy.evolution.march import Instant, LoweredContact, March, lowered, solved_or_unloaded
 from contactstudy.evolution.memory import Contribution, Step
 from contactstudy.evolution.steps import Scheme
 from contactstudy.problem.bare_problem import PrescribedLoad
 from contactstudy.scene.bodies import response
+from contactstudy.solvers.solve import SolveOptions
 from tests.conftest import LineContact
 
 LOAD = cs.LoadHistory((0.0, 10.0), (0.0, 1e5))
@@ -45,16 +46,16 @@ def begun(count: int) -> Instant:
     return Instant(2.0, 2e4, BEFORE, ({"kept": "before"},) * count)
 
 
-class Solving(SolverOptions):
+class Solving(SolveOptions):
     """Gives a pressure back."""
 
-    def solved(self, problem: Any, start: Any = None, share: float = 1.0) -> Any:
+    def solved(self, problem: Any, start: Any = None, on: Any = None) -> Any:
         return replace(
             marching.unloaded(problem), pressure=PRESSURE, note=f"from {start is BEFORE}"
         )
 
 
-OPTIONS = SolverOptions(1e-6, 77, cs.PolonskyKeer(), cs.Precision.SINGLE)
+OPTIONS = SolveOptions(1e-6, 77, cs.PolonskyKeer(), cs.Precision.SINGLE)
 GIVING = Solving(1e-6, 77, cs.PolonskyKeer(), cs.Precision.SINGLE)
 
 
@@ -164,32 +165,29 @@ def test_what_is_joint_is_found_with_the_contact_and_kept_last(
 def test_a_contact_over_a_lowered_surface_goes_on_from_its_last_pressure(
     problem: cs.Problem, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    asked: list[tuple[Any, dict[str, Any]]] = []
+    asked: list[tuple[cs.SolveOptions, Any, Any]] = []
 
-    def solve(posed: Any, **named: Any) -> Any:
-        asked.append((posed, named))
+    def solve(options: cs.SolveOptions, posed: Any, start: Any) -> Any:
+        asked.append((options, posed, start))
         return replace(marching.unloaded(posed), pressure=PRESSURE)
 
-    monkeypatch.setattr(marching, "solve", solve)
+    monkeypatch.setattr(cs.SolveOptions, "solved", solve)
     contact = LoweredContact(problem, OPTIONS, np.zeros((8, 2)))
     contact(LIFT)
     contact(2 * LIFT)
-    gaps = [posed.undeformed_gap - problem.undeformed_gap for posed, _ in asked]
+    gaps = [posed.undeformed_gap - problem.undeformed_gap for _, posed, _ in asked]
     np.testing.assert_allclose(gaps, [LIFT, 2 * LIFT], atol=1e-15)
     # nothing is no pressure to go on from
-    assert [named.pop("start") is PRESSURE for _, named in asked] == [False, True]
-    assert asked[1][1] == {
-        "tolerance": 1e-6 * marching.CLOSER, "max_iterations": 77, "solver": cs.PolonskyKeer(),
-        "precision": cs.Precision.SINGLE,
-    }  # fmt: skip
-    OPTIONS.solved(problem)
-    assert asked[2][1]["tolerance"] == 1e-6
+    assert [start is PRESSURE for *_, start in asked] == [False, True]
+    assert asked[1][0] == replace(OPTIONS, tolerance=1e-6 * marching.CLOSER)
+    solved_or_unloaded(OPTIONS, problem)
+    assert asked[2][0] == OPTIONS
     # without a load nothing is solved
     free = replace(problem, resultant=PrescribedLoad(0.0))
-    assert not OPTIONS.solved(free).pressure.any()
+    assert not solved_or_unloaded(OPTIONS, free).pressure.any()
     assert len(asked) == 3
     light = replace(problem, resultant=PrescribedLoad(0.5))
-    OPTIONS.solved(light)
+    solved_or_unloaded(OPTIONS, light)
     assert len(asked) == 4
     np.testing.assert_array_equal(
         lowered(problem, LIFT).undeformed_gap, problem.undeformed_gap + LIFT

@@ -4,6 +4,7 @@ from dataclasses import replace
 from math import acos, pi, sin, sqrt, tan
 from math import inf as infinite
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +13,6 @@ import contactstudy as cs
 from contactstudy.elasticity.tangential import shear_response
 from contactstudy.scene.friction import dundurs
 from contactstudy.solvers.friction import CoulombDisks, Superposed, _nearest
-from contactstudy.solvers.solve import Repeat
 from tests.conftest import STEEL
 
 RIGID = cs.HalfSpace(infinite, 0.3)
@@ -47,13 +47,13 @@ def test_the_work_of_all_passes_is_counted() -> None:
     problem = solved(scene(cs.Sliding(0.3), solids=(STEEL, RIGID))).problem
     solves: list[cs.Solution] = []
 
-    def solve(other: cs.Problem, start: np.ndarray | None) -> cs.Solution:
-        bare = replace(other, friction=None)
-        solves.append(cs.solve(bare, tolerance=1e-6, start=start))
-        return solves[-1]
+    class Counted(cs.SolveOptions):
+        def solved(self, *arguments: Any) -> cs.Solution:
+            solves.append(super().solved(*arguments))
+            return solves[-1]
 
     assert problem.friction is not None
-    found = problem.friction.solved(problem, Repeat(solve, None, 1e-6, 2000))
+    found = problem.friction.solved(replace(problem, friction=None), Counted(1e-6), None, cs.Cpu())
     passes = found.traction.passes
     assert passes == len(solves) > 2
     assert found.iterations == sum(one.iterations for one in solves)

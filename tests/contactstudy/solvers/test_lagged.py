@@ -30,7 +30,7 @@ def test_a_lagged_part_settles_where_it_is_that_of_its_own_pressure(problem: cs.
         tilt = np.linspace(-1, 1, 24)[:, None]
         return 0.02 * problem.operator(pressure) * tilt
 
-    found = solve_lagged(problem, lagged, change=1e-8, tolerance=1e-10)
+    found = solve_lagged(problem, lagged, cs.SolveOptions(1e-10), change=1e-8)
     pressure = found.solution.pressure
     again = cs.solve(
         replace(problem, undeformed_gap=problem.undeformed_gap + lagged(pressure)), tolerance=1e-10
@@ -41,7 +41,7 @@ def test_a_lagged_part_settles_where_it_is_that_of_its_own_pressure(problem: cs.
     assert 2 < found.passes < 12
     assert found.iterations > found.solution.iterations
     assert found.convolutions > found.solution.convolutions
-    few = solve_lagged(problem, lagged, change=1e-8, tolerance=1e-10, max_passes=2)
+    few = solve_lagged(problem, lagged, cs.SolveOptions(1e-10), change=1e-8, max_passes=2)
     assert (few.passes, few.solution.status) == (2, cs.Status.ITERATION_LIMIT)
     assert few.change > 1e-8
 

@@ -19,7 +19,6 @@ from contactstudy.solvers.friction import (
     _with,
 )
 from contactstudy.solvers.solution import Traction
-from contactstudy.solvers.solve import Repeat
 
 Array = np.ndarray
 
@@ -48,8 +47,15 @@ class Told:
             problem, pressure, 0.5 * pressure, 0 * pressure, 0.25, self.status, 3, 4.5, 0.01, "said."
         )  # fmt: skip
 
-    def repeat(self, tolerance: float, most: int = 50) -> Repeat:
-        return Repeat(self, field(7.0), tolerance, most)
+    def asking(self, tolerance: float, most: int = 50) -> tuple[cs.SolveOptions, Array, cs.Cpu]:
+        """Return options whose solves are told, a first start, and a device."""
+        told = self
+
+        class Asking(cs.SolveOptions):
+            def solved(self, problem: Problem, start: Any = None, on: Any = None) -> cs.Solution:
+                return told(problem, start)
+
+        return Asking(tolerance, most), field(7.0), cs.Cpu()
 
 
 # Half of the sums from the left of the second are 2, 3, 3.5 and 4 m in its contact; those of the first begin at 1 m.
@@ -74,7 +80,7 @@ def test_a_gap_that_all_of_the_contact_shares_is_not_felt() -> None:
 
 def test_the_shear_of_a_pass_moves_the_gap_of_the_next_until_it_stays() -> None:
     told = Told(ONE, TWO)
-    found = SLIDING.solved(PROBLEM, told.repeat(1e-9))
+    found = SLIDING.solved(PROBLEM, *told.asking(1e-9))
     gaps = [problem.undeformed_gap for problem, _ in told.asked]
     np.testing.assert_array_equal(gaps[0], GAP)
     np.testing.assert_array_equal(gaps[1], GAP + 0.5 * accumulated(ONE))
@@ -96,31 +102,31 @@ def test_the_shear_of_a_pass_moves_the_gap_of_the_next_until_it_stays() -> None:
 def test_a_change_of_the_gap_by_the_tolerance_is_small_enough() -> None:
     """The second pass changes it by 1 m in one of four cells: 0.75 m beside the mean, on a scale of 2 m."""
     told = Told(ONE, TWO)
-    found = SLIDING.solved(PROBLEM, told.repeat(0.375))
+    found = SLIDING.solved(PROBLEM, *told.asking(0.375))
     assert len(told.asked) == 2
     assert (found.status, found.residual) == (cs.Status.CONVERGED, 0.375)
     np.testing.assert_array_equal(found.displacement, 0.5 * TWO + 0.5 * accumulated(ONE))
     once = Told(ONE)
-    SLIDING.solved(PROBLEM, once.repeat(0.9375))
+    SLIDING.solved(PROBLEM, *once.asking(0.9375))
     assert len(once.asked) == 1
 
 
 def test_passes_that_do_not_settle_are_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(friction, "MOST_PASSES", 2)
     told = Told(ONE, TWO)
-    found = SLIDING.solved(PROBLEM, told.repeat(1e-9))
+    found = SLIDING.solved(PROBLEM, *told.asking(1e-9))
     assert len(told.asked) == 2
     assert found.status is cs.Status.STALLED
-    edge = SLIDING.solved(PROBLEM, Told(ONE, TWO, status=cs.Status.CONTACT_AT_EDGE).repeat(1e-9))
+    edge = SLIDING.solved(PROBLEM, *Told(ONE, TWO, status=cs.Status.CONTACT_AT_EDGE).asking(1e-9))
     assert edge.status is cs.Status.CONTACT_AT_EDGE
     lost = FullSliding(0.5, lambda pressure: np.nan * pressure)  # type: ignore[arg-type]
     told = Told(ONE)
-    assert lost.solved(PROBLEM, told.repeat(1e-9)).status is cs.Status.STALLED
+    assert lost.solved(PROBLEM, *told.asking(1e-9)).status is cs.Status.STALLED
     assert len(told.asked) == 1
 
 
 def test_without_a_coupling_one_pass_is_all() -> None:
-    found = FullSliding(0.5, None).solved(PROBLEM, Told(ONE).repeat(1e-9))
+    found = FullSliding(0.5, None).solved(PROBLEM, *Told(ONE).asking(1e-9))
     assert found.traction is not None
     assert (found.traction.passes, found.traction.method) == (1, "full sliding")
     np.testing.assert_array_equal(found.shear, [0.5 * ONE, 0 * ONE])
@@ -135,7 +141,7 @@ def test_shear_of_partial_slip_is_that_of_two_contacts_with_the_resultant_asked_
 ) -> None:
     """0.5 (2, 2, 0, 0.5) Pa, brought to 0.5 of 0.4 of the load of 9.5 Pa."""
     told = Told(WHOLE, INNER)
-    found = Superposed(0.5, sign * 0.4).solved(PROBLEM, told.repeat(1e-9))
+    found = Superposed(0.5, sign * 0.4).solved(PROBLEM, *told.asking(1e-9))
     assert [problem.resultant for problem, _ in told.asked] == [
         PrescribedLoad(10.0), PrescribedLoad(6.0),
     ]  # fmt: skip
@@ -151,7 +157,7 @@ def test_shear_of_partial_slip_is_that_of_two_contacts_with_the_resultant_asked_
 
 
 def test_without_shear_all_of_the_contact_sticks() -> None:
-    found = Superposed(0.5, 0.0).solved(PROBLEM, Told(WHOLE).repeat(1e-9))
+    found = Superposed(0.5, 0.0).solved(PROBLEM, *Told(WHOLE).asking(1e-9))
     assert found.shear.shape == (2, 5, 1)
     assert not found.shear.any()
     assert found.stick.ravel().tolist() == [True, True, True, True, False]
@@ -191,7 +197,7 @@ SLIPPED = field(-0.55, -0.55, -0.55, -0.25, 0)
 def test_cells_of_one_stiffness_share_what_no_rim_holds_back() -> None:
     """One step brings it there, and a second one shows that it stays."""
     told = Told(WHOLE, INNER)
-    found = DISKS.solved(PROBLEM, told.repeat(1e-9))
+    found = DISKS.solved(PROBLEM, *told.asking(1e-9))
     np.testing.assert_allclose(found.shear[0], SLIPPED, atol=1e-12)
     np.testing.assert_allclose(found.shear[1], 0, atol=1e-12)
     assert found.stick.ravel().tolist() == [True, True, True, False, False]
@@ -209,20 +215,20 @@ def test_the_residual_is_the_change_of_a_step_as_a_displacement_over_the_gap_sca
     change = np.abs(SLIPPED - start).sum() / np.abs(SLIPPED).sum()
     # friction times the gap scale is 1 m
     left = change * 0.55 / (0.25 * 1.0)
-    found = DISKS.solved(PROBLEM, Told(WHOLE, INNER).repeat(1e-9, most=1))
+    found = DISKS.solved(PROBLEM, *Told(WHOLE, INNER).asking(1e-9, most=1))
     assert found.status is cs.Status.ITERATION_LIMIT
     assert found.residual == pytest.approx(left)
     wider = replace(PROBLEM, scales=replace(SCALES, gap=6.0))
-    found = DISKS.solved(wider, Told(WHOLE, INNER).repeat(1e-9, most=1))
+    found = DISKS.solved(wider, *Told(WHOLE, INNER).asking(1e-9, most=1))
     assert found.residual == pytest.approx(left / 3)
-    enough = DISKS.solved(PROBLEM, Told(WHOLE, INNER).repeat(1.01 * left))
+    enough = DISKS.solved(PROBLEM, *Told(WHOLE, INNER).asking(1.01 * left))
     assert (enough.status, enough.iterations) == (cs.Status.CONVERGED, 7)
 
 
 def test_disks_are_not_asked_where_there_is_no_shear_or_no_contact() -> None:
-    none = replace(DISKS, share=0.0).solved(PROBLEM, Told(WHOLE).repeat(1e-9))
+    none = replace(DISKS, share=0.0).solved(PROBLEM, *Told(WHOLE).asking(1e-9))
     lost = DISKS.solved(
-        PROBLEM, Told(WHOLE, INNER, status=cs.Status.NO_ADMISSIBLE_PRESSURE).repeat(1e-9)
+        PROBLEM, *Told(WHOLE, INNER, status=cs.Status.NO_ADMISSIBLE_PRESSURE).asking(1e-9)
     )
     for found in (none, lost):
         assert found.traction is not None

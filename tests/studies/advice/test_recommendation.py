@@ -43,7 +43,7 @@ def smooth(period: float, *modes: str) -> SmoothContact:
 
 def true_error(metric: Metric, found: Recommendation) -> float:
     best = found.best
-    case = Case(SCENE, best.grid, best.padding, tolerance=best.tolerance)
+    case = Case(SCENE, best.grid, best.padding, cs.SolveOptions(best.tolerance))
     measured = pareto.measures(case, case.run(case.prepare()))
     names = STORED_ERRORS[WHAT[metric]]
     name = names[-1] if best.edges is Edges.CORRECTED else names[0]
@@ -94,7 +94,7 @@ def model_times(case: Case) -> tuple[float, float]:
     assert not isinstance(case.padding, tuple)
     cells, points = np.prod(case.grid.cells), padded(case.grid, case.padding)
     images = 1 if case.padding.window is None else len(case.padding.window)
-    digits = -np.log10(case.tolerance)
+    digits = -np.log10(case.options.tolerance)
     setup = 1e-3 + 1e-7 * cells + 2e-8 * cells * images
     return float(setup), float(1e-4 + 1e-4 * digits + 2e-8 * digits * points * log2(points))
 
@@ -129,7 +129,7 @@ def test_times_that_follow_the_model_are_foreseen_to_rounding(small_pareto: xr.D
     for mode in MODES:
         padding = padding_at("exact" if mode == LINE else mode, 12)
         grid = cs.Grid((256, 1 if mode == LINE else 256), (2.4 * a, 3.3 * a))
-        expected = sum(model_times(Case(SCENE, grid, padding, tolerance=1e-7)))
+        expected = sum(model_times(Case(SCENE, grid, padding, cs.SolveOptions(1e-7))))
         assert model.seconds(grid, padding, 1e-7, 10) == pytest.approx(expected, rel=1e-3)
 
 

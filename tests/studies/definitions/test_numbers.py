@@ -24,7 +24,7 @@ class Hoard:
 
     held: int
     grid: cs.Grid = LINE
-    max_iterations: int = 2000
+    options: cs.SolveOptions = cs.SolveOptions()  # noqa: RUF009 (a frozen value)
 
     def prepare(self) -> None:
         """Nothing."""

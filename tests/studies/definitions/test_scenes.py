@@ -33,8 +33,8 @@ def test_the_study_of_solvers_has_three_surfaces_on_a_width_of_4_8_and_a_period_
         case = of("solvers", solver="polonsky_keer", surface=surface, grid=32)
         assert case.grid.cells == (32, 32)
         assert half_widths(4.8, 2.4) == case.grid.extent
-        assert case.max_iterations == 5000
-        assert case.solver == cs.PolonskyKeer()
+        assert case.options.max_iterations == 5000
+        assert case.options.solver == cs.PolonskyKeer()
         assert case.scene.shapes == (*SCENE.shapes, *shapes)
         assert len(shapes) == (surface != "smooth")
     [wave], [rough] = solvers.SURFACES["wavy"], solvers.SURFACES["rough"]
@@ -116,7 +116,7 @@ def test_accuracy_has_a_price_with_one_cell_along_a_length_on_which_nothing_vari
     assert square.grid.cells == (32, 32)
     assert half_widths(2.4, 9.6) == square.grid.extent
     assert square.padding == cs.CircularSuperposition(6)
-    assert (square.tolerance, square.solver) == (1e-6, cs.PolonskyKeer())
+    assert square.options == cs.SolveOptions(1e-6, solver=cs.PolonskyKeer())
 
 
 def test_rough_surfaces_repeat_after_3_2_across_and_2_4_along() -> None:

@@ -119,7 +119,7 @@ def test_single_precision_is_solved_to_1e_5_and_another_device_takes_one_thread(
     for precision, tolerance in (("single", 1e-5), ("double", 1e-8)):
         case = study.scene_at(POINT | {"precision": precision, "threads": 3})
         assert isinstance(case, CaseOnDevice)
-        assert (case.case.tolerance, case.threads) == (tolerance, 3)
+        assert (case.case.options.tolerance, case.threads) == (tolerance, 3)
     elsewhere: Any = SimpleNamespace()
     assert CaseOnDevice(case.case, elsewhere).threads == 1
 

@@ -37,7 +37,7 @@ def test_a_case_is_right_within_its_stated_error_and_else_must_say_why(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     case = SimpleNamespace(
-        tolerance=1e-6,
+        options=cs.SolveOptions(1e-6),
         paddings=("exact",),
         may_end=lambda _: {DONE, LIMIT},
         judge=lambda *_: (error, 0.02),

@@ -153,7 +153,7 @@ def test_measures_do_not_depend_on_the_unit_of_length() -> None:
         hertz = scene.hertz
         assert hertz is not None
         grid = cs.Grid(cells=(32, 2), extent=(2.4 * hertz.half_width, hertz.half_width))
-        case = Case(scene, grid, cs.ExactPeriodicity(), tolerance=1e-11)
+        case = Case(scene, grid, cs.ExactPeriodicity(), cs.SolveOptions(1e-11))
         measured = measures(case, case.run(case.prepare()))
         found.append([float(variable) for variable in measured.values()])
     np.testing.assert_allclose(found[0], found[1], rtol=0, atol=1e-9)

@@ -44,10 +44,10 @@ def test_axis_values_that_differ_in_rounding_are_one() -> None:
 @pytest.mark.parametrize(
     "other",
     [
-        replace(CASE, tolerance=1e-9),
+        replace(CASE, options=cs.SolveOptions(1e-9)),
         replace(CASE, padding=cs.Superposition(images=3)),
         replace(CASE, padding=cs.CircularSuperposition(images=2)),
-        replace(CASE, solver=cs.PolonskyKeer()),
+        replace(CASE, options=cs.SolveOptions(solver=cs.PolonskyKeer())),
         replace(CASE, scene=replace(CASE.scene, load=cs.LineLoad(2e5))),
         replace(CASE, grid=cs.Grid(cells=(16, 17), extent=CASE.grid.extent)),
     ],

@@ -94,7 +94,7 @@ class StudyAccessor:
     def plot(self) -> "list[Figure]":
         """The figures of the built-in study that the dataset was made by."""
         name = self._dataset.attrs.get("study")
-        if name not in BUILT_IN | OPTIONAL:
+        if name not in (*BUILT_IN, *OPTIONAL):
             raise NotDefined(
                 f"The dataset's attribute 'study' is {name!r}: only a dataset of a built-in study has figures."
             )

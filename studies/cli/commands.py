@@ -222,7 +222,7 @@ cli.add_command(recommendation)
 @cli.command()
 def studies() -> None:
     """List the built-in studies, their axes and default values."""
-    for name in BUILT_IN | OPTIONAL:
+    for name in (*BUILT_IN, *OPTIONAL):
         study = load(name)
         click.echo(f"{name}: {study.title}")
         for axis in study.points:

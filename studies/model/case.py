@@ -18,11 +18,11 @@ class Computation(Hashable, Protocol):
     """
 
     def prepare(self) -> Any:
-        """The set-up."""
+        """Return the set-up."""
         ...
 
     def run(self, prepared: Any) -> Any:
-        """The result, from what was prepared."""
+        """Return the result, from what was prepared."""
         ...
 
     def record(self, result: Any) -> Mapping[str, xr.Variable]:
@@ -60,6 +60,49 @@ class Case:
         """Pressure and gap over the grid, for those who ask for fields."""
         dataset = cs.to_dataset(result)
         return {name: dataset[name].variable for name in ("x", "y", "pressure", "gap")}
+
+
+@dataclass(frozen=True)
+class EvolutionCase:
+    """A contact that changes in time: a scene marched through ``times`` [s].
+
+    With an ``error``, steps between the times are chosen to meet it.
+    """
+
+    scene: cs.Scene
+    grid: cs.Grid
+    padding: cs.Padding | cs.Paddings
+    times: tuple[float, ...]
+    error: float | None = None
+    scheme: str = "IMPLICIT"
+    step_error: str = "COMPANION"
+    tolerance: float = 1e-8
+
+    def prepare(self) -> None:
+        """Do nothing: a march sets itself up."""
+
+    def run(self, prepared: object = None) -> cs.Evolution:
+        """March through the times."""
+        return cs.evolve(
+            self.scene,
+            self.grid,
+            self.padding,
+            times=self.times,
+            error=self.error,
+            scheme=cs.Scheme[self.scheme],
+            step_error=cs.StepError[self.step_error],
+            tolerance=self.tolerance,
+        )
+
+    def record(self, result: cs.Evolution) -> Mapping[str, xr.Variable]:
+        """Return the solver's numbers over all steps."""
+        return {
+            "solver_status": solver_status(result.status, "how the worst step ended"),
+            "iterations": number(result.iterations, "solver iterations of all steps"),
+            "convolutions": number(result.convolutions, "transform pairs of the full grid"),
+            "residual": number(result.residual, "largest residual"),
+            "solves": number(result.steps, "solves"),
+        }
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,8 @@ from studies.engine.progress import Progress
 from studies.model.drawing import CaptionedFigure, Drawing, Finding, Table
 from studies.model.study import Study
 from studies.registry import BUILT_IN, load, load_drawing
-from studies.report import estimate_validation
-from studies.report.formatting import marked, plain
+from studies.report.drawings import trust
+from studies.report.style import marked, plain
 from studies.store.netcdf import read
 
 
@@ -77,7 +77,7 @@ def write(out: Path) -> Path:
         _chapter(studies[name], load_drawing(name), dataset, out)
         for name, dataset in stored.items()
     ]
-    sweeps = estimate_validation.sweeps_with_estimates(stored)
+    sweeps = trust.sweeps_with_estimates(stored)
     chapters += [_estimates_chapter(sweeps, out)] if sweeps else []
     environment = Environment(
         loader=PackageLoader("studies.report", "."),
@@ -128,15 +128,15 @@ def _chapter(study: Study, drawing: Drawing, dataset: xr.Dataset, out: Path) -> 
 def _estimates_chapter(sweeps: Mapping[str, xr.Dataset], out: Path) -> Chapter:
     """The chapter that the sweeps share: error estimates beside true errors."""
     name = "estimate_validation"
-    figure = estimate_validation.figure(sweeps)
+    figure = trust.estimates_figure(sweeps)
     _save([figure], out / name)
     return Chapter(
         name=name,
         title="Error estimates beside true errors",
         swept=[],
-        findings=[estimate_validation.finding(sweeps)],
+        findings=[trust.estimates_finding(sweeps)],
         figures=[_embedded(figure, name, out)],
-        tables=[estimate_validation.table(sweeps)],
+        tables=[trust.estimates_table(sweeps)],
         data=list(sweeps),
     )
 

@@ -21,7 +21,7 @@ from studies.advice.recommendation import (
 )
 from studies.advice.settings_table import STORED_ERRORS
 from studies.advice.verification import WHAT, verify
-from studies.definitions.cost import pareto
+from studies.definitions import pareto
 from studies.engine.run import run
 from studies.model.case import Case
 from studies.reference.line_contact import HERTZ, LINE, PADDINGS, SCENE, padding_at

@@ -8,7 +8,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.scene.coated import CoatedHalfSpace
 from contactstudy.scene.stress import StressBelow
-from studies.definitions.effects.coating import A, coated, interface
+from studies.definitions.coating import A, coated, interface
 from studies.engine.run import run
 from studies.reference.line_contact import STEEL
 from studies.registry import load, load_drawing

@@ -10,7 +10,7 @@ import contactstudy as cs
 from contactstudy.elasticity.coating import CoatingDisplacement
 from contactstudy.elasticity.kernels.layer_image import image_cell, image_lattice, image_row
 from contactstudy.scene.coated import CoatedHalfSpace
-from studies.definitions.effects import coating
+from studies.definitions import coating
 from studies.registry import load
 
 MODULUS = 70e9

@@ -39,7 +39,7 @@ NUMBERS: dict[str, dict[str, tuple[float, ...]]] = {
     },
     "plastic": {"pressure": (2, 3, 4), "hardening": (0.1,), "steps": (2, 8), "grid": (24, 48)},
     "friction": {"poisson_ratio": (0.0, 0.15, 0.3, 0.45), "grid": (401,), "rough_grid": (48,)},
-    "effects": {"grid": (512,)},
+    "effect_cost": {"grid": (512,)},
     "pareto": {
         "images": (1, 6),
         "period": (0.6, 2.4, 9.6),

@@ -3,7 +3,7 @@ from pathlib import Path
 import numpy as np
 
 import contactstudy as cs
-from studies.definitions.cost.effects import P_H, SCENES, YIELD, scene_at
+from studies.definitions.effect_cost import P_H, SCENES, YIELD, scene_at
 from studies.engine.run import run
 from studies.registry import load, load_drawing
 from studies.report import page as report
@@ -40,7 +40,7 @@ def test_the_row_of_yield_yields_on_a_quarter_of_the_cells() -> None:
 
 
 def test_every_effect_counts_and_is_shown(tmp_path: Path) -> None:
-    study = load("effects").override({"grid": "256"})
+    study = load("effect_cost").override({"grid": "256"})
     dataset = run(study, tmp_path, workers=0, repeats=1, log=quiet).isel(grid=0)
     assert (dataset["solver_status"] == 0).all()
     found = {name: dataset.sel(effect=name) for name in SCENES}
@@ -56,5 +56,5 @@ def test_every_effect_counts_and_is_shown(tmp_path: Path) -> None:
     assert found["stress"]["contact_share"] == found["hardness"]["contact_share"]
     # a hardness widens the contact that roughness has left
     assert found["hardness"]["contact_share"] > found["coating"]["contact_share"]
-    report.draw(study, load_drawing("effects"), tmp_path)
-    assert (tmp_path / "effects" / "effects.png").is_file()
+    report.draw(study, load_drawing("effect_cost"), tmp_path)
+    assert (tmp_path / "effect_cost" / "effects.png").is_file()

@@ -3,7 +3,7 @@
 import inspect
 
 import contactstudy as cs
-from studies.definitions.evolution_case import EvolutionCase
+from studies.model.case import EvolutionCase
 from studies.reference.line_contact import SCENE
 
 

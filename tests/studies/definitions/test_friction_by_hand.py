@@ -10,7 +10,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.scene.friction import PartialSlip
 from contactstudy.solvers.friction import Superposed
-from studies.definitions.effects import friction
+from studies.definitions import friction
 from studies.reference.line_contact import HERTZ
 from studies.registry import load
 

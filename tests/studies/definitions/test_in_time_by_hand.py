@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from studies.definitions.effects import creep, plastic, wear
+from studies.definitions import creep, plastic, wear
 from studies.registry import load
 
 

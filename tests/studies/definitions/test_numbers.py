@@ -42,7 +42,7 @@ TOUCHING = replace(
 
 
 def test_memory_of_an_effect_is_in_megabytes() -> None:
-    found = load("effects").measures(Hoard(40_000_000), TOUCHING)  # type: ignore[arg-type]
+    found = load("effect_cost").measures(Hoard(40_000_000), TOUCHING)  # type: ignore[arg-type]
     assert float(found["memory"]) == pytest.approx(40, rel=1e-2)
     assert found["memory"].attrs["units"] == "MB"
     assert float(found["contact_share"]) == 0.25
@@ -52,7 +52,7 @@ def test_the_share_in_contact_of_a_march_is_that_of_its_last_frame() -> None:
     frames = [SimpleNamespace(pressure=np.eye(4)[:cells]) for cells in (1, 2, 3)]
     frames[2].pressure[0, 3] = 1.0
     march: Any = SimpleNamespace(frames=frames)
-    found = load("effects").measures(Hoard(1000), march)  # type: ignore[arg-type]
+    found = load("effect_cost").measures(Hoard(1000), march)  # type: ignore[arg-type]
     assert float(found["contact_share"]) == pytest.approx(4 / 12)
 
 
@@ -69,7 +69,7 @@ def test_of_a_step_in_time_the_last_one_is_recorded() -> None:
         def iterations(self) -> int:
             return sum(self.frames)
 
-    step = load("effects").scene_at({"effect": "one step of wear", "grid": 16})
+    step = load("effect_cost").scene_at({"effect": "one step of wear", "grid": 16})
     found = step.record(March((100, 20, 3)))
     assert int(found["iterations"]) == 3
 

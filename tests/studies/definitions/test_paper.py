@@ -3,7 +3,8 @@
 import pytest
 
 import contactstudy as cs
-from studies.definitions.periodicity.paper import CELLS, point_displacement
+from studies.definitions.line_contact import POINT_CELLS as CELLS
+from studies.definitions.line_contact import point_displacement
 
 HALF_A_UNIT = 5e-5
 

@@ -8,7 +8,7 @@ from studies.advice.settings_table import settings
 from studies.engine.run import run
 from studies.reference.line_contact import LINE
 from studies.registry import load
-from studies.report.drawings.cost.pareto_findings import (
+from studies.report.drawings.pareto import (
     decades,
     dominated_modes,
     recommendation_check,

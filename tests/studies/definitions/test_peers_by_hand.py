@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from studies.definitions.cost import peers
-from studies.definitions.cost.peers import MODULUS, P_H, A, ProgramRun
+from studies.definitions import peers
+from studies.definitions.peers import MODULUS, P_H, A, ProgramRun
 from studies.reference.line_contact import HERTZ, SCENE
 from studies.registry import load
 

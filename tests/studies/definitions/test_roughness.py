@@ -9,7 +9,7 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy import InvalidInput
 from contactstudy.analytic import truncation_error
-from studies.definitions.effects.roughness import LENGTH, ROLL_OFF, WIDTH, measures, scene_at
+from studies.definitions.roughness import LENGTH, ROLL_OFF, WIDTH, measures, scene_at
 from studies.engine.run import run
 from studies.registry import load, load_drawing
 from studies.report import page as report

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from studies.definitions.effects import roughness
-from studies.definitions.effects.roughness import P_H, A
+from studies.definitions import roughness
+from studies.definitions.roughness import P_H, A
 from studies.reference.line_contact import SCENE
 
 # cells of a half of a half-width by a third

@@ -6,9 +6,8 @@ from typing import Any
 import pytest
 
 import contactstudy as cs
-from studies.definitions.cost import effects, peers, solvers
-from studies.definitions.effects import coating, friction
-from studies.definitions.effects.roughness import scene_at as rough_scene
+from studies.definitions import coating, effect_cost, friction, peers, solvers
+from studies.definitions.roughness import scene_at as rough_scene
 from studies.model.study import Point
 from studies.reference.line_contact import FLATTENING, HERTZ, SCENE
 from studies.registry import load
@@ -49,11 +48,11 @@ def test_the_study_of_solvers_has_three_surfaces_on_a_width_of_4_8_and_a_period_
 
 
 def test_effects_are_on_a_width_of_3_6_and_a_period_of_0_9_with_square_cells() -> None:
-    two, one = (of("effects", effect=f"smooth, {n}-D", grid=64).case for n in (2, 1))
+    two, one = (of("effect_cost", effect=f"smooth, {n}-D", grid=64).case for n in (2, 1))
     assert (two.grid.cells, one.grid.cells) == ((64, 16), (64, 1))
     assert half_widths(3.6, 0.9) == two.grid.extent
     assert two.grid.cell[0] == pytest.approx(two.grid.cell[1])
-    _, wave, texture, rough = effects.SLIDING.shapes
+    _, wave, texture, rough = effect_cost.SLIDING.shapes
     assert isinstance(wave, cs.Waviness)
     assert wave.amplitude == pytest.approx(0.05 * FLATTENING)
     assert half_widths(0.45, 0.9) == (wave.across, wave.along)
@@ -66,20 +65,22 @@ def test_effects_are_on_a_width_of_3_6_and_a_period_of_0_9_with_square_cells() -
     assert rough.rms == pytest.approx(0.1 * FLATTENING)
     assert half_widths(0.225, 0.06) == (rough.roll_off, rough.cut_off)
     assert rough.hurst == 0.8
-    coat: Any = effects.COATED.solids[0]
+    coat: Any = effect_cost.COATED.solids[0]
     assert coat.coating == cs.HalfSpace(250e9, 0.22)
     assert coat.thickness == pytest.approx(0.03 * A)
-    assert effects.COATED.solids[1] == coat.substrate
-    assert effects.YIELDING.hardness == pytest.approx(2.5 * P_H)
-    [stress] = effects.STRESSED.outputs
+    assert effect_cost.COATED.solids[1] == coat.substrate
+    assert effect_cost.YIELDING.hardness == pytest.approx(2.5 * P_H)
+    [stress] = effect_cost.STRESSED.outputs
     # where the shear of a smooth contact is greatest
     assert half_widths(0.786) == stress.depths  # type: ignore[attr-defined]
     assert stress.solid == 1  # type: ignore[attr-defined]
-    assert effects.SLIDING.friction.coefficient == 0.1  # type: ignore[union-attr]
+    assert effect_cost.SLIDING.friction.coefficient == 0.1  # type: ignore[union-attr]
 
 
 def test_effects_in_time_are_a_sudden_load_and_one_step_and_yield_comes_in_two() -> None:
-    creep, wear = (of("effects", effect=f"one step of {one}", grid=64) for one in ("creep", "wear"))
+    creep, wear = (
+        of("effect_cost", effect=f"one step of {one}", grid=64) for one in ("creep", "wear")
+    )
     assert creep.times == wear.times == (0.0, 0.2)
     body = creep.scene.solids[0]
     # 0.4 of steel's modulus in the long term, all of it at once
@@ -90,7 +91,7 @@ def test_effects_in_time_are_a_sudden_load_and_one_step_and_yield_comes_in_two()
     worn = wear.scene.wear
     assert worn.coefficient == pytest.approx(0.01 * A / SCENE.contact_modulus)
     assert worn.speed == 1.0
-    both = of("effects", effect=effects.YIELD, grid=64)
+    both = of("effect_cost", effect=effect_cost.YIELD, grid=64)
     assert both.times == (1.0, 2.0)
     assert half_widths(3.6, 0.9) == both.grid.extent
     assert both.scene.load.at(0.0) == 0
@@ -101,7 +102,7 @@ def test_effects_in_time_are_a_sudden_load_and_one_step_and_yield_comes_in_two()
     assert body.poisson_ratio == 0.3
     assert plastic.yield_stress == pytest.approx(0.4 * P_H)
     assert plastic.hardening_modulus == pytest.approx(4.2e9)
-    assert of("effects", effect=effects.YIELD, grid=4).grid.cells == (2, 1)
+    assert of("effect_cost", effect=effect_cost.YIELD, grid=4).grid.cells == (2, 1)
 
 
 def test_accuracy_has_a_price_with_one_cell_along_a_length_on_which_nothing_varies() -> None:

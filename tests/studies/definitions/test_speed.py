@@ -8,8 +8,8 @@ import pytest
 from scipy.special import erf
 
 import contactstudy as cs
-from studies.definitions.cost import speed as module
-from studies.definitions.cost.speed import SLOPE, CaseOnDevice, Timed, self_affine
+from studies.definitions import speed as module
+from studies.definitions.speed import SLOPE, CaseOnDevice, Timed, self_affine
 from studies.reference.line_contact import HERTZ, SCENE
 from studies.registry import load
 
@@ -68,7 +68,7 @@ def test_a_point_that_is_none_is_refused_with_a_remedy(
 
 def test_the_ratio_is_of_the_solve_to_as_many_transforms(monkeypatch: pytest.MonkeyPatch) -> None:
     """A solve of 6 s beside transforms of 0.5 s each: twelve over its number of transform pairs."""
-    monkeypatch.setattr("studies.definitions.cost.speed.transform_seconds", lambda *_: 0.5)
+    monkeypatch.setattr("studies.definitions.speed.transform_seconds", lambda *_: 0.5)
     study = load("speed")
     case = study.scene_at(POINT)
     assert isinstance(case, CaseOnDevice)
@@ -79,7 +79,7 @@ def test_the_ratio_is_of_the_solve_to_as_many_transforms(monkeypatch: pytest.Mon
 
 
 def test_memory_is_counted_in_fields_of_double_precision(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("studies.definitions.cost.speed.transform_seconds", lambda *_: 0.5)
+    monkeypatch.setattr("studies.definitions.speed.transform_seconds", lambda *_: 0.5)
     study = load("speed")
     case = study.scene_at(POINT)
     assert isinstance(case, CaseOnDevice)

@@ -1,7 +1,7 @@
 import pytest
 import xarray as xr
 
-from studies.report.formatting import percent, power, select_evenly, variation_text
+from studies.report.style import percent, power, select_evenly, variation_text
 
 
 @pytest.mark.parametrize(

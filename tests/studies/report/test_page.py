@@ -15,8 +15,7 @@ from studies.model.study import Study
 from studies.reference.accuracy.matrix import matrix
 from studies.registry import BUILT_IN, load, load_drawing
 from studies.report import page as report
-from studies.report.formatting import marked, percent, plain, power
-from studies.report.style import panels
+from studies.report.style import marked, panels, percent, plain, power
 from tests.studies.conftest import quiet
 
 FEW = {"grid": "16,24", "period": "0.6,2.4", "solver_tolerance": "1e-6"}
@@ -31,7 +30,7 @@ OWN = {
     "coating": {"ratio": "0.25,2,4", "thickness": "0.1,1,10", "grid": "64"},
     # one grid: of two, wear would want two marches with short steps to compare with
     "wear": {"grid": "16"},
-    "effects": {"grid": "24"},
+    "effect_cost": {"grid": "24"},
     "plastic": {"pressure": "2,3", "steps": "2,4", "grid": "24"},
     "friction": {"poisson_ratio": "0,0.3", "grid": "65", "rough_grid": "24"},
 }

@@ -5,8 +5,10 @@ import pytest
 import xarray as xr
 
 from studies.definitions.accuracy import KINDS, METRICS, UNKNOWN
-from studies.report.drawings.accuracy import figure, findings, tables
+from studies.registry import load_drawing
 from tests.studies.report.drawings.drawn import labelled, same
+
+DRAWING = load_drawing("accuracy")
 
 
 @pytest.fixture
@@ -23,7 +25,7 @@ def made_up() -> xr.Dataset:
 
 
 def test_the_table_counts_by_kind_and_lists_every_miss(made_up: xr.Dataset) -> None:
-    by_kind, misses = tables(made_up)
+    by_kind, misses = DRAWING.tables(made_up)
     assert by_kind.rows[0][:5] == (KINDS[0], "2", "100.0 %", "3", "0")
     assert by_kind.rows[1][:5] == (KINDS[1], "2", "50.0 %", "0.5", "1")
     assert [row[:2] for row in misses.rows] == [
@@ -32,7 +34,7 @@ def test_the_table_counts_by_kind_and_lists_every_miss(made_up: xr.Dataset) -> N
 
 
 def test_the_finding_says_the_share_that_holds(made_up: xr.Dataset) -> None:
-    (finding,) = findings(made_up)
+    (finding,) = DRAWING.findings(made_up)
     assert "75.0 % of 4 contacts" in finding.claim
     assert "in the median 2 times too large, 1 without a bound" in finding.measured
 
@@ -41,7 +43,7 @@ def test_the_figure_draws_the_bound_over_the_true_error_of_what_has_one(
     made_up: xr.Dataset,
 ) -> None:
     made_up["l1_error"][0], made_up["l1_bound"][1] = 0.0, 0.0
-    [drawn] = figure(made_up)
+    [drawn] = DRAWING.figure(made_up)
     of_l1, of_peak, _ = drawn.figure.axes
     # an error of nothing, and a bound of nothing, at the left and at the lower end
     first, second = (labelled(of_l1)[kind] for kind in KINDS[:2])
@@ -56,14 +58,14 @@ def test_the_figure_draws_the_bound_over_the_true_error_of_what_has_one(
 def test_the_ratio_is_of_errors_that_are_known_and_not_nothing(made_up: xr.Dataset) -> None:
     made_up["contact_area_error"][1], made_up["contact_area_error"][2] = UNKNOWN, 0.0
     made_up["silent"][3] = 1
-    of_first, of_second = tables(made_up)[0].rows
+    of_first, of_second = DRAWING.tables(made_up)[0].rows
     # of two areas one is known, whose bound is twice the error; the other kind has an error of nothing and no bound
     assert of_first[8:] == ("100.0 %", "2", "0")
     assert of_second[8:] == ("100.0 %", "inf", "1")
-    [finding] = findings(made_up)
+    [finding] = DRAWING.findings(made_up)
     assert "contact area: 100.0 % bounded, in the median 2 times too large" in finding.measured
     assert "1 bounds are missing without a reason" in finding.measured
-    assert tables(made_up)[1].rows[0] == ("c", "pressure in L1", "0.02", "0.01")
+    assert DRAWING.tables(made_up)[1].rows[0] == ("c", "pressure in L1", "0.02", "0.01")
 
 
 def test_kinds_are_counted_apart_and_a_bound_that_equals_its_error_holds(
@@ -72,7 +74,7 @@ def test_kinds_are_counted_apart_and_a_bound_that_equals_its_error_holds(
     made_up["kind"][:] = [0, 1, 1, 1]
     made_up["l1_bound"][2] = 0.02
     made_up["contact_area_error"][0] = UNKNOWN
-    of_first, of_second = tables(made_up)[0].rows
+    of_first, of_second = DRAWING.tables(made_up)[0].rows
     assert (of_first[:3], of_second[:3]) == (
         (KINDS[0], "1", "100.0 %"),
         (KINDS[1], "3", "100.0 %"),

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from studies.definitions.cost.effects import YIELD
+from studies.definitions.effect_cost import YIELD
 from studies.model.outcome import CaseStatus
-from studies.report.drawings.cost.pareto_findings import DECADES, decades, dominated_modes, savings
+from studies.report.drawings.pareto import DECADES, decades, dominated_modes, savings
 from tests.studies.report.drawings.drawn import (
     bands,
     caption,
@@ -215,7 +215,7 @@ def effects() -> xr.Dataset:
 
 def test_effects_are_bars_of_the_finest_grid_with_their_numbers() -> None:
     dataset = effects()
-    time, *others = panels("effects", dataset)
+    time, *others = panels("effect_cost", dataset)
     set_up, solve = np.array([1.0, 2, 3, 4, 5]), np.array([0.25, 1, 7, 8, 9])
     bars = [
         (bar.get_x(), bar.get_width(), bar.get_y() + bar.get_height() / 2) for bar in time.patches
@@ -234,14 +234,14 @@ def test_effects_are_bars_of_the_finest_grid_with_their_numbers() -> None:
     assert [label.get_text() for label in time.get_yticklabels()] == [
         "smooth, 1-D", "smooth, 2-D", "+ waviness", "one step of wear", YIELD
     ]  # fmt: skip
-    text = caption("effects", dataset)
+    text = caption("effect_cost", dataset)
     assert "256 x 64 cells over 3.6 a x 0.9 a (256 x 1 for the first)" in text
     # 1.25 s over 3 s
     assert "in 42 % of the time" in text
     assert "one cell along and 64 across" in text
     assert "Creep and wear are alone" in text
-    assert "of the time" in caption("effects", dataset.isel(effect=[0, 1]))
-    few = caption("effects", dataset.isel(effect=[0, 2]))
+    assert "of the time" in caption("effect_cost", dataset.isel(effect=[0, 1]))
+    few = caption("effect_cost", dataset.isel(effect=[0, 2]))
     assert "of the time" not in few
     assert "Creep and wear" not in few
     assert "Yield is alone" not in few

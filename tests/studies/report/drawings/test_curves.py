@@ -5,7 +5,7 @@ import xarray as xr
 
 from studies.model.outcome import CaseStatus
 from studies.registry import load_drawing
-from studies.report.formatting import percent
+from studies.report.style import percent
 from tests.studies.report.drawings.drawn import curves, findings, named, numbered, panels, same
 
 PADDINGS = ["zero", "duplicated", "superposed", "circular", "exact"]
@@ -22,8 +22,8 @@ def test_errors_stand_over_the_period_beside_the_law_of_windows_beyond_the_conta
     dataset["axis_pressure_error"] *= -1
     peak, largest = (curves(ax) for ax in panels("period", dataset))
     stored = dataset.isel(grid=-1, images=-1)
-    # after each of the three windows its law: a^2 / (8 D^2) where D = L, 7.5 L and 7.5 L, beyond the contact
-    laws = [peak.pop(place) for place in (2, 3, 4)]
+    # then the law of each of the three windows: a^2 / (8 D^2) where D = L, 7.5 L and 7.5 L, beyond the contact
+    laws, peak = peak[5:], peak[:5]
     assert same(laws[0], [1.2, 4.8], [1 / (8 * 1.2**2), 1 / (8 * 4.8**2)])
     for law in laws[1:]:
         assert same(law, PERIODS, 1 / (8 * (7.5 * PERIODS) ** 2))

@@ -5,9 +5,9 @@ import pytest
 import xarray as xr
 
 import contactstudy as cs
-from studies.definitions.periodicity.paper import CELLS
+from studies.definitions.line_contact import POINT_CELLS as CELLS
 from studies.model.outcome import CaseStatus
-from studies.report.formatting import percent
+from studies.report.style import percent
 from tests.studies.report.drawings.drawn import (
     bands,
     caption,

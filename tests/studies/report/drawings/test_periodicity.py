@@ -6,7 +6,8 @@ import xarray as xr
 from studies.engine.run import run
 from studies.model.drawing import Table
 from studies.registry import load
-from studies.report.drawings.periodicity import grid, images, padding, paper, period
+from studies.report.drawings import paper
+from studies.report.drawings.line_contact import grid, images, padding, period, price_table
 from studies.store.netcdf import read
 from tests.studies.conftest import quiet
 
@@ -22,7 +23,7 @@ def test_findings_are_silent_where_the_sweeps_cannot_speak(tmp_path: Path) -> No
     assert images.findings(swept("images", tmp_path, images="0", period="2.4", grid="16")) == ()
     assert period.findings(swept("period", tmp_path, period="2.4", grid="16")) == ()
     assert grid.findings(swept("grid", tmp_path, grid="16,24")) == ()
-    assert padding.price_table(sweep).rows[-1][2].startswith("none stored")
+    assert price_table(sweep).rows[-1][2].startswith("none stored")
 
 
 def test_the_n_that_meets_a_target_is_the_least_from_which_on_all_do(tmp_path: Path) -> None:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from studies.definitions.effects.plastic import REFERENCE
-from studies.report.formatting import percent
+from studies.definitions.plastic import REFERENCE
+from studies.report.style import percent
 from tests.studies.report.drawings.drawn import (
     bands,
     caption,

@@ -10,9 +10,8 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.domain.checks import whole
 from contactstudy.domain.fields import Array
-from studies.definitions.evolution_case import EvolutionCase
 from studies.model.axis import Axis, one_of
-from studies.model.case import number
+from studies.model.case import EvolutionCase, number
 from studies.model.study import Point
 
 RADIUS, HALF_WIDTH = 1.0, 0.1

@@ -14,8 +14,8 @@ from contactstudy.domain.checks import in_range, positive, whole
 from contactstudy.domain.device import Device, using
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.elasticity.transforms import transforms
-from studies.definitions.cost import solvers
-from studies.definitions.cost.peak_memory import ENOUGH, peak_bytes
+from studies.definitions import solvers
+from studies.definitions.solvers import ENOUGH, peak_bytes
 from studies.model.axis import Axis, one_of
 from studies.model.case import Case, contact_share, number
 from studies.model.study import Point

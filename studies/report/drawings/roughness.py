@@ -1,5 +1,6 @@
 """What the study of rough surfaces shows and says, from its stored data alone."""
 
+from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -9,8 +10,16 @@ from matplotlib.axes import Axes
 from contactstudy.analytic import truncation_error
 from studies.model.drawing import CaptionedFigure, Finding
 from studies.reference.line_contact import covers, padding_at
-from studies.report.formatting import paddings, percent, setting_label
-from studies.report.style import LAW_STYLE, add_legend, padding_style, panels
+from studies.report.style import (
+    COLORS,
+    LAW_STYLE,
+    add_legend,
+    padding_style,
+    paddings,
+    panels,
+    percent,
+    setting_label,
+)
 
 
 def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
@@ -19,7 +28,6 @@ def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     return _shift(finest.sel(padding="exact")), _paddings(finest), _law(finest)
 
 
-COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00")
 LINES = ("-", "--", "-.", ":")
 
 
@@ -34,8 +42,8 @@ def _shift(dataset: xr.Dataset) -> CaptionedFigure:
     }
     fig, axes = panels(len(labels), columns=2, width=3.6, height=2.7)
     for ax, (variable, label) in zip(axes, labels.items(), strict=True):
-        for peklenik, color in zip(dataset["peklenik"].values, COLORS, strict=False):
-            for hurst, line in zip(dataset["hurst"].values, LINES, strict=False):
+        for peklenik, color in zip(dataset["peklenik"].values, cycle(COLORS), strict=False):
+            for hurst, line in zip(dataset["hurst"].values, cycle(LINES), strict=False):
                 one = dataset[variable].sel(peklenik=peklenik, hurst=hurst)
                 style = {"color": color, "linestyle": line}
                 _over_rms(ax, one, f"lay {peklenik:g}, H = {hurst:g}", **style)

@@ -11,9 +11,8 @@ import contactstudy as cs
 from contactstudy.accuracy.contact_edge import half_widths
 from contactstudy.domain.checks import non_negative, positive, whole
 from contactstudy.domain.fields import Array
-from studies.definitions.evolution_case import EvolutionCase
 from studies.model.axis import Axis
-from studies.model.case import number
+from studies.model.case import EvolutionCase, number
 from studies.model.study import Point
 
 # Hertz's half-width and the yield stress are 1.

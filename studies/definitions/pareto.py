@@ -7,7 +7,7 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.accuracy.contact_edge import corrected_pressure
-from studies.definitions.cost.solvers import SOLVERS
+from studies.definitions.solvers import SOLVERS
 from studies.model.axis import Axis, one_of
 from studies.model.case import Case, number
 from studies.model.study import Point

@@ -1,6 +1,7 @@
 """Time, iterations, convolutions and memory of both solvers against the grid."""
 
-from collections.abc import Mapping
+import tracemalloc
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from math import prod
 
@@ -8,7 +9,6 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.domain.checks import whole
-from studies.definitions.cost.peak_memory import ENOUGH, peak_bytes
 from studies.model.axis import Axis, one_of
 from studies.model.case import Case, contact_share, number
 from studies.model.study import Point
@@ -58,3 +58,17 @@ def measures(case: Case, result: cs.Solution) -> Mapping[str, xr.Variable]:
             peak / (8 * prod(case.grid.cells)), "peak memory of a solve over that of one field"
         ),
     }
+
+
+# Iterations after which a solve holds no more than before: all its fields are there after the second.
+ENOUGH = 3
+
+
+def peak_bytes(compute: Callable[[], object]) -> int:
+    """Bytes that ``compute`` holds at the most, of what Python and numpy take."""
+    tracemalloc.start()
+    try:
+        compute()
+        return tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()

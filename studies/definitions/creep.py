@@ -8,9 +8,8 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.domain.checks import whole
-from studies.definitions.evolution_case import EvolutionCase
 from studies.model.axis import Axis
-from studies.model.case import number
+from studies.model.case import EvolutionCase, number
 from studies.model.study import Point
 
 # In units of the half-width of a sudden load, of E* of a sudden load and of the time of creep, a tenth each.

@@ -10,10 +10,9 @@ from contactstudy.domain.checks import whole
 from contactstudy.problem.problem import Sheared
 from contactstudy.scene.coated import CoatedHalfSpace
 from contactstudy.scene.friction import Sliding
-from studies.definitions.cost.peak_memory import peak_bytes
-from studies.definitions.evolution_case import EvolutionCase
+from studies.definitions.solvers import peak_bytes
 from studies.model.axis import Axis, one_of
-from studies.model.case import Case, Computation, contact_share
+from studies.model.case import Case, Computation, EvolutionCase, contact_share
 from studies.model.study import Point
 from studies.reference.line_contact import FLATTENING, HERTZ, SCENE, STEEL
 

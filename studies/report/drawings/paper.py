@@ -6,11 +6,18 @@ import numpy as np
 import xarray as xr
 
 import contactstudy as cs
-from studies.definitions.periodicity.paper import CELLS
+from studies.definitions.line_contact import POINT_CELLS
 from studies.model.drawing import CaptionedFigure, Table
 from studies.reference.line_contact import COUNTS_IMAGES
-from studies.report.formatting import paddings, percent, setting_label
-from studies.report.style import LAW_STYLE, add_legend, padding_style, panels
+from studies.report.style import (
+    LAW_STYLE,
+    add_legend,
+    padding_style,
+    paddings,
+    panels,
+    percent,
+    setting_label,
+)
 
 TITLES = {"x": "across the contact", "y": "along the length"}
 
@@ -45,7 +52,7 @@ def _displacement(dataset: xr.Dataset) -> CaptionedFigure:
         one = dataset.sel(padding=name).isel(images=-1)
         across, along = one["displacement_x"], one["displacement_y"]
         words.append(
-            f"With {name} padding it is {float(across[CELLS // 2]):.4f} at the centre, "
+            f"With {name} padding it is {float(across[POINT_CELLS // 2]):.4f} at the centre, "
             f"{float(across[0]):.4f} at the edge across and {float(along[0]):.4f} at the edge along: "
             + said[name]
         )
@@ -53,7 +60,7 @@ def _displacement(dataset: xr.Dataset) -> CaptionedFigure:
         "displacement",
         fig,
         "The paper's Fig. 4. Displacement under a semi-elliptic pressure of radius a that repeats every "
-        f"3a along the length ({CELLS} x {CELLS} cells). " + " ".join(words),
+        f"3a along the length ({POINT_CELLS} x {POINT_CELLS} cells). " + " ".join(words),
     )
 
 

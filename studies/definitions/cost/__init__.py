@@ -1,1 +1,0 @@
-"""Studies of time, memory and their trade against accuracy."""

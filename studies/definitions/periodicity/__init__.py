@@ -1,1 +1,0 @@
-"""Studies of periodicity, padding and discretisation."""

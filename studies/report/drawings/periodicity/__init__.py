@@ -1,1 +1,0 @@
-"""Drawings of the studies of periodicity, padding and discretisation."""

@@ -1,0 +1,363 @@
+"""Drawings of the studies of trust: hard cases, bounds beside true errors."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+
+from studies.definitions.accuracy import KINDS, METRICS
+from studies.definitions.stability import VERDICTS
+from studies.model.drawing import CaptionedFigure, Drawing, Finding, Table
+from studies.reference.hard_case import SOLVERS
+from studies.reference.hard_cases import CASES, GROUPS
+from studies.report.style import (
+    COLORS,
+    LAW_STYLE,
+    add_legend,
+    padding_style,
+    paddings,
+    panels,
+    percent,
+)
+
+# stability
+
+
+SOLVER_COLORS = dict(zip(SOLVERS, COLORS, strict=False))
+SHOWN = 1e-17  # where an error of zero is drawn
+
+
+def _stability_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
+    """A row for each case: every error, and the largest stated."""
+    names = [str(name) for name in dataset["case"].values]
+    fig, (ax,) = panels(1, width=8.5, height=1.2 + 0.19 * len(names))
+    right = dataset["verdict"] == VERDICTS.index("within_stated_error")
+    rows = np.arange(len(names))
+    for solver in (str(name) for name in dataset["solver"].values):
+        one = dataset.sel(solver=solver)
+        errors = one["pressure_error"].where(right.sel(solver=solver)).values
+        shown = np.maximum(errors, SHOWN)
+        offset = 0.15 if solver == "Polonsky-Keer" else -0.15
+        ax.plot(
+            shown.ravel(), np.repeat(rows + offset, shown.shape[1]), ".", ms=4,
+            color=SOLVER_COLORS[solver], label=f"error, {solver}",
+        )  # fmt: skip
+    stated = dataset["stated_error"].where(right).max(("padding", "solver")).values
+    ax.plot(stated, rows, "|", ms=9, color="black", label="largest error stated")
+    for row, name in enumerate(names):
+        if not right.sel(case=name).any():
+            ax.text(1e-16, row, ends_of(dataset, name), va="center", fontsize="x-small")
+    ax.set_xscale("log")
+    ax.set_yticks(rows, names, fontsize="x-small")
+    ax.set(ylim=(len(names) - 0.5, -0.5), xlabel="largest pressure error / peak pressure")
+    add_legend(fig)
+    return (CaptionedFigure("stability", fig, _stability_caption(dataset)),)
+
+
+def _stability_caption(dataset: xr.Dataset) -> str:
+    counts = {
+        name: int((dataset["verdict"] == number).sum()) for number, name in enumerate(VERDICTS)
+    }
+    groups = [
+        group
+        for group in GROUPS
+        if any(CASES[str(n)].group == group for n in dataset["case"].values if str(n) in CASES)
+    ]
+    return (
+        f"{dataset.sizes['case']} hard cases ({', '.join(groups)}), each with {dataset.sizes['padding']} "
+        f"paddings and {dataset.sizes['solver']} solvers. {counts['within_stated_error']} solves have an error "
+        f"within the stated one, {counts['explained_by_status']} ended with a status that explains why there "
+        f"is no answer, and {counts['wrong']} did neither. The reference answer comes from a dense matrix, built "
+        "pair by pair without transforms, whose contact sets are found by pivoting, or from an equivalent "
+        "form of the same contact (other units, shifted, mirrored, over two periods). The stated error is the "
+        "remaining violation of the contact conditions times the largest compliance of a wave in "
+        "the contact. Errors of exactly zero are drawn at the left end."
+    )
+
+
+def ends_of(dataset: xr.Dataset, case: str) -> str:
+    """The statuses a case ended in, most frequent first, and how many iterations that took at most."""
+    one = dataset.sel(case=case)
+    applies = one["verdict"].values != VERDICTS.index("not_applicable")
+    meanings = str(dataset["solver_status"].attrs["flag_meanings"]).split()
+    ends, counts = np.unique(one["solver_status"].values[applies].astype(int), return_counts=True)
+    names = [meanings[end].replace("_", " ") for end in ends[np.argsort(-counts)]]
+    return f"{', '.join(names)}; up to {int(one['iterations'].values[applies].max())} iterations"
+
+
+def _stability_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
+    """Whether every case ended within its stated error or with a status that explains why not."""
+    return (_hard_cases(dataset),) if dataset.sizes["case"] == len(CASES) else ()
+
+
+def _hard_cases(dataset: xr.Dataset) -> Finding:
+    counts = [int((dataset["verdict"] == number).sum()) for number in range(len(VERDICTS))]
+    right, said, wrong, _ = counts
+    ended = dataset["verdict"] == VERDICTS.index("within_stated_error")
+    share = (dataset["pressure_error"] / dataset["stated_error"]).where(ended)
+    claim = "Hard cases end with an error within the stated one, or with a status that explains why there is no answer."
+    if wrong:
+        claim = "Some hard cases end neither within the stated error nor with a status that explains why."
+    return Finding(
+        claim,
+        f"{dataset.sizes['case']} difficult contacts were solved with {dataset.sizes['padding']} paddings and "
+        f"{dataset.sizes['solver']} solvers, where the combination applies: {right} solves have an error within "
+        f"the one stated for them, {said} end with a status that explains why there is no answer, and {wrong} do "
+        f"neither. The median error is {percent(share.median())} of the stated error, the largest "
+        f"{percent(share.max())}.",
+        "Is it stable?",
+    )
+
+
+def _stability_tables(dataset: xr.Dataset) -> tuple[Table, ...]:
+    """What was hard, how it ended, and the errors, over all paddings and solvers."""
+    rows = []
+    for name in (str(one) for one in dataset["case"].values):
+        one = dataset.sel(case=name)
+        applies = one.where(one["verdict"] != VERDICTS.index("not_applicable"))
+        right = one["verdict"] == VERDICTS.index("within_stated_error")
+        error, stated = (
+            f"{float(one[which].where(right).max()):.0e}" if right.any() else "none"
+            for which in ("pressure_error", "stated_error")
+        )
+        worst = VERDICTS[int(applies["verdict"].max())].replace("_", " ")
+        hard = CASES[name].hard if name in CASES else ""
+        rows.append((name, hard, ends_of(dataset, name), error, stated, worst))
+    table = Table(
+        "Hard cases, over all paddings and both solvers: the statuses, the largest error of the pressure "
+        "relative to its maximum, the largest stated error, and the worst verdict of all solves.",
+        ("case", "difficulty", "statuses", "error", "stated error", "verdict"),
+        tuple(rows),
+    )
+    return (table,)
+
+
+stability = Drawing(_stability_figures, _stability_findings, _stability_tables)
+
+
+# accuracy
+
+
+LABELS = {
+    "l1": "pressure in L1",
+    "peak_pressure": "peak pressure",
+    "contact_area": "contact area",
+    "mean_gap": "mean gap",
+}
+# Those that the promise is about; the mean gap's bound is meant to hold, not to be narrow.
+PROMISED = ("l1", "peak_pressure", "contact_area")
+SMALLEST = 1e-7  # where errors of nothing are drawn
+
+
+def _accuracy_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
+    """Bound against true error, a panel for each quantity and a colour for each kind of surface."""
+    fig, axes = panels(len(PROMISED), columns=3, width=3.6, height=3.6)
+    kinds = dataset["kind"].values.astype(int)
+    for ax, metric in zip(axes, PROMISED, strict=True):
+        error, bound = _pairs(dataset, metric)
+        for kind in np.unique(kinds):
+            own = (kinds == kind) & np.isfinite(bound) & np.isfinite(error)
+            ax.loglog(
+                np.maximum(error[own], SMALLEST), np.maximum(bound[own], SMALLEST), ls="none", ms=4,
+                color=f"C{kind % 10}", marker="ox^sv"[kind // 10 % 5], alpha=0.7, label=KINDS[kind],
+            )  # fmt: skip
+        span = np.array([SMALLEST, 2.0])
+        ax.loglog(span, span, label="bound = error", **LAW_STYLE)
+        ax.set(title=LABELS[metric], xlabel="true relative error", ylabel="bound")
+    add_legend(fig)
+    return (CaptionedFigure("accuracy", fig, _accuracy_caption(dataset)),)
+
+
+def _accuracy_caption(dataset: xr.Dataset) -> str:
+    missing = int((~np.isfinite(dataset["peak_pressure_bound"])).sum())
+    return (
+        f"Bounds beside true errors of {dataset.sizes['case']} contacts. The truth is a closed form or a grid 4 to 200 "
+        "times finer; pressures are compared as cell means. Marks on or above the line are bounded. Not drawn are "
+        f"infinite bounds ({missing} of the peak pressure), which come with a reason."
+    )
+
+
+def _accuracy_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
+    """How far an answer can be trusted, on every kind of surface."""
+    parts, lowest = [], 1.0
+    for metric in PROMISED:
+        held, median, missing = _summary(*_pairs(dataset, metric))
+        lowest = min(lowest, held)
+        parts.append(
+            f"{LABELS[metric]}: {100 * held:.1f} % bounded, in the median {median:.2g} times too large, "
+            f"{missing} without a bound"
+        )
+    silent = int(dataset["silent"].sum())
+    return (
+        Finding(
+            f"The error bound holds in {100 * lowest:.1f} % of {dataset.sizes['case']} contacts of every kind, or says "
+            "why there is none.",
+            f"{'; '.join(parts)}. {silent} bounds are missing without a reason. A bound is missing where "
+            "the pressure at a sharp edge is infinite, and where the grid does not show the surface.",
+            "How far to trust an answer?",
+        ),
+    )
+
+
+def _accuracy_tables(dataset: xr.Dataset) -> tuple[Table, ...]:
+    """By kind of surface, and every miss."""
+    kinds = dataset["kind"].values.astype(int)
+    rows, misses = [], []
+    for kind in np.unique(kinds):
+        row = [KINDS[kind], str(int((kinds == kind).sum()))]
+        for metric in PROMISED:
+            error, bound = _pairs(dataset, metric)
+            held, median, missing = _summary(error[kinds == kind], bound[kinds == kind])
+            row += [f"{100 * held:.1f} %", f"{median:.2g}", str(missing)]
+        rows.append(tuple(row))
+    for metric in METRICS:
+        error, bound = _pairs(dataset, metric)
+        misses += [
+            (str(name), LABELS[metric], f"{true:.2g}", f"{said:.2g}")
+            for name, true, said in zip(dataset["case"].values, error, bound, strict=True)
+            if said < true
+        ]
+    heads = [
+        f"{LABELS[metric]}: {what}"
+        for metric in PROMISED
+        for what in ("bounded", "median ratio", "no bound")
+    ]
+    return (
+        Table(
+            "Bounds by kind of surface: the share of cases whose bound is no smaller than the error, how many times "
+            "larger it is in the median where it is finite, and how many cases have no bound and say why.",
+            ("surface", "cases", *heads),
+            tuple(rows),
+        ),
+        Table(
+            "Every case whose error is larger than its bound.",
+            ("case", "quantity", "true error", "bound"),
+            tuple(misses),
+        ),
+    )
+
+
+def _pairs(dataset: xr.Dataset, metric: str) -> tuple[np.ndarray, np.ndarray]:
+    """True errors, nan where they are not known, and bounds."""
+    error = dataset[f"{metric}_error"].values.astype(float)
+    return np.where(error < 0, np.nan, error), dataset[f"{metric}_bound"].values.astype(float)
+
+
+def _summary(error: np.ndarray, bound: np.ndarray) -> tuple[float, float, int]:
+    """The share that is bounded, the median of bound over error, and how many have no bound."""
+    known = ~np.isnan(error)
+    error, bound = error[known], bound[known]
+    finite = np.isfinite(bound) & (error > 0)
+    held = float((bound >= error).mean()) if error.size else 1.0
+    median = float(np.median(bound[finite] / error[finite])) if finite.any() else np.inf
+    return held, median, int((~np.isfinite(bound)).sum())
+
+
+accuracy = Drawing(_accuracy_figures, _accuracy_findings, _accuracy_tables)
+
+
+# Error estimates of all sweeps
+
+# estimate, error, and the name of what both are of
+ESTIMATES = {
+    "peak_pressure_estimate": ("peak_pressure_error", "peak pressure"),
+    "pressure_l1_estimate": ("pressure_error_l1", "pressure in L1"),
+}
+CAUSES = "truncation", "discretisation", "residual"
+LARGE = 5  # times the true error: limit for the median estimate
+
+
+def sweeps_with_estimates(stored: Mapping[str, xr.Dataset]) -> Mapping[str, xr.Dataset]:
+    """The sweeps that hold both an estimate and a true error, by name."""
+    wanted = {"padding"} | set(ESTIMATES) | {error for error, _ in ESTIMATES.values()}
+    return {name: dataset for name, dataset in stored.items() if wanted <= set(dataset.variables)}
+
+
+def estimated_cases(stored: Mapping[str, xr.Dataset], estimate: str) -> xr.Dataset:
+    """Every distinct case as a flat list of ``error``, ``estimate``, its parts and ``padding``."""
+    error, _ = ESTIMATES[estimate]
+    parts = [f"{estimate}_{cause}" for cause in CAUSES]
+    rows: dict[tuple[object, ...], None] = {}  # a set that keeps its order
+    for dataset in stored.values():
+        for name in paddings(dataset):
+            one = dataset.sel(padding=name)
+            columns = [one[variable].values.ravel() for variable in (error, estimate, *parts)]
+            rows.update({(name, *map(float, row)): None for row in zip(*columns, strict=True)})
+    names, numbers = [row[0] for row in rows], np.array([row[1:] for row in rows], dtype=float)
+    numbers = np.abs(numbers)  # an error has a sign
+    there = np.isfinite(numbers).all(axis=1) & (numbers[:, 0] > 0)
+    labels = ("error", "estimate", *CAUSES)
+    flat = {label: ("case", column[there]) for label, column in zip(labels, numbers.T, strict=True)}
+    return xr.Dataset(flat | {"padding": ("case", np.array(names)[there])})
+
+
+def estimates_figure(stored: Mapping[str, xr.Dataset]) -> CaptionedFigure:
+    """Estimate against true error, a panel for each metric."""
+    fig, axes = panels(len(ESTIMATES), width=4.4, height=3.8)
+    for ax, (estimate, (_, label)) in zip(axes, ESTIMATES.items(), strict=True):
+        flat = estimated_cases(stored, estimate)
+        for name in dict.fromkeys(flat["padding"].values.tolist()):
+            own = flat.where(flat["padding"] == name, drop=True)
+            style = padding_style(name) | {"linestyle": "none", "alpha": 0.6, "markersize": 4}
+            ax.loglog(own["error"], own["estimate"], label=name, **style)
+        span = np.array([flat["error"].min(), flat["error"].max()])
+        ax.loglog(span, span, label="estimate = error", **LAW_STYLE | {"linestyle": "-"})
+        ax.loglog(span, LARGE * span, label=f"{LARGE} times the error", **LAW_STYLE)
+        ax.set(title=label, xlabel="true relative error", ylabel="estimated relative error")
+    add_legend(fig)
+    return CaptionedFigure(
+        "estimates",
+        fig,
+        "Estimated error against true error (from Hertz) for every distinct case of the sweeps. At marks on "
+        "or above the line the estimate bounds the error. Marks far above the line are cases in which two "
+        "errors happen to cancel; no estimate can predict this.",
+    )
+
+
+def estimates_table(stored: Mapping[str, xr.Dataset]) -> Table:
+    """How often an estimate bounds its error, how large it is beside it, and what it is made of."""
+    rows = []
+    for estimate, (_, label) in ESTIMATES.items():
+        flat = estimated_cases(stored, estimate)
+        for name in dict.fromkeys(flat["padding"].values.tolist()):
+            own = flat.where(flat["padding"] == name, drop=True)
+            ratio = own["estimate"] / own["error"]
+            shares = [float((own[cause] / own["estimate"]).median()) for cause in CAUSES]
+            rows.append(
+                (
+                    label,
+                    name,
+                    str(own.sizes["case"]),
+                    f"{100 * float((ratio >= 1).mean()):.0f} %",
+                    f"{float(ratio.median()):.2g}",
+                    f"{float(ratio.quantile(0.9)):.2g}",
+                    *(f"{100 * share:.0f} %" for share in shares),
+                )
+            )
+    return Table(
+        "Error estimates compared with true errors: the share of cases in which the estimate bounds the error, "
+        "the median and the 90 % quantile of estimate over error, and the causes of the estimate.",
+        (
+            "error of the", "padding", "cases", "bounded", "median ratio", "90 % below",
+            *(f"share of {cause}" for cause in CAUSES),
+        ),
+        tuple(rows),
+    )  # fmt: skip
+
+
+def estimates_finding(stored: Mapping[str, xr.Dataset]) -> Finding:
+    """How far the estimates can be trusted."""
+    flats = [estimated_cases(stored, estimate) for estimate in ESTIMATES]
+    ratios = [flat["estimate"] / flat["error"] for flat in flats]
+    bounded = [float((ratio >= 1).mean()) for ratio in ratios]
+    facts = " and ".join(
+        f"{label} by a factor of {float(ratio.median()):.2g}"
+        for (_, label), ratio in zip(ESTIMATES.values(), ratios, strict=True)
+    )
+    return Finding(
+        f"The error estimate bounds the true error in {100 * min(bounded):.0f} % of "
+        f"{max(ratio.sizes['case'] for ratio in ratios)} cases.",
+        f"Its median exceeds the error of the {facts}. It is computed from the solution alone and split by "
+        "cause: truncation, discretisation and residual.",
+        "How reliable is an error estimate?",
+    )

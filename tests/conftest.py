@@ -1,13 +1,53 @@
-"""A smooth line contact that many tests share, and random examples that are the same on every machine."""
+"""The two tiers of tests, a smooth line contact that many share, and random examples that are always the same.
+
+``pytest`` runs the default tier: every promise once. It leaves out tests marked ``whole``, and of a test with more than
+six cases it runs six, from the first to the last. ``pytest --whole`` runs all, and so does a test that is named:
+``pytest tests/test_x.py::test_y``.
+"""
 
 import os
 import signal
+from collections import defaultdict
 from dataclasses import dataclass
 
 import pytest
 from hypothesis import HealthCheck, settings
 
 import contactstudy as cs
+
+MOST_CASES = 6  # of one test in the default tier
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--whole", action="store_true", help="run all tests, also the slow and the repeated ones"
+    )
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.addinivalue_line(
+        "markers", "whole: runs with --whole, or where it is named on the command line"
+    )
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    if config.getoption("--whole") or any("::" in word for word in config.args):
+        return
+    cases: dict[str, list[pytest.Item]] = defaultdict(list)
+    for item in items:
+        if item.get_closest_marker("whole") is None:
+            cases[item.nodeid.partition("[")[0]].append(item)
+    chosen = {id(item) for several in cases.values() for item in spread(several, MOST_CASES)}
+    config.hook.pytest_deselected(items=[item for item in items if id(item) not in chosen])
+    items[:] = [item for item in items if id(item) in chosen]
+
+
+def spread(cases: list[pytest.Item], most: int) -> list[pytest.Item]:
+    """At most so many cases, evenly from the first to the last."""
+    if len(cases) <= most:
+        return cases
+    return [cases[round(k * (len(cases) - 1) / (most - 1))] for k in range(most)]
+
 
 # No clock decides. HYPOTHESIS_PROFILE=random looks for new examples.
 steady = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])

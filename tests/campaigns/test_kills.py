@@ -75,6 +75,7 @@ def examine(folder: Path) -> None:
     assert (folder / "victim" / "squares.png").is_file()
 
 
+@pytest.mark.whole
 @pytest.mark.parametrize(
     ("target", "number", "phase", "count", "workers"),
     KILLS,

@@ -33,7 +33,17 @@ class CoverageRecord:
         if self._outcomes.exists():
             return
         self.folder.mkdir(parents=True, exist_ok=True)
-        command = [sys.executable, "-m", "pytest", "-q", "-n", str(jobs), "-p", "no:cacheprovider"]
+        command = [
+            sys.executable,
+            "-m",
+            "pytest",
+            "-q",
+            "-n",
+            str(jobs),
+            "--whole",
+            "-p",
+            "no:cacheprovider",
+        ]
         measured = ["--cov=contactstudy", "--cov=studies", "--cov-context=test", "--cov-report="]
         environment = os.environ | {"PYTHONPATH": str(copy), "COVERAGE_FILE": str(self._lines)}
         subprocess.run(

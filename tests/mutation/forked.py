@@ -99,6 +99,15 @@ def _run(tests: list[str], without: set[str], copy: Path) -> str:
         os.dup2(silent, stream)
     chosen = _Chosen(tests, without)
     files = list(dict.fromkeys(test.partition("::")[0] for test in tests))
-    options = ["-x", "-p", "no:cacheprovider", "-W", "ignore::pytest.PytestAssertRewriteWarning"]
+    options = [
+        "-x",
+        "-n",
+        "0",
+        "--whole",
+        "-p",
+        "no:cacheprovider",
+        "-W",
+        "ignore::pytest.PytestAssertRewriteWarning",
+    ]
     code = pytest.main([*options, *files], plugins=[chosen])
     return chosen.failed or ("" if code in (0, 5) else tests[0])

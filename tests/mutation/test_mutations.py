@@ -80,6 +80,7 @@ if __name__ == "__main__":
 """
 
 
+@pytest.mark.whole
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs forks")
 def test_a_change_is_noticed_by_a_test_that_is_green_without_it(tmp_path: Path) -> None:
     for name, text in (

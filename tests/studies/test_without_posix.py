@@ -65,6 +65,7 @@ print(json.dumps(found | {"said": [str(line) for line in said]}))
 """
 
 
+@pytest.mark.whole
 @pytest.mark.skipif(sys.platform == "win32", reason="there all tests are this one")
 def test_a_study_runs_goes_on_and_labels_its_failures_without_posix(tmp_path: Path) -> None:
     done = subprocess.run(

@@ -155,6 +155,7 @@ def test_a_cylinder_at_three_times_yield_has_the_numbers_of_finite_elements() ->
     np.testing.assert_allclose(shape, expected, atol=1e-2)
 
 
+@pytest.mark.whole
 def test_steps_and_cells_without_end_give_the_numbers_of_the_extrapolation() -> None:
     """First order in steps, second in cells; tolerances are the uncertainty of the reference numbers."""
     coarse, fine = measures(cycle(0.1, 8)), measures(cycle(0.05, 8))
@@ -343,6 +344,7 @@ def test_a_march_goes_on_from_its_folder(tmp_path: Path) -> None:
         np.testing.assert_array_equal(first[name], second[name])
 
 
+@pytest.mark.whole
 def test_a_march_goes_on_in_the_volume_to_which_it_had_grown(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

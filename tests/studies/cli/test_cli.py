@@ -178,6 +178,7 @@ def invoke(*words: str) -> Result:
     return CliRunner().invoke(cli, ["run", *words], catch_exceptions=False)
 
 
+@pytest.mark.whole
 def test_options_of_a_run_do_what_they_say(tmp_path: Path) -> None:
     here = ["period", *FEW, "--out", str(tmp_path)]
     dry = invoke(*here, "--grid", "16,24", "--dry-run")

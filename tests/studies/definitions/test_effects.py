@@ -1,6 +1,7 @@
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 import contactstudy as cs
 from studies.definitions.effect_cost import P_H, SCENES, YIELD, scene_at
@@ -39,6 +40,7 @@ def test_the_row_of_yield_yields_on_a_quarter_of_the_cells() -> None:
     assert full.peak_pressure < P_H
 
 
+@pytest.mark.whole
 def test_every_effect_counts_and_is_shown(tmp_path: Path) -> None:
     study = load("effect_cost").override({"grid": "256"})
     dataset = run(study, tmp_path, workers=0, repeats=1, log=quiet).isel(grid=0)

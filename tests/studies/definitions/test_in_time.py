@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from studies.engine.run import run
 from studies.registry import load, load_drawing
@@ -28,6 +29,7 @@ def test_the_error_of_creep_falls_with_the_steps_under_its_estimate(tmp_path: Pa
     assert load_drawing("creep").findings(dataset)
 
 
+@pytest.mark.whole
 def test_explicit_wear_breaks_before_its_limit_and_implicit_never(tmp_path: Path) -> None:
     study = load("wear").override({"steps": "16,32,128"})
     stored = run(study, tmp_path, workers=0, repeats=1, log=quiet)

@@ -149,6 +149,7 @@ def test_a_point_that_cannot_be_is_refused(axis: str, values: str, message: str)
         load("roughness").override({axis: values}).cases()
 
 
+@pytest.mark.whole
 @pytest.mark.parametrize("rms", ["0", "0.1"])
 def test_figures_can_be_drawn_of_one_surface(rms: str, tmp_path: Path) -> None:
     one = {"rms": rms, "hurst": "0.8", "peklenik": "1", "seed": "1", "images": "0", "grid": "40"}

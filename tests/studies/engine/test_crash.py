@@ -150,6 +150,7 @@ def other_measures(case: Trouble, result: float) -> dict[str, float]:
     return {"square": 2 * result}
 
 
+@pytest.mark.whole
 def test_a_changed_measure_scene_or_version_is_said_and_not_mixed_in(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

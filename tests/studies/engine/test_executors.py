@@ -62,6 +62,7 @@ def test_processes_label_four_troubles_among_twenty(tmp_path: Path) -> None:
     examine(run(trouble.study(), tmp_path, options=settings, log=quiet))
 
 
+@pytest.mark.whole
 def test_a_crew_goes_from_study_to_study_and_outlives_their_troubles(tmp_path: Path) -> None:
     """Its processes stay, take the measures of each study, and end with it."""
     found: dict[int, Outcome] = {}
@@ -81,6 +82,7 @@ def test_a_crew_goes_from_study_to_study_and_outlives_their_troubles(tmp_path: P
         assert not psutil.pid_exists(one)
 
 
+@pytest.mark.whole
 def test_a_crew_that_was_stopped_starts_anew() -> None:
     found: dict[int, Outcome] = {}
 
@@ -125,6 +127,7 @@ run(trouble.study(), Path(sys.argv[1]), options=RunOptions(workers=0, time_limit
 """
 
 
+@pytest.mark.whole
 @POSIX
 def test_a_case_that_takes_its_process_down_is_given_its_own_the_next_time(tmp_path: Path) -> None:
     command = [sys.executable, "-c", SCRIPT, str(tmp_path)]

@@ -134,6 +134,7 @@ run(study(sys.argv[1], "run"), Path(sys.argv[2]), options=RunOptions(workers=0, 
 """
 
 
+@pytest.mark.whole
 @POSIX
 @pytest.mark.parametrize("how", ["fork", "fork_of_c", "fork_and_raise"])
 def test_a_case_that_forks_without_workers_does_not_make_two_runs(how: str, tmp_path: Path) -> None:

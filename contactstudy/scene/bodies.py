@@ -13,43 +13,52 @@ from contactstudy.elasticity.coefficients import Coefficients, Displacement
 
 @runtime_checkable
 class Body(Protocol):
-    """One of the two bodies in contact."""
+    """Elastic body, described by the displacement of its surface under pressure."""
 
     @property
     def compliance(self) -> float:
-        """What the body adds to 1/E* [1/Pa]; zero if it is rigid. It sets the scales of a problem."""
+        """Contribution of the body to 1/E* [1/Pa], zero if it is rigid; it sets the scales of a problem."""
         ...
 
     def response(self, datum: float) -> Mapping[Coefficients, float]:
-        """The displacement of its surface [m] under unit pressure: coefficients [m] times weights [1/Pa].
+        """Return the surface displacement under unit pressure: coefficients [m] with their weights [1/Pa].
 
-        Bodies with equal coefficients share their evaluation. ``datum`` [m] is the lateral distance from which
-        displacement is counted, where an infinite row of images leaves that open.
+        Bodies with equal coefficients share their evaluation. Displacement is counted from the lateral distance
+        `datum` [m], where an infinite row of images leaves that open.
         """
         ...
 
 
 @runtime_checkable
 class Homogeneous(Body, Protocol):
-    """A body of one material, whose stress follows from the pressure and Poisson's ratio."""
+    """Body of one material, whose stress follows from the pressure and Poisson's ratio."""
 
     @property
     def youngs_modulus(self) -> float:
-        """[Pa], that for a sudden load if it changes."""
+        """Young's modulus [Pa], for a sudden load if it changes in time."""
         ...
 
     @property
     def poisson_ratio(self) -> float:
-        """Constant in time."""
+        """Poisson's ratio, constant in time."""
         ...
 
 
 @dataclass(frozen=True)
 class HalfSpace:
-    """A homogeneous, isotropic elastic half-space.
+    """Homogeneous, isotropic elastic half-space.
 
-    ``youngs_modulus`` [Pa], above zero; ``math.inf`` is a rigid body. ``poisson_ratio`` from above -1
-    to 0.5 (incompressible). Raises :class:`~contactstudy.InvalidInput` for anything else.
+    Parameters
+    ----------
+    youngs_modulus
+        Young's modulus [Pa], above zero; ``math.inf`` is a rigid body.
+    poisson_ratio
+        Poisson's ratio, above -1 and up to 0.5 (incompressible).
+
+    Raises
+    ------
+    InvalidInput
+        If a number is outside these limits.
     """
 
     youngs_modulus: Pascals
@@ -65,16 +74,19 @@ class HalfSpace:
 
     @property
     def compliance(self) -> float:
-        """(1 - nu^2) / E [1/Pa]."""
+        """Compliance (1 - nu^2) / E [1/Pa]."""
         return (1 - self.poisson_ratio**2) / self.youngs_modulus
 
     def response(self, datum: float) -> Mapping[Coefficients, float]:
-        """Boussinesq's: ``u = (1 - nu^2) / (pi E) sum I p`` (Johnson 1985, eq. 3.22)."""
+        """Return Boussinesq's coefficients and weight, ``u = (1 - nu^2) / (pi E) sum I p`` (Johnson 1985, eq. 3.22)."""
         return {Displacement(datum): self.compliance / math.pi} if self.compliance else {}
 
 
 def poisson_ratio(field: str, value: object) -> float:
-    """``value`` as a ratio from above -1 to 0.5, or :class:`~contactstudy.InvalidInput`."""
+    """Return `value` as a Poisson's ratio above -1 and up to 0.5.
+
+    Raises :class:`~contactstudy.InvalidInput`, which names `field`, for anything else.
+    """
     remedy = "give a ratio above -1 and up to 0.5"
     ratio = finite(field, value, remedy)
     if not -1 < ratio <= 0.5:
@@ -84,49 +96,49 @@ def poisson_ratio(field: str, value: object) -> float:
 
 @runtime_checkable
 class Layered(Protocol):
-    """A body whose compliance depends on how wide the contact is."""
+    """Body whose compliance depends on the width of the contact."""
 
     @property
     def thickness(self) -> float:
-        """Of its coating [m]."""
+        """Thickness of the coating [m]."""
         ...
 
     @property
     def substrate(self) -> HalfSpace:
-        """What its coating is on."""
+        """Half-space below the coating."""
         ...
 
     @property
     def compliance(self) -> float:
-        """That of its coating alone [1/Pa]."""
+        """Compliance of the coating alone [1/Pa]."""
         ...
 
     def compliance_at(self, half_width: float) -> float:
-        """What it adds to 1/E* [1/Pa] in a contact of ``half_width`` [m]."""
+        """Return the contribution to 1/E* [1/Pa] in a contact of `half_width` [m]."""
         ...
 
 
 @runtime_checkable
 class Inelastic(Protocol):
-    """A body that an elastic half-space stands for, as long as nothing has changed."""
+    """Body that responds like an elastic half-space to a first, sudden load."""
 
     @property
     def sudden(self) -> HalfSpace:
-        """The elastic half-space that it is for a first, sudden load."""
+        """Elastic half-space with the same response to a first, sudden load."""
         ...
 
 
 @runtime_checkable
 class Particular(Protocol):
-    """A body that not every scene can have."""
+    """Body that not every scene can have."""
 
     def check(self, scene: "Surroundings") -> None:
-        """Raise :class:`~contactstudy.InvalidInput` for a scene in which it is not defined."""
+        """Raise :class:`~contactstudy.InvalidInput` if the body is not defined in this scene."""
         ...
 
 
 class Surroundings(Protocol):
-    """What such a body asks of a scene."""
+    """Properties of a scene that decide whether a body can be in it."""
 
     @property
     def solids(self) -> tuple[Body, Body]:
@@ -135,25 +147,26 @@ class Surroundings(Protocol):
 
     @property
     def hardness(self) -> float:
-        """[Pa]"""
+        """Hardness [Pa], infinite for none."""
         ...
 
     @property
     def rolling(self) -> object | None:
-        """Whether it rolls."""
+        """Steady rolling, or None."""
         ...
 
 
 def sudden(solids: tuple[Body, Body]) -> tuple[Body, Body]:
-    """The bodies that ``solids`` are for a first, sudden load."""
+    """Return both bodies with each inelastic one replaced by its elastic response to a first, sudden load."""
     first, second = (body.sudden if isinstance(body, Inelastic) else body for body in solids)
     return first, second
 
 
 def contact_modulus(solids: tuple[Body, ...], half_width: float | None = None) -> float:
-    """E* [Pa] of the bodies together: compliances add (Johnson 1985, eq. 4.3).
+    """Return E* [Pa] of the bodies together: compliances add (Johnson 1985, eq. 4.3).
 
-    ``half_width`` [m] is that of the contact, for bodies that are :class:`Layered`.
+    A :class:`Layered` body enters with its compliance at `half_width` [m], or without one as its coating alone.
+    Raises :class:`~contactstudy.InvalidInput` if all bodies are rigid.
     """
     total = sum(
         solid.compliance_at(half_width)
@@ -169,7 +182,7 @@ def contact_modulus(solids: tuple[Body, ...], half_width: float | None = None) -
 
 
 def response(solids: tuple[Body, ...], datum: float) -> Mapping[Coefficients, float]:
-    """The displacements of all bodies together, by their coefficients."""
+    """Return the displacement coefficients of all bodies together, with their summed weights [1/Pa]."""
     total: Counter[Coefficients] = Counter()
     for solid in solids:
         total.update(solid.response(datum))

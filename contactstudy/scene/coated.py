@@ -21,11 +21,19 @@ WAVE = 1.2
 
 @dataclass(frozen=True)
 class CoatedHalfSpace:
-    """A layer of one material bonded to a half-space of another.
+    """Layer of one material, bonded to a half-space of another; the bond neither slips nor opens.
 
-    ``coating`` and ``substrate`` as half-spaces of their materials, ``thickness`` [m] of the coating.
-    The bond neither slips nor opens. Raises :class:`~contactstudy.InvalidInput` for a rigid coating, one
-    more than 1e4 times as stiff as its substrate, or a thickness that is not above zero.
+    Parameters
+    ----------
+    coating, substrate
+        Materials of the layer and of the half-space below it.
+    thickness
+        Thickness of the coating [m], above zero.
+
+    Raises
+    ------
+    InvalidInput
+        If the coating is rigid or more than 1e4 times as stiff as its substrate, or the thickness is not above zero.
     """
 
     coating: HalfSpace
@@ -52,23 +60,23 @@ class CoatedHalfSpace:
 
     @property
     def compliance(self) -> float:
-        """That of the coating alone [1/Pa]: of a contact far narrower than the coating is thick."""
+        """Compliance of the coating alone [1/Pa], felt in contacts far narrower than the coating is thick."""
         return self.coating.compliance
 
     def compliance_at(self, half_width: float) -> float:
-        """What the body adds to 1/E* [1/Pa] in a contact of ``half_width`` [m], about.
+        """Return the approximate contribution [1/Pa] to 1/E* in a contact of `half_width` [m].
 
-        A line contact is as wide as that says within a tenth for moduli a factor of 3 apart, within a quarter
-        for 8. It lies between that of the coating, far below the thickness, and that of the substrate, far above.
+        It lies between that of the coating, far below the thickness, and that of the substrate, far above. The width
+        of a line contact follows from it within a tenth for moduli a factor of 3 apart, within a quarter for 8.
         """
         if self.coating == self.substrate:
             return self.compliance
         k = WAVE * self.thickness / half_width
-        rest = float(np.real(self._layer.rest(np.array([k])))[0])
-        return self.compliance * (1 + self._layer.contrast * math.exp(-2 * k) + rest)
+        remainder = float(np.real(self._layer.rest(np.array([k])))[0])
+        return self.compliance * (1 + self._layer.contrast * math.exp(-2 * k) + remainder)
 
     def response(self, datum: float) -> Mapping[Coefficients, float]:
-        """That of a half-space of the coating's material, and what the substrate below changes."""
+        """Return the coefficients of a half-space of the coating's material, and the change by the substrate."""
         alone = self.coating.response(datum)
         if self.coating == self.substrate:
             return alone

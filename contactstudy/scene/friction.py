@@ -26,74 +26,82 @@ ALIKE = 1e-14
 
 
 class Load(Protocol):
-    """A load per length."""
+    """Load per length, as a friction law reads it."""
 
     @property
     def largest(self) -> float:
-        """[N/m]."""
+        """Largest load [N/m]."""
         ...
 
 
 class Contact(Protocol):
-    """What friction asks of a scene."""
+    """Properties of a scene that a friction law reads."""
 
     @property
     def load(self) -> Load:
-        """Its load."""
+        """Load of the scene."""
         ...
 
     @property
     def solids(self) -> tuple[Body, Body]:
-        """Its bodies."""
+        """Both bodies."""
         ...
 
     @property
     def hardness(self) -> float:
-        """[Pa]."""
+        """Hardness [Pa], infinite for none."""
         ...
 
     @property
     def contact_modulus(self) -> float:
-        """[Pa]."""
+        """Contact modulus E* [Pa]."""
         ...
 
     @property
     def rolling(self) -> object | None:
-        """Whether it rolls."""
+        """Steady rolling, or None."""
         ...
 
     @property
     def changing(self) -> str | None:
-        """A field that changes in time."""
+        """Name of a field that changes in time, or None."""
         ...
 
 
 @runtime_checkable
 class Friction(Protocol):
-    """A value in ``Scene.friction``."""
+    """Friction law, as a value in ``Scene.friction``."""
 
     def check(self, scene: Contact) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` for a scene in which it is not defined."""
+        """Raise :class:`~contactstudy.InvalidInput` if the law is not defined in this scene."""
         ...
 
     def law(
         self, scene: Contact, gap: Array, grid: Grid, paddings: Paddings, datum: float
     ) -> FrictionLaw:
-        """The same for this scene on a grid."""
+        """Return the law for this scene on a grid."""
         ...
 
     def said(self, scene: Contact, *, varies: bool, paddings: Paddings) -> str:
-        """How it is solved and why, in a sentence; ``varies`` along the length or not."""
+        """Return a sentence on how shear is solved and why; `varies` tells whether the gap varies along the length."""
         ...
 
 
 @dataclass(frozen=True)
 class Sliding:
-    """The first body is dragged along +x over its whole contact: shear is ``coefficient`` times pressure.
+    """Full sliding: the first body is dragged along +x, shear is the coefficient times the pressure.
 
-    ``coefficient`` from 0 on, below 1. Bodies that are unlike in shear (Dundurs' beta) press each other
-    asymmetrically; alike ones as without friction. Raises :class:`~contactstudy.InvalidInput` for other
-    coefficients; a scene with it for unlike bodies one of which is coated, and for one that changes in time.
+    Bodies that are unlike in shear (Dundurs' beta) press each other asymmetrically; alike ones as without friction.
+
+    Parameters
+    ----------
+    coefficient
+        Coefficient of friction, from 0 on and below 1.
+
+    Raises
+    ------
+    InvalidInput
+        For other coefficients; in a scene with unlike bodies one of which is coated, or one that changes in time.
     """
 
     coefficient: Number
@@ -102,14 +110,14 @@ class Sliding:
         set_fields(self, coefficient=_coefficient("Sliding", self.coefficient, zero=True))
 
     def check(self, scene: Contact) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` for bodies whose coupling is not known."""
+        """Raise :class:`~contactstudy.InvalidInput` if the coupling of these bodies is not known."""
         _check_still(scene, "Sliding")
         dundurs(scene.solids)
 
     def law(
         self, scene: Contact, gap: Array, grid: Grid, paddings: Paddings, datum: float
     ) -> FullSliding:
-        """With the coupling of these bodies, if they have any."""
+        """Return the law for this scene on a grid, with the coupling of shear and normal displacement if there is any."""
         beta = dundurs(scene.solids)
         if abs(beta) <= ALIKE or self.coefficient == 0:
             return FullSliding(self.coefficient, None)
@@ -119,7 +127,7 @@ class Sliding:
         return FullSliding(self.coefficient, coupling)
 
     def said(self, scene: Contact, *, varies: bool, paddings: Paddings) -> str:
-        """One solve where the bodies are alike in shear, else a sequence of them."""
+        """Return a sentence on the solves: one if the bodies are alike in shear, else a sequence of them."""
         beta = dundurs(scene.solids)
         if abs(beta) <= ALIKE or self.coefficient == 0:
             return (
@@ -134,13 +142,23 @@ class Sliding:
 
 @dataclass(frozen=True)
 class PartialSlip:
-    """Shear that is held back by friction: ``tangential`` [N/m] of contact length along x on the first body.
+    """Partial slip under a tangential force that friction holds back.
 
-    ``coefficient`` above 0 and below 1; ``tangential`` of either sign, less than the coefficient times the
-    load. Pressed first, sheared after, and never unloaded. Solved by Ciavarella and Jaeger's superposition
-    where that is exact (nothing varies along the length, or Poisson's ratio is 0), and else for both
-    components of shear. Raises :class:`~contactstudy.InvalidInput` for other values; a scene with it for
-    bodies that are unlike in shear or coated, a hardness, and one that changes in time.
+    The bodies are pressed first, sheared after, and never unloaded. Shear is found by Ciavarella and Jaeger's
+    superposition where that is exact (nothing varies along the length, or Poisson's ratio is 0), and else for both
+    components of shear.
+
+    Parameters
+    ----------
+    coefficient
+        Coefficient of friction, above 0 and below 1.
+    tangential
+        Force along x on the first body [N/m], of either sign, less than the coefficient times the load.
+
+    Raises
+    ------
+    InvalidInput
+        For other values; in a scene with bodies that are unlike in shear or coated, a hardness, or a change in time.
     """
 
     coefficient: Number
@@ -156,7 +174,7 @@ class PartialSlip:
         )
 
     def check(self, scene: Contact) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` where part of the contact cannot stick, or is not known to."""
+        """Raise :class:`~contactstudy.InvalidInput` if part of the contact cannot stick, or is not known to."""
         _check_still(scene, "PartialSlip")
         if scene.hardness != inf:
             raise InvalidInput(
@@ -184,7 +202,7 @@ class PartialSlip:
     def law(
         self, scene: Contact, gap: Array, grid: Grid, paddings: Paddings, datum: float
     ) -> Superposed | CoulombDisks:
-        """Superposition where it is exact for this gap, else the problem of two components."""
+        """Return superposition where it is exact for this gap, else the problem of two components."""
         share = self.tangential / (self.coefficient * scene.load.largest)
         if self.superposes(scene, varies=bool((gap != gap[:, :1]).any()), paddings=paddings):
             return Superposed(self.coefficient, share)
@@ -197,7 +215,7 @@ class PartialSlip:
         return CoulombDisks(self.coefficient, share, response)
 
     def said(self, scene: Contact, *, varies: bool, paddings: Paddings) -> str:
-        """Two normal contacts where they are exact, else the problem of two components."""
+        """Return a sentence on the solves: two normal contacts where they are exact, else two components of shear."""
         if self.superposes(scene, varies=varies, paddings=paddings):
             return (
                 "friction: partial slip by Ciavarella and Jaeger's superposition, two solves, which is exact as "
@@ -210,7 +228,7 @@ class PartialSlip:
 
     @staticmethod
     def superposes(scene: Contact, *, varies: bool, paddings: Paddings) -> bool:
-        """Whether two normal contacts make up the shear exactly."""
+        """Return whether two normal contacts make up the shear exactly."""
         elastic = [
             solid
             for solid in scene.solids
@@ -222,10 +240,10 @@ class PartialSlip:
 
 
 def dundurs(solids: tuple[Body, ...]) -> float:
-    """Dundurs' beta of two half-spaces, 0 for two equal bodies of any kind.
+    """Return Dundurs' beta of two half-spaces, 0 for two equal bodies of any kind.
 
-    Source: Dundurs (1969); Johnson (1985), sect. 5.4. Raises :class:`~contactstudy.InvalidInput` for
-    others, whose coupling between shear and normal displacement is not known.
+    Source: Dundurs (1969); Johnson (1985), sect. 5.4. Raises :class:`~contactstudy.InvalidInput` for other bodies,
+    whose coupling between shear and normal displacement is not known.
     """
     first, second = solids
     if first == second:
@@ -244,7 +262,7 @@ def dundurs(solids: tuple[Body, ...]) -> float:
 
 
 def _passes(product: float) -> int:
-    """Passes to a tolerance of 1e-8, of which each leaves the product of beta and mu, or a little more."""
+    """Return the number of passes to a tolerance of 1e-8, each of which leaves about the product of beta and mu."""
     return max(2, round(log(1e-8) / log(min(1.1 * product, 0.9))))
 
 

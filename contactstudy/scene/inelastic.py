@@ -25,13 +25,23 @@ from contactstudy.scene.bodies import (
 
 @dataclass(frozen=True)
 class ViscoelasticHalfSpace:
-    """A linear viscoelastic half-space: ``E(t) = E_inf + sum(E_i exp(-t / tau_i))``.
+    """Linear viscoelastic half-space with the relaxation modulus ``E(t) = E_inf + sum(E_i exp(-t / tau_i))``.
 
-    ``equilibrium_modulus`` E_inf [Pa] from 0 on, where 0 is a Maxwell fluid; ``relaxation`` are pairs
-    (E_i [Pa], tau_i [s]), all above zero. ``poisson_ratio``, from above -1 to 0.5, is constant in time. Without
-    pairs this is an elastic half-space. A scene with one changes in time: see
-    :func:`~contactstudy.evolve` and :class:`~contactstudy.Rolling`.
-    Raises :class:`~contactstudy.InvalidInput` for anything else.
+    A scene with one changes in time: see :func:`~contactstudy.evolve` and :class:`~contactstudy.Rolling`.
+
+    Parameters
+    ----------
+    equilibrium_modulus
+        E_inf [Pa], from zero on; zero is a Maxwell fluid.
+    poisson_ratio
+        Poisson's ratio, constant in time, above -1 and up to 0.5.
+    relaxation
+        Pairs (E_i [Pa], tau_i [s]) of a Prony series, all above zero. Without pairs the body is elastic.
+
+    Raises
+    ------
+    InvalidInput
+        If a number is outside these limits, or there is no modulus at all.
     """
 
     equilibrium_modulus: Pascals
@@ -65,45 +75,60 @@ class ViscoelasticHalfSpace:
 
     @cached_property
     def creep(self) -> Creep:
-        """``(1 - nu^2) J(t)`` [1/Pa], where J is the strain under a unit stress held from t = 0 on."""
+        """Creep function ``(1 - nu^2) J(t)`` [1/Pa], where J is the strain under a unit stress held from t = 0 on."""
         return creep(self.equilibrium_modulus, self.relaxation).times(1 - self.poisson_ratio**2)
 
     @property
     def compliance(self) -> float:
-        """(1 - nu^2) / E(0) [1/Pa]: the response to a sudden load."""
+        """Compliance for a sudden load, (1 - nu^2) / E(0) [1/Pa]."""
         return self.creep.instantaneous
 
     def response(self, datum: float) -> Mapping[Coefficients, float]:
-        """Boussinesq's, for a sudden load."""
+        """Return Boussinesq's coefficients for a sudden load, with their weight [1/Pa]."""
         return {Displacement(datum): self.compliance / math.pi}
 
     @property
     def youngs_modulus(self) -> float:
-        """E(0) [Pa]."""
+        """Young's modulus for a sudden load, E(0) [Pa]."""
         return self.equilibrium_modulus + sum(modulus for modulus, _ in self.relaxation)
 
     @property
     def sudden(self) -> HalfSpace:
-        """The elastic half-space that it is for a sudden load."""
+        """Elastic half-space that responds like this one to a sudden load."""
         return HalfSpace(self.youngs_modulus, self.poisson_ratio)
 
     @property
     def creeps(self) -> bool:
-        """Whether it has terms that relax."""
+        """True if the modulus relaxes."""
         return bool(self.relaxation)
 
 
 @dataclass(frozen=True)
 class ElasticPlasticHalfSpace:
-    """An elastic half-space that yields after von Mises, with linear hardening.
+    """Half-space that yields after von Mises, with linear hardening.
 
-    ``youngs_modulus`` [Pa] above zero and finite, ``poisson_ratio`` from above -1 to 0.5, ``yield_stress`` [Pa] in
-    tension, above zero; infinite, it is an elastic half-space. ``hardening_modulus`` [Pa] from 0 on, stress over plastic
-    strain in tension, makes the yield surface grow (isotropic hardening), ``kinematic_modulus`` moves it
-    (Prager's rule); with both at 0 the body is perfectly plastic. A scene with one has a history: see
-    :func:`~contactstudy.evolve`.
-    Raises :class:`~contactstudy.InvalidInput` for anything else, and in a scene with a hardness, friction, rolling,
-    or a coated or viscoelastic body.
+    A scene with one has a history: see :func:`~contactstudy.evolve`.
+
+    Parameters
+    ----------
+    youngs_modulus
+        Young's modulus [Pa], above zero and finite.
+    poisson_ratio
+        Poisson's ratio, above -1 and up to 0.5.
+    yield_stress
+        Yield stress in tension [Pa], above zero; infinite for an elastic half-space.
+    hardening_modulus
+        Stress over plastic strain in tension [Pa], from zero on, by which the yield surface grows
+        (isotropic hardening).
+    kinematic_modulus
+        The same [Pa] for a yield surface that moves (Prager's rule). With both moduli at zero the body is
+        perfectly plastic.
+
+    Raises
+    ------
+    InvalidInput
+        If a number is outside these limits; in a scene with a hardness, friction, rolling, or a coated or
+        viscoelastic body.
     """
 
     youngs_modulus: Pascals
@@ -130,35 +155,35 @@ class ElasticPlasticHalfSpace:
 
     @property
     def sudden(self) -> HalfSpace:
-        """The elastic half-space that it is before it yields."""
+        """Elastic half-space that responds like this one until it yields."""
         return HalfSpace(self.youngs_modulus, self.poisson_ratio)
 
     @property
     def compliance(self) -> float:
-        """(1 - nu^2) / E [1/Pa]."""
+        """Compliance before yielding, (1 - nu^2) / E [1/Pa]."""
         return self.sudden.compliance
 
     def response(self, datum: float) -> Mapping[Coefficients, float]:
-        """Boussinesq's, before it yields."""
+        """Return Boussinesq's coefficients, valid before yielding, with their weight [1/Pa]."""
         return self.sudden.response(datum)
 
     @property
     def yields(self) -> bool:
-        """Whether any load makes it yield."""
+        """True if some finite load makes the body yield."""
         return self.yield_stress < math.inf
 
     def check(self, scene: Surroundings) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` for what is not known beside plastic strain."""
+        """Raise :class:`~contactstudy.InvalidInput` if the scene has an effect that is not defined beside plastic strain."""
         if not self.yields:
             return
         place = next(n for n, solid in enumerate(scene.solids) if solid is self)
-        other = scene.solids[1 - place]
+        counterbody = scene.solids[1 - place]
         kinds = (HalfSpace, ElasticPlasticHalfSpace)
-        if isinstance(other, Layered) or (
-            isinstance(other, Inelastic) and not isinstance(other, kinds)
+        if isinstance(counterbody, Layered) or (
+            isinstance(counterbody, Inelastic) and not isinstance(counterbody, kinds)
         ):
             raise InvalidInput(
-                f"Scene.solids[{1 - place}] is a {type(other).__name__} beside a body that yields: how they "
+                f"Scene.solids[{1 - place}] is a {type(counterbody).__name__} beside a body that yields: how they "
                 "change together is not known here, give an elastic or a rigid HalfSpace."
             )
         if scene.hardness < math.inf:

@@ -18,7 +18,18 @@ from contactstudy.domain.units import Hertz, NewtonsPerMetre, Radians, Seconds
 
 @dataclass(frozen=True)
 class LineLoad:
-    """A normal load ``per_length`` [N/m] of contact length, above zero."""
+    """Constant normal load per length of the contact.
+
+    Parameters
+    ----------
+    per_length
+        Load over the length of the grid [N/m], above zero.
+
+    Raises
+    ------
+    InvalidInput
+        If the load is not above zero.
+    """
 
     per_length: NewtonsPerMetre
 
@@ -28,7 +39,7 @@ class LineLoad:
 
     @property
     def largest(self) -> float:
-        """The load [N/m], as of one that changes."""
+        """Return the load [N/m], which is its own maximum."""
         return self.per_length
 
 
@@ -38,47 +49,56 @@ ROUNDING = 1e-13
 
 @runtime_checkable
 class ChangingLoad(Protocol):
-    """A load [N/m] at every time [s]."""
+    """Load per length [N/m] as a function of time [s]."""
 
     @property
     def largest(self) -> float:
-        """The largest load [N/m]."""
+        """Largest load [N/m]."""
         ...
 
     @property
     def start(self) -> float:
-        """The first time [s]; there is no load before."""
+        """First time [s]; the load is zero before."""
         ...
 
     @property
     def end(self) -> float:
-        """The last time [s] that it speaks of."""
+        """Last time [s] that the load describes."""
         ...
 
     def breaks(self, end: float) -> tuple[float, ...]:
-        """Times [s] up to ``end`` at which the load jumps or its rate does."""
+        """Return the times [s] up to `end` at which the load or its rate jumps."""
         ...
 
     def before(self, time: float) -> float:
-        """The load [N/m] up to ``time`` [s], before any jump there."""
+        """Return the load [N/m] just before `time` [s], ahead of any jump there."""
         ...
 
     def at(self, time: float) -> float:
-        """The load [N/m] from ``time`` [s] on, after any jump there."""
+        """Return the load [N/m] from `time` [s] on, after any jump there."""
         ...
 
     def mean(self, start: float, end: float) -> float:
-        """The mean load [N/m] over a time without a break inside."""
+        """Return the mean load [N/m] between two times [s] without a break between them."""
         ...
 
 
 @dataclass(frozen=True)
 class LoadHistory:
-    """A normal load ``per_length`` [N/m] at ``times`` [s], linear between them, held after the last.
+    """Load given at instants, linear between them and held after the last.
 
-    Times do not decrease; one given twice is a jump. Loads are from 0 N/m on, one of them above. A first load
-    above zero is applied suddenly.
-    Raises :class:`~contactstudy.InvalidInput` for anything else.
+    Parameters
+    ----------
+    times
+        Instants [s] that do not decrease; an instant given twice is a jump.
+    per_length
+        Load [N/m] at each instant, from zero on, at least one of them above zero. A first load above zero is
+        applied suddenly.
+
+    Raises
+    ------
+    InvalidInput
+        If there is not one load for each time, a time decreases or stands more than twice, or all loads are zero.
     """
 
     times: tuple[Seconds, ...]
@@ -117,32 +137,32 @@ class LoadHistory:
 
     @property
     def largest(self) -> float:
-        """The largest load [N/m]."""
+        """Largest load [N/m]."""
         return max(self.per_length)
 
     @property
     def start(self) -> float:
-        """The first time [s]."""
+        """First time [s]."""
         return self.times[0]
 
     @property
     def end(self) -> float:
-        """The last time [s], after which the load is held."""
+        """Last time [s], after which the load is held."""
         return self.times[-1]
 
     def breaks(self, end: float) -> tuple[float, ...]:
-        """Times [s] up to ``end`` at which the load jumps or its rate does."""
+        """Return the instants [s] up to `end`."""
         return tuple(sorted({time for time in self.times if time <= end}))
 
     def before(self, time: float) -> float:
-        """The load [N/m] up to ``time`` [s], before any jump there; zero before the first time."""
+        """Return the load [N/m] just before `time` [s]; zero up to the first instant."""
         place = bisect_left(self.times, time)
         if place == 0:
             return 0.0
         return self._between(place, time)
 
     def at(self, time: float) -> float:
-        """The load [N/m] from ``time`` [s] on, after any jump there."""
+        """Return the load [N/m] from `time` [s] on; zero ahead of the first instant."""
         place = bisect_right(self.times, time)
         if place == 0:
             return 0.0
@@ -159,17 +179,27 @@ class LoadHistory:
         return p0 * (1 - share) + p1 * share
 
     def mean(self, start: float, end: float) -> float:
-        """The mean load [N/m] over a time without a break inside."""
+        """Return the mean load [N/m] between two times [s] without a break between them."""
         return (self.at(start) + self.before(end)) / 2
 
 
 @dataclass(frozen=True)
 class SineLoad:
-    """``mean_load + amplitude sin(2 pi frequency t + phase)`` [N/m] from time 0 s on, and 0 where that is negative.
+    """Sinusoidal load ``mean_load + amplitude sin(2 pi frequency t + phase)`` from t = 0 on, cut off at zero.
 
-    ``mean_load`` and ``amplitude`` from 0 N/m on, not both zero; ``frequency`` [Hz]; ``phase`` [rad].
-    A load above zero at t = 0 is applied suddenly.
-    Raises :class:`~contactstudy.InvalidInput` for anything else.
+    Parameters
+    ----------
+    mean_load, amplitude
+        Loads [N/m] from zero on, not both zero. A load above zero at t = 0 is applied suddenly.
+    frequency
+        Cycles per second [Hz], above zero.
+    phase
+        Angle at t = 0 [rad].
+
+    Raises
+    ------
+    InvalidInput
+        If a number is outside these limits.
     """
 
     mean_load: NewtonsPerMetre
@@ -189,21 +219,21 @@ class SineLoad:
 
     @property
     def largest(self) -> float:
-        """The largest load [N/m]."""
+        """Largest load [N/m]."""
         return self.mean_load + self.amplitude
 
     @property
     def start(self) -> float:
-        """0 s."""
+        """Start of the load, 0 s."""
         return 0.0
 
     @property
     def end(self) -> float:
-        """One cycle [s]; the load goes on after it."""
+        """Duration of one cycle [s]; the load continues after it."""
         return 1 / self.frequency
 
     def breaks(self, end: float) -> tuple[float, ...]:
-        """Times [s] up to ``end`` at which the load starts, reaches zero or leaves it."""
+        """Return the times [s] up to `end` at which the load starts, reaches zero or rises from it."""
         times = {0.0}
         if self.amplitude > self.mean_load:
             reach = asin(self.mean_load / self.amplitude)
@@ -216,11 +246,11 @@ class SineLoad:
         return tuple(sorted(times))
 
     def before(self, time: float) -> float:
-        """The load [N/m] up to ``time`` [s]; zero before the first."""
+        """Return the load [N/m] just before `time` [s]; zero up to t = 0."""
         return self.at(time) if time > 0 else 0.0
 
     def at(self, time: float) -> float:
-        """The load [N/m] from ``time`` [s] on."""
+        """Return the load [N/m] from `time` [s] on."""
         if time < 0:
             return 0.0
         load = self.mean_load + self.amplitude * sin(self._angle(time))
@@ -228,7 +258,7 @@ class SineLoad:
         return load if load > ROUNDING * self.largest else 0.0
 
     def mean(self, start: float, end: float) -> float:
-        """The mean load [N/m] over a time without a break inside."""
+        """Return the mean load [N/m] between two times [s] without a break between them."""
         if end == start or self.at((start + end) / 2) == 0:
             return self.at((start + end) / 2)
         # the difference of two cosines without cancellation
@@ -242,33 +272,33 @@ class SineLoad:
 
 @dataclass(frozen=True)
 class SuddenLoad:
-    """``per_length`` [N/m] applied suddenly at ``start`` [s] and held."""
+    """Load `per_length` [N/m] that is applied suddenly at `start` [s] and held."""
 
     per_length: float
     start: float
 
     @property
     def largest(self) -> float:
-        """The load."""
+        """Largest load [N/m]."""
         return self.per_length
 
     @property
     def end(self) -> float:
-        """Its start: it says of no time that it is the last."""
+        """Time of application [s], the last that the load describes."""
         return self.start
 
     def breaks(self, end: float) -> tuple[float, ...]:
-        """The start."""
+        """Return the time of application [s], where the load jumps."""
         return (self.start,)
 
     def before(self, time: float) -> float:
-        """The load [N/m] up to ``time`` [s]."""
+        """Return the load [N/m] just before `time` [s]."""
         return self.per_length if time > self.start else 0.0
 
     def at(self, time: float) -> float:
-        """The load [N/m] from ``time`` [s] on."""
+        """Return the load [N/m] from `time` [s] on."""
         return self.per_length if time >= self.start else 0.0
 
     def mean(self, start: float, end: float) -> float:
-        """The load [N/m]."""
+        """Return the load [N/m], which is constant after its application."""
         return self.per_length

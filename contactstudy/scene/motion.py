@@ -9,10 +9,19 @@ from contactstudy.domain.units import MetresPerSecond, PerPascal
 
 @dataclass(frozen=True)
 class Rolling:
-    """The contact moves to larger x at a constant ``speed`` [m/s] over both bodies, and has done so for ever.
+    """Steady rolling: the contact moves to larger x at a constant speed over both bodies.
 
-    ``speed`` from 0 on; infinite, the bodies answer as to a sudden load. Heights move with the contact. See
-    :func:`~contactstudy.solve_rolling`. Raises :class:`~contactstudy.InvalidInput` for other speeds.
+    Heights move with the contact. The bodies have been rolling for ever; see :func:`~contactstudy.solve_rolling`.
+
+    Parameters
+    ----------
+    speed
+        Speed of the contact [m/s] from zero on. At infinite speed the bodies respond as to a sudden load.
+
+    Raises
+    ------
+    InvalidInput
+        If the speed is negative or not a number.
     """
 
     speed: MetresPerSecond
@@ -25,14 +34,26 @@ class Rolling:
 
 @dataclass(frozen=True)
 class Wear:
-    """``dw/ds = coefficient p``: both bodies together lose a depth w [m] along a sliding distance s [m].
+    """Sliding wear after Archard (1953), ``dw/ds = coefficient p``.
 
-    ``coefficient`` k [1/Pa] from 0 on; ``speed`` [m/s] from 0 on, so that ``ds = speed dt``. ``body`` (0 or 1
-    of ``Scene.solids``) names the one that wears; the contact is the same whichever it is. The worn profile is
-    that of a contact that stays where it is on the body that wears. On a roller that turns, wear spreads over
-    the circumference: there give the coefficient times contact width over circumference. A scene with wear
-    changes in time: see :func:`~contactstudy.evolve`. Source: Archard (1953).
-    Raises :class:`~contactstudy.InvalidInput` for other numbers.
+    Both bodies together lose a depth w [m] along a sliding distance s [m], under the pressure p. The worn profile
+    is that of a contact that stays where it is on the wearing body. On a roller that turns, wear spreads over the
+    circumference: multiply the coefficient by the contact width over the circumference. A scene with wear changes
+    in time; see :func:`~contactstudy.evolve`.
+
+    Parameters
+    ----------
+    coefficient
+        Wear coefficient k [1/Pa], from zero on.
+    speed
+        Sliding speed [m/s], from zero on, so that ``ds = speed dt``.
+    body
+        Index (0 or 1) of the wearing body in ``Scene.solids``; the contact is the same for either.
+
+    Raises
+    ------
+    InvalidInput
+        If a number is outside these limits.
     """
 
     coefficient: PerPascal
@@ -52,5 +73,5 @@ class Wear:
 
     @property
     def rate(self) -> float:
-        """Depth per pressure and time [m/(Pa s)]."""
+        """Worn depth per pressure and time [m/(Pa s)]."""
         return self.coefficient * self.speed

@@ -31,22 +31,29 @@ if TYPE_CHECKING:
 
 @runtime_checkable
 class Output(Protocol):
-    """A value in ``Scene.outputs``."""
+    """Further result of a solution, as a value in ``Scene.outputs``."""
 
     def check(self, solids: tuple[Body, ...]) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` if these bodies cannot give it."""
+        """Raise :class:`~contactstudy.InvalidInput` if the output is not defined for these bodies."""
         ...
 
     def of(self, solids: tuple[Body, ...], grid: Grid, paddings: Paddings) -> Derived:
-        """The same for these bodies on a grid; nothing is computed yet."""
+        """Return the output for these bodies on `grid`; nothing is computed until its fields are asked for."""
         ...
 
 
 @dataclass(frozen=True)
 class ShapesSource:
-    """``shapes`` whose heights are sampled anew on each grid; ``make`` builds the problem there.
+    """Heights of `shapes`, sampled anew on any grid, and the problem made there.
 
-    ``ends_along`` says whether one of them ends a roller.
+    Parameters
+    ----------
+    shapes
+        Shapes that add up.
+    ends_along
+        Whether one of them ends a roller within the grid.
+    make
+        Function that makes the problem on a grid.
     """
 
     shapes: tuple[Shape, ...]
@@ -55,35 +62,35 @@ class ShapesSource:
 
     @property
     def finest(self) -> tuple[float, float]:
-        """The shortest of all shapes that name theirs."""
+        """Shortest wavelengths (across, along) [m] of all shapes that name theirs; infinite if none does."""
         details = [shape.detail for shape in self.shapes if hasattr(shape, "detail")]
         return (
-            min((one.finest[0] for one in details), default=inf),
-            min((one.finest[1] for one in details), default=inf),
+            min((detail.finest[0] for detail in details), default=inf),
+            min((detail.finest[1] for detail in details), default=inf),
         )
 
     @property
     def names_scales(self) -> bool:
-        """Whether every shape has a ``detail``."""
+        """True if every shape has a ``detail``."""
         return all(hasattr(shape, "detail") for shape in self.shapes)
 
     def gap(self, grid: Grid) -> Array:
-        """The sum of all shapes, no larger than it must be."""
+        """Return the summed gap [m] of all shapes, of shape (x, y) or (x, 1) if nothing varies along the length."""
         total: Array = sum((shape.gap(grid) for shape in self.shapes), start=grid.x[:, None] * 0)
         return total
 
     def problem(self, grid: Grid) -> Problem:
-        """The scene's own."""
+        """Return the problem on `grid`."""
         return self.make(grid)
 
 
 def sized(shapes: tuple[Shape, ...], grid: Grid) -> tuple[Shape, ...]:
-    """``shapes`` that can be sampled on other grids: heights given cell for cell get the extent of ``grid``."""
+    """Return `shapes` with the extent of `grid` given to heights that stand cell for cell on it."""
     return tuple(shape.sized(grid) if hasattr(shape, "sized") else shape for shape in shapes)
 
 
 def ends_along(shapes: tuple[Shape, ...], grid: Grid) -> bool:
-    """Whether a roller ends within the period of ``grid``, so that contact may reach its ends."""
+    """Return whether a roller ends within the period of `grid`, so that contact may reach its ends."""
     lengths = [shape.detail.roller for shape in shapes if hasattr(shape, "detail")]
     return any(0 < length <= grid.period * (1 + 1e-9) for length in lengths)
 
@@ -94,18 +101,35 @@ PASSES = 12
 
 @dataclass(frozen=True)
 class Scene:
-    """A line contact: a load, two bodies, shapes that add up, a hardness, outputs.
+    """Line contact of two bodies, and the effects in it.
 
-    ``hardness`` [Pa] is the largest pressure that the softer body carries. Where it is reached the body yields, and
-    the gap of the solution is negative by the depth of yielding. The default is infinite: no limit.
+    A scene whose load changes in time, whose bodies creep or yield, or that wears is solved by
+    :func:`~contactstudy.evolve`, one with `rolling` by :func:`~contactstudy.solve_rolling`.
 
-    The ``load`` may change in time, bodies may creep or yield, ``wear`` may remove material: such a scene is solved
-    by :func:`~contactstudy.evolve`, one with ``rolling`` by :func:`~contactstudy.solve_rolling`. ``friction`` adds
-    shear to the pressure.
+    Parameters
+    ----------
+    load
+        Load per length, such as :class:`~contactstudy.LineLoad`, or one that changes in time.
+    solids
+        Two bodies, such as :class:`~contactstudy.HalfSpace`, at most one of them rigid.
+    shapes
+        Contributions to the undeformed gap, which add up.
+    hardness
+        Largest pressure [Pa] that the softer body carries, infinite for no limit. Where it is reached the body yields,
+        and the gap of the solution is negative by the depth of yielding.
+    outputs
+        Further results, such as :class:`~contactstudy.SubsurfaceStress`, one of each kind.
+    wear
+        Sliding wear, or None.
+    rolling
+        Steady rolling, or None.
+    friction
+        Law that adds shear to the pressure, such as :class:`~contactstudy.Sliding`, or None.
 
-    ``outputs`` are further results of the solution, such as subsurface stress.
-    Raises :class:`~contactstudy.InvalidInput` unless ``solids`` are two bodies, not both rigid, and
-    ``shapes`` and ``outputs`` are tuples.
+    Raises
+    ------
+    InvalidInput
+        If a value is of another kind, both bodies are rigid, or two effects are not defined beside each other.
     """
 
     load: "LineLoad | ChangingLoad"
@@ -171,14 +195,14 @@ class Scene:
 
     @property
     def contact_modulus(self) -> float:
-        """E* [Pa] of both bodies together; of a coated body, where its coating alone is felt."""
+        """Contact modulus E* [Pa] of both bodies; a coated body enters with its coating alone."""
         return contact_modulus(self.solids)
 
     @property
     def hertz(self) -> HertzLine | None:
-        """The smooth line contact of the largest load, these bodies and the shapes' mean curvature, if curved.
+        """Smooth line contact of the largest load, these bodies and the shapes' mean curvature; None without curvature.
 
-        Of coated bodies, the one whose modulus is theirs at its own half-width: an estimate.
+        Coated bodies enter with the modulus that they have at the half-width of this contact, which is an estimate.
         """
         curvature = sum(shape.curvature for shape in self.shapes)
         if curvature <= 0:
@@ -191,9 +215,10 @@ class Scene:
         return contact
 
     def scales(self, grid: Grid) -> Scales:
-        """Hertz's half-width and peak pressure, or the width and the mean pressure without a curved shape.
+        """Return the scales of the problem: Hertz's half-width and peak pressure, and the gap that goes with them.
 
-        The pressure is rounded to a power of two, so that scaling a pressure or a hardness is exact.
+        Without a curved shape they are the width of the grid and the mean pressure. The pressure is rounded to a
+        power of two, so that scaling a pressure or a hardness is exact.
         """
         if (hertz := self.hertz) is not None:
             length, pressure = hertz.half_width, hertz.peak_pressure
@@ -203,9 +228,19 @@ class Scene:
         return Scales(length, 2.0 ** round(log2(pressure)), gap)
 
     def problem(self, grid: Grid, padding: Padding | Paddings) -> Problem:
-        """This scene on ``grid``, with ``padding`` along its length, or a tuple (across, along).
+        """Return the problem of this scene on a grid.
 
-        Raises :class:`~contactstudy.InvalidInput` for what is neither, and for a scene that changes in time.
+        Parameters
+        ----------
+        grid
+            Cells and their size.
+        padding
+            Padding along the length, or a tuple (across, along).
+
+        Raises
+        ------
+        InvalidInput
+            If the arguments are of another kind, the scene changes in time or rolls, or memory does not suffice.
         """
         _typed("grid", grid, Grid, "give a Grid")
         if self.rolling is not None:
@@ -244,7 +279,7 @@ class Scene:
 
     @property
     def changing(self) -> str | None:
-        """The first field that makes the scene change in time; None for one that does not."""
+        """Name of the first field that makes the scene change in time; None if it does not."""
         if not isinstance(self.load, LineLoad):
             return "Scene.load"
         if self.wear is not None:
@@ -255,12 +290,12 @@ class Scene:
         return None
 
     def _open_ends(self, gap: Array, grid: Grid, along: Padding) -> tuple[int, ...]:
-        """The ends of a free length, where the surface varies and no roller ends."""
+        """Return the end rows of a free length along which the surface varies and no roller ends."""
         varies = bool((gap != gap[:, :1]).any())
         return (0, -1) if varies and _is_free(along) and not ends_along(self.shapes, grid) else ()
 
     def source_on(self, grid: Grid, padding: Padding | Paddings) -> ShapesSource:
-        """Of the same scene on other grids than ``grid``."""
+        """Return the source from which the problem is made again on grids other than `grid`."""
         scene = replace(self, shapes=sized(self.shapes, grid))
         ended = ends_along(self.shapes, grid)
         return ShapesSource(scene.shapes, ended, lambda other: scene.problem(other, padding))
@@ -277,7 +312,7 @@ class Scene:
 
 @dataclass(frozen=True)
 class PosedScene:
-    """A scene on a grid with a padding: where a problem came from."""
+    """Scene with the grid and the padding on which a problem was made of it."""
 
     scene: Scene
     grid: Grid
@@ -285,7 +320,7 @@ class PosedScene:
 
 
 def _is_free(padding: Padding) -> bool:
-    """Whether the surface continues beyond the domain without pressure on it."""
+    """Return whether the surface continues beyond the domain without pressure on it."""
     return not padding.wraps and padding.window is not None and len(padding.window) == 1
 
 
@@ -295,16 +330,17 @@ def _typed(field: str, value: object, kind: type | object, remedy: str) -> None:
 
 
 def _instance(field: str, value: object, kind: type, remedy: str) -> None:
-    """A value that has the members of a protocol; the class itself has them too, and is none."""
+    """Raise :class:`~contactstudy.InvalidInput` unless `value` is an instance, and no class, that has the members of `kind`."""
     if isinstance(value, type) or not isinstance(value, kind):
         raise InvalidInput(f"{field} is {value!r}: {remedy}.")
 
 
 def under_load(problem: Problem, load: LineLoad) -> Problem:
-    """``problem``, made from a scene, under ``load``: it shares heights and operator, and so costs nothing.
+    """Return `problem`, made from a scene, under another load.
 
-    The operator keeps its datum, so that approaches under several loads count from one place.
-    Raises :class:`~contactstudy.InvalidInput` for a problem that was not made from a scene.
+    Heights and operator are shared, so that this costs nothing. The operator keeps its datum: approaches under
+    several loads count from one place. Raises :class:`~contactstudy.InvalidInput` for a problem that was not made
+    from a scene.
     """
     posed = problem.description
     if not isinstance(posed, PosedScene):

@@ -27,13 +27,23 @@ Z = {"axis": "Z", "positive": "down"}
 
 @dataclass(frozen=True)
 class SubsurfaceStress:
-    """All six stress components and von Mises' stress at ``depths`` [m] in one of the bodies.
+    """Stress below the surface of one body: all six components and von Mises' stress.
 
-    ``depths``, one or more, count from the surface of body ``solid`` (0 or 1 of ``Scene.solids``), from 0
-    on. That body's Poisson's ratio is used: it sets xx, yy and xy. In a Dataset, ``stress``
-    (component, z, x, y) [Pa], tension positive, with x across the contact, y along it and
-    z into the body, and ``von_mises`` (z, x, y) [Pa]. Found when the Dataset is made.
-    Raises :class:`~contactstudy.InvalidInput` for other depths or bodies, a scene with it for a rigid one.
+    In a Dataset they are ``stress`` (component, z, x, y) [Pa], tension positive, with x across the contact, y along
+    it and z into the body, and ``von_mises`` (z, x, y) [Pa]. They are computed when the Dataset is made. Poisson's
+    ratio of the body sets xx, yy and xy.
+
+    Parameters
+    ----------
+    depths
+        One or more depths [m] below the surface of the body, from zero on.
+    solid
+        Index (0 or 1) of the body in ``Scene.solids``.
+
+    Raises
+    ------
+    InvalidInput
+        For other depths or indices; in a scene where that body is rigid, coated, or either body yields.
     """
 
     depths: tuple[Metres, ...]
@@ -57,7 +67,7 @@ class SubsurfaceStress:
         set_fields(self, depths=tuple(depths), solid=solid)
 
     def check(self, solids: tuple[Body, ...]) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` for a rigid body, or one that is no half-space."""
+        """Raise :class:`~contactstudy.InvalidInput` for a rigid body, one that is no half-space, or one that yields."""
         body = solids[self.solid]
         if any(getattr(solid, "yields", False) for solid in solids):
             raise InvalidInput(
@@ -75,7 +85,7 @@ class SubsurfaceStress:
             )
 
     def of(self, solids: tuple[Body, ...], grid: Grid, paddings: Paddings) -> "StressBelow":
-        """The stress of these bodies on ``grid``."""
+        """Return the stress of these bodies on `grid`."""
         body = solids[self.solid]
         assert isinstance(body, Homogeneous)
         return StressBelow(grid, paddings, body.poisson_ratio, self.depths, 1 - 2 * self.solid)
@@ -83,11 +93,23 @@ class SubsurfaceStress:
 
 @dataclass(frozen=True, eq=False)
 class StressBelow:
-    """The linear map from pressure to stress on one grid, with the images that ``paddings`` see.
+    """Linear map from pressure to stress on one grid, with the images that `paddings` see.
 
-    Padded and summed like the displacement; where a window of images ends on a pair of cells just as far
-    on one side as on the other, either side counts half. ``side`` is 1 for the first body and -1 for the
-    second.
+    Pressure is padded and summed as for the displacement; where a window of images ends on a pair of cells just as
+    far on one side as on the other, either side counts half.
+
+    Parameters
+    ----------
+    grid, paddings
+        Cells, and padding (across, along).
+    poisson_ratio
+        Poisson's ratio of the body.
+    depths
+        Depths [m].
+    side
+        1 for the first body, -1 for the second.
+    shear
+        Shear (component, x, y) on the body, or None.
     """
 
     grid: Grid
@@ -98,11 +120,11 @@ class StressBelow:
     shear: Array | None = None
 
     def under(self, shear: Array) -> "StressBelow":
-        """The same with ``shear`` (component, x, y) on the first body, and its reaction on the second."""
+        """Return this map with `shear` (component, x, y) on the first body, and its reaction on the second."""
         return replace(self, shear=self.side * shear)
 
     def __call__(self, pressure: Array) -> Array:
-        """Stress (component, z, x, y) in the unit of ``pressure`` (x, y)."""
+        """Return stress (component, z, x, y) in the unit of `pressure` (x, y)."""
         if pressure.shape != self.grid.cells:
             raise InvalidInput(
                 f"pressure has the shape {pressure.shape}: give it {self.grid.cells}."
@@ -119,7 +141,7 @@ class StressBelow:
         return stress
 
     def _due(self, family: Mapping[str, Component], pressure: Array) -> Array:
-        """Stress due to one component of what acts on the surface."""
+        """Return the stress due to one component of the surface traction."""
         padded = padded_cells(self.grid, self.paddings)
         pressed = TRANSFORMS.forward(pressure, padded, _room(padded))
         room = _room(padded)
@@ -127,15 +149,15 @@ class StressBelow:
         for number, component in enumerate(family[name] for name in COMPONENTS):
             for level, depth in enumerate(self.depths):
                 coefficients = StressCoefficients(component, depth, self.poisson_ratio)
-                known = kernel(self.grid, self.paddings, coefficients)
-                around = spread(known, padded, component.parity)
+                coefficients_of_cells = kernel(self.grid, self.paddings, coefficients)
+                around = spread(coefficients_of_cells, padded, component.parity)
                 waves = TRANSFORMS.forward(around, padded, room)
                 waves *= pressed
                 stress[number, level] = TRANSFORMS.backward(waves, self.grid.cells, padded)
         return stress
 
     def fields(self, pressure: Array) -> Mapping[str, Field]:
-        """``stress``, ``von_mises`` and their coordinates ``component`` and ``z``."""
+        """Return ``stress``, ``von_mises`` and their coordinates ``component`` and ``z``."""
         stress = self(pressure)
         dimensions = ("component", "z", "x", "y")
         names = np.array(list(COMPONENTS))
@@ -149,7 +171,7 @@ class StressBelow:
 
 @dataclass(frozen=True)
 class StressCoefficients:
-    """One component of stress at one depth [m], as :class:`~contactstudy.elasticity.coefficients.Coefficients`."""
+    """Influence coefficients of one stress component at one depth [m]."""
 
     component: Component
     depth: float
@@ -157,33 +179,33 @@ class StressCoefficients:
 
     @property
     def parity(self) -> tuple[int, int]:
-        """That of the component."""
+        """Parity of the component in x and y."""
         return self.component.parity
 
     def turned(self) -> "StressCoefficients":
-        """The component that takes its place when the axes are exchanged."""
+        """Return the component that takes this one's place when the axes are exchanged."""
         return StressCoefficients(self.component.exchanged(), self.depth, self.poisson_ratio)
 
     def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
-        """One cell."""
+        """Return the stress due to pressure on one cell."""
         return stress_cell(self.component, x, y, self.depth, dx, dy, self.poisson_ratio)
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
-        """An infinite row of images along y."""
+        """Return the stress due to an infinite row of images along y."""
         cell = self.depth, dx, dy
         return stress_cell_periodic(self.component, x, y, *cell, period, self.poisson_ratio)
 
     def lattice(
         self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
     ) -> Array:
-        """An infinite lattice of images."""
+        """Return the stress due to an infinite lattice of images."""
         periods = width, period
         arguments = x, y, self.depth, dx, dy, *periods, self.poisson_ratio
         return stress_cell_doubly_periodic(self.component, *arguments)
 
 
 def von_mises(stress: Array) -> Array:
-    """``sqrt(3/2 s:s)`` of the deviator s, from components in the order of ``COMPONENTS``; the rest free."""
+    """Return ``sqrt(3/2 s:s)`` of the deviator s, from components in the order of ``COMPONENTS``."""
     xx, yy, zz, yz, xz, xy = stress
     normal = ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2
     return np.asarray(np.sqrt(normal + 3 * (yz**2 + xz**2 + xy**2)))

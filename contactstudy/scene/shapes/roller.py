@@ -16,10 +16,19 @@ from contactstudy.scene.shapes.shape import Detail
 
 @dataclass(frozen=True)
 class Cylinder:
-    """A parabolic cylinder about the length axis, ``x^2 / (2 R)``, as in Hertz's theory.
+    """Parabolic cylinder about the length axis, ``x^2 / (2 R)``, as in Hertz's theory.
 
-    ``radius`` R [m], above zero, else :class:`~contactstudy.InvalidInput`. Two cylinders in one scene
-    are two curved bodies: curvatures add.
+    Two cylinders in one scene are two curved bodies: curvatures add.
+
+    Parameters
+    ----------
+    radius
+        Radius R [m], above zero.
+
+    Raises
+    ------
+    InvalidInput
+        If the radius is not above zero.
     """
 
     radius: Metres
@@ -29,25 +38,34 @@ class Cylinder:
 
     @property
     def curvature(self) -> float:
-        """1 / R [1/m]."""
+        """Curvature 1 / R [1/m]."""
         return 1 / self.radius
 
     @property
     def detail(self) -> Detail:
-        """Smooth."""
+        """Length scales of a smooth shape."""
         return Detail()
 
     def gap(self, grid: Grid) -> Array:
-        """``x^2 / (2 R)``, shape (nx, 1) [m]."""
+        """Return ``x^2 / (2 R)`` [m], of shape (nx, 1)."""
         return (grid.x**2 / (2 * self.radius))[:, None]
 
 
 @dataclass(frozen=True)
 class Sphere:
-    """A paraboloid about the origin, ``(x^2 + y^2) / (2 R)``, as in Hertz's theory of a sphere.
+    """Paraboloid about the origin, ``(x^2 + y^2) / (2 R)``, as in Hertz's theory of a sphere.
 
-    ``radius`` R [m], above zero, else :class:`~contactstudy.InvalidInput`. Along a free length it is a
-    point contact under the load per length times the grid's period.
+    Along a free length it is a point contact under the load per length times the grid's period.
+
+    Parameters
+    ----------
+    radius
+        Radius R [m], above zero.
+
+    Raises
+    ------
+    InvalidInput
+        If the radius is not above zero.
     """
 
     radius: Metres
@@ -57,16 +75,16 @@ class Sphere:
 
     @property
     def curvature(self) -> float:
-        """Zero: it adds no curvature to the line contact."""
+        """Zero: a sphere adds no curvature to the line contact."""
         return 0.0
 
     @property
     def detail(self) -> Detail:
-        """A roller whose length is not known."""
+        """Length scales of a roller whose length is not known."""
         return Detail(roller=inf)
 
     def gap(self, grid: Grid) -> Array:
-        """``(x^2 + y^2) / (2 R)``, shape (x, y) [m]."""
+        """Return ``(x^2 + y^2) / (2 R)`` [m], of shape (x, y)."""
         return np.asarray((grid.x[:, None] ** 2 + grid.y**2) / (2 * self.radius))
 
 
@@ -75,13 +93,20 @@ HEIGHT = "give a height of 0 m or more"
 
 @dataclass(frozen=True)
 class Crown:
-    """A parabolic crown along the length, ``y^2 / (2 R)``.
+    """Parabolic crown along the length, ``y^2 / (2 R)``.
 
-    ``radius`` R of the crown [m], above zero; ``math.inf``, the default, is none. Raises
-    :class:`~contactstudy.InvalidInput` for anything else. Along a periodic length it is a row of
-    crowned rollers, each one period long.
+    Along a periodic length it is a row of crowned rollers, each one period long. Source: Harris & Kotzalas (2006),
+    Essential Concepts of Bearing Technology, sect. 6.6.
 
-    Source: Harris & Kotzalas (2006), Essential Concepts of Bearing Technology, sect. 6.6.
+    Parameters
+    ----------
+    radius
+        Radius R of the crown [m], above zero; infinite, the default, for no crown.
+
+    Raises
+    ------
+    InvalidInput
+        If the radius is not above zero.
     """
 
     radius: Metres = inf
@@ -93,23 +118,23 @@ class Crown:
 
     @classmethod
     def of_drop(cls, end_drop: float, length: float) -> Self:
-        """The crown that drops by ``end_drop`` [m], from zero on, at the ends of ``length`` [m]."""
+        """Return the crown that drops by `end_drop` [m], from zero on, at both ends of `length` [m]."""
         drop = in_range_from_zero("Crown end_drop", end_drop, HEIGHT)
         length = in_range("Crown length", length, "give the roller's length above 0 m")
         return cls(length**2 / (8 * drop) if drop else inf)
 
     @property
     def curvature(self) -> float:
-        """None of the cross-section."""
+        """Zero: a crown does not bend the cross-section."""
         return 0.0
 
     @property
     def detail(self) -> Detail:
-        """A roller of any length."""
+        """Length scales of a roller of any length."""
         return Detail(roller=inf if self.radius < inf else 0.0)
 
     def gap(self, grid: Grid) -> Array:
-        """``y^2 / (2 R)``, shape (1, length), or (nx, 1) where there is no crown [m]."""
+        """Return ``y^2 / (2 R)`` [m], of shape (1, length), or (nx, 1) without a crown."""
         if self.radius == inf:
             return np.zeros((grid.cells[0], 1))
         return (grid.y**2 / (2 * self.radius))[None, :]
@@ -119,13 +144,23 @@ class Crown:
 class LundbergProfile:
     """Lundberg's logarithmic profile, ``-A ln(1 - (1 - exp(-d / A)) (2 y / L)^2)``.
 
-    ``amplitude`` A [m] and ``end_drop`` d [m], what the profile drops by at the ends, both from zero on;
-    ``length`` L of the roller [m], above zero. Raises :class:`~contactstudy.InvalidInput` for anything
-    else. Beyond its ends the profile stays at the end drop; :class:`~contactstudy.FiniteLength` ends a
-    roller shorter than the grid.
+    Beyond its ends the profile stays at the end drop; :class:`~contactstudy.FiniteLength` ends a roller shorter
+    than the grid. Source: Lundberg (1939), Forschung auf dem Gebiete des Ingenieurwesens 10, 201; the finite drop
+    at the ends is from Johns & Gohar (1981), Tribology International 14, 131.
 
-    Source: Lundberg (1939), Forschung auf dem Gebiete des Ingenieurwesens 10, 201; the finite drop at the
-    ends is Johns & Gohar's (1981), Tribology International 14, 131.
+    Parameters
+    ----------
+    amplitude
+        Amplitude A [m], from zero on.
+    end_drop
+        Drop d at the ends [m], from zero on.
+    length
+        Length L of the roller [m], above zero.
+
+    Raises
+    ------
+    InvalidInput
+        If a number is outside these limits.
     """
 
     amplitude: Metres
@@ -146,13 +181,27 @@ class LundbergProfile:
     def for_load(
         cls, load_per_length: float, *, contact_modulus: float, radius: float, length: float
     ) -> Self:
-        """The profile under which ``load_per_length`` [N/m] is spread evenly along the roller.
+        """Return the profile under which a load is spread evenly along the roller.
 
-        ``contact_modulus`` E* [Pa], ``radius`` R of the cylinder [m], ``length`` L of the roller [m].
-        Hertz's pressure, ending at ``|y| = L / 2``, lowers the axis by
-        ``A ln(1 / (1 - (2 y / L)^2))`` less than the middle, A = W / (pi E*), and the ends themselves by
-        ``A (ln(L / a) + 1/2)``. The factor 0.3033 of Johns & Gohar (1981) is ``exp(-1/2) / 2``.
-        Raises :class:`~contactstudy.InvalidInput` for a roller shorter than its contact is wide.
+        Hertz's pressure, ending at ``|y| = L / 2``, lowers the axis by ``A ln(1 / (1 - (2 y / L)^2))`` less than the
+        middle, A = W / (pi E*), and the ends themselves by ``A (ln(L / a) + 1/2)``. The factor 0.3033 of Johns & Gohar
+        (1981) is ``exp(-1/2) / 2``.
+
+        Parameters
+        ----------
+        load_per_length
+            Load W [N/m].
+        contact_modulus
+            Contact modulus E* [Pa].
+        radius
+            Radius of the cylinder [m].
+        length
+            Length L of the roller [m].
+
+        Raises
+        ------
+        InvalidInput
+            If the roller is shorter than its contact is wide.
         """
         hertz = HertzLine(load_per_length, radius, contact_modulus)
         length = in_range("LundbergProfile.length", length, "give the roller's length above 0 m")
@@ -166,16 +215,16 @@ class LundbergProfile:
 
     @property
     def curvature(self) -> float:
-        """None of the cross-section."""
+        """Zero: the profile does not bend the cross-section."""
         return 0.0
 
     @property
     def detail(self) -> Detail:
-        """The roller it is made for."""
+        """Length scales of the roller that the profile is made for."""
         return Detail(roller=self.length)
 
     def gap(self, grid: Grid) -> Array:
-        """The profile at the cell centres, shape (1, length), or (nx, 1) where there is none [m]."""
+        """Return the profile at the cell centres [m], of shape (1, length), or (nx, 1) without a profile."""
         if self.amplitude == 0 or self.end_drop == 0:
             return np.zeros((grid.cells[0], 1))
         t = np.abs(2 * grid.y / self.length)
@@ -188,14 +237,23 @@ class LundbergProfile:
 
 @dataclass(frozen=True)
 class FiniteLength:
-    """A roller that ends at ``|y| = length / 2``, with flat, sharp-edged faces.
+    """Roller that ends at ``|y| = length / 2``, with flat, sharp-edged faces.
 
-    ``length`` [m], above zero, else :class:`~contactstudy.InvalidInput`. Cells whose centre lies beyond
-    the ends stand back by ``length``: more than any elastic displacement, which is a small part of
-    the body's own size, and finite, so that averages over blocks of cells stay finite too. The end is
-    therefore resolved to a cell, and exactly where it falls between two. Under a scene's load per length
-    of the grid, the roller carries that times the grid's period over its own length. Along a free length a
-    grid of the roller's own length ends it as well, without a cell to spare.
+    Cells whose centre lies beyond the ends stand back by `length`: more than any elastic displacement, which is a
+    small part of the body's own size, and finite, so that averages over blocks of cells stay finite too. The end is
+    resolved to a cell, and exactly where it falls between two. Under a scene's load per length of the grid, the
+    roller carries that load times the grid's period over its own length. Along a free length a grid of the roller's
+    own length ends it as well, without a cell to spare.
+
+    Parameters
+    ----------
+    length
+        Length of the roller [m], above zero.
+
+    Raises
+    ------
+    InvalidInput
+        If the length is not above zero.
     """
 
     length: Metres
@@ -210,16 +268,16 @@ class FiniteLength:
 
     @property
     def curvature(self) -> float:
-        """None."""
+        """Zero: the roller's ends do not bend the cross-section."""
         return 0.0
 
     @property
     def detail(self) -> Detail:
-        """The roller."""
+        """Length scales of the roller."""
         return Detail(roller=self.length)
 
     def gap(self, grid: Grid) -> Array:
-        """Zero on the roller, ``length`` beyond it, shape (1, length), or (nx, 1) without an end [m]."""
+        """Return zero on the roller and `length` beyond it [m], of shape (1, length), or (nx, 1) without an end."""
         beyond = np.abs(grid.y) > self.length / 2
         if not beyond.any():
             return np.zeros((grid.cells[0], 1))

@@ -28,7 +28,13 @@ MOST_WAVES = 1e9
 
 @dataclass(frozen=True)
 class RmsSlope:
-    """A roughness by its rms slope, the root of the mean square of ``|grad h|``, from zero on."""
+    """Roughness given by its slope.
+
+    Parameters
+    ----------
+    slope
+        Root mean square of ``|grad h|``, from zero on.
+    """
 
     slope: Number
 
@@ -44,17 +50,33 @@ class RmsSlope:
 
 @dataclass(frozen=True)
 class Roughness:
-    """A Gaussian surface whose spectral density falls like ``k^(-2 (1 + H))`` between two wavelengths.
+    """Gaussian surface with the spectral density ``k^(-2 (1 + H))`` between two wavelengths.
 
-    ``rms`` height [m], from zero on, or an :class:`RmsSlope`; ``hurst`` H in (0, 1); wavelengths [m]
-    ``roll_off``, above which the density is constant, and ``cut_off``, below which there is none;
-    ``seed`` names the surface. ``peklenik`` is the correlation length across the contact over that along
-    it: below 1 the lay runs along the length, above 1 across it, and the wavelengths named are those
-    across the lay. ``extent`` (width, length) [m] is the surface's own period, the grid's where it is None;
-    its length must divide the grid's period. The surface depends on its extent and its own fields
-    alone: a finer or, with an ``extent``, wider grid shows the same. Zero rms is no surface.
+    The surface depends on its extent and its own fields alone: a finer or, with an `extent`, wider grid shows the
+    same. Source: Persson, Albohr, Tartaglino, Volokitin & Tosatti (2005), sect. 3; lay Peklenik (1967).
 
-    Source: Persson, Albohr, Tartaglino, Volokitin & Tosatti (2005), sect. 3; lay Peklenik (1967).
+    Parameters
+    ----------
+    rms
+        Root mean square of the height [m], from zero on, or an :class:`~contactstudy.RmsSlope`; zero is no surface.
+    hurst
+        Exponent H between 0 and 1.
+    roll_off
+        Wavelength [m] above which the density is constant.
+    cut_off
+        Shortest wavelength [m].
+    seed
+        Whole number that names the surface.
+    peklenik
+        Correlation length across the contact over that along it: below 1 the lay runs along the length, above 1 across
+        it. The wavelengths are those across the lay.
+    extent
+        Period (width, length) [m] of the surface, that of the grid if None; its length must divide the grid's period.
+
+    Raises
+    ------
+    InvalidInput
+        If a number is outside these limits, or no wave fits the extent.
     """
 
     rms: Metres | RmsSlope
@@ -98,12 +120,12 @@ class Roughness:
 
     @property
     def curvature(self) -> float:
-        """None of its own."""
+        """Zero in the mean."""
         return 0.0
 
     @property
     def detail(self) -> Detail:
-        """Heights up to four times their rms, as in any Gaussian surface of some ten thousand waves."""
+        """Length scales; the height is four times the rms, as in any Gaussian surface of some ten thousand waves."""
         if not self.rms:
             return Detail()
         across, along = max(self.peklenik, 1), max(1 / self.peklenik, 1)
@@ -117,7 +139,7 @@ class Roughness:
         )
 
     def _rms_height_and_slope(self) -> tuple[float, float]:
-        """Both, of which one is given, by the spectrum of a surface without lay and without end."""
+        """Return rms height [m] and rms slope, the missing one from the spectrum of an endless surface without lay."""
         # the moments of k^(-2 (1 + H)) between the wave numbers, flat below the first
         low, high = 2 * np.pi / self.roll_off, 2 * np.pi / self.cut_off
         span, hurst = high / low, self.hurst
@@ -129,9 +151,9 @@ class Roughness:
         return self.rms, self.rms * ratio
 
     def gap(self, grid: Grid) -> Array:
-        """Heights [m] with zero mean over the surface's extent, shape (width, length).
+        """Return heights [m] with zero mean over the surface's extent, of shape (width, length).
 
-        (nx, 1) where there is no surface.
+        The shape is (nx, 1) if there is no surface.
         """
         if not self.rms:
             return np.zeros((grid.cells[0], 1))
@@ -150,7 +172,7 @@ class Roughness:
         return np.asarray(fft.ifft2(_folded(waves, rows, ky, grid)).real * (nx * ny))
 
     def _waves(self, grid: Grid) -> tuple[np.ndarray, tuple[Array, Array]]:
-        """Complex amplitudes [m] of half the plane of waves, and their wave numbers [1/m]."""
+        """Return complex amplitudes [m] of half the plane of waves, and their wave numbers [1/m]."""
         extent = self.extent or grid.extent
         divides("Roughness.extent[1]", extent[1], grid.period)
         most = [int(side / self.cut_off) for side in extent]
@@ -183,7 +205,7 @@ class Roughness:
 
 
 def _folded(waves: np.ndarray, rows: np.ndarray, ky: Array, grid: Grid) -> np.ndarray:
-    """Waves by the grid's own wave numbers: those shorter than two cells look like longer ones."""
+    """Return waves by the grid's own wave numbers; those shorter than two cells look like longer ones."""
     columns = np.round(ky * grid.period).astype(int).ravel() % grid.cells[1]
     folded = np.zeros(grid.cells, dtype=complex)
     np.add.at(folded, np.ix_(rows, columns), waves)

@@ -10,30 +10,41 @@ from contactstudy.domain.grid import Grid
 
 @runtime_checkable
 class Shape(Protocol):
-    """A contribution to the undeformed gap."""
+    """Contribution to the undeformed gap."""
 
     @property
     def curvature(self) -> float:
-        """Curvature of the mean cross-section at the axis [1/m]; zero where a shape has none."""
+        """Curvature of the mean cross-section at the axis [1/m], zero if the shape has none."""
         ...
 
     def gap(self, grid: Grid) -> Array:
-        """Undeformed gap [m] at the cell centres; broadcasts to (x, y).
+        """Return the undeformed gap [m] at the cell centres; it broadcasts to (x, y).
 
-        The shape (nx, 1) says that nothing varies along the length.
+        The shape (nx, 1) means that nothing varies along the length.
         """
         ...
 
 
 @dataclass(frozen=True)
 class Detail:
-    """The scales of a shape, as far as they bear on the choice of a grid; all [m] but the slope.
+    """Length scales of a shape that decide which grid resolves it.
 
-    ``finest`` are its shortest wavelengths (across, along), infinite where it is smooth. ``repeat`` is the
-    length after which it repeats, 0 where any will do; ``longest`` its longest wavelength along the length;
-    ``roller`` the length of a roller that it ends or crowns, infinite where it has none of its own, 0
-    for other shapes. ``height`` is how far its highest stands above its mean; ``slope`` its rms slope. ``widest`` is
-    the width over which the shape is known, infinite for most.
+    Parameters
+    ----------
+    finest
+        Shortest wavelengths (across, along) [m], infinite where the shape is smooth.
+    repeat
+        Length [m] after which the shape repeats, zero if any will do.
+    longest
+        Longest wavelength along the length [m].
+    roller
+        Length [m] of a roller that the shape ends or crowns, infinite if it has none of its own, zero for other shapes.
+    height
+        Height of the highest point above the mean [m].
+    slope
+        Root mean square of the slope.
+    widest
+        Width [m] over which the shape is known, infinite for most.
     """
 
     finest: tuple[float, float] = (inf, inf)

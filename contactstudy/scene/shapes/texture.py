@@ -24,43 +24,53 @@ from contactstudy.scene.shapes.shape import Detail
 
 
 class Profile(Protocol):
-    """How the depth of a dimple or a groove falls from its middle to its rim."""
+    """Shape of the flank of a dimple or a groove, from its middle to its rim."""
 
     def __call__(self, t: Array) -> Array:
-        """The share of the depth at the share ``t`` in [0, 1] of the way from the middle to the rim."""
+        """Return the share of the depth at the share `t` in [0, 1] of the way from the middle to the rim."""
         ...
 
 
 @dataclass(frozen=True)
 class Parabolic:
-    """``1 - t^2``: a spherical cap, as the paraboloid that stands for a sphere in Hertz's theory."""
+    """Parabolic flank ``1 - t^2``: a spherical cap, as the paraboloid that stands for a sphere in Hertz's theory."""
 
     def __call__(self, t: Array) -> Array:
-        """The share of the depth."""
+        """Return the share of the depth at the share `t` of the way to the rim."""
         return (1 - t) * (1 + t)
 
 
 @dataclass(frozen=True)
 class Cosine:
-    """``(1 + cos(pi t)) / 2``: without a kink at the rim."""
+    """Cosine flank ``(1 + cos(pi t)) / 2``, without a kink at the rim."""
 
     def __call__(self, t: Array) -> Array:
-        """The share of the depth."""
+        """Return the share of the depth at the share `t` of the way to the rim."""
         return np.asarray((1 + np.cos(np.pi * t)) / 2)
 
 
 @dataclass(frozen=True)
 class FlatBottomed:
-    """The whole depth up to the rim: cylindrical dimples and rectangular grooves."""
+    """Flat bottom: the full depth up to the rim, for cylindrical dimples and rectangular grooves."""
 
     def __call__(self, t: Array) -> Array:
-        """The share of the depth."""
+        """Return one: the full depth at every share `t` of the way to the rim."""
         return np.ones_like(t)
 
 
 @dataclass(frozen=True)
 class Dimple:
-    """A round dimple: ``depth`` [m], from zero on; ``diameter`` at the rim [m], above zero; ``profile``."""
+    """Round dimple of a texture.
+
+    Parameters
+    ----------
+    depth
+        Depth [m], from zero on.
+    diameter
+        Diameter at the rim [m], above zero.
+    profile
+        Flank, such as :class:`~contactstudy.Parabolic`.
+    """
 
     depth: Metres
     diameter: Metres
@@ -76,17 +86,27 @@ class Dimple:
 
     @property
     def size(self) -> float:
-        """The diameter [m]."""
+        """Diameter [m]."""
         return self.diameter
 
     def density(self, pitch: tuple[float, float]) -> float:
-        """The share of the surface that is dimpled, ``pi d^2 / 4`` over the cell of the lattice."""
+        """Return the dimpled share of the surface, ``pi d^2 / 4`` over the cell of the lattice."""
         return pi / 4 * (self.diameter / pitch[0]) * (self.diameter / pitch[1])
 
 
 @dataclass(frozen=True)
 class Groove:
-    """A straight groove: ``depth`` [m], from zero on; ``width`` at the rim [m], above zero; ``profile``."""
+    """Straight groove of a texture.
+
+    Parameters
+    ----------
+    depth
+        Depth [m], from zero on.
+    width
+        Width at the rim [m], above zero.
+    profile
+        Flank, such as :class:`~contactstudy.Cosine`.
+    """
 
     depth: Metres
     width: Metres
@@ -102,23 +122,32 @@ class Groove:
 
     @property
     def size(self) -> float:
-        """The width [m]."""
+        """Width [m]."""
         return self.width
 
     def density(self, pitch: tuple[float, float]) -> float:
-        """The share of the surface that is grooved."""
+        """Return the grooved share of the surface."""
         return self.width / min(pitch)
 
 
 @dataclass(frozen=True)
 class Texture:
-    """Dimples on a rectangular lattice, or parallel grooves; one has its middle at the origin.
+    """Dimples on a rectangular lattice, or parallel grooves, one of them centred at the origin.
 
-    ``feature`` is a :class:`Dimple` or a :class:`Groove`; ``pitch`` (across, along) [m] is how far apart
-    they are. Dimples have two finite pitches, grooves one: ``(p, inf)`` are grooves along the length,
-    ``(inf, p)`` across it. Depths are sampled at the cell centres, so that a feature a few cells wide
-    has its area only roughly. Raises :class:`~contactstudy.InvalidInput` for features that overlap, and
-    where the pitch along does not divide the grid's period.
+    Depths are sampled at the cell centres, so that the area of a feature a few cells wide is approximate.
+
+    Parameters
+    ----------
+    feature
+        A :class:`~contactstudy.Dimple` or a :class:`~contactstudy.Groove`.
+    pitch
+        Distance (across, along) [m] between neighbours. Dimples have two finite pitches, grooves one: ``(p, inf)`` are
+        grooves along the length, ``(inf, p)`` across it.
+
+    Raises
+    ------
+    InvalidInput
+        If features overlap, a pitch is missing, or the pitch along does not divide the grid's period.
     """
 
     feature: Dimple | Groove
@@ -129,11 +158,13 @@ class Texture:
             raise InvalidInput(f"Texture.feature is {self.feature!r}: give a Dimple or a Groove.")
         both = pair("Texture.pitch", self.pitch, "give two lengths, (across, along) [m]")
         pitch = tuple(
-            inf if one == inf else in_range(f"Texture.pitch[{axis}]", one, "give a pitch above 0 m")
-            for axis, one in enumerate(both)
+            inf
+            if distance == inf
+            else in_range(f"Texture.pitch[{axis}]", distance, "give a pitch above 0 m")
+            for axis, distance in enumerate(both)
         )
         finite_pitches = 2 if isinstance(self.feature, Dimple) else 1
-        if sum(one < inf for one in pitch) != finite_pitches:
+        if sum(distance < inf for distance in pitch) != finite_pitches:
             raise InvalidInput(
                 f"Texture.pitch is {pitch!r}: give two finite pitches for dimples, one for grooves, "
                 "the other being inf."
@@ -147,9 +178,9 @@ class Texture:
 
     @classmethod
     def of_density(cls, feature: Dimple | Groove, area_density: float, along: float = inf) -> Self:
-        """The texture that covers ``area_density`` of the surface, by its pitch across the length.
+        """Return the texture that covers a share `area_density` of the surface, by its pitch across the length.
 
-        ``along`` [m] is the pitch along the length, infinite for grooves.
+        `along` [m] is the pitch along the length, infinite for grooves.
         """
         remedy = "give a share of the surface above 0 and below 1"
         density = positive("Texture area_density", area_density, remedy)
@@ -163,7 +194,7 @@ class Texture:
 
     @property
     def area_density(self) -> float:
-        """The share of the surface that is textured."""
+        """Textured share of the surface."""
         return self.feature.density(self.pitch)
 
     @property
@@ -173,7 +204,7 @@ class Texture:
 
     @property
     def detail(self) -> Detail:
-        """Features, and the lands between them, are as fine as they are wide."""
+        """Length scales: features, and the lands between them, are as fine as they are wide."""
         if self.feature.depth == 0:
             return Detail()
         size, (across, along) = self.feature.size, self.pitch
@@ -184,7 +215,7 @@ class Texture:
         return Detail(finest, repeat, slope=slope)
 
     def gap(self, grid: Grid) -> Array:
-        """Depths [m] at the cell centres, shape (x, y), or (nx, 1) for grooves along it."""
+        """Return depths [m] at the cell centres, of shape (x, y), or (nx, 1) for grooves along the length."""
         across, along = self.pitch
         divides("Texture.pitch[1]", along, grid.period)
         if self.feature.depth == 0:
@@ -197,14 +228,14 @@ class Texture:
 
 
 def _narrowest(size: float, pitch: float) -> float:
-    """The narrower of a feature and the land beside it; infinite where nothing repeats."""
+    """Return the smaller width [m] of a feature and the land beside it; infinite where nothing repeats."""
     if pitch == inf:
         return inf
     return min(size, pitch - size) if pitch > size else size
 
 
 def _from_nearest(position: Array, pitch: float) -> Array:
-    """Offset from the nearest multiple of ``pitch``; zero where nothing repeats."""
+    """Return the offset [m] from the nearest multiple of `pitch`; zero where nothing repeats."""
     if pitch == inf:
         return np.zeros_like(position)
     return np.asarray(position - pitch * np.round(position / pitch))
@@ -217,11 +248,21 @@ def _is_profile(name: str, profile: object) -> None:
 
 @dataclass(frozen=True)
 class Waviness:
-    """A plane wave of height, ``amplitude cos(2 pi (x / across + y / along) + phase)``.
+    """Plane wave of height, ``amplitude cos(2 pi (x / across + y / along) + phase)``.
 
-    ``amplitude`` [m]; wavelengths ``across`` and ``along`` [m], infinite by default, which is none in
-    that direction; ``phase`` [rad]. Raises :class:`~contactstudy.InvalidInput` where a period of the
-    grid does not hold a whole number of waves along.
+    Parameters
+    ----------
+    amplitude
+        Amplitude [m].
+    across, along
+        Wavelengths [m], infinite by default: no waves in that direction.
+    phase
+        Angle at the origin [rad].
+
+    Raises
+    ------
+    InvalidInput
+        If a period of the grid does not hold a whole number of waves along.
     """
 
     amplitude: Metres
@@ -249,7 +290,7 @@ class Waviness:
 
     @property
     def detail(self) -> Detail:
-        """One wave."""
+        """Length scales of the wave."""
         if self.amplitude == 0:
             return Detail()
         repeat = self.along if self.along < inf else 0.0
@@ -259,7 +300,7 @@ class Waviness:
         )
 
     def gap(self, grid: Grid) -> Array:
-        """The wave at the cell centres [m], shape (x, y), or (nx, 1) without waves along."""
+        """Return the wave at the cell centres [m], of shape (x, y), or (nx, 1) without waves along."""
         divides("Waviness.along", self.along, grid.period)
         y = grid.y if self.amplitude and self.along < inf else np.zeros(1)
         angle = 2 * np.pi * (grid.x[:, None] / self.across + y / self.along) + self.phase

@@ -29,22 +29,38 @@ from contactstudy.scene.surfaces.preparation import (
 
 @dataclass(frozen=True)
 class MeasuredSurface:
-    """A surface given by its ``heights`` (x, y) [m], positive out of the body: peaks touch first.
+    """Measured surface.
 
-    Heights are an array of real numbers, masked or nan where a point is missing, or an
-    xarray.DataArray whose coordinates give the sizes, a ``Topography`` of the library
-    SurfaceTopography, or the path of a file (see :meth:`read`).
-    ``extent`` (width, length) [m] is the size of all points, each standing for an equal cell; without it,
-    heights stand cell for cell on the grid. ``missing`` says what becomes of missing points, ``trend``
-    what is subtracted from all points, ``seam`` how the length is made periodic, in this order; heights
-    are taken as they are, unless told.
+    The surface is centred on the grid, which shows its middle where it is smaller; a grid is no wider than the
+    surface, and a longer period a whole number of the surface's. Cells have the means of a smooth surface with the
+    heights given, the same on every grid. Two surfaces are equal if `digest`, of all heights, and all else agree.
 
-    The surface is centred on the grid, which shows its middle where it is smaller; a grid is no wider
-    than the surface, and a longer period a whole number of the surface's. Cells have the means of a
-    smooth surface with the heights given, the same on every grid. Two surfaces are equal where
-    ``digest``, of all heights, and all else agree; ``file`` says where they were read from, if they were.
-    Raises :class:`~contactstudy.InvalidInput` for anything
-    that is not so.
+    Parameters
+    ----------
+    heights
+        Heights (x, y) [m], positive out of the body: peaks touch first. An array of real numbers, masked or nan where
+        a point is missing, an xarray.DataArray whose coordinates give the sizes, a ``Topography`` of the library
+        SurfaceTopography, or the path of a file (see :meth:`read`).
+    extent
+        Size (width, length) [m] of all points, each standing for an equal cell; without it, heights stand cell for
+        cell on the grid.
+    missing
+        Rule for missing points, applied first.
+    trend
+        Polynomial subtracted from all points, applied second.
+    seam
+        Rule that makes the length periodic, applied last.
+    file
+        File that the heights were read from, if any.
+    is_turned
+        Whether the surface was turned by a quarter.
+    window
+        Window that was cut from the surface, if any.
+
+    Raises
+    ------
+    InvalidInput
+        If the heights or sizes cannot be used.
     """
 
     heights: Any = field(repr=False, compare=False)
@@ -95,10 +111,19 @@ class MeasuredSurface:
         trend: Trend = Trend.PLANE,
         seam: Seam | None = None,
     ) -> Self:
-        """The surface in a file: X3P, OPD, SUR and whatever else the library SurfaceTopography reads.
+        """Return the surface in a file, less its tilt and tapered at its ends unless told otherwise.
 
-        Less its tilt, and :class:`~contactstudy.Tapered` at the ends, unless told otherwise. Needs the
-        extra ``measured``. Raises :class:`~contactstudy.InvalidInput` for a file without sizes or units.
+        Parameters
+        ----------
+        path
+            X3P, OPD, SUR and whatever else the library SurfaceTopography reads (extra ``measured``), or netCDF.
+        missing, trend, seam
+            As for the class; the defaults are to refuse missing points, ``Trend.PLANE`` and ``Tapered()``.
+
+        Raises
+        ------
+        InvalidInput
+            If the file cannot be read, or has no sizes or units.
         """
         heights, extent = measurement.read(path)
         named = str(Path(path).absolute())
@@ -109,13 +134,13 @@ class MeasuredSurface:
         measurement.write(self.heights, self.extent, path)
 
     def cut(self, window: Window) -> Self:
-        """A window of this surface: fewer points, from the same file."""
+        """Return a window of this surface: fewer points, from the same file."""
         points = window.of(self.heights)
         extent = self.extent
         if extent is not None:
             sides = [
-                one * n / m
-                for one, n, m in zip(extent, points.shape, self.heights.shape, strict=True)
+                side * n / m
+                for side, n, m in zip(extent, points.shape, self.heights.shape, strict=True)
             ]
             extent = sides[0], sides[1]
         # a window of a window, or of a surface that was turned, is none that a file can name
@@ -123,7 +148,7 @@ class MeasuredSurface:
         return replace(self, heights=points, extent=extent, file=file, window=window)
 
     def turned(self) -> Self:
-        """This surface turned by a quarter, so that what ran along the length runs across it."""
+        """Return this surface turned by a quarter, so that what ran along the length runs across it."""
         extent = None if self.extent is None else (self.extent[1], self.extent[0])
         turned = not self.is_turned  # twice is a half turn, which no file says
         file = self.file if turned else None
@@ -132,19 +157,19 @@ class MeasuredSurface:
         )
 
     def sized(self, grid: Grid) -> Self:
-        """This surface with the extent that it has on ``grid``, so that it can be put on others."""
+        """Return this surface with the extent that it has on `grid`, so that it can be put on others."""
         if self.extent is not None:
             return self
         return replace(self, extent=(grid.extent[0], grid.period / self.seam.lengths))
 
     @property
     def curvature(self) -> float:
-        """Zero: it is not known."""
+        """Zero: the curvature is not known."""
         return 0.0
 
     @property
     def detail(self) -> Detail:
-        """From the spacing of its points and its highest point."""
+        """Length scales, from the spacing of the points and the highest of them."""
         heights = self._complete()
         extent = self.extent or heights.shape
         steps = extent[0] / self.heights.shape[0], extent[1] / self.heights.shape[1]
@@ -167,11 +192,11 @@ class MeasuredSurface:
         )
 
     def _complete(self) -> Array:
-        """Heights (width, length) [m], complete and less their trend."""
+        """Return heights (width, length) [m] without missing points, less their trend."""
         return self.trend.subtracted(self.missing.fill(self.heights))
 
     def gap(self, grid: Grid) -> Array:
-        """Depths below the datum [m], shape (width, length), or (nx, 1) where all is one profile."""
+        """Return depths below the datum [m], of shape (width, length), or (nx, 1) if all is one profile."""
         heights = self._complete()
         if (heights == heights[:, :1]).all():
             heights, period = heights[:, :1], None
@@ -195,7 +220,7 @@ class MeasuredSurface:
         return -heights
 
     def _period(self, heights: Array, grid: Grid) -> tuple[Array, float | None]:
-        """One period of the surface, or of its middle where the grid's is shorter; and its length [m]."""
+        """Return one period of the surface, or of its middle where the grid's is shorter, and its length [m]."""
         if self.extent is None:
             return self.seam.close(heights), None
         count, length = heights.shape[1], self.extent[1]

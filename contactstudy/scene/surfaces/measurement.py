@@ -19,11 +19,11 @@ METRES = (None, "", "m", "metre", "metres", "meter", "meters")
 
 
 def measurement(heights: Any) -> Measurement:
-    """Points of an array, an xarray.DataArray or a file at a path, nan where one is missing.
+    """Return points of an array, an xarray.DataArray or a file, nan where one is missing, and their sizes [m].
 
-    Dimensions of a DataArray are put in the order (x, y) or (width, length) where they are called
-    that; sizes come from equidistant coordinates. Raises :class:`~contactstudy.InvalidInput` for what
-    is not a plane field of real numbers in metres.
+    Dimensions of a DataArray are put in the order (x, y) or (width, length) where they have these names; sizes come
+    from equidistant coordinates. Raises :class:`~contactstudy.InvalidInput` unless the heights are a plane field of
+    real numbers in metres.
     """
     if isinstance(heights, str | PathLike):
         points, extent = read(heights)
@@ -36,9 +36,9 @@ def measurement(heights: Any) -> Measurement:
 
 
 def read(path: str | PathLike[str]) -> Measurement:
-    """Points of a file in any format that SurfaceTopography reads: X3P, OPD, SUR and some thirty more.
+    """Return points and sizes of a file in any format that SurfaceTopography reads: X3P, OPD, SUR and some thirty more.
 
-    Raises :class:`~contactstudy.InvalidInput` for a file that is in none of them, or has no sizes or no unit.
+    Raises :class:`~contactstudy.InvalidInput` for a file in none of them, or without sizes or a unit.
     """
     if Path(path).suffix == ".nc" and (ours := _written(path)) is not None:
         return ours
@@ -65,7 +65,7 @@ def read(path: str | PathLike[str]) -> Measurement:
 
 
 def _topography(field: str, surface: Any) -> Measurement:
-    """Points and sizes of a ``Topography`` of the library SurfaceTopography."""
+    """Return points and sizes of a ``Topography`` of the library SurfaceTopography."""
     if surface.dim != 2 or surface.unit is None or surface.physical_sizes is None:
         raise InvalidInput(
             f"{field} is a topography of {surface.dim} dimension(s) with the unit {surface.unit!r} and the "
@@ -78,7 +78,7 @@ def _topography(field: str, surface: Any) -> Measurement:
 
 
 def write(points: Array, extent: tuple[float, float] | None, path: str | PathLike[str]) -> None:
-    """Points [m] as the variable ``heights`` (x, y) of a netCDF file, with coordinates if they have sizes."""
+    """Write points [m] as the variable ``heights`` (x, y) of a netCDF file, with coordinates if they have sizes."""
     xr = import_for("MeasuredSurface.write", "xarray")
     coords = {}
     if extent is not None:
@@ -90,7 +90,7 @@ def write(points: Array, extent: tuple[float, float] | None, path: str | PathLik
 
 
 def _written(path: str | PathLike[str]) -> Measurement | None:
-    """What :func:`write` wrote; None where the file is of another kind."""
+    """Return the points that :func:`write` wrote; None for a file of another kind."""
     xr = import_for("MeasuredSurface.read of a .nc file", "xarray")
     try:
         with xr.open_dataset(path) as dataset:
@@ -100,7 +100,7 @@ def _written(path: str | PathLike[str]) -> Measurement | None:
 
 
 def _plane(heights: Any) -> Array:
-    """A read-only copy of its own."""
+    """Return the heights as a read-only array of floats, a copy."""
     remedy = "give an array (width, length) of real numbers, heights in m"
     try:
         values = np.ma.asarray(heights) if np.ma.isMaskedArray(heights) else np.asarray(heights)
@@ -142,7 +142,7 @@ def _labelled(heights: Any) -> Measurement:
 
 
 def _size(name: str, coordinate: Any) -> tuple[float, float]:
-    """Size [m] of as many cells as there are points, and the step between two points."""
+    """Return the size [m] of as many cells as there are points, and the step between two points."""
     _in_metres(f"MeasuredSurface.heights.{name}", coordinate)
     positions = _plane(np.asarray(coordinate)[:, None])[:, 0]
     step = (positions[-1] - positions[0]) / max(len(positions) - 1, 1)

@@ -13,10 +13,21 @@ from contactstudy.domain.fields import Array
 
 @dataclass(frozen=True)
 class Window:
-    """Window ``number`` of ``tiles`` (across, along) equal ones, counted from 0, along the length first.
+    """Rectangular window of a measured surface that is cut into equal ones.
 
     Points left over where the tiles do not divide them belong to none, at the far ends.
-    Raises :class:`~contactstudy.InvalidInput` for a number that there is not.
+
+    Parameters
+    ----------
+    tiles
+        Numbers of windows (across, along).
+    number
+        Index of this window, from 0 on, counted along the length first.
+
+    Raises
+    ------
+    InvalidInput
+        If there is no window of that index.
     """
 
     tiles: tuple[int, int]
@@ -36,7 +47,7 @@ class Window:
         set_fields(self, tiles=tiles, number=number)
 
     def of(self, points: Array) -> Array:
-        """The window of ``points`` (x, y)."""
+        """Return this window of `points` (x, y)."""
         sides = [count // tiles for count, tiles in zip(points.shape, self.tiles, strict=True)]
         if min(sides) < 2:
             raise InvalidInput(
@@ -50,23 +61,23 @@ class Window:
 
 
 class Missing(Protocol):
-    """A rule for missing points."""
+    """Rule for missing points."""
 
     def admit(self, missing: int, points: int) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` where the rule cannot stand for so many."""
+        """Raise :class:`~contactstudy.InvalidInput` if the rule refuses that many missing points."""
         ...
 
     def fill(self, heights: Array) -> Array:
-        """Heights with a number at every point, from heights with nan where one is missing."""
+        """Return heights with a number at every point, from heights with nan where one is missing."""
         ...
 
 
 @dataclass(frozen=True)
 class RefuseMissing:
-    """A surface with missing points is refused."""
+    """Rule that refuses a surface with missing points."""
 
     def admit(self, missing: int, points: int) -> None:
-        """None may be missing."""
+        """Raise :class:`~contactstudy.InvalidInput` if any point is missing."""
         if missing:
             raise InvalidInput(
                 f"MeasuredSurface.heights has {missing} missing points of {points}: fill them, or give "
@@ -74,16 +85,20 @@ class RefuseMissing:
             )
 
     def fill(self, heights: Array) -> Array:
-        """As they are: none is missing."""
+        """Return the heights unchanged."""
         return heights
 
 
 @dataclass(frozen=True)
 class HarmonicFill:
-    """Missing points lie on the membrane spanned by their neighbours: Laplace's equation.
+    """Rule that lays missing points on the membrane spanned by their neighbours (Laplace's equation).
 
     Each is the mean of its neighbours, so that none is higher or lower than the points around the hole.
-    A share of points ``up_to``, above 0 and below 1, may be missing; a surface with more is refused.
+
+    Parameters
+    ----------
+    up_to
+        Largest share of missing points, above 0 and below 1; a surface with more is refused.
     """
 
     up_to: float = 0.1
@@ -96,7 +111,7 @@ class HarmonicFill:
         set_fields(self, up_to=share)
 
     def admit(self, missing: int, points: int) -> None:
-        """No more than the share."""
+        """Raise :class:`~contactstudy.InvalidInput` if more points are missing than the share allows."""
         if missing > self.up_to * points:
             raise InvalidInput(
                 f"MeasuredSurface.heights has {missing} missing points of {points}, a share of "
@@ -105,7 +120,7 @@ class HarmonicFill:
             )
 
     def fill(self, heights: Array) -> Array:
-        """The solution of Laplace's equation on five points where one is missing."""
+        """Return heights with the solution of Laplace's five-point equation where one is missing."""
         holes = np.isnan(heights)
         if not holes.any():
             return heights
@@ -115,7 +130,7 @@ class HarmonicFill:
 
 
 def _membrane(heights: Array, holes: NDArray[np.bool_]) -> Array:
-    """Heights at the holes, in the order of a mask."""
+    """Return the heights at the holes, in the order of the mask."""
     from scipy import sparse  # imported only where it is needed
     from scipy.sparse.linalg import spsolve
 
@@ -123,23 +138,23 @@ def _membrane(heights: Array, holes: NDArray[np.bool_]) -> Array:
     count = int(holes.sum())
     number[holes] = np.arange(count)
     row, column = np.nonzero(holes)
-    neighbours, known = np.zeros(count), np.zeros(count)
+    neighbours, border_sum = np.zeros(count), np.zeros(count)
     pairs = []
     for step in ((1, 0), (-1, 0), (0, 1), (0, -1)):
         i, j = row + step[0], column + step[1]
         within = (i >= 0) & (i < heights.shape[0]) & (j >= 0) & (j < heights.shape[1])
-        here, there = np.flatnonzero(within), (i[within], j[within])
-        neighbours[here] += 1
-        open_too = holes[there]
-        pairs.append((here[open_too], number[there][open_too]))
-        np.add.at(known, here[~open_too], heights[there][~open_too])
+        row_in_system, neighbour = np.flatnonzero(within), (i[within], j[within])
+        neighbours[row_in_system] += 1
+        open_too = holes[neighbour]
+        pairs.append((row_in_system[open_too], number[neighbour][open_too]))
+        np.add.at(border_sum, row_in_system[~open_too], heights[neighbour][~open_too])
     rows, columns = (np.concatenate(side) for side in zip(*pairs, strict=True))
     links = sparse.coo_array((np.ones(len(rows)), (rows, columns)), shape=(count, count))
-    return np.asarray(spsolve((sparse.diags_array(neighbours) - links).tocsc(), known))
+    return np.asarray(spsolve((sparse.diags_array(neighbours) - links).tocsc(), border_sum))
 
 
 class Trend(Enum):
-    """The least-squares polynomial that is subtracted; the value is its total degree."""
+    """Least-squares polynomial that is subtracted from a measured surface; the value is its total degree."""
 
     NONE = -1
     MEAN = 0
@@ -147,7 +162,7 @@ class Trend(Enum):
     QUADRATIC = 2
 
     def subtracted(self, heights: Array) -> Array:
-        """``heights`` (x, y) less the polynomial, fitted to all points alike."""
+        """Return `heights` (x, y) less the polynomial, fitted to all points alike."""
         if self is Trend.NONE:
             return heights
         x, y = (_from_middle(count) for count in heights.shape)
@@ -163,59 +178,61 @@ class Trend(Enum):
 
 
 def _from_middle(count: int) -> Array:
-    """Positions of points from -1 to 1, so that powers of them stay apart."""
+    """Return positions of points from -1 to 1, so that powers of them stay apart."""
     return np.asarray((2 * np.arange(count) - (count - 1)) / max(count - 1, 1), dtype=np.float64)
 
 
 class Seam(Protocol):
-    """How the end of a surface is joined to its beginning."""
+    """Rule that joins the end of a measured surface to its beginning."""
 
     @property
     def lengths(self) -> int:
-        """The period, in lengths of the surface."""
+        """Period, in lengths of the surface."""
         ...
 
     def close(self, heights: Array) -> Array:
-        """One period (width, points along) [m] of the surface ``heights`` (x, y)."""
+        """Return one period (width, points along) [m] of the surface `heights` (x, y)."""
         ...
 
 
 @dataclass(frozen=True)
 class AsMeasured:
-    """No change: the step between the end and the beginning stays."""
+    """Unchanged surface: the step between its end and its beginning stays."""
 
     @property
     def lengths(self) -> int:
-        """One."""
+        """Period of one length of the surface."""
         return 1
 
     def close(self, heights: Array) -> Array:
-        """The surface as it is."""
+        """Return the heights unchanged."""
         return heights
 
 
 @dataclass(frozen=True)
 class Mirrored:
-    """The surface is followed by its mirror image: no step, twice the period, all heights unchanged."""
+    """Surface followed by its mirror image: no step, twice the period, all heights unchanged."""
 
     @property
     def lengths(self) -> int:
-        """Two."""
+        """Period of two lengths of the surface."""
         return 2
 
     def close(self, heights: Array) -> Array:
-        """The surface and its mirror image."""
+        """Return the surface and its mirror image."""
         return np.concatenate([heights, heights[:, ::-1]], axis=1)
 
 
 @dataclass(frozen=True)
 class Tapered:
-    """Heights fall to the surface's mean at both ends, as a cosine: Tukey's window.
+    """Surface that falls to its mean at both ends as a cosine (Tukey's window; Harris 1978, Proc. IEEE 66, eq. 38).
 
-    ``share`` of the length, above 0 and up to 1, is tapered, half of it at each end; there the surface is
-    smoother than measured.
+    In the tapered part the surface is smoother than measured.
 
-    Source: Harris (1978), Proceedings of the IEEE 66, eq. 38.
+    Parameters
+    ----------
+    share
+        Tapered share of the length, half of it at each end, above 0 and up to 1.
     """
 
     share: float = 0.1
@@ -229,11 +246,11 @@ class Tapered:
 
     @property
     def lengths(self) -> int:
-        """One."""
+        """Period of one length of the surface."""
         return 1
 
     def close(self, heights: Array) -> Array:
-        """The windowed surface."""
+        """Return the windowed surface."""
         count = heights.shape[1]
         from_end = np.minimum(np.arange(count) + 0.5, count - np.arange(count) - 0.5) / count
         window = (1 - np.cos(np.pi * np.minimum(from_end / (self.share / 2), 1))) / 2
@@ -248,13 +265,26 @@ Ends = Literal["periodic", "not-a-knot"]
 def cell_means(
     heights: Array, axis: int, *, extent: float, cells: int, width: float, ends: Ends
 ) -> Array:
-    """Means over ``cells`` equal cells of ``width`` in all of the smooth surface through ``heights``.
+    """Return means over equal cells of the smooth surface through `heights`.
 
-    Along ``axis``, the points are the means of equal pieces of ``extent``; both are centred on the
-    same origin, and ``width`` lies within the extent unless the ``ends`` are periodic. The integral of
-    the surface is known at every border between two pieces; a cubic spline through it is read at the
-    borders of the cells. So a cell made of whole pieces has their mean, smaller cells make up the mean of
-    a larger one, and in the limit they show a surface without kinks.
+    The integral of the surface is known at every border between two pieces; a cubic spline through it is read at the
+    borders of the cells. So a cell made of whole pieces has their mean, smaller cells make up the mean of a larger
+    one, and in the limit they show a surface without kinks.
+
+    Parameters
+    ----------
+    heights
+        Means of equal pieces of `extent` along `axis`.
+    axis
+        Axis that is resampled.
+    extent
+        Length of all pieces [m], centred on the same origin as `width`.
+    cells
+        Number of cells.
+    width
+        Length of all cells [m], within the extent unless the ends are periodic.
+    ends
+        Boundary condition of the spline.
     """
     from scipy.interpolate import CubicSpline  # imported only where it is needed
 

@@ -57,7 +57,8 @@ from .solvers.iterate import Iterate
 from .solvers.polonsky_keer import PolonskyKeer
 from .solvers.preconditioned_cg import PreconditionedCG
 from .solvers.solution import Solution, Status
-from .solvers.solve import SolveOptions, Solver, solve
+from .solvers.solve import SolveOptions, Solver
+from .solving import solve
 
 __version__: str
 

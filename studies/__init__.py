@@ -13,6 +13,7 @@ if _TYPE_CHECKING:
     from studies.model.drawing import CaptionedFigure, Drawing, Finding, Table
     from studies.model.study import Study
     from studies.registry import load
+    from studies.scene_study.study_of import study_of
 
 # Each name where it stands; nothing is imported before it is asked for.
 _PUBLIC = {
@@ -29,6 +30,7 @@ _PUBLIC = {
     "load": "studies.registry",
     "panels": "contactstudy.io.pictures.figure",
     "run": "studies.engine.run",
+    "study_of": "studies.scene_study.study_of",
 }
 
 __all__ = [
@@ -45,6 +47,7 @@ __all__ = [
     "load",
     "panels",
     "run",
+    "study_of",
 ]
 
 

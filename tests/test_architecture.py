@@ -1,8 +1,12 @@
 """The house: imports run downwards, and no module goes unplaced."""
 
+import re
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
+
+from contactstudy.domain.imports import PRESENTATIONS
 
 ROOT = Path(__file__).parent.parent
 
@@ -12,3 +16,21 @@ def test_imports_run_one_way() -> None:
     command = [str(Path(sys.executable).with_name("lint-imports")), "--no-cache"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout
+
+
+# The one place of the core and the one of the studies that find a module by a name.
+BY_NAME = {"contactstudy/domain/imports.py", "studies/registry.py"}
+
+
+def test_modules_above_are_found_by_name_in_one_place() -> None:
+    """Methods that label or draw a value call upwards, as do studies for their figures; nothing else does."""
+    by_name = re.compile(r'import_(?:module|for)\((?:[^()]*, )?f?"(contactstudy|studies)\.[\w.]*\.')
+    for package in ("contactstudy", "studies"):
+        for file in sorted((ROOT / package).rglob("*.py")):
+            place = file.relative_to(ROOT)
+            for call in by_name.finditer(file.read_text(encoding="utf-8")):
+                below = ".".join(place.parts[:2]).removesuffix(".py")
+                assert below in call[0] or place.as_posix() in BY_NAME, (place, call[0])
+    for name in PRESENTATIONS.values():
+        module, _, function = name.rpartition(".")
+        assert callable(getattr(import_module(module), function))

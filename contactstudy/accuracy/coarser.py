@@ -9,7 +9,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.problem.problem import Problem, Source
 from contactstudy.solvers.solution import Solution
-from contactstudy.solvers.solve import solve
+from contactstudy.solvers.solve import SolveOptions
 
 
 def on_cells(field: Array, cells: tuple[int, int]) -> Array:
@@ -90,7 +90,7 @@ def change(fine: Solution, coarse: Solution) -> Change:
 def coarse_solution(problem: Problem) -> Solution | None:
     """The solution on cells of twice the size, to the digits that its difference needs."""
     coarse = coarser_problem(problem)
-    return None if coarse is None else solve(coarse, tolerance=TOLERANCE)
+    return None if coarse is None else SolveOptions(TOLERANCE).solved(coarse)
 
 
 def start_from(coarse: Solution, problem: Problem) -> Array:

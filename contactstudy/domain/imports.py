@@ -18,6 +18,17 @@ INSTALLS = {
 }
 
 
+# Methods that label or draw a value: the only calls upwards, each found by name when it is first made.
+PRESENTATIONS = {
+    "Comparison.plot": "contactstudy.io.pictures.contact.compare_picture",
+    "Evolution.to_dataset": "contactstudy.io.dataset.evolution_dataset",
+    "RepeatedRolling.to_dataset": "contactstudy.io.dataset.rolling_dataset",
+    "Solution in a notebook": "contactstudy.io.html.html",
+    "Solution.plot": "contactstudy.io.pictures.contact.picture",
+    "Solution.to_dataset": "contactstudy.io.dataset.to_dataset",
+}
+
+
 class MissingPackageError(ModuleNotFoundError):
     """A package that is not installed, in one sentence: what needs it, and what to install."""
 
@@ -31,6 +42,13 @@ def import_for(use: str, module: str) -> Any:
         return import_module(module)
     except ModuleNotFoundError as missing:
         raise missing_package(use, missing) from missing
+
+
+def presentation(method: str) -> Callable[..., Any]:
+    """Return the function behind a method in ``PRESENTATIONS``."""
+    module, _, name = PRESENTATIONS[method].rpartition(".")
+    function: Callable[..., Any] = getattr(import_for(method, module), name)
+    return function
 
 
 def missing_package(use: str, missing: ModuleNotFoundError) -> ModuleNotFoundError:

@@ -8,7 +8,7 @@ import numpy as np
 
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
-from contactstudy.domain.imports import import_for
+from contactstudy.domain.imports import presentation
 from contactstudy.evolution.march import worst
 from contactstudy.evolution.memory import JointMemory
 from contactstudy.problem.problem import Derived, Field
@@ -157,7 +157,5 @@ class Evolution:
 
     def to_dataset(self) -> "xr.Dataset":
         """Fields over (time, x, y), numbers over (time,), with units, long names, and where they came from."""
-        # by name: a Dataset stands on evolutions, not evolutions on Datasets
-        labelled = import_for("Evolution.to_dataset", "contactstudy.io.dataset")
-        made: xr.Dataset = labelled.evolution_dataset(self)
-        return made
+        dataset: xr.Dataset = presentation("Evolution.to_dataset")(self)
+        return dataset

@@ -11,7 +11,7 @@ from contactstudy.domain.checks import InvalidInput, positive, whole
 from contactstudy.domain.device import Precision
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
-from contactstudy.domain.imports import import_for
+from contactstudy.domain.imports import presentation
 from contactstudy.domain.padding import Padding, Paddings
 from contactstudy.elasticity.eigenstrain.plane_strain import PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import Volume
@@ -159,10 +159,8 @@ class RepeatedRolling:
 
     def to_dataset(self) -> "xr.Dataset":
         """By pass and depth, and the window after the last pass, with units and long names."""
-        # by name: a Dataset stands on results, not results on Datasets
-        labelled = import_for("RepeatedRolling.to_dataset", "contactstudy.io.dataset")
-        made: xr.Dataset = labelled.rolling_dataset(self)
-        return made
+        dataset: xr.Dataset = presentation("RepeatedRolling.to_dataset")(self)
+        return dataset
 
     def _each(self, of: Callable[[Profile], Array]) -> Array:
         layers = len(self.depths)

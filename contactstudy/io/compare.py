@@ -8,7 +8,7 @@ import xarray as xr
 
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
-from contactstudy.domain.imports import import_for
+from contactstudy.domain.imports import presentation
 from contactstudy.solvers.solution import Solution
 
 if TYPE_CHECKING:
@@ -49,9 +49,7 @@ class Comparison:
 
     def plot(self) -> "Figure":
         """The difference as a map, and both pressures across the place where it is largest."""
-        # by name, and when it is wanted: a picture stands on what it shows
-        drawing = import_for("Comparison.plot", "contactstudy.io.pictures.contact")
-        figure: Figure = drawing.compare_picture(self)
+        figure: Figure = presentation("Comparison.plot")(self)
         return figure
 
 

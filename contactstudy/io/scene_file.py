@@ -4,7 +4,6 @@ import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from enum import Enum
-from importlib import import_module
 from math import inf
 from os import PathLike
 from pathlib import Path
@@ -247,9 +246,9 @@ class SceneFile:
         progress: Callable[[float, float], None] | None = None,
     ) -> "Evolution":
         """The same for a scene that changes in time, at the instants of the file."""
-        # by name: only scenes that change in time need it
-        evolve = import_module("contactstudy.evolution.evolve").evolve
-        found: Evolution = evolve(
+        from contactstudy.evolution.evolve import evolve  # only scenes that change in time need it
+
+        return evolve(
             self.scene,
             *self._where(planned),
             times=self.time_steps.of(self.scene.load),
@@ -258,13 +257,12 @@ class SceneFile:
             progress=progress,
             **self._options,
         )
-        return found
 
     def roll(self, planned: Plan | None = None) -> "SteadyRolling":
         """The same for a scene that rolls steadily."""
-        roll = import_module("contactstudy.evolution.rolling").solve_rolling
-        found: SteadyRolling = roll(self.scene, *self._where(planned), **self._options)
-        return found
+        from contactstudy.evolution.rolling import solve_rolling
+
+        return solve_rolling(self.scene, *self._where(planned), **self._options)
 
     def _where(self, planned: Plan | None) -> tuple[Grid, Padding | Paddings]:
         grid, padding = self.grid, self.padding

@@ -19,7 +19,7 @@ from contactstudy.planning.grid_requirements import RATE, Needs, halvable
 from contactstudy.scene.bodies import Layered
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Solution, Status
-from contactstudy.solvers.solve import solve
+from contactstudy.solvers.solve import SolveOptions
 
 # Cells of a pilot at most, in one and in two dimensions, and the digits that it needs.
 LINE, PLANE, TOLERANCE = 2**13, 2**16, 1e-5
@@ -83,7 +83,7 @@ def _pilot(
     scene: Scene, grid: Grid, padding: Padding | Paddings
 ) -> tuple[Solution, ErrorEstimate, float]:
     start = process_time()
-    solution = solve(scene.problem(grid, padding), tolerance=TOLERANCE)
+    solution = SolveOptions(TOLERANCE).solved(scene.problem(grid, padding))
     seconds = process_time() - start
     return solution, error_estimate(solution), seconds
 

@@ -83,7 +83,7 @@ class Friction(Protocol):
         ...
 
     def said(self, scene: Contact, *, varies: bool, paddings: Paddings) -> str:
-        """Return a sentence on how shear is solved and why; `varies` tells whether the gap varies along the length."""
+        """Return a sentence on how shear is solved and why; `varies`: whether the gap varies along the length."""
         ...
 
 
@@ -117,7 +117,7 @@ class Sliding:
     def law(
         self, scene: Contact, gap: Array, grid: Grid, paddings: Paddings, datum: float
     ) -> FullSliding:
-        """Return the law for this scene on a grid, with the coupling of shear and normal displacement if there is any."""
+        """Return the law for this scene on a grid, with the coupling of shear and normal displacement."""
         beta = dundurs(scene.solids)
         if abs(beta) <= ALIKE or self.coefficient == 0:
             return FullSliding(self.coefficient, None)

@@ -173,7 +173,7 @@ class ElasticPlasticHalfSpace:
         return self.yield_stress < math.inf
 
     def check(self, scene: Surroundings) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` if the scene has an effect that is not defined beside plastic strain."""
+        """Raise :class:`~contactstudy.InvalidInput` for an effect that is not defined beside plastic strain."""
         if not self.yields:
             return
         place = next(n for n, solid in enumerate(scene.solids) if solid is self)

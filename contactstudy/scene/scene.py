@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from importlib import import_module
 from math import inf, log2
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
@@ -300,12 +299,6 @@ class Scene:
         ended = ends_along(self.shapes, grid)
         return ShapesSource(scene.shapes, ended, lambda other: scene.problem(other, padding))
 
-    def planned(self, *, error: float = 1e-3, period: float | None = None) -> Problem:
-        """The problem on the grid and with the padding of :func:`~contactstudy.plan`."""
-        # by name: a plan stands on scenes, not scenes on plans
-        plan = import_module("contactstudy.planning.plan").plan(self, error=error, period=period)
-        return self.problem(plan.grid, plan.padding)
-
     def _constraint(self) -> Constraint:
         return Compressive() if self.hardness == inf else HardnessLimited(self.hardness)
 
@@ -330,7 +323,7 @@ def _typed(field: str, value: object, kind: type | object, remedy: str) -> None:
 
 
 def _instance(field: str, value: object, kind: type, remedy: str) -> None:
-    """Raise :class:`~contactstudy.InvalidInput` unless `value` is an instance, and no class, that has the members of `kind`."""
+    """Raise :class:`~contactstudy.InvalidInput` unless `value` is an instance with the members of `kind`."""
     if isinstance(value, type) or not isinstance(value, kind):
         raise InvalidInput(f"{field} is {value!r}: {remedy}.")
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from contactstudy.domain.checks import NotDefined
 from contactstudy.domain.fields import Array
-from contactstudy.domain.imports import import_for
+from contactstudy.domain.imports import presentation
 from contactstudy.problem.problem import Problem
 
 if TYPE_CHECKING:
@@ -124,23 +124,14 @@ class Solution:
         )
 
     def _repr_html_(self) -> str:
-        return str(_presentation("a table in a notebook", "html").html(self))
+        return str(presentation("Solution in a notebook")(self))
 
     def to_dataset(self, *, error: Any = None) -> "xr.Dataset":
         """The fields, labelled: see :func:`~contactstudy.to_dataset`; ``error`` is an ErrorEstimate or None."""
-        dataset: xr.Dataset = _presentation("Solution.to_dataset", "dataset").to_dataset(
-            self, error
-        )
+        dataset: xr.Dataset = presentation("Solution.to_dataset")(self, error)
         return dataset
 
     def plot(self) -> "Figure":
         """A picture of pressure, gap and stress, as a matplotlib figure."""
-        figure: Figure = _presentation("Solution.plot", "pictures.contact").picture(
-            self.to_dataset()
-        )
+        figure: Figure = presentation("Solution.plot")(self.to_dataset())
         return figure
-
-
-def _presentation(use: str, module: str) -> Any:
-    """A module of ``contactstudy.io``, found when it is needed: a solve needs no labels and no pictures."""
-    return import_for(use, f"contactstudy.io.{module}")

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
 from math import inf
-from typing import Protocol, runtime_checkable
+from typing import Protocol
 
 import numpy as np
 
@@ -22,15 +22,6 @@ from contactstudy.solvers.solution import Solution, Status
 
 # Rows of fewer cells take a compiled pass longer to begin than to work through.
 NARROWEST = 4
-
-
-@runtime_checkable
-class Posable(Protocol):
-    """What can choose a grid and a padding for itself, such as a :class:`~contactstudy.Scene`."""
-
-    def planned(self) -> Problem:
-        """The problem on the grid of its plan."""
-        ...
 
 
 class Solver(Protocol):
@@ -148,35 +139,6 @@ class SolveOptions:
             residual=last.residual,
             note=last.note,
         )
-
-
-def solve(
-    problem: Problem | Posable,
-    *,
-    tolerance: float = 1e-8,
-    max_iterations: int = 2000,
-    solver: Solver = PreconditionedCG(),  # noqa: B008 (a frozen value)
-    precision: Precision | str = Precision.DOUBLE,
-    start: Array | None = None,
-    on: Device = Cpu(),  # noqa: B008 (a frozen value)
-) -> Solution:
-    """Solve ``problem`` and say how far the answer can be trusted; a scene is planned first.
-
-    One stopping rule, dimensionless: the largest of complementarity, ``sum(p |gap|) / sum(p)``,
-    penetration, ``max(-gap)`` where p = 0, both over the problem's gap scale ``p_H a / E*``, and load,
-    ``|sum(p) / total - 1|``, is at most ``tolerance``. Under a hardness, cells that yield count by the
-    gap they leave open, and complementarity is that of the others. ``start`` (x, y) [Pa] is the
-    pressure to go on from, such as that of a like scene or of a solution stopped early: cut off at its
-    limits and scaled to the load, and without it found on coarser grids. ``on`` is the device,
-    ``Cpu(threads=2)`` for two cores or ``Gpu()``: the answer is the same to rounding, and a solution's fields are
-    numpy arrays. A solver gets arrays of the device; shear is found on the processor. Numerical outcomes are a
-    :class:`~contactstudy.Status`; only a tolerance that is not above zero, a negative limit, a start
-    that is no pressure, or a grid that does not fit in memory raises :class:`~contactstudy.InvalidInput`.
-    """
-    if isinstance(problem, Posable):
-        problem = problem.planned()
-    options = SolveOptions(tolerance, max_iterations, solver, Precision.named(precision))
-    return options.solved(problem, start, on)
 
 
 def _check_other(on: Device, problem: Problem, precision: Precision) -> None:

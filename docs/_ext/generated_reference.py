@@ -92,7 +92,6 @@ INNER = (
     "solvers.partial_slip.Superposed",
     "solvers.sliding.FullSliding",
     "solvers.solution.Traction",
-    "solvers.solve.Posable",
 )
 
 

@@ -58,6 +58,6 @@ def load_scene_study(name: str, vary: Sequence[str], others: Sequence[str]) -> "
         if field in fields:
             raise InvalidInput(f"--vary names {field} twice: write all its values in one list.")
         fields[field] = values.strip()
-    from studies.model.study import Study
+    from studies.scene_study.study_of import study_of
 
-    return Study.of(Path(name), fields)
+    return study_of(Path(name), fields)

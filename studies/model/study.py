@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from importlib import import_module
 from itertools import product
 from math import prod
 from typing import TYPE_CHECKING, Any
@@ -62,22 +61,6 @@ class Study:
     def check_size(self, most: int | None) -> None:
         """Raises :class:`~contactstudy.InvalidInput` for more points than ``most``, or than memory holds."""
         check_count(f"Study {self.name!r}", self.size, "points", most)
-
-    @classmethod
-    def of(
-        cls, scene: Any, vary: Mapping[str, object], *, name: str | None = None, folder: Any = None
-    ) -> Study:
-        """The study of a ``scene``, or of one in a file, over other values of its fields.
-
-        ``vary`` has paths in a scene file, such as ``load.per_length``, and their values, as a sequence or as a
-        text such as ``"50:400:8 N/mm"``. Files of surfaces start at ``folder``. What every contact is measured by
-        is chosen; random surfaces and the grid are the same at all points where they can be.
-        Raises :class:`~contactstudy.InvalidInput` for a field that is not there and values it cannot have.
-        """
-        # by name: scenes stand on the model, not the model on scenes
-        study_of = import_module("studies.scene_study.study_of").study_of
-        study: Study = study_of(scene, vary, name=name, folder=folder)
-        return study
 
     def override(
         self, axes: Mapping[str, str | Iterable[Value]], *, most: int | None = MOST_POINTS

@@ -20,11 +20,11 @@ def quiet(_: str) -> None:
 
 
 def solved(path: Path, out: Path, loads: str = LOADS) -> xr.Dataset:
-    return run(studies.Study.of(path, {"load.per_length": loads}), out, workers=0, log=quiet)
+    return run(studies.study_of(path, {"load.per_length": loads}), out, workers=0, log=quiet)
 
 
 def test_a_path_gives_the_numbers_of_single_solves(rough: Path) -> None:
-    for case in studies.Study.of(rough, {"load.per_length": LOADS}).cases():
+    for case in studies.study_of(rough, {"load.per_length": LOADS}).cases():
         assert isinstance(case, SceneCase)
         on_path = case.run(case.prepare()).solution
         alone = cs.solve(case.scene.problem(case.grid, case.padding))
@@ -35,7 +35,7 @@ def test_a_path_gives_the_numbers_of_single_solves(rough: Path) -> None:
 
 
 def test_a_path_needs_fewer_convolutions_than_single_solves(rough: Path) -> None:
-    cases = studies.Study.of(rough, {"load.per_length": "20:100:20 N/mm"}).cases()
+    cases = studies.study_of(rough, {"load.per_length": "20:100:20 N/mm"}).cases()
     warm = sum(case.run(case.prepare()).solution.convolutions for case in cases)
     cold = sum(
         cs.solve(case.scene.problem(case.grid, case.padding)).convolutions
@@ -46,7 +46,7 @@ def test_a_path_needs_fewer_convolutions_than_single_solves(rough: Path) -> None
 
 
 def test_approach_and_stiffness_are_those_of_hertz(smooth: Path) -> None:
-    study = studies.Study.of(smooth, {"load.per_length": "50:100:3 N/mm", "plan.error": [1e-4]})
+    study = studies.study_of(smooth, {"load.per_length": "50:100:3 N/mm", "plan.error": [1e-4]})
     for case in study.cases():
         assert isinstance(case, SceneCase)
         hertz = case.scene.hertz
@@ -70,7 +70,7 @@ def test_approach_and_stiffness_are_those_of_hertz(smooth: Path) -> None:
 
 def test_stiffness_is_the_slope_of_the_load_over_the_approach(rough: Path) -> None:
     # no cell changes sides between loads this near, but for a few: differences of 1e-3 in the load
-    study = studies.Study.of(rough, {"load.per_length": [9.99e4, 1e5, 1.001e5]})
+    study = studies.study_of(rough, {"load.per_length": [9.99e4, 1e5, 1.001e5]})
     found = [measures(case, case.run(case.prepare())) for case in study.cases()]
     load, approach = ([float(one[name].values) for one in found] for name in ("load", "approach"))
     slope = (load[2] - load[0]) / (approach[2] - approach[0])
@@ -111,7 +111,7 @@ def test_points_that_are_stored_are_not_solved_again(rough: Path, tmp_path: Path
     )
     solved(rough, tmp_path, "20 N/mm,60 N/mm")
     said: list[str] = []
-    study = studies.Study.of(rough, {"load.per_length": "20 N/mm,60 N/mm,90 N/mm"})
+    study = studies.study_of(rough, {"load.per_length": "20 N/mm,60 N/mm,90 N/mm"})
     run(study, tmp_path, workers=0, log=said.append)
     assert any("2 cases are stored, 1 to compute" in one for one in said)
 
@@ -127,7 +127,7 @@ def test_stress_is_recorded_where_a_scene_names_it(smooth: Path, tmp_path: Path)
 
 
 def test_fields_of_every_case_are_kept_on_request(smooth: Path, tmp_path: Path) -> None:
-    study = studies.Study.of(smooth, {"load.per_length": "50 N/mm,100 N/mm"})
+    study = studies.study_of(smooth, {"load.per_length": "50 N/mm,100 N/mm"})
     options = studies.RunOptions(workers=0, fields="kept")
     dataset = run(study, tmp_path, options=options, log=quiet)
     for key in dataset["case_key"].values:

@@ -48,7 +48,7 @@ def scenes(study: studies.Study) -> list[SceneCase]:
 def test_every_field_is_an_axis_in_si_units(
     smooth: Path, field: str, values: object, expected: list[object]
 ) -> None:
-    study = studies.Study.of(smooth, {field: values})
+    study = studies.study_of(smooth, {field: values})
     assert list(study.points[0].values) == expected
     assert len(set(study.cases())) == len(expected)
 
@@ -60,7 +60,7 @@ def test_values_reach_the_case_that_is_solved(smooth: Path) -> None:
         "tolerance": "1e-5",
         "precision": "single",
     }
-    for case in scenes(studies.Study.of(smooth, varied)):
+    for case in scenes(studies.study_of(smooth, varied)):
         assert case.scene.load.per_length in (2e4, 4e4)
         assert case.padding == cs.Superposition(3)
         assert case.options == cs.SolveOptions(1e-5, precision=cs.Precision.SINGLE)
@@ -74,7 +74,7 @@ def test_a_grid_that_is_given_is_kept_and_its_fields_vary(smooth: Path) -> None:
     )
     varied = {"grid.cells": "[32, 1],[64, 1]", "period": "0.2 mm,0.4 mm"}
     found = {
-        (case.grid.cells[0], case.grid.period) for case in scenes(studies.Study.of(smooth, varied))
+        (case.grid.cells[0], case.grid.period) for case in scenes(studies.study_of(smooth, varied))
     }
     assert found == {(32, 2e-4), (64, 2e-4), (32, 4e-4), (64, 4e-4)}
 
@@ -82,7 +82,7 @@ def test_a_grid_that_is_given_is_kept_and_its_fields_vary(smooth: Path) -> None:
 def test_scenes_of_python_are_varied_like_files(smooth: Path) -> None:
     described = cs.read_scene(smooth)
     scene = replace(described.scene, hardness=3e9)
-    study = studies.Study.of(
+    study = studies.study_of(
         scene, {"shapes.0": [cs.Cylinder(0.01), cs.Cylinder(0.02)]}, name="two"
     )
     assert [case.scene.shapes[0].radius for case in scenes(study)] == [0.01, 0.02]  # type: ignore[attr-defined]
@@ -90,7 +90,7 @@ def test_scenes_of_python_are_varied_like_files(smooth: Path) -> None:
 
 
 def test_one_rough_surface_and_one_grid_for_all_loads(rough: Path) -> None:
-    study = studies.Study.of(
+    study = studies.study_of(
         rough, {"load.per_length": "20:100:3 N/mm", "shapes.1.rms": "0.1 um,0.2 um"}
     )
     cases = scenes(study)
@@ -105,13 +105,13 @@ def test_one_rough_surface_and_one_grid_for_all_loads(rough: Path) -> None:
 
 
 def test_a_finer_grid_shows_the_same_surface(rough: Path) -> None:
-    cases = scenes(studies.Study.of(rough, {"plan.error": "0.05,0.2"}))
+    cases = scenes(studies.study_of(rough, {"plan.error": "0.05,0.2"}))
     assert len({case.grid for case in cases}) == 2
     assert len({case.scene.shapes[1] for case in cases}) == 1
 
 
 def test_where_periods_share_no_part_the_study_says_that_surfaces_differ(rough: Path) -> None:
-    study = studies.Study.of(rough, {"period": "0.5 mm,0.7 mm"})
+    study = studies.study_of(rough, {"period": "0.5 mm,0.7 mm"})
     assert "random surfaces differ" in " ".join(study.notes)
 
 
@@ -123,7 +123,7 @@ def test_a_grid_that_cannot_hold_a_surface_is_refused(smooth: Path) -> None:
     scene = replace(described.scene, shapes=(*described.scene.shapes, surface))
     wide = replace(described, scene=scene, grid=cs.Grid((32, 32), (4e-4, 1e-4)))
     with pytest.raises(cs.InvalidInput, match="no wider than the surface"):
-        studies.Study.of(wide, {"load.per_length": [1e4, 2e4]})
+        studies.study_of(wide, {"load.per_length": [1e4, 2e4]})
 
 
 def test_windows_of_a_surface_are_an_axis(smooth: Path) -> None:
@@ -131,7 +131,7 @@ def test_windows_of_a_surface_are_an_axis(smooth: Path) -> None:
     described = cs.read_scene(smooth)
     surface = cs.MeasuredSurface(heights, extent=(1e-3, 1.5e-3), seam=cs.Tapered())
     scene = replace(described.scene, shapes=(*described.scene.shapes, surface))
-    study = studies.Study.of(scene, {"windows": "2x3"})
+    study = studies.study_of(scene, {"windows": "2x3"})
     assert study.points[0].values == (0, 1, 2, 3, 4, 5)
     parts = [case.scene.shapes[1].heights for case in scenes(study)]  # type: ignore[attr-defined]
     np.testing.assert_array_equal(np.block([parts[:3], parts[3:]]), heights)
@@ -150,7 +150,7 @@ def test_surfaces_are_an_axis_of_names(smooth: Path, tmp_path: Path) -> None:
         ),
         encoding="utf-8",
     )
-    study = studies.Study.of(smooth, {"surfaces": "measured/*.nc"})
+    study = studies.study_of(smooth, {"surfaces": "measured/*.nc"})
     assert study.points[0].values == ("a.nc", "b.nc")
     digests = [case.scene.shapes[1].digest for case in scenes(study)]  # type: ignore[attr-defined]
     assert len(set(digests)) == 2
@@ -177,7 +177,7 @@ def test_the_axes_that_a_person_writes_twice_or_wrongly_are_named(rough: Path) -
         ({}, "vary is empty"),
     ):
         with pytest.raises(cs.InvalidInput, match=said):
-            studies.Study.of(rough, vary)
+            studies.study_of(rough, vary)
 
 
 SURFACE = cs.MeasuredSurface(np.eye(8) * 1e-9, extent=(3.0, 2.0), seam=cs.Tapered())

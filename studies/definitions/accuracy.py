@@ -8,8 +8,9 @@ import numpy as np
 import xarray as xr
 
 import contactstudy as cs
+from contactstudy.io.dataset import flags
 from studies.model.axis import Axis, one_of
-from studies.model.case import Case, flags, number
+from studies.model.case import Case, number
 from studies.model.study import Point
 from studies.reference.accuracy.case import Errors, errors
 from studies.reference.accuracy.matrix import matrix

@@ -8,8 +8,9 @@ import numpy as np
 import xarray as xr
 
 import contactstudy as cs
+from contactstudy.io.dataset import flags
 from studies.model.axis import Axis, one_of
-from studies.model.case import Case, flags, number
+from studies.model.case import Case, number
 from studies.model.study import Point
 from studies.reference.hard_case import PADDINGS, SOLVERS
 from studies.reference.hard_cases import CASES

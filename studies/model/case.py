@@ -1,6 +1,6 @@
 """One computation of a study: a value that says what to compute, and how exactly."""
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any, Protocol
 
@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 import contactstudy as cs
+from contactstudy.io.dataset import flags
 
 
 class Computation(Hashable, Protocol):
@@ -143,18 +144,6 @@ def number(value: float, long_name: str) -> xr.Variable:
 def contact_share(pressure: np.ndarray) -> xr.Variable:
     """Of the cells of a grid, how many bear ``pressure`` (x, y)."""
     return number(float((pressure > 0).mean()), "share of cells in contact")
-
-
-def flags(
-    dims: Sequence[str], values: np.ndarray, meanings: Sequence[str], long_name: str
-) -> xr.Variable:
-    """Indices into ``meanings``, as CF has it."""
-    attrs = {
-        "long_name": long_name,
-        "flag_values": np.arange(len(meanings), dtype=np.int8),
-        "flag_meanings": " ".join(meanings),
-    }
-    return xr.Variable(tuple(dims), values.astype(np.int8), attrs)
 
 
 def error_estimates(solution: cs.Solution) -> Mapping[str, xr.Variable]:

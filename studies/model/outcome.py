@@ -9,7 +9,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 import xarray as xr
 
-from studies.model.case import flags
+from contactstudy.io.dataset import flags
 from studies.model.study import Measures
 
 

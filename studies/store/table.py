@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from contactstudy.io.dataset import flags
 from studies.model.axis import Axis, Value
-from studies.model.case import flags
 from studies.model.outcome import CaseStatus, Failure, Outcome, Sample, timing_variables
 from studies.model.study import Study
 from studies.store.identity import Memory, canonical, key

@@ -5,7 +5,8 @@ from inspect import signature
 import numpy as np
 
 import contactstudy as cs
-from studies.model.case import Case, Operator, contact_share, flags, solver_status
+from contactstudy.io.dataset import flags
+from studies.model.case import Case, Operator, contact_share, solver_status
 from studies.reference.line_contact import SCENE
 
 GRID = cs.Grid((8, 4), (1e-4, 1e-4))
@@ -14,7 +15,7 @@ GRID = cs.Grid((8, 4), (1e-4, 1e-4))
 def test_a_case_is_solved_as_a_solve_is_unless_told_otherwise() -> None:
     case, solve = Case(SCENE, GRID, cs.ExactPeriodicity()), signature(cs.solve).parameters
     for name in ("tolerance", "max_iterations", "solver", "precision"):
-        assert getattr(case, name) == solve[name].default, name
+        assert getattr(case.options, name) == solve[name].default, name
 
 
 def test_a_status_is_a_flag_of_all_that_there_are() -> None:

@@ -26,6 +26,9 @@ from .io.compare import Comparison, compare
 from .io.dataset import to_dataset
 from .io.scene_file import SceneFile, read_scene
 from .io.scene_writer import write_scene
+from .lubrication.film_error import FilmError, FilmErrorParts, film_error
+from .lubrication.lubricated_contact import FilmScales, FilmStatus, LubricatedContact
+from .lubrication.solve_lubricated import film_grid, solve_lubricated
 from .planning.plan import Plan, plan
 from .problem.bare_problem import BareProblem, PrescribedLoad, Resultant
 from .problem.constraint import Compressive, Constraint, Gap, HardnessLimited
@@ -36,6 +39,17 @@ from .scene.coated import CoatedHalfSpace
 from .scene.friction import PartialSlip, Sliding
 from .scene.inelastic import ElasticPlasticHalfSpace, ViscoelasticHalfSpace
 from .scene.load import LineLoad, LoadHistory, SineLoad
+from .scene.lubrication import (
+    Barus,
+    ConstantDensity,
+    DowsonHigginson,
+    Eyring,
+    LimitingShear,
+    Lubricant,
+    Lubrication,
+    Newtonian,
+    Roelands,
+)
 from .scene.motion import Rolling, Wear
 from .scene.scene import Output, Scene
 from .scene.shapes.roller import Crown, Cylinder, FiniteLength, LundbergProfile, Sphere
@@ -65,12 +79,14 @@ __version__: str
 __all__ = [
     "AsMeasured",
     "BareProblem",
+    "Barus",
     "Body",
     "CircularSuperposition",
     "CoatedHalfSpace",
     "Coefficients",
     "Comparison",
     "Compressive",
+    "ConstantDensity",
     "Constraint",
     "Convolution",
     "Cosine",
@@ -79,12 +95,18 @@ __all__ = [
     "Cylinder",
     "Detail",
     "Dimple",
+    "DowsonHigginson",
     "DuplicatedPadding",
     "ElasticPlasticHalfSpace",
     "ErrorEstimate",
     "ErrorParts",
     "Evolution",
     "ExactPeriodicity",
+    "Eyring",
+    "FilmError",
+    "FilmErrorParts",
+    "FilmScales",
+    "FilmStatus",
     "FiniteLength",
     "FlatBottomed",
     "Gap",
@@ -96,11 +118,16 @@ __all__ = [
     "HarmonicFill",
     "InvalidInput",
     "Iterate",
+    "LimitingShear",
     "LineLoad",
     "LoadHistory",
+    "Lubricant",
+    "LubricatedContact",
+    "Lubrication",
     "LundbergProfile",
     "MeasuredSurface",
     "Mirrored",
+    "Newtonian",
     "NotDefined",
     "Operator",
     "Output",
@@ -118,6 +145,7 @@ __all__ = [
     "RepeatedRolling",
     "Resultant",
     "RmsSlope",
+    "Roelands",
     "Rolling",
     "RollingPass",
     "RollingPressure",
@@ -151,11 +179,14 @@ __all__ = [
     "convolution",
     "error_estimate",
     "evolve",
+    "film_error",
+    "film_grid",
     "kernels",
     "plan",
     "read_scene",
     "roll_repeatedly",
     "solve",
+    "solve_lubricated",
     "solve_rolling",
     "superposed",
     "to_dataset",

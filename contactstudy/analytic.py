@@ -248,6 +248,25 @@ def westergaard(
     return Westergaard(mean_pressure, amplitude, wavelength, contact_modulus)
 
 
+def moes_film(load_parameter: float, viscosity_parameter: float) -> float:
+    """Return the film of a lubricated line contact where its pressure is flat, ``(h / R) (eta0 u_s / (E' R))^(-1/2)``.
+
+    ``load_parameter`` M = W / (E' R) (eta0 u_s / (E' R))^(-1/2), ``viscosity_parameter`` L = alpha E' (eta0 u_s /
+    (E' R))^(1/4), with E' = 2 E* and the sum u_s of the surface speeds. Fitted between four asymptotes: rigid or
+    elastic bodies, an isoviscous or a Barus lubricant. Source: Moes (1992), Venner & Lubrecht (2000).
+    """
+    rigid = 3 / load_parameter
+    elastic = 2.621 * load_parameter**-0.2
+    exponent = (7 + 8 * np.exp(-2 * elastic / rigid)) / 5
+    film = (rigid ** (7 / 3) + elastic ** (7 / 3)) ** (3 * exponent / 7)
+    if viscosity_parameter > 0:
+        piezoviscous_rigid = 1.287 * viscosity_parameter ** (2 / 3)
+        piezoviscous_elastic = 1.311 * load_parameter ** (-1 / 8) * viscosity_parameter**0.75
+        both = piezoviscous_rigid**-3.5 + piezoviscous_elastic**-3.5
+        film += both ** (-2 * exponent / 7)
+    return float(film ** (1 / exponent))
+
+
 def truncation_error(half_width: ArrayLike, reach: ArrayLike) -> Array:
     """Relative error ``a^2 / (8 D^2)`` of the peak pressure of a line contact whose images reach only to D.
 

@@ -25,6 +25,7 @@ from contactstudy.scene.shapes.shape import Shape
 if TYPE_CHECKING:
     from contactstudy.scene.friction import Friction
     from contactstudy.scene.load import ChangingLoad
+    from contactstudy.scene.lubrication import Lubrication
     from contactstudy.scene.motion import Rolling, Wear
 
 
@@ -124,6 +125,9 @@ class Scene:
         Steady rolling, or None.
     friction
         Law that adds shear to the pressure, such as :class:`~contactstudy.Sliding`, or None.
+    lubrication
+        Lubricant between the bodies and the motion that draws it in, or None for a dry contact. A lubricated scene is
+        solved by :func:`~contactstudy.solve_lubricated`.
 
     Raises
     ------
@@ -139,6 +143,7 @@ class Scene:
     wear: "Wear | None" = None
     rolling: "Rolling | None" = None
     friction: "Friction | None" = None
+    lubrication: "Lubrication | None" = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.load, LineLoad):
@@ -188,6 +193,13 @@ class Scene:
             remedy = "give a friction, such as Sliding(coefficient=0.1), or None"
             _instance("Scene.friction", self.friction, Friction, remedy)
             self.friction.check(self)
+        if self.lubrication is not None:
+            from contactstudy.scene.lubrication import Lubrication
+
+            _typed(
+                "Scene.lubrication", self.lubrication, Lubrication, "give a Lubrication, or None"
+            )
+            self.lubrication.check(self)
         for solid in self.solids:
             if isinstance(solid, Particular):
                 solid.check(self)
@@ -246,6 +258,11 @@ class Scene:
             raise InvalidInput(
                 "Scene.rolling moves the contact, which takes more than one problem: call "
                 "contactstudy.solve_rolling(scene, grid, padding)."
+            )
+        if self.lubrication is not None:
+            raise InvalidInput(
+                "Scene.lubrication separates the bodies by a film: call contactstudy.solve_lubricated(scene, grid, "
+                "padding), or leave it out for the dry contact."
             )
         if (changing := self.changing) is not None:
             raise InvalidInput(

@@ -1,0 +1,1 @@
+"""Lubricated contacts: the film, where it cavitates, and its friction. May import `scene` and below."""

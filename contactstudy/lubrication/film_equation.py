@@ -1,0 +1,280 @@
+"""Reynolds' equation on the cells of a grid: flow through faces, balance of each cell, and its linearisation.
+
+Everything is in Hertz units: lengths across and along over a, film over a^2 / R, pressure over p_H. A film ``H`` holds
+a lubricant of the content ``m = (1 - theta) rho H``, with the void fraction ``theta`` zero under pressure. Through the
+face between two neighbours across flows ``q = -rho C phi (P1 - P0) / (lambda dX) + W``:
+
+- ``phi``, the logarithmic mean of the fluidity ``eta0 / eta``: the exact mean for Barus' law;
+- ``C = 2 H0^2 H1^2 / (H0 + H1)``, the exact conductance of a wedge, zero where either film is;
+- ``W``, the content drawn along by the surfaces, of second order and never negative: with ``r`` the content of the cell
+  upstream over the cell's own, ``W = m r^(-1/2)`` where the film falls (r >= 1), else ``m (3 - r) / 2``.
+
+The balance is that of Elrod & Adams (1974): as much lubricant leaves each cell as enters it, cavitated or not. One
+row of cells (ny = 1) is plane strain.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contactstudy.domain.fields import Array
+
+# Below this half difference of logarithms the mean of two fluidities is a series.
+SERIES = 1e-3
+
+Mask = NDArray[np.bool_]
+# A cell's neighbours, as offsets across and along, and what multiplies a change in them.
+Bands = Mapping[tuple[int, int], Array]
+
+
+@dataclass(frozen=True, eq=False)
+class Film:
+    """A state of the film: fields (x, y) of pressure, void fraction and film, and the separation H0."""
+
+    pressure: Array
+    void: Array
+    separation: float
+    film: Array
+
+
+@dataclass(frozen=True)
+class Storage:
+    """A time derivative of the content: ``rate * m + history`` (x, y), in units of u_m / a."""
+
+    rate: float
+    history: Array
+
+
+class _Cells(NamedTuple):
+    """Values of cells that a face needs."""
+
+    pressure: Array
+    log_fluidity: Array
+    log_fluidity_slope: Array
+    density: Array
+    density_slope: Array
+    film: Array
+
+    def rows(self, rows: slice) -> "_Cells":
+        return _Cells(*(values[rows] for values in self))
+
+    def next_along(self) -> "_Cells":
+        return _Cells(*(np.roll(values, -1, axis=1) for values in self))
+
+
+class _Flow(NamedTuple):
+    """Flow through faces, and its derivatives by pressure and film of the cell before and behind."""
+
+    flux: Array
+    pressure_before: Array
+    pressure_behind: Array
+    film_before: Array
+    film_behind: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Linearised:
+    """The balance of the cells to first order in changes of pressure, film and void fraction.
+
+    ``pressure`` at a constant film, ``film`` and ``void`` are bands of coefficients (x, y): one of offset (i, j)
+    multiplies the change in the cell that far away. Rows of fixed cells are zero.
+    """
+
+    residual: Array
+    flux: Array
+    pressure: Bands
+    film: Bands
+    void: Bands
+    content_slopes: tuple[Array, Array, Array]
+    equation: "FilmEquation"
+
+    def delayed(self, rate: float) -> "Linearised":
+        """Add ``rate`` times the change of content: an implicit step in time of length 1 / rate."""
+        scaled = rate * self.equation.cell[0] * ~self.equation.fixed
+        here = (0, 0)
+        bands = (
+            {**band, here: band[here] + scaled * slope}
+            for band, slope in zip(
+                (self.pressure, self.film, self.void), self.content_slopes, strict=True
+            )
+        )
+        pressure, film, void = bands
+        return replace(self, pressure=pressure, film=film, void=void)
+
+    def change(self, pressure: Array, void: Array, separation: float) -> Array:
+        """Return the change of the balance under changes of pressure, void fraction and separation."""
+        film = self.equation.deflection(pressure) + separation
+        changed = np.zeros_like(pressure)
+        for bands, values in ((self.pressure, pressure), (self.film, film), (self.void, void)):
+            for offset, coefficient in bands.items():
+                changed += coefficient * neighbour(values, offset)
+        return changed
+
+
+@dataclass(frozen=True, eq=False)
+class FilmEquation:
+    """The lubricated contact in Hertz units, on a grid.
+
+    ``gap`` (x, y) is undeformed, ``deflection`` maps a pressure (x, y) to a displacement, ``cell`` is the size of a
+    cell, ``resistance`` lambda = 12 eta0 u_m R^2 / (a^3 p_H), ``load`` the mean over y of the sum of P dX.
+    ``log_viscosity`` and ``density`` return a ratio to the value at zero pressure and its derivative. The first two
+    cells across and the last have no pressure: the inlet is flooded.
+    """
+
+    gap: Array
+    deflection: Callable[[Array], Array]
+    cell: tuple[float, float]
+    resistance: float
+    load: float
+    log_viscosity: Callable[[Array], tuple[Array, Array]]
+    density: Callable[[Array], tuple[Array, Array]]
+
+    @cached_property
+    def fixed(self) -> Mask:
+        """Cells (x, y) without pressure at the inlet and the outlet."""
+        fixed = np.zeros(self.gap.shape, dtype=bool)
+        fixed[[0, 1, -1]] = True
+        return fixed
+
+    def film_of(self, pressure: Array, void: Array, separation: float) -> Film:
+        """Return the state with the film under ``pressure``."""
+        film = separation + self.gap + self.deflection(pressure)
+        return Film(pressure, void, separation, film)
+
+    def content(self, film: Film) -> Array:
+        """Return the content of each cell, ``(1 - theta) rho H``."""
+        return np.asarray((1 - film.void) * self.density(film.pressure)[0] * film.film)
+
+    def load_missing(self, film: Film) -> float:
+        """Return the load less what the pressure carries."""
+        carried = film.pressure.sum() * self.cell[0] / film.pressure.shape[1]
+        return float(self.load - carried)
+
+    def linearise(self, film: Film, storage: Storage | None = None) -> Linearised:
+        """Return the balance at ``film`` with its derivatives; ``storage`` adds a time derivative."""
+        density, density_slope = self.density(film.pressure)
+        log_viscosity, log_slope = self.log_viscosity(film.pressure)
+        cells = _Cells(film.pressure, -log_viscosity, -log_slope, density, density_slope, film.film)
+        filled = 1 - film.void
+        content = filled * density * film.film
+        slopes = (filled * density_slope * film.film, filled * density, -density * film.film)
+        dx, dy = self.cell
+        across = _conducted(
+            cells.rows(slice(None, -1)), cells.rows(slice(1, None)), 1 / (self.resistance * dx)
+        )
+        wedge, wedge_own, wedge_upstream = _drawn_along(content)
+        flux = across.flux + wedge
+
+        residual = np.zeros_like(content)
+        residual[1:-1] = flux[1:] - flux[:-1]
+        after, before = _face_behind, _face_before
+        pressure = {
+            (0, 0): after(across.pressure_before) - before(across.pressure_behind),
+            (1, 0): after(across.pressure_behind),
+            (-1, 0): -before(across.pressure_before),
+        }
+        height = {
+            (0, 0): after(across.film_before) - before(across.film_behind),
+            (1, 0): after(across.film_behind),
+            (-1, 0): -before(across.film_before),
+        }
+        if content.shape[1] > 1:
+            along = _conducted(cells, cells.next_along(), dx / (self.resistance * dy**2))
+            last = _Flow(*(np.roll(values, 1, axis=1) for values in along))
+            residual += along.flux - last.flux
+            for bands, ahead, behind, last_ahead, last_behind in (
+                (pressure, along.pressure_behind, along.pressure_before, *last[1:3]),
+                (height, along.film_behind, along.film_before, *last[3:5]),
+            ):
+                bands[0, 0] = bands[0, 0] + behind - last_behind
+                bands[0, 1], bands[0, -1] = ahead, -last_ahead
+        drawn = {
+            (0, 0): after(wedge_own),
+            (-1, 0): after(wedge_upstream) - before(wedge_own),
+            (-2, 0): -before(wedge_upstream),
+        }
+        if storage is not None:
+            residual += dx * (storage.rate * content + storage.history)
+            drawn[0, 0] = drawn[0, 0] + dx * storage.rate
+        void: dict[tuple[int, int], Array] = {}
+        for offset, coefficient in drawn.items():
+            for bands, slope in zip((pressure, height, void), slopes, strict=True):
+                term = coefficient * neighbour(slope, offset)
+                bands[offset] = bands[offset] + term if offset in bands else term
+        free = ~self.fixed
+        pressure, height, void = (
+            {offset: band * free for offset, band in bands.items()}
+            for bands in (pressure, height, void)
+        )
+        return Linearised(residual * free, flux, pressure, height, void, slopes, self)
+
+
+def neighbour(values: Array, offset: tuple[int, int]) -> Array:
+    """Return the value of the cell at ``offset`` from each cell: zero beyond the ends across, periodic along."""
+    rows, columns = offset
+    shifted = np.roll(values, -columns, axis=1) if columns else values
+    if not rows:
+        return shifted
+    moved = np.zeros_like(shifted)
+    if rows > 0:
+        moved[:-rows] = shifted[rows:]
+    else:
+        moved[-rows:] = shifted[:rows]
+    return moved
+
+
+def _face_behind(faces: Array) -> Array:
+    """Return for each row of cells the value of the face downstream; zero for the last."""
+    return np.concatenate((faces, np.zeros_like(faces[:1])))
+
+
+def _face_before(faces: Array) -> Array:
+    """Return for each row of cells the value of the face upstream; zero for the first."""
+    return np.concatenate((np.zeros_like(faces[:1]), faces))
+
+
+def _conducted(before: _Cells, behind: _Cells, factor: float) -> _Flow:
+    """Return the flow that the difference of pressure drives through the faces between two sets of cells."""
+    half = (behind.log_fluidity - before.log_fluidity) / 2
+    small = np.abs(half) < SERIES
+    safe = np.where(small, 1.0, half)
+    ratio = np.where(small, 1 + half**2 / 6, np.sinh(safe) / safe)
+    # derivative of the logarithm of sinh(u) / u
+    tilt = np.where(small, half / 3, 1 / np.tanh(safe) - 1 / safe)
+    fluidity = np.exp((before.log_fluidity + behind.log_fluidity) / 2) * ratio
+    both = before.film + behind.film
+    conductance = factor * 2 * (before.film * behind.film) ** 2 / both * fluidity
+    density = (before.density + behind.density) / 2
+    total = density * conductance
+    fall = before.pressure - behind.pressure
+
+    def by_pressure(side: _Cells, weight: Array) -> Array:
+        slope = total * weight * side.log_fluidity_slope + conductance * side.density_slope / 2
+        return np.asarray(slope * fall)
+
+    return _Flow(
+        total * fall,
+        by_pressure(before, (1 - tilt) / 2) + total,
+        by_pressure(behind, (1 + tilt) / 2) - total,
+        total * (2 / before.film - 1 / both) * fall,
+        total * (2 / behind.film - 1 / both) * fall,
+    )
+
+
+def _drawn_along(content: Array) -> tuple[Array, Array, Array]:
+    """Return the content drawn through each face, and its derivatives by the cell upstream and the one before it.
+
+    The first face has one cell upstream and is of first order.
+    """
+    flux, own, upstream = content[:-1].copy(), np.ones_like(content[1:]), np.zeros_like(content[1:])
+    here, further = content[1:-1], content[:-2]
+    falls = further >= here
+    root = np.sqrt(here / further)
+    flux[1:] = np.where(falls, here * root, 1.5 * here - 0.5 * further)
+    own[1:] = np.where(falls, 1.5 * root, 1.5)
+    upstream[1:] = np.where(falls, -0.5 * root**3, -0.5)
+    return flux, own, upstream

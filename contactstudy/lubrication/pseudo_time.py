@@ -1,0 +1,180 @@
+"""Newton's method in pseudo-time for a film in which lubricant cavitates.
+
+Each cell has one unknown: its pressure, or the void fraction where it is cavitated. A step solves the linearised balance
+with an implicit step in time, of a length that grows as the residual falls: from a distant start the film squeezes
+towards its state, near the end the step is Newton's. Which cells are cavitated is settled within the step: one with a
+negative pressure becomes so, one with a negative void fraction no longer is.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import inf
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from contactstudy.domain.fields import Array
+from contactstudy.lubrication.film_equation import Film, FilmEquation, Linearised, Mask, Storage
+
+# The film may fall to this share in a step, the content of a cavitated cell to that.
+FILM_FALL, CONTENT_FALL = 0.3, 0.1
+# A step in time changes by these factors at most, and one below this is given up.
+SHORTER, LONGER, REFUSED, LEAST = 0.3, 4.0, 0.25, 1e-9
+# Rounds that settle which cells are cavitated, and the share of cells that need not be.
+ROUNDS, UNSETTLED = 6, 1e-3
+
+
+class FilmStep(NamedTuple):
+    """Changes of pressure, void fraction and separation, and how the linear system was solved."""
+
+    pressure: Array
+    void: Array
+    separation: float
+    solved: bool = True
+    iterations: int = 0
+
+
+class StepSolver(Protocol):
+    """How the linear system of a step is solved."""
+
+    def step(
+        self, linear: Linearised, film: Film, cavitated: Mask, load_missing: float
+    ) -> FilmStep:
+        """Return the step after which ``cavitated`` cells have no pressure, and the others no void."""
+        ...
+
+
+@dataclass(frozen=True)
+class FilmControls:
+    """When the iteration stops, and how it starts.
+
+    A step that takes the film or the logarithm of the viscosity too far is shortened to the share that does not, and
+    refused below the share ``shortest``.
+    """
+
+    tolerance: float = 1e-8
+    max_iterations: int = 200
+    time_step: float = 0.1
+    viscosity_change: float = inf
+    shortest: float = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class FilmIteration:
+    """The last film of an iteration, its linearisation and residual, and what it took."""
+
+    film: Film
+    linear: Linearised
+    cavitated: Mask
+    residual: float
+    iterations: int
+    linear_iterations: int
+
+    def converged(self, tolerance: float) -> bool:
+        """Return whether the residual is below ``tolerance``, and no cell has both a pressure and a void."""
+        both = (self.film.pressure > 0) & (self.film.void > 0)
+        return self.residual <= tolerance and not bool(both.any())
+
+
+def residual_of(linear: Linearised, film: Film) -> float:
+    """Return the larger of the flow that is not balanced, over the flow, and the load that is missing."""
+    # faces between cells whose balance counts
+    flow = np.abs(linear.flux[1:-1]).max() * linear.residual.shape[1]
+    lost = np.abs(linear.residual).sum() / flow
+    return float(max(lost, abs(linear.equation.load_missing(film))))
+
+
+def iterate(
+    equation: FilmEquation,
+    start: Film,
+    solver: StepSolver,
+    controls: FilmControls,
+    *,
+    storage: Storage | None = None,
+    cavitated: Mask | None = None,
+    watch: Callable[[FilmIteration], None] | None = None,
+) -> FilmIteration:
+    """Iterate from ``start`` until the residual is below the tolerance, the limit, or steps without length."""
+    linear = equation.linearise(start, storage)
+    if cavitated is None:
+        cavitated = np.zeros_like(equation.fixed)
+    last = FilmIteration(start, linear, cavitated, residual_of(linear, start), 0, 0)
+    time_step = controls.time_step
+    while (
+        not last.converged(controls.tolerance)
+        and last.iterations < controls.max_iterations
+        and time_step > LEAST
+        and np.isfinite(last.residual)
+    ):
+        settled, wanted, change, linear_iterations = _settled(last, solver, time_step)
+        share = _share(last, change, controls.viscosity_change) if change.solved else 0.0
+        counts = last.iterations + 1, last.linear_iterations + linear_iterations
+        film = _moved(last, change, settled, share)
+        if share < controls.shortest or not (film.film > 0).all():
+            time_step *= REFUSED
+            last = FilmIteration(last.film, last.linear, last.cavitated, last.residual, *counts)
+            continue
+        linear = equation.linearise(film, storage)
+        residual = residual_of(linear, film)
+        factor = float(np.clip(last.residual / residual, SHORTER, LONGER)) if residual else LONGER
+        if share < 1:
+            factor = min(factor, 0.7)
+        elif residual < last.residual:
+            factor = max(factor, 2.0)
+        time_step *= factor
+        last = FilmIteration(film, linear, wanted, residual, *counts)
+        if watch is not None:
+            watch(last)
+    return last
+
+
+def _settled(
+    last: FilmIteration, solver: StepSolver, time_step: float
+) -> tuple[Mask, Mask, FilmStep, int]:
+    """Return a step of ``time_step``.
+
+    Returns the cells that cavitate in it, those that should after it, the step, and the linear iterations it took.
+    """
+    equation, film, cavitated = last.linear.equation, last.film, last.cavitated
+    delayed = last.linear.delayed(1 / time_step)
+    missing, iterations = equation.load_missing(film), 0
+    for round_number in range(ROUNDS):
+        change = solver.step(delayed, film, cavitated, missing)
+        iterations += change.iterations
+        if not change.solved:
+            wanted = cavitated
+            break
+        wanted = np.where(
+            cavitated, film.void + change.void >= 0, film.pressure + change.pressure < 0
+        )
+        wanted &= ~equation.fixed
+        flips = np.count_nonzero(wanted != cavitated)
+        if flips <= UNSETTLED * wanted.size or round_number == ROUNDS - 1:
+            break
+        cavitated = wanted
+    return cavitated, wanted, change, iterations
+
+
+def _share(last: FilmIteration, change: FilmStep, viscosity_change: float) -> float:
+    """Return the largest share of a step, up to 1, that keeps film and viscosity within their limits."""
+    film, equation = last.film, last.linear.equation
+    change_of_film = equation.deflection(change.pressure) + change.separation
+    loaded = film.pressure > 0
+    log_slope = equation.log_viscosity(film.pressure)[1]
+    # each share is its limit over the change
+    largest = max(
+        float((-change_of_film / film.film).max()) / (1 - FILM_FALL),
+        float((change_of_film / film.film)[loaded].max(initial=0.0)) / (1 / FILM_FALL - 1),
+        float((log_slope * np.abs(change.pressure)).max()) / viscosity_change,
+    )
+    return 1.0 if largest <= 1 else 1 / largest
+
+
+def _moved(last: FilmIteration, change: FilmStep, cavitated: Mask, share: float) -> Film:
+    """Return the film after a ``share`` of a step, with pressures and voids in their range."""
+    film, equation = last.film, last.linear.equation
+    pressure = np.maximum(film.pressure + share * change.pressure, 0)
+    void = np.clip(film.void + share * change.void, 0, 1 - CONTENT_FALL * (1 - film.void))
+    if share == 1:
+        pressure[cavitated], void[~cavitated] = 0, 0
+    return equation.film_of(pressure, void, film.separation + share * change.separation)

@@ -1,0 +1,283 @@
+"""What lubricates a contact: a lubricant with its laws, and the motion that draws it in."""
+
+from dataclasses import dataclass
+from math import inf
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+
+from contactstudy.domain.checks import (
+    InvalidInput,
+    finite,
+    in_range,
+    in_range_from_zero,
+    set_fields,
+)
+from contactstudy.domain.fields import Array
+from contactstudy.domain.units import (
+    MetresPerSecond,
+    Number,
+    Pascals,
+    PascalSeconds,
+    PressureViscosity,
+)
+from contactstudy.scene.bodies import Surroundings
+
+
+class Flooded(Surroundings, Protocol):
+    """The fields of a scene that bear on whether a film is known."""
+
+    @property
+    def wear(self) -> object | None:
+        """Sliding wear, or None."""
+        ...
+
+    @property
+    def friction(self) -> object | None:
+        """Dry friction, or None."""
+        ...
+
+
+@runtime_checkable
+class ViscosityLaw(Protocol):
+    """The growth of viscosity with pressure."""
+
+    def log_ratio(self, pressure: Array, coefficient: float) -> tuple[Array, Array]:
+        """Return ``ln(eta / eta0)`` and its derivative [1/Pa] at ``pressure`` [Pa], from 0 Pa on.
+
+        ``coefficient`` [1/Pa] is the derivative at zero pressure.
+        """
+        ...
+
+
+@dataclass(frozen=True)
+class Barus:
+    """``eta = eta0 exp(alpha p)`` (Barus 1893): for comparison, since it exaggerates beyond some 0.5 GPa."""
+
+    def log_ratio(self, pressure: Array, coefficient: float) -> tuple[Array, Array]:
+        """Return ``ln(eta / eta0)`` and its derivative [1/Pa] at ``pressure`` [Pa]."""
+        return coefficient * pressure, np.full_like(pressure, coefficient)
+
+
+@dataclass(frozen=True)
+class Roelands:
+    """``ln(eta / eta0) = alpha p0 / z ((1 + p / p0)^z - 1)`` (Roelands 1966).
+
+    ``exponent`` z, above 0 and up to 1, and ``reference_pressure`` p0 [Pa]. The exponent 1 is :class:`Barus`.
+    """
+
+    exponent: Number = 0.6
+    reference_pressure: Pascals = 1.96e8
+
+    def __post_init__(self) -> None:
+        remedy = "give an exponent above 0 and up to 1, such as 0.6"
+        exponent = in_range("Roelands.exponent", self.exponent, remedy)
+        if exponent > 1:
+            raise InvalidInput(f"Roelands.exponent is {self.exponent!r}: {remedy}.")
+        pressure = in_range(
+            "Roelands.reference_pressure", self.reference_pressure, "give a pressure above 0 Pa"
+        )
+        set_fields(self, exponent=exponent, reference_pressure=pressure)
+
+    def log_ratio(self, pressure: Array, coefficient: float) -> tuple[Array, Array]:
+        """Return ``ln(eta / eta0)`` and its derivative [1/Pa] at ``pressure`` [Pa]."""
+        z, p0 = self.exponent, self.reference_pressure
+        stretched = 1 + pressure / p0
+        return (
+            coefficient * p0 / z * (stretched**z - 1),
+            coefficient * stretched ** (z - 1),
+        )
+
+
+@runtime_checkable
+class DensityLaw(Protocol):
+    """The growth of density with pressure."""
+
+    def ratio(self, pressure: Array) -> tuple[Array, Array]:
+        """Return ``rho / rho0`` and its derivative [1/Pa] at ``pressure`` [Pa], from 0 Pa on."""
+        ...
+
+
+@dataclass(frozen=True)
+class ConstantDensity:
+    """An incompressible lubricant."""
+
+    def ratio(self, pressure: Array) -> tuple[Array, Array]:
+        """Return one, and zero [1/Pa]."""
+        return np.ones_like(pressure), np.zeros_like(pressure)
+
+
+@dataclass(frozen=True)
+class DowsonHigginson:
+    """``rho / rho0 = 1 + c p / (1 + d p)`` (Dowson & Higginson 1966), of mineral oil by default.
+
+    ``compressibility`` c [1/Pa] at zero pressure from 0 on, ``saturation`` d [1/Pa] above 0.
+    """
+
+    compressibility: PressureViscosity = 0.6e-9
+    saturation: PressureViscosity = 1.7e-9
+
+    def __post_init__(self) -> None:
+        set_fields(
+            self,
+            compressibility=in_range_from_zero(
+                "DowsonHigginson.compressibility", self.compressibility, "give 1/Pa from 0 on"
+            ),
+            saturation=in_range("DowsonHigginson.saturation", self.saturation, "give 1/Pa above 0"),
+        )
+
+    def ratio(self, pressure: Array) -> tuple[Array, Array]:
+        """Return ``rho / rho0`` and its derivative [1/Pa] at ``pressure`` [Pa]."""
+        spread = 1 + self.saturation * pressure
+        return 1 + self.compressibility * pressure / spread, self.compressibility / spread**2
+
+
+@runtime_checkable
+class ShearLaw(Protocol):
+    """The shear stress that a lubricant bears at a shear rate."""
+
+    def stress(self, newtonian: Array, pressure: Array) -> Array:
+        """Return the shear stress [Pa] where a Newtonian lubricant would bear ``newtonian`` [Pa]."""
+        ...
+
+
+@dataclass(frozen=True)
+class Newtonian:
+    """A shear stress in proportion to the shear rate, without a limit."""
+
+    def stress(self, newtonian: Array, pressure: Array) -> Array:
+        """Return the stress itself."""
+        return newtonian.copy()
+
+
+@dataclass(frozen=True)
+class Eyring:
+    """``tau = tau0 asinh(eta rate / tau0)`` (Eyring 1936), with the Eyring stress ``reference`` tau0 [Pa]."""
+
+    reference: Pascals = 5e6
+
+    def __post_init__(self) -> None:
+        remedy = "give an Eyring stress above 0 Pa, such as 5e6"
+        set_fields(self, reference=in_range("Eyring.reference", self.reference, remedy))
+
+    def stress(self, newtonian: Array, pressure: Array) -> Array:
+        """Return the shear stress [Pa]."""
+        return np.asarray(self.reference * np.arcsinh(newtonian / self.reference))
+
+
+@dataclass(frozen=True)
+class LimitingShear:
+    """``tau = tau_L tanh(eta rate / tau_L)`` with ``tau_L = coefficient p`` (as Bair & Winer 1979 have it)."""
+
+    coefficient: Number = 0.07
+
+    def __post_init__(self) -> None:
+        remedy = "give the limiting shear stress over pressure, above 0, such as 0.07"
+        set_fields(
+            self, coefficient=in_range("LimitingShear.coefficient", self.coefficient, remedy)
+        )
+
+    def stress(self, newtonian: Array, pressure: Array) -> Array:
+        """Return the shear stress [Pa]; zero without pressure."""
+        limit = self.coefficient * pressure
+        bounded = np.divide(newtonian, limit, out=np.zeros_like(limit), where=limit > 0)
+        return np.asarray(limit * np.tanh(bounded))
+
+
+@dataclass(frozen=True)
+class Lubricant:
+    """A lubricant at one temperature.
+
+    ``viscosity`` eta0 [Pa s] at zero pressure, above 0. ``pressure_viscosity`` alpha [1/Pa] is the relative growth
+    of viscosity with pressure at zero pressure, from 0 on (0: isoviscous). ``viscosity_law`` is :class:`Roelands`
+    or :class:`Barus`, ``density`` is :class:`DowsonHigginson` or :class:`ConstantDensity`, ``shear`` is
+    :class:`Newtonian`, :class:`Eyring` or :class:`LimitingShear`; the last bears on friction only, not on the film.
+    Raises :class:`~contactstudy.InvalidInput` for other values.
+    """
+
+    viscosity: PascalSeconds
+    pressure_viscosity: PressureViscosity
+    viscosity_law: ViscosityLaw = Roelands()
+    density: DensityLaw = DowsonHigginson()
+    shear: ShearLaw = Newtonian()
+
+    def __post_init__(self) -> None:
+        viscosity = in_range("Lubricant.viscosity", self.viscosity, "give a viscosity above 0 Pa s")
+        remedy = "give a coefficient from 0 1/Pa on, such as 2e-8"
+        coefficient = in_range_from_zero(
+            "Lubricant.pressure_viscosity", self.pressure_viscosity, remedy
+        )
+        set_fields(self, viscosity=viscosity, pressure_viscosity=coefficient)
+        for name, kind, example in (
+            ("viscosity_law", ViscosityLaw, "Roelands()"),
+            ("density", DensityLaw, "DowsonHigginson()"),
+            ("shear", ShearLaw, "Eyring(5e6)"),
+        ):
+            law = getattr(self, name)
+            if isinstance(law, type) or not isinstance(law, kind):
+                raise InvalidInput(f"Lubricant.{name} is {law!r}: give a law, such as {example}.")
+
+
+@dataclass(frozen=True)
+class Lubrication:
+    """A contact flooded with ``lubricant``, whose surfaces move to larger x.
+
+    ``mean_speed`` u_m [m/s], above 0, is the mean of both surface speeds: it draws the lubricant in from the side
+    of smaller x. ``slide_roll_ratio`` is the difference of the speeds, first body less second, over their mean.
+    Heights stand still in the contact. See :func:`~contactstudy.solve_lubricated`.
+    Raises :class:`~contactstudy.InvalidInput` for other values.
+    """
+
+    lubricant: Lubricant
+    mean_speed: MetresPerSecond
+    slide_roll_ratio: Number = 0.0
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.lubricant, Lubricant):
+            raise InvalidInput(
+                f"Lubrication.lubricant is {self.lubricant!r}: give a Lubricant(viscosity=..., "
+                "pressure_viscosity=...)."
+            )
+        remedy = "give a speed above 0 m/s; the dry contact is contactstudy.solve's"
+        speed = in_range("Lubrication.mean_speed", self.mean_speed, remedy)
+        remedy = "give the sliding speed over the mean speed, such as 0.1"
+        ratio = finite("Lubrication.slide_roll_ratio", self.slide_roll_ratio, remedy)
+        set_fields(self, mean_speed=speed, slide_roll_ratio=ratio)
+
+    def check(self, scene: "Flooded") -> None:
+        """Raise :class:`~contactstudy.InvalidInput` for a scene with an effect that is not known with a film."""
+        creeps = any(getattr(body, "creeps", False) for body in scene.solids)
+        yields = any(getattr(body, "yields", False) for body in scene.solids)
+        for present, field, reason in (
+            (
+                scene.wear is not None,
+                "wear",
+                "a full film keeps the bodies apart, so that nothing wears",
+            ),
+            (
+                scene.rolling is not None,
+                "rolling",
+                "Lubrication.mean_speed moves the surfaces already",
+            ),
+            (
+                scene.friction is not None,
+                "friction",
+                "the lubricant's own shear law gives the friction",
+            ),
+            (
+                scene.hardness != inf,
+                "hardness",
+                "a limit to the pressure would break the balance of flow",
+            ),
+            (creeps, "solids", "the film is steady, and a creeping body is not"),
+            (yields, "solids", "the linearised film knows no plastic strain"),
+        ):
+            if present:
+                raise InvalidInput(
+                    f"Scene.{field} is not known beside Scene.lubrication, since {reason}: leave one of them out."
+                )
+
+    @property
+    def sliding_speed(self) -> float:
+        """Speed of the first surface less that of the second [m/s]."""
+        return self.mean_speed * self.slide_roll_ratio

@@ -1,0 +1,37 @@
+"""Lubricated scenes by the parameters of Moes."""
+
+from math import pi, sqrt
+
+import contactstudy as cs
+
+RADIUS, LOAD, VISCOSITY = 0.01, 1e5, 0.04
+STEEL = cs.HalfSpace(210e9, 0.3)
+DRY = cs.Scene(cs.LineLoad(LOAD), (STEEL, STEEL), (cs.Cylinder(RADIUS),))
+
+
+def by_moes(
+    load_parameter: float, viscosity_parameter: float, *shapes: cs.Shape, **laws: object
+) -> cs.Scene:
+    """Steel cylinders with a Barus lubricant of constant density, unless ``laws`` name others."""
+    hertz = DRY.hertz
+    assert hertz is not None
+    resistance = 3 * pi**2 / (8 * load_parameter**2)
+    speed = resistance * hertz.half_width**3 * hertz.peak_pressure / (12 * VISCOSITY * RADIUS**2)
+    coefficient = viscosity_parameter * sqrt(load_parameter / (2 * pi)) / hertz.peak_pressure
+    named = {"viscosity_law": cs.Barus(), "density": cs.ConstantDensity()} | laws
+    oil = cs.Lubricant(VISCOSITY, coefficient, **named)  # type: ignore[arg-type]
+    return cs.Scene(
+        DRY.load, DRY.solids, (*DRY.shapes, *shapes), lubrication=cs.Lubrication(oil, speed, 0.1)
+    )
+
+
+def grid(cells: int, inlet: float, along: int = 1, period: float = 1.0) -> cs.Grid:
+    """``inlet`` and ``period`` in Hertz's half-widths."""
+    assert DRY.hertz is not None
+    a = DRY.hertz.half_width
+    return cs.Grid((cells, along), (2 * inlet * a, period * a))
+
+
+def in_moes_units(contact: cs.LubricatedContact, film: float) -> float:
+    """A film [m] as (h / R) (eta0 u_s / (E' R))^(-1/2)."""
+    return film / contact.scales.film * 8 * contact.scales.load_parameter / pi

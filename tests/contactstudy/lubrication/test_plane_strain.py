@@ -1,0 +1,193 @@
+"""Steady films in plane strain, beside published formulas and graded reference solutions."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from tests.contactstudy.lubrication.scenes import DRY, STEEL, by_moes, grid, in_moes_units
+
+# M, L, inlet [a], film on the axis and smallest film: 1200 graded cells, extrapolated, to 2e-4 of the film
+REFERENCE = (
+    (1, 0, 21.7, 3.2597, 3.0428),
+    (2, 0, 13.2, 2.6208, 2.1355),
+    (20, 0, 4.5, 1.4202, 1.1245),
+    (5, 2.5, 9.38, 3.1352, 2.3894),
+    (20, 5, 5.43, 3.5040, 2.6345),
+    (20, 10, 6.37, 5.2744, 3.9741),
+    (100, 5, 4.5, 2.8345, 2.1202),
+    (100, 10, 4.5, 4.3709, 3.2733),
+)
+
+
+@pytest.mark.parametrize(("load", "viscosity", "inlet", "central", "smallest"), REFERENCE)
+def test_the_film_is_that_of_graded_cells(
+    load: float, viscosity: float, inlet: float, central: float, smallest: float
+) -> None:
+    contact = cs.solve_lubricated(by_moes(load, viscosity), grid(800, inlet))
+    error = cs.film_error(contact)
+    for film, parts, expected in (
+        (contact.central_film, error.central_film, central),
+        (contact.minimum_film, error.minimum_film, smallest),
+    ):
+        bound = parts.discretisation + 2e-4
+        assert in_moes_units(contact, film) == pytest.approx(expected, rel=bound)
+
+
+@pytest.mark.parametrize("cells", [100, 200])
+def test_every_operating_point_converges_from_a_cold_start(cells: int) -> None:
+    for load in (1, 10, 100, 1000):
+        for viscosity in (0, 1, 5, 20):
+            contact = cs.solve_lubricated(by_moes(load, viscosity), grid(cells, 4.5))
+            assert contact.status is not cs.FilmStatus.NOT_CONVERGED, (load, viscosity)
+            assert contact.flux_spread < 1e-6, (load, viscosity)
+
+
+@pytest.mark.parametrize(
+    ("load", "speed", "central", "smallest", "friction"),
+    [
+        (2e4, 1.0, 361.4e-9, 316.7e-9, 0.0015),
+        (1e5, 1.0, 309.3e-9, 264.3e-9, 0.0210),
+        (1e5, 0.1, 61.36e-9, 52.40e-9, 0.0161),
+    ],
+)
+def test_steel_in_mineral_oil_has_the_film_and_friction_of_the_reference(
+    load: float, speed: float, central: float, smallest: float, friction: float
+) -> None:
+    oil = cs.Lubricant(0.04, 2e-8, shear=cs.Eyring(5e6))
+    scene = replace(
+        DRY, load=cs.LineLoad(load), lubrication=cs.Lubrication(oil, speed, slide_roll_ratio=0.1)
+    )
+    contact = cs.solve_lubricated(scene, error=1e-2)
+    assert contact.status is cs.FilmStatus.CONVERGED
+    assert contact.error is not None
+    # the reference has the shorter inlet of its own, so twice that of ours, and its last digit
+    error = contact.error
+    assert contact.central_film == pytest.approx(central, rel=2 * error.central_film.total + 2e-4)
+    assert contact.minimum_film == pytest.approx(smallest, rel=2 * error.minimum_film.total + 2e-4)
+    assert contact.friction == pytest.approx(friction, rel=2 * error.friction.total, abs=5e-5)
+
+
+def test_the_error_that_is_asked_for_is_reached() -> None:
+    scene = by_moes(20, 5)
+    contact = cs.solve_lubricated(scene, error=5e-3)
+    # endless inlet, by extrapolation
+    assert in_moes_units(contact, contact.central_film) == pytest.approx(3.507, rel=5e-3)
+    assert contact.error is not None
+    assert contact.error.central_film.total <= 5e-3
+    assert contact.error.minimum_film.total <= 5e-3
+
+
+def test_the_peak_beside_a_spike_has_no_estimate_and_says_why() -> None:
+    error = cs.solve_lubricated(by_moes(20, 10), error=2e-2).error
+    assert error is not None
+    assert error.peak_pressure.total == np.inf
+    assert "spike" in error.reason
+
+
+def test_films_agree_with_the_formula_of_moes_within_its_five_percent() -> None:
+    for load, viscosity in ((20, 0), (20, 5), (100, 10)):
+        contact = cs.solve_lubricated(by_moes(load, viscosity), grid(800, 6.5))
+        film = in_moes_units(contact, contact.central_film)
+        formula = cs.analytic.moes_film(load, viscosity)
+        assert film == pytest.approx(formula, rel=0.05)
+
+
+def test_the_thick_limit_of_the_formula_of_moes_is_that_of_martin() -> None:
+    assert cs.analytic.moes_film(1e-3, 0) == pytest.approx(3e3, rel=1e-5)
+
+
+def test_laws_without_their_effect_are_the_simpler_ones() -> None:
+    simple = cs.solve_lubricated(by_moes(20, 5), grid(100, 4.5))
+    same = cs.solve_lubricated(
+        by_moes(
+            20,
+            5,
+            viscosity_law=cs.Roelands(exponent=1.0),
+            density=cs.DowsonHigginson(compressibility=0.0),
+        ),
+        grid(100, 4.5),
+    )
+    assert same.film == pytest.approx(simple.film, rel=1e-12)
+    assert same.pressure == pytest.approx(simple.pressure, rel=1e-9, abs=1.0)
+
+
+def test_the_load_is_carried_and_no_cell_has_both_pressure_and_void() -> None:
+    scene = by_moes(20, 5)
+    contact = cs.solve_lubricated(scene, grid(200, 4.5))
+    carried = contact.pressure.sum() * contact.grid.cell[0]
+    assert carried == pytest.approx(1e5, rel=1e-7)
+    assert (contact.film_fraction[contact.pressure > 0] == 1).all()
+    assert (contact.film_fraction <= 1).all()
+    assert (contact.film_fraction > 0).all()
+
+
+def test_a_start_from_the_answer_takes_no_step() -> None:
+    scene = by_moes(20, 5)
+    contact = cs.solve_lubricated(scene, grid(100, 4.5))
+    again = cs.solve_lubricated(scene, grid(100, 4.5), start=contact)
+    assert again.iterations <= 1
+    assert again.film == pytest.approx(contact.film, rel=1e-8)
+
+
+def test_a_short_inlet_is_reported_as_starved() -> None:
+    contact = cs.solve_lubricated(by_moes(2, 0), grid(100, 1.8))
+    assert contact.status is cs.FilmStatus.STARVED_INLET
+
+
+def test_cells_wider_than_the_inlet_sweep_are_reported() -> None:
+    contact = cs.solve_lubricated(by_moes(1000, 0), grid(100, 4.5))
+    assert contact.status is cs.FilmStatus.FILM_BELOW_CELL
+    assert "more cells across" in str(contact.status)
+
+
+def test_an_iteration_cut_short_is_reported_as_not_converged() -> None:
+    contact = cs.solve_lubricated(by_moes(20, 5), grid(100, 4.5), max_iterations=2)
+    assert contact.status is cs.FilmStatus.NOT_CONVERGED
+
+
+def test_couette_friction_of_an_isoviscous_film_is_that_of_its_mean_inverse() -> None:
+    scene = by_moes(20, 0)
+    contact = cs.solve_lubricated(scene, grid(200, 4.5))
+    motion = contact.scales.lubrication
+    rate = motion.sliding_speed * contact.film_fraction / contact.film
+    drag = (motion.lubricant.viscosity * rate).sum() * contact.grid.cell[0]
+    assert contact.friction == pytest.approx(drag / 1e5, rel=1e-7)
+
+
+def test_power_is_lost_in_pure_rolling_too() -> None:
+    scene = by_moes(20, 5)
+    assert scene.lubrication is not None
+    rolling = replace(scene, lubrication=replace(scene.lubrication, slide_roll_ratio=0.0))
+    sliding, still = (cs.solve_lubricated(one, grid(200, 4.5)) for one in (scene, rolling))
+    assert still.friction == 0
+    assert still.power_loss > 0
+    slid = sliding.friction * 1e5 * scene.lubrication.sliding_speed
+    assert sliding.power_loss == pytest.approx(still.power_loss + slid, rel=1e-6)
+
+
+def test_thin_film_shares_grow_to_the_whole_load() -> None:
+    contact = cs.solve_lubricated(by_moes(20, 5), grid(200, 4.5))
+    assert contact.thinner_than(0.99 * float(contact.film.min())) == (0, 0)
+    assert contact.thinner_than(float(contact.film.max()) * 1.01)[1] == pytest.approx(1)
+
+
+def test_a_coat_of_the_substrates_modulus_changes_nothing() -> None:
+    scene = by_moes(20, 5)
+    coat = cs.CoatedHalfSpace(STEEL, 1e-5, STEEL)
+    coated = replace(scene, solids=(coat, STEEL))
+    plain, same = (cs.solve_lubricated(one, grid(100, 4.5)) for one in (scene, coated))
+    assert same.film == pytest.approx(plain.film, rel=1e-6)
+
+
+def test_a_softer_coat_lowers_the_peak_and_keeps_the_flow() -> None:
+    scene = by_moes(20, 5)
+    coat = cs.CoatedHalfSpace(cs.HalfSpace(20e9, 0.3), 2e-4, STEEL)
+    plain, soft = (
+        cs.solve_lubricated(replace(scene, solids=(body, STEEL)), grid(200, 6))
+        for body in (STEEL, coat)
+    )
+    assert soft.status is cs.FilmStatus.CONVERGED
+    assert soft.peak_pressure < 0.9 * plain.peak_pressure
+    assert soft.flux_spread < 1e-6

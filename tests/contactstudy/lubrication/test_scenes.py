@@ -1,0 +1,95 @@
+"""Scenes with a lubricant: what is refused, in one sentence, and what an empty slot costs."""
+
+import subprocess
+import sys
+from dataclasses import replace
+
+import pytest
+
+import contactstudy as cs
+from tests.contactstudy.lubrication.scenes import DRY, STEEL, by_moes, grid
+
+OIL = cs.Lubricant(0.04, 2e-8)
+MOTION = cs.Lubrication(OIL, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"wear": cs.Wear(1e-15, 1.0)}, "Scene.wear is not known beside Scene.lubrication"),
+        ({"rolling": cs.Rolling(1.0)}, "Scene.rolling is not known"),
+        ({"friction": cs.Sliding(0.1)}, "Scene.friction is not known"),
+        ({"hardness": 2e9}, "Scene.hardness is not known"),
+        (
+            {"solids": (cs.ViscoelasticHalfSpace(1e9, 0.4, ((1e9, 1.0),)), STEEL)},
+            "Scene.solids is not known",
+        ),
+        ({"lubrication": OIL}, "give a Lubrication, or None"),
+    ],
+)
+def test_an_effect_that_is_not_known_with_a_film_is_refused(
+    changed: dict[str, object], message: str
+) -> None:
+    with pytest.raises(cs.InvalidInput, match=message):
+        replace(DRY, **{"lubrication": MOTION, **changed})  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: cs.Lubricant(0.0, 2e-8), "Lubricant.viscosity is 0.0: give a viscosity above 0"),
+        (lambda: cs.Lubricant(0.04, -1e-8), "Lubricant.pressure_viscosity is -1e-08"),
+        (
+            lambda: cs.Lubricant(0.04, 2e-8, viscosity_law=cs.Barus),  # type: ignore[arg-type]
+            "give a law, such as Roelands",
+        ),
+        (lambda: cs.Lubrication(OIL, 0.0), "the dry contact is contactstudy.solve's"),
+        (lambda: cs.Lubrication(None, 1.0), "give a Lubricant"),  # type: ignore[arg-type]
+        (lambda: cs.Roelands(exponent=1.2), "Roelands.exponent is 1.2"),
+        (lambda: cs.Eyring(0.0), "Eyring.reference is 0.0"),
+    ],
+)
+def test_bad_values_are_named_with_a_remedy(make: object, message: str) -> None:
+    with pytest.raises(cs.InvalidInput, match=message):
+        make()  # type: ignore[operator]
+
+
+def test_a_dry_scene_is_sent_to_the_dry_solver_and_a_lubricated_one_to_this() -> None:
+    with pytest.raises(cs.InvalidInput, match=r"or call contactstudy\.solve"):
+        cs.solve_lubricated(DRY)
+    with pytest.raises(cs.InvalidInput, match=r"call contactstudy\.solve_lubricated"):
+        by_moes(20, 5).problem(grid(100, 4.5), cs.ExactPeriodicity())
+
+
+def test_a_flat_contact_has_no_inlet() -> None:
+    with pytest.raises(cs.NotDefined, match="no inlet draws lubricant in"):
+        cs.solve_lubricated(replace(DRY, shapes=(), lubrication=MOTION), grid(100, 4.5))
+
+
+def test_a_padding_that_ends_along_the_length_is_refused() -> None:
+    with pytest.raises(cs.InvalidInput, match="periodic along the length"):
+        cs.solve_lubricated(by_moes(20, 5), grid(32, 4.5, 4), cs.ZeroPadding())
+
+
+def test_a_scene_without_a_lubricant_imports_nothing_of_it() -> None:
+    code = (
+        "import sys, contactstudy as cs\n"
+        "steel = cs.HalfSpace(210e9, 0.3)\n"
+        "scene = cs.Scene(cs.LineLoad(1e5), (steel, steel), (cs.Cylinder(0.01),))\n"
+        "cs.solve(scene.problem(cs.Grid((32, 1), (1e-3, 1.0)), cs.ExactPeriodicity()))\n"
+        "print([name for name in sys.modules if 'lubric' in name])\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_sliding_speed_is_the_ratio_times_the_mean_speed() -> None:
+    assert cs.Lubrication(OIL, 2.0, 0.1).sliding_speed == pytest.approx(0.2)
+
+
+def test_limiting_shear_bounds_the_stress_by_a_share_of_the_pressure() -> None:
+    law = cs.LimitingShear(0.05)
+    scene = by_moes(20, 10, shear=law)
+    contact = cs.solve_lubricated(scene, grid(200, 4.5))
+    assert (contact.shear <= 0.05 * contact.pressure).all()
+    assert 0.02 < contact.friction < 0.05

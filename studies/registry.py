@@ -63,7 +63,7 @@ def load_drawing(name: str, figures: str = "curves") -> Drawing:
     if isinstance(part, Drawing):
         return part.reduced()
     findings, tables = getattr(part, "findings", nothing), getattr(part, "tables", nothing)
-    return Drawing(part.figure, findings, tables, getattr(part, "axes", ())).reduced()
+    return Drawing(part.figure, findings, tables, getattr(part, "KNOWN_AXES", ())).reduced()
 
 
 def default_drawing(figures: str = "curves") -> Drawing:

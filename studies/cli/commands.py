@@ -43,6 +43,16 @@ REPEATS = click.option(
     help="Timed runs of each case, one at a time on one thread; the minimum is used.",
 )
 
+FORMAT = click.option(
+    "--format",
+    "formats",
+    type=click.Choice(["png", "pdf"]),
+    multiple=True,
+    default=["png"],
+    show_default=True,
+    help="Files of each figure; pdf is beside png.",
+)
+
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__)
@@ -51,22 +61,39 @@ def cli() -> None:
 
 
 @cli.command()
+@click.argument("chapter", nargs=-1)
 @OUT
 @WORKERS
 @REPEATS
-def report(out: Path, workers: int, repeats: int) -> None:
-    """Run all studies of the report and write report.html."""
+@FORMAT
+def report(
+    chapter: tuple[str, ...], out: Path, workers: int, repeats: int, formats: tuple[str, ...]
+) -> None:
+    """Run the studies of each CHAPTER and write its page; without one, report.html.
+
+    CHAPTER is effects, trust, cost, the name of any study, or all. What is stored is not computed again.
+    """
     from studies.engine.executors import ProcessPool
     from studies.engine.options import RunOptions
-    from studies.engine.run import run as run_study
     from studies.report import page as reporting
+    from studies.report.chapters import chapters
 
+    chosen = chapters(chapter)
     options = RunOptions(workers=workers, repeats=repeats)
     with ProcessPool(workers) as pool:
-        for name in BUILT_IN:
-            executor = pool if workers else None
-            run_study(load(name), out, options=options, log=click.echo, executor=executor)
-    click.echo(f"report: wrote {reporting.write(out)}")
+        executor = pool if workers else None
+        for one in chosen:
+            path = reporting.make(
+                one,
+                out,
+                options=options,
+                log=click.echo,
+                executor=executor,
+                formats=_with_png(formats),
+            )
+            click.echo(f"report: wrote {path}")
+    for path in reporting.write_stored(out, chosen):
+        click.echo(f"report: wrote {path}")
 
 
 @cli.command(
@@ -126,6 +153,7 @@ def report(out: Path, workers: int, repeats: int) -> None:
 @click.option("--yes", is_flag=True, help="Run even more than a million points.")
 @VARY
 @FIGURES
+@FORMAT
 @click.option(
     "--dry-run",
     is_flag=True,
@@ -147,6 +175,7 @@ def run(
     table: str,
     vary: tuple[str, ...],
     figures: str,
+    formats: tuple[str, ...],
     yes: bool,  # noqa: FBT001 (click gives it by name)
     dry_run: bool,  # noqa: FBT001
 ) -> None:
@@ -188,28 +217,40 @@ def run(
     from studies.report import page as reporting
 
     with _drawing(chosen.name):
-        reporting.draw(chosen, load_drawing(study, figures), out)
+        reporting.draw(chosen, load_drawing(study, figures), out, _with_png(formats))
     click.echo(f"{chosen.name}: drew {out / chosen.name}")
 
 
 @cli.command()
 @click.argument("study", nargs=-1)
 @OUT
-def draw(study: tuple[str, ...], out: Path) -> None:
-    """Draw the figures of STUDY, or all figures and the report, from the netCDF files in the folder.
+@FORMAT
+def draw(study: tuple[str, ...], out: Path, formats: tuple[str, ...]) -> None:
+    """Draw the figures of STUDY, or the pages of all chapters that are stored, from the netCDF files in the folder.
 
     STUDY is a built-in name or a .py file. Nothing is solved.
     """
     from studies.report import page as reporting
+    from studies.report.chapters import MAIN
 
     for name in study:
         chosen = load(name)
         with _drawing(chosen.name):
-            reporting.draw(chosen, load_drawing(name), out)
+            reporting.draw(chosen, load_drawing(name), out, _with_png(formats))
         click.echo(f"{name}: drew {out / chosen.name}")
     if not study:
         with _drawing("report"):
-            click.echo(f"report: wrote {reporting.write(out)}")
+            pages = [
+                reporting.write(MAIN, out, _with_png(formats)),
+                *reporting.write_stored(out, [MAIN]),
+            ]
+        for path in pages:
+            click.echo(f"report: wrote {path}")
+
+
+def _with_png(formats: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the formats of figures: PNG, which pages show, and those asked for."""
+    return tuple(dict.fromkeys(("png", *formats)))
 
 
 cli.add_command(compare)
@@ -221,12 +262,11 @@ cli.add_command(recommendation)
 
 @cli.command()
 def studies() -> None:
-    """List the built-in studies, their axes and default values."""
+    """List the built-in studies, one a line, with their axes and how many values each has."""
     for name in (*BUILT_IN, *OPTIONAL):
         study = load(name)
-        click.echo(f"{name}: {study.title}")
-        for axis in study.points:
-            click.echo(f"    --{axis.name} {','.join(str(value) for value in axis.values)}")
+        axes = ", ".join(f"{axis.name} ({len(axis.values)})" for axis in study.points)
+        click.echo(f"{name:<12} {study.title} Axes: {axes}.")
 
 
 @contextmanager

@@ -6,6 +6,7 @@ from studies.model.axis import Axis
 from studies.registry import load
 
 STUDY = "contactstudy.study"
+MOST_VALUES = 10  # of an axis
 KINDS = {int: "COUNTS", float: "NUMBERS", str: "NAMES"}
 
 
@@ -31,5 +32,7 @@ class StudyCommand(click.Command):
 
 def _row(axis: Axis) -> tuple[str, str]:
     units = "" if axis.units == "1" else f" [{axis.units}]"
-    values = ", ".join(str(value) for value in axis.values)
+    values = ", ".join(str(value) for value in axis.values[:MOST_VALUES])
+    if len(axis.values) > MOST_VALUES:
+        values += f", ... ({len(axis.values)} values, the last {axis.values[-1]})"
     return f"--{axis.name} {KINDS[axis.kind]}", f"{axis.long_name}{units}.  [default: {values}]"

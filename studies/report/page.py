@@ -1,84 +1,118 @@
-"""Stored studies -> figures -> one self-contained page."""
+"""Stored studies -> figures -> self-contained pages, one for each chapter."""
 
 import base64
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from io import BytesIO
 from pathlib import Path
+from time import monotonic
 
 import xarray as xr
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
 from contactstudy import InvalidInput
 from contactstudy.domain.files import replacing
+from studies.engine.executors import Executor
+from studies.engine.options import RunOptions
 from studies.engine.progress import Progress
+from studies.engine.run import Log, run
 from studies.model.drawing import CaptionedFigure, Drawing, Finding, Table
+from studies.model.outcome import CaseStatus
 from studies.model.study import Study
-from studies.registry import BUILT_IN, load, load_drawing
+from studies.registry import BUILT_IN, load_drawing
+from studies.report.chapters import CHAPTERS, MAIN, Chapter, Part, single
 from studies.report.drawings import trust
 from studies.report.style import marked, plain
 from studies.store.netcdf import read
 
+FORMATS = ("png",)
+MOST_VALUES = 10  # of an axis that a page lists
+CLAIM = "The paper's"  # findings about the paper stand in its section
 
-def draw(study: Study, drawing: Drawing, out: Path) -> Sequence[CaptionedFigure]:
-    """The figures of ``study`` as PNG and PDF in ``<out>/<study>/``, from its netCDF file alone."""
-    figures = drawing.figure(_stored(study, out))
-    _save(figures, out / study.name)
+NOTHING_TO_DRAW = Drawing(
+    lambda dataset: (),
+    lambda dataset: (Finding("No case gave numbers.", "What failed is in the file's `error`."),),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Section:
+    """What a page shows of a study; ``data`` names the netCDF files behind it."""
+
+    name: str
+    title: str
+    swept: str
+    findings: Sequence[Finding]
+    figures: Sequence[Mapping[str, str]]
+    tables: Sequence[Table]
+    data: Sequence[str]
+
+    @property
+    def answers(self) -> Sequence[Finding]:
+        """Findings that answer a question of the reader."""
+        return [one for one in self.findings if one.question.endswith("?") or _is_claim(one)]
+
+
+def draw(
+    study: Study, drawing: Drawing, out: Path, formats: Sequence[str] = FORMATS
+) -> Sequence[CaptionedFigure]:
+    """Draw the figures of ``study`` into ``<out>/<study>/``, from its netCDF file alone."""
+    figures = drawing.figure(stored(study, out))
+    _check(figures, study.name)
+    with Progress(study.name, "drawing", len(figures), "figure", lambda text: None) as progress:
+        for one in figures:
+            _save(one, out / study.name, formats)
+            progress.add()
     return figures
 
 
-def _stored(study: Study, out: Path) -> xr.Dataset:
-    """What was stored of ``study``; raises InvalidInput where that has other axes, as of an earlier version."""
+def stored(study: Study, out: Path) -> xr.Dataset:
+    """Return what is stored of ``study``.
+
+    Raises :class:`~contactstudy.InvalidInput` where that has other axes, as of an earlier version.
+    """
     path = out / f"{study.name}.nc"
     dataset = read(path)
-    found = dataset["case_status"].dims if "case_status" in dataset else ()
+    held = dataset["case_status"].dims if "case_status" in dataset else ()
     axes = [axis.name for axis in study.points]
-    if set(found) != set(axes):
+    if set(held) != set(axes):
         raise InvalidInput(
-            f"Study file {str(path)!r} has the axes {', '.join(map(str, found)) or 'of no study'}, and the study has "
+            f"Study file {str(path)!r} has the axes {', '.join(map(str, held)) or 'of no study'}, and the study has "
             f"{', '.join(axes)}: run the study again."
         )
     return dataset
 
 
-def _save(figures: Sequence[CaptionedFigure], folder: Path) -> None:
-    given: object = figures
-    is_row = isinstance(given, list | tuple)
-    if not is_row or not all(isinstance(one, CaptionedFigure) for one in figures):
-        raise InvalidInput(
-            f"figure of {folder.name!r} gives no studies.model.drawing.CaptionedFigure: return a tuple of them, or "
-            "() for none."
-        )
-    progress = Progress(folder.name, "drawing", len(figures), "figure", lambda text: None)
-    with progress:
-        for one in figures:
-            _save_one(one, folder)
-            progress.add()
-
-
-def _save_one(one: CaptionedFigure, folder: Path) -> None:
-    # lay the figure out once for both files: each file would do it again
-    if engine := one.figure.get_layout_engine():
-        engine.execute(one.figure)
-        one.figure.set_layout_engine("none")
-    for suffix in ("png", "pdf"):
-        with replacing(folder / f"{one.name}.{suffix}") as path:
-            one.figure.savefig(path)
-
-
-def write(out: Path) -> Path:
-    """Figures and ``<out>/report.html`` from the netCDF files of the built-in studies; returns its path.
-
-    A chapter for each study in the order of ``BUILT_IN``: its title, what it swept, its findings, figures
-    and tables. All findings are in the summary as well, those that answer a question before the others.
-    """
-    studies = {name: load(name) for name in BUILT_IN}
-    stored = {name: _stored(study, out) for name, study in studies.items()}
-    chapters = [
-        _chapter(studies[name], load_drawing(name), dataset, out)
-        for name, dataset in stored.items()
+def section(
+    part: Part, dataset: xr.Dataset, out: Path, formats: Sequence[str] = FORMATS
+) -> Section:
+    """Draw what a chapter shows of a study, and return it with what the study says."""
+    study, drawing = part.study(), load_drawing(part.name)
+    if not (dataset["case_status"] == CaseStatus.OK).any():
+        drawing = NOTHING_TO_DRAW
+    figures = [
+        one for one in drawing.figure(dataset) if part.figures is None or one.name in part.figures
     ]
-    sweeps = trust.sweeps_with_estimates(stored)
-    chapters += [_estimates_chapter(sweeps, out)] if sweeps else []
+    tables = drawing.tables(dataset)
+    return Section(
+        name=part.name,
+        title=study.title.rstrip("."),
+        swept=swept(study, dataset),
+        findings=drawing.findings(dataset),
+        figures=[_embedded(one, part.name, out, formats) for one in figures],
+        tables=tables if part.tables is None else tables[: part.tables],
+        data=[part.name],
+    )
+
+
+def write_page(
+    chapter: Chapter,
+    sections: Sequence[Section],
+    attributes: Mapping[str, Mapping[str, object]],
+    out: Path,
+) -> Path:
+    """Write a chapter's page with the ``attributes`` of its netCDF files as provenance; return its path."""
     environment = Environment(
         loader=PackageLoader("studies.report", "."),
         autoescape=select_autoescape(),
@@ -88,71 +122,182 @@ def write(out: Path) -> Path:
     )
     environment.filters.update(marked=marked, plain=plain)
     page = environment.get_template("page.html").render(
-        chapters=chapters,
-        answers=_answers(chapters),
-        provenance={name: dataset.attrs for name, dataset in stored.items()},
+        chapter=chapter,
+        main=MAIN,
+        main_is_there=(out / MAIN.page).is_file(),
+        sections=_with_claims_beside_the_paper(sections),
+        provenance=attributes,
+        others=_others(chapter, out),
     )
-    path = out / "report.html"
+    path = out / chapter.page
     with replacing(path) as partial:
         partial.write_text(page, encoding="utf-8")
     return path
 
 
-@dataclass(frozen=True, eq=False)
-class Chapter:
-    """What the page shows of a study; ``data`` names the netCDF files behind it."""
-
-    name: str
-    title: str
-    swept: Sequence[tuple[str, Sequence[object]]]
-    findings: Sequence[Finding]
-    figures: Sequence[Mapping[str, str]]
-    tables: Sequence[Table]
-    data: Sequence[str]
-
-
-def _chapter(study: Study, drawing: Drawing, dataset: xr.Dataset, out: Path) -> Chapter:
-    figures = drawing.figure(dataset)
-    _save(figures, out / study.name)
-    return Chapter(
-        name=study.name,
-        title=study.title.rstrip("."),
-        swept=[(axis.long_name, dataset[axis.name].values.tolist()) for axis in study.points],
-        findings=drawing.findings(dataset),
-        figures=[_embedded(one, study.name, out) for one in figures],
-        tables=drawing.tables(dataset),
-        data=[study.name],
-    )
-
-
-def _estimates_chapter(sweeps: Mapping[str, xr.Dataset], out: Path) -> Chapter:
-    """The chapter that the sweeps share: error estimates beside true errors."""
-    name = "estimate_validation"
-    figure = trust.estimates_figure(sweeps)
-    _save([figure], out / name)
-    return Chapter(
-        name=name,
-        title="Error estimates beside true errors",
-        swept=[],
-        findings=[trust.estimates_finding(sweeps)],
-        figures=[_embedded(figure, name, out)],
-        tables=[trust.estimates_table(sweeps)],
-        data=list(sweeps),
-    )
+def make(
+    chapter: Chapter,
+    out: Path,
+    *,
+    options: RunOptions,
+    log: Log,
+    executor: Executor | None = None,
+    formats: Sequence[str] = FORMATS,
+) -> Path:
+    """Run the studies of a chapter, draw each while the next is run, and write the page; return its path."""
+    datasets, drawn = {}, []
+    with ThreadPoolExecutor(1) as artist:
+        for number, part in enumerate(chapter.parts, 1):
+            began, messages = monotonic(), list[str]()
+            study = part.study()
+            dataset = run(
+                study, out, options=options, log=messages.append, executor=executor
+            ).load()
+            datasets[part.name] = dataset
+            failed = ~dataset["case_status"].isin([CaseStatus.OK, CaseStatus.NOT_RUN])
+            for message in messages if failed.any() else ():
+                log(message)
+            log(
+                f"{chapter.name}: {number} of {len(chapter.parts)}, {part.name}: {study.size} points in "
+                f"{monotonic() - began:.0f} s"
+            )
+            drawn.append(artist.submit(section, part, dataset, out, formats))
+        sections = [one.result() for one in drawn]
+    return finish(chapter, sections, datasets, out, formats)
 
 
-def _embedded(one: CaptionedFigure, folder: str, out: Path) -> Mapping[str, str]:
-    png = base64.b64encode((out / folder / f"{one.name}.png").read_bytes())
+def write(chapter: Chapter, out: Path, formats: Sequence[str] = FORMATS) -> Path:
+    """Draw a chapter from the netCDF files of its studies and write its page; return its path."""
+    datasets = {part.name: stored(part.study(), out) for part in chapter.parts}
+    sections = [section(part, datasets[part.name], out, formats) for part in chapter.parts]
+    return finish(chapter, sections, datasets, out, formats)
+
+
+def finish(
+    chapter: Chapter,
+    sections: Sequence[Section],
+    datasets: Mapping[str, xr.Dataset],
+    out: Path,
+    formats: Sequence[str] = FORMATS,
+) -> Path:
+    """Write the page of a chapter whose studies are drawn; the chapter of trust also compares all estimates."""
+    if chapter.name == "trust":
+        sections = [*sections, *_estimates(out, formats)]
+    attributes = {name: dataset.attrs for name, dataset in datasets.items()}
+    return write_page(chapter, sections, attributes, out)
+
+
+def write_stored(out: Path, done: Iterable[Chapter] = ()) -> Sequence[Path]:
+    """Write the pages of all other chapters whose data are stored, where there is none or data are newer."""
+    pages = []
+    for chapter in [*CHAPTERS.values(), *map(single, BUILT_IN)]:
+        files = [out / f"{part.name}.nc" for part in chapter.parts]
+        page = out / chapter.page
+        is_wanted = chapter.name in CHAPTERS or page.exists()
+        if chapter in done or not is_wanted or not all(file.is_file() for file in files):
+            continue
+        newest = max(file.stat().st_mtime for file in files)
+        if not page.exists() or page.stat().st_mtime < newest:
+            pages.append(write(chapter, out))
+    return pages
+
+
+def swept(study: Study, dataset: xr.Dataset) -> str:
+    """Return the axes of a study with at most ten values each."""
+    texts = []
+    for axis in study.points:
+        values = dataset[axis.name].values.tolist()
+        text = ", ".join(map(str, values))
+        if len(values) > MOST_VALUES:
+            text = f"{len(values)} values"
+            if axis.kind is not str:
+                text += f" from {values[0]} to {values[-1]}"
+            elif "kind" in dataset:
+                text = f"{len(values)} cases of {len(set(dataset['kind'].values.tolist()))} kinds"
+        texts.append(f"{axis.long_name}: {text}")
+    return "; ".join(texts)
+
+
+def _check(figures: object, name: str) -> None:
+    is_row = isinstance(figures, list | tuple)
+    if not is_row or not all(isinstance(one, CaptionedFigure) for one in figures):  # type: ignore[attr-defined]
+        raise InvalidInput(
+            f"figure of {name!r} gives no studies.model.drawing.CaptionedFigure: return a tuple of them, or () for "
+            "none."
+        )
+
+
+def _save(one: CaptionedFigure, folder: Path, formats: Sequence[str]) -> bytes:
+    """Save a figure in these formats; return its PNG."""
+    # laid out once for all files: each would do it again
+    if engine := one.figure.get_layout_engine():
+        engine.execute(one.figure)
+        one.figure.set_layout_engine("none")
+    picture = BytesIO()
+    for suffix in formats:
+        data = BytesIO()
+        one.figure.savefig(data, format=suffix)
+        with replacing(folder / f"{one.name}.{suffix}") as path:
+            path.write_bytes(data.getvalue())
+        picture = data if suffix == "png" else picture
+    return picture.getvalue()
+
+
+def _embedded(
+    one: CaptionedFigure, folder: str, out: Path, formats: Sequence[str]
+) -> Mapping[str, str]:
     return {
-        "file": f"{folder}/{one.name}",
+        "png": base64.b64encode(_save(one, out / folder, formats)).decode(),
+        "files": " ".join(f"{folder}/{one.name}.{suffix}" for suffix in formats),
         "caption": one.caption,
-        "png": png.decode(),
         "width": f"{100 * one.figure.get_figwidth():.0f}",
         "height": f"{100 * one.figure.get_figheight():.0f}",
     }
 
 
-def _answers(chapters: Sequence[Chapter]) -> Sequence[tuple[str, Finding]]:
-    """All findings, each with its chapter: those that answer a question first."""
-    found = [(chapter.name, finding) for chapter in chapters for finding in chapter.findings]
-    return sorted(found, key=lambda one: not one[1].question.endswith("?"))
+def _estimates(out: Path, formats: Sequence[str]) -> Sequence[Section]:
+    """Return the section on the error estimates of all sweeps that are stored."""
+    files = {name: out / f"{name}.nc" for name in BUILT_IN}
+    sweeps = trust.sweeps_with_estimates(
+        {name: read(file) for name, file in files.items() if file.is_file()}
+    )
+    if not sweeps:
+        return ()
+    name = "estimate_validation"
+    return [
+        Section(
+            name=name,
+            title="Error estimates beside true errors",
+            swept="",
+            findings=[trust.estimates_finding(sweeps)],
+            figures=[_embedded(trust.estimates_figure(sweeps), name, out, formats)],
+            tables=[trust.estimates_table(sweeps)],
+            data=list(sweeps),
+        )
+    ]
+
+
+def _is_claim(finding: Finding) -> bool:
+    return finding.question.startswith(CLAIM)
+
+
+def _with_claims_beside_the_paper(sections: Sequence[Section]) -> Sequence[Section]:
+    """Return the sections with all findings about the paper in its section, if there is one."""
+    if "paper" not in [one.name for one in sections]:
+        return sections
+    claims = [finding for one in sections for finding in one.findings if _is_claim(finding)]
+    claims.sort(key=lambda finding: finding.question)
+    moved = []
+    for one in sections:
+        others = [finding for finding in one.findings if not _is_claim(finding)]
+        moved.append(replace(one, findings=claims + others if one.name == "paper" else others))
+    return moved
+
+
+def _others(chapter: Chapter, out: Path) -> Sequence[tuple[Chapter, bool]]:
+    """Return all other chapters, and each study that is in none, with whether its page is there."""
+    shown = {part.name for one in CHAPTERS.values() for part in one.parts}
+    more = [one for one in CHAPTERS.values() if one != chapter]
+    return [(one, (out / one.page).is_file()) for one in more] + [
+        (single(name), (out / f"{name}.html").is_file()) for name in BUILT_IN if name not in shown
+    ]

@@ -107,7 +107,7 @@ def _solvers_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     )
 
 
-solvers = Drawing(_solvers_figures, _solvers_findings)
+solvers = Drawing(_solvers_figures, _solvers_findings, axes=("solver", "surface", "grid"))
 
 
 # speed
@@ -241,7 +241,7 @@ def _speed_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     )
 
 
-speed = Drawing(_speed_figures, _speed_findings)
+speed = Drawing(_speed_figures, _speed_findings, axes=("surface", *FAMILY, *WAYS, "grid"))
 
 
 # effect_cost
@@ -324,7 +324,7 @@ def _effect_cost_caption(dataset: xr.Dataset) -> str:
     return words
 
 
-effect_cost = Drawing(_effect_cost_figures)
+effect_cost = Drawing(_effect_cost_figures, axes=("effect", "grid"))
 
 
 # peers
@@ -377,4 +377,4 @@ def _peers_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     )
 
 
-peers = Drawing(_peers_figures)
+peers = Drawing(_peers_figures, axes=("program", "boundary", "threads", "grid"))

@@ -80,7 +80,7 @@ def _coating_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     )
 
 
-coating = Drawing(_coating_figures, _coating_findings)
+coating = Drawing(_coating_figures, _coating_findings, axes=("ratio", "thickness", "grid"))
 
 
 # friction
@@ -151,7 +151,9 @@ def _friction_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     )
 
 
-friction = Drawing(_friction_figures, _friction_findings)
+friction = Drawing(
+    _friction_figures, _friction_findings, axes=("poisson_ratio", "grid", "rough_grid")
+)
 
 
 # creep
@@ -225,7 +227,7 @@ def _creep_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     )
 
 
-creep = Drawing(_creep_figures, _creep_findings)
+creep = Drawing(_creep_figures, _creep_findings, axes=("steps", "grid"))
 
 
 # wear
@@ -299,7 +301,7 @@ def _wear_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     )
 
 
-wear = Drawing(_wear_figures, _wear_findings)
+wear = Drawing(_wear_figures, _wear_findings, axes=("scheme", "steps", "grid"))
 
 
 # plastic
@@ -404,4 +406,6 @@ def _plastic_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     return tuple(found)
 
 
-plastic = Drawing(_plastic_figures, _plastic_findings)
+plastic = Drawing(
+    _plastic_figures, _plastic_findings, axes=("pressure", "hardening", "steps", "grid")
+)

@@ -21,6 +21,8 @@ from studies.report.style import (
 
 TITLES = {"x": "across the contact", "y": "along the length"}
 
+KNOWN_AXES = ("padding", "images")
+
 
 def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     """Figs. 4 and 5."""

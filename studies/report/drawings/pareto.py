@@ -13,7 +13,7 @@ from studies.model.drawing import CaptionedFigure, Finding, Table
 from studies.reference.line_contact import LINE, covers
 from studies.report.style import add_legend, padding_style, paddings, panels, percent, select_evenly
 
-__all__ = ["figure", "findings", "tables"]
+KNOWN_AXES = ("padding", "images", "period", "grid", "solver_tolerance", "solver")
 
 
 def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
@@ -120,10 +120,10 @@ def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     """Which modes are never worth using, and how good the recommendations are."""
     if not covers(dataset, {"duplicated", "superposed", "circular", "exact"}):
         return ()
-    return (
-        Finding(*dominated_modes(dataset), "Which paddings are never worth using?"),
-        Finding(*recommendation_check(dataset), "How reliable is a recommendation?"),
-    )
+    modes = Finding(*dominated_modes(dataset), "Paddings that never pay")
+    if dataset.sizes["period"] < 3:  # times of one are predicted from those of the others
+        return (modes,)
+    return modes, Finding(*recommendation_check(dataset), "Recommendations")
 
 
 def tables(dataset: xr.Dataset) -> tuple[Table, ...]:
@@ -197,7 +197,7 @@ def dominated_modes(dataset: xr.Dataset) -> tuple[str, str]:
                 f"{mode} is the only one at the smallest errors at L = {_join_periods(only)} a"
             )
     claim = (
-        f"Never worth using: {_join_and(never)}."
+        f"{_join_and(never).capitalize()} padding {'are' if len(never) > 1 else 'is'} never the cheapest."
         if never
         else "Every mode is worth using somewhere."
     )

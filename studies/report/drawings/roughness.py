@@ -21,6 +21,8 @@ from studies.report.style import (
     setting_label,
 )
 
+KNOWN_AXES = ("rms", "hurst", "peklenik", "seed", "images", "period", "grid")
+
 
 def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     """What roughness does, what each padding does to that, and how far the law of the window reaches."""
@@ -73,7 +75,7 @@ def _paddings(dataset: xr.Dataset) -> CaptionedFigure:
         "peak_pressure_error": "|peak-pressure error|",
         "pressure_error_max": "largest error / p_H",
     }
-    fig, axes = panels(len(labels), columns=2, width=3.6, height=2.9)
+    fig, axes = panels(len(labels), columns=2, width=3.9, height=2.3)
     for ax, (variable, label) in zip(axes, labels.items(), strict=True):
         for name in (name for name in paddings(dataset) if name != "exact"):
             one = dataset.sel(padding=name)

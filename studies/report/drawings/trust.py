@@ -20,119 +20,115 @@ from studies.report.style import (
     percent,
 )
 
-# stability
+# Hard cases
 
 
+RIGHT, EXPLAINED, WRONG, NOT_APPLICABLE = range(len(VERDICTS))
 SOLVER_COLORS = dict(zip(SOLVERS, COLORS, strict=False))
-SHOWN = 1e-17  # where an error of zero is drawn
+SMALLEST_ERROR = 1e-17  # where an error of zero is drawn
+MOST_NAMES = 10  # of cases in a list
+
+
+def _groups(dataset: xr.Dataset) -> dict[str, xr.Dataset]:
+    """Return the cases of each group, in the order of the groups."""
+    names = [str(name) for name in dataset["case"].values]
+    members = {
+        group: [name for name in names if name in CASES and CASES[name].group == group]
+        for group in GROUPS
+    }
+    return {group: dataset.sel(case=cases) for group, cases in members.items() if cases}
+
+
+def _count(dataset: xr.Dataset, verdict: int) -> int:
+    return int((dataset["verdict"] == verdict).sum())
 
 
 def _stability_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
-    """A row for each case: every error, and the largest stated."""
-    names = [str(name) for name in dataset["case"].values]
-    fig, (ax,) = panels(1, width=8.5, height=1.2 + 0.19 * len(names))
-    right = dataset["verdict"] == VERDICTS.index("within_stated_error")
-    rows = np.arange(len(names))
-    for solver in (str(name) for name in dataset["solver"].values):
-        one = dataset.sel(solver=solver)
-        errors = one["pressure_error"].where(right.sel(solver=solver)).values
-        shown = np.maximum(errors, SHOWN)
-        offset = 0.15 if solver == "Polonsky-Keer" else -0.15
-        ax.plot(
-            shown.ravel(), np.repeat(rows + offset, shown.shape[1]), ".", ms=4,
-            color=SOLVER_COLORS[solver], label=f"error, {solver}",
-        )  # fmt: skip
-    stated = dataset["stated_error"].where(right).max(("padding", "solver")).values
-    ax.plot(stated, rows, "|", ms=9, color="black", label="largest error stated")
-    for row, name in enumerate(names):
-        if not right.sel(case=name).any():
-            ax.text(1e-16, row, ends_of(dataset, name), va="center", fontsize="x-small")
+    groups = _groups(dataset)
+    fig, (ax,) = panels(1, width=8.5, height=1.2 + 0.3 * len(groups))
+    for row, cases in enumerate(groups.values()):
+        right = cases["verdict"] == RIGHT
+        for number, solver in enumerate(map(str, dataset["solver"].values)):
+            errors = cases["pressure_error"].where(right).sel(solver=solver).values.ravel()
+            ax.plot(
+                np.maximum(errors, SMALLEST_ERROR), np.full(errors.size, row + 0.15 * (2 * number - 1)), ".",
+                ms=4, color=SOLVER_COLORS[solver], label=f"error, {solver}",
+            )  # fmt: skip
+        stated = float(cases["stated_error"].where(right).max())
+        ax.plot([stated], [row], "|", ms=14, color="black", label="largest error stated")
     ax.set_xscale("log")
-    ax.set_yticks(rows, names, fontsize="x-small")
-    ax.set(ylim=(len(names) - 0.5, -0.5), xlabel="largest pressure error / peak pressure")
+    ax.set_yticks(range(len(groups)), list(groups))
+    ax.set(ylim=(len(groups) - 0.5, -0.5), xlabel="largest pressure error / peak pressure")
     add_legend(fig)
-    return (CaptionedFigure("stability", fig, _stability_caption(dataset)),)
-
-
-def _stability_caption(dataset: xr.Dataset) -> str:
-    counts = {
-        name: int((dataset["verdict"] == number).sum()) for number, name in enumerate(VERDICTS)
-    }
-    groups = [
-        group
-        for group in GROUPS
-        if any(CASES[str(n)].group == group for n in dataset["case"].values if str(n) in CASES)
-    ]
     return (
-        f"{dataset.sizes['case']} hard cases ({', '.join(groups)}), each with {dataset.sizes['padding']} "
-        f"paddings and {dataset.sizes['solver']} solvers. {counts['within_stated_error']} solves have an error "
-        f"within the stated one, {counts['explained_by_status']} ended with a status that explains why there "
-        f"is no answer, and {counts['wrong']} did neither. The reference answer comes from a dense matrix, built "
-        "pair by pair without transforms, whose contact sets are found by pivoting, or from an equivalent "
-        "form of the same contact (other units, shifted, mirrored, over two periods). The stated error is the "
-        "remaining violation of the contact conditions times the largest compliance of a wave in "
-        "the contact. Errors of exactly zero are drawn at the left end."
+        CaptionedFigure(
+            "stability",
+            fig,
+            "Errors of hard cases by what is hard about them. The reference answer comes from a dense matrix, built "
+            "pair by pair without transforms, whose contact sets are found by pivoting, or from an equivalent "
+            "form of the same contact (other units, shifted, mirrored, over two periods). The stated error is the "
+            "remaining violation of the contact conditions times the largest compliance of a wave in "
+            "the contact. Errors of exactly zero are drawn at the left end.",
+        ),
     )
 
 
-def ends_of(dataset: xr.Dataset, case: str) -> str:
-    """The statuses a case ended in, most frequent first, and how many iterations that took at most."""
-    one = dataset.sel(case=case)
-    applies = one["verdict"].values != VERDICTS.index("not_applicable")
-    meanings = str(dataset["solver_status"].attrs["flag_meanings"]).split()
-    ends, counts = np.unique(one["solver_status"].values[applies].astype(int), return_counts=True)
-    names = [meanings[end].replace("_", " ") for end in ends[np.argsort(-counts)]]
-    return f"{', '.join(names)}; up to {int(one['iterations'].values[applies].max())} iterations"
-
-
 def _stability_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
-    """Whether every case ended within its stated error or with a status that explains why not."""
-    return (_hard_cases(dataset),) if dataset.sizes["case"] == len(CASES) else ()
-
-
-def _hard_cases(dataset: xr.Dataset) -> Finding:
-    counts = [int((dataset["verdict"] == number).sum()) for number in range(len(VERDICTS))]
-    right, said, wrong, _ = counts
-    ended = dataset["verdict"] == VERDICTS.index("within_stated_error")
-    share = (dataset["pressure_error"] / dataset["stated_error"]).where(ended)
+    if dataset.sizes["case"] != len(CASES):
+        return ()
+    share = (dataset["pressure_error"] / dataset["stated_error"]).where(dataset["verdict"] == RIGHT)
     claim = "Hard cases end with an error within the stated one, or with a status that explains why there is no answer."
+    wrong, where = _count(dataset, WRONG), ""
     if wrong:
         claim = "Some hard cases end neither within the stated error nor with a status that explains why."
-    return Finding(
-        claim,
-        f"{dataset.sizes['case']} difficult contacts were solved with {dataset.sizes['padding']} paddings and "
-        f"{dataset.sizes['solver']} solvers, where the combination applies: {right} solves have an error within "
-        f"the one stated for them, {said} end with a status that explains why there is no answer, and {wrong} do "
-        f"neither. The median error is {percent(share.median())} of the stated error, the largest "
-        f"{percent(share.max())}.",
-        "Is it stable?",
+        is_wrong = (dataset["verdict"] == WRONG).any(("padding", "solver"))
+        names = [str(name) for name in dataset["case"].values[is_wrong.values]]
+        where = f" ({', '.join(names[:MOST_NAMES])}{', ...' * (len(names) > MOST_NAMES)})"
+    return (
+        Finding(
+            claim,
+            f"{dataset.sizes['case']} difficult contacts were solved with {dataset.sizes['padding']} paddings and "
+            f"{dataset.sizes['solver']} solvers, where the combination applies: {_count(dataset, RIGHT)} solves have an "
+            f"error within the one stated for them, {_count(dataset, EXPLAINED)} end with a status that explains why "
+            f"there is no answer, and {wrong} do neither{where}. The median error is {percent(share.median())} of the "
+            f"stated error, the largest {percent(share.max())}.",
+            "Is it stable?",
+        ),
     )
 
 
 def _stability_tables(dataset: xr.Dataset) -> tuple[Table, ...]:
-    """What was hard, how it ended, and the errors, over all paddings and solvers."""
     rows = []
-    for name in (str(one) for one in dataset["case"].values):
-        one = dataset.sel(case=name)
-        applies = one.where(one["verdict"] != VERDICTS.index("not_applicable"))
-        right = one["verdict"] == VERDICTS.index("within_stated_error")
+    for group, cases in _groups(dataset).items():
+        right = cases["verdict"] == RIGHT
         error, stated = (
-            f"{float(one[which].where(right).max()):.0e}" if right.any() else "none"
+            f"{float(cases[which].where(right).max()):.0e}" if right.any() else "none"
             for which in ("pressure_error", "stated_error")
         )
-        worst = VERDICTS[int(applies["verdict"].max())].replace("_", " ")
-        hard = CASES[name].hard if name in CASES else ""
-        rows.append((name, hard, ends_of(dataset, name), error, stated, worst))
-    table = Table(
-        "Hard cases, over all paddings and both solvers: the statuses, the largest error of the pressure "
-        "relative to its maximum, the largest stated error, and the worst verdict of all solves.",
-        ("case", "difficulty", "statuses", "error", "stated error", "verdict"),
-        tuple(rows),
+        counts = (_count(cases, verdict) for verdict in (RIGHT, EXPLAINED, WRONG))
+        rows.append((group, str(cases.sizes["case"]), *map(str, counts), error, stated))
+    return (
+        Table(
+            "Hard cases by what is hard about them, over all paddings and both solvers: solves with an error within the "
+            "stated one, with a status that explains why there is no answer, and with neither; the largest error of the "
+            "pressure over its maximum, and the largest stated error.",
+            (
+                "difficulty",
+                "cases",
+                "within stated",
+                "explained",
+                "neither",
+                "largest error",
+                "largest stated",
+            ),
+            tuple(rows),
+        ),
     )
-    return (table,)
 
 
-stability = Drawing(_stability_figures, _stability_findings, _stability_tables)
+stability = Drawing(
+    _stability_figures, _stability_findings, _stability_tables, ("case", "padding", "solver")
+)
 
 
 # accuracy
@@ -213,10 +209,14 @@ def _accuracy_tables(dataset: xr.Dataset) -> tuple[Table, ...]:
     for metric in METRICS:
         error, bound = _pairs(dataset, metric)
         misses += [
-            (str(name), LABELS[metric], f"{true:.2g}", f"{said:.2g}")
-            for name, true, said in zip(dataset["case"].values, error, bound, strict=True)
-            if said < true
+            (
+                true / limit if limit else np.inf,
+                (str(name), LABELS[metric], f"{true:.2g}", f"{limit:.2g}"),
+            )
+            for name, true, limit in zip(dataset["case"].values, error, bound, strict=True)
+            if limit < true
         ]
+    misses.sort(key=lambda miss: -miss[0])
     heads = [
         f"{LABELS[metric]}: {what}"
         for metric in PROMISED
@@ -230,9 +230,9 @@ def _accuracy_tables(dataset: xr.Dataset) -> tuple[Table, ...]:
             tuple(rows),
         ),
         Table(
-            "Every case whose error is larger than its bound.",
+            f"Errors larger than their bound: the worst of {len(misses)}.",
             ("case", "quantity", "true error", "bound"),
-            tuple(misses),
+            tuple(row for _, row in misses[:MOST_NAMES]),
         ),
     )
 
@@ -253,7 +253,7 @@ def _summary(error: np.ndarray, bound: np.ndarray) -> tuple[float, float, int]:
     return held, median, int((~np.isfinite(bound)).sum())
 
 
-accuracy = Drawing(_accuracy_figures, _accuracy_findings, _accuracy_tables)
+accuracy = Drawing(_accuracy_figures, _accuracy_findings, _accuracy_tables, axes=("case",))
 
 
 # Error estimates of all sweeps

@@ -12,7 +12,7 @@ from click.testing import CliRunner, Result
 from contactstudy import InvalidInput
 from studies.cli.commands import cli
 from studies.model.outcome import CaseStatus
-from studies.registry import load
+from studies.registry import BUILT_IN, OPTIONAL, load
 from tests.conftest import HANGS
 from tests.studies.conftest import POSIX
 
@@ -43,7 +43,7 @@ def test_run_leaves_a_dataset_and_its_figures(tmp_path: Path) -> None:
     done = call("run", "period", "--out", "here", *SMALL, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "here" / "period.nc").is_file()
-    assert (tmp_path / "here" / "period" / "period.pdf").is_file()
+    assert not (tmp_path / "here" / "period" / "period.pdf").exists()  # on request
     assert "2 distinct cases" in done.stdout
 
 
@@ -73,7 +73,7 @@ def test_run_leaves_a_dataset_and_its_figures(tmp_path: Path) -> None:
         ),
         (
             ["draw", "--out", "empty"],
-            "Study file 'empty/paper.nc' cannot be read (No such file or directory): run the study first.",
+            "Study file 'empty/padding.nc' cannot be read (No such file or directory): run the study first.",
         ),
     ],
     ids=lambda part: " ".join(part) if isinstance(part, list) else "",
@@ -134,8 +134,13 @@ def test_a_study_of_ones_own_runs_under_any_name_and_fails_in_a_sentence(tmp_pat
 
 def test_studies_are_listed_with_their_axes(tmp_path: Path) -> None:
     done = call("studies", cwd=tmp_path)
-    assert "paper: " in done.stdout
-    assert "--period 0.15,0.3" in done.stdout
+    lines = done.stdout.splitlines()
+    assert len(lines) == len((*BUILT_IN, *OPTIONAL))
+    assert len(done.stdout) < 4000
+    assert (
+        "period       Accuracy against the period length. "
+        "Axes: padding (5), images (1), period (7), grid (1)."
+    ) in lines
 
 
 @POSIX
@@ -212,6 +217,13 @@ def test_help_on_a_study_lists_its_axes_with_their_values(arguments: list[str]) 
         values = ", ".join(str(value) for value in axis.values)
         assert f"--{axis.name} " in axes
         assert f"{axis.long_name}. [default: {values}]" in axes
+
+
+def test_help_shows_ten_values_of_a_long_axis_and_how_many_there_are() -> None:
+    shown = " ".join(CliRunner().invoke(cli, ["run", "accuracy", "--help"]).output.split())
+    values = load("accuracy").points[0].values
+    assert f"{values[9]}, ... ({len(values)} values, the last {values[-1]})" in shown
+    assert str(values[10]) not in shown
 
 
 def test_help_on_a_study_of_ones_own_has_its_units(tmp_path: Path) -> None:

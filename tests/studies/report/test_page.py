@@ -1,5 +1,9 @@
+"""Pages of the report: what they show, whether they stand alone, and what is drawn when."""
+
+import os
 import re
 import shutil
+from collections.abc import Mapping
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
@@ -8,6 +12,8 @@ import pytest
 import xarray as xr
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
+from contactstudy import InvalidInput
+from studies.engine.options import RunOptions
 from studies.engine.run import run
 from studies.model.drawing import CaptionedFigure, Drawing, Finding, Table
 from studies.model.outcome import CaseStatus
@@ -15,18 +21,22 @@ from studies.model.study import Study
 from studies.reference.accuracy.matrix import matrix
 from studies.registry import BUILT_IN, load, load_drawing
 from studies.report import page as report
+from studies.report.chapters import CHAPTERS, MAIN, Chapter, Part, chapters, single
 from studies.report.style import marked, panels, percent, plain, power
 from tests.studies.conftest import quiet
 
 FEW = {"grid": "16,24", "period": "0.6,2.4", "solver_tolerance": "1e-6"}
 # a rough surface has a length of its own, and waves that a grid must show
 ROUGH = {"rms": "0,0.1", "peklenik": "1", "hurst": "0.8", "seed": "1", "grid": "80"}
-# of the accuracy cases every fortieth
+# of the accuracy cases every fortieth, and some of the hard ones
 SOME = {"case": ",".join(list(matrix())[::40])}
-# these have axes of their own
-OWN = {
+HARD = {"case": "faint load,a scene in nm,one iteration,hardness 0.3 p_H"}
+OWN: Mapping[str, Mapping[str, str]] = {
     "roughness": ROUGH,
     "accuracy": SOME,
+    "stability": HARD,
+    "grid": {"grid": "16,24,32"},
+    "pareto": FEW | {"images": "1", "solver": "preconditioned_cg"},
     "coating": {"ratio": "0.25,2,4", "thickness": "0.1,1,10", "grid": "64"},
     # one grid: of two, wear would want two marches with short steps to compare with
     "wear": {"grid": "16"},
@@ -36,22 +46,30 @@ OWN = {
 }
 
 
+def few(name: str) -> Study:
+    """The study over a few values of its axes."""
+    study = load(name)
+    axes = {axis.name: FEW[axis.name] for axis in study.points if axis.name in FEW}
+    return study.override(OWN.get(name, axes))
+
+
+def run_few(names: object, folder: Path) -> None:
+    for name in names:  # type: ignore[attr-defined]
+        run(few(name), folder, workers=0, repeats=1, log=quiet)
+
+
 @pytest.fixture(scope="module")
 def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The main chapter of few cases."""
     folder = tmp_path_factory.mktemp("report")
-    for name in BUILT_IN:
-        study = load(name)
-        axes = {axis.name: FEW[axis.name] for axis in study.points if axis.name in FEW}
-        few = study.override(OWN.get(name, axes))
-        run(few, folder, workers=0, repeats=1, log=quiet)
-    report.write(folder)
+    run_few([part.name for part in MAIN.parts], folder)
+    report.write(MAIN, folder)
     return folder
 
 
-def test_every_case_of_the_report_has_its_numbers(out: Path) -> None:
-    for name in BUILT_IN:
-        with xr.open_dataset(out / f"{name}.nc", decode_times=False) as dataset:
-            assert (dataset["case_status"] == CaseStatus.OK).all(), name
+@pytest.fixture(scope="module")
+def text(out: Path) -> str:
+    return (out / "report.html").read_text(encoding="utf-8")
 
 
 class Page(HTMLParser):
@@ -74,87 +92,215 @@ class Page(HTMLParser):
         assert self.open.pop() == tag
 
 
-def test_report_stands_alone_and_its_links_lead_somewhere(out: Path) -> None:
-    text = (out / "report.html").read_text(encoding="utf-8")
+def examine(text: str, folder: Path, figures: int) -> None:
+    """A page stands alone, and its links lead somewhere."""
     page = Page()
     page.feed(text)
     assert page.open == []
-    assert len(page.sources) == len(list(out.rglob("*.png")))
+    assert len(page.sources) == figures
     assert all(source.startswith("data:image/png;base64,") for source in page.sources)
     for link in page.links:
-        assert (f'id="{link[1:]}"' in text) if link.startswith("#") else (out / link).is_file(), (
-            link
-        )
+        there = f'id="{link[1:]}"' in text if link.startswith("#") else (folder / link).is_file()
+        assert there, link
     assert not re.search(r"https?://|\bnan\b|\bNone\b", re.sub(r"base64,[^\"]*", "", text))
 
 
-def test_every_study_leaves_netcdf_png_and_pdf(out: Path) -> None:
-    for name in BUILT_IN:
-        assert (out / f"{name}.nc").is_file()
-        pictures = {path.stem for path in (out / name).glob("*.png")}
-        assert pictures
-        assert pictures == {path.stem for path in (out / name).glob("*.pdf")}
+def test_the_report_stands_alone_and_its_links_lead_somewhere(out: Path, text: str) -> None:
+    examine(text, out, len(list(out.rglob("*.png"))))
     assert not list(out.rglob("*.partial*"))
+    assert not list(out.rglob("*.pdf"))
 
 
-def test_report_examines_the_two_claims_with_measured_numbers(out: Path) -> None:
-    text = (out / "report.html").read_text(encoding="utf-8")
-    assert "n ≥ 6 gives very similar results" in text
-    assert "Independent of the domain extent" in text
-    assert "On a rough surface a padding has the same error as on a smooth one" in text
+def test_the_report_answers_at_most_eight_questions_then_shows_its_studies_in_order(
+    text: str,
+) -> None:
+    summary, _, *sections = re.split(r"<nav |<section ", text)
+    assert [re.search('aria-labelledby="(.*?)"', one)[1] for one in sections] == [  # type: ignore[index]
+        "padding", "period", "images", "grid", "paper", "pareto", "stability", "roughness"
+    ]  # fmt: skip
+    questions = re.findall(r'class="question">(.*?)<', summary)
+    assert questions[:4] == ["Which padding?", "Which period?", "Which n?", "Which grid?"]
+    assert len(questions) <= 8
+
+
+def test_the_claims_of_the_paper_stand_beside_its_figures_with_measured_numbers(text: str) -> None:
+    sections = dict(
+        re.findall(r'<section aria-labelledby="(.*?)">(.*?)</section>', text, re.DOTALL)
+    )
+    paper = sections.pop("paper")
+    claims = ("n ≥ 6 gives very similar results", "Independent of the domain extent")
+    for claim in claims:
+        assert claim in paper
+        assert not any(claim in other for other in sections.values())
     # at 128 cells, from the paper's own setting
     for shown in ("1.9\xa0%", "17\xa0%", "0.050\xa0%", "31\xa0%", "527\xa0%"):
-        assert shown in text
+        assert shown in paper
 
 
-def test_report_has_a_summary_then_every_study_in_order(out: Path) -> None:
-    text = (out / "report.html").read_text(encoding="utf-8")
-    summary, contents, *sections = re.split(r"<nav |<section ", text)
-    assert [
-        re.search('aria-labelledby="(.*?)"', section)[1]  # type: ignore[index]
-        for section in sections
-    ] == [*BUILT_IN, "estimate_validation"]
-    questions = re.findall(r'class="question">(.*?)<', summary)
-    assert questions[:4] == ["Which padding?", "What does it cost?", "Which n?", "Which period?"]
-    first = questions.index("The paper&#39;s first claim")
-    assert questions[first + 1] == "The paper&#39;s second claim"
-    for name in BUILT_IN:
-        assert f'href="#{name}"' in contents
-        assert f'href="{name}.nc"' in text
+def test_the_report_lists_every_other_chapter_with_its_command_and_seconds(text: str) -> None:
+    for chapter in CHAPTERS.values():
+        if chapter != MAIN:
+            assert f"<code>contactstudy report {chapter.name}</code>" in text
+            assert f'<td class="number">{chapter.seconds}</td>' in text
+    in_chapters = [part.name for chapter in CHAPTERS.values() for part in chapter.parts]
+    assert sorted(in_chapters) == sorted(BUILT_IN)
 
 
-def test_a_study_slots_in_with_what_it_says(
-    out: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_no_list_of_values_is_longer_than_ten(text: str) -> None:
+    for swept in re.findall(r'class="swept">Swept: (.*?)\.</p>', text):
+        for values in re.findall(r": ([^;:]*)", swept):
+            assert len(values.split(", ")) <= 10
+    dataset = xr.Dataset(
+        {"kind": ("case", [0, 1, 1] * 4)},
+        {"case": [f"c{n}" for n in range(12)], "n": range(11)},
+    )
+    study = replace(load("accuracy"), points=(*load("accuracy").points, load("images").points[1]))
+    dataset = dataset.rename(n="images")
+    assert report.swept(study, dataset) == (
+        "contact with a known truth: 12 cases of 2 kinds; "
+        "periods superposed on each side: 11 values from 0 to 10"
+    )
+
+
+@pytest.mark.parametrize(
+    ("names", "pages"),
+    [
+        ((), ["report"]),
+        (("cost", "coating", "cost"), ["cost", "coating"]),
+        (("all",), ["report", "effects", "trust", "cost"]),
+    ],
+)
+def test_chapters_are_named_and_any_study_is_one(names: tuple[str, ...], pages: list[str]) -> None:
+    assert [chapter.name for chapter in chapters(names)] == pages
+
+
+def test_a_chapter_that_is_not_there_is_refused_with_a_remedy() -> None:
+    with pytest.raises(
+        InvalidInput, match=r"^Chapter 'efects' is not known: did you mean 'effects'"
+    ):
+        chapters(("efects",))
+
+
+def test_a_chapter_is_run_and_drawn_with_a_line_a_study_and_later_drawn_by_itself(
+    tmp_path: Path,
 ) -> None:
-    shutil.copytree(out, tmp_path, dirs_exist_ok=True)
-    new = replace(load("speed"), title="Something new.")
+    axes = {"padding": "exact,duplicated", "images": "1", "grid": "16"}
+    chapter = Chapter("two", "Two studies", (Part("period", axes), Part("images", axes)))
+    lines: list[str] = []
+    options = RunOptions(workers=0, repeats=1)
+    formats = ("png", "pdf")
+    path = report.make(chapter, tmp_path, options=options, log=lines.append, formats=formats)
+    assert [line.partition(" points")[0] for line in lines] == [
+        "two: 1 of 2, period: 14",
+        "two: 2 of 2, images: 6",
+    ]
+    text = path.read_text(encoding="utf-8")
+    examine(text, tmp_path, 3)
+    assert {file.name for file in tmp_path.rglob("*.pdf")} == {
+        "period.pdf", "peak_error.pdf", "length_variation.pdf"
+    }  # fmt: skip
+    # nothing else is stored; then a page is drawn again where its data are newer
+    assert not report.write_stored(tmp_path, [chapter])
+    page = report.write(single("period"), tmp_path)
+    assert not report.write_stored(tmp_path)
+    page.write_text("old", encoding="utf-8")
+    newer = (tmp_path / "period.nc").stat().st_mtime - 10
+    os.utime(page, (newer, newer))
+    assert report.write_stored(tmp_path) == [page]
+    assert "A chapter of" in page.read_text(encoding="utf-8")
+
+
+def test_a_failed_case_is_told_in_the_log(tmp_path: Path) -> None:
+    lines: list[str] = []
+    chapter = single("stability")
+    part = replace(chapter.parts[0], axes={"case": "faint load", "solver": "Polonsky-Keer"})
+    chapter = replace(chapter, parts=(part,))
+    options = RunOptions(workers=0, time_limit=1e-6, repeats=1)
+    page = report.make(chapter, tmp_path, options=options, log=lines.append)
+    assert len(lines) > 1
+    assert any("not done after" in line for line in lines)
+    assert "No case gave numbers." in page.read_text(encoding="utf-8")
+
+
+def test_a_study_slots_in_with_what_it_says(out: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     drawing = replace(
-        load_drawing("speed"),
+        load_drawing("period"),
         findings=lambda dataset: (Finding("C", "c"), Finding("A < B", "by 2.4 a", "Which is it?")),
         tables=lambda dataset: (Table("cases", ("case", "error"), (("hard", "1 %"),)),),
     )
-    monkeypatch.setattr(report, "BUILT_IN", ("speed",))
-    monkeypatch.setattr(report, "load", lambda name: new)
     monkeypatch.setattr(report, "load_drawing", lambda name: drawing)
-    text = report.write(tmp_path).read_text(encoding="utf-8")
-    assert '<h2 id="speed">Something new</h2>' in text
+    text = report.write(single("period"), out).read_text(encoding="utf-8")
+    (out / "period.html").unlink()
+    assert '<h2 id="period">Accuracy against the period length</h2>' in text
     assert text.count("A &lt; B") == 2  # in the summary, and in its section
-    assert re.findall(r'<dt class="question">(.*?)</dt>', text) == ["Which is it?", "Speed"]
+    assert re.findall(r'<dt class="question">(.*?)</dt>', text) == ["Which is it?"]
     assert '<td class="number" data-value="1 %">1 %</td>' in text
-    assert 'id="estimate_validation"' not in text  # nothing stored has an estimate
 
 
-@pytest.mark.parametrize("name", ["padding", "images", "period", "grid", "pareto"])
-@pytest.mark.parametrize("padding", ["exact", "zero", "superposed"])
-def test_figures_can_be_drawn_of_one_mode_at_one_point(
-    name: str, padding: str, tmp_path: Path
-) -> None:
-    study: Study = load(name).override(
-        {"padding": padding, "images": "1", "period": "1.2", "grid": "16"}
+DRAWN = [
+    pytest.param(
+        name, marks=() if name in {part.name for part in MAIN.parts} else pytest.mark.whole
     )
-    run(study, tmp_path, workers=0, repeats=1, log=quiet)
-    report.draw(study, load_drawing(name), tmp_path)
-    assert list((tmp_path / name).glob("*.png"))
+    for name in BUILT_IN
+]
+
+
+@pytest.fixture(scope="module")
+def stored(out: Path, tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, xr.Dataset]:
+    """Datasets of few cases of each study, made when they are first asked for."""
+
+    class Stored(dict[str, xr.Dataset]):
+        def __missing__(self, name: str) -> xr.Dataset:
+            if not (out / f"{name}.nc").is_file():
+                run_few([name], out)
+            self[name] = report.stored(load(name), out)
+            return self[name]
+
+    return Stored()
+
+
+@pytest.mark.parametrize("name", DRAWN)
+def test_a_new_axis_leaves_the_figures_and_is_named_in_the_captions(
+    name: str, stored: Mapping[str, xr.Dataset]
+) -> None:
+    dataset, drawing = stored[name], load_drawing(name)
+    wider = dataset.expand_dims(width=[2.4, 3.0])
+    before, after = drawing.figure(dataset), drawing.figure(wider)
+    assert [one.name for one in after] == [one.name for one in before]
+    for one, other in zip(before, after, strict=True):
+        assert other.caption == f"{one.caption} Shown at width = 2.4 (the first of 2)."
+    findings = drawing.findings(dataset), drawing.findings(wider)
+    assert [one.claim for one in findings[1]] == [one.claim for one in findings[0]]
+    assert all("width = 2.4" in one.measured for one in findings[1])
+    assert all("width = 2.4" in one.caption for one in drawing.tables(wider))
+
+
+@pytest.mark.parametrize("name", DRAWN)
+def test_a_study_of_one_point_and_axes_of_one_value_are_drawn(
+    name: str, stored: Mapping[str, xr.Dataset]
+) -> None:
+    dataset, drawing = stored[name], load_drawing(name)
+    axes = [str(axis) for axis in dataset["case_status"].dims]
+    for few_axes in [*([axis] for axis in axes), axes]:
+        for one in (0, -1):
+            part = dataset.isel({axis: [one] for axis in few_axes})
+            assert drawing.figure(part)
+            drawing.findings(part)
+            drawing.tables(part)
+
+
+@pytest.mark.whole
+@pytest.mark.parametrize("name", [name for name in CHAPTERS if name != MAIN.name])
+def test_every_chapter_is_drawn_from_what_is_stored(
+    name: str, out: Path, stored: Mapping[str, xr.Dataset]
+) -> None:
+    for part in CHAPTERS[name].parts:
+        assert (stored[part.name]["case_status"] == CaseStatus.OK).all(), part.name
+    text = report.write(CHAPTERS[name], out).read_text(encoding="utf-8")
+    examine(text, out, text.count("<figure "))
+    for part in CHAPTERS[name].parts:
+        assert f'<h2 id="{part.name}">' in text
+    assert ('id="estimate_validation"' in text) == (name == "trust")
 
 
 @pytest.mark.parametrize(
@@ -206,7 +352,7 @@ def test_a_figure_is_laid_out_once_for_both_files(out: Path, tmp_path: Path) -> 
     before = ax.get_position().x0
     shutil.copy(out / "period.nc", tmp_path)
     drawing = Drawing(lambda _: (CaptionedFigure("one", figure, "words"),))
-    report.draw(load("period"), drawing, tmp_path)
+    report.draw(load("period"), drawing, tmp_path, ("png", "pdf"))
     assert laid_out == [figure]
     assert ax.get_position().x0 > before
     assert {path.name for path in (tmp_path / "period").iterdir()} == {"one.png", "one.pdf"}

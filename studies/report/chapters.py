@@ -1,0 +1,118 @@
+"""The chapters of the report: the studies of each, over which axes they run there, and what of them is shown."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import chain
+
+from contactstudy import InvalidInput
+from contactstudy.domain.checks import suggestion
+from studies.model.study import Study
+from studies.registry import BUILT_IN, OPTIONAL, load
+
+# Seconds that each study takes on two cores, with its times and its figures.
+SECONDS = {
+    "padding": 6, "period": 2, "images": 4, "grid": 3, "paper": 3, "pareto": 14, "stability": 6, "roughness": 6,
+    "coating": 20, "friction": 20, "creep": 20, "wear": 20, "plastic": 30, "accuracy": 60,
+    "kernels": 10, "solvers": 20, "speed": 60, "effect_cost": 30, "peers": 120,
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Part:
+    """A study in a chapter: other values of its ``axes`` there, and which of its ``figures`` are shown (None: all)."""
+
+    name: str
+    axes: Mapping[str, str] = field(default_factory=dict)
+    figures: tuple[str, ...] | None = None
+    tables: int | None = None
+
+    def study(self) -> Study:
+        """Return the study over the axes of this chapter."""
+        return load(self.name).override(self.axes)
+
+
+@dataclass(frozen=True)
+class Chapter:
+    """A page of the report: a title, and the studies it shows in their order."""
+
+    name: str
+    title: str
+    parts: Sequence[Part]
+
+    @property
+    def page(self) -> str:
+        """File name of the page."""
+        return f"{self.name}.html"
+
+    @property
+    def command(self) -> str:
+        """Command that makes the page."""
+        return "contactstudy report" + f" {self.name}" * (self.name != MAIN.name)
+
+    @property
+    def seconds(self) -> int:
+        """Expected time on two cores [s]."""
+        return sum(SECONDS[part.name] for part in self.parts)
+
+
+MAIN = Chapter(
+    "report",
+    "Line contacts, periodic along their length: padding, accuracy and cost",
+    (
+        Part("padding", figures=("price",)),
+        Part("period"),
+        Part("images", figures=("peak_error",)),
+        Part("grid"),
+        Part("paper"),
+        Part(
+            "pareto",
+            {"solver": "preconditioned_cg", "period": "0.6,2.4", "solver_tolerance": "1e-4,1e-8"},
+            ("front",),
+        ),
+        Part("stability", figures=()),
+        Part("roughness", {"hurst": "0.8", "peklenik": "1", "rms": "0,0.1,0.3"}, ("paddings",)),
+    ),
+)
+CHAPTERS = {
+    chapter.name: chapter
+    for chapter in (
+        MAIN,
+        Chapter(
+            "effects",
+            "Effects: coating, friction, creep, wear and yielding",
+            tuple(map(Part, ("coating", "friction", "creep", "wear", "plastic"))),
+        ),
+        Chapter("trust", "Trust: bounds beside true errors", (Part("accuracy"),)),
+        Chapter(
+            "cost",
+            "Cost: solvers, grids, effects and coefficients",
+            tuple(map(Part, ("kernels", "solvers", "speed", "effect_cost"))),
+        ),
+    )
+}
+
+
+def chapters(names: Sequence[str]) -> Sequence[Chapter]:
+    """Return the chapters of these names, each of which may be "all" or a study; the main one for none.
+
+    Raises :class:`~contactstudy.InvalidInput` for a name that is neither.
+    """
+    if not names:
+        return (MAIN,)
+    wanted = chain.from_iterable(CHAPTERS if name == "all" else (name,) for name in names)
+    return [_chapter(name) for name in dict.fromkeys(wanted)]
+
+
+def single(name: str) -> Chapter:
+    """Return a study as a chapter of its own."""
+    return Chapter(name, load(name).title.rstrip("."), (Part(name),))
+
+
+def _chapter(name: str) -> Chapter:
+    if name in CHAPTERS:
+        return CHAPTERS[name]
+    studies = (*BUILT_IN, *OPTIONAL)
+    if name not in studies:
+        known = ["all", *CHAPTERS, *studies]
+        raise InvalidInput(f"Chapter {name!r} is not known: {suggestion(name, known)}.")
+    return single(name)

@@ -2,9 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from importlib import import_module
 from math import ceil, inf, log2, prod
-from time import process_time
 
 import numpy as np
 
@@ -14,15 +12,22 @@ from contactstudy.domain.device import ONE_THREAD, Device, checked
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.memory import available_bytes
 from contactstudy.domain.padding import Padding, Paddings, across_and_along
-from contactstudy.planning.cost import SMOOTH_ITERATIONS, memory, padded, timed, times_faster
+from contactstudy.planning.cost import (
+    SMOOTH_CONVOLUTIONS,
+    CostModel,
+    Timing,
+    convolutions_to,
+    memory,
+    timed,
+    times_faster,
+)
 from contactstudy.planning.grid_requirements import RATE, Needs, halvable
 from contactstudy.scene.bodies import Layered
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Solution, Status
-from contactstudy.solvers.solve import SolveOptions
 
 # Cells of a pilot at most, in one and in two dimensions, and the digits that it needs.
-LINE, PLANE, TOLERANCE = 2**13, 2**16, 1e-5
+LINE, PLANE, TOLERANCE, DEFAULT = 2**13, 2**16, 1e-5, 1e-8
 # Powers of the cell with which an error falls: a step's, and a smooth contact's.
 SLOWEST, FASTEST = 0.5, 1.5
 # A bound over the error that it stands for: less than in all but a few cases of the accuracy matrix.
@@ -65,38 +70,36 @@ def forecast(scene: Scene, grid: Grid, padding: Padding | Paddings) -> Forecast:
     halvings = 0
     while prod(_coarsened(grid, halvings).cells) > most:
         halvings += 1
-    fine, estimate, seconds = _pilot(scene, _coarsened(grid, halvings), padding)
-    seconds *= _work(grid, padding) / _work(fine.problem.grid, padding)
+    fine, estimate, timing = _pilot(scene, _coarsened(grid, halvings), padding)
+    timings = [timing]
     cut_off = fine.status is Status.CONTACT_AT_EDGE
     sharp = next((said for said in estimate.warnings if SHARP_EDGE in said), "")
     error, rate = estimate.l1.discretisation / BOUND, 1.0
     if halvings and error < inf:
-        _, coarser, _ = _pilot(scene, _coarsened(grid, halvings + 1), padding)
+        _, coarser, timing = _pilot(scene, _coarsened(grid, halvings + 1), padding)
         before = coarser.l1.discretisation / BOUND
         if before < inf:
             rate = float(np.clip(log2(before / error), SLOWEST, FASTEST))
         error *= 2 ** (-rate * halvings)
+        timings.append(timing)
+    convolutions = convolutions_to(
+        DEFAULT, max(one.convolutions for one in timings)
+    ) / convolutions_to(TOLERANCE, 1.0)
+    seconds = CostModel(timings).seconds(grid, padding, convolutions)
     return Forecast(grid, error, rate, cut_off, sharp, seconds)
 
 
 def _pilot(
     scene: Scene, grid: Grid, padding: Padding | Paddings
-) -> tuple[Solution, ErrorEstimate, float]:
-    start = process_time()
-    solution = SolveOptions(TOLERANCE).solved(scene.problem(grid, padding))
-    seconds = process_time() - start
-    return solution, error_estimate(solution), seconds
+) -> tuple[Solution, ErrorEstimate, Timing]:
+    solution, timing = timed(lambda small: scene.problem(small, padding), grid, TOLERANCE)
+    return solution, error_estimate(solution), timing
 
 
 def _coarsened(grid: Grid, halvings: int) -> Grid:
     across, along = (ceil(count / 2**halvings) for count in grid.cells)
     least = FEWEST if grid.cells[1] > 1 else 1
     return Grid((max(across, FEWEST), max(along, min(least, grid.cells[1]))), grid.extent)
-
-
-def _work(grid: Grid, padding: Padding | Paddings) -> float:
-    points = padded(grid, padding)
-    return points * log2(max(points, 2))
 
 
 def finer(grid: Grid, times: float) -> Grid:
@@ -206,8 +209,10 @@ def plan(
 
 def _plan_in_time(scene: Scene, *, error: float, period: float | None, grid: Grid | None) -> Plan:
     """Of a scene that changes in time: wide enough for its widest contact, fine enough for its narrowest."""
-    # by name: only scenes that change in time need it
-    extremes = import_module("contactstudy.planning.in_time").extremes(scene, error)
+    # here, for those whose scene changes in time
+    from contactstudy.planning.in_time import extremes as extremes_of
+
+    extremes = extremes_of(scene, error)
     plastic = extremes.plastic
     coarser = plastic.cells_error if plastic else 1.0
     cells = error / coarser
@@ -242,7 +247,7 @@ def expected(scene: Scene, needs: Needs, grid: Grid) -> Forecast:
     """What to expect of ``grid``: by the law of a smooth contact, else by pilots."""
     padding = needs.padding()
     if needs.smooth and scene.hardness > needs.hertz.peak_pressure:
-        seconds = timed(grid, padding).seconds(grid, padding, SMOOTH_ITERATIONS)
+        seconds = CostModel().seconds(grid, padding, SMOOTH_CONVOLUTIONS)
         narrow = grid.extent[0] < 2 * needs.hertz.half_width
         return Forecast(
             grid, needs.error(grid.cell), RATE, cut_off=narrow, said="", seconds=seconds

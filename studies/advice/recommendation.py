@@ -10,10 +10,15 @@ from contactstudy.accuracy.truncation import expected_truncation
 from contactstudy.domain.checks import positive
 from contactstudy.domain.memory import available_bytes
 from contactstudy.domain.padding import Paddings
-from contactstudy.planning.cost import ROUGH_ITERATIONS, SMOOTH_ITERATIONS, memory
+from contactstudy.planning.cost import (
+    ROUGH_CONVOLUTIONS,
+    SMOOTH_CONVOLUTIONS,
+    CostModel,
+    convolutions_to,
+    memory,
+)
 from contactstudy.planning.grid_requirements import ROOM, Needs
 from contactstudy.planning.plan import SHARE, Forecast, needs_of, reaching
-from studies.advice.cost_model import CostModel, mode_of
 from studies.reference.line_contact import COUNTS_IMAGES, LINE, PADDINGS, padding_at
 
 # What is tried: cells across that halve again and again, images, and tolerances.
@@ -89,7 +94,7 @@ class SmoothContact:
     across: tuple[int, ...] = ACROSS
     images: tuple[int, ...] = IMAGES
     tolerances: tuple[float, ...] = TOLERANCES
-    iterations: float = field(default=SMOOTH_ITERATIONS, init=False)
+    convolutions: float = field(default=SMOOTH_CONVOLUTIONS, init=False)
 
     def ways(self, limits: Limits) -> Iterator[tuple[cs.Grid, cs.Padding, Edges]]:
         """Every grid, padding and treatment of the edges."""
@@ -124,7 +129,7 @@ class RoughContact:
     needs: Needs
     planned: Forecast
     tolerances: tuple[float, ...] = TOLERANCES
-    iterations: float = field(default=ROUGH_ITERATIONS, init=False)
+    convolutions: float = field(default=ROUGH_CONVOLUTIONS, init=False)
 
     def ways(self, limits: Limits) -> Iterator[tuple[cs.Grid, cs.Padding | Paddings, Edges]]:
         """The grid of the plan and some coarser and finer, with every padding that fits."""
@@ -238,8 +243,21 @@ def candidates(
                 error = contact.error(limits, grid, padding, edges, tolerance)
                 break
         if isfinite(error.total):
-            seconds = costs.seconds(grid, padding, tolerance, contact.iterations)
+            seconds = costs.seconds(grid, padding, convolutions_to(tolerance, contact.convolutions))
             yield Setting(
                 mode_of(grid, padding), padding, grid, tolerance, edges, error, seconds,
                 memory(grid, padding),
             )  # fmt: skip
+
+
+def mode_of(grid: cs.Grid, padding: cs.Padding | Paddings) -> str:
+    """Return the name that the sweeps give a padding along the length.
+
+    It is "line" for exact periodicity on one cell along, and "free" for a pair of paddings.
+    """
+    if isinstance(padding, tuple):
+        return "free"
+    if isinstance(padding, cs.ExactPeriodicity) and grid.cells[1] == 1:
+        return LINE
+    names = (name for name, make in PADDINGS.items() if type(make(1)) is type(padding))
+    return next(names, "")

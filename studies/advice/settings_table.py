@@ -1,12 +1,16 @@
 """The settings that no other beats on both counts."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
+import contactstudy as cs
 from contactstudy.domain.fields import Array
-from studies.reference.line_contact import padding_label, total_time
+from contactstudy.planning.cost import SMOOTH_CONVOLUTIONS, Timing, convolutions_to
+from studies.model.outcome import CaseStatus
+from studies.reference.line_contact import LINE, padding_at, padding_label, total_time
 
 
 def pareto_front(cost: Array, error: Array) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
@@ -102,3 +106,25 @@ def settings(dataset: xr.Dataset, *errors: str) -> Settings:
     known = np.flatnonzero(np.isfinite(every_one.cost) & np.isfinite(every_one.error))
     pairs = np.stack([every_one.cost[known], every_one.error[known]])
     return every_one.where(known[np.sort(np.unique(pairs, axis=1, return_index=True)[1])])
+
+
+def stored_timings(dataset: xr.Dataset | None, cpu: str) -> tuple[Timing, ...]:
+    """Return what the cases of a stored ``pareto`` took, if they were timed on this ``cpu``; else nothing."""
+    if dataset is None or dataset.attrs.get("cpu") != cpu:
+        return ()
+    columns = dataset[["setup_time", "solve_time", "case_status"]]
+    table = columns.sel(solver="preconditioned_cg", drop=True).to_dataframe().reset_index()
+    seconds = table[["setup_time", "solve_time"]]
+    table = table[(table["case_status"] == CaseStatus.OK) & (seconds > 0).all(axis=1)]
+    return tuple(_timing(row) for row in table.itertuples(index=False))
+
+
+def _timing(row: Any) -> Timing:
+    lined = row.padding == LINE
+    return Timing(
+        cs.Grid((row.grid, 1 if lined else row.grid), (1.0, row.period)),
+        padding_at("exact" if lined else row.padding, row.images),
+        convolutions_to(row.solver_tolerance, SMOOTH_CONVOLUTIONS),
+        row.setup_time,
+        row.solve_time,
+    )

@@ -7,9 +7,9 @@ import xarray as xr
 
 from contactstudy.accuracy.expected_error import Edges, Metric
 from contactstudy.domain.fields import Array
-from studies.advice.cost_model import cost_model
+from contactstudy.planning.cost import CostModel
 from studies.advice.recommendation import Limits, Setting, SmoothContact, candidates, choose
-from studies.advice.settings_table import STORED_ERRORS, Settings, settings
+from studies.advice.settings_table import STORED_ERRORS, Settings, settings, stored_timings
 from studies.reference.line_contact import COUNTS_IMAGES, HERTZ, LINE
 
 TARGETS = 10.0 ** np.arange(-1, -6.1, -0.5)
@@ -39,7 +39,7 @@ def verify(dataset: xr.Dataset) -> Verification:
     rows = []
     for period in dataset["period"].values.tolist():
         others = dataset.drop_sel(period=period) if dataset.sizes["period"] > 1 else dataset
-        costs = cost_model(others, str(dataset.attrs.get("cpu")))
+        costs = CostModel(stored_timings(others, str(dataset.attrs.get("cpu"))))
         modes = tuple(str(name) for name in dataset["padding"].values)
         for chosen in (modes, tuple(name for name in modes if name != LINE)):
             contact = SmoothContact(

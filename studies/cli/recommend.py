@@ -18,7 +18,7 @@ from contactstudy.io.structuring import quantity
 from studies.model.axis import one_of
 
 if TYPE_CHECKING:
-    from studies.advice.cost_model import CostModel
+    from contactstudy.planning.cost import CostModel
     from studies.advice.recommendation import Recommendation, Setting
 
 METRICS = {metric.name.lower(): metric for metric in Metric}
@@ -66,8 +66,9 @@ def recommendation(
 
     Without SCENE it is the smooth line contact of the sweeps.
     """
-    from studies.advice.cost_model import cost_model
+    from contactstudy.planning.cost import CostModel
     from studies.advice.recommendation import Limits, contact_of, recommend
+    from studies.advice.settings_table import stored_timings
     from studies.reference.line_contact import HERTZ, SCENE
     from studies.store.netcdf import read
     from studies.store.provenance import cpu
@@ -86,7 +87,7 @@ def recommendation(
         length = described.grid.period if described.grid else described.plan_settings.period
         contact = contact_of(described.scene, length, limits)
     stored = out / "pareto.nc"
-    costs = cost_model(read(stored) if stored.is_file() else None, cpu())
+    costs = CostModel(stored_timings(read(stored) if stored.is_file() else None, cpu()))
     found = recommend(contact, limits, costs)
     if as_json:
         click.echo(json.dumps(_fields(found, scene, costs)))
@@ -113,7 +114,7 @@ def _number(text: str) -> str | float:
 
 
 def _source(costs: CostModel) -> str:
-    return "fitted to the times in pareto.nc" if costs.fits else "measured on a small case now"
+    return "fitted to the times in pareto.nc" if costs.timings else "measured on a small case now"
 
 
 def _fields(found: Recommendation, scene: Path | None, costs: CostModel) -> dict[str, Any]:

@@ -17,13 +17,12 @@ import numpy as np
 
 from contactstudy import InvalidInput
 from contactstudy.domain.fields import Array
-from contactstudy.planning.cost import PowerLaw
+from contactstudy.planning.cost import PowerLaw, log_work
 from studies.model.outcome import CaseStatus
 from studies.store.identity import DEFAULTS, Tree, text
 from studies.store.journal import Contents, Journal
 
 UNLIKE = 1.0  # standard deviation, in logarithms, between one mode and another
-CALLS = 5e4  # time of a small transform, in units of N log N: that of 80 x 80 cells
 LARGEST = 100.0  # limit of any logarithm, against overflow
 CELLS = ".cells"  # in the names of a grid's numbers; nothing is predicted across modes without them
 DIGITS = "tolerance"  # a number whose digits, not whose size, cost time
@@ -101,7 +100,7 @@ def _work(quantity: str, numbers: Mapping[str, float]) -> float:
     if quantity not in ("case", "setup", "solve"):
         return 0.0
     cells = sum(value for name, value in numbers.items() if CELLS in name)
-    return log(exp(cells) * cells + CALLS) if cells > 0 else 0.0
+    return log_work(exp(cells)) if cells > 0 else 0.0
 
 
 def mode(tree: Tree) -> str:

@@ -6,11 +6,11 @@ from math import log2
 import numpy as np
 import pytest
 import xarray as xr
+from studies.advice.cost_model import CostModel, Fit, cost_model
 
 import contactstudy as cs
 from contactstudy.accuracy.expected_error import Edges, Metric
 from contactstudy.planning.cost import padded
-from studies.advice.cost_model import CostModel, Fit, cost_model
 from studies.advice.recommendation import (
     Limits,
     Recommendation,

@@ -99,7 +99,7 @@ class MeasuredFile:
 class PlanSettings:
     """What a plan must meet, where the file names no grid."""
 
-    error: Number = 1e-3
+    error: Number | None = None
     period: Metres | None = None
 
 
@@ -219,7 +219,9 @@ class SceneFile:
     def plan(self, *, on: Device = Cpu()) -> Plan:  # noqa: B008 (frozen)
         """The plan for this scene, on the file's grid if it has one; ``on`` is the device its seconds are for."""
         period, error = None if self.grid else self.plan_settings.period, self.plan_settings.error
-        return plan(self.scene, error=error, period=period, grid=self.grid, on=on)
+        times = self.time_steps.times
+        end = max(times) if times else self.time_steps.end
+        return plan(self.scene, error=error, period=period, grid=self.grid, end=end, on=on)
 
     def problem(self, planned: Plan | None = None) -> Problem:
         """The problem on the grid and with the padding of the file, or those of the plan, made if not given."""

@@ -26,7 +26,7 @@ from contactstudy.scene.load import LineLoad
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.roller import Cylinder
 from contactstudy.solvers.solution import Solution
-from contactstudy.solvers.solve import solve
+from contactstudy.solvers.solve import SolveOptions
 
 # Transform pairs of the full grid in a solve of a smooth and of a rough contact to DIGITS, coarser grids included.
 SMOOTH_CONVOLUTIONS, ROUGH_CONVOLUTIONS, DIGITS = 35.0, 42.0, 8
@@ -81,9 +81,8 @@ class CostModel:
 
 def _law(sizes: list[tuple[float, float]], seconds: list[float]) -> "PowerLaw":
     """Fit what the ``seconds`` are over N log N for the first of each of the ``sizes``, times the second."""
-    return PowerLaw.fit(
-        np.log(sizes), np.log(seconds) - [log_work(n) + log(times) for n, times in sizes]
-    )
+    works = [log_work(n) + log(times) for n, times in sizes]
+    return PowerLaw.fit(np.log(sizes), np.log(seconds) - works, NEARLY, OUTLIER)
 
 
 def _predicted(law: "PowerLaw", size: tuple[float, float]) -> float:
@@ -112,7 +111,7 @@ def timed(
         start = process_time()
         problem = problem_on(grid)
         ready = process_time()
-        solution = solve(problem, tolerance=tolerance)
+        solution = SolveOptions(tolerance).solved(problem)
         solves.append(process_time() - ready)
         setups.append(ready - start)
     assert problem.paddings is not None
@@ -195,8 +194,10 @@ def memory(grid: Grid, padding: Padding | Paddings) -> int:
 # is assumed where too little was measured, which counts as so many measurements.
 SCALE, EXPONENT, CURVATURE = 10.0, 0.6, 0.1
 SPREAD, MEASUREMENTS = log(1.25), 2
-PASSES = 4  # of spread and fit; the spread settles within a percent
-# A measurement so many median residuals off counts half.
+PASSES = 3  # of spread and fit; the spread settles within a percent
+# The prior width of an exponent beside N log N, of what is known to be nearly in proportion to it.
+NEARLY = 0.1
+# A timing so many median residuals off counts half: an interrupted run takes far longer than all others.
 OUTLIER = 3.0
 
 
@@ -216,7 +217,9 @@ class PowerLaw:
     spread: float
 
     @classmethod
-    def fit(cls, logarithms: Array, values: Array) -> "PowerLaw":
+    def fit(
+        cls, logarithms: Array, values: Array, exponent: float = EXPONENT, outlier: float = inf
+    ) -> "PowerLaw":
         """Of the natural logarithms, shape (measurements, variables), and those of y, (measurements,).
 
         The spread is that of the errors of each measurement when it is predicted from all others.
@@ -225,21 +228,21 @@ class PowerLaw:
         terms = _terms(logarithms - centre)
         variables = logarithms.shape[1]
         prior = np.diag(
-            np.array([SCALE] + [EXPONENT] * variables + [CURVATURE] * variables) ** -2.0
+            np.array([SCALE] + [exponent] * variables + [CURVATURE] * variables) ** -2.0
         )
         spread, weights = SPREAD, np.ones(len(values))
-        for _ in range(PASSES):
+        for step in range(PASSES + 1):
             weighted = (terms * weights[:, None]).T / spread**2
             covariance = np.linalg.inv(weighted @ terms + prior)
             coefficients = covariance @ weighted @ (values - mean)
+            if step == PASSES:
+                break
             leverage = weights * np.einsum("ij,jk,ik->i", terms, covariance, terms) / spread**2
             left_out = (values - mean - terms @ coefficients) / np.maximum(1 - leverage, 1e-3)
-            # an interrupted run takes far longer than all others
-            weights = 1 / (
-                1 + (left_out / (OUTLIER * max(float(np.median(np.abs(left_out))), 1e-3))) ** 2
-            )
-            total = float((weights * left_out**2).sum()) + MEASUREMENTS * SPREAD**2
-            spread = float(np.sqrt(total / (weights.sum() + MEASUREMENTS)))
+            total = float((left_out**2).sum()) + MEASUREMENTS * SPREAD**2
+            spread = float(np.sqrt(total / (len(values) + MEASUREMENTS)))
+            far = left_out / max(float(np.median(np.abs(left_out))), 1e-3)
+            weights = 1 / (1 + (far / outlier) ** 2)
         return cls(centre, mean, coefficients, covariance, spread)
 
     def predict(self, logarithms: Array) -> tuple[Array, Array]:

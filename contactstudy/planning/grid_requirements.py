@@ -23,6 +23,8 @@ ROOM = 1.2
 # A period should hold so many of the longest wavelength, so that one surface stands for others.
 WAVES = 4
 COARSEST = 32
+# Cells along a roller from which small solutions find how many it needs.
+ALONG = 64
 # A contact wider than this share of the radius is not one of half-spaces.
 THIN = 0.1
 
@@ -36,6 +38,22 @@ class Needs:
     hardness: float
     coats: tuple[Layered, ...] = ()
     shear: str = ""
+
+    @property
+    def points(self) -> tuple[float, float] | None:
+        """Spacing (across, along) of the points of a measured surface [m]; None without one."""
+        return next((d.spacing for d in self.details if d.spacing is not None), None)
+
+    def grid_of_points(self, period: float | None) -> Grid:
+        """Return a grid whose cells are the points of a measured surface, as wide as the contact may become."""
+        assert self.points is not None
+        width = min(2 * ROOM * self.half_width, self.widest)
+        length = self.length(period, width)
+        across = max(round(width / self.points[0] - 0.5 + 1e-9), 2)
+        if width < self.widest:
+            across += 1
+        along = max(round(length / self.points[1]), 1) if self.varies else 1
+        return Grid((across, along), (across * self.points[0], length))
 
     @property
     def finest(self) -> tuple[float, float]:
@@ -114,27 +132,35 @@ class Needs:
         steps = (size / wave for size, wave in zip(cell, self.finest, strict=True))
         return float(smooth + self.coefficient() * max(steps) ** RATE)
 
+    def errors(self, cell: tuple[float, float]) -> tuple[float, float]:
+        """Return the shares (across, along) of :meth:`error`."""
+        total = self.error(cell)
+        rough = [(size / wave) ** RATE for size, wave in zip(cell, self.finest, strict=True)]
+        if not self.rough:
+            return total, 0.0
+        return total * rough[0] / sum(rough), total * rough[1] / sum(rough)
+
     def grid(self, error: float, period: float | None) -> Grid:
         """The coarsest grid that keeps to ``error``."""
         width = min(2 * ROOM * self.half_width, self.widest)
-        length = self._period(period, width)
+        length = self.length(period, width)
         # as if each source of error stood alone, then both brought down to the error asked for
         step = self.hertz.half_width / l1_factor() ** (1 / RATE)
         share = self.coefficient() ** (-1 / RATE)
         across = min(step, self.finest[0] * share)
-        along = min(step if self.roller else inf, self.finest[1] * share)
+        along = self.finest[1] * share
         down = 1.0
         for _ in range(4):  # the smooth part's second term falls faster than the rate
             expected = self.error((across * down, along * down))
             if not 0 < expected < inf:  # beyond any grid: what it takes is said by whoever makes it
                 break
             down *= (error / expected) ** (1 / RATE)
-        cells = halvable(width / (across * down))
-        return Grid(
-            (cells, halvable(length / (along * down)) if self.varies else 1), (width, length)
-        )
+        least = ALONG if self.roller else COARSEST
+        cells = halvable(length / (along * down), least) if self.varies else 1
+        return Grid((halvable(width / (across * down)), cells), (width, length))
 
-    def _period(self, period: float | None, width: float) -> float:
+    def length(self, period: float | None, width: float) -> float:
+        """Return the length of the grid [m]: ``period`` if given, else a roller's own or that of what repeats."""
         if period is not None:
             return positive("plan.period", period, "give a period above 0 m")
         if self.roller == inf:
@@ -269,7 +295,7 @@ def _common(lengths: set[float]) -> float:
     return common
 
 
-def halvable(count: float) -> int:
-    """At least ``count`` cells, and at least as many as a coarse grid's, that halve again and again."""
+def halvable(count: float, least: int = COARSEST) -> int:
+    """Return at least ``count`` cells, and at least ``least``, that halve again and again down to a coarse grid's."""
     step = 2 ** max(0, int(log2(max(count, COARSEST) / COARSEST)))
-    return int(np.ceil(max(count, COARSEST) / step) * step)
+    return int(np.ceil(max(count, least) / step * (1 - 1e-12)) * step)

@@ -107,12 +107,19 @@ WEAR, WEAR_RATE = 1.2, 1.0
 PASSES = 8
 
 
+# A contact under a smaller share of the largest load than this is not planned for: cells grow with its root.
+LEAST_LOAD = 0.1
+# Instants at which a load is looked at.
+INSTANTS = 2000
+
+
 @dataclass(frozen=True)
 class Extremes:
-    """The ``narrow`` scene that needs the finest cells, the ``width`` [m] that holds the widest contact.
+    """What the narrowest and the widest contact of a scene in time ask of a plan.
 
-    ``steps`` are solves, ``fields`` what is kept between them beside one solve, ``reasons`` a sentence each.
-    ``plastic`` is what bodies that yield ask.
+    ``narrow`` is the scene of the smallest load that is planned for, before anything has crept or worn, which needs the
+    finest cells. ``width`` [m] holds the widest contact. ``steps`` are solves, ``fields`` what is kept between them
+    beside one solve, ``reasons`` and ``warnings`` a sentence each. ``plastic`` is what bodies that yield ask.
     """
 
     narrow: Scene
@@ -120,46 +127,80 @@ class Extremes:
     steps: int
     fields: int
     reasons: tuple[str, ...]
+    warnings: tuple[str, ...] = ()
     plastic: Yielding | None = None
 
 
-def extremes(scene: Scene, error: float) -> Extremes:
-    """Those of ``scene`` up to the end of its load, marched with steps for ``error``."""
+def extremes(scene: Scene, error: float, end: float | None = None) -> Extremes:
+    """Return those of ``scene`` up to ``end`` [s], or the end of its load, marched with steps for ``error``."""
     load = LineLoad(scene.load.largest)
-    narrow = replace(scene, load=load, solids=sudden(scene.solids), wear=None, rolling=None)
+    still = replace(scene, load=load, solids=sudden(scene.solids), wear=None, rolling=None)
     bodies = [b for b in scene.solids if isinstance(b, ViscoelasticHalfSpace) and b.creeps]
-    end = scene.load.end - scene.load.start if isinstance(scene.load, ChangingLoad) else 0.0
-    softest = sum(_softest(body, end) for body in scene.solids)
-    hertz = narrow.hertz
+    start = getattr(scene.load, "start", 0.0)
+    last = end if end is not None else getattr(scene.load, "end", start)
+    duration = max(last - start, 0.0)
+    softest = sum(_softest(body, duration) for body in scene.solids)
+    hertz = still.hertz
     half_width = 0.0
-    reasons = []
     if hertz is not None:
         half_width = sqrt(4 * load.per_length * hertz.radius * softest / pi)
     fields = 2 * sum(len(body.creep.terms) + bool(body.creep.fluidity) for body in bodies) + 8
     if scene.rolling is not None:
-        ratio = softest * narrow.contact_modulus
+        ratio = softest * still.contact_modulus
         passes = round(PASSES * (1 + ratio))
-        reasons.append(f"rolling: some {passes} passes until the lagged part settles.")
-        return Extremes(narrow, 2 * ROOM * half_width * 1.5, passes, 4 * PASSES, tuple(reasons))
+        reason = f"rolling: some {passes} passes until the lagged part settles."
+        return Extremes(still, 2 * ROOM * half_width * 1.5, passes, 4 * PASSES, (reason,))
     steps = 1.0
     plastic = yielding(scene)
     if plastic is not None:
         steps += plastic.steps(error)
         half_width = max(half_width, plastic.reach / ROOM)
     if bodies:
-        times = [time for body in bodies for _, time in body.creep.terms] or [end or 1.0]
+        times = [time for body in bodies for _, time in body.creep.terms] or [duration or 1.0]
         decades = 1 + log10(max(times) / min(times))
         steps += CREEP * decades * error**-CREEP_RATE
-    if scene.wear is not None and hertz is not None and end:
-        worn = 1.5 * hertz.radius * scene.wear.rate * load.per_length * end
+    if scene.wear is not None and hertz is not None and duration:
+        worn = 1.5 * hertz.radius * scene.wear.rate * load.per_length * duration
         wider = float(np.cbrt(half_width**3 + worn))
         steps += WEAR * (1 + log10(wider / half_width) / log10(2)) * error**-WEAR_RATE
         half_width = wider
-    reasons.append(
+    least, warnings = _smallest_load(scene.load, last)
+    if plastic is not None:  # whose errors are over the pressure of the largest load
+        least, warnings = load.per_length, ()
+    reasons = [
         f"time: some {steps:.2g} solves for an error of {error:.1g} by the steps, with those that "
         "estimate it, if evolve(error=...) chooses them."
+    ]
+    if least < load.per_length:
+        reasons.append(
+            f"load: the cells are those that the smallest load asks for, {least:.4g} N/m."
+        )
+    return Extremes(
+        replace(still, load=LineLoad(least)),
+        2 * ROOM * half_width,
+        round(steps),
+        fields,
+        tuple(reasons),
+        warnings,
+        plastic,
     )
-    return Extremes(narrow, 2 * ROOM * half_width, round(steps), fields, tuple(reasons), plastic)
+
+
+def _smallest_load(load: LineLoad | ChangingLoad, end: float) -> tuple[float, tuple[str, ...]]:
+    """Return the smallest load that is planned for [N/m], and a warning where the load is smaller."""
+    if isinstance(load, LineLoad):
+        return load.per_length, ()
+    times = np.linspace(load.start, max(end, load.start), INSTANTS)
+    loads = np.array([load.at(float(time)) for time in times])
+    least = max(float(loads.min()), LEAST_LOAD * load.largest)
+    if loads.min() >= least:
+        return least, ()
+    after = times[np.argmax(loads >= least)]
+    again = bool((loads[times > after] < least).any())
+    return least, (
+        f"The load is below {least:.3g} N/m {'at times' if again else f'until {after:.3g} s'}, where the contact is "
+        "so narrow that the error by the cells is larger than planned: give a finer grid, or a larger first load.",
+    )
 
 
 def _softest(body: Body, end: float) -> float:

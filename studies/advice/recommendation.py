@@ -18,7 +18,7 @@ from contactstudy.planning.cost import (
     memory,
 )
 from contactstudy.planning.grid_requirements import ROOM, Needs
-from contactstudy.planning.plan import SHARE, Forecast, needs_of, reaching
+from contactstudy.planning.plan import SHARE, GridForecast, needs_of, reaching
 from studies.reference.line_contact import COUNTS_IMAGES, LINE, PADDINGS, padding_at
 
 # What is tried: cells across that halve again and again, images, and tolerances.
@@ -127,7 +127,7 @@ class RoughContact:
     """A contact with roughness, a roller's ends or a hardness: what its scene asks of a grid, and its plan."""
 
     needs: Needs
-    planned: Forecast
+    planned: GridForecast
     tolerances: tuple[float, ...] = TOLERANCES
     convolutions: float = field(default=ROUGH_CONVOLUTIONS, init=False)
 
@@ -194,14 +194,16 @@ def contact_of(
     return RoughContact(needs, planned)
 
 
-def _obstacle(needs: Needs, planned: Forecast) -> str:
+def _obstacle(needs: Needs, planned: GridForecast) -> str:
     """Why no error can be said, in a sentence."""
     if planned.cut_off:
         return (
             f"the contact outgrows the measured surface, which is {needs.widest:.4g} m wide; give a smaller "
             "load or a wider surface."
         )
-    return planned.said or "small solutions do not show the surface; give a shape with a `detail`."
+    return (
+        planned.message or "small solutions do not show the surface; give a shape with a `detail`."
+    )
 
 
 def recommend(

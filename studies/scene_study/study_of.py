@@ -9,10 +9,11 @@ from pathlib import Path
 import contactstudy as cs
 from contactstudy import InvalidInput, MeasuredSurface, Roughness, Scene
 from contactstudy.domain.checks import divides
+from contactstudy.domain.memory import available_bytes
 from contactstudy.io.scene_file import SceneFile, read_scene, scene_file_of
 from contactstudy.io.scene_writer import scene_text
-from contactstudy.planning.grid_requirements import halvable
-from contactstudy.planning.plan import needs_of
+from contactstudy.planning.grid_requirements import Needs, halvable
+from contactstudy.planning.plan import SHARE, affordable, needs_of
 from studies.model.axis import Value, check_count
 from studies.model.study import Point, Study
 from studies.scene_study.fields import document_of
@@ -97,10 +98,7 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
             f"grid {_size_text(first.grid)}, given, for {_counted(points)}"
         ]
     needs = [needs_of(point.scene) for point in points]
-    planned = [
-        one.grid(point.plan_settings.error, point.plan_settings.period)
-        for one, point in zip(needs, points, strict=True)
-    ]
+    planned = _planned(points, needs)
     width = max(grid.extent[0] for grid in planned)
     periods = {grid.period for grid in planned}
     measured = [
@@ -129,9 +127,42 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
         halvable(width / min(grid.cell[0] for grid in planned)),
         max(1, *(halvable(period / grid.cell[1]) if grid.cells[1] > 1 else 1 for grid in planned)),
     )
-    grid = cs.Grid(cells, (width, period))
+    grid = _fitting(cs.Grid(cells, (width, period)), first)
     said = f"grid {_size_text(grid)}, planned once for {_counted(points)}"
     return [grid] * len(points), [said, *notes]
+
+
+# Points of a sweep that are planned, from the narrowest contact to the widest; the others take their cells.
+PLANNED = 8
+
+
+def _planned(points: Sequence[SceneFile], needs: Sequence[Needs]) -> list[cs.Grid]:
+    """Return a grid for each point: those of plans, or of many points the finest cells of the plans of some."""
+    if len(points) <= PLANNED:
+        return [_grid_of_plan(point) for point in points]
+    by_width = sorted(range(len(points)), key=lambda number: needs[number].half_width)
+    some = by_width[:: len(points) // (PLANNED - 1)] + by_width[-1:]
+    plans = {number: _grid_of_plan(points[number]) for number in some}
+    cells = [min(grid.cell[axis] for grid in plans.values()) for axis in (0, 1)]
+    width = max(grid.extent[0] for grid in plans.values())
+    grids = []
+    for number, (point, need) in enumerate(zip(points, needs, strict=True)):
+        length = need.length(point.plan_settings.period, width)
+        along = halvable(length / cells[1]) if need.varies else 1
+        grid = cs.Grid((halvable(width / cells[0]), along), (width, length))
+        grids.append(plans.get(number) or _fitting(grid, point))
+    return grids
+
+
+def _grid_of_plan(point: SceneFile) -> cs.Grid:
+    asked = point.plan_settings
+    return cs.plan(point.scene, error=asked.error, period=asked.period).grid
+
+
+def _fitting(grid: cs.Grid, point: SceneFile) -> cs.Grid:
+    """Return ``grid``, or the finest of its extent that the machine holds."""
+    padding = point.padding or needs_of(point.scene).padding()
+    return affordable(grid, padding, SHARE * available_bytes())
 
 
 def _extent(grids: Sequence[cs.Grid]) -> tuple[tuple[float, float] | None, list[str]]:

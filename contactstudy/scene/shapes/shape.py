@@ -54,3 +54,4 @@ class Detail:
     height: float = 0.0
     slope: float = 0.0
     widest: float = inf
+    spacing: tuple[float, float] | None = None

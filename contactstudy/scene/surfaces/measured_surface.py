@@ -189,6 +189,7 @@ class MeasuredSurface:
             height=height,
             slope=slope,
             widest=extent[0],
+            spacing=steps,
         )
 
     def _complete(self) -> Array:

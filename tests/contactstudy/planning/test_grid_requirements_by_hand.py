@@ -95,10 +95,23 @@ def test_cells_of_a_wave_across_are_no_wider_than_it_asks() -> None:
     assert 0.1 / (1 + 2 / 32) ** 2 <= found.error(grid.cell) <= 0.1 * (1 + 1e-3)
 
 
-def test_cells_below_a_roller_are_as_long_as_wide() -> None:
+def test_a_roller_is_looked_at_on_64_cells_along_first() -> None:
     grid = needs(Detail(roller=20.0)).grid(0.01, None)
     assert grid.extent == pytest.approx((2 * 1.2 * 3, 20))
-    assert grid.cell[1] / grid.cell[0] == pytest.approx(1, rel=2 / 32)
+    assert grid.cells[1] == 64
+
+
+def test_a_measured_surface_is_put_on_its_own_points() -> None:
+    """A contact 9.6 m wide with its room, on points 0.5 m and 0.25 m apart."""
+    spaced = Detail(finest=(1.0, 0.5), repeat=12.0, widest=20.0, spacing=(0.5, 0.25))
+    asked = needs(spaced)
+    grid = asked.grid_of_points(None)
+    assert grid.cell == pytest.approx((0.5, 0.25))
+    assert grid.extent[0] >= 2 * 1.2 * asked.half_width > grid.extent[0] - 0.5
+    assert grid.period == 12.0
+    # no wider than the surface
+    narrow = needs(replace(spaced, widest=2.0)).grid_of_points(None)
+    assert narrow.cells == (4, 48)
 
 
 def test_a_grid_is_no_wider_than_the_surface_is_known() -> None:
@@ -127,8 +140,8 @@ WAVES = Detail(finest=(inf, 0.2))
 def test_a_period_holds_four_of_the_longest_and_whole_numbers_of_what_repeats(
     details: tuple[Detail, ...], period: float
 ) -> None:
-    assert needs(*details)._period(None, 4.8) == pytest.approx(period)
-    assert needs(*details)._period(7.0, 4.8) == 7
+    assert needs(*details).length(None, 4.8) == pytest.approx(period)
+    assert needs(*details).length(7.0, 4.8) == 7
 
 
 def test_a_period_is_checked_against_what_it_has_to_hold() -> None:

@@ -89,7 +89,8 @@ def test_a_plan_runs_as_it_stands_for_every_kind_of_shape(line_contact: LineCont
         solution = cs.solve(scene.problem(plan.grid, plan.padding))
         assert solution.status is cs.Status.CONVERGED, shape
         assert isinstance(plan.padding, tuple) == free
-        assert len(plan.reasons) == 4
+        # why this width, these cells, two dimensions, this padding, and how the error is shared
+        assert len(plan.reasons) == 5
         assert plan.seconds > 0
         assert plan.bytes > 8 * 12 * solution.pressure.size
 
@@ -190,6 +191,19 @@ def test_a_plan_stays_on_the_measured_surface_and_in_the_memory(
     assert "this machine has" in " ".join(small.warnings)
 
 
+def test_a_measured_surface_is_solved_on_its_own_points_unless_an_error_is_asked_for(
+    line_contact: LineContact,
+) -> None:
+    a = line_contact.hertz.half_width
+    heights = 1e-8 * np.random.default_rng(0).standard_normal((60, 40))
+    scene = with_shapes(line_contact, cs.MeasuredSurface(heights, extent=(6 * a, 4 * a)))
+    found = cs.plan(scene)
+    assert found.grid.cell == pytest.approx((0.1 * a, 0.1 * a))
+    assert found.grid.cells[1] == 40
+    assert any("its own points" in reason for reason in found.reasons)
+    assert cs.solve(scene.problem(found.grid, found.padding)).status is cs.Status.CONVERGED
+
+
 def test_what_does_not_fit_in_memory_is_refused_before_it_is_made(
     line_contact: LineContact,
 ) -> None:
@@ -223,7 +237,7 @@ def test_a_plan_names_the_device_its_seconds_are_for(
     line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     one = cs.Grid((64, 1), (line_contact.hertz.half_width * 3, 1e-3))
-    monkeypatch.setattr("contactstudy.planning.cost.Timed.seconds", lambda *_: 8.0)
+    monkeypatch.setattr("contactstudy.planning.cost.CostModel.seconds", lambda *_: 8.0)
     monkeypatch.setattr("contactstudy.planning.cost._seconds", lambda _, __, on: 1 / on.threads)
     alone, shared = (cs.plan(line_contact.scene, grid=one, on=cs.Cpu(k)) for k in (1, 4))
     assert (alone.seconds, alone.on) == (8.0, cs.Cpu(1))

@@ -1,7 +1,7 @@
 """How a plan goes from grid to grid, by forecasts that are written here."""
 
 from dataclasses import replace
-from math import inf
+from math import inf, prod
 from types import SimpleNamespace
 from typing import Any
 
@@ -15,8 +15,7 @@ from contactstudy.planning.in_time import Extremes, Yielding
 from contactstudy.planning.plan import (
     ALMOST,
     ROUNDS,
-    WASTE,
-    Forecast,
+    GridForecast,
     _warnings,
     expected,
     reaching,
@@ -28,87 +27,137 @@ GRID = cs.Grid((64, 32), (4.0, 2.0))
 LARGE = cs.Grid((640, 320), (4.0, 2.0))
 
 
-def seen(error: float, *, cut_off: bool = False, said: str = "") -> Forecast:
-    return Forecast(GRID, error, 1.0, cut_off=cut_off, said=said, seconds=1.0)
+def seen(error: float, *, cut_off: bool = False, message: str = "") -> GridForecast:
+    """Half of an error across and half along, which fall like the cell."""
+    return GridForecast(
+        GRID,
+        (error / 2, error / 2),
+        (1.0, 1.0),
+        (16, 16),
+        cut_off=cut_off,
+        message=message,
+        seconds=1.0,
+    )
 
 
 def needing(grid: cs.Grid = GRID, **more: Any) -> Any:
-    asked = {"widest": inf, "finest": (inf, inf)} | more
+    asked = {"widest": inf, "finest": (inf, inf), "roller": 0.0} | more
     return SimpleNamespace(grid=lambda *_: grid, padding=lambda: EXACT, **asked)
 
 
 def reached(
-    monkeypatch: pytest.MonkeyPatch, needs: Any, *answers: Forecast, error: float = 0.1
-) -> list[cs.Grid]:
-    """The grids that are asked after, the last of which is taken; the last answer is given for ever."""
+    monkeypatch: pytest.MonkeyPatch, needs: Any, law: Any, error: float = 0.1
+) -> tuple[list[cs.Grid], GridForecast]:
+    """The grids that are asked after, whose forecasts follow a law, and the forecast of the grid that is planned."""
     asked: list[cs.Grid] = []
 
-    def answer(_: object, __: object, grid: cs.Grid) -> Forecast:
+    def answer(_: object, __: object, grid: cs.Grid) -> GridForecast:
         asked.append(grid)
-        return replace(answers[min(len(asked), len(answers)) - 1], grid=grid)
+        return replace(law(grid), grid=grid)
 
     monkeypatch.setattr(planning, "expected", answer)
     scene: Any = None
-    found = reaching(scene, needs, error, None, memory(LARGE, EXACT))
-    assert found.grid == asked[-1]
-    return asked
+    return asked, reaching(scene, needs, error, None, memory(LARGE, EXACT))
 
 
-@pytest.mark.parametrize("share", [0.5, ALMOST, 1 / WASTE])
+def falling(across: float, along: float, rates: tuple[float, float] = (1.0, 1.0)) -> Any:
+    """Errors of so much at 64 x 32 cells, which fall with the cells along their axis."""
+    return lambda grid: replace(
+        seen(0.0),
+        errors=(
+            across * (64 / grid.cells[0]) ** rates[0], along * (32 / grid.cells[1]) ** rates[1],
+        ),
+        rates=rates,
+    )  # fmt: skip
+
+
+def test_errors_of_both_axes_add_up_and_fall_at_their_own_rates() -> None:
+    known = replace(seen(0.0), errors=(0.01, 0.02), rates=(1.5, 0.5))
+    assert known.error == pytest.approx(0.03)
+    # cells of 1/16 m either way
+    assert known.error_of((1 / 8, 1 / 4)) == pytest.approx(0.01 * 2**1.5 + 0.02 * 2)
+    line = replace(known, grid=cs.Grid((64, 1), (4.0, 2.0)), errors=(0.01, 0.0))
+    assert line.error_of((1 / 8, 99.0)) == pytest.approx(0.01 * 2**1.5)
+
+
+def test_the_product_of_cells_is_least_where_rates_times_errors_are_alike() -> None:
+    """0.08 falls like 1/n and 0.03 like n^-1/2: of 0.03 a third across and two thirds along."""
+    known = replace(seen(0.0), errors=(0.08, 0.03), rates=(1.0, 0.5))
+    found = known.grid_for(0.03)
+    assert found.cells == (512, 72)
+    assert found.extent == GRID.extent
+    counts = [
+        nx * ny for nx in range(100, 2000, 4) for ny in range(16, 600, 4)
+        if 0.08 * 64 / nx + 0.03 * (32 / ny) ** 0.5 <= 0.03
+    ]  # fmt: skip
+    assert min(counts) <= 512 * 72 <= 1.02 * min(counts)
+
+
+def test_an_axis_at_its_fewest_cells_leaves_the_error_to_the_other() -> None:
+    known = replace(seen(0.0), errors=(0.08, 0.0001))
+    found = known.grid_for(0.04)
+    # 0.0002 are left to 16 cells along: 0.08 * 64 / 0.0398, in steps of four
+    assert found.cells == (132, 16)
+    assert replace(known, errors=(0.08, 0.0)).grid_for(0.04).cells == (128, 32)
+
+
+def test_a_grid_is_made_as_fine_or_as_coarse_as_the_error_asks(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    for across, along in ((0.4, 0.1), (0.005, 0.03), (0.01, 0.4), (0.05, 0.045)):
+        law = falling(across, along, (1.5, 0.7))
+        asked, found = reached(monkeypatch, needing(), law)
+        assert found.error <= 0.1
+        # the law is known from the first on
+        assert len(asked) <= 3
+        cheapest = law(GRID).grid_for(ALMOST * 0.1)
+        assert prod(found.grid.cells) <= 1.25 * prod(cheapest.cells)
+
+
 def test_a_grid_that_keeps_to_the_error_without_waste_is_taken(
-    share: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    assert reached(monkeypatch, needing(), seen(0.3 * share), error=0.3) == [GRID]
-
-
-def test_too_coarse_a_grid_is_made_as_fine_as_its_rate_says(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    first, second = reached(monkeypatch, needing(), seen(4 * ALMOST * 0.1), seen(0.09))
-    assert (first, second.cells, second.extent) == (GRID, (256, 128), GRID.extent)
-    # what has been made finer is not made coarser again
-    asked = reached(monkeypatch, needing(), seen(4 * ALMOST * 0.1), seen(0.001))
-    assert len(asked) == 2
-
-
-def test_too_fine_a_grid_is_made_coarser_as_long_as_it_shows_the_waves(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    _, second = reached(monkeypatch, needing(LARGE), seen(0.01), seen(0.05))
-    assert second.cells == (64, 32)
-    # the error grows with the square of the cell
-    _, second = reached(
-        monkeypatch, needing(LARGE), replace(seen(0.001), rate=2.0), replace(seen(0.05), rate=2.0)
-    )
-    assert second.cells == (64, 32)
-    # cells of 1/160 m: eight in the shortest wave across, four in that along, of which it needs two
-    waves = needing(LARGE, finest=(0.05, 0.025))
-    _, second = reached(monkeypatch, waves, seen(0.01), seen(0.05))
-    assert second.cells == (320, 160)
-    shown = needing(LARGE, finest=(0.05, 2 / 160))
-    assert reached(monkeypatch, shown, seen(0.01)) == [LARGE]
+    asked, found = reached(monkeypatch, needing(), falling(0.047, 0.047))
+    assert asked == [GRID]
+    assert found.grid == GRID
 
 
 def test_a_contact_that_outgrows_its_grid_is_given_half_as_much_again(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    cut = seen(0.05, cut_off=True)
-    _, second = reached(monkeypatch, needing(), cut, seen(0.05))
-    assert (second.extent, second.cells) == ((6, 2), (96, 32))
+    def cut(grid: cs.Grid) -> GridForecast:
+        return replace(falling(0.047, 0.047)(grid), cut_off=grid.extent[0] < 5.5)
+
+    asked, found = reached(monkeypatch, needing(), cut)
+    assert (asked[1].extent, asked[1].cells) == ((6, 2), (96, 32))
+    assert not found.cut_off
     # as far as the surface is known
-    known = reached(monkeypatch, needing(widest=5.0), cut)
-    assert [(grid.extent[0], grid.cells[0]) for grid in known] == [(4, 64), (5, 80)]
-    assert len(reached(monkeypatch, needing(), cut)) == ROUNDS
+    asked, found = reached(monkeypatch, needing(widest=5.0), cut)
+    assert [(grid.extent[0], grid.cells[0]) for grid in asked] == [(4, 64), (5, 80)]
+    assert found.cut_off
+    asked, _ = reached(monkeypatch, needing(), lambda _: seen(0.05, cut_off=True))
+    assert len(asked) == ROUNDS
+
+
+def test_a_roller_s_grid_is_made_as_narrow_as_its_contact(monkeypatch: pytest.MonkeyPatch) -> None:
+    def law(grid: cs.Grid) -> GridForecast:
+        return replace(falling(0.03, 0.03)(grid), contact_width=2.0)
+
+    _, found = reached(monkeypatch, needing(roller=2.0), law)
+    assert found.grid.extent == pytest.approx((2.4, 2.0))
+    _, periodic = reached(monkeypatch, needing(), law)
+    assert periodic.grid.extent == GRID.extent
 
 
 def test_what_memory_does_not_hold_is_not_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    double = cs.Grid((1280, 640), (4.0, 2.0))
-    (within,) = reached(monkeypatch, needing(double), seen(0.4))
-    assert memory(within, EXACT) <= memory(LARGE, EXACT)
+    asked, found = reached(monkeypatch, needing(), falling(3.0, 3.0))
+    assert all(memory(grid, EXACT) <= memory(LARGE, EXACT) for grid in asked)
+    # the best that fits
+    assert memory(found.grid, EXACT) > 0.5 * memory(LARGE, EXACT)
 
 
 def warned(
-    grid: cs.Grid, forecast: Forecast, error: float = inf, limit: float = inf, **more: Any
+    grid: cs.Grid, forecast: GridForecast, error: float = inf, limit: float = inf, **more: Any
 ) -> list[str]:
     return list(_warnings(needing(**more), forecast, grid, limit, error=error))
 
@@ -140,40 +189,47 @@ def test_an_error_that_is_not_reached_is_said_with_what_stands_between() -> None
     )
     (said,) = warned(GRID, seen(0.2), error=0.1, limit=1e6)
     assert "that takes 128 x 64 cells and 0.00118 GB, and this machine has 0.00125 GB" in said
-    assert warned(GRID, seen(0.2, said="sharp"), error=0.3) == ["sharp"]
+    assert warned(GRID, seen(0.2, message="sharp"), error=0.3) == ["sharp"]
 
 
-def test_a_smooth_contact_is_foreseen_by_its_law_and_one_that_yields_by_pilots(
+class Costs:
+    """A cost model that says so many seconds whatever is asked, without timing anything."""
+
+    def seconds(self, _: object, __: object, convolutions: float) -> float:
+        return 2.0 * convolutions
+
+
+def test_a_smooth_contact_is_foreseen_by_its_law_and_one_that_yields_by_small_solutions(
     line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     a, highest = line_contact.hertz.half_width, line_contact.hertz.peak_pressure
-    monkeypatch.setattr(
-        planning, "timed", lambda *_: SimpleNamespace(seconds=lambda *asked: 2.0 * asked[2])
-    )
+    monkeypatch.setattr(planning, "CostModel", Costs)
     monkeypatch.setattr(planning, "forecast", lambda *_: seen(0.3))
     scene = line_contact.scene
     needs = planning.needs_of(scene)
     grid = cs.Grid((64, 1), (2 * a, a))
     found = expected(scene, needs, grid)
-    assert (found.error, found.rate, found.cut_off) == (needs.error(grid.cell), 1.5, False)
-    assert found.seconds == 2.0 * planning.SMOOTH_ITERATIONS
+    assert (found.error, found.rates[0], found.cut_off) == (needs.error(grid.cell), 1.5, False)
+    assert found.seconds == 2.0 * planning.SMOOTH_CONVOLUTIONS
     assert expected(scene, needs, replace(grid, extent=(1.99 * a, a))).cut_off
     assert expected(replace(scene, hardness=highest), needs, grid) == seen(0.3)
     assert expected(replace(scene, hardness=1.01 * highest), needs, grid) == found
 
 
-def test_where_pilots_show_no_error_the_law_counts_twice(
+def test_where_small_solutions_show_no_error_the_law_counts_twice(
     line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     needs: Any = SimpleNamespace(
-        smooth=False, padding=lambda: EXACT, error=lambda cell: cell[0] + 2 * cell[1]
-    )
-    for pilot, error, rate in (
-        (seen(inf), 2 * 3 / 16, 1.5), (seen(inf, cut_off=True), inf, 1.0), (seen(0.3), 0.3, 1.0),
+        smooth=False, padding=lambda: EXACT, errors=lambda cell: (cell[0], 2 * cell[1]),
+        finest=(inf, inf), roller=0.0,
+    )  # fmt: skip
+    for pilot, errors, rate in (
+        (seen(inf), (2 / 16, 4 / 16), 1.5), (seen(inf, cut_off=True), (inf, inf), 1.0),
+        (seen(0.3), (0.15, 0.15), 1.0),
     ):  # fmt: skip
         monkeypatch.setattr(planning, "forecast", lambda *_, pilot=pilot: pilot)
         found = expected(line_contact.scene, needs, GRID)
-        assert (found.error, found.rate) == (error, rate)
+        assert (found.errors, found.rates[0]) == (errors, rate)
 
 
 @pytest.mark.parametrize(("along", "dimension"), [(1, 1), (2, 2), (32, 2)])
@@ -183,12 +239,12 @@ def test_a_plan_of_a_given_grid_is_that_grid(
     """Within four fifths of the memory."""
     grid = cs.Grid((64, along), (1e-3, 5e-4))
     needed = memory(grid, EXACT)
+    monkeypatch.setattr(planning, "CostModel", Costs)
     for share, fits in ((0.801, False), (0.799, True)):
         monkeypatch.setattr(planning, "available_bytes", lambda share=share: needed / share)
-        monkeypatch.setattr(planning, "timed", lambda *_: SimpleNamespace(seconds=lambda *_: 8.0))
         found = cs.plan(line_contact.scene, grid=grid, period=5e-4)
         assert (found.grid, found.dimension, found.bytes) == (grid, dimension, needed)
-        assert (found.seconds, found.steps) == (8, 1)
+        assert (found.seconds, found.steps) == (2 * planning.SMOOTH_CONVOLUTIONS, 1)
         assert any("this machine has" in said for said in found.warnings) == (not fits)
     with pytest.raises(cs.InvalidInput, match=r"^plan\.period is 0\.0006: leave it out"):
         cs.plan(line_contact.scene, grid=grid, period=6e-4)
@@ -212,7 +268,7 @@ def planned(
     monkeypatch.setattr(planning, "plan", plan)
     monkeypatch.setattr(in_time, "extremes", lambda *_: extremes)
     scene: Any = None
-    return asked, planning._plan_in_time(scene, error=0.4, period=1.0, grid=grid)
+    return asked, planning._plan_in_time(scene, 0.4, 1.0, grid, None)
 
 
 def test_a_plan_in_time_is_as_wide_as_the_widest_and_costs_all_its_steps(
@@ -239,7 +295,7 @@ def test_cells_of_what_yields_are_finer_by_as_much_as_they_err_more(
 ) -> None:
     """Twelve times the yield stress: 4^1.5 times the elastic error, and so much less is asked for."""
     plastic = Yielding(ratio=12.0, half_width=0.2, bodies=1)
-    extremes = Extremes(line_contact.scene, 1.0, 7, 5, ("time",), plastic)
+    extremes = Extremes(line_contact.scene, 1.0, 7, 5, ("time",), (), plastic)
     asked, found = planned(monkeypatch, extremes)
     assert asked[0]["error"] == asked[1]["error"] == pytest.approx(0.05)
     assert found.error == pytest.approx(0.08)

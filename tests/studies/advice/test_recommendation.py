@@ -1,39 +1,67 @@
 """Recommendations against the error they promise, and against what else is stored."""
 
 from dataclasses import replace
-from math import log2
+from math import exp
 
 import numpy as np
 import pytest
 import xarray as xr
-from studies.advice.cost_model import CostModel, Fit, cost_model
 
 import contactstudy as cs
 from contactstudy.accuracy.expected_error import Edges, Metric
-from contactstudy.planning.cost import padded
+from contactstudy.domain.padding import Paddings
+from contactstudy.planning.cost import (
+    SMOOTH_CONVOLUTIONS,
+    CostModel,
+    Timing,
+    convolutions_to,
+    log_work,
+    padded,
+)
+from contactstudy.solvers.solve import SolveOptions
 from studies.advice.recommendation import (
     Limits,
     Recommendation,
     RoughContact,
     SmoothContact,
     contact_of,
+    mode_of,
     recommend,
 )
-from studies.advice.settings_table import STORED_ERRORS
+from studies.advice.settings_table import STORED_ERRORS, stored_timings
 from studies.advice.verification import WHAT, verify
 from studies.definitions import pareto
 from studies.engine.run import run
 from studies.model.case import Case
+from studies.model.outcome import CaseStatus
 from studies.reference.line_contact import HERTZ, LINE, PADDINGS, SCENE, padding_at
 from studies.registry import load
 from studies.store.netcdf import read
 from tests.studies.conftest import quiet
 
 MODES = (LINE, *PADDINGS)
-# a millisecond for the set-up, then in proportion to cells, images and transforms
-MODEL = CostModel(
-    {mode: Fit(np.array([1e-3, 1e-7, 2e-8]), np.array([1e-4, 1e-4, 2e-8])) for mode in MODES}
-)
+
+
+def samples(grid: cs.Grid, padding: cs.Padding | Paddings) -> tuple[Timing, ...]:
+    """A microsecond for a hundred cells and images, and as much for transforms, whatever the clock says."""
+    cells = 128, min(grid.cells[1], 128)
+    return tuple(
+        Timing(
+            cs.Grid(cells, (1.0, 1.0)),
+            one,
+            35.0,
+            1e-8 * cells[0] * cells[1] * images,
+            1e-6 * cells[0] * cells[1],
+        )
+        for one, images in (
+            [(replace(padding, images=n), 2 * n + 1) for n in (1, 6)]
+            if isinstance(padding, cs.Superposition | cs.CircularSuperposition)
+            else [(padding, 1)]
+        )
+    )
+
+
+MODEL = CostModel(sample=samples)
 
 
 def smooth(period: float, *modes: str) -> SmoothContact:
@@ -92,11 +120,12 @@ def test_a_surface_narrower_than_its_contact_has_no_recommendation() -> None:
 
 def model_times(case: Case) -> tuple[float, float]:
     assert not isinstance(case.padding, tuple)
-    cells, points = np.prod(case.grid.cells), padded(case.grid, case.padding)
     images = 1 if case.padding.window is None else len(case.padding.window)
-    digits = -np.log10(case.options.tolerance)
-    setup = 1e-3 + 1e-7 * cells + 2e-8 * cells * images
-    return float(setup), float(1e-4 + 1e-4 * digits + 2e-8 * digits * points * log2(points))
+    points = padded(case.grid, case.padding)
+    convolutions = convolutions_to(case.options.tolerance, SMOOTH_CONVOLUTIONS)
+    return 1e-8 * images * exp(log_work(np.prod(case.grid.cells))), 1e-8 * convolutions * exp(
+        log_work(points)
+    )
 
 
 @pytest.fixture(scope="module")
@@ -125,24 +154,33 @@ def test_no_stored_setting_foreseen_to_meet_the_error_is_much_faster(
 
 def test_times_that_follow_the_model_are_foreseen_to_rounding(small_pareto: xr.Dataset) -> None:
     a = HERTZ.half_width
-    model = cost_model(small_pareto, "here")
+    model = CostModel(stored_timings(small_pareto, "here"))
     for mode in MODES:
         padding = padding_at("exact" if mode == LINE else mode, 12)
         grid = cs.Grid((256, 1 if mode == LINE else 256), (2.4 * a, 3.3 * a))
-        expected = sum(model_times(Case(SCENE, grid, padding, cs.SolveOptions(1e-7))))
-        assert model.seconds(grid, padding, 1e-7, 10) == pytest.approx(expected, rel=1e-3)
+        case = Case(SCENE, grid, padding, SolveOptions(tolerance=1e-7))
+        found = model.seconds(grid, padding, convolutions_to(1e-7, SMOOTH_CONVOLUTIONS))
+        assert found == pytest.approx(sum(model_times(case)), rel=1e-3)
 
 
-def test_times_of_another_machine_or_none_are_not_used(small_pareto: xr.Dataset) -> None:
-    assert cost_model(small_pareto, "there").fits == {}
-    model = cost_model(None, "here")
-    grid = cs.Grid((64, 64), (1.0, 1.0))
-    few, many = (
-        model.seconds(grid, cs.CircularSuperposition(images), 1e-8, 10) for images in (2, 200)
-    )
-    assert 0 < few <= many
-    # two samples serve every n
-    assert len(model.samples) == 2
+def test_times_of_another_machine_or_of_failed_cases_are_not_used(small_pareto: xr.Dataset) -> None:
+    assert stored_timings(small_pareto, "there") == ()
+    assert stored_timings(None, "here") == ()
+    every = len(stored_timings(small_pareto, "here"))
+    failed = small_pareto.copy(deep=True)
+    failed["case_status"][{"padding": 0, "grid": 0}] = CaseStatus.FAILED
+    failed["solve_time"][{"padding": 1, "grid": 0}] = 0.0
+    lost = small_pareto.sizes["images"] * small_pareto.sizes["period"] * 2
+    assert len(stored_timings(failed, "here")) == every - 2 * lost
+
+
+def test_a_mode_has_the_name_of_its_padding_and_one_cell_along_is_a_line() -> None:
+    line, square = (cs.Grid((64, along), (1.0, 1.0)) for along in (1, 64))
+    assert mode_of(line, cs.ExactPeriodicity()) == "line"
+    assert mode_of(square, cs.ExactPeriodicity()) == "exact"
+    assert mode_of(line, cs.CircularSuperposition(3)) == "circular"
+    assert mode_of(square, cs.Superposition(2)) == "superposed"
+    assert mode_of(square, (cs.ZeroPadding(), cs.ZeroPadding())) == "free"
 
 
 def test_the_cheapest_comes_first_and_the_runner_up_is_of_another_mode() -> None:

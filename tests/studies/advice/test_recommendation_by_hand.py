@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from math import inf
+from math import inf, log10
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,7 +11,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.accuracy.expected_error import Edges, ErrorParts, Metric
 from contactstudy.accuracy.truncation import expected_truncation
-from contactstudy.planning.plan import SHARE, Forecast
+from contactstudy.planning.plan import SHARE, GridForecast
 from studies.advice import recommendation
 from studies.advice.recommendation import (
     ACROSS,
@@ -73,7 +73,7 @@ def test_of_what_misses_the_error_the_most_accurate_to_two_digits_is_best() -> N
 class Known:
     """A contact of one way, whose cells leave 0.004 and whose solver leaves a tenth of the root of its tolerance."""
 
-    iterations = 30.0
+    convolutions = 30.0
     tolerances = (1e-4, 1e-6, 1e-8)
 
     def __init__(self, cells: float = 0.004, grid: cs.Grid = GRID) -> None:
@@ -86,7 +86,7 @@ class Known:
         return ErrorParts(0.001, self.cells, 0.1 * words[-1] ** 0.5)
 
 
-COSTS: Any = SimpleNamespace(seconds=lambda grid, padding, tolerance, times: times / tolerance)
+COSTS: Any = SimpleNamespace(seconds=lambda grid, padding, convolutions: convolutions)
 
 
 @pytest.mark.parametrize(
@@ -100,7 +100,7 @@ def test_the_largest_tolerance_that_keeps_to_the_error_is_taken(
     [found] = candidates(Known(), Limits(error), COSTS)  # type: ignore[arg-type]
     assert found.tolerance == tolerance
     assert found.error.total == pytest.approx(0.005 + 0.1 * tolerance**0.5)
-    assert found.seconds == 30 / tolerance
+    assert found.seconds == pytest.approx(30 * -log10(tolerance) / 8)
 
 
 def test_what_has_no_error_or_too_many_cells_is_no_candidate() -> None:
@@ -126,7 +126,9 @@ def test_a_smooth_contact_is_tried_with_every_mode_and_edges_in_l1_alone() -> No
 
 
 NEEDS = SimpleNamespace(roller=False, varies=True, half_width=0.3, padding=lambda: EXACT)
-PLANNED = Forecast(GRID, 0.01, 1.0, cut_off=False, said="", seconds=1.0)
+PLANNED = GridForecast(
+    GRID, (0.005, 0.005), (1.0, 1.0), (16, 16), cut_off=False, message="", seconds=1.0
+)
 
 
 def test_a_rough_contact_is_tried_on_the_plan_s_grid_on_finer_ones_and_on_those_that_miss() -> None:
@@ -212,7 +214,7 @@ def test_a_contact_that_yields_is_planned_within_the_memory_there_is(
     memory: float, most: float, needed: SimpleNamespace, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked: list[Any] = []
-    planned = SimpleNamespace(error=0.02, cut_off=False, said="")
+    planned = SimpleNamespace(error=0.02, cut_off=False, message="")
 
     def reaching(*words: Any) -> Any:
         asked.append(words)

@@ -87,9 +87,9 @@ def test_each_period_is_recommended_for_by_the_times_of_the_others(
     """One setting, stored with a cost of 4 s, whose error is foreseen as 1e-3 and is so in the sweeps."""
     known, asked = [], []
 
-    def costs(dataset: xr.Dataset, cpu: str) -> str:
+    def timings(dataset: xr.Dataset, cpu: str) -> tuple[()]:
         known.append((dataset["period"].values.tolist(), cpu))
-        return "costs"
+        return ()
 
     def settings(_: xr.Dataset, *names: str) -> Settings:
         error = np.array([min(ERRORS[name] for name in names)])
@@ -101,7 +101,7 @@ def test_each_period_is_recommended_for_by_the_times_of_the_others(
         grid = cs.Grid((32, 32), (1.0, 1.0))
         return [Setting("exact", EXACT, grid, 1e-8, edges, ErrorParts(0, 1e-3, 0), 1.0, 1)]
 
-    monkeypatch.setattr(verification, "cost_model", costs)
+    monkeypatch.setattr(verification, "stored_timings", timings)
     monkeypatch.setattr(verification, "settings", settings)
     monkeypatch.setattr(verification, "candidates", candidates)
     dataset = xr.Dataset(

@@ -6,10 +6,9 @@ import pytest
 from click.testing import CliRunner, Result
 
 import contactstudy as cs
-from contactstudy.domain.padding import Paddings, across_and_along
-from contactstudy.planning.cost import Timed, padded
 from studies.cli.commands import cli
 from studies.reference.line_contact import HERTZ
+from tests.studies.advice.test_recommendation import samples
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 
@@ -17,15 +16,7 @@ EXAMPLES = Path(__file__).parents[3] / "examples"
 @pytest.fixture(autouse=True)
 def clockless(monkeypatch: pytest.MonkeyPatch) -> None:
     """Seconds in proportion to the images summed and the points transformed, whatever the clock says."""
-
-    def timed(grid: cs.Grid, padding: cs.Padding | Paddings) -> Timed:
-        sample = cs.Grid((128, min(grid.cells[1], 128)), (1.0, 1.0))
-        window = across_and_along(padding)[1].window
-        cells, work = np.prod(sample.cells), padded(sample, padding)
-        images = 1 if window is None else len(window)
-        return Timed(int(cells), work, 1e-7 * float(cells) * images, 1e-8 * work)
-
-    monkeypatch.setattr("studies.advice.cost_model.timed", timed)
+    monkeypatch.setattr("contactstudy.planning.cost.sample_timings", samples)
 
 
 def run(*words: str) -> Result:

@@ -12,8 +12,8 @@ from contactstudy.accuracy.expected_error import Edges, ErrorParts, Metric
 from studies.advice.recommendation import Limits, Recommendation, Setting
 from studies.cli import recommend
 
-FITTED: Any = SimpleNamespace(fits={"exact": None})
-MEASURED: Any = SimpleNamespace(fits={})
+FITTED: Any = SimpleNamespace(timings=("one",))
+MEASURED: Any = SimpleNamespace(timings=())
 
 
 def setting(mode: str, padding: Any, edges: Edges = Edges.AS_SOLVED) -> Setting:

@@ -11,6 +11,7 @@ import pytest
 
 import contactstudy as cs
 import studies
+from contactstudy.planning.cost import memory
 from studies.scene_study import study_of as grids
 from studies.scene_study.scene_case import SceneCase
 from tests.conftest import STEEL
@@ -203,14 +204,14 @@ def planned(monkeypatch: pytest.MonkeyPatch) -> dict[float, cs.Grid]:
     """Grids by the load; periods that need a longer one say so."""
     made: dict[float, cs.Grid] = {}
 
-    def needs(scene: cs.Scene) -> Any:
+    def needs(_: cs.Scene) -> Any:
         return SimpleNamespace(
-            grid=lambda *_: made[scene.load.largest],
             period_check=lambda period: "too short: give more" if period < 1.5 else "fine",
             padding=cs.ExactPeriodicity,
         )
 
     monkeypatch.setattr(grids, "needs_of", needs)
+    monkeypatch.setattr(grids, "_grid_of_plan", lambda point: made[point.scene.load.largest])
     return made
 
 
@@ -269,6 +270,16 @@ def test_a_measured_surface_bounds_the_width_and_the_period(planned: dict[float,
     # one that has its width needs no note
     planned[1.0] = cs.Grid((64, 32), (3.0, 1.0))
     assert len(grids.posed([point(1.0, SURFACE), point(2.0, SURFACE)])[1]) == 1
+
+
+def test_a_common_grid_is_no_larger_than_the_machine(
+    planned: dict[float, cs.Grid], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    planned |= {1.0: cs.Grid((640, 32), (4.0, 2.0)), 2.0: cs.Grid((64, 640), (4.0, 2.0))}
+    monkeypatch.setattr(grids, "available_bytes", lambda: 20e6)
+    (one, other), _ = grids.posed([point(1.0), point(2.0)])
+    assert one.grid == other.grid
+    assert memory(one.grid, cs.ExactPeriodicity()) <= 16e6
 
 
 def test_points_that_ask_for_another_error_or_give_a_grid_have_grids_of_their_own(

@@ -24,6 +24,7 @@ from .evolution.steps import Scheme
 from .evolution.track import RollingPressure
 from .io.compare import Comparison, compare
 from .io.dataset import to_dataset
+from .io.materials import material
 from .io.scene_file import SceneFile, read_scene
 from .io.scene_writer import write_scene
 from .lubrication.film_error import FilmError, FilmErrorParts, film_error
@@ -38,7 +39,7 @@ from .scene.bodies import Body, HalfSpace
 from .scene.coated import CoatedHalfSpace
 from .scene.friction import PartialSlip, Sliding
 from .scene.inelastic import ElasticPlasticHalfSpace, ViscoelasticHalfSpace
-from .scene.load import LineLoad, LoadHistory, SineLoad
+from .scene.load import LineLoad, LoadHistory, SineLoad, TotalLoad
 from .scene.lubrication import (
     Barus,
     ConstantDensity,
@@ -53,7 +54,7 @@ from .scene.lubrication import (
 from .scene.motion import Rolling, Wear
 from .scene.scene import Output, Scene
 from .scene.shapes.roller import Crown, Cylinder, FiniteLength, LundbergProfile, Sphere
-from .scene.shapes.roughness import RmsSlope, Roughness
+from .scene.shapes.roughness import Ra, RmsSlope, Roughness
 from .scene.shapes.shape import Detail, Shape
 from .scene.shapes.texture import Cosine, Dimple, FlatBottomed, Groove, Parabolic, Texture, Waviness
 from .scene.stress import SubsurfaceStress
@@ -141,6 +142,7 @@ __all__ = [
     "PreconditionedCG",
     "PrescribedLoad",
     "Problem",
+    "Ra",
     "RefuseMissing",
     "RepeatedRolling",
     "Resultant",
@@ -168,6 +170,7 @@ __all__ = [
     "Superposition",
     "Tapered",
     "Texture",
+    "TotalLoad",
     "Trend",
     "ViscoelasticHalfSpace",
     "Waviness",
@@ -182,6 +185,7 @@ __all__ = [
     "film_error",
     "film_grid",
     "kernels",
+    "material",
     "plan",
     "read_scene",
     "roll_repeatedly",

@@ -19,6 +19,7 @@ SECONDS = Unit("s", "a time", "2 min")
 Metres = Annotated[float, Unit("m", "a length", "10 mm")]
 Pascals = Annotated[float, Unit("Pa", "a pressure", "1.2 GPa")]
 NewtonsPerMetre = Annotated[float, Unit("N/m", "a load per length", "100 N/mm")]
+Newtons = Annotated[float, Unit("N", "a load", "2 kN")]
 PerPascal = Annotated[float, Unit("1/Pa", "a wear coefficient", "1e-17 1/Pa")]
 PressureViscosity = Annotated[float, Unit("1/Pa", "a share per pressure", "20 1/GPa")]
 PascalSeconds = Annotated[float, Unit("Pa*s", "a viscosity", "40 mPa*s")]

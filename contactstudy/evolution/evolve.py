@@ -25,7 +25,7 @@ from contactstudy.evolution.walk import Walk
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import response, sudden
 from contactstudy.scene.inelastic import ViscoelasticHalfSpace
-from contactstudy.scene.load import ChangingLoad, LineLoad, SuddenLoad
+from contactstudy.scene.load import ChangingLoad, ConstantLoad, LineLoad, SuddenLoad
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from contactstudy.solvers.solution import Solution
@@ -120,7 +120,7 @@ def evolve(
     if scene.friction is not None:
         raise InvalidInput("Scene.friction has no history here: leave it out.")
     control = None if error is None else StepControl.of(error, tolerance)
-    load = _load(scene, times)
+    load = _load(scene, grid, times)
     marks = schedule(load, times)
     elastic = _sudden(scene, load)
     problem = elastic.problem(grid, padding)
@@ -174,13 +174,13 @@ def evolve(
     )
 
 
-def _load(scene: Scene, times: ArrayLike | None) -> ChangingLoad:
-    if not isinstance(scene.load, LineLoad):
+def _load(scene: Scene, grid: Grid, times: ArrayLike | None) -> ChangingLoad:
+    if not isinstance(scene.load, ConstantLoad):
         return scene.load
     if times is None:
         raise InvalidInput("evolve.times is None, and Scene.load has no end: give times [s].")
     first = np.asarray(times, dtype=np.float64).ravel()[:1]
-    return SuddenLoad(scene.load.per_length, min(0.0, *first.tolist()))
+    return SuddenLoad(scene.load.over(grid.period), min(0.0, *first.tolist()))
 
 
 def _sudden(scene: Scene, load: ChangingLoad) -> Scene:

@@ -28,7 +28,7 @@ from contactstudy.evolution.track import (
 )
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import sudden
-from contactstudy.scene.load import LineLoad
+from contactstudy.scene.load import ConstantLoad
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from contactstudy.solvers.solution import Solution, Status
@@ -307,7 +307,7 @@ def _change(one: Array, other: Array) -> float:
 
 def _yielding(scene: Scene) -> YieldingBody:
     """The one body of ``scene`` that yields, where it is the only one that keeps anything."""
-    if scene.wear is not None or not isinstance(scene.load, LineLoad):
+    if scene.wear is not None or not isinstance(scene.load, ConstantLoad):
         field = "Scene.load" if scene.wear is None else "Scene.wear"
         raise InvalidInput(
             f"{field} changes in time beside repeated rolling: leave it out or give a LineLoad."

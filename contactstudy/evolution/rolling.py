@@ -17,7 +17,7 @@ from contactstudy.elasticity.convolution import antisymmetric, superposed
 from contactstudy.elasticity.viscoelastic import Trailing
 from contactstudy.scene.bodies import response, sudden
 from contactstudy.scene.inelastic import ViscoelasticHalfSpace
-from contactstudy.scene.load import LineLoad
+from contactstudy.scene.load import ConstantLoad
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.solvers.lagged import Settled, solve_lagged
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
@@ -79,7 +79,7 @@ def solve_rolling(
         raise InvalidInput("Scene.rolling is None: give a Rolling(speed=...).")
     if scene.friction is not None:
         raise InvalidInput("Scene.friction is not known in rolling: leave it out.")
-    if scene.wear is not None or not isinstance(scene.load, LineLoad):
+    if scene.wear is not None or not isinstance(scene.load, ConstantLoad):
         field = "Scene.load" if scene.wear is None else "Scene.wear"
         raise InvalidInput(f"{field} changes in time beside Scene.rolling: leave one of them out.")
     still = replace(scene, solids=sudden(scene.solids), rolling=None)

@@ -2,7 +2,7 @@
 
 import tomllib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from enum import Enum
 from math import inf
 from os import PathLike
@@ -22,15 +22,23 @@ from contactstudy.domain.padding import (
     Superposition,
     ZeroPadding,
 )
-from contactstudy.domain.units import Metres, Number, Pascals, Seconds
+from contactstudy.domain.units import Metres, NewtonsPerMetre, Number, Pascals, Seconds
+from contactstudy.io.materials import with_materials
 from contactstudy.io.structuring import NO_KIND, structured
 from contactstudy.planning.plan import Plan, plan
 from contactstudy.problem.problem import Problem
-from contactstudy.scene.bodies import Body, HalfSpace
+from contactstudy.scene.bodies import Body, HalfSpace, contact_modulus
 from contactstudy.scene.coated import CoatedHalfSpace
 from contactstudy.scene.friction import Friction, PartialSlip, Sliding
 from contactstudy.scene.inelastic import ElasticPlasticHalfSpace, ViscoelasticHalfSpace
-from contactstudy.scene.load import ChangingLoad, LineLoad, LoadHistory, SineLoad
+from contactstudy.scene.load import (
+    ChangingLoad,
+    ConstantLoad,
+    LineLoad,
+    LoadHistory,
+    SineLoad,
+    TotalLoad,
+)
 from contactstudy.scene.motion import Rolling, Wear
 from contactstudy.scene.scene import Output, Scene
 from contactstudy.scene.shapes.roller import Crown, Cylinder, FiniteLength, LundbergProfile, Sphere
@@ -67,8 +75,12 @@ if TYPE_CHECKING:
     from contactstudy.evolution.rolling import SteadyRolling
 
 
+# Curvature [1/m] and contact modulus [Pa] of the scene that a shape stands in.
+Surroundings = tuple[float, float]
+
+
 class Turn(Enum):
-    """How a measured surface is laid on the grid."""
+    """Orientation of a measured surface on the grid."""
 
     NONE = "as measured"
     QUARTER = "what ran along the length runs across it"
@@ -76,28 +88,94 @@ class Turn(Enum):
 
 @dataclass(frozen=True)
 class MeasuredFile:
-    """A measured surface by the file it is in; a path that is not absolute starts at the scene's folder."""
+    """Measured surface given by its file; a path that is not absolute starts at the scene's folder."""
 
     file: str
+    extent: tuple[Metres, Metres] | None = None
+    unit: str | None = None
     missing: Missing = field(default_factory=RefuseMissing)
     trend: Trend = Trend.PLANE
     seam: Seam = field(default_factory=Tapered)
     turn: Turn = Turn.NONE
     window: Window | None = None
 
-    def read(self, folder: Path) -> MeasuredSurface:
-        """The surface."""
+    def shape(self, folder: Path, _: Surroundings) -> MeasuredSurface:
+        """Return the surface, read from the file."""
         path = folder / self.file
         if not path.is_file():
             raise InvalidInput(f"MeasuredSurface.file is {self.file!r}: give a file that is there.")
-        surface = MeasuredSurface.read(path, missing=self.missing, trend=self.trend, seam=self.seam)
+        surface = MeasuredSurface.read(
+            path,
+            extent=self.extent,
+            unit=self.unit,
+            missing=self.missing,
+            trend=self.trend,
+            seam=self.seam,
+        )
         surface = surface if self.window is None else surface.cut(self.window)
         return surface.turned() if self.turn is Turn.QUARTER else surface
 
 
 @dataclass(frozen=True)
+class CrownFile:
+    """Crown given by its radius, or by its drop at both ends of a length."""
+
+    radius: Metres | None = None
+    end_drop: Metres | None = None
+    length: Metres | None = None
+
+    def shape(self, _folder: Path, _: Surroundings) -> Crown:
+        """Return the crown."""
+        if self.radius is not None and self.end_drop is None and self.length is None:
+            return Crown(self.radius)
+        if self.radius is None and self.end_drop is not None and self.length is not None:
+            return Crown.of_drop(self.end_drop, self.length)
+        raise InvalidInput("Crown is not described: give its radius, or its end_drop and length.")
+
+
+@dataclass(frozen=True)
+class ProfileFile:
+    """Logarithmic profile given by amplitude and drop, by the load it is made for, or by ISO/TS 16281."""
+
+    length: Metres
+    amplitude: Metres | None = None
+    end_drop: Metres | None = None
+    straight: Metres = 0.0
+    for_load: NewtonsPerMetre | None = None
+    iso_16281_diameter: Metres | None = None
+
+    def shape(self, _folder: Path, surroundings: Surroundings) -> LundbergProfile:
+        """Return the profile; one for a load needs the curvature and the modulus of the scene."""
+        drops = self.amplitude, self.end_drop
+        given = [
+            drops != (None, None),
+            self.for_load is not None,
+            self.iso_16281_diameter is not None,
+        ]
+        if sum(given) != 1 or (given[0] and None in drops):
+            raise InvalidInput(
+                "LundbergProfile is not described by one way: give amplitude and end_drop, for_load (the load per "
+                "length that it spreads evenly), or iso_16281_diameter."
+            )
+        if self.iso_16281_diameter is not None:
+            return LundbergProfile.iso_16281(self.iso_16281_diameter, self.length)
+        if self.for_load is not None:
+            curvature, modulus = surroundings
+            if curvature <= 0:
+                raise InvalidInput(
+                    "LundbergProfile.for_load is for a round roller: give a Cylinder."
+                )
+            return LundbergProfile.for_load(
+                self.for_load, contact_modulus=modulus, radius=1 / curvature, length=self.length
+            )
+        assert self.amplitude is not None
+        assert self.end_drop is not None
+        return LundbergProfile(self.amplitude, self.end_drop, self.length, self.straight)
+
+
+@dataclass(frozen=True)
 class PlanSettings:
-    """What a plan must meet, where the file names no grid."""
+    """Accuracy and period that a plan must meet, for a scene whose file names no grid."""
 
     error: Number | None = None
     period: Metres | None = None
@@ -105,9 +183,18 @@ class PlanSettings:
 
 @dataclass(frozen=True)
 class TimeSteps:
-    """The instants of a contact that changes in time: ``times``, or so many ``instants`` evenly up to ``end``.
+    """Instants of a contact that changes in time.
 
-    With an ``error``, steps between them are chosen for it.
+    Parameters
+    ----------
+    times
+        The instants [s]; none for evenly spaced ones.
+    end
+        Last instant [s], that of the load if None.
+    instants
+        Number of evenly spaced instants.
+    error
+        Largest L1 error by which steps between instants are chosen, or None for one step each.
     """
 
     times: tuple[Seconds, ...] = ()
@@ -115,8 +202,8 @@ class TimeSteps:
     instants: int = 41
     error: Number | None = None
 
-    def of(self, load: LineLoad | ChangingLoad) -> list[float] | None:
-        """The times, up to the end of ``load`` where none is given; None where the error alone says."""
+    def of(self, load: ConstantLoad | ChangingLoad) -> list[float] | None:
+        """Return the instants [s], up to the end of `load` if none is given; None if the error alone decides."""
         if self.times:
             return list(self.times)
         end = self.end if self.end is not None else getattr(load, "end", None)
@@ -133,7 +220,7 @@ class TimeSteps:
 
 @dataclass(frozen=True)
 class Document:
-    """The keys of a file."""
+    """Keys of a scene file."""
 
     load: ChangingLoad
     solids: tuple[Body, Body]
@@ -152,7 +239,11 @@ class Document:
 
 
 # Types that stand for others in a file.
-STANDING_IN: Mapping[type, type] = {MeasuredSurface: MeasuredFile}
+STANDING_IN: Mapping[type, type] = {
+    Crown: CrownFile,
+    LundbergProfile: ProfileFile,
+    MeasuredSurface: MeasuredFile,
+}
 # What may stand where a file says kind = "...", by the type that is wanted there.
 KINDS: Mapping[Any, Mapping[str, type]] = {
     wanted: {kind.__name__: STANDING_IN.get(kind, kind) for kind in kinds}
@@ -198,6 +289,7 @@ KINDS: Mapping[Any, Mapping[str, type]] = {
     },
     ChangingLoad: {
         "LineLoad": LineLoad,
+        "TotalLoad": TotalLoad,
         "LoadHistory": LoadHistory,
         "SineLoad": SineLoad,
         NO_KIND: LineLoad,
@@ -207,7 +299,23 @@ KINDS: Mapping[Any, Mapping[str, type]] = {
 
 @dataclass(frozen=True)
 class SceneFile:
-    """A scene with what its file says of grid, padding and solver; what it leaves open is planned."""
+    """Scene with the grid, padding and solver that its file names; what it leaves open is planned.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    plan_settings
+        Accuracy and period of the plan.
+    settings
+        Options of a solve.
+    grid, padding
+        Those of the file, or None.
+    time_steps
+        Instants of a scene that changes in time.
+    vary
+        Fields that the file varies, by their paths, in groups: fields of one group change together.
+    """
 
     scene: Scene
     plan_settings: PlanSettings = field(default_factory=PlanSettings)
@@ -215,16 +323,17 @@ class SceneFile:
     grid: Grid | None = None
     padding: Padding | Paddings | None = None
     time_steps: TimeSteps = field(default_factory=TimeSteps)
+    vary: tuple[Mapping[str, object], ...] = ()
 
     def plan(self, *, on: Device = Cpu()) -> Plan:  # noqa: B008 (frozen)
-        """The plan for this scene, on the file's grid if it has one; ``on`` is the device its seconds are for."""
+        """Return the plan for this scene, on the file's grid if it has one; seconds are for the device `on`."""
         period, error = None if self.grid else self.plan_settings.period, self.plan_settings.error
         times = self.time_steps.times
         end = max(times) if times else self.time_steps.end
         return plan(self.scene, error=error, period=period, grid=self.grid, end=end, on=on)
 
     def problem(self, planned: Plan | None = None) -> Problem:
-        """The problem on the grid and with the padding of the file, or those of the plan, made if not given."""
+        """Return the problem on the grid and with the padding of the file, or of the plan, made if not given."""
         return self.scene.problem(*self._where(planned))
 
     def solve(
@@ -234,9 +343,9 @@ class SceneFile:
         start: Array | None = None,
         on: Device = Cpu(),  # noqa: B008 (frozen)
     ) -> Solution:
-        """Solve :meth:`problem` with the options of the file, from the pressure ``start`` (x, y) [Pa] if given.
+        """Solve :meth:`problem` with the options of the file.
 
-        ``on`` is the device, as for :func:`~contactstudy.solve`.
+        The solve begins with the pressure `start` (x, y) [Pa] if given, on the device `on`.
         """
         return self.settings.solved(self.problem(planned), start, on)
 
@@ -247,7 +356,7 @@ class SceneFile:
         folder: str | PathLike[str] | None = None,
         progress: Callable[[float, float], None] | None = None,
     ) -> "Evolution":
-        """The same for a scene that changes in time, at the instants of the file."""
+        """March through a scene that changes in time, at the instants of the file; see :func:`~contactstudy.evolve`."""
         from contactstudy.evolution.evolve import evolve  # only scenes that change in time need it
 
         return evolve(
@@ -261,7 +370,7 @@ class SceneFile:
         )
 
     def roll(self, planned: Plan | None = None) -> "SteadyRolling":
-        """The same for a scene that rolls steadily."""
+        """Solve a scene that rolls steadily; see :func:`~contactstudy.solve_rolling`."""
         from contactstudy.evolution.rolling import solve_rolling
 
         return solve_rolling(self.scene, *self._where(planned), **self._options)
@@ -276,16 +385,22 @@ class SceneFile:
     @property
     def _options(self) -> dict[str, Any]:
         """The options of a solve by their names."""
-        return {one.name: getattr(self.settings, one.name) for one in fields(self.settings)}
+        return {
+            option.name: getattr(self.settings, option.name) for option in fields(self.settings)
+        }
 
 
 def read_scene(path: str | PathLike[str]) -> SceneFile:
-    """The scene in a TOML file.
+    """Read a scene from a TOML file.
 
     Tables ``load``, ``solids`` (two), ``shapes`` and ``outputs`` (each with its ``kind``), ``friction``,
-    ``wear``, ``rolling``, ``grid``, ``padding``, ``plan``, ``solve`` and ``evolve``, and the key ``hardness``,
-    take the fields of the values of these names. Raises :class:`~contactstudy.InvalidInput`, which names the
-    key, for anything else.
+    ``wear``, ``rolling``, ``grid``, ``padding``, ``plan``, ``solve``, ``evolve`` and ``vary``, and the key
+    ``hardness``, take the fields of the values of these names. A solid may name its ``material``.
+
+    Raises
+    ------
+    InvalidInput
+        With a line for every key that cannot be used.
     """
     path = Path(path)
     try:
@@ -296,21 +411,30 @@ def read_scene(path: str | PathLike[str]) -> SceneFile:
         ) from error
     except (ValueError, RecursionError) as error:  # also a number of thousands of digits
         raise InvalidInput(f"{path} is not valid TOML: {error}.") from error
+    try:
+        groups = _groups(raw.pop("vary", {}))
+        raw = with_materials(raw)
+    except InvalidInput as error:
+        raise InvalidInput(f"{path}: {error}") from error
     document = structured(raw, Document, KINDS, str(path))
     try:
-        return scene_file_of(document, path.parent)
+        return replace(scene_file_of(document, path.parent), vary=groups)
     except InvalidInput as error:
         raise InvalidInput(f"{path}: {error}") from error
 
 
 def scene_file_of(document: Document, folder: Path = Path()) -> SceneFile:
-    """``document`` with its measured surfaces read, from paths that start at ``folder``."""
+    """Return the scene of `document`; files of surfaces start at `folder`."""
+    modulus = contact_modulus(document.solids)
+    curvature = sum(getattr(shape, "curvature", 0.0) for shape in document.shapes)
     shapes = tuple(
-        shape.read(folder) if isinstance(shape, MeasuredFile) else shape
+        shape.shape(folder, (curvature, modulus))
+        if isinstance(shape, MeasuredFile | CrownFile | ProfileFile)
+        else shape
         for shape in document.shapes
     )
     scene = Scene(
-        document.load,
+        _with_length(document),
         document.solids,
         shapes,
         document.hardness,
@@ -327,3 +451,36 @@ def scene_file_of(document: Document, folder: Path = Path()) -> SceneFile:
             )
         padding = document.padding_across, document.padding
     return SceneFile(scene, document.plan, document.solve, document.grid, padding, document.evolve)
+
+
+def _groups(vary: object) -> tuple[Mapping[str, object], ...]:
+    """Return the varied fields in groups: each field of a table alone, those of one table of a list together."""
+    if isinstance(vary, Mapping):
+        return tuple({field: values} for field, values in _paths(vary).items())
+    if isinstance(vary, list) and all(isinstance(group, Mapping) and group for group in vary):
+        return tuple(_paths(group) for group in vary)
+    raise InvalidInput(
+        f"vary is {vary!r}: give a table of fields and their values, such as load.per_length = '50:400:8 N/mm'."
+    )
+
+
+def _paths(table: Mapping[str, object], before: str = "") -> dict[str, object]:
+    """Return the values of nested tables by their paths."""
+    paths: dict[str, object] = {}
+    for key, value in table.items():
+        paths |= (
+            _paths(value, f"{before}{key}.")
+            if isinstance(value, Mapping)
+            else {before + key: value}
+        )
+    return paths
+
+
+def _with_length(document: Document) -> ConstantLoad | ChangingLoad:
+    """Return the load; a total load on shapes without a length is spread over the length of the grid, if known."""
+    load = document.load
+    has_length = any(getattr(shape, "length", None) for shape in document.shapes)
+    period = document.grid.period if document.grid else document.plan.period
+    if isinstance(load, TotalLoad) and load.length is None and not has_length and period:
+        return replace(load, length=period)
+    return load

@@ -118,6 +118,10 @@ def _measured(surface: MeasuredSurface, number: int, beside: Path | None) -> dic
     table: dict[str, Any] = {"kind": "MeasuredSurface"}
     if surface.file is not None:
         table["file"] = surface.file
+        if surface.unit is not None:
+            table["unit"] = surface.unit
+        if surface.file_extent is not None:
+            table["extent"] = list(surface.file_extent)
         if surface.is_turned:
             table["turn"] = "quarter"
         if surface.window is not None:

@@ -24,9 +24,10 @@ SYMBOLS = re.compile(rf"{SYMBOL}(?:\s*(?:\*\*|\^)\s*-?\d|\s*[*/·]\s*{SYMBOL}|\s
 
 
 def quantity(field: str, value: object, unit: Unit) -> float:
-    """``value``, a number or a text with a unit, in the SI unit ``unit``.
+    """Return `value`, a number or a text with a unit, in the SI unit `unit`.
 
-    Raises :class:`~contactstudy.InvalidInput` for what is neither, and for a unit of another quantity.
+    Raises :class:`~contactstudy.InvalidInput`, which names `field`, for anything else and for a unit of another
+    quantity.
     """
     remedy = (
         f"give {unit.quantity}, such as {unit.example!r}"
@@ -68,128 +69,163 @@ def _registry() -> Any:
     return UnitRegistry(non_int_type=Decimal)
 
 
-# By the type that is wanted, what may be named as its kind; NO_KIND names what a table without one is.
+# The kinds of a type by their names; NO_KIND is the one of a table that names none.
 NO_KIND = ""
 Kinds = Mapping[Any, Mapping[str, type]]
 Wanted = TypeVar("Wanted")
 
 
 def structured(raw: object, wanted: type[Wanted], kinds: Kinds, source: str) -> Wanted:
-    """``raw`` tables, lists, texts and numbers as a ``wanted`` dataclass.
+    """Return tables, lists, texts and numbers as the dataclass `wanted`.
 
-    Where a type in ``kinds`` is wanted, or one of several dataclasses, a table says which by its key
-    ``kind``; a name alone stands for a table with nothing else. Raises
-    :class:`~contactstudy.InvalidInput` with a line for every key that cannot be used, each beginning
-    with ``source`` and the key.
+    Parameters
+    ----------
+    raw
+        Tables as a TOML file has them.
+    wanted
+        Dataclass of all of them.
+    kinds
+        Names of the dataclasses that a type can be. A table says which by its key ``kind``; without one it is the
+        kind under ``NO_KIND``, or the only one that has its keys. A name alone is a table with nothing else.
+    source
+        Name of the file, with which messages begin.
+
+    Raises
+    ------
+    InvalidInput
+        With a line for every key that cannot be used.
     """
     try:
-        return _converter(kinds).structure(raw, wanted)
+        return _Structure(kinds).converter.structure(raw, wanted)
     except cattrs.BaseValidationError as error:
         raise InvalidInput(_sentences(source, error)) from error
 
 
-def _converter(kinds_of: Kinds) -> cattrs.Converter:
-    converter = cattrs.Converter(forbid_extra_keys=True)
+class _Structure:
+    """Converter from nested tables to dataclasses, given the kinds that each type can be."""
 
-    def number(value: object, wanted: Any) -> float:
-        unit = next(note for note in wanted.__metadata__ if isinstance(note, Unit))
-        return quantity("it", value, unit)
+    def __init__(self, kinds: Kinds) -> None:
+        self.kinds = kinds
+        self.converter = cattrs.Converter(forbid_extra_keys=True)
+        hooks: tuple[tuple[Callable[[Any], bool], Callable[[Any, Any], Any]], ...] = (
+            (lambda wanted: get_origin(wanted) is Annotated, _number),
+            (lambda wanted: isinstance(wanted, type) and issubclass(wanted, Enum), _member),
+            (lambda wanted: get_origin(wanted) is tuple, self._tuple),
+            (self._has_kinds, self._of_kind),
+        )
+        self.converter.register_structure_hook_factory(is_dataclass, self._dataclass)
+        self.converter.register_structure_hook(int, _whole)
+        self.converter.register_structure_hook(str, _text)
+        for applies, hook in hooks:
+            self.converter.register_structure_hook_func(applies, hook)
 
-    def whole(value: object, _: Any) -> int:
-        if isinstance(value, bool) or not isinstance(value, int):
-            raise InvalidInput(f"it is {value!r}: give a whole number.")
-        return value
+    def _has_kinds(self, wanted: Any) -> bool:
+        return wanted in self.kinds or get_origin(wanted) in (Union, UnionType)
 
-    def text(value: object, _: Any) -> str:
-        if not isinstance(value, str):
-            raise InvalidInput(f"it is {value!r}: give a text.")
-        return value
-
-    def name(value: object, wanted: Any) -> Enum:
-        names: dict[str, Enum] = {one.name.lower(): one for one in wanted}
-        if not isinstance(value, str) or value.lower() not in names:
-            raise InvalidInput(f"it is {value!r}: {suggestion(str(value), names)}.")
-        return names[value.lower()]
-
-    def several(value: object, wanted: Any) -> tuple[Any, ...]:
-        each, *others = get_args(wanted)
+    def _tuple(self, value: object, wanted: Any) -> tuple[Any, ...]:
+        """Return a list as a tuple, of any length or of one type for each entry."""
+        first, *following = get_args(wanted)
         if not isinstance(value, list):
             raise InvalidInput(f"it is {value!r}: give a list.")
-        if others != [...] and len(value) != 1 + len(others):
-            raise InvalidInput(f"it has {len(value)} entries: give {1 + len(others)}.")
-        if others != [...] and len({each, *others}) > 1:
-            kinds = zip(value, (each, *others), strict=True)
-            return tuple(converter.structure(one, kind) for one, kind in kinds)
-        listed: Any = list.__class_getitem__(each)
-        return tuple(converter.structure(value, listed))
+        if following != [...] and len(value) != 1 + len(following):
+            raise InvalidInput(f"it has {len(value)} entries: give {1 + len(following)}.")
+        if following != [...] and len({first, *following}) > 1:
+            pairs = zip(value, (first, *following), strict=True)
+            return tuple(self.converter.structure(entry, kind) for entry, kind in pairs)
+        entries: Any = list.__class_getitem__(first)
+        return tuple(self.converter.structure(value, entries))
 
-    def either(value: object, wanted: Any) -> Any:
-        """One of several types: a table or a name for a kind, anything else for what is none."""
-        kinds = dict(kinds_of.get(wanted, {}))
-        others = []
-        for one in (one for one in get_args(wanted) if one is not NoneType):
-            kinds |= kinds_of.get(one) or _itself(one)
-            others += [] if one in kinds_of or is_dataclass(one) else [one]
-        if not kinds or (others and not isinstance(value, Mapping)):
-            return converter.structure(value, others[0])
+    def _of_kind(self, value: object, wanted: Any) -> Any:
+        """Return a table, or a name that stands for one, as the dataclass that its kind or its keys say."""
+        kinds = dict(self.kinds.get(wanted, {}))
+        plain = []
+        for option in get_args(wanted):
+            if option in self.kinds:
+                kinds |= self.kinds[option]
+            elif isinstance(option, type) and is_dataclass(option):
+                kinds[option.__name__] = option
+            elif option is not NoneType:
+                plain.append(option)
+        if not kinds or (plain and not isinstance(value, Mapping)):
+            return self.converter.structure(value, plain[0])
         if isinstance(value, str):
             value = {"kind": value}
         if not isinstance(value, Mapping):
             raise InvalidInput(f"it is {value!r}: give a table with a kind.")
-        without = kinds.pop(NO_KIND, None)
-        if without is not None and "kind" not in value:
-            return converter.structure(value, without)
-        chosen = value.get("kind", next(iter(kinds)) if len(kinds) == 1 else None)
-        if not isinstance(chosen, str) or chosen not in kinds:
-            what = f"its kind is {chosen!r}" if "kind" in value else "it has no kind"
-            raise InvalidInput(f"{what}: {suggestion(str(chosen), kinds)}.")
-        rest = {key: one for key, one in value.items() if key != "kind"}
-        return converter.structure(rest, kinds[chosen])
+        fields_of = {key: entry for key, entry in value.items() if key != "kind"}
+        return self.converter.structure(fields_of, _kind_of(value, kinds))
 
-    def table(wanted: type) -> Any:
-        base: Any = make_dict_structure_fn(wanted, converter)
+    def _dataclass(self, wanted: type) -> Any:
+        base: Any = make_dict_structure_fn(wanted, self.converter)
 
         def read(value: object, _: Any) -> Any:
             if not isinstance(value, Mapping):
                 raise InvalidInput(f"it is {value!r}: give a table.")
-            if value.get("kind") == wanted.__name__:  # said, though there is only one
-                value = {key: one for key, one in value.items() if key != "kind"}
+            if value.get("kind") == wanted.__name__:  # named, though there is only one
+                value = {key: entry for key, entry in value.items() if key != "kind"}
             return base(value, wanted)
 
         return read
 
-    hooks: tuple[tuple[Callable[[Any], bool], Callable[[Any, Any], Any]], ...] = (
-        (lambda wanted: get_origin(wanted) is Annotated, number),
-        (lambda wanted: isinstance(wanted, type) and issubclass(wanted, Enum), name),
-        (lambda wanted: get_origin(wanted) is tuple, several),
-        (lambda wanted: wanted in kinds_of or get_origin(wanted) in (Union, UnionType), either),
-    )
-    converter.register_structure_hook_factory(is_dataclass, table)
-    converter.register_structure_hook(int, whole)
-    converter.register_structure_hook(str, text)
-    for applies, hook in hooks:
-        converter.register_structure_hook_func(applies, hook)
-    return converter
+
+def _kind_of(table: Mapping[str, object], kinds: Mapping[str, type]) -> type:
+    """Return the kind that `table` names, else the default or the only one that has its keys."""
+    named = {name: kind for name, kind in kinds.items() if name != NO_KIND}
+    if "kind" not in table:
+        default = kinds.get(NO_KIND)
+        fitting = {
+            kind for kind in named.values() if set(table) <= {field.name for field in fields(kind)}
+        }
+        if len(fitting) == 1 and default not in fitting:
+            return fitting.pop()
+        if default is not None or len(named) == 1:
+            return default or next(iter(named.values()))
+        raise InvalidInput(f"it has no kind: {suggestion('None', named)}.")
+    chosen = table["kind"]
+    if not isinstance(chosen, str) or chosen not in named:
+        raise InvalidInput(f"its kind is {chosen!r}: {suggestion(str(chosen), named)}.")
+    return named[chosen]
 
 
-def _itself(wanted: Any) -> dict[str, type]:
-    return {wanted.__name__: wanted} if isinstance(wanted, type) and is_dataclass(wanted) else {}
+def _number(value: object, wanted: Any) -> float:
+    unit = next(note for note in wanted.__metadata__ if isinstance(note, Unit))
+    return quantity("it", value, unit)
+
+
+def _whole(value: object, _: Any) -> int:
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise InvalidInput(f"it is {value!r}: give a whole number.")
+    return value
+
+
+def _text(value: object, _: Any) -> str:
+    if not isinstance(value, str):
+        raise InvalidInput(f"it is {value!r}: give a text.")
+    return value
+
+
+def _member(value: object, wanted: Any) -> Enum:
+    """Return the member of an enumeration with that name, in any case."""
+    names: dict[str, Enum] = {member.name.lower(): member for member in wanted}
+    if not isinstance(value, str) or value.lower() not in names:
+        raise InvalidInput(f"it is {value!r}: {suggestion(str(value), names)}.")
+    return names[value.lower()]
 
 
 def _sentences(source: str, error: cattrs.BaseValidationError) -> str:
-    """A sentence for every key that cannot be used."""
-    found = []
-    for line in cattrs.transform_error(error, path="", format_exception=_said):
-        said, _, place = line.rpartition(" @ ")
-        found.append(f"{source}: {place.lstrip('.') or 'all of it'}: {said}")
-    return "\n".join(found)
+    """Return a line for every key that cannot be used."""
+    lines = []
+    for line in cattrs.transform_error(error, path="", format_exception=_sentence):
+        sentence, _, place = line.rpartition(" @ ")
+        lines.append(f"{source}: {place.lstrip('.') or 'all of it'}: {sentence}")
+    return "\n".join(lines)
 
 
-def _said(error: BaseException, wanted: type | None) -> str:
+def _sentence(error: BaseException, wanted: type | None) -> str:
     if isinstance(error, ForbiddenExtraKeysError):
-        known = [one.name for one in fields(error.cl)]
+        names = [entry.name for entry in fields(error.cl)]
         unknown = sorted(error.extra_fields)
-        return "; ".join(f"{key!r} is not known, {suggestion(key, known)}" for key in unknown) + "."
+        return "; ".join(f"{key!r} is not known, {suggestion(key, names)}" for key in unknown) + "."
     if isinstance(error, KeyError):
         return "it is missing."
     return str(error)

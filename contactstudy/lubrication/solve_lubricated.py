@@ -24,7 +24,7 @@ from contactstudy.lubrication.lubricated_contact import (
 from contactstudy.lubrication.plane_strain import DirectStep
 from contactstudy.lubrication.pseudo_time import FilmControls, FilmIteration, iterate
 from contactstudy.scene.bodies import response
-from contactstudy.scene.load import LineLoad
+from contactstudy.scene.load import ConstantLoad
 from contactstudy.scene.scene import Scene
 
 # Of the film in Hertz units H, the inlet sweep is (H / 0.94)^(2/3) a wide. Half of it per cell gives the smallest
@@ -57,7 +57,7 @@ def lubricated_scales(scene: Scene) -> FilmScales:
         raise NotDefined(
             "Scene.shapes have no curvature, so that no inlet draws lubricant in: give a Cylinder."
         )
-    if not isinstance(scene.load, LineLoad):
+    if not isinstance(scene.load, ConstantLoad):
         raise InvalidInput(
             "Scene.load changes in time, and this film is a steady one: give a LineLoad, or call "
             "contactstudy.evolve_lubricated with the history of its speed and load."

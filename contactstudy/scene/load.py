@@ -13,7 +13,7 @@ from contactstudy.domain.checks import (
     in_range_from_zero,
     set_fields,
 )
-from contactstudy.domain.units import Hertz, NewtonsPerMetre, Radians, Seconds
+from contactstudy.domain.units import Hertz, Metres, Newtons, NewtonsPerMetre, Radians, Seconds
 
 
 @dataclass(frozen=True)
@@ -39,12 +39,65 @@ class LineLoad:
 
     @property
     def largest(self) -> float:
-        """Return the load [N/m], which is its own maximum."""
+        """Load [N/m], which is its own maximum."""
+        return self.per_length
+
+    def over(self, period: float) -> float:
+        """Return the load [N/m], which is the same over any `period` [m] of a grid."""
         return self.per_length
 
 
 # What a load that should be zero comes out as, over the largest.
 ROUNDING = 1e-13
+
+
+@dataclass(frozen=True)
+class TotalLoad:
+    """Constant normal load on the whole length of a roller.
+
+    Parameters
+    ----------
+    total
+        Load [N], above zero.
+    length
+        Length of the roller [m], over which the load is spread in Hertz's values. None takes it from the shapes of
+        the scene, such as :class:`~contactstudy.LundbergProfile` or :class:`~contactstudy.FiniteLength`.
+
+    Raises
+    ------
+    InvalidInput
+        If a number is not above zero; in a scene none of whose shapes has a length, if there is none here.
+    """
+
+    total: Newtons
+    length: Metres | None = None
+
+    def __post_init__(self) -> None:
+        set_fields(self, total=in_range("TotalLoad.total", self.total, "give a load above 0 N"))
+        if self.length is not None:
+            remedy = "give the roller's length above 0 m"
+            set_fields(self, length=in_range("TotalLoad.length", self.length, remedy))
+
+    @property
+    def per_length(self) -> float:
+        """Mean load over the length of the roller [N/m]."""
+        if self.length is None:
+            raise InvalidInput(
+                "TotalLoad.length is None, and no shape of the scene has a length: give the length of the roller."
+            )
+        return self.total / self.length
+
+    @property
+    def largest(self) -> float:
+        """Mean load over the length of the roller [N/m], which is its own maximum."""
+        return self.per_length
+
+    def over(self, period: float) -> float:
+        """Return the mean load [N/m] over the `period` [m] of a grid."""
+        return self.total / period
+
+
+ConstantLoad = LineLoad | TotalLoad
 
 
 @runtime_checkable

@@ -19,12 +19,11 @@ from contactstudy.problem.constraint import Compressive, Constraint, HardnessLim
 from contactstudy.problem.memory import refuse_too_large
 from contactstudy.problem.problem import Derived, Problem, Scales
 from contactstudy.scene.bodies import Body, Layered, Particular, contact_modulus, response
-from contactstudy.scene.load import LineLoad
+from contactstudy.scene.load import ChangingLoad, ConstantLoad, TotalLoad
 from contactstudy.scene.shapes.shape import Shape
 
 if TYPE_CHECKING:
     from contactstudy.scene.friction import Friction
-    from contactstudy.scene.load import ChangingLoad
     from contactstudy.scene.lubrication import Lubrication
     from contactstudy.scene.motion import Rolling, Wear
 
@@ -109,7 +108,7 @@ class Scene:
     Parameters
     ----------
     load
-        Load per length, such as :class:`~contactstudy.LineLoad`, or one that changes in time.
+        Load, such as :class:`~contactstudy.LineLoad` or :class:`~contactstudy.TotalLoad`, or one that changes in time.
     solids
         Two bodies, such as :class:`~contactstudy.HalfSpace`, at most one of them rigid.
     shapes
@@ -135,7 +134,7 @@ class Scene:
         If a value is of another kind, both bodies are rigid, or two effects are not defined beside each other.
     """
 
-    load: "LineLoad | ChangingLoad"
+    load: ConstantLoad | ChangingLoad
     solids: tuple[Body, Body]
     shapes: tuple[Shape, ...] = ()
     hardness: Pascals = inf
@@ -146,26 +145,25 @@ class Scene:
     lubrication: "Lubrication | None" = None
 
     def __post_init__(self) -> None:
-        if not isinstance(self.load, LineLoad):
-            from contactstudy.scene.load import ChangingLoad
-
-            remedy = "give a LineLoad, or one that changes in time, such as a LoadHistory"
-            _instance("Scene.load", self.load, ChangingLoad, remedy)
-        if self.wear is not None:
-            from contactstudy.scene.motion import Wear
-
-            _typed("Scene.wear", self.wear, Wear, "give a Wear, or None")
-        if self.rolling is not None:
-            from contactstudy.scene.motion import Rolling
-
-            _typed("Scene.rolling", self.rolling, Rolling, "give a Rolling, or None")
         for name, remedy in (
             ("solids", "give a tuple of two bodies, such as HalfSpace"),
             ("shapes", "give a tuple of shapes, such as (Cylinder(radius=0.01),)"),
             ("outputs", "give a tuple of outputs, such as (SubsurfaceStress(depths=(1e-4,)),)"),
         ):
             _typed(f"Scene.{name}", getattr(self, name), tuple | list, remedy)
-            object.__setattr__(self, name, tuple(getattr(self, name)))
+            set_fields(self, **{name: tuple(getattr(self, name))})
+        self._check_solids()
+        for number, shape in enumerate(self.shapes):
+            remedy = "give a shape, such as Cylinder(radius=0.01)"
+            _instance(f"Scene.shapes[{number}]", shape, Shape, remedy)
+        self._check_load()
+        self._check_outputs()
+        self._check_effects()
+        for solid in self.solids:
+            if isinstance(solid, Particular):
+                solid.check(self)
+
+    def _check_solids(self) -> None:
         if len(self.solids) != 2:
             raise InvalidInput(
                 f"Scene.solids has {len(self.solids)} bodies: give two, one of which may be rigid."
@@ -176,9 +174,23 @@ class Scene:
         if self.hardness != inf:
             remedy = "give a pressure above 0 Pa, or inf for no limit"
             set_fields(self, hardness=in_range("Scene.hardness", self.hardness, remedy))
-        for number, shape in enumerate(self.shapes):
-            remedy = "give a shape, such as Cylinder(radius=0.01)"
-            _instance(f"Scene.shapes[{number}]", shape, Shape, remedy)
+
+    def _check_load(self) -> None:
+        """Check the load; a total load takes the length of the shortest roller if it has none."""
+        remedy = "give a LineLoad, a TotalLoad, or one that changes in time, such as a LoadHistory"
+        if not isinstance(self.load, ConstantLoad):
+            _instance("Scene.load", self.load, ChangingLoad, remedy)
+        if isinstance(self.load, TotalLoad) and self.load.length is None:
+            rollers = [shape.detail.roller for shape in self.shapes if hasattr(shape, "detail")]
+            lengths = [length for length in rollers if 0 < length < inf]
+            if not lengths:
+                raise InvalidInput(
+                    "Scene.load is a TotalLoad, and no shape has the length of a roller: give "
+                    "TotalLoad.length [m], or a FiniteLength among the shapes."
+                )
+            set_fields(self, load=replace(self.load, length=min(lengths)))
+
+    def _check_outputs(self) -> None:
         for number, output in enumerate(self.outputs):
             remedy = "give an output, such as SubsurfaceStress(depths=(1e-4,))"
             _instance(f"Scene.outputs[{number}]", output, Output, remedy)
@@ -187,6 +199,17 @@ class Scene:
                     f"Scene.outputs[{number}] is {output!r}, the second of its kind: give one."
                 )
             output.check(self.solids)
+
+    def _check_effects(self) -> None:
+        """Check wear, rolling, friction and lubrication; their modules are imported only where one is given."""
+        if self.wear is not None:
+            from contactstudy.scene.motion import Wear
+
+            _typed("Scene.wear", self.wear, Wear, "give a Wear, or None")
+        if self.rolling is not None:
+            from contactstudy.scene.motion import Rolling
+
+            _typed("Scene.rolling", self.rolling, Rolling, "give a Rolling, or None")
         if self.friction is not None:
             from contactstudy.scene.friction import Friction
 
@@ -200,9 +223,6 @@ class Scene:
                 "Scene.lubrication", self.lubrication, Lubrication, "give a Lubrication, or None"
             )
             self.lubrication.check(self)
-        for solid in self.solids:
-            if isinstance(solid, Particular):
-                solid.check(self)
 
     @property
     def contact_modulus(self) -> float:
@@ -269,6 +289,7 @@ class Scene:
                 f"{changing} changes in time, so there is no single problem: call contactstudy.evolve(scene, "
                 "grid, padding, times=...)."
             )
+        assert isinstance(self.load, ConstantLoad)  # another changes in time
         paddings = across_and_along(padding)
         refuse_too_large(grid, paddings)
         gap = np.zeros(grid.cells)
@@ -280,7 +301,7 @@ class Scene:
             undeformed_gap=gap,
             operator=superposed(response(self.solids, scales.length), grid, paddings),
             constraint=self._constraint(),
-            resultant=PrescribedLoad(self.load.largest * grid.period / grid.cell_area),
+            resultant=PrescribedLoad(self.load.over(grid.period) * grid.period / grid.cell_area),
             scales=scales,
             paddings=paddings,
             open_edges=(0, -1) if _is_free(paddings[0]) else (),
@@ -296,7 +317,7 @@ class Scene:
     @property
     def changing(self) -> str | None:
         """Name of the first field that makes the scene change in time; None if it does not."""
-        if not isinstance(self.load, LineLoad):
+        if not isinstance(self.load, ConstantLoad):
             return "Scene.load"
         if self.wear is not None:
             return "Scene.wear"
@@ -345,7 +366,7 @@ def _instance(field: str, value: object, kind: type, remedy: str) -> None:
         raise InvalidInput(f"{field} is {value!r}: {remedy}.")
 
 
-def under_load(problem: Problem, load: LineLoad) -> Problem:
+def under_load(problem: Problem, load: ConstantLoad) -> Problem:
     """Return `problem`, made from a scene, under another load.
 
     Heights and operator are shared, so that this costs nothing. The operator keeps its datum: approaches under
@@ -360,7 +381,7 @@ def under_load(problem: Problem, load: LineLoad) -> Problem:
     grid, scene = posed.grid, replace(posed.scene, load=load)
     return replace(
         problem,
-        resultant=PrescribedLoad(load.per_length * grid.period / grid.cell_area),
+        resultant=PrescribedLoad(load.over(grid.period) * grid.period / grid.cell_area),
         scales=scene.scales(grid),
         source=scene.source_on(grid, posed.padding),
         description=PosedScene(scene, grid, posed.padding),

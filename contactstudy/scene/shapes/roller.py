@@ -156,6 +156,9 @@ class LundbergProfile:
         Drop d at the ends [m], from zero on.
     length
         Length L of the roller [m], above zero.
+    straight
+        Length of a straight part in the middle [m], less than L, over which there is no drop; the profile takes the
+        rest, with 2 y / L counted from its ends.
 
     Raises
     ------
@@ -166,6 +169,7 @@ class LundbergProfile:
     amplitude: Metres
     end_drop: Metres
     length: Metres
+    straight: Metres = 0.0
 
     def __post_init__(self) -> None:
         set_fields(
@@ -176,6 +180,11 @@ class LundbergProfile:
                 "LundbergProfile.length", self.length, "give the roller's length above 0 m"
             ),
         )
+        remedy = "give a length from 0 m on, below that of the roller"
+        straight = in_range_from_zero("LundbergProfile.straight", self.straight, remedy)
+        if straight >= self.length:
+            raise InvalidInput(f"LundbergProfile.straight is {straight!r}: {remedy}.")
+        set_fields(self, straight=straight)
 
     @classmethod
     def for_load(
@@ -213,6 +222,28 @@ class LundbergProfile:
         amplitude = load_per_length / (pi * contact_modulus)
         return cls(amplitude, amplitude * (log(length / hertz.half_width) + 0.5), length)
 
+    @classmethod
+    def iso_16281(cls, diameter: float, length: float) -> Self:
+        """Return the logarithmic profile of ISO/TS 16281 for a cylindrical roller.
+
+        The drop is ``0.00035 D ln(1 / (1 - (2 y / L)^2))`` up to a length of 2.5 diameters. A longer roller is
+        straight in the middle, and drops by ``0.0005 D ln(1 / (1 - t^2))`` over 1.25 diameters at each end. The
+        standard's drop is infinite at the very end; here it ends at ten amplitudes, which agrees within 0.3 % of the
+        amplitude over 99 % of the profiled length.
+
+        Parameters
+        ----------
+        diameter
+            Diameter D of the roller [m].
+        length
+            Length L of the roller [m].
+        """
+        diameter = in_range("LundbergProfile.diameter", diameter, "give a diameter above 0 m")
+        length = in_range("LundbergProfile.length", length, "give the roller's length above 0 m")
+        profiled = 2.5 * diameter
+        amplitude = diameter * (3.5e-4 if length <= profiled else 5e-4)
+        return cls(amplitude, 10 * amplitude, length, max(length - profiled, 0.0))
+
     @property
     def curvature(self) -> float:
         """Zero: the profile does not bend the cross-section."""
@@ -227,7 +258,8 @@ class LundbergProfile:
         """Return the profile at the cell centres [m], of shape (1, length), or (nx, 1) without a profile."""
         if self.amplitude == 0 or self.end_drop == 0:
             return np.zeros((grid.cells[0], 1))
-        t = np.abs(2 * grid.y / self.length)
+        profiled = self.length - self.straight
+        t = np.maximum(2 * np.abs(grid.y) - self.straight, 0) / profiled
         inside = t < 1
         t = np.where(inside, t, 0.0)
         # in a form that keeps the parabola which it is where A is far above d

@@ -49,6 +49,33 @@ class RmsSlope:
 
 
 @dataclass(frozen=True)
+class Ra:
+    """Roughness given by its arithmetic mean height Ra (ISO 21920-2).
+
+    A Gaussian surface has the rms height ``Ra sqrt(pi / 2)``.
+
+    Parameters
+    ----------
+    height
+        Mean of ``|h|`` [m], from zero on.
+    """
+
+    height: Metres
+
+    def __post_init__(self) -> None:
+        remedy = "give a mean height of 0 m or more"
+        set_fields(self, height=in_range_from_zero("Ra.height", self.height, remedy))
+
+    def __bool__(self) -> bool:
+        return self.height > 0
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the height of a Gaussian surface [m]."""
+        return float(self.height * np.sqrt(np.pi / 2))
+
+
+@dataclass(frozen=True)
 class Roughness:
     """Gaussian surface with the spectral density ``k^(-2 (1 + H))`` between two wavelengths.
 
@@ -58,7 +85,8 @@ class Roughness:
     Parameters
     ----------
     rms
-        Root mean square of the height [m], from zero on, or an :class:`~contactstudy.RmsSlope`; zero is no surface.
+        Root mean square of the height [m], from zero on, or an :class:`~contactstudy.Ra` or
+        :class:`~contactstudy.RmsSlope`; zero is no surface.
     hurst
         Exponent H between 0 and 1.
     roll_off
@@ -79,7 +107,7 @@ class Roughness:
         If a number is outside these limits, or no wave fits the extent.
     """
 
-    rms: Metres | RmsSlope
+    rms: Metres | RmsSlope | Ra
     hurst: Number
     roll_off: Metres
     cut_off: Metres
@@ -88,7 +116,7 @@ class Roughness:
     extent: tuple[Metres, Metres] | None = None
 
     def __post_init__(self) -> None:
-        if not isinstance(self.rms, RmsSlope):
+        if not isinstance(self.rms, RmsSlope | Ra):
             set_fields(
                 self,
                 rms=in_range_from_zero(
@@ -138,6 +166,11 @@ class Roughness:
             slope=slope,
         )
 
+    @property
+    def _rms(self) -> float:
+        assert not isinstance(self.rms, RmsSlope)  # whose height follows from the spectrum
+        return self.rms.rms if isinstance(self.rms, Ra) else self.rms
+
     def _rms_height_and_slope(self) -> tuple[float, float]:
         """Return rms height [m] and rms slope, the missing one from the spectrum of an endless surface without lay."""
         # the moments of k^(-2 (1 + H)) between the wave numbers, flat below the first
@@ -148,7 +181,7 @@ class Roughness:
         ratio = float(np.sqrt(slope / height))
         if isinstance(self.rms, RmsSlope):
             return self.rms.slope / ratio, self.rms.slope
-        return self.rms, self.rms * ratio
+        return self._rms, self._rms * ratio
 
     def gap(self, grid: Grid) -> Array:
         """Return heights [m] with zero mean over the surface's extent, of shape (width, length).
@@ -201,7 +234,7 @@ class Roughness:
             wave_number = 2 * np.pi * np.hypot(kx, ky)
             power = np.sum(np.abs(wave_number * waves) ** 2) / 2
             return waves * (self.rms.slope / np.sqrt(power)), (kx, ky)
-        return waves * (self.rms / np.sqrt(power)), (kx, ky)
+        return waves * (self._rms / np.sqrt(power)), (kx, ky)
 
 
 def _folded(waves: np.ndarray, rows: np.ndarray, ky: Array, grid: Grid) -> np.ndarray:

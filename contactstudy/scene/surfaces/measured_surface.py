@@ -39,8 +39,8 @@ class MeasuredSurface:
     ----------
     heights
         Heights (x, y) [m], positive out of the body: peaks touch first. An array of real numbers, masked or nan where
-        a point is missing, an xarray.DataArray whose coordinates give the sizes, a ``Topography`` of the library
-        SurfaceTopography, or the path of a file (see :meth:`read`).
+        a point is missing, an xarray.DataArray whose coordinates give the sizes, or a ``Topography`` of the library
+        SurfaceTopography. A file is read by :meth:`read`.
     extent
         Size (width, length) [m] of all points, each standing for an equal cell; without it, heights stand cell for
         cell on the grid.
@@ -56,6 +56,8 @@ class MeasuredSurface:
         Whether the surface was turned by a quarter.
     window
         Window that was cut from the surface, if any.
+    unit, file_extent
+        Unit and size [m] that were given for a file that has none.
 
     Raises
     ------
@@ -71,6 +73,8 @@ class MeasuredSurface:
     file: str | None = field(default=None, compare=False, repr=False)
     is_turned: bool = field(default=False, compare=False, repr=False)
     window: Window | None = field(default=None, compare=False, repr=False)
+    unit: str | None = field(default=None, compare=False, repr=False)
+    file_extent: tuple[Metres, Metres] | None = field(default=None, compare=False, repr=False)
     digest: str = field(init=False)
 
     def __post_init__(self) -> None:
@@ -107,6 +111,8 @@ class MeasuredSurface:
         cls,
         path: str | PathLike[str],
         *,
+        extent: tuple[float, float] | None = None,
+        unit: str | None = None,
         missing: Missing | None = None,
         trend: Trend = Trend.PLANE,
         seam: Seam | None = None,
@@ -116,7 +122,12 @@ class MeasuredSurface:
         Parameters
         ----------
         path
-            X3P, OPD, SUR and whatever else the library SurfaceTopography reads (extra ``measured``), or netCDF.
+            Rows of numbers (npy, csv, txt, asc), points in columns x, y, height (xyz), netCDF, or X3P, OPD, SUR and
+            whatever else the library SurfaceTopography reads (extra ``measured``).
+        extent
+            Size (width, length) [m] of a file that has none. Rows of numbers without it stand cell for cell.
+        unit
+            Unit of the numbers of a file that has none, such as ``"um"``.
         missing, trend, seam
             As for the class; the defaults are to refuse missing points, ``Trend.PLANE`` and ``Tapered()``.
 
@@ -125,9 +136,30 @@ class MeasuredSurface:
         InvalidInput
             If the file cannot be read, or has no sizes or units.
         """
-        heights, extent = measurement.read(path)
+        points, sizes = measurement.read(path, extent, unit)
         named = str(Path(path).absolute())
-        return cls(heights, extent, missing or RefuseMissing(), trend, seam or Tapered(), named)
+        return cls(
+            points,
+            sizes,
+            missing or RefuseMissing(),
+            trend,
+            seam or Tapered(),
+            named,
+            unit=unit,
+            file_extent=extent,
+        )
+
+    @property
+    def description(self) -> str:
+        """Sentence on the points, their size, and how they were prepared."""
+        points = " x ".join(str(count) for count in self.heights.shape)
+        size = "cell for cell on the grid"
+        if self.extent is not None:
+            size = f"over {self.extent[0]:.4g} m x {self.extent[1]:.4g} m"
+        tilt = [1e6 * rise for rise in Trend.rise(self.missing.fill(self.heights))]
+        plane = f"a plane that rises {tilt[0]:.3g} um across and {tilt[1]:.3g} um along"
+        verb = "has" if self.trend.value < Trend.PLANE.value else "was freed of"
+        return f"{points} points {size}; the surface {verb} {plane}; ends: {self.seam!r}"
 
     def write(self, path: str | PathLike[str]) -> None:
         """Write the heights to a netCDF file that :meth:`read` reads."""

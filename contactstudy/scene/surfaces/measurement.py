@@ -15,19 +15,24 @@ from contactstudy.domain.imports import import_for
 Measurement = tuple[Array, tuple[float, float] | None]
 
 DIMENSIONS = (("x", "y"), ("width", "length"))
+# Files of plain numbers, and the units that they may be in.
+ROWS = (".npy", ".csv", ".txt", ".asc", ".xyz")
+LENGTHS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9}
 METRES = (None, "", "m", "metre", "metres", "meter", "meters")
 
 
 def measurement(heights: Any) -> Measurement:
-    """Return points of an array, an xarray.DataArray or a file, nan where one is missing, and their sizes [m].
+    """Return points of an array, an xarray.DataArray or a topography, nan where one is missing, and their sizes [m].
 
     Dimensions of a DataArray are put in the order (x, y) or (width, length) where they have these names; sizes come
     from equidistant coordinates. Raises :class:`~contactstudy.InvalidInput` unless the heights are a plane field of
     real numbers in metres.
     """
     if isinstance(heights, str | PathLike):
-        points, extent = read(heights)
-        return _plane(points), extent
+        raise InvalidInput(
+            f"MeasuredSurface.heights is the path {fspath(heights)!r}: give MeasuredSurface.read(path), which says "
+            "what it subtracts."
+        )
     if hasattr(heights, "physical_sizes") and hasattr(heights, "heights"):
         return _topography("MeasuredSurface.heights", heights)
     if hasattr(heights, "dims") and hasattr(heights, "coords"):
@@ -35,33 +40,108 @@ def measurement(heights: Any) -> Measurement:
     return _plane(heights), None
 
 
-def read(path: str | PathLike[str]) -> Measurement:
-    """Return points and sizes of a file in any format that SurfaceTopography reads: X3P, OPD, SUR and some thirty more.
+def read(
+    path: str | PathLike[str],
+    extent: tuple[float, float] | None = None,
+    unit: str | None = None,
+) -> Measurement:
+    """Return points and sizes [m] of a file.
 
-    Raises :class:`~contactstudy.InvalidInput` for a file in none of them, or without sizes or a unit.
+    Numbers in rows (npy, csv, txt, asc) and points in columns x, y, height (xyz) are read here, and need a `unit`.
+    X3P, OPD, SUR and some thirty more formats are read by SurfaceTopography; `extent` [m] and `unit` are for those
+    that lack them. Raises :class:`~contactstudy.InvalidInput` for a file that cannot be read, or lacks a unit.
     """
-    if Path(path).suffix == ".nc" and (ours := _written(path)) is not None:
+    suffix, name = Path(path).suffix.lower(), fspath(path)
+    if suffix == ".nc" and (ours := _written(path)) is not None:
         return ours
+    if suffix in ROWS and (values := _numbers(name, suffix)) is not None:
+        if unit not in LENGTHS:
+            raise InvalidInput(
+                f"MeasuredSurface.unit of {name!r} is {unit!r}: give the unit of its numbers, one of "
+                f"{', '.join(LENGTHS)}."
+            )
+        points, sizes = _gridded(name, values) if suffix == ".xyz" else (values, None)
+        if sizes is not None:
+            sizes = sizes[0] * LENGTHS[unit], sizes[1] * LENGTHS[unit]
+        return _plane(points * LENGTHS[unit]), sizes if extent is None else extent
     with warnings.catch_warnings():
         # that there is no MPI, for which nobody asked
         warnings.simplefilter("ignore", ImportWarning)
         topography = import_for("MeasuredSurface.read", "SurfaceTopography")
-    name = fspath(path)
     try:
         with topography.open_topography(name) as file:
             channel = file.default_channel
             if channel.dim != 2:
                 raise InvalidInput(f"path is {name!r}: give a file of a surface, not of a profile.")
-            if channel.unit is None or channel.physical_sizes is None:
-                raise InvalidInput(
-                    f"path is {name!r}, which has no sizes or no unit: read it yourself, and give the "
-                    "heights and extent in m."
+            lacking: dict[str, object] = {}
+            if channel.unit is None:
+                lacking["unit"] = unit
+            if channel.physical_sizes is None:
+                metre = LENGTHS.get(channel.unit or unit or "", 0.0)
+                lacking["physical_sizes"] = (
+                    tuple(side / metre for side in extent) if extent and metre else None
                 )
-            return _topography(f"path {name!r}", channel.topography())
+            if None in lacking.values():
+                raise InvalidInput(
+                    f"path is {name!r}, which has no sizes or no unit: give MeasuredSurface.extent [m] and unit, "
+                    "such as 'um'."
+                )
+            return _topography(f"path {name!r}", channel.topography(**lacking))
     except topography.Exceptions.ReadFileError as unreadable:
+        reason = str(unreadable).strip().splitlines()[0][:120]
         raise InvalidInput(
-            f"path is {name!r}: give a file in a format that SurfaceTopography reads ({unreadable})."
+            f"path is {name!r}: give a file in a format that SurfaceTopography reads, or numbers in rows as npy or "
+            f"csv ({reason})."
         ) from unreadable
+
+
+def _numbers(name: str, suffix: str) -> Array | None:
+    """Return the numbers of a file in rows, nan where one is missing; None where they are no plain table."""
+    try:
+        if suffix == ".npy":
+            return np.asarray(np.load(name, allow_pickle=False))
+        lines = Path(name).read_text(encoding="utf-8-sig").splitlines()
+    except (OSError, ValueError) as error:
+        raise InvalidInput(f"path is {name!r}: give a file with numbers ({error}).") from None
+    lines = [line for line in lines if line.strip() and not line.lstrip().startswith(("#", "%"))]
+    separator = next(
+        (mark for mark in (";", "\t", ",") if any(mark in line for line in lines)), None
+    )
+    if separator in (";", "\t"):  # as a spreadsheet writes it where the decimal sign is a comma
+        lines = [line.replace(",", ".") for line in lines]
+    try:
+        values = np.genfromtxt(lines, delimiter=separator, ndmin=2)
+    except ValueError:  # rows of different lengths
+        values = np.empty((0, 0))
+    if len(values) > 1 and np.isnan(values[0]).all():  # names of columns
+        values = values[1:]
+    if values.size and not np.isnan(values).all():
+        return np.asarray(values)
+    if suffix == ".asc":  # others write headers of many kinds
+        return None
+    raise InvalidInput(
+        f"path is {name!r}: give rows of equally many numbers, separated by commas, semicolons, tabs or blanks."
+    )
+
+
+def _gridded(name: str, columns: Array) -> Measurement:
+    """Return heights (x, y) and sizes, in the unit of the file, of points in columns x, y, height."""
+    remedy = "give columns x, y and height of points on a rectangular grid"
+    if columns.shape[1] != 3 or len(columns) < 4 or np.isnan(columns[:, :2]).any():
+        raise InvalidInput(f"path is {name!r}, of {columns.shape[1]} columns: {remedy}.")
+    places, sizes = [], []
+    for positions in columns[:, :2].T:
+        span = float(np.ptp(positions)) or 1.0
+        values = np.unique(np.round(positions / span, 6)) * span
+        step = span / max(len(values) - 1, 1)
+        place = (positions - positions.min()) / step
+        if np.abs(place - np.round(place)).max() > 0.01:
+            raise InvalidInput(f"path is {name!r}, whose points are not equidistant: {remedy}.")
+        places.append(np.round(place).astype(int))
+        sizes.append(step * len(values))
+    heights = np.full((places[0].max() + 1, places[1].max() + 1), np.nan)
+    heights[places[0], places[1]] = columns[:, 2]
+    return heights, (sizes[0], sizes[1])
 
 
 def _topography(field: str, surface: Any) -> Measurement:

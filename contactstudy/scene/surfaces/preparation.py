@@ -163,8 +163,16 @@ class Trend(Enum):
 
     def subtracted(self, heights: Array) -> Array:
         """Return `heights` (x, y) less the polynomial, fitted to all points alike."""
-        if self is Trend.NONE:
-            return heights
+        return heights if self is Trend.NONE else heights - self._fitted(heights)
+
+    @staticmethod
+    def rise(heights: Array) -> tuple[float, float]:
+        """Return by how much the best-fitting plane rises across and along all points [m]."""
+        plane = Trend.PLANE._fitted(heights)
+        return float(plane[-1, 0] - plane[0, 0]), float(plane[0, -1] - plane[0, 0])
+
+    def _fitted(self, heights: Array) -> Array:
+        """Return the least-squares polynomial at the points of `heights` (x, y)."""
         x, y = (_from_middle(count) for count in heights.shape)
         powers = [
             (i, j)
@@ -174,7 +182,7 @@ class Trend(Enum):
         ]
         basis = np.stack([(x[:, None] ** i * y**j).ravel() for i, j in powers], axis=1)
         coefficients = np.linalg.lstsq(basis, heights.ravel(), rcond=None)[0]
-        return np.asarray(heights - (basis @ coefficients).reshape(heights.shape))
+        return np.asarray((basis @ coefficients).reshape(heights.shape))
 
 
 def _from_middle(count: int) -> Array:

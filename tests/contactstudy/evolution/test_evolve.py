@@ -286,7 +286,7 @@ def test_a_summary_is_of_the_last_of_its_instants() -> None:
 def test_a_load_without_times_is_sudden_at_zero_or_where_the_times_begin(
     times: object, start: float
 ) -> None:
-    assert _load(ELASTIC, times) == SuddenLoad(LOAD, start)  # type: ignore[arg-type]
+    assert _load(ELASTIC, GRID, times) == SuddenLoad(LOAD, start)  # type: ignore[arg-type]
 
 
 def test_a_march_may_be_told_not_to_iterate() -> None:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.io.materials import materials
 from contactstudy.io.scene_file import TimeSteps
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
@@ -228,3 +229,156 @@ relaxation = [["1.5 MPa", "200 ms"], ["0.5 MPa", 3]]"""
     assert found == cs.ViscoelasticHalfSpace(1e6, 0.4, ((1.5e6, 0.2), (5e5, 3.0)))
     with pytest.raises(cs.InvalidInput, match=r"relaxation\[0\].*it has 3 entries: give 2"):
         read(GOOD.replace(body, soft.replace('"200 ms"', '"200 ms", 1')), tmp_path)
+
+
+STEEL_ROLLER = """
+[load]
+total = "2 kN"
+[[solids]]
+material = "steel"
+[[solids]]
+material = "100cr6"
+poisson_ratio = 0.28
+[[shapes]]
+kind = "Cylinder"
+radius = "10 mm"
+"""
+
+
+def described(text: str, tmp_path: Path) -> cs.SceneFile:
+    (tmp_path / "scene.toml").write_text(text)
+    return cs.read_scene(tmp_path / "scene.toml")
+
+
+def test_a_solid_has_the_constants_of_its_material_and_what_is_given_beside(tmp_path: Path) -> None:
+    text = STEEL_ROLLER + '[[shapes]]\nkind = "FiniteLength"\nlength = "10 mm"\n'
+    solids = described(text, tmp_path).scene.solids
+    assert solids == (cs.material("steel"), cs.HalfSpace(207e9, 0.28))
+
+
+def test_a_coat_and_its_substrate_have_materials(tmp_path: Path) -> None:
+    text = STEEL_ROLLER.replace(
+        'material = "steel"',
+        'kind = "CoatedHalfSpace"\nthickness = "2 um"\ncoating.material = "DLC"\nsubstrate.material = "steel"',
+    ).replace('total = "2 kN"', 'per_length = "100 N/mm"')
+    coated = described(text, tmp_path).scene.solids[0]
+    assert coated == cs.CoatedHalfSpace(cs.material("ta-C:H"), 2e-6, cs.material("steel"))
+
+
+def test_an_unknown_material_is_answered_with_a_known_one(tmp_path: Path) -> None:
+    with pytest.raises(
+        cs.InvalidInput, match=r"solids\[0\]\.material is 'stel': did you mean 'steel'"
+    ):
+        described(STEEL_ROLLER.replace('"steel"', '"stel"'), tmp_path)
+
+
+def test_every_material_has_a_source() -> None:
+    for entry in materials().values():
+        assert len(entry.source) > 20, entry.name
+        assert cs.material(entry.name) == cs.HalfSpace(entry.youngs_modulus, entry.poisson_ratio)
+
+
+@pytest.mark.parametrize(
+    ("extra", "length"),
+    [
+        ('[[shapes]]\nkind = "FiniteLength"\nlength = "8 mm"\n', 8e-3),
+        ('[grid]\ncells = [16, 8]\nextent = ["1 mm", "5 mm"]\n', 5e-3),
+        ('[plan]\nperiod = "4 mm"\n', 4e-3),
+    ],
+    ids=["roller", "grid", "period"],
+)
+def test_a_total_load_is_spread_over_the_roller_or_the_grid(
+    extra: str, length: float, tmp_path: Path
+) -> None:
+    assert described(STEEL_ROLLER + extra, tmp_path).scene.load == cs.TotalLoad(2e3, length)
+
+
+@pytest.mark.parametrize(
+    ("load", "sentence"),
+    [
+        (
+            'per_length = "2 kN"',
+            "load.per_length: it is '2 kN': give a load per length, such as '100 N/mm'",
+        ),
+        (
+            'per_length = "125"',
+            "load.per_length: it is '125': give a load per length, such as '100 N/mm'",
+        ),
+        ('total = "100 N/mm"', "load.total: it is '100 N/mm': give a load, such as '2 kN'"),
+    ],
+)
+def test_a_load_in_the_wrong_unit_is_refused(load: str, sentence: str, tmp_path: Path) -> None:
+    with pytest.raises(cs.InvalidInput, match=re.escape(sentence)):
+        described(STEEL_ROLLER.replace('total = "2 kN"', load), tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("keys", "shape"),
+    [
+        (
+            'kind = "LundbergProfile"\nlength = "8 mm"\nfor_load = "200 N/mm"',
+            cs.LundbergProfile.for_load(
+                2e5,
+                contact_modulus=1 / (cs.material("steel").compliance + (1 - 0.28**2) / 207e9),
+                radius=0.01,
+                length=8e-3,
+            ),
+        ),
+        (
+            'kind = "LundbergProfile"\nlength = "8 mm"\niso_16281_diameter = "10 mm"',
+            cs.LundbergProfile.iso_16281(0.01, 8e-3),
+        ),
+        ('kind = "Crown"\nend_drop = "5 um"\nlength = "8 mm"', cs.Crown.of_drop(5e-6, 8e-3)),
+    ],
+    ids=["for a load", "ISO", "crown of a drop"],
+)
+def test_a_profile_may_be_given_as_in_python(keys: str, shape: cs.Shape, tmp_path: Path) -> None:
+    text = STEEL_ROLLER.replace("total = ", "length = '8 mm'\ntotal = ") + f"[[shapes]]\n{keys}\n"
+    assert described(text, tmp_path).scene.shapes[1] == shape
+
+
+@pytest.mark.parametrize(
+    ("keys", "sentence"),
+    [
+        ('kind = "LundbergProfile"\nlength = 1e-2', "give amplitude and end_drop, for_load"),
+        (
+            'kind = "LundbergProfile"\nlength = 1e-2\namplitude = 1e-6',
+            "give amplitude and end_drop",
+        ),
+        ('kind = "Crown"\nend_drop = 1e-6', "give its radius, or its end_drop and length"),
+    ],
+)
+def test_a_profile_that_is_half_described_is_refused(
+    keys: str, sentence: str, tmp_path: Path
+) -> None:
+    with pytest.raises(cs.InvalidInput, match=sentence):
+        described(f"{STEEL_ROLLER}[[shapes]]\n{keys}\n", tmp_path)
+
+
+def test_varied_fields_are_kept_in_groups(tmp_path: Path) -> None:
+    shape = '[[shapes]]\nkind = "FiniteLength"\nlength = "8 mm"\n'
+    table = described(
+        f'{STEEL_ROLLER}{shape}[vary]\nload.total = "1:4:4 kN"\nplan.error = [0.1]\n', tmp_path
+    )
+    assert table.vary == ({"load.total": "1:4:4 kN"}, {"plan.error": [0.1]})
+    groups = '[[vary]]\nload.total = "1,2 kN"\nplan.error = [0.1, 0.2]\n'
+    assert described(STEEL_ROLLER + shape + groups, tmp_path).vary == (
+        {"load.total": "1,2 kN", "plan.error": [0.1, 0.2]},
+    )
+    with pytest.raises(cs.InvalidInput, match="vary is 3: give a table"):
+        described(f"vary = 3\n{STEEL_ROLLER}{shape}", tmp_path)
+
+
+def test_heights_in_a_table_are_read_from_beside_the_scene_and_written_back(tmp_path: Path) -> None:
+    np.savetxt(tmp_path / "heights.csv", np.arange(12.0).reshape(3, 4) ** 2, delimiter=",")
+    surface = (
+        '[[shapes]]\nkind = "MeasuredSurface"\nfile = "heights.csv"\nextent = ["1 mm", "2 mm"]\nunit = "um"\n'
+        'trend = "none"\n'
+    )
+    text = STEEL_ROLLER.replace('total = "2 kN"', "per_length = 1e5") + surface
+    read = described(text, tmp_path)
+    assert read.scene.shapes[1] == cs.MeasuredSurface(
+        np.arange(12.0).reshape(3, 4) ** 2 * 1e-6, (1e-3, 2e-3), seam=cs.Tapered()
+    )
+    cs.write_scene(read, tmp_path / "again.toml")
+    assert cs.read_scene(tmp_path / "again.toml").scene == read.scene

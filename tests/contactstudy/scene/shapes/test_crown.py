@@ -159,3 +159,30 @@ def test_a_lundberg_profile_removes_the_peak_at_the_ends(line_contact: LineConta
 def test_a_crown_that_cannot_be_is_refused(make: object, field: str) -> None:
     with pytest.raises(cs.InvalidInput, match=rf"^{field} is .*: give "):
         make()  # type: ignore[operator]
+
+
+def test_the_profile_of_iso_16281_is_the_formula_of_the_standard() -> None:
+    diameter, length = 10e-3, 12e-3
+    grid = cs.Grid((2, 60), (1e-3, length))
+    t = 2 * grid.y / length
+    standard = -3.5e-4 * diameter * np.log(1 - t**2)
+    profile = cs.LundbergProfile.iso_16281(diameter, length).gap(grid)[0]
+    within = np.abs(t) < 0.99
+    assert np.abs(profile - standard)[within].max() < 0.003 * 3.5e-4 * diameter
+
+
+def test_a_long_roller_of_iso_16281_is_straight_in_the_middle() -> None:
+    diameter, length = 10e-3, 40e-3
+    grid = cs.Grid((2, 80), (1e-3, length))
+    profile = cs.LundbergProfile.iso_16281(diameter, length).gap(grid)[0]
+    middle = np.abs(grid.y) < (length - 2.5 * diameter) / 2
+    assert (profile[middle] == 0).all()
+    t = (2 * np.abs(grid.y) - (length - 2.5 * diameter)) / (2.5 * diameter)
+    ends = ~middle & (t < 0.9)
+    standard = -5e-4 * diameter * np.log(1 - t[ends] ** 2)
+    np.testing.assert_allclose(profile[ends], standard, atol=0.003 * 5e-4 * diameter)
+
+
+def test_a_straight_part_is_shorter_than_the_roller() -> None:
+    with pytest.raises(cs.InvalidInput, match=r"LundbergProfile\.straight is 0\.01"):
+        cs.LundbergProfile(1e-6, 1e-6, length=0.01, straight=0.01)

@@ -142,7 +142,8 @@ def test_a_surface_from_a_file_is_that_of_its_heights(written: Path) -> None:
     points, extent = read(written)
     given = cs.MeasuredSurface(points, extent, trend=cs.Trend.PLANE, seam=cs.Tapered())
     assert surface == given
-    assert cs.MeasuredSurface(written) == cs.MeasuredSurface(points, extent)
+    with pytest.raises(cs.InvalidInput, match=r"give MeasuredSurface\.read\(path\)"):
+        cs.MeasuredSurface(written)
 
 
 def test_missing_points_of_a_file_are_missing(tmp_path: Path, written: Path) -> None:
@@ -168,7 +169,7 @@ def test_a_file_without_sizes_is_refused(tmp_path: Path, written: Path) -> None:
     heights = tmp_path / "matrix.txt"
     np.savetxt(heights, HEIGHTS)
     with pytest.raises(
-        cs.InvalidInput, match=r"matrix\.txt', which has no sizes or no unit: read it"
+        cs.InvalidInput, match=r"matrix\.txt' is None: give the unit of its numbers"
     ):
         read(heights)
 
@@ -204,3 +205,77 @@ def test_a_scene_without_a_file_does_not_import_the_library() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+TABLE = np.array([[1.0, 2.0, 4.0], [3.0, 5.0, 9.0]])
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("heights.csv", "1,2,4\n3,5,9\n"),
+        ("heights.csv", "# heights\n1;2;4\n3;5;9\n"),
+        ("comma.csv", "1,0;2,0;4,0\n3,0;5,0;9,0\n"),
+        ("titles.csv", "a,b,c\n1,2,4\n3,5,9\n"),
+        ("rows.txt", "1 2 4\n3 5 9\n"),
+        ("rows.asc", "1\t2\t4\n3\t5\t9\n"),
+    ],
+)
+def test_rows_of_numbers_are_read_in_their_unit(tmp_path: Path, name: str, text: str) -> None:
+    (tmp_path / name).write_text(text)
+    points, extent = read(tmp_path / name, (2e-3, 3e-3), "um")
+    np.testing.assert_allclose(points, TABLE * 1e-6, rtol=1e-15)
+    assert extent == (2e-3, 3e-3)
+
+
+def test_an_array_in_a_file_is_read_in_its_unit(tmp_path: Path) -> None:
+    np.save(tmp_path / "heights.npy", TABLE)
+    points, extent = read(tmp_path / "heights.npy", None, "nm")
+    np.testing.assert_allclose(points, TABLE * 1e-9, rtol=1e-15)
+    assert extent is None
+
+
+def test_points_in_columns_make_a_grid_with_sizes(tmp_path: Path) -> None:
+    lines = [
+        f"{0.5 * i} {0.25 * j} {TABLE[i, j]}"
+        for j in range(3)
+        for i in range(2)
+        if (i, j) != (1, 1)
+    ]
+    (tmp_path / "points.xyz").write_text("\n".join(lines))
+    points, extent = read(tmp_path / "points.xyz", None, "mm")
+    expected = TABLE * 1e-3
+    expected[1, 1] = np.nan
+    np.testing.assert_allclose(points, expected, rtol=1e-12)
+    np.testing.assert_allclose(extent, (1e-3, 0.75e-3), rtol=1e-12)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "sentence"),
+    [
+        ("words.csv", "not,numbers\nat,all\n", "give rows of equally many numbers"),
+        ("ragged.csv", "1,2\n3\n", "give rows of equally many numbers"),
+        ("two.xyz", "0 0\n1 1\n", "give columns x, y and height"),
+        ("uneven.xyz", "0 0 1\n1 0 1\n3 0 1\n0 1 1\n", "not equidistant"),
+    ],
+)
+def test_a_table_that_is_no_surface_is_refused_in_a_sentence(
+    tmp_path: Path, name: str, text: str, sentence: str
+) -> None:
+    (tmp_path / name).write_text(text)
+    with pytest.raises(cs.InvalidInput, match=sentence) as refused:
+        read(tmp_path / name, None, "um")
+    assert len(str(refused.value)) < 300
+
+
+def test_a_surface_says_what_was_subtracted_from_it(tmp_path: Path) -> None:
+    tilted = np.linspace(0, 2, 4)[:, None] + np.linspace(0, 3, 5)
+    np.savetxt(tmp_path / "tilted.csv", tilted, delimiter=",")
+    freed, kept = (
+        cs.MeasuredSurface.read(
+            tmp_path / "tilted.csv", extent=(4e-3, 5e-3), unit="um", trend=trend
+        )
+        for trend in (cs.Trend.PLANE, cs.Trend.NONE)
+    )
+    assert "was freed of a plane that rises 2 um across and 3 um along" in freed.description
+    assert "has a plane that rises 2 um across and 3 um along" in kept.description

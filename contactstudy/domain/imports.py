@@ -22,6 +22,8 @@ INSTALLS = {
 PRESENTATIONS = {
     "Comparison.plot": "contactstudy.io.pictures.contact.compare_picture",
     "Evolution.to_dataset": "contactstudy.io.dataset.evolution_dataset",
+    "LubricatedContact.plot": "contactstudy.io.pictures.contact.film_picture",
+    "LubricatedContact.to_dataset": "contactstudy.io.dataset.film_dataset",
     "RepeatedRolling.to_dataset": "contactstudy.io.dataset.rolling_dataset",
     "Solution in a notebook": "contactstudy.io.html.html",
     "Solution.plot": "contactstudy.io.pictures.contact.picture",

@@ -23,6 +23,7 @@ from contactstudy.solvers.solution import Solution, Status, Traction
 if TYPE_CHECKING:
     from contactstudy.evolution.evolution import Evolution
     from contactstudy.evolution.repeated_rolling import RepeatedRolling
+    from contactstudy.lubrication.lubricated_contact import LubricatedContact
 
 X = {"units": "m", "axis": "X", "long_name": "position across the contact"}
 Y = {"units": "m", "axis": "Y", "long_name": "position along the contact"}
@@ -182,20 +183,13 @@ def _outputs(solution: Solution) -> dict[str, xr.Variable]:
 
 def _with_errors(dataset: xr.Dataset, estimate: ErrorEstimate) -> xr.Dataset:
     """Return `dataset` with the estimated errors, and their warnings as one text."""
-    causes = {"units": "1", "long_name": "cause of the error"}
     for metric, what, parts in (
         ("peak_pressure", "peak pressure", estimate.peak_pressure),
         ("pressure_l1", "pressure in L1", estimate.l1),
         ("contact_area", "contact area", estimate.contact_area),
         ("mean_gap", "mean gap", estimate.mean_gap),
     ):
-        by_cause = asdict(parts)
-        dataset[f"{metric}_error_estimate"] = xr.DataArray(
-            list(by_cause.values()),
-            {"cause": ("cause", list(by_cause), causes)},
-            ("cause",),
-            attrs={"units": "1", "long_name": f"estimated relative error of the {what}"},
-        )
+        dataset[f"{metric}_error_estimate"] = _by_cause(asdict(parts), what)
     if estimate.warnings:
         dataset.attrs["warnings"] = " ".join(estimate.warnings)
     return dataset
@@ -346,3 +340,63 @@ def _after_passes(rolling: "RepeatedRolling") -> dict[str, xr.Variable]:
             "pass", [one_pass.status for one_pass in rolling.passes], "worst status of the steps"
         ),
     }
+
+
+def film_dataset(contact: "LubricatedContact") -> xr.Dataset:
+    """Return a lubricated contact with dimensions (x, y), units and long names; errors along ``cause``."""
+    grid, plane = contact.grid, ("x", "y")
+    names = [status.name for status in type(contact.status)]
+    ended = flags((), names.index(contact.status.name), names, "how the solver ended")
+    ended.attrs["comment"] = str(contact.status)
+    hertz = contact.scales.hertz
+    dataset = xr.Dataset(
+        {
+            "pressure": labelled(plane, contact.pressure, "Pa", "pressure of the film"),
+            "film": labelled(plane, contact.film, "m", "film thickness"),
+            "film_fraction": labelled(
+                plane, contact.film_fraction, "1", "share of the film that is full"
+            ),
+            "shear": labelled(plane, contact.shear, "Pa", "shear stress in the middle of the film"),
+            "load_per_length": labelled((), contact.scene.load.largest, "N m-1", "load per length"),
+            "central_film": labelled((), contact.central_film, "m", "central film"),
+            "minimum_film": labelled((), contact.minimum_film, "m", "smallest film"),
+            "peak_pressure": labelled((), contact.peak_pressure, "Pa", "peak pressure"),
+            "friction": labelled((), contact.friction, "1", "friction force over load"),
+            "power_loss": labelled((), contact.power_loss, "W m-1", "power lost per length"),
+            "hertz_half_width": labelled(
+                (), hertz.half_width, "m", "half-width of Hertz's line contact"
+            ),
+            "hertz_peak_pressure": labelled(
+                (), hertz.peak_pressure, "Pa", "peak pressure of Hertz's line contact"
+            ),
+            "residual": labelled((), contact.residual, "1", "residual of the solver"),
+            "iterations": labelled((), contact.iterations, "1", "solver iterations"),
+            "status": ended,
+        },
+        coords={"x": ("x", grid.x, X), "y": ("y", grid.y, Y)},
+        attrs=_attributes("lubricated line contact")
+        | {"scene": scene_attribute(PosedScene(contact.scene, grid, contact.padding))},
+    )
+    if contact.error is None:
+        return dataset
+    estimates = asdict(contact.error)
+    reason = estimates.pop("reason")
+    if reason:
+        dataset.attrs["warnings"] = reason
+    return dataset.assign(
+        {
+            f"{metric}_error_estimate": _by_cause(parts, metric.replace("_", " "))
+            for metric, parts in estimates.items()
+        }
+    )
+
+
+def _by_cause(parts: dict[str, float], what: str) -> xr.DataArray:
+    """Return the parts of an estimated error along the dimension ``cause``."""
+    causes = {"units": "1", "long_name": "cause of the error"}
+    return xr.DataArray(
+        list(parts.values()),
+        {"cause": ("cause", list(parts), causes)},
+        ("cause",),
+        attrs={"units": "1", "long_name": f"estimated relative error of the {what}"},
+    )

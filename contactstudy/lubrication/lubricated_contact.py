@@ -3,14 +3,14 @@
 from dataclasses import dataclass
 from enum import Enum
 from math import pi, sqrt
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contactstudy.analytic import HertzLine, moes_film
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
-from contactstudy.domain.imports import import_for
+from contactstudy.domain.imports import presentation
 from contactstudy.domain.padding import Padding, Paddings
 from contactstudy.scene.lubrication import Lubrication
 from contactstudy.scene.scene import Scene
@@ -168,14 +168,12 @@ class LubricatedContact:
 
     def to_dataset(self) -> "xr.Dataset":
         """Return the fields, labelled, with units and the scene."""
-        dataset: xr.Dataset = _presentation("to_dataset", "dataset").film_dataset(self)
+        dataset: xr.Dataset = presentation("LubricatedContact.to_dataset")(self)
         return dataset
 
     def plot(self) -> "Figure":
         """Return a picture of pressure and film, as a matplotlib figure."""
-        figure: Figure = _presentation("plot", "pictures.lubrication").film_picture(
-            self.to_dataset()
-        )
+        figure: Figure = presentation("LubricatedContact.plot")(self.to_dataset())
         return figure
 
 
@@ -205,8 +203,3 @@ def shear_stress(scales: FilmScales, pressure: Array, film: Array, film_fraction
     log_viscosity, _ = oil.viscosity_law.log_ratio(pressure, oil.pressure_viscosity)
     newtonian = oil.viscosity * np.exp(log_viscosity) * motion.sliding_speed / film
     return film_fraction * oil.shear.stress(newtonian, pressure)
-
-
-def _presentation(use: str, module: str) -> Any:
-    """Return a module of ``contactstudy.io``, found when it is needed."""
-    return import_for(f"LubricatedContact.{use}", f"contactstudy.io.{module}")

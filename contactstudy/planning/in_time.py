@@ -11,7 +11,7 @@ from contactstudy.evolution.plastic import layers
 from contactstudy.planning.grid_requirements import ROOM
 from contactstudy.scene.bodies import Body, sudden
 from contactstudy.scene.inelastic import ViscoelasticHalfSpace
-from contactstudy.scene.load import ChangingLoad, LineLoad
+from contactstudy.scene.load import ChangingLoad, ConstantLoad, LineLoad
 from contactstudy.scene.scene import Scene
 
 # Of a rigid cylinder pressed with Hertz's peak pressure r times the yield stress, from 2 to 8, without hardening or
@@ -186,9 +186,9 @@ def extremes(scene: Scene, error: float, end: float | None = None) -> Extremes:
     )
 
 
-def _smallest_load(load: LineLoad | ChangingLoad, end: float) -> tuple[float, tuple[str, ...]]:
+def _smallest_load(load: ConstantLoad | ChangingLoad, end: float) -> tuple[float, tuple[str, ...]]:
     """Return the smallest load that is planned for [N/m], and a warning where the load is smaller."""
-    if isinstance(load, LineLoad):
+    if isinstance(load, ConstantLoad):
         return load.per_length, ()
     times = np.linspace(load.start, max(end, load.start), INSTANTS)
     loads = np.array([load.at(float(time)) for time in times])

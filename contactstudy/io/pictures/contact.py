@@ -150,3 +150,22 @@ def compare_picture(found: Comparison) -> Figure:
         )
         add_legend(figure)
     return figure
+
+
+def film_picture(contact: xr.Dataset) -> Figure:
+    """Return pressure and film across the middle of a lubricated contact, and along the length where it varies."""
+    lined = contact.sizes["y"] == 1
+    with mpl.rc_context(SETTINGS):
+        figure, axes = panels(2 if lined else 3, columns=3, width=4.6, height=3.4)
+        _across(axes[0], contact)
+        middle = contact["film"].isel(y=contact.sizes["y"] // 2)
+        width, metres = scaled(contact["x"], LENGTHS)
+        size, height = scaled(middle, ((1e-9, "nm"), *LENGTHS))
+        axes[1].semilogy(contact["x"] / width, middle / size, **GAP)
+        axes[1].set(
+            xlabel=f"across [{metres}]", ylabel=f"film [{height}]", title="film in the middle"
+        )
+        if not lined:
+            _map(axes[2], contact)
+        add_legend(figure)
+    return figure

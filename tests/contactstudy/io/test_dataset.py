@@ -1,6 +1,7 @@
 import subprocess
 import sys
 from dataclasses import replace
+from math import inf
 from pathlib import Path
 
 import cf_xarray  # noqa: F401 (the accessor)
@@ -9,7 +10,10 @@ import pytest
 import xarray as xr
 
 import contactstudy as cs
+from contactstudy.lubrication.film_error import FilmError, FilmErrorParts
 from tests.conftest import LineContact
+from tests.contactstudy.lubrication.scenes import by_moes
+from tests.contactstudy.lubrication.scenes import grid as film_cells
 
 
 def test_dataset_labels_every_variable(line_contact: LineContact, tmp_path) -> None:  # noqa: ANN001
@@ -101,3 +105,20 @@ def test_a_solution_is_shown_in_one_line_and_as_a_table_with_a_picture(
     assert "<table>" in shown
     assert "data:image/png;base64," in shown
     assert len(solution.plot().axes) >= 4
+
+
+def test_a_lubricated_contact_is_labelled_with_its_errors_and_drawn() -> None:
+    contact = cs.solve_lubricated(by_moes(20, 5), film_cells(100, 5.43), cs.ExactPeriodicity())
+    contact = replace(
+        contact, error=FilmError(*[FilmErrorParts(0.1, 0.2, inf)] * 5, reason="a spike")
+    )
+    dataset = contact.to_dataset()
+    np.testing.assert_array_equal(dataset["film"].values, contact.film)
+    assert float(dataset["minimum_film"]) == contact.minimum_film
+    assert dataset["status"].attrs["comment"] == str(contact.status)
+    assert dataset["minimum_film_error_estimate"].sel(cause="inlet") == 0.2
+    assert dataset.attrs["warnings"] == "a spike"
+    assert [ax.get_title() for ax in contact.plot().axes] == [
+        "across the contact",
+        "film in the middle",
+    ]

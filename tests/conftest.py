@@ -1,8 +1,8 @@
 """The two tiers of tests, a smooth line contact that many share, and random examples that are always the same.
 
 ``pytest`` runs the default tier: every promise once. It leaves out tests marked ``whole``, and of a test with more than
-six cases it runs six, from the first to the last. ``pytest --whole`` runs all, and so does a test that is named:
-``pytest tests/test_x.py::test_y``.
+six cases it runs six, from the first to the last. ``pytest --whole`` runs all, ``pytest --rest`` what the default tier
+leaves out, and ``pytest tests/test_x.py::test_y`` the test that is named.
 """
 
 import os
@@ -19,6 +19,7 @@ MOST_CASES = 6  # of one test in the default tier
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--rest", action="store_true", help="run what is left out without --whole")
     parser.addoption(
         "--whole", action="store_true", help="run all tests, also the slow and the repeated ones"
     )
@@ -38,6 +39,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         if item.get_closest_marker("whole") is None:
             cases[item.nodeid.partition("[")[0]].append(item)
     chosen = {id(item) for several in cases.values() for item in spread(several, MOST_CASES)}
+    if config.getoption("--rest"):
+        chosen = {id(item) for item in items} - chosen
     config.hook.pytest_deselected(items=[item for item in items if id(item) not in chosen])
     items[:] = [item for item in items if id(item) in chosen]
 

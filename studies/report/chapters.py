@@ -9,6 +9,8 @@ from contactstudy.domain.checks import suggestion
 from studies.model.study import Study
 from studies.registry import BUILT_IN, OPTIONAL, load
 
+# Seconds on two cores of the installation in a new environment, from a package index nearby.
+INSTALLATION = 60
 # Seconds that each study takes on two cores, with its times and its figures.
 SECONDS = {
     "padding": 6, "period": 2, "images": 4, "grid": 3, "paper": 3, "pareto": 14, "stability": 6, "roughness": 6,

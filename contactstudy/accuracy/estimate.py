@@ -10,7 +10,7 @@ from contactstudy.accuracy.discretisation import contact_area, discretisation
 from contactstudy.accuracy.expected_error import ErrorParts
 from contactstudy.accuracy.subcell import Subcell, subcell
 from contactstudy.accuracy.truncation import truncation
-from contactstudy.domain.checks import NotDefined
+from contactstudy.domain.checks import InvalidInput, NotDefined
 from contactstudy.problem.constraint import violation
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import Layered
@@ -73,7 +73,9 @@ class _Cells:
     warnings: tuple[str, ...] = ()
 
 
-def error_estimate(solution: Solution, *, coarse: Solution | None = None) -> ErrorEstimate:
+def error_estimate(
+    solution: Solution, *, coarse: Solution | None = None, confidence: float = 0.95
+) -> ErrorEstimate:
     """Estimate the errors of ``solution``.
 
     Where heights and edges are smooth, from the solution itself; else the same contact is solved once more on
@@ -81,10 +83,16 @@ def error_estimate(solution: Solution, *, coarse: Solution | None = None) -> Err
     costs a fifth to two thirds of a solve of a few hundred cells a side. ``coarse`` is that solution, where at hand (see
     :func:`~contactstudy.accuracy.coarser.coarse_solution`). Infinite, with the reason in ``warnings``, where no
     bound can be given: no solution, a contact cut off, a sharp edge's pressure, heights finer than the cells.
+    A shape without a ``detail`` is looked at in as many points of each cell as find a feature over 3 % of it with the
+    ``confidence``, between 0 and 1.
     Raises :class:`~contactstudy.NotDefined` where the problem does not say its paddings, or no law is
     known for them (see :func:`~contactstudy.accuracy.truncation.truncation`).
     """
     problem = solution.problem
+    if not 0 < confidence < 1:
+        raise InvalidInput(
+            f"error_estimate.confidence is {confidence!r}: give a share between 0 and 1, such as 0.95."
+        )
     if problem.paddings is None:
         raise NotDefined(
             "Problem.paddings is None: give the paddings of the two axes, (across, along)."
@@ -96,7 +104,7 @@ def error_estimate(solution: Solution, *, coarse: Solution | None = None) -> Err
     if problem.source is None or not problem.source.ends_along:
         peak_cut, l1_cut = truncation(solution.pressure, problem.grid, problem.paddings)
     peak_left, l1_left = _residual(solution)
-    cells = _cells(solution, coarse)
+    cells = _cells(solution, coarse, confidence)
     if said := _hidden_coat(problem):
         cells = replace(
             cells,
@@ -130,7 +138,7 @@ def _hidden_coat(problem: Problem) -> str:
     return ""
 
 
-def _cells(solution: Solution, coarse: Solution | None) -> _Cells:
+def _cells(solution: Solution, coarse: Solution | None, confidence: float) -> _Cells:
     """What the grid costs."""
     problem, pressure = solution.problem, solution.pressure
     assert problem.paddings is not None
@@ -142,7 +150,7 @@ def _cells(solution: Solution, coarse: Solution | None) -> _Cells:
         return _Cells(inf, inf, inf, inf, (said,))
     if unseen := _unseen(problem):
         return _Cells(inf, inf, inf, inf, (unseen,))
-    inside = subcell(problem, pressure)
+    inside = subcell(problem, pressure, confidence)
     if inside is None:
         said = (
             "No bound by the cells: Problem.source does not say the heights on other grids, so nothing is "
@@ -161,6 +169,7 @@ def _cells(solution: Solution, coarse: Solution | None) -> _Cells:
     regular = not (yields or at_end) and _spot(pressure, wraps) >= FEW
     if regular and inside.uncertain <= SMOOTH * l1 and inside.corner <= SHARP:
         peak *= 1 + PEAK_RESOLVED * inside.uncertain / l1 if l1 else 1.0
+        peak += inside.rise
         return _with_area_warning(_Cells(peak, l1, area, GAP_EDGES * l1))
     coarse = coarse or coarse_solution(problem)
     if coarse is None or coarse.status in (Status.NOT_FINITE, Status.NO_ADMISSIBLE_PRESSURE):
@@ -177,7 +186,7 @@ def _cells(solution: Solution, coarse: Solution | None) -> _Cells:
     if peak_known:
         peak_seen = min(peak_seen, (1 + PEAK_RESOLVED * hides) * peak)
     both = _Cells(
-        0.0 if yields else max(peak, peak_seen),
+        0.0 if yields else max(peak, peak_seen) + inside.rise,
         LARGEST if _all_alone(pressure) else min(LARGEST, max(l1, l1_seen)),
         max(area, _lost(AREA_CHANGE * seen.contact_area), HIDDEN / 2 * inside.uncertain),
         max(GAP_CHANGE * seen.mean_gap, GAP_EDGES / 2 * l1),

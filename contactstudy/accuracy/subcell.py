@@ -1,7 +1,7 @@
 """What the heights do inside the cells, which a pressure on the grid cannot show."""
 
 from dataclasses import dataclass
-from math import log, pi
+from math import ceil, log, pi, prod
 
 import numpy as np
 
@@ -15,6 +15,13 @@ from contactstudy.problem.problem import Problem
 POINTS, DENSE = 4, 48
 # Lines that are looked at: all of so many, of more every fourth.
 LINES, SPARSE = 64, 4
+# A feature over this share of a cell's area is to be found with the confidence asked for.
+FEATURE = 0.03
+# Steps of the two-dimensional sequence of lowest discrepancy whose points are added one by one:
+# Roberts (2018), "The unreasonable effectiveness of quasirandom sequences".
+STEPS = 0.7548776662466927, 0.5698402909980532
+# A bump ``h exp(-r^2 / s^2)`` pressed flat raises the pressure by ``pi / 2 E* h / s``; a sharper one by twice that.
+RISE = 2.0 * pi / 2
 # A corner has so much of the bend of three cells between two neighbouring points; a smooth surface a sixth.
 CORNER = 0.7
 
@@ -27,18 +34,21 @@ class Subcell:
     the highest there. A corner that points out of the body by a slope S raises the pressure by
     ``E* S / (2 pi) ln 2`` each time the cell is halved, and so without limit; ``corner`` is the largest such
     rise in the contact over the peak pressure. ``stands_out``: whether a shape that names no
-    scales stands out of a cell so far that it would carry all of the pressure there, and more.
+    scales stands out of a cell so far that it would carry all of the pressure there, and more. ``rise`` is by what
+    share of the peak pressure such a shape's features within a cell may raise it.
     """
 
     uncertain: float
     corner: float
     stands_out: bool
+    rise: float = 0.0
 
 
-def subcell(problem: Problem, pressure: Array) -> Subcell | None:
+def subcell(problem: Problem, pressure: Array, confidence: float) -> Subcell | None:
     """Evaluate the heights inside the cells of ``problem`` where ``pressure`` (x, y) acts, and beside.
 
-    None where they are not known there.
+    Along lines through the cell centres, and of shapes that name no scales also at points off these lines, as many as
+    the ``confidence`` asks for. None where the heights are not known there.
     """
     source, grid = problem.source, problem.grid
     if source is None or problem.paddings is None:
@@ -72,10 +82,99 @@ def subcell(problem: Problem, pressure: Array) -> Subcell | None:
         hidden += on_cells(missed * (modulus / grid.cell[axis]), grid.cells)
         sharp = np.where(on_cells(beside, lines) > 0, edge, 0.0)
         corner = max(corner, float(sharp.max()) * modulus * log(2) / (2 * pi))
+    rise = 0.0
+    if not source.names_scales and min(grid.cells) >= 4:
+        try:
+            missed, stands, narrow = _off_lines(problem, confidence)
+        except InvalidInput:
+            return None
+        stiffness = max(_modulus(problem, axis) / grid.cell[axis] for axis in (0, 1))
+        hidden = np.maximum(hidden, missed * stiffness)
+        standing = np.maximum(standing, stands * stiffness)
+        risen = np.where(beside > 0, pressure + RISE * missed * stiffness / narrow, 0.0)
+        rise = max(float(risen.max() / pressure.max()) - 1, 0.0)
     hides = np.minimum(hidden, beside)
     borne = pressure.sum()
     stands_out = bool((standing > beside)[beside > 0].any())
-    return Subcell(float(hides.sum() / borne), corner / float(pressure.max()), stands_out)
+    return Subcell(float(hides.sum() / borne), corner / float(pressure.max()), stands_out, rise)
+
+
+@dataclass(frozen=True)
+class _Beside(Grid):
+    """Points that lie ``aside`` of the centres of a grid's cells, by shares of a cell along each axis."""
+
+    aside: tuple[float, float]
+
+    @property
+    def x(self) -> Array:
+        return super().x + self.aside[0] * self.cell[0]
+
+    @property
+    def y(self) -> Array:
+        return super().y + self.aside[1] * self.cell[1]
+
+
+def _off_lines(problem: Problem, confidence: float) -> tuple[Array, Array, Array]:
+    """Return what cubics through the centres miss off their lines [m], what stands out there [m], and how wide it is.
+
+    The width is that of a round bump ``exp(-r^2 / s^2)`` with as large a mean square in the cell, s in cells.
+
+    None of k random points in a cell hits a feature over the share q of it with the probability ``(1 - q)^k``; points of
+    low discrepancy leave smaller holes. Each point is looked at in all cells at once.
+    """
+    from scipy import ndimage  # as heavy as all else together
+
+    source, grid = problem.source, problem.grid
+    assert source is not None
+    assert problem.paddings is not None
+    heights = getattr(source, "gap_without_scales", source.gap)
+    centres = np.broadcast_to(heights(grid), grid.cells)
+    missed, squares, lowest = (
+        np.zeros(grid.cells),
+        np.zeros(grid.cells),
+        np.full(grid.cells, np.inf),
+    )
+    if heights(grid).shape[1] == 1:  # one profile, which lines across have shown
+        return missed, missed, np.ones(grid.cells)
+    wraps = [padding.wraps for padding in problem.paddings]
+    count = ceil(log(1 - confidence) / log(1 - FEATURE))
+    for number in range(count):
+        across, along = ((0.5 + number * step) % 1 - 0.5 for step in STEPS)
+        points = np.broadcast_to(
+            heights(_Beside(grid.cells, grid.extent, (across, along))), grid.cells
+        )
+        smooth = _cubic(_cubic(centres, across, wraps=wraps[0]).T, along, wraps=wraps[1]).T
+        np.maximum(missed, np.abs(points - smooth), out=missed)
+        squares += (points - smooth) ** 2
+        np.minimum(lowest, points, out=lowest)
+    # above all centres about a cell: a step between two of them hides no height
+    mode = tuple("wrap" if closed else "nearest" for closed in wraps)
+    stands = np.maximum(ndimage.minimum_filter(centres, 3, mode=mode) - lowest, 0)
+    most = count * missed**2
+    share = np.divide(squares, most, out=np.ones(grid.cells), where=most > 0)
+    return missed, stands, np.sqrt(2 * share / pi)
+
+
+def _cubic(centres: Array, place: float, *, wraps: bool) -> Array:
+    """Return the cubics through four neighbouring ``centres`` (n, ...), at a ``place`` in cells beside each."""
+    padded = _extended(centres, wraps=wraps)
+    nodes = range(-1, 3) if place > 0 else range(-2, 2)
+    total = np.zeros(centres.shape)
+    for node in nodes:
+        weight = prod((place - other) / (node - other) for other in nodes if other != node)
+        total += weight * padded[2 + node : 2 + node + len(centres)]
+    return total
+
+
+def _extended(centres: Array, *, wraps: bool) -> Array:
+    """Return ``centres`` (n, ...) with two more at either end: a closed axis goes on, else the last cubic does."""
+    ends = ((2, 2), *(((0, 0),) * (centres.ndim - 1)))
+    padded = np.pad(centres, ends, mode="wrap" if wraps else "edge")
+    if not wraps:
+        for ghost in (1, 0):
+            for side in (padded, padded[::-1]):
+                side[ghost] = np.tensordot([4, -6, 4, -1], side[ghost + 1 : ghost + 5], 1)
+    return padded
 
 
 def _lines(cells: tuple[int, int], axis: int, points: int) -> tuple[int, int]:
@@ -117,11 +216,7 @@ def _along(
     """
     count = len(centres)
     mode = "wrap" if wraps else "edge"
-    padded = np.pad(centres, ((2, 2), (0, 0)), mode=mode)  # type: ignore[call-overload]
-    if not wraps:
-        for ghost in (1, 0):  # the cubic through the last four goes on
-            for ends in (padded, padded[::-1]):
-                ends[ghost] = np.tensordot([4, -6, 4, -1], ends[ghost + 1 : ghost + 5], 1)
+    padded = _extended(centres, wraps=wraps)
     heights = inside.reshape(count, points, -1)
     missed = np.zeros_like(heights[:, 0])
     # above the centres of a cell and of both beside it: a step between two of them hides no height
@@ -131,12 +226,7 @@ def _along(
     stands = np.maximum(highest - heights.min(axis=1), 0)
     for point in range(points):
         place = (point + 0.5) / points - 0.5
-        nodes = range(-1, 3) if place > 0 else range(-2, 2)
-        cubic = sum(
-            np.prod([(place - other) / (node - other) for other in nodes if other != node])
-            * padded[2 + node : 2 + node + count]
-            for node in nodes
-        )
+        cubic = _cubic(centres, place, wraps=wraps)
         np.maximum(missed, np.abs(heights[:, point] - cubic), out=missed)
     beyond = ((1, 1), (0, 0))
     slopes = np.diff(np.pad(inside, beyond, mode=mode), axis=0) * (points / step)  # type: ignore[call-overload]

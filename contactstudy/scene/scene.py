@@ -78,6 +78,11 @@ class ShapesSource:
         total: Array = sum((shape.gap(grid) for shape in self.shapes), start=grid.x[:, None] * 0)
         return total
 
+    def gap_without_scales(self, grid: Grid) -> Array:
+        """Return the summed gap [m] of the shapes without a ``detail``, as :meth:`gap`."""
+        unknown = (shape for shape in self.shapes if not hasattr(shape, "detail"))
+        return sum((shape.gap(grid) for shape in unknown), start=grid.x[:, None] * 0)
+
     def problem(self, grid: Grid) -> Problem:
         """Return the problem on `grid`."""
         return self.make(grid)

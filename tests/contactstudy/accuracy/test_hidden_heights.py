@@ -100,3 +100,70 @@ def test_pressure_that_reaches_a_sharp_end_has_no_highest(
     assert estimate.peak_pressure.total == inf
     assert "sharp end" in " ".join(estimate.warnings)
     assert estimate.l1.total < 0.02
+
+
+@dataclass(frozen=True)
+class Bumps:
+    """A user's own shape: bumps at one place of every fourth cell along either axis, in shares of a cell."""
+
+    height: float
+    width: float
+    place: tuple[float, float]
+    cell: tuple[float, float]
+    curvature = 0.0
+
+    def gap(self, grid: cs.Grid) -> np.ndarray:
+        across, along = (
+            ((points / cell - place + 2) % 4 - 2) / self.width
+            for points, cell, place in zip((grid.x, grid.y), self.cell, self.place, strict=True)
+        )
+        return -self.height * np.exp(-(across[:, None] ** 2) - along**2)
+
+
+@pytest.mark.parametrize("cells", [(48, 40), (160, 130)])
+@pytest.mark.parametrize(
+    ("width", "place"), [(0.15, (0.0, 0.0)), (0.3, (0.31, -0.22)), (1.0, (0.05, 0.0))]
+)
+def test_bumps_between_the_lines_of_an_unknown_shape_leave_no_bound(
+    cells: tuple[int, int], width: float, place: tuple[float, float], line_contact: LineContact
+) -> None:
+    """With even counts of cells the place 0 is the corner of four of them."""
+    hertz = line_contact.hertz
+    grid = line_contact.grid(cells, 1.3, width=3.2)
+    height = 0.4 * hertz.half_width**2 / hertz.radius
+    bumps = Bumps(height, width, place, grid.cell)
+    scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, bumps))
+    estimate = estimate_of(scene, grid)
+    assert estimate.l1.total == estimate.peak_pressure.total == inf
+    assert "stands out" in estimate.warnings[0]
+
+
+def test_low_bumps_between_the_lines_count_by_what_they_hide(line_contact: LineContact) -> None:
+    hertz, grid = line_contact.hertz, line_contact.grid((48, 40), 1.3, width=3.2)
+    height = 1e-3 * hertz.half_width**2 / hertz.radius
+    scene = line_contact.scene
+    bumpy = replace(scene, shapes=(*scene.shapes, Bumps(height, 0.3, (0.0, 0.0), grid.cell)))
+    coarse = cs.solve(bumpy.problem(grid, cs.ExactPeriodicity()))
+    fine_grid = cs.Grid((8 * 48, 8 * 40), grid.extent)
+    fine = cs.solve(bumpy.problem(fine_grid, cs.ExactPeriodicity()), tolerance=1e-5)
+    means = fine.pressure.reshape(48, 8, 40, 8).mean(axis=(1, 3))
+    error = float(np.abs(coarse.pressure - means).sum() / means.sum())
+    peak = fine.pressure.max() / coarse.pressure.max() - 1
+    estimate = cs.error_estimate(coarse)
+    assert error <= estimate.l1.total < inf
+    assert peak <= estimate.peak_pressure.total < inf
+    # without them the peak would be known far better
+    assert peak > 3 * estimate_of(scene, grid).peak_pressure.total
+
+
+def test_more_confidence_finds_smaller_features(line_contact: LineContact) -> None:
+    """Bumps a hundredth of a cell wide are missed by a few points and found by many."""
+    hertz, grid = line_contact.hertz, line_contact.grid((48, 40), 1.3, width=3.2)
+    height = 0.4 * hertz.half_width**2 / hertz.radius
+    bumps = Bumps(height, 0.02, (0.27, 0.13), grid.cell)
+    scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, bumps))
+    solution = cs.solve(scene.problem(grid, cs.ExactPeriodicity()))
+    assert cs.error_estimate(solution, confidence=0.5).l1.total < inf
+    assert cs.error_estimate(solution, confidence=1 - 1e-15).l1.total == inf
+    with pytest.raises(cs.InvalidInput, match=r"confidence is 1\.0: give a share between 0 and 1"):
+        cs.error_estimate(solution, confidence=1.0)

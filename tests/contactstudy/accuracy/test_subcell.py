@@ -137,21 +137,21 @@ def test_a_hidden_height_counts_by_the_pressure_that_would_flatten_it(
 
         return SimpleNamespace(gap=gap, names_scales=known)
 
-    found = subcell(replace(problem, source=source(little)), pressure)
+    found = subcell(replace(problem, source=source(little)), pressure, 0.95)
     assert found is not None
     # a hundredth of the pressure of one cell of four
     assert found.uncertain == pytest.approx(0.01 / 4)
     assert not found.stands_out
     # at most all that the cell bears
-    much = subcell(replace(problem, source=source(1e3 * little)), pressure)
+    much = subcell(replace(problem, source=source(1e3 * little)), pressure, 0.95)
     assert much == Subcell(pytest.approx(1 / 4), 0.0, False)  # noqa: FBT003
-    out = subcell(replace(problem, source=source(-101 * little, known=False)), pressure)
+    out = subcell(replace(problem, source=source(-101 * little, known=False)), pressure, 0.95)
     assert out is not None
     assert out.stands_out
-    less = subcell(replace(problem, source=source(-99 * little, known=False)), pressure)
+    less = subcell(replace(problem, source=source(-99 * little, known=False)), pressure, 0.95)
     assert less is not None
     assert not less.stands_out
-    assert subcell(replace(problem, source=None), pressure) is None
+    assert subcell(replace(problem, source=None), pressure, 0.95) is None
 
 
 def test_a_corner_raises_the_pressure_by_its_slope_at_each_halving(
@@ -161,7 +161,7 @@ def test_a_corner_raises_the_pressure_by_its_slope_at_each_halving(
     pressure = np.zeros((16, 1))
     pressure[6:10] = 1e9
     kink: Any = SimpleNamespace(gap=lambda grid: 1e-3 * np.abs(grid.x)[:, None], names_scales=True)
-    found = subcell(replace(problem, source=kink), pressure)
+    found = subcell(replace(problem, source=kink), pressure, 0.95)
     assert found is not None
     rise = _modulus(problem, 0) * 2e-3 / (2 * pi) * log(2)
     assert found.corner == pytest.approx(rise / 1e9)
@@ -170,6 +170,6 @@ def test_a_corner_raises_the_pressure_by_its_slope_at_each_halving(
         gap=lambda grid: 1e-3 * np.abs(grid.x - 5 * problem.grid.cell[0])[:, None],
         names_scales=True,
     )
-    elsewhere = subcell(replace(problem, source=aside), pressure)
+    elsewhere = subcell(replace(problem, source=aside), pressure, 0.95)
     assert elsewhere is not None
     assert elsewhere.corner == 0

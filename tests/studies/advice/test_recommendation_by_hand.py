@@ -241,9 +241,9 @@ def test_a_roller_has_one_padding_and_a_plan_without_an_error_one_grid() -> None
     uniform: Any = RoughContact(SimpleNamespace(**(vars(NEEDS) | {"varies": False})), PLANNED)  # type: ignore[arg-type]
     assert {padding for _, padding, _ in uniform.ways(Limits(0.02))} == {EXACT}
     for error in (0.0, inf):
-        unknown: Any = RoughContact(NEEDS, replace(PLANNED, error=error))  # type: ignore[arg-type]
+        unknown: Any = RoughContact(NEEDS, replace(PLANNED, errors=(error, 0.0)))  # type: ignore[arg-type]
         assert {grid for grid, _, _ in unknown.ways(Limits(0.02))} == {GRID}
-    little: Any = RoughContact(NEEDS, replace(PLANNED, error=0.5))  # type: ignore[arg-type]
+    little: Any = RoughContact(NEEDS, replace(PLANNED, errors=(0.5, 0.0)))  # type: ignore[arg-type]
     assert len({grid for grid, _, _ in little.ways(Limits(0.02))}) > 1
 
 

@@ -33,7 +33,7 @@ WORKERS = click.option(
     type=click.IntRange(min=0, max=1024),
     default=2,
     show_default=True,
-    help="Worker processes; 0 computes in this process alone.",
+    help="Worker processes, driven by threads of dask; 0 computes in this process alone.",
 )
 REPEATS = click.option(
     "--repeats",
@@ -73,15 +73,15 @@ def report(
 
     CHAPTER is effects, trust, cost, the name of any study, or all. What is stored is not computed again.
     """
-    from studies.engine.executors import ProcessPool
+    from studies.engine.cluster import Cluster
     from studies.engine.options import RunOptions
     from studies.report import page as reporting
     from studies.report.chapters import chapters
 
     chosen = chapters(chapter)
     options = RunOptions(workers=workers, repeats=repeats)
-    with ProcessPool(workers) as pool:
-        executor = pool if workers else None
+    with Cluster(workers, log=click.echo) as cluster:
+        executor = cluster if workers else None
         for one in chosen:
             path = reporting.make(
                 one,
@@ -111,6 +111,7 @@ def report(
     metavar="ADDRESS",
     help="dask scheduler whose workers compute the cases, such as tcp://127.0.0.1:8786, instead of --workers.",
 )
+@click.option("--no-times", is_flag=True, help="Do not time the cases.")
 @click.option(
     "--time-limit",
     type=click.FloatRange(min=0, min_open=True),
@@ -167,6 +168,7 @@ def run(
     workers: int,
     repeats: int,
     scheduler: str | None,
+    no_times: bool,  # noqa: FBT001 (click gives it by name)
     time_limit: float | None,
     retry: tuple[str, ...],
     after_failure: str,
@@ -176,7 +178,7 @@ def run(
     vary: tuple[str, ...],
     figures: str,
     formats: tuple[str, ...],
-    yes: bool,  # noqa: FBT001 (click gives it by name)
+    yes: bool,  # noqa: FBT001
     dry_run: bool,  # noqa: FBT001
 ) -> None:
     """Run STUDY, a built-in name, a .py file or a scene in a .toml file, over its axes or those given here.
@@ -196,7 +198,7 @@ def run(
         workers=workers,
         scheduler=scheduler,
         time_limit=time_limit,
-        repeats=repeats,
+        repeats=0 if no_times else repeats,
         old_times=old_times,
         retry=frozenset(case_status for name in retry for case_status in RETRIES[name]),
         after_failure=after_failure,

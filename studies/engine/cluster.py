@@ -1,15 +1,20 @@
-"""Cases on the workers of a dask.distributed scheduler."""
+"""Cases through dask.distributed: on threads of this process by default, or on the workers of any scheduler.
+
+Each thread of a dask worker drives a supervised process of its own, since dask has no time limit of a task, and gives
+up innocent tasks beside one that kills its worker.
+"""
 
 import logging
-import pickle
+import secrets
 import threading
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import dataclass, field
 from importlib.util import find_spec
+from queue import Empty, SimpleQueue
 from time import monotonic
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import cloudpickle
 
@@ -29,126 +34,266 @@ BATCH = 0.25  # seconds of work in a batch of small cases
 LARGEST = 200  # cases in a batch
 AHEAD = 3  # batches for each thread of a worker, so that it does not wait for the next
 LOOK = 1.0  # seconds between two looks at the workers and at batches that were lost
+PAUSE = 0.05  # seconds between two looks at what was computed
 LAST = 5.0  # seconds for what workers have finished, when a run is stopped
+LOOPBACK = "127.0.0.1:0"
 
 
-@dataclass(frozen=True)
-class Cluster:
-    """The workers that the scheduler at ``address`` has, or will have.
+class Supervisors:
+    """The supervised processes of one process, taken by a thread for a batch at a time.
 
-    A worker computes in a process beside its own, so that a case may hang or die without it; where a
-    worker is lost all the same, the scheduler gives its cases to another. A scheduler that is lost, and
-    comes back within ``patience`` [s], gets again what was not finished.
+    ``deliver(name, outcome)`` takes each outcome at once where the run is in this process.
     """
 
-    address: str
+    def __init__(self, deliver: Callable[[str, Outcome], object] | None = None) -> None:
+        self.deliver = deliver
+        self._turn = threading.Lock()
+        self._idle: list[WorkerSupervisor] = []
+        self._all: list[WorkerSupervisor] = []
+
+    @contextmanager
+    def one_for(self, work: bytes) -> Iterator[WorkerSupervisor]:
+        """Give a supervisor of ``work`` to a block: an idle one, or another."""
+        with self._turn:
+            if not self._idle:
+                self._idle.append(WorkerSupervisor(work))
+                self._all.append(self._idle[-1])
+            supervisor = self._idle.pop()
+        supervisor.set_work(work)
+        try:
+            yield supervisor
+        finally:
+            with self._turn:
+                if not supervisor.has_ended:
+                    self._idle.append(supervisor)
+
+    def end(self) -> None:
+        """End all processes, at once."""
+        with self._turn:
+            ended, self._all, self._idle = self._all, [], []
+        for supervisor in ended:
+            supervisor.end()
+
+
+# of the runs of this process, by their tokens; and of all runs elsewhere that this dask worker computes for
+RUNS: dict[str, Supervisors] = {}
+ELSEWHERE = Supervisors()
+
+
+def compute_batch(
+    token: str, work: bytes, batch: bytes, names: Sequence[str], expected: Mapping[str, str]
+) -> list[Outcome]:
+    """Compute a batch of cases on a dask worker, in a process that stays for the next batch.
+
+    Returns fewer outcomes than ``names`` where the run is over, or where the cases cannot be read together.
+    """
+    if dict(versions()) != dict(expected):
+        raise InvalidInput(
+            f"A dask worker has {dict(versions())} and this process {dict(expected)}: install the same."
+        )
+    supervisors = RUNS.get(token) if token else ELSEWHERE
+    if supervisors is None:  # the run in this process is over
+        return []
+    outcomes = []
+    with supervisors.one_for(work) as supervisor:
+        for name, outcome in zip(names, supervisor.run(batch, names), strict=False):
+            outcomes.append(outcome)
+            if supervisors.deliver is not None:
+                supervisors.deliver(name, outcome)
+    return outcomes
+
+
+@dataclass
+class Cluster:
+    """An executor, in a ``with`` statement: dask on ``workers`` threads here, or that of the scheduler at ``address``.
+
+    The processes that compute stay from one study to the next. Where one dies its case alone is lost; where a dask
+    worker is lost, the scheduler gives its cases to another. A scheduler that is lost, and comes back within
+    ``patience`` [s], gets again what was not finished.
+    """
+
+    workers: int = 2
+    address: str | None = None
     patience: float = 10.0
     log: Callable[[str], object] = lambda text: None
+    supervisors: Supervisors = field(default_factory=Supervisors, init=False)
+    _open: ExitStack = field(default_factory=ExitStack, init=False)
+    _client: "Client | None" = field(default=None, init=False)
 
-    def __post_init__(self) -> None:
-        if not find_spec("distributed"):
-            raise InvalidInput(
-                "A scheduler needs dask.distributed: pip install 'contactstudy[cluster]'."
-            )
+    def __enter__(self) -> Self:
+        return self
 
-    def run(self, cases: Sequence[Computation], work: Work, finished: Finished, stop: Stop) -> None:
-        """Batches of small cases, large ones alone."""
+    def __exit__(self, *raised: object) -> None:
+        self.supervisors.end()
+        self.rest()
+
+    def rest(self) -> None:
+        """Close the connection, and dask with it where it is this process's: an idle one takes 3 % of a core."""
+        self._client = None
+        self._open.close()
+
+    def run(
+        self, cases: Mapping[str, Computation], work: Work, finished: Finished, stop: Stop
+    ) -> None:
+        """Compute ``cases``: batches of small ones, large ones alone."""
         payload = packed(work)
+        if not cases:
+            return
+        outcomes: SimpleQueue[tuple[str, Outcome]] = SimpleQueue()
+        token = "" if self.address else secrets.token_hex(8)
+        if token:
+            self.supervisors.deliver = lambda name, outcome: outcomes.put((name, outcome))
+            RUNS[token] = self.supervisors
+        try:
+            _Flow(self, self._connected(), token, cases, payload, outcomes, finished, stop).run()
+        except BaseException:
+            self.rest()
+            raise
+        finally:
+            RUNS.pop(token, None)
+
+    def _connected(self) -> "Client":
+        """Return the client of the scheduler, which is started here if there is no address."""
+        if self._client is None:
+            self._client = self._connect() if self.address else self._start()
+        return self._client
+
+    def _start(self) -> "Client":
+        from distributed import Client, LocalCluster
+
+        cluster = self._open.enter_context(
+            LocalCluster(
+                n_workers=1,
+                threads_per_worker=self.workers,
+                processes=False,
+                # none of them listens to another machine, which it would without an address
+                dashboard_address=LOOPBACK,
+                worker_dashboard_address=LOOPBACK,
+                memory_limit=0,  # the memory of a case is that of its own process
+                silence_logs=logging.CRITICAL,
+            )
+        )
+        client: Client = self._open.enter_context(Client(cluster, set_as_default=False))
+        if find_spec("bokeh"):
+            self.log(f"dask shows its work at {client.dashboard_link}")
+        return client
+
+    def _connect(self) -> "Client":
+        from distributed import Client
+
         # what goes wrong with the connection is said here, in a sentence
         logger = logging.getLogger("distributed")
-        level = logger.level
+        self._open.callback(logger.setLevel, logger.level)
         logger.setLevel(logging.CRITICAL)
+        assert self.address is not None
         try:
-            with _client(self.address, self.patience) as client:
-                _Flow(client, self, cases, payload, finished, stop).run()
-        finally:
-            logger.setLevel(level)
-
-
-def _client(address: str, patience: float) -> "Client":
-    from distributed import Client
-
-    try:
-        if ":" not in address:
-            raise ValueError(address)
-        return Client(address, timeout=patience, set_as_default=False)
-    except (OSError, ValueError, TypeError, RuntimeError) as error:
-        raise InvalidInput(
-            f"Scheduler {address!r} cannot be reached ({type(error).__name__}): give the address that "
-            "'dask scheduler' shows, such as tcp://127.0.0.1:8786."
-        ) from None
+            if ":" not in self.address:
+                raise ValueError(self.address)
+            client = Client(self.address, timeout=self.patience, set_as_default=False)
+        except (OSError, ValueError, TypeError, RuntimeError) as error:
+            raise InvalidInput(
+                f"Scheduler {self.address!r} cannot be reached ({type(error).__name__}): give the address that "
+                "'dask scheduler' shows, such as tcp://127.0.0.1:8786."
+            ) from None
+        self._open.enter_context(client)
+        return client
 
 
 class _Flow:
-    """Keeps every worker busy with a few batches, and learns their size on the way."""
+    """One run: keeps every thread busy with a few batches, and learns their size on the way."""
 
     def __init__(
         self,
-        client: "Client",
         cluster: Cluster,
-        cases: Sequence[Computation],
+        client: "Client",
+        token: str,
+        cases: Mapping[str, Computation],
         payload: bytes,
+        outcomes: "SimpleQueue[tuple[str, Outcome]]",
         finished: Finished,
         stop: Stop,
     ) -> None:
         from distributed import as_completed
 
-        self._client, self._cluster, self._stop = client, cluster, stop
-        self._cases, self._finished = cases, finished
-        self._payload = payload
-        self._waiting = deque(range(len(cases)))
-        self._running: dict[Any, list[int]] = {}
+        self._cluster, self._client, self._token, self._stop = cluster, client, token, stop
+        self._cases, self._payload = cases, payload
+        self._outcomes, self._finished = outcomes, finished
+        self._waiting = deque(cases)
+        self._open = set(cases)
+        self._running: dict[Any, list[str]] = {}
         # a batch that fails is looked at here, and not raised: the others go on
         self._completed = as_completed([], loop=client.loop, with_results=True, raise_errors=False)
         self._mean = BATCH
         self._threads, self._looked_at, self._idle_since = 1, -1.0, monotonic()
 
     def run(self) -> None:
+        """Compute all cases."""
         try:
-            while self._waiting or self._running:
+            while self._open:
                 self._stop.check()
                 self._look()
                 self._fill()
-                batch = self._completed.next_batch(block=False)
-                if not batch:
+                completed = self._completed.next_batch(block=False)
+                if not completed and self._outcomes.empty():
                     with self._completed.thread_condition:
-                        self._completed.thread_condition.wait(timeout=0.1)
-                for future, result in batch:
+                        self._completed.thread_condition.wait(timeout=PAUSE)
+                self._take_delivered()
+                for future, result in completed:
                     self._take(future, result)
         except BaseException:
+            # nobody will read what they compute now
+            self._cluster.supervisors.end()
             self._take_last()
             raise
         finally:
             with suppress(Exception):
                 self._client.cancel(list(self._running), force=True)
 
+    def _report(self, name: str, outcome: Outcome) -> None:
+        if name in self._open:
+            self._open.discard(name)
+            self._mean += 0.3 * (outcome.seconds - self._mean)
+            self._finished(name, outcome)
+
+    def _take_delivered(self) -> None:
+        """Report what threads of this process have computed."""
+        with suppress(Empty):
+            while True:
+                self._report(*self._outcomes.get_nowait())
+
     def _take(self, future: Any, result: Any) -> None:
-        numbers = self._running.pop(future, None)
-        if numbers is None:  # it was thought to be lost, and given to another
+        """Report a batch that is completed, and send again what is not."""
+        names = self._running.pop(future, None)
+        if names is None:  # it was thought to be lost, and given to another
             return
         if future.status == "finished" and isinstance(result, list):
-            self._waiting.extendleft(reversed(numbers[len(result) :]))
-            for number, outcome in zip(numbers, result, strict=False):
-                self._mean += 0.3 * (outcome.seconds - self._mean)
-                self._finished(number, outcome)
+            for name, outcome in zip(names, result, strict=False):
+                self._report(name, outcome)
+            for name in names[len(result) :]:  # which cannot be read together
+                self._submit([name])
         elif future.status == "error":
-            self._handle_failure(future, numbers)
+            self._handle_failure(future, names)
         elif future.status == "pending":  # the worker that had its result died before it gave it
-            self._running[future] = numbers
+            self._running[future] = names
             self._completed.add(future)
         else:
-            self._waiting.extendleft(reversed(numbers))
+            self._send_again(names)
+
+    def _send_again(self, names: Sequence[str]) -> None:
+        self._waiting.extendleft(name for name in reversed(names) if name in self._open)
 
     def _take_last(self) -> None:
-        """What workers have finished by the time the run stops is not lost."""
+        """Report what workers have finished by the time the run stops, unless the disk takes no more."""
         until = monotonic() + LAST
-        for future, numbers in list(self._running.items()):
+        with suppress(Exception):
+            self._take_delivered()
+        for future, names in list(self._running.items()):
             with suppress(Exception):
                 if future.status == "finished" and monotonic() < until:
                     result = future.result(timeout=until - monotonic())
                     del self._running[future]
-                    for number, outcome in zip(numbers, result, strict=False):
-                        self._finished(number, outcome)
+                    for name, outcome in zip(names, result, strict=False):
+                        self._report(name, outcome)
 
     def _look(self) -> None:
         """See to workers that come and go, and to a connection that is lost."""
@@ -160,8 +305,8 @@ class _Flow:
                 f"Scheduler {self._cluster.address!r} is lost: start it again and run the same "
                 "command, which goes on from what is stored."
             )
-        for future in [one for one in self._running if one.status in ("cancelled", "lost")]:
-            self._waiting.extendleft(reversed(self._running.pop(future)))
+        for future in [key for key in self._running if key.status in ("cancelled", "lost")]:
+            self._send_again(self._running.pop(future))
         if self._client.status == "running":
             with suppress(OSError, RuntimeError, TimeoutError):
                 threads = sum(self._client.nthreads().values())
@@ -173,6 +318,7 @@ class _Flow:
                     self._idle_since = float("inf")
 
     def _fill(self) -> None:
+        """Send batches until every thread has some ahead."""
         while (
             self._client.status == "running"
             and self._waiting
@@ -182,24 +328,26 @@ class _Flow:
             size = max(1, min(int(BATCH / max(self._mean, 1e-6)), share, LARGEST))
             self._submit([self._waiting.popleft() for _ in range(min(size, len(self._waiting)))])
 
-    def _submit(self, numbers: list[int]) -> None:
-        sendable, batch = [], []
-        for number in numbers:
-            try:
-                batch.append(cloudpickle.dumps(self._cases[number]))
-                sendable.append(number)
-            except Exception as error:  # noqa: BLE001 (a study's class may do anything)
-                self._finished(number, failed(error, "setup", 0.0))
-        if not sendable:
+    def _submit(self, names: list[str]) -> None:
+        """Send one batch, pickled together: a class of a study file is then written once, not with every case."""
+        try:
+            batch = cloudpickle.dumps(tuple(self._cases[name] for name in names))
+        except Exception as error:  # noqa: BLE001 (a study's class may do anything)
+            if len(names) == 1:
+                self._report(names[0], failed(error, "setup", 0.0))
+            else:
+                for name in names:
+                    self._submit([name])
             return
         # impure: a case asked for again is to be computed again
         future = self._client.submit(
-            compute_batch, self._payload, batch, dict(versions()), pure=False
+            compute_batch, self._token, self._payload, batch, names, dict(versions()), pure=False
         )
-        self._running[future] = sendable
+        self._running[future] = names
         self._completed.add(future)
 
-    def _handle_failure(self, future: Any, numbers: list[int]) -> None:
+    def _handle_failure(self, future: Any, names: list[str]) -> None:
+        """Find out which case killed its dask workers; raises what is wrong with all of them."""
         from distributed import KilledWorker
 
         error = future.exception()
@@ -210,29 +358,10 @@ class _Flow:
                 f"A dask worker cannot compute cases ({type(error).__name__}: {error}): install the same "
                 "version of contactstudy there."
             )
-        if len(numbers) > 1:  # one of them is to blame; alone it will show
-            for number in numbers:
-                self._submit([number])
+        if len(names) > 1:  # one of them is to blame; alone it will show
+            for name in names:
+                self._submit([name])
             return
         sentence = f"Killed: workers died while they held it, the last {error.last_worker.address}"
         failure = Failure("Killed", sentence, "unknown")
-        self._finished(numbers[0], Outcome(CaseStatus.KILLED, {}, failure))
-
-
-_PROCESS = threading.local()
-
-
-def compute_batch(
-    payload: bytes, batch: Sequence[bytes], expected: Mapping[str, str]
-) -> list[Outcome]:
-    """On a worker: the outcomes of the cases in ``batch``, from a process that stays for the next."""
-    if dict(versions()) != dict(expected):
-        raise InvalidInput(
-            f"A dask worker has {dict(versions())} and this process {dict(expected)}: install the same."
-        )
-    held = getattr(_PROCESS, "held", None)
-    if held is None or held[0] != payload:
-        if held is not None:
-            held[1].end()
-        held = _PROCESS.held = (payload, WorkerSupervisor(payload))
-    return list(held[1].run([pickle.loads(case) for case in batch]))
+        self._report(names[0], Outcome(CaseStatus.KILLED, {}, failure))

@@ -13,14 +13,14 @@ SELDOM = 30.0  # seconds between two lines
 
 
 class Progress:
-    """Of ``total`` things of a ``unit``, in a ``with`` statement: how many, how fast, how long still."""
+    """Progress through ``total`` things of a ``unit``, in a ``with`` statement: how many, how fast, how long still."""
 
     def __init__(
         self, name: str, what: str, total: int, unit: str, log: Callable[[str], object]
     ) -> None:
         self._what, self._total, self._unit, self._log = what, total, unit, log
-        self._done = 0
-        self._start = self._said = monotonic()
+        self._count = 0
+        self._start = self._last_line = monotonic()
         self._bar: tqdm[None] | None = None
         if total and _is_terminal():
             self._bar = tqdm(
@@ -34,20 +34,24 @@ class Progress:
         if self._bar is not None:
             self._bar.close()
 
-    def add(self, count: int = 1) -> None:
-        """So many more are done."""
-        self._done += count
+    def add(self, count: int = 1, afterwards: float = 0.0) -> None:
+        """Count so many more as done. Timing what is done by now will take ``afterwards`` [s] when all is done."""
+        self._count += count
+        timing = afterwards * self._total / self._count if self._count else 0.0
         if self._bar is not None:
+            if timing:
+                self._bar.set_postfix_str(f"then {timing:.0f} s timing", refresh=False)
             self._bar.update(count)
             return
         now = monotonic()
-        if now > self._said + SELDOM and self._done:
-            self._said = now
-            rate = self._done / (now - self._start)
-            left = (self._total - self._done) / rate
+        if now > self._last_line + SELDOM and self._count:
+            self._last_line = now
+            rate = self._count / (now - self._start)
+            remaining = (self._total - self._count) / rate
+            then = f", and then {timing:.0f} s of timing" if timing else ""
             self._log(
-                f"{self._what}, {self._done} of {self._total} {self._unit}s, {rate:.3g} a second, "
-                f"{left:.0f} s left"
+                f"{self._what}, {self._count} of {self._total} {self._unit}s, {rate:.3g} a second, "
+                f"{remaining:.0f} s left{then}"
             )
 
 
@@ -58,7 +62,7 @@ def _is_terminal() -> bool:
 
 
 def _columns() -> int:
-    """The terminal's width; one that does not know its own is taken to be 80 wide."""
+    """Return the terminal's width; one that does not know its own is taken to be 80 wide."""
     with suppress(OSError, ValueError, AttributeError):
         return os.get_terminal_size(sys.stderr.fileno()).columns or 80
     return 80

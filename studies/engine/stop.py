@@ -2,7 +2,7 @@
 
 import signal
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 from typing import Any, Self
@@ -19,7 +19,7 @@ PATIENCE = 3  # times that somebody asks before the process ends wherever it is
 
 
 class Stop:
-    """In a ``with`` statement, in the main thread, the signals are only taken note of.
+    """The signals that ask to stop, in a ``with`` statement in the main thread: they are only taken note of.
 
     :meth:`check` raises :class:`StopRun` for them, and :meth:`interruptible` lets them raise it at once.
     """
@@ -28,7 +28,6 @@ class Stop:
         self.signal: int | None = None
         self._came = 0
         self._raises = False
-        self._wake: Callable[[], object] = lambda: None
         self._before: dict[int, Any] = {}
 
     def __enter__(self) -> Self:
@@ -46,13 +45,13 @@ class Stop:
         self._before.clear()
 
     def check(self) -> None:
-        """Raises :class:`StopRun` if one of the signals came."""
+        """Raise :class:`StopRun` if one of the signals came."""
         if self.signal is not None:
             raise StopRun(self.signal)
 
     @contextmanager
     def interruptible(self) -> Iterator[None]:
-        """A block that a signal may leave at any place."""
+        """Let a signal leave the block at any place."""
         self.check()
         self._raises = True
         try:
@@ -60,27 +59,17 @@ class Stop:
         finally:
             self._raises = False
 
-    @contextmanager
-    def waking(self, wake: Callable[[], object]) -> Iterator[None]:
-        """A block during which a signal calls ``wake``, which must not mind where it is called."""
-        self._wake = wake
-        try:
-            yield
-        finally:
-            self._wake = lambda: None
-
     def _note(self, number: int, _: FrameType | None) -> None:
         self.signal, self._came = number, self._came + 1
         if self._came >= PATIENCE:
             signal.signal(number, signal.SIG_DFL)
             signal.raise_signal(number)
-        self._wake()
         if self._raises:
             self._raises = False
             raise StopRun(number)
 
 
 def end_like(stopped: StopRun) -> BaseException:
-    """What a program that was stopped so raises: KeyboardInterrupt, or the exit that the signal stands for."""
+    """Return what a program that was stopped so raises: KeyboardInterrupt, or the exit of its signal."""
     number = int(stopped.args[0]) if stopped.args else signal.SIGINT
     return KeyboardInterrupt() if number == signal.SIGINT else SystemExit(128 + number)

@@ -1,57 +1,96 @@
 """Times that can be trusted: one case at a time, one thread, in rounds, every sample kept."""
 
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack
 from itertools import chain
 
-from studies.model.outcome import Failure, Sample
+from studies.engine.forecast import mode
+from studies.engine.inventory import Inventory
+from studies.engine.progress import Progress
+from studies.engine.stop import Stop
+from studies.engine.time_limit import limit_of_timed_run
+from studies.model.outcome import Failure, Sample, Work
 
 # What a process does but once (imports, memory from the system) is done by an untimed run of the longest
 # case of each kind that is shorter than this; in a longer one it is lost.
 WARM_UP = 0.3
 
 
-def longest(expected: float, limit: float | None) -> float:
-    """The time [s] after which a timed run of a case that took ``expected`` is given up."""
-    found = 5 + 10 * expected
-    return found if limit is None else min(found, limit)
+def take_times(inventory: Inventory, work: Work, stop: Stop, log: Callable[[str], object]) -> None:
+    """Take the timed runs that are missing, in a process of their own: a case may die there though it did not before."""
+    journal, cases = inventory.journal, inventory.request.cases
+    counts = inventory.times_missing()
+    if inventory.options.old_times == "dropped":
+        journal.forget_times()
+    if not counts:
+        return
+    # what processes need is imported where there are some
+    from studies.engine.executors import packed
+    from studies.engine.workers.supervisor import WorkerSupervisor
+
+    expected = {name: journal.contents.records[name].seconds for name in counts}
+    modes = {name: mode(inventory.request.identities[name].tree) for name in counts}
+    worker = WorkerSupervisor(packed(work))
+    with ExitStack() as closing:
+        closing.callback(worker.end)
+        total = sum(counts.values())
+        progress = closing.enter_context(
+            Progress(inventory.study.name, "timing", total, "run", log)
+        )
+
+        def time_once(name: str) -> Sample | Failure | None:
+            limit = limit_of_timed_run(expected[name], inventory.options.time_limit)
+            with stop.interruptible():
+                return worker.time_once(name, cases[name], limit)
+
+        def take(name: str, sample: Sample) -> None:
+            journal.time(name, sample)
+            progress.add()
+
+        def give_up(name: str, failure: Failure) -> None:
+            journal.cannot_time(name, failure.sentence)
+            progress.add(counts[name])
+
+        time_cases(counts, expected, modes, time_once, take, give_up)
+        journal.sync()
 
 
 def time_cases(
     missing: Mapping[str, int],
     expected: Mapping[str, float],
-    kinds: Mapping[str, str],
+    modes: Mapping[str, str],
     time_once: Callable[[str], Sample | Failure | None],
-    taken: Callable[[str, Sample], object],
-    failed: Callable[[str, Failure], object],
+    take: Callable[[str, Sample], object],
+    give_up: Callable[[str, Failure], object],
 ) -> None:
-    """``missing[key]`` samples of each case, case after case in rounds, each given to ``taken``.
+    """Time ``missing[name]`` runs of each case, case after case in rounds, and give each sample to ``take``.
 
-    ``expected`` seconds and ``kinds`` decide which cases are run untimed before; a case whose ``time_once``
-    gives a failure is given to ``failed``, and is left without further times.
+    The ``expected`` seconds and the ``modes`` decide which cases are run untimed before. A case whose ``time_once``
+    gives a failure is given to ``give_up``, and is left without further times.
     """
-    given_up = set()
-    untimed = [(-1, key) for key in warm_ups({key: expected[key] for key in missing}, kinds)]
-    for turn, key in chain(untimed, rounds(missing)):
-        if key in given_up:
+    without_times = set()
+    untimed = [(-1, name) for name in warm_ups({name: expected[name] for name in missing}, modes)]
+    for turn, name in chain(untimed, rounds(missing)):
+        if name in without_times:
             continue
-        sample = time_once(key)
+        sample = time_once(name)
         if isinstance(sample, Failure):
-            given_up.add(key)
-            failed(key, sample)
+            without_times.add(name)
+            give_up(name, sample)
         elif sample is not None and turn >= 0:
-            taken(key, sample)
+            take(name, sample)
 
 
-def warm_ups(expected: Mapping[str, float], kinds: Mapping[str, str]) -> list[str]:
-    """Of each kind the longest case below ``WARM_UP``, by their keys."""
-    found: dict[str, str] = {}
-    for key, seconds in sorted(expected.items(), key=lambda one: one[1]):
+def warm_ups(expected: Mapping[str, float], modes: Mapping[str, str]) -> list[str]:
+    """Return the longest case below ``WARM_UP`` of each mode."""
+    longest: dict[str, str] = {}
+    for name, seconds in sorted(expected.items(), key=lambda item: item[1]):
         if seconds < WARM_UP:
-            found[kinds[key]] = key
-    return list(found.values())
+            longest[modes[name]] = name
+    return list(longest.values())
 
 
 def rounds(missing: Mapping[str, int]) -> Iterator[tuple[int, str]]:
-    """Every case once, then every case again, for as long as one lacks a sample."""
+    """Give every case once, then every case again, for as long as one lacks a sample."""
     for turn in range(max(missing.values(), default=0)):
-        yield from ((turn, key) for key, count in missing.items() if turn < count)
+        yield from ((turn, name) for name, count in missing.items() if turn < count)

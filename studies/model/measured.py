@@ -21,6 +21,9 @@ RESERVED = frozenset(
 TIME_UNITS = frozenset(
     {"days", "hours", "minutes", "seconds", "milliseconds", "microseconds", "nanoseconds"}
 )
+LARGEST_RESULT = (
+    2**25
+)  # bytes of all that is measured of a case: a table of a thousand such takes 34 GB
 LARGEST_WHOLE = 2**53  # beyond it a whole number is changed where another case has no value
 
 
@@ -57,6 +60,19 @@ def measured_variables(
                 "one dimension, has the name of a dimension."
             )
     return found
+
+
+def check_size(variables: Mapping[str, xr.Variable]) -> None:
+    """Refuse more numbers of one case than a table of many cases can hold.
+
+    Raises :class:`~contactstudy.InvalidInput` with the size.
+    """
+    size = sum(variable.nbytes for variable in variables.values())
+    if size > LARGEST_RESULT:
+        raise InvalidInput(
+            f"measures gives {size / 1e6:.3g} MB, more than the {LARGEST_RESULT / 1e6:.3g} MB of a case: give fewer "
+            "numbers, or give them as 'fields' of the case, which have a file of their own."
+        )
 
 
 def _variable(name: object, value: object, source: str, taken: frozenset[str]) -> xr.Variable:

@@ -126,7 +126,7 @@ class Work:
     axes: frozenset[str] = frozenset()
 
 
-Finished = Callable[[int, Outcome], None]
+Finished = Callable[[str, Outcome], None]
 
 
 # A neighbour on the core takes CPU time away; one on the memory bus, or a slower clock, makes repeats

@@ -25,20 +25,20 @@ PIECE = 2**20
 
 
 class ClosedError(Exception):
-    """The other end is gone."""
+    """Raised where the other end is gone."""
 
 
 class LateError(Exception):
-    """No whole message in time."""
+    """Raised where no whole message came in time."""
 
 
 class ForgedError(Exception):
-    """Bytes that are not the message of the case and the process that are waited for."""
+    """Raised for bytes that are not the message of the awaited case and process."""
 
 
 @dataclass(frozen=True)
 class Address:
-    """What a message must say: the ``case``, the ``process`` that sends it, and the case's ``key``."""
+    """Address of a message: its ``case``, the ``process`` that sends it, and the ``key`` of the case."""
 
     case: int
     process: int
@@ -46,7 +46,7 @@ class Address:
 
 
 def new_key() -> bytes:
-    """A key that no message had before."""
+    """Draw a key that no message had before."""
     return secrets.token_bytes(KEY)
 
 
@@ -61,11 +61,23 @@ class Channel:
         self._end.close()
 
     def __del__(self) -> None:
-        """Close what another thread may have been reading to the end."""
+        """Close the socket, which another thread may have been reading to the end."""
         self._end.close()
 
+    def send_socket(self, other: socket.socket) -> None:
+        """Send ``other``, where the system can, after the message that announces it."""
+        try:
+            socket.send_fds(self._end, [b"-"], [other.fileno()])
+        except OSError:
+            raise ClosedError from None
+
+    def receive_socket(self) -> socket.socket:
+        """Return the socket that was sent."""
+        _, descriptors, _, _ = socket.recv_fds(self._end, 1, 1)
+        return socket.socket(fileno=descriptors[0])
+
     def send(self, address: Address, body: bytes) -> None:
-        """Raises :class:`ClosedError` where nobody reads."""
+        """Send ``body``; raises :class:`ClosedError` where nobody reads."""
         try:
             self._end.sendall(_header(address, body) + body)
         except OSError:
@@ -78,7 +90,7 @@ class Channel:
         until: float | None = None,
         is_alive: Callable[[], bool] = lambda: True,
     ) -> bytes:
-        """The body of the next message, which must be from ``address``.
+        """Return the body of the next message, which must be from ``address``.
 
         Raises :class:`LateError` at the time ``until`` (of ``monotonic``), :class:`ClosedError` when the
         other end is closed or its process is not alive, :class:`ForgedError` for anything else.
@@ -93,7 +105,7 @@ class Channel:
         return body
 
     def wait(self, seconds: float) -> bool:
-        """Whether something can be read within so many seconds."""
+        """Return whether something can be read within so many seconds."""
         try:
             return bool(wait([self._end], min(seconds, LONGEST_WAIT)))
         except (OSError, ValueError):  # closed in this process: reading says so
@@ -130,21 +142,21 @@ def _header(address: Address, body: bytes) -> bytes:
 
 
 def channel_pair() -> tuple[Channel, socket.socket]:
-    """One end for this process, and the bare other for a worker."""
+    """Make a channel for this process, and the bare socket of its other end for a worker."""
     ours, theirs = socket.socketpair()
     return Channel(ours), theirs
 
 
+Task = Literal["compute", "clock"]
 # requests come from one process only, and are addressed with this
 REQUEST_KEY, REQUEST = b"\0" * KEY, -1
-SETUP = -2
-
-Task = Literal["compute", "clock"]
+SETUP, FORK, ENDING = -2, -3, -4  # what is answered, where it is no case
+UNREAD = "reading"  # stage of the failure of several cases that cannot be read together
 
 
 @dataclass(frozen=True)
 class Setup:
-    """The supervisor's import paths, and the ``work`` (pickled) from here on; the answer is empty, or an error."""
+    """Request to take the supervisor's import paths and its ``work`` (pickled); the answer is an error, or empty."""
 
     path: tuple[str, ...]
     work: bytes
@@ -152,14 +164,43 @@ class Setup:
 
 
 @dataclass(frozen=True)
+class Fork:
+    """Request to fork a process that serves the socket sent after this; the answer is the number of the process."""
+
+    key: bytes
+
+
+@dataclass(frozen=True)
+class Ending:
+    """Request for the exit code of the forked ``process``, which has ended or is about to."""
+
+    process: int
+    key: bytes
+
+
+@dataclass(frozen=True)
 class Order:
-    """A ``case`` (pickled) by its ``number``: to compute, or to run once against the clock.
+    """One case of a batch, by its place and its ``name``: to compute, or to run once against the clock.
 
     The answer, sealed with ``key``, is an Outcome, or a Sample or the Failure in its place. ``limit`` [s].
     """
 
-    number: int
-    case: bytes
+    place: int
+    name: str
     key: bytes
     task: Task
     limit: float | None
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Request for ``orders`` of the ``cases``, which are pickled together; one answer an order, in their sequence.
+
+    Cases that cannot be read are answered with a Failure to each order.
+    """
+
+    cases: bytes
+    orders: tuple[Order, ...]
+
+
+Request = Setup | Fork | Ending | Batch

@@ -1,19 +1,15 @@
 """One case, computed and measured, or run once against the clock; whatever goes wrong is its outcome."""
 
-import signal
-import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
 from time import perf_counter, process_time
-from types import FrameType
-from typing import NoReturn
 
 import numpy as np
 import xarray as xr
 
+from studies.engine import time_limit
+from studies.engine.time_limit import TimeLimitError, alarm, timed_out, too_late
 from studies.model import measured
 from studies.model.case import Computation
-from studies.model.measured import measured_variables
+from studies.model.measured import check_size, measured_variables
 from studies.model.outcome import (
     RESERVED_NAMES,
     CaseStatus,
@@ -26,39 +22,35 @@ from studies.model.outcome import (
 from studies.model.plain_text import one_line, place_of
 
 WAVE = np.outer(np.cos(np.arange(128.0)), np.sin(np.arange(128.0)))
-LONGEST_ALARM = 1e8  # seconds, three years: the system's timer takes no more
-CAN_INTERRUPT = hasattr(signal, "setitimer")
-
-
-class TimeLimitError(BaseException):
-    """Raised amid a case; not an Exception, lest a study's own code catch it."""
 
 
 class StopRun(BaseException):
-    """The run is to stop: of all that is raised amid a case, the one that is not the case's own."""
+    """Raised to stop the run: of all that is raised amid a case, the one that is not the case's own."""
 
 
 def compute(case: Computation, work: Work) -> Outcome:
     """Compute and measure ``case``; a failure is an outcome, so that the others go on."""
     stage, start, cpu = "setup", perf_counter(), process_time()
     try:
-        with _alarm(work.time_limit):
+        with alarm(work.time_limit):
             prepared = case.prepare()
             stage = "solve"
             result = case.run(prepared)
             stage = "measure"
-            taken = RESERVED_NAMES | work.axes
-            variables = measured_variables(work.measures(case, result), taken)
-            recorded = measured_variables(case.record(result), taken, "record")
-            variables = measured_variables(variables | recorded, taken) if recorded else variables
-            wanted = work.keeps_fields and isinstance(case, HasFields)
+            reserved = RESERVED_NAMES | work.axes
+            variables = measured_variables(work.measures(case, result), reserved)
+            recorded = measured_variables(case.record(result), reserved, "record")
+            variables = (
+                measured_variables(variables | recorded, reserved) if recorded else variables
+            )
+            check_size(variables)
             fields = (
                 measured_variables(case.fields(result), (), "fields")
-                if wanted and isinstance(case, HasFields)
+                if work.keeps_fields and isinstance(case, HasFields)
                 else {}
             )
-        seconds, worked = perf_counter() - start, process_time() - cpu
-        return Outcome(CaseStatus.OK, variables, None, seconds, fields, worked)
+        seconds, cpu_seconds = perf_counter() - start, process_time() - cpu
+        return Outcome(CaseStatus.OK, variables, None, seconds, fields, cpu_seconds)
     except TimeLimitError:
         return timed_out(work.time_limit, stage, perf_counter() - start)
     except StopRun:
@@ -68,22 +60,20 @@ def compute(case: Computation, work: Work) -> Outcome:
 
 
 def timed(case: Computation, limit: float | None) -> Sample | Failure:
-    """One run of ``case`` against the wall clock and the processor's, or why there is none."""
+    """Run ``case`` once against the wall clock and the processor's; returns why where there is no time."""
     try:
-        with _alarm(limit):
+        with alarm(limit):
             return time_once(case)
     except TimeLimitError:
-        return _late(limit, "timing")
+        return too_late(limit, "timing")
     except StopRun:
         raise
     except BaseException as error:  # noqa: BLE001 (it was computed before, so this is chance)
-        failure = failed(error, "timing", 0.0).failure
-        assert failure is not None
-        return failure
+        return failure_of(error, "timing")
 
 
 def time_once(case: Computation) -> Sample:
-    """One run of ``case``, against the wall clock and the processor's."""
+    """Run ``case`` once against the wall clock and the processor's."""
     before = _reference_time()
     wall, cpu = perf_counter(), process_time()
     prepared = case.prepare()
@@ -96,7 +86,7 @@ def time_once(case: Computation) -> Sample:
 
 
 def _reference_time() -> float:
-    """Seconds of a transform of 128 x 128 cells, the least of three."""
+    """Return the seconds of a transform of 128 x 128 cells, the least of three."""
     least = np.inf
     for _ in range(3):
         start = perf_counter()
@@ -106,46 +96,15 @@ def _reference_time() -> float:
 
 
 def failed(error: BaseException, stage: str, seconds: float) -> Outcome:
-    """The outcome of a case that raised ``error``."""
+    """Return the outcome of a case that raised ``error``."""
+    return Outcome(CaseStatus.FAILED, {}, failure_of(error, stage), seconds)
+
+
+def failure_of(error: BaseException, stage: str) -> Failure:
+    """Describe ``error``, which a case raised, with its place in the study's code."""
     name = one_line(type(error).__name__, 100)
-    sentence = f"{name}{place_of(error, __file__, measured.__file__)}: {one_line(error)}"
-    return Outcome(CaseStatus.FAILED, {}, Failure(name, sentence, stage), seconds)
-
-
-def timed_out(limit: float | None, stage: str, seconds: float) -> Outcome:
-    """The outcome of a case that took longer than ``limit`` [s]."""
-    return Outcome(CaseStatus.TIMEOUT, {}, _late(limit, stage), seconds)
-
-
-def _late(limit: float | None, stage: str) -> Failure:
-    sentence = f"TimeLimitError: not done after {limit:g} s; give more with --time-limit"
-    return Failure("TimeLimitError", sentence, stage)
-
-
-@contextmanager
-def _alarm(seconds: float | None) -> Iterator[None]:
-    """An alarm that interrupts Python code; what never comes back from compiled code, it cannot.
-
-    Windows has no alarm: there a supervisor ends the process of a case that is late.
-    """
-    if (
-        seconds is None
-        or not CAN_INTERRUPT
-        or threading.current_thread() is not threading.main_thread()
-    ):
-        yield
-        return
-
-    def ring(_: int, __: FrameType | None) -> NoReturn:
-        raise TimeLimitError
-
-    before = signal.signal(signal.SIGALRM, ring)
-    signal.setitimer(signal.ITIMER_REAL, min(seconds, LONGEST_ALARM))
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, before)
+    place = place_of(error, __file__, measured.__file__, time_limit.__file__)
+    return Failure(name, f"{name}{place}: {one_line(error)}", stage)
 
 
 def warm_up() -> None:

@@ -1,172 +1,157 @@
-"""A worker's process: started with one end of a socket pair, and with a pipe that closes when its supervisor ends."""
+"""The program of a worker process: it computes cases for its supervisor, one after the other, until that is gone."""
 
 import os
 import pickle
 import signal
-import socket
-import subprocess
 import sys
 import threading
-from contextlib import suppress
 from typing import Any
 
-import psutil
 from threadpoolctl import threadpool_limits
 
 from studies.engine.workers.channel import (
+    ENDING,
+    FORK,
     REQUEST,
     REQUEST_KEY,
     SETUP,
+    UNREAD,
     Address,
+    Batch,
     Channel,
     ClosedError,
+    Ending,
     ForgedError,
+    Fork,
     Order,
     Setup,
 )
 from studies.engine.workers.compute import compute, failed, timed, warm_up
+from studies.engine.workers.process import (
+    CAN_FORK,
+    MARK,
+    end_all,
+    exit_code,
+    fork,
+    runs,
+    take_over,
+)
+from studies.engine.workers.surroundings import Surroundings
 from studies.model.outcome import Outcome, Work
-
-MARK = "CONTACTSTUDY_WORKER"  # in the environment of a worker, and so of what it starts
-STDIN = 0
-
-
-def start(end: socket.socket, mark: str) -> subprocess.Popen[bytes]:
-    """A process that has ``end``; raises OSError where there can be no more.
-
-    Its standard input says which end that is, and stays open for as long as this process lives. It is in a
-    session or group of its own: a terminal's Ctrl-C is for this process.
-    """
-    # -P: a file of the user's may be called like a module of Python's
-    command = [sys.executable, "-P", "-m", "studies.engine.workers.worker"]
-    environment = os.environ | {MARK: mark}
-    share = getattr(end, "share", None)  # Windows, where a process inherits no sockets
-    if share:
-        # past the launcher of a virtual environment, whose number is not that of the worker
-        environment["__PYVENV_LAUNCHER__"] = sys.executable
-        command[0] = getattr(sys, "_base_executable", sys.executable)
-    process = subprocess.Popen(
-        command,
-        stdin=subprocess.PIPE,
-        pass_fds=() if share else (end.fileno(),),
-        start_new_session=True,
-        creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),
-        env=environment,
-    )
-    assert process.stdin is not None
-    given = share(process.pid) if share else str(end.fileno()).encode()
-    with suppress(OSError):  # it has ended already, which its supervisor will find
-        process.stdin.write(f"{os.getpid()} {given.hex()}\n".encode())
-        process.stdin.flush()
-    return process
-
-
-def take_over() -> tuple[socket.socket, int, int]:
-    """In the worker: its end, the supervisor's number, and a descriptor that can be read when that has ended.
-
-    What a case starts inherits neither, and finds an empty standard input.
-    """
-    line = b""
-    while not line.endswith(b"\n"):
-        if not (part := os.read(STDIN, 4096)):
-            sys.exit(1)  # the supervisor is gone
-        line += part
-    supervisor, given = line.decode().split()
-    leash = os.dup(STDIN)
-    empty = os.open(os.devnull, os.O_RDONLY)
-    os.dup2(empty, STDIN)
-    os.close(empty)
-    shared = bytes.fromhex(given)
-    if hasattr(socket, "fromshare"):
-        return socket.fromshare(shared), int(supervisor), leash
-    os.set_inheritable(int(shared), False)  # noqa: FBT003 (the system's own way)
-    return socket.socket(fileno=int(shared)), int(supervisor), leash
-
-
-def end_all(worker: int, mark: str) -> None:
-    """Kill ``worker``, the process group that it leads where there are groups, and all that bears its ``mark``."""
-    for process in psutil.process_iter() if mark else ():
-        with suppress(psutil.Error, OSError):  # it has ended, or is another user's
-            if process.pid not in (worker, os.getpid()) and process.environ().get(MARK) == mark:
-                process.kill()
-    with suppress(psutil.Error, ProcessLookupError, PermissionError):
-        if hasattr(os, "killpg"):
-            os.killpg(worker, signal.SIGKILL)
-        else:
-            psutil.Process(worker).kill()
-
 
 IDLE = 120.0  # seconds without a request after which it ends
 
 
 def main() -> None:
     """Answer the supervisor's requests, in their order."""
-    own = os.getpid()
     end, supervisor, leash = take_over()
-    channel = Channel(end)
-    if hasattr(os, "register_at_fork"):
-        os.register_at_fork(after_in_child=channel.close)
-    threading.Thread(target=_end_with_supervisor, args=(leash,), daemon=True).start()
     # an interrupt from outside ends the process, and is no error of the case
     signal.signal(signal.SIGINT, signal.SIG_DFL)
-    try:
-        with threadpool_limits(1):
-            _serve(channel, own, supervisor)
-    except (ClosedError, ForgedError):
-        pass
-    # a case may have left threads or exit handlers, for which nobody waits
-    os._exit(0)
+    with threadpool_limits(1):
+        _Worker(Channel(end), supervisor, leash, is_keeper=CAN_FORK).serve()
 
 
-def _serve(channel: Channel, own: int, supervisor: int) -> None:
-    requests = Address(REQUEST, supervisor, REQUEST_KEY)
-    work: Work | None = None
-    while channel.wait(IDLE):
-        for request in pickle.loads(channel.receive(requests)):
-            if isinstance(request, Setup):
-                problem = ""
-                try:
-                    sys.path[:] = request.path
-                    work = pickle.loads(request.work)
-                    warm_up()
-                except Exception as error:  # noqa: BLE001 (a study's module may do anything)
-                    problem = failed(error, "setup", 0.0).error
-                answer: Any = problem
-                number, key = SETUP, request.key
-            else:
-                assert work is not None
-                answer, number, key = _answer(request, work), request.number, request.key
-            if os.getpid() != own:
+class _Worker:
+    """One process that serves a channel: a keeper, its fork, or, where there are no forks, both in one."""
+
+    def __init__(self, channel: Channel, supervisor: int, leash: int, *, is_keeper: bool) -> None:
+        self._channel, self._number = channel, os.getpid()
+        self._requests = Address(REQUEST, supervisor, REQUEST_KEY)
+        self._leash = leash
+        self._fork: int | None = None
+        self._work: Work | None = None
+        if hasattr(os, "register_at_fork"):
+            os.register_at_fork(after_in_child=channel.close)
+        if (
+            not is_keeper
+        ):  # a keeper finds its channel closed; a thread of its own would be lost in a fork
+            threading.Thread(target=self._end_with_supervisor, daemon=True).start()
+
+    def serve(self) -> None:
+        """Answer requests until the channel is closed, or nothing was asked for long."""
+        try:
+            while (is_asked := self._channel.wait(IDLE)) or runs(self._fork):
+                for request in (
+                    pickle.loads(self._channel.receive(self._requests)) if is_asked else ()
+                ):
+                    self._answer(request)
+        except (ClosedError, ForgedError):
+            pass
+        # a case may have left threads or exit handlers, for which nobody waits
+        os._exit(0)
+
+    def _answer(self, request: Setup | Fork | Ending | Batch) -> None:
+        match request:
+            case Setup():
+                self._send(SETUP, request.key, self._set_up(request))
+            case Fork():
+                self._fork = self._begin_fork()
+                self._send(FORK, request.key, self._fork)
+            case Ending():
+                self._send(ENDING, request.key, exit_code(request.process))
+                self._fork = None
+            case Batch():
+                self._compute(request)
+
+    def _set_up(self, request: Setup) -> str:
+        """Read the study; returns what is wrong with it, or an empty text."""
+        try:
+            sys.path[:] = request.path
+            self._work = pickle.loads(request.work)
+            warm_up()
+        except Exception as error:  # noqa: BLE001 (a study's module may do anything)
+            return failed(error, "setup", 0.0).error
+        self._surroundings = Surroundings.now()
+        return ""
+
+    def _begin_fork(self) -> int:
+        """Fork a process that computes what comes through the socket that the supervisor sends now."""
+        end = self._channel.receive_socket()
+        supervisor = self._requests.process
+        number = fork()
+        if number == 0:
+            worker = _Worker(Channel(end), supervisor, self._leash, is_keeper=False)
+            worker._work, worker._surroundings = self._work, self._surroundings
+            worker.serve()
+        end.close()
+        return number
+
+    def _compute(self, batch: Batch) -> None:
+        cases: Any
+        try:
+            cases, unreadable = pickle.loads(batch.cases), None
+        except Exception as error:  # noqa: BLE001 (a study's class may do anything)
+            is_alone = len(batch.orders) == 1
+            unreadable = failed(error, "setup" if is_alone else UNREAD, 0.0)
+        for order in batch.orders:
+            self._surroundings.restore(order.name)
+            answer = unreadable or self._outcome(cases[order.place], order)
+            if os.getpid() != self._number:
                 # a case has forked, and this is the other one: the answer is not its to give
                 os._exit(0)
-            channel.send(Address(number, own, key), _packed(answer))
+            self._send(order.place, order.key, answer)
 
+    def _outcome(self, case: Any, order: Order) -> Any:
+        if order.task == "clock":
+            return timed(case, order.limit)
+        assert self._work is not None
+        return compute(case, self._work)
 
-def _answer(order: Order, work: Work) -> Any:
-    try:
-        case = pickle.loads(order.case)
-    except Exception as error:  # noqa: BLE001 (a study's class may do anything)
-        return failed(error, "setup", 0.0)
-    if order.task == "clock":
-        return timed(case, order.limit)
-    return compute(case, work)
+    def _send(self, place: int, key: bytes, answer: Any) -> None:
+        try:
+            body = pickle.dumps(answer, pickle.HIGHEST_PROTOCOL)
+        except Exception as error:  # noqa: BLE001 (a measure's own class may do anything)
+            seconds = answer.seconds if isinstance(answer, Outcome) else 0.0
+            body = pickle.dumps(failed(error, "measure", seconds))
+        self._channel.send(Address(place, self._number, key), body)
 
-
-def _packed(answer: Any) -> bytes:
-    try:
-        return pickle.dumps(answer, pickle.HIGHEST_PROTOCOL)
-    except Exception as error:  # noqa: BLE001 (a measure's own class may do anything)
-        seconds = answer.seconds if isinstance(answer, Outcome) else 0.0
-        return pickle.dumps(failed(error, "measure", seconds))
-
-
-def _end_with_supervisor(leash: int) -> None:
-    """End with the other process, whatever ended it: its end of the pipe closes then."""
-    try:
-        os.read(leash, 1)
-    finally:
-        end_all(os.getpid(), os.environ.get(MARK, ""))
-        os._exit(1)
+    def _end_with_supervisor(self) -> None:
+        """End with the supervisor, whatever ended it: its end of the pipe closes then."""
+        try:
+            os.read(self._leash, 1)
+        finally:
+            end_all(os.getpid(), os.environ.get(MARK, ""))
+            os._exit(1)
 
 
 if __name__ == "__main__":

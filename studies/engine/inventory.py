@@ -1,0 +1,97 @@
+"""What is stored of a study, what is missing, why, and what that will take."""
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from studies.engine.forecast import Forecast, ForecastModel, fit_model, forecast
+from studies.engine.options import RunOptions
+from studies.model.outcome import CaseStatus
+from studies.model.study import Study
+from studies.store.journal import Journal, Record
+from studies.store.provenance import machine
+from studies.store.request import Request, recompute_reasons
+from studies.store.result_file import has_fields
+
+Log = Callable[[str], object]
+
+
+@dataclass(frozen=True, eq=False)
+class Inventory:
+    """The cases that a ``request`` asks for, beside those in the ``journal``; ``fields`` is the folder of fields."""
+
+    study: Study
+    request: Request
+    journal: Journal
+    options: RunOptions
+    fields: Path
+
+    @property
+    def repeats(self) -> int:
+        """The number of timed runs of each case."""
+        return self.options.repeats if self.study.times == "taken" else 0
+
+    def record(self, name: str) -> Record | None:
+        """Return what is stored of the case, in this context and with these defaults."""
+        record = self.journal.contents.records.get(name)
+        identity = self.request.identities[name]
+        return record if record is not None and record.is_of(identity) else None
+
+    def records(self) -> Iterator[Record]:
+        """Give what is stored of each case, where there is something."""
+        for name in self.request.cases:
+            if (record := self.record(name)) is not None:
+                yield record
+
+    def missing(self, log: Log) -> list[str]:
+        """Return the cases to compute; says why what is stored does not serve, where there is something."""
+        contents, missing = self.journal.contents, []
+        changes: Counter[str] = Counter()
+        for name, identity in self.request.identities.items():
+            record = self.record(name)
+            if record is not None and self._serves(name, record.case_status):
+                continue
+            if record is None and (contents.records or contents.others):
+                changes.update(recompute_reasons(contents, identity, self.request.context))
+            missing.append(name)
+        for change, count in changes.items():
+            log(f"{count} stored cases are computed anew, since {change}")
+        return missing
+
+    def _serves(self, name: str, case_status: CaseStatus) -> bool:
+        """Return whether what is stored of the case is what the options ask for."""
+        wants_fields = self.options.fields == "kept" and case_status is CaseStatus.OK
+        return case_status not in self.options.retry and (
+            not wants_fields or has_fields(self.fields, name)
+        )
+
+    def times_missing(self) -> dict[str, int]:
+        """Return how many timed runs each good case lacks; none of those that cannot be timed."""
+        contents, anew = self.journal.contents, self.options.old_times == "dropped"
+        counts = {}
+        for name in self.request.cases:
+            record = self.record(name)
+            if record is None or record.case_status is not CaseStatus.OK:
+                continue
+            stored = 0 if anew else len(contents.samples.get(name, ()))
+            if stored < self.repeats and (anew or name not in contents.untimed):
+                counts[name] = self.repeats - stored
+        return counts
+
+    def state(self) -> str:
+        """Say how many cases are stored, and how many timed runs they lack."""
+        stored = sum(1 for _ in self.records())
+        missing = sum(self.times_missing().values())
+        times = f", {missing} timed runs are missing" if missing else ""
+        return f"{stored} of {len(self.request.cases)} cases are stored{times}"
+
+    def forecast(self, missing: Sequence[str]) -> Forecast:
+        """Predict what the ``missing`` cases and timed runs will take, from what is stored in the folder."""
+        identities = self.request.identities
+        counts = self.times_missing() | dict.fromkeys(missing, self.repeats)
+        if not counts and not missing:
+            return forecast(ForecastModel([]), {}, {})
+        trees = {name: identities[name].tree for name in missing}
+        timed = {name: (identities[name].tree, count) for name, count in counts.items()}
+        return forecast(fit_model(self.journal.path.parent, machine()), trees, timed)

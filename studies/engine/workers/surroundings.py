@@ -1,0 +1,88 @@
+"""State of the interpreter that a case may change, put back before the next case so that their order is no matter.
+
+What cannot be put back: modules that a case imports or changes, and its effects outside the process.
+"""
+
+import decimal
+import hashlib
+import locale
+import os
+import random
+import sys
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
+
+
+def _set_environment(environment: dict[str, str]) -> None:
+    for name in os.environ.keys() - environment.keys():
+        del os.environ[name]
+    os.environ.update(environment)
+
+
+def _set_warnings(filters: list[Any]) -> None:
+    warnings.simplefilter("default")  # which also forgets what was shown under the filters so far
+    warnings.filters[:] = filters  # type: ignore[index]
+
+
+# how each part of the state is read, and how it is set to what was read
+PARTS: tuple[tuple[Callable[[], Any], Callable[[Any], object]], ...] = (
+    (os.getcwd, os.chdir),
+    (lambda: dict(os.environ), _set_environment),
+    (_umask, os.umask),
+    (lambda: list(sys.path), lambda path: sys.path.__setitem__(slice(None), path)),
+    (sys.getrecursionlimit, sys.setrecursionlimit),
+    (lambda: list(warnings.filters), _set_warnings),
+    (lambda: locale.setlocale(locale.LC_ALL), lambda name: locale.setlocale(locale.LC_ALL, name)),
+    (lambda: decimal.getcontext().copy(), lambda context: decimal.setcontext(context.copy())),
+    (np.geterr, lambda errors: np.seterr(**errors)),
+    (np.geterrcall, np.seterrcall),
+    (np.get_printoptions, lambda options: np.set_printoptions(**options)),
+    (lambda: dict(xr.get_options()), lambda options: xr.set_options(**options)),
+)
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """State of this interpreter at one moment."""
+
+    values: tuple[Any, ...]
+
+    @classmethod
+    def now(cls) -> "Surroundings":
+        """Read the present state."""
+        return cls(tuple(read() for read, _ in PARTS))
+
+    def restore(self, name: str) -> None:
+        """Set the state to what it was, and draw the seeds of numpy and random from the ``name`` of a case."""
+        for (read, write), value in zip(PARTS, self.values, strict=True):
+            with suppress(OSError):  # a working directory that was removed
+                if repr(read()) != repr(value):
+                    write(value)
+        seed = hashlib.blake2b(name.encode(), digest_size=4).digest()
+        random.seed(seed)
+        np.random.seed(int.from_bytes(seed))  # noqa: NPY002 (for cases that use numpy's own generator)
+
+
+@contextmanager
+def kept_surroundings() -> Iterator[Surroundings]:
+    """Give the present state to a block of cases, and restore it, the random generators included, at its end."""
+    before = Surroundings.now()
+    seeds = random.getstate(), np.random.get_state()  # noqa: NPY002
+    try:
+        yield before
+    finally:
+        before.restore("")
+        random.setstate(seeds[0])
+        np.random.set_state(seeds[1])  # noqa: NPY002

@@ -50,15 +50,14 @@ class WorkerSupervisor:
     def run(self, cases: bytes, names: Sequence[str]) -> Iterator[Outcome]:
         """Give the outcome of each of the ``cases``, pickled together, as soon as there is one.
 
-        It stops short after :meth:`end`, and before the first of several cases that cannot be read together.
+        It stops short after :meth:`end`, and gives nothing for several cases that cannot be read together.
         """
         for answer in self._answers(cases, names, "compute", self._limit):
             if not isinstance(answer, Outcome):
                 assert isinstance(answer, Failure)
                 answer = Outcome(CaseStatus.FAILED, {}, answer)
-            if answer.failure is not None and answer.failure.stage == UNREAD:
-                return
-            yield answer
+            if answer.failure is None or answer.failure.stage != UNREAD:
+                yield answer
 
     def time_once(
         self, name: str, case: Computation, limit: float | None

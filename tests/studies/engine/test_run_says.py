@@ -9,6 +9,7 @@ import pytest
 import xarray as xr
 
 from studies.engine import run as module
+from studies.engine import timing
 from studies.engine.options import RunOptions
 from studies.engine.progress import Progress
 from studies.engine.run import estimate_cost, run
@@ -73,11 +74,12 @@ def test_every_case_and_every_timed_run_is_counted_once(
             self.what = what
             counted[what] = [total, 0]
 
-        def add(self, count: int = 1) -> None:
+        def add(self, count: int = 1, afterwards: float = 0.0) -> None:
             counted[self.what][1] += count
-            super().add(count)
+            super().add(count, afterwards)
 
     monkeypatch.setattr(module, "Progress", Counted)
+    monkeypatch.setattr(timing, "Progress", Counted)
     said([1, 2, RAISES, 4, 5], tmp_path, RunOptions(workers=0, repeats=2))
     assert counted == {"solving": [5, 5], "timing": [8, 8]}
 

@@ -28,19 +28,9 @@ def test_a_signal_is_taken_note_of_and_raised_where_it_is_asked_for() -> None:
     assert signal.getsignal(signal.SIGINT) == before
 
 
-def test_a_block_that_may_be_left_is_left_at_once_and_one_that_waits_is_woken() -> None:
-    woken = []
-    with Stop() as stop:
-        with stop.waking(lambda: woken.append(1)):
-            signal.raise_signal(signal.SIGTERM)
-        assert woken == [1]
+def test_a_block_that_may_be_left_is_left_at_once() -> None:
     with Stop() as stop, pytest.raises(StopRun), stop.interruptible():
         signal.raise_signal(signal.SIGTERM)
-    with Stop() as stop:
-        with stop.waking(lambda: woken.append(2)):
-            pass
-        signal.raise_signal(signal.SIGTERM)
-    assert woken == [1]
 
 
 PATIENT = """

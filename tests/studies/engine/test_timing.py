@@ -7,7 +7,8 @@ import pytest
 from contactstudy import InvalidInput
 from studies.engine.options import RunOptions
 from studies.engine.run import run
-from studies.engine.timing import longest, rounds, time_cases
+from studies.engine.time_limit import limit_of_timed_run
+from studies.engine.timing import rounds, time_cases
 from studies.model.outcome import CaseStatus, Failure, Sample, is_contended, timing_variables
 from tests.studies.conftest import quiet
 from tests.studies.engine import trouble
@@ -24,7 +25,7 @@ def test_a_timed_run_is_given_up_after_ten_times_what_it_took(
     expected: float, limit: float | None, seconds: float
 ) -> None:
     """And five seconds, which a start may take; after the limit at the latest."""
-    assert longest(expected, limit) == seconds
+    assert limit_of_timed_run(expected, limit) == seconds
 
 
 def test_repeats_are_interleaved_between_cases() -> None:

@@ -52,6 +52,22 @@ class Trouble:
         return {}
 
 
+def _refuse(where: str) -> "Unsendable":
+    raise TypeError("it holds an open file")
+
+
+@dataclass(frozen=True)
+class Unsendable(Trouble):
+    """A case that cannot be pickled, or that cannot be read again."""
+
+    where: str = "written"
+
+    def __reduce__(self) -> tuple[object, ...]:
+        if self.where == "written":
+            _refuse(self.where)
+        return _refuse, (self.where,)
+
+
 def measures(case: Trouble, result: float) -> Mapping[str, xr.Variable | float]:
     label = {"units": "1", "long_name": "its powers"}
     return {
@@ -64,6 +80,13 @@ def measures(case: Trouble, result: float) -> Mapping[str, xr.Variable | float]:
 def process(case: Trouble, result: float) -> dict[str, float]:
     """In which process it was computed."""
     return {"process": os.getpid()}
+
+
+def parent_process(case: Trouble, result: float) -> dict[str, float]:
+    """In which process it was computed, or of which that one is a fork."""
+    with Path(f"/proc/{os.getpid()}/cmdline").open("rb") as file:
+        is_fork = Path(f"/proc/{os.getppid()}/cmdline").read_bytes() == file.read()
+    return {"process": os.getppid() if is_fork else os.getpid()}
 
 
 def study(

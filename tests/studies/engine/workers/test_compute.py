@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import pytest
 import xarray as xr
 
+from studies.engine.time_limit import timed_out
 from studies.engine.workers import compute
-from studies.engine.workers.compute import failed, time_once, timed, timed_out
+from studies.engine.workers.compute import failed, time_once, timed
 from studies.model.outcome import CaseStatus, Failure, Work
 from tests.studies.conftest import POSIX
 

@@ -1,0 +1,274 @@
+"""Cases that raise, give nan, hang and die, on dask here and on a scheduler elsewhere: each is labelled."""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import psutil
+import pytest
+import xarray as xr
+
+from contactstudy import InvalidInput
+from studies.engine.cluster import AHEAD, Cluster
+from studies.engine.options import RunOptions
+from studies.engine.run import run
+from studies.engine.stop import Stop
+from studies.model.outcome import CaseStatus, Outcome, Work
+from tests.studies.conftest import POSIX, quiet
+from tests.studies.engine import trouble
+from tests.studies.engine.trouble import DIES, HANGS, NAN, RAISES, Trouble, Unsendable
+
+LIMIT = 5.0  # seconds; a case takes microseconds, however busy the machine
+ROOT = Path(__file__).parents[3]
+TROUBLES = {
+    RAISES: CaseStatus.FAILED,
+    NAN: CaseStatus.FAILED,
+    HANGS: CaseStatus.TIMEOUT,
+    DIES: CaseStatus.KILLED,
+}
+Workers = list[subprocess.Popen[bytes]]
+MakeCluster = Callable[[], Cluster]
+
+
+def examine(dataset: xr.Dataset) -> None:
+    """Sixteen are right, four are labelled."""
+    status = {
+        int(n): CaseStatus(int(s))
+        for n, s in zip(dataset["number"], dataset["case_status"], strict=True)
+    }
+    assert status == {n: TROUBLES.get(n, CaseStatus.OK) for n in range(20)}
+    good = dataset.sel(number=[n for n in range(20) if n not in TROUBLES])
+    np.testing.assert_array_equal(good["square"], good["number"] ** 2)
+    assert not good["error"].values.any()
+    said = {n: dataset.sel(number=n) for n in TROUBLES}
+    place = f"run (trouble.py, line {trouble.RAISING_LINE})"
+    assert str(said[RAISES]["error"].item()) == f"ArithmeticError in {place}: this one"
+    assert (said[RAISES]["error_type"].item(), said[RAISES]["error_stage"].item()) == (
+        "ArithmeticError", "solve",
+    )  # fmt: skip
+    assert "square is nan" in str(said[NAN]["error"].item())
+    assert said[NAN]["error_stage"].item() == "measure"
+    assert f"not done after {LIMIT:g} s" in str(said[HANGS]["error"].item())
+    ending = "SIGKILL" if hasattr(signal, "SIGKILL") else "exit code"
+    assert ending in str(said[DIES]["error"].item())
+
+
+def address_of(scheduler: subprocess.Popen[str]) -> str:
+    assert scheduler.stderr is not None
+    for line in scheduler.stderr:
+        if found := re.search(r"Scheduler at:\s+(tcp://\S+)", line):
+            return found[1]
+    raise AssertionError("no address")
+
+
+@pytest.fixture(scope="module")
+def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, Workers]]:
+    """A scheduler and two workers, processes all three."""
+    dask = [str(Path(sys.executable).with_name("dask"))]
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    running = subprocess.Popen(
+        [*dask, "scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--no-jupyter"],
+        stderr=subprocess.PIPE, text=True, cwd=ROOT, env=environment,
+    )  # fmt: skip
+    workers: Workers = []
+    try:
+        address = address_of(running)
+        workers += [
+            subprocess.Popen(
+                [*dask, "worker", address, "--no-nanny", "--nthreads", "1", "--no-dashboard",
+                 "--local-directory", str(tmp_path_factory.mktemp("worker"))],
+                stderr=subprocess.DEVNULL, cwd=ROOT, env=environment,
+            )
+            for _ in range(3)
+        ]  # fmt: skip
+        yield address, workers
+    finally:
+        for process in [*workers, running]:
+            process.kill()
+            process.wait()
+        if running.stderr is not None:
+            running.stderr.close()
+
+
+@pytest.fixture(params=["local", pytest.param("remote", marks=POSIX)])
+def address(request: pytest.FixtureRequest) -> str | None:
+    """The address of a scheduler, or none for dask in this process."""
+    if request.param == "local":
+        return None
+    address: str = request.getfixturevalue("scheduler")[0]
+    return address
+
+
+def compute(cluster: Cluster, cases: list[Trouble], work: Work) -> list[Outcome]:
+    outcomes: dict[str, Outcome] = {}
+    named = {str(place): case for place, case in enumerate(cases)}
+    cluster.run(named, work, outcomes.__setitem__, Stop())
+    return [outcomes[name] for name in named]
+
+
+def test_four_troubles_among_twenty_are_labelled(address: str | None, tmp_path: Path) -> None:
+    settings = RunOptions(workers=2, scheduler=address, time_limit=LIMIT, repeats=1)
+    examine(run(trouble.study(), tmp_path, options=settings, log=quiet))
+
+
+def test_every_case_of_a_batch_in_which_several_die_is_answered(address: str | None) -> None:
+    numbers = [1, DIES, 2, DIES, DIES, RAISES, 4] * 4
+    with Cluster(2, address) as cluster:
+        outcomes = compute(cluster, [Trouble(float(n)) for n in numbers], Work(trouble.measures))
+    for number, outcome in zip(numbers, outcomes, strict=True):
+        assert outcome.case_status is TROUBLES.get(number, CaseStatus.OK)
+        if outcome.case_status is CaseStatus.OK:
+            assert float(outcome.variables["square"]) == number**2
+
+
+@pytest.mark.parametrize("where", ["written", "read"])
+def test_a_case_that_cannot_be_sent_fails_alone(address: str | None, where: str) -> None:
+    # the first ones go alone; by the fortieth, what a case takes is known, and it goes with others
+    cases = [Trouble(n + 0.5) for n in range(80)]
+    cases[60] = Unsendable(60.5, where=where)
+    with Cluster(1, address) as cluster:
+        outcomes = compute(cluster, cases, Work(trouble.measures))
+    bad = outcomes.pop(60)
+    assert {outcome.case_status for outcome in outcomes} == {CaseStatus.OK}
+    assert bad.failure is not None
+    assert (bad.case_status, bad.failure.stage) == (CaseStatus.FAILED, "setup")
+    assert "it holds an open file" in bad.error
+
+
+def test_its_processes_go_from_study_to_study_and_outlive_their_troubles(tmp_path: Path) -> None:
+    """The processes stay, take the measures of each study, and end with the executor."""
+    numbers = []
+    with Cluster(1) as cluster:
+        (first,) = compute(cluster, [Trouble(2.0)], Work(trouble.measures))
+        assert float(first.variables["square"]) == 4
+        for _ in range(2):
+            (outcome,) = compute(cluster, [Trouble(1.0)], Work(trouble.parent_process))
+            numbers.append(int(outcome.variables["process"]))
+        assert numbers[0] == numbers[1] != os.getpid()
+        settings = RunOptions(time_limit=LIMIT, repeats=1)
+        examine(run(trouble.study(), tmp_path, options=settings, log=quiet, executor=cluster))
+        (outcome,) = compute(cluster, [Trouble(1.0)], Work(trouble.parent_process))
+        numbers.append(int(outcome.variables["process"]))
+    for number in numbers:
+        assert not psutil.pid_exists(number) or number == os.getpid()
+
+
+def test_an_executor_that_was_stopped_starts_anew(address: str | None) -> None:
+    def stop(name: str, outcome: Outcome) -> None:
+        raise KeyboardInterrupt
+
+    with Cluster(2, address) as cluster:
+        with pytest.raises(KeyboardInterrupt):
+            cluster.run(
+                {"one": Trouble(1.0), "other": Trouble(6.0)}, Work(trouble.measures), stop, Stop()
+            )
+        (outcome,) = compute(cluster, [Trouble(2.0)], Work(trouble.measures))
+    assert float(outcome.variables["square"]) == 4
+
+
+def test_what_threads_here_had_computed_when_a_run_was_stopped_is_not_lost(tmp_path: Path) -> None:
+    """The first outcome stops the run, and is taken only when all but the two that hang are computed."""
+    log = tmp_path / "log"
+    cases = {
+        str(n): Trouble(n + 0.5, log=str(log), hangs_from=AHEAD * 2 - 2) for n in range(AHEAD * 2)
+    }
+    outcomes: dict[str, Outcome] = {}
+
+    def finished(name: str, outcome: Outcome) -> None:
+        outcomes[name] = outcome
+        if len(outcomes) == 1:
+            while len(log.read_text(encoding="utf-8").splitlines()) < len(cases):
+                time.sleep(0)  # others first
+            raise KeyboardInterrupt
+
+    with Cluster(2) as cluster, pytest.raises(KeyboardInterrupt):
+        cluster.run(cases, Work(trouble.measures), finished, Stop())
+    assert {outcome.case_status for outcome in outcomes.values()} == {CaseStatus.OK}
+    assert sorted(outcomes) == [str(n) for n in range(AHEAD * 2 - 2)]
+
+
+def test_dask_here_listens_to_this_machine_alone_and_rests_while_cases_are_timed() -> None:
+    with Cluster(1) as cluster:
+        compute(cluster, [Trouble(1.0)], Work(trouble.measures))
+        listening = {
+            connection.laddr.ip
+            for connection in psutil.Process().net_connections("inet")
+            if connection.status == psutil.CONN_LISTEN
+        }
+        assert listening <= {"127.0.0.1"}
+        cluster.rest()
+        assert not [
+            connection
+            for connection in psutil.Process().net_connections("inet")
+            if connection.status == psutil.CONN_LISTEN
+        ]
+        compute(cluster, [Trouble(1.0)], Work(trouble.measures))
+
+
+SCRIPT = """
+import sys
+from pathlib import Path
+from studies.engine.options import RunOptions
+from studies.engine.run import run
+from tests.studies.engine import trouble
+run(trouble.study(), Path(sys.argv[1]), options=RunOptions(workers=0, time_limit=5.0, repeats=1))
+"""
+
+
+@POSIX
+def test_a_case_that_takes_its_process_down_is_given_its_own_the_next_time(tmp_path: Path) -> None:
+    command = [sys.executable, "-c", SCRIPT, str(tmp_path)]
+    first = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert first.returncode == -signal.SIGKILL
+    second = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert second.returncode == 0, second.stderr
+    assert "needs a process of its own" in second.stdout
+    dataset = xr.load_dataset(tmp_path / "trouble.nc")
+    examine(dataset)
+    assert "needs a process of its own" in str(dataset["error"].sel(number=DIES).item())
+
+
+WATCH = """
+import os, signal, sys, time
+while not (os.path.exists(sys.argv[1]) and len(open(sys.argv[1]).readlines()) >= 6):
+    time.sleep(0.02)
+os.kill(int(sys.argv[2]), signal.SIGKILL)
+"""
+
+
+@POSIX
+def test_a_run_outlives_a_dask_worker(scheduler: tuple[str, Workers], tmp_path: Path) -> None:
+    address, workers = scheduler
+    log = tmp_path / "log"
+    slow = trouble.study([n + 0.5 for n in range(24)], log=str(log), seconds=0.1)
+    watcher = subprocess.Popen(
+        [sys.executable, "-c", WATCH, str(log), str(workers[0].pid)],
+    )
+    settings = RunOptions(scheduler=address, repeats=0)
+    dataset = run(slow, tmp_path, options=settings, log=quiet)
+    assert watcher.wait() == 0
+    assert workers[0].wait() == -signal.SIGKILL
+    assert (dataset["case_status"] == CaseStatus.OK).all()
+    np.testing.assert_array_equal(dataset["square"], dataset["number"] ** 2)
+
+
+def test_a_scheduler_that_is_not_there_is_said() -> None:
+    refusal = r"^Scheduler 'tcp://127.0.0.1:1' cannot be reached"
+    nowhere = Cluster(0, "tcp://127.0.0.1:1", patience=0.2)
+    with pytest.raises(InvalidInput, match=refusal), nowhere:
+        compute(nowhere, [Trouble(1.0)], Work(trouble.measures))
+
+
+def test_the_first_failure_stops_a_run_that_is_to_stop(tmp_path: Path) -> None:
+    settings = RunOptions(workers=0, after_failure="stop", repeats=1)
+    dataset = run(trouble.study(), tmp_path, options=settings, log=quiet)
+    status = dataset["case_status"].values.tolist()
+    assert status == [CaseStatus.OK] * RAISES + [CaseStatus.FAILED] + [CaseStatus.SKIPPED] * (
+        19 - RAISES
+    )

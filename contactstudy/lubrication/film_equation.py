@@ -16,7 +16,7 @@ row of cells (ny = 1) is plane strain.
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,7 @@ from contactstudy.domain.fields import Array
 SERIES = 1e-3
 
 Mask = NDArray[np.bool_]
+Scalar = TypeVar("Scalar", bound=np.generic)
 # A cell's neighbours, as offsets across and along, and what multiplies a change in them.
 Bands = Mapping[tuple[int, int], Array]
 
@@ -81,7 +82,7 @@ class Linearised:
     """The balance of the cells to first order in changes of pressure, film and void fraction.
 
     ``pressure`` at a constant film, ``film`` and ``void`` are bands of coefficients (x, y): one of offset (i, j)
-    multiplies the change in the cell that far away. Rows of fixed cells are zero.
+    multiplies the change in the cell that far away. Rows of fixed cells are zero. ``rate`` is that of a step in time.
     """
 
     residual: Array
@@ -91,6 +92,7 @@ class Linearised:
     void: Bands
     content_slopes: tuple[Array, Array, Array]
     equation: "FilmEquation"
+    rate: float = 0.0
 
     def delayed(self, rate: float) -> "Linearised":
         """Add ``rate`` times the change of content: an implicit step in time of length 1 / rate."""
@@ -103,7 +105,7 @@ class Linearised:
             )
         )
         pressure, film, void = bands
-        return replace(self, pressure=pressure, film=film, void=void)
+        return replace(self, pressure=pressure, film=film, void=void, rate=rate)
 
     def change(self, pressure: Array, void: Array, separation: float) -> Array:
         """Return the change of the balance under changes of pressure, void fraction and separation."""
@@ -213,7 +215,7 @@ class FilmEquation:
         return Linearised(residual * free, flux, pressure, height, void, slopes, self)
 
 
-def neighbour(values: Array, offset: tuple[int, int]) -> Array:
+def neighbour(values: NDArray[Scalar], offset: tuple[int, int]) -> NDArray[Scalar]:
     """Return the value of the cell at ``offset`` from each cell: zero beyond the ends across, periodic along."""
     rows, columns = offset
     shifted = np.roll(values, -columns, axis=1) if columns else values

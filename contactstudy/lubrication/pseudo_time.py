@@ -138,6 +138,8 @@ def _settled(
     equation, film, cavitated = last.linear.equation, last.film, last.cavitated
     delayed = last.linear.delayed(1 / time_step)
     missing, iterations = equation.load_missing(film), 0
+    # near the answer every cell counts
+    unsettled = UNSETTLED * min(1.0, last.residual) * film.film.size
     for round_number in range(ROUNDS):
         change = solver.step(delayed, film, cavitated, missing)
         iterations += change.iterations
@@ -149,7 +151,7 @@ def _settled(
         )
         wanted &= ~equation.fixed
         flips = np.count_nonzero(wanted != cavitated)
-        if flips <= UNSETTLED * wanted.size or round_number == ROUNDS - 1:
+        if flips <= unsettled or round_number == ROUNDS - 1:
             break
         cavitated = wanted
     return cavitated, wanted, change, iterations

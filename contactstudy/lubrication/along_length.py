@@ -1,0 +1,250 @@
+"""The linear system of a step where the film varies along its length: GMRES with two stages of preconditioning.
+
+The Fourier stage solves the system with all coefficients averaged over the length, wave by wave, which knows how distant
+cells act on each other. The line stage then solves what is left line by line downstream, with the coefficients as they
+are and a mere remainder of elasticity, which knows how conductance varies by orders of magnitude from cell to cell.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cache
+from importlib import import_module
+
+import numpy as np
+from scipy import fft
+from scipy.linalg import solve_banded
+from scipy.sparse.linalg import LinearOperator, gmres
+
+from contactstudy.domain.fields import Array
+from contactstudy.elasticity.convolution import Convolution
+from contactstudy.lubrication.film_equation import Film, Linearised, Mask, neighbour
+from contactstudy.lubrication.pseudo_time import FilmStep
+
+# The linear residual where GMRES stops, and above which its step is refused; the length of its basis, and restarts.
+REACHED, MISSED, BASIS, RESTARTS = 1e-2, 0.1, 120, 4
+# Waves along the length that the Fourier stage knows.
+WAVES = 33
+# What the line stage has of elasticity: this share of the coefficients of the film, and this part of a cell's width.
+FILM_SHARE, OWN_SHARE = 0.01, 0.03
+# The Fourier stage is made anew where GMRES takes so many times as many iterations, and more, than after it was last.
+SLOWER, MORE, FOURFOLD, LONG_STEP = 1.5, 5, 4.0, 3.0
+
+
+@dataclass(eq=False)
+class KrylovStep:
+    """GMRES for a film that varies along its length; keeps its Fourier stage from step to step."""
+
+    deflection: Convolution
+    fourier: "FourierStage | None" = None
+    made_for: float = 0.0
+    iterations_then: int | None = field(default=None)
+
+    def step(
+        self, linear: Linearised, film: Film, cavitated: Mask, load_missing: float
+    ) -> FilmStep:
+        """Return the step for a given set of ``cavitated`` cells."""
+        equation = linear.equation
+        shape = film.film.shape
+        free = ~(cavitated | equation.fixed)
+        pressure = np.where(cavitated, -film.pressure, 0.0)
+        void = np.where(cavitated, 0.0, -film.void)
+        flow = float(np.abs(linear.flux[1:-1]).max())
+        mean = equation.cell[0] / shape[1]
+
+        def split(values: Array) -> tuple[Array, Array, float]:
+            cells = values[:-1].reshape(shape)
+            return cells * free, cells * cavitated, float(values[-1])
+
+        def product(values: Array) -> Array:
+            change, opened, separation = split(values)
+            balance = linear.change(change, opened, separation)
+            return np.append(balance.ravel(), flow * mean * change.sum())
+
+        missing = load_missing - mean * pressure.sum()
+        right = np.append(
+            -(linear.residual + linear.change(pressure, void, 0.0)).ravel(), flow * missing
+        )
+        self._renew(linear, free)
+        assert self.fourier is not None
+        fourier, lines = self.fourier, LineStage.of(linear, cavitated)
+
+        def preconditioned(values: Array) -> Array:
+            cells = values[:-1].reshape(shape)
+            coarse, separation = fourier.solve(cells * free, float(values[-1]) / flow)
+            first = np.append((coarse * free).ravel(), separation)
+            left = values - product(first)
+            first[:-1] += (lines.solve(left[:-1].reshape(shape)) * ~equation.fixed).ravel()
+            return first
+
+        count = 0
+
+        def counted(_: float) -> None:
+            nonlocal count
+            count += 1
+
+        size = right.size
+        system = LinearOperator(
+            (size, size), matvec=lambda values: product(preconditioned(values)), dtype=float
+        )
+        norm = float(np.linalg.norm(right))
+        if norm == 0:
+            return FilmStep(pressure, void, 0.0)
+        solution, _ = gmres(
+            system, right, rtol=REACHED, atol=0.0, restart=BASIS, maxiter=RESTARTS,
+            callback=counted, callback_type="pr_norm",
+        )  # fmt: skip
+        best = preconditioned(solution)
+        missed = float(np.linalg.norm(right - product(best))) / norm
+        self.iterations_then = count if self.iterations_then is None else self.iterations_then
+        if count > SLOWER * self.iterations_then + MORE:
+            self.fourier = None
+        change, opened, separation = split(best)
+        solved = bool(np.isfinite(missed) and missed < MISSED)
+        return FilmStep(pressure + change, void + opened, separation, solved, count)
+
+    def _renew(self, linear: Linearised, free: Mask) -> None:
+        """Make the Fourier stage anew where the time step has changed, or it no longer serves."""
+        time_step = min(1 / linear.rate, LONG_STEP) if linear.rate else LONG_STEP
+        ratio = time_step / self.made_for if self.made_for else 0.0
+        if self.fourier is not None and 1 / FOURFOLD < ratio < FOURFOLD:
+            return
+        self.fourier = FourierStage.of(linear, free, toeplitz(self.deflection))
+        self.made_for, self.iterations_then = time_step, None
+
+
+@dataclass(frozen=True, eq=False)
+class FourierStage:
+    """Inverses (wave, x, x) of the system averaged over the length; that of the mean has the load as a last row."""
+
+    mean: Array
+    waves: Array
+    scale: Array
+
+    @classmethod
+    def of(cls, linear: Linearised, free: Mask, influence: Array) -> "FourierStage":
+        """Average over the length, and invert; ``influence`` (wave, x, x) in single precision."""
+        equation = linear.equation
+        nx, ny = free.shape
+        number = len(influence)
+        matrices = np.zeros((number, nx, nx), dtype=np.float32)
+        index = np.arange(nx)
+        by_separation = np.zeros(nx)
+        # cells that are not free stay as they are
+        matrices[:, index, index] = 1 - free.mean(axis=1)
+        turn = np.cos(2 * np.pi * np.arange(number) / ny)
+        for bands, elastic in ((linear.pressure, False), (linear.film, True)):
+            for (across, along), coefficient in bands.items():
+                average = (coefficient * free).mean(axis=1).astype(np.float32)
+                rows = index[max(0, -across) : nx - max(0, across)]
+                weight = turn if along else np.ones(number)
+                scaled = weight[:, None].astype(np.float32) * average[rows]
+                if elastic:
+                    matrices[:, rows] += scaled[:, :, None] * influence[:, rows + across]
+                    by_separation += average
+                else:
+                    matrices[:, rows, rows + across] += scaled
+        scale = np.abs(matrices).max(axis=2)
+        bordered = np.zeros((nx + 1, nx + 1))
+        bordered[:nx, :nx] = matrices[0]
+        bordered[:nx, nx] = by_separation
+        bordered[nx, :nx] = equation.cell[0] * free.mean(axis=1)
+        bordered[:nx] /= scale[0][:, None]
+        return cls(
+            np.linalg.inv(bordered),
+            np.linalg.inv(matrices[1:] / scale[1:, :, None]),
+            scale,
+        )
+
+    def solve(self, right: Array, load: float) -> tuple[Array, float]:
+        """Return pressure (x, y) and separation for the right-hand side of cells and of the load."""
+        number = len(self.scale)
+        transformed = fft.rfft(right, axis=1)
+        scaled = transformed[:, :number].T / self.scale
+        ny = right.shape[1]
+        mean = self.mean @ np.append(scaled[0].real / ny, load)
+        parts = np.stack((scaled[1:].real, scaled[1:].imag), axis=2).astype(np.float32)
+        waves = self.waves @ parts
+        solution = np.zeros_like(transformed)
+        solution[:, 0] = mean[:-1] * ny
+        solution[:, 1:number] = (waves[..., 0] + 1j * waves[..., 1]).T
+        return fft.irfft(solution, n=ny, axis=1), float(mean[-1])
+
+
+def toeplitz(deflection: Convolution) -> Array:
+    """Return the influence (wave, x, x) of cells across on each other, for the first waves along the length."""
+    nx, ny = deflection.cells
+    number = min(WAVES, ny // 2 + 1)
+    columns = fft.ifft(deflection.spectrum[:, :number], axis=0).real.astype(np.float32)
+    index = np.arange(nx)
+    return np.ascontiguousarray(columns[np.abs(index[:, None] - index)].transpose(2, 0, 1))
+
+
+@dataclass(frozen=True, eq=False)
+class LineStage:
+    """Coefficients (x, y) of lines along the length: of the own cell, its neighbours along, and those upstream."""
+
+    own: Array
+    before: Array
+    behind: Array
+    upstream: Array
+    further: Array
+
+    @classmethod
+    def of(cls, linear: Linearised, cavitated: Mask) -> "LineStage":
+        """Take from each cell the coefficients of its unknown, the void fraction where it is cavitated."""
+        fixed = linear.equation.fixed
+        zero = np.zeros(fixed.shape)
+
+        def coefficient(offset: tuple[int, int]) -> Array:
+            pressure = linear.pressure.get(offset, zero) + FILM_SHARE * linear.film.get(
+                offset, zero
+            )
+            if offset == (0, 0):
+                pressure = pressure + OWN_SHARE * linear.equation.cell[0]
+            unknown = np.where(
+                neighbour(cavitated, offset), linear.void.get(offset, zero), pressure
+            )
+            return np.where(fixed | neighbour(fixed, offset), offset == (0, 0), unknown)
+
+        return cls(*(coefficient(offset) for offset in ((0, 0), (0, -1), (0, 1), (-1, 0), (-2, 0))))
+
+    def solve(self, right: Array) -> Array:
+        """Return the solution of one sweep downstream."""
+        return sweeper()(self.own, self.before, self.behind, self.upstream, self.further, right)
+
+
+@cache
+def sweeper() -> Callable[..., Array]:
+    """Return the compiled sweep, or that of arrays where numba is not installed."""
+    try:
+        compiled: Callable[..., Array] = import_module(
+            "contactstudy.lubrication.compiled_sweep"
+        ).sweep
+    except ModuleNotFoundError:
+        return sweep_by_arrays
+    return compiled
+
+
+def sweep_by_arrays(
+    own: Array, before: Array, behind: Array, upstream: Array, further: Array, right: Array
+) -> Array:
+    """Solve one line along y after the other, with scipy."""
+    rows, columns = right.shape
+    solution = np.zeros_like(right)
+    for i in range(rows):
+        line = right[i].copy()
+        if i > 0:
+            line -= upstream[i] * solution[i - 1]
+        if i > 1:
+            line -= further[i] * solution[i - 2]
+        # the corners of a cyclic line, after Sherman & Morrison (1950)
+        shift, ratio = -own[i, 0], before[i, 0] / -own[i, 0]
+        banded = np.stack((np.roll(behind[i], 1), own[i], np.roll(before[i], -1)))
+        banded[1, 0] -= shift
+        banded[1, -1] -= behind[i, -1] * ratio
+        corner = np.zeros(columns)
+        corner[0], corner[-1] = shift, behind[i, -1]
+        both = solve_banded((1, 1), banded, np.stack((line, corner), axis=1), check_finite=False)
+        weight = (both[0, 0] + ratio * both[-1, 0]) / (1 + both[0, 1] + ratio * both[-1, 1])
+        solution[i] = both[:, 0] - weight * both[:, 1]
+    return solution

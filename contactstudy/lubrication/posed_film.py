@@ -1,0 +1,190 @@
+"""A scene as a film equation in Hertz units, on nested grids, and films to start from."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from math import ceil, sqrt
+from typing import Literal
+
+import numpy as np
+
+from contactstudy.domain.checks import InvalidInput, NotDefined
+from contactstudy.domain.device import Precision
+from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Grid
+from contactstudy.domain.padding import Padding, Paddings, across_and_along
+from contactstudy.elasticity.convolution import Convolution, superposed
+from contactstudy.lubrication.film_equation import Film, FilmEquation, Mask
+from contactstudy.lubrication.lubricated_contact import FilmScales, LubricatedContact
+from contactstudy.lubrication.pseudo_time import FilmIteration
+from contactstudy.scene.bodies import response
+from contactstudy.scene.load import ConstantLoad
+from contactstudy.scene.scene import Scene
+
+# An outlet reaches so many half-widths, or further by so many times sqrt(2 H).
+OUTLET, OUTLET_GROWTH = 1.5, 2.5
+# Grids are halved down to so many cells: across in plane strain, across and along else. Rows divide by LEVELS.
+COARSEST, COARSEST_ROUGH, COARSEST_ALONG, LEVELS = 200, 48, 16, 8
+
+
+def lubricated_scales(scene: Scene) -> FilmScales:
+    """Return the units of a lubricated ``scene``.
+
+    Raises :class:`~contactstudy.InvalidInput` for a scene that is not lubricated, and for what no film is known with.
+    """
+    if not isinstance(scene, Scene) or scene.lubrication is None:
+        raise InvalidInput(
+            "solve_lubricated.scene has no lubrication: give Scene.lubrication a "
+            "Lubrication(lubricant, mean_speed=...), or call contactstudy.solve."
+        )
+    if scene.hertz is None:
+        raise NotDefined(
+            "Scene.shapes have no curvature, so that no inlet draws lubricant in: give a Cylinder."
+        )
+    if not isinstance(scene.load, ConstantLoad):
+        raise InvalidInput(
+            "Scene.load changes in time, and this film is a steady one: give a LineLoad, or call "
+            "contactstudy.evolve_lubricated with the history of its speed and load."
+        )
+    return FilmScales(scene.hertz, scene.lubrication)
+
+
+@dataclass(frozen=True, eq=False)
+class PosedFilm:
+    """A film equation in Hertz units on an ``upstream`` grid: beyond it the outlet is cavitated throughout.
+
+    ``x`` are its rows over a, ``operator_on`` makes the deflection on another grid.
+    """
+
+    equation: FilmEquation
+    deflection: Convolution
+    upstream: Grid
+    x: Array
+    scales: FilmScales
+    operator_on: Callable[[Grid], Convolution]
+
+    def coarser(self) -> "PosedFilm | None":
+        """Return the same with half the cells along each axis that is long and even, at last in plane strain.
+
+        None where nothing is left to halve. Gaps are means of those of the finer cells.
+        """
+        (nx, ny), equation = self.upstream.cells, self.equation
+        least = COARSEST if ny == 1 else COARSEST_ROUGH
+        across = 2 if nx % 2 == 0 and nx >= 2 * least else 1
+        along = 2 if ny % 2 == 0 and ny >= 2 * COARSEST_ALONG else 1
+        if across * along == 1:
+            along = ny
+        if across * along == 1:
+            return None
+        nx, ny = nx // across, ny // along
+        grid = Grid((nx, ny), self.upstream.extent)
+        deflection = self.operator_on(grid)
+        coarse = replace(
+            equation,
+            gap=equation.gap.reshape(nx, across, ny, along).mean(axis=(1, 3)),
+            deflection=deflection,
+            cell=(equation.cell[0] * across, equation.cell[1] * along),
+        )
+        x = self.x.reshape(nx, across).mean(axis=1)
+        return replace(self, equation=coarse, deflection=deflection, upstream=grid, x=x)
+
+
+def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
+    """Return the film equation of ``scene`` on ``grid``, up to where the outlet holds no pressure any more."""
+    scales = lubricated_scales(scene)
+    paddings = across_and_along(padding)
+    if paddings[0].wraps or (grid.cells[1] > 1 and not paddings[1].wraps):
+        raise InvalidInput(
+            f"padding is {padding!r}: a film flows in at one side and out at the other, and is periodic along the "
+            "length, give one for the length that wraps, such as ExactPeriodicity()."
+        )
+    problem = replace(scene, lubrication=None, outputs=()).problem(grid, paddings)
+    hertz = scales.hertz
+    outlet = max(OUTLET, 1 + OUTLET_GROWTH * sqrt(2 * scales.expected_film)) * hertz.half_width
+    rows = min(LEVELS * ceil(np.count_nonzero(grid.x < outlet) / LEVELS), grid.cells[0])
+    oil, peak = scales.lubrication.lubricant, hertz.peak_pressure
+    weights = response(scene.solids, problem.scales.length)
+
+    def operator_on(upstream: Grid) -> Convolution:
+        operator = superposed(weights, upstream, paddings)
+        return operator.scaled(peak / scales.film, Precision.DOUBLE)
+
+    def log_viscosity(pressure: Array) -> tuple[Array, Array]:
+        value, slope = oil.viscosity_law.log_ratio(peak * pressure, oil.pressure_viscosity)
+        return value, peak * slope
+
+    def density(pressure: Array) -> tuple[Array, Array]:
+        value, slope = oil.density.ratio(peak * pressure)
+        return value, peak * slope
+
+    upstream = Grid((rows, grid.cells[1]), (rows * grid.cell[0], grid.period))
+    deflection = operator_on(upstream)
+    equation = FilmEquation(
+        gap=problem.undeformed_gap[:rows] / scales.film,
+        deflection=deflection,
+        cell=(grid.cell[0] / hertz.half_width, grid.cell[1] / hertz.half_width),
+        resistance=scales.resistance,
+        load=hertz.load_per_length / (hertz.half_width * peak),
+        log_viscosity=log_viscosity,
+        density=density,
+    )
+    x = grid.x[:rows] / hertz.half_width
+    return PosedFilm(equation, deflection, upstream, x, scales, operator_on)
+
+
+def refined(equation: FilmEquation, coarse: FilmIteration) -> tuple[Film, Mask]:
+    """Return a film on a finer grid, raised so that it is nowhere below half the coarse one, and its cavitated cells."""
+    shape = equation.gap.shape
+    pressure = coarse.film.pressure
+    modes: tuple[Literal["edge", "wrap"], ...] = ("edge", "wrap")
+    for axis, ends in enumerate(modes):
+        times = shape[axis] // pressure.shape[axis]
+        if times == 2:
+            pressure = _halved(pressure, axis, ends)
+        elif times > 2:
+            pressure = pressure.repeat(times, axis=axis)
+    blocks = [fine // wide for fine, wide in zip(shape, coarse.film.pressure.shape, strict=True)]
+    cavitated = coarse.cavitated.repeat(blocks[0], axis=0).repeat(blocks[1], axis=1)
+    void = coarse.film.void.repeat(blocks[0], axis=0).repeat(blocks[1], axis=1)
+    cavitated &= ~equation.fixed
+    pressure = np.where(cavitated | equation.fixed, 0, pressure)
+    void = np.where(cavitated, void, 0)
+    film = equation.film_of(pressure, void, coarse.film.separation)
+    lowest = float(coarse.film.film.min()) / 2
+    rise = max(0.0, lowest - float(film.film.min()))
+    return equation.film_of(pressure, void, film.separation + rise), cavitated
+
+
+def _halved(values: Array, axis: int, ends: Literal["edge", "wrap"]) -> Array:
+    """Return values at the middles of cells half as long, linear between those of the cells."""
+    width = [(0, 0), (0, 0)]
+    width[axis] = (1, 1)
+    around = np.moveaxis(np.pad(values, width, mode=ends), axis, 0)
+    middle = around[1:-1]
+    fine = np.stack((3 * middle + around[:-2], 3 * middle + around[2:]), axis=1) / 4
+    return np.moveaxis(fine.reshape(-1, fine.shape[2]), 0, axis)
+
+
+def hertz_start(posed: PosedFilm) -> Film:
+    """Return Hertz's pressure, and a separation at which the smallest film is that of Moes."""
+    equation = posed.equation
+    hertz = np.sqrt(np.clip(1 - posed.x**2, 0, None))
+    pressure = np.repeat(hertz[:, None], equation.gap.shape[1], axis=1)
+    pressure[equation.fixed] = 0
+    pressure *= equation.load / (pressure.sum() * equation.cell[0] / pressure.shape[1])
+    void = np.zeros_like(pressure)
+    below = (equation.gap + equation.deflection(pressure)).min()
+    return equation.film_of(pressure, void, posed.scales.expected_film - below)
+
+
+def restart(posed: PosedFilm, contact: LubricatedContact) -> Film:
+    """Return the film of another contact on the same grid, in the units of this one."""
+    scales, shape = posed.scales, posed.equation.gap.shape
+    rows = shape[0]
+    if contact.pressure[:rows].shape != shape:
+        raise InvalidInput(
+            f"solve_lubricated.start has the shape {contact.pressure.shape}: give a contact on this grid."
+        )
+    pressure = contact.pressure[:rows] / scales.hertz.peak_pressure
+    pressure[posed.equation.fixed] = 0
+    void = np.where(pressure > 0, 0.0, 1 - contact.film_fraction[:rows])
+    return posed.equation.film_of(pressure, void, contact.separation / scales.film)

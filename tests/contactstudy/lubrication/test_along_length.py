@@ -1,0 +1,112 @@
+"""Films that vary along the length, against plane strain and against themselves on other paths."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.lubrication import along_length
+from tests.contactstudy.lubrication.scenes import DRY, STEEL, by_moes, grid
+
+assert DRY.hertz is not None
+A = DRY.hertz.half_width
+
+
+def crossed(amplitude: float) -> cs.Waviness:
+    """Crossed waves, a half-width long along and two thirds of one across."""
+    return cs.Waviness(amplitude, across=2 * A / 3, along=A / 2)
+
+
+def film_scale(scene: cs.Scene) -> float:
+    return cs.solve_lubricated(scene, grid(128, 4.0)).central_film
+
+
+@pytest.mark.parametrize("along", [2, 8, 32])
+def test_a_uniform_film_is_that_of_plane_strain(along: int) -> None:
+    # both iterations stop at the rounding of a film that is a small difference of large heights
+    plain, same = (
+        cs.solve_lubricated(by_moes(20, 5), grid(96, 4.5, cells), tolerance=1e-12)
+        for cells in (1, along)
+    )
+    assert same.film == pytest.approx(np.repeat(plain.film, along, axis=1), rel=1e-10)
+    peak = plain.peak_pressure
+    assert np.abs(same.pressure - plain.pressure).max() <= 1e-10 * peak
+    assert same.friction == pytest.approx(plain.friction, rel=1e-9)
+
+
+@pytest.mark.parametrize(("load", "viscosity"), [(20, 5), (100, 10)])
+def test_a_rough_film_converges_and_loses_no_lubricant(load: float, viscosity: float) -> None:
+    scene = by_moes(load, viscosity)
+    rough = by_moes(load, viscosity, crossed(0.4 * film_scale(scene)))
+    contact = cs.solve_lubricated(rough, grid(256, 4.0, 32))
+    assert contact.status is cs.FilmStatus.CONVERGED
+    assert contact.flux_spread < 1e-6
+    assert (contact.film > 0).all()
+    carried = contact.pressure.sum() * contact.grid.cell_area / contact.grid.period
+    assert carried == pytest.approx(1e5, rel=1e-7)
+
+
+def test_shifting_the_heights_along_the_length_shifts_the_film() -> None:
+    height = 0.3 * film_scale(by_moes(20, 5))
+    contact = cs.solve_lubricated(
+        by_moes(20, 5, crossed(height)), grid(96, 4.0, 32), tolerance=1e-10
+    )
+    # the waves repeat after half a period
+    half = np.roll(contact.film, 16, axis=1)
+    assert half == pytest.approx(contact.film, rel=1e-7)
+
+
+def test_ridges_along_the_motion_are_flattened_in_part() -> None:
+    height = 0.5 * film_scale(by_moes(20, 5))
+    ridges = cs.Waviness(height, across=np.inf, along=A / 2)
+    contact = cs.solve_lubricated(by_moes(20, 5, ridges), grid(96, 4.0, 32))
+    assert contact.status is cs.FilmStatus.CONVERGED
+    middle = contact.film[48]
+    assert 0.05 * height < np.ptp(middle) / 2 < height
+
+
+def test_a_coat_and_roughness_go_together() -> None:
+    coat = cs.CoatedHalfSpace(cs.HalfSpace(400e9, 0.25), 5e-6, STEEL)
+    scene = by_moes(20, 5, crossed(0.3 * film_scale(by_moes(20, 5))))
+    coated = replace(scene, solids=(coat, STEEL))
+    contact = cs.solve_lubricated(coated, grid(96, 4.0, 32))
+    assert contact.status is cs.FilmStatus.CONVERGED
+    assert contact.flux_spread < 1e-6
+
+
+def test_the_compiled_sweep_and_that_of_arrays_agree() -> None:
+    compiled = pytest.importorskip("contactstudy.lubrication.compiled_sweep")
+    rng = np.random.default_rng(0)
+    own = 4 + rng.uniform(size=(7, 9))
+    before, behind, upstream, further = rng.uniform(-1, 1, (4, 7, 9))
+    right = rng.normal(size=(7, 9))
+    lines = own, before, behind, upstream, further, right
+    expected = along_length.sweep_by_arrays(*lines)
+    assert compiled.sweep(*lines) == pytest.approx(expected, rel=1e-10, abs=1e-12)
+
+
+def test_a_sweep_solves_its_lines() -> None:
+    rng = np.random.default_rng(1)
+    own = 4 + rng.uniform(size=(5, 6))
+    before, behind, upstream, further = (rng.uniform(-1, 1, (5, 6)) for _ in range(4))
+    right = rng.normal(size=(5, 6))
+    z = along_length.sweep_by_arrays(own, before, behind, upstream, further, right)
+    above, beyond = np.zeros_like(z), np.zeros_like(z)
+    above[1:], beyond[2:] = z[:-1], z[:-2]
+    product = (
+        own * z
+        + before * np.roll(z, 1, axis=1)
+        + behind * np.roll(z, -1, axis=1)
+        + upstream * above
+        + further * beyond
+    )
+    assert product == pytest.approx(right, rel=1e-12, abs=1e-12)
+
+
+def test_without_the_compiler_the_film_is_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = by_moes(20, 5, crossed(0.3 * film_scale(by_moes(20, 5))))
+    with_it = cs.solve_lubricated(scene, grid(64, 4.0, 16))
+    monkeypatch.setattr(along_length, "sweeper", lambda: along_length.sweep_by_arrays)
+    without = cs.solve_lubricated(scene, grid(64, 4.0, 16))
+    assert without.film == pytest.approx(with_it.film, rel=1e-6)

@@ -75,9 +75,9 @@ def default_drawing(figures: str = "curves") -> Drawing:
 
 def _part(package: str, name: str) -> Any:
     """Return the module of a study in a package, or the value of its name in the module of its family."""
-    known = (*BUILT_IN, *OPTIONAL)
-    if name not in known:
-        hint = suggestion(name, sorted(known))
+    studies = (*BUILT_IN, *OPTIONAL)
+    if name not in studies:
+        hint = suggestion(name, sorted(studies))
         raise InvalidInput(f"Study {name!r} is not known: {hint}, or give a .py file.")
     if find_spec(f"{package}.{name}"):
         return importlib.import_module(f"{package}.{name}")

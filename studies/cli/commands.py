@@ -82,9 +82,9 @@ def report(
     options = RunOptions(workers=workers, repeats=repeats)
     with Cluster(workers, log=click.echo) as cluster:
         executor = cluster if workers else None
-        for one in chosen:
+        for page_chapter in chosen:
             path = reporting.make(
-                one,
+                page_chapter,
                 out,
                 options=options,
                 log=click.echo,
@@ -210,11 +210,11 @@ def run(
         estimate_cost(chosen, out, options=options, log=click.echo)
         return
     dataset = run_study(chosen, out, options=options, log=click.echo)
-    asked = dataset["case_status"].sel({axis.name: list(axis.values) for axis in chosen.points})
-    if not (asked == CaseStatus.OK).any():
+    statuses = dataset["case_status"].sel({axis.name: list(axis.values) for axis in chosen.points})
+    if not (statuses == CaseStatus.OK).any():
         click.echo(f"{chosen.name}: no case gave numbers, so there is nothing to draw.", err=True)
         sys.exit(1)
-    if after_failure == "stop" and not (asked == CaseStatus.OK).all():
+    if after_failure == "stop" and not (statuses == CaseStatus.OK).all():
         sys.exit(1)
     from studies.report import page as reporting
 
@@ -291,21 +291,21 @@ def _drawing(name: str) -> Iterator[None]:
 
 
 def _axes(arguments: list[str]) -> Mapping[str, str]:
-    """``--name value`` and ``--name=value`` pairs."""
+    """Return the values of ``--name value`` and ``--name=value`` pairs by name."""
     axes: dict[str, str] = {}
-    rest = iter(arguments)
-    for word in rest:
+    words = iter(arguments)
+    for word in words:
         if not word.startswith("--"):
             raise InvalidInput(f"Argument {word!r} is not expected: write --parameter values.")
         name, equals, value = word[2:].partition("=")
-        given = value if equals else next(rest, None)
-        if given is None:
+        text = value if equals else next(words, None)
+        if text is None:
             raise InvalidInput(f"Parameter {name!r} has no values: write --{name} values.")
         if name in axes:
             raise InvalidInput(
                 f"Parameter {name!r} is given twice: write all its values in one list."
             )
-        axes[name] = given
+        axes[name] = text
     return axes
 
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 class Progress:
-    """The residual on its way to ``tolerance``, and the last pressure, dimensionless."""
+    """Progress of a residual towards ``tolerance``, with the last dimensionless pressure."""
 
     def __init__(self, tolerance: float, bar: tqdm[None]) -> None:
         self.tolerance, self._bar = tolerance, bar
@@ -34,22 +34,22 @@ class Progress:
         self._first: float | None = None
 
     def see(self, residual: float, pressure: Array) -> None:
-        """Take the next residual."""
+        """Record the next residual and pressure, and move the bar."""
         self.pressure = pressure
         self.residual, self.iterations = residual, self.iterations + 1
         if not isfinite(residual) or residual <= 0:
             return
         if self._first is None:
             self._first = max(residual, 10 * self.tolerance)
-        done = log(self._first / residual) / log(self._first / self.tolerance)
-        self._bar.n = round(100 * min(max(done, 0.0), 1.0))
+        share = log(self._first / residual) / log(self._first / self.tolerance)
+        self._bar.n = round(100 * min(max(share, 0.0), 1.0))
         self._bar.set_postfix_str(f"residual {residual:.1e} of {self.tolerance:.1e}", refresh=False)
         self._bar.update(0)
 
 
 @contextmanager
 def progress(name: str, tolerance: float) -> Iterator[Progress]:
-    """A bar on a terminal, none elsewhere."""
+    """Show a bar on a terminal, and none elsewhere."""
     from tqdm import tqdm
 
     layout = "{desc} {percentage:3.0f} %|{bar}| {postfix} [{elapsed}]"
@@ -58,19 +58,19 @@ def progress(name: str, tolerance: float) -> Iterator[Progress]:
 
 
 def stopped(seen: Progress, unit: float, like: xr.Dataset) -> xr.Dataset:
-    """The pressure so far [Pa], with the coordinates and attributes of ``like``."""
+    """Return the pressure so far [Pa], with the coordinates and attributes of ``like``."""
     assert seen.pressure is not None
     labels = {"units": "Pa", "long_name": "contact pressure, not converged"}
     values = np.asarray(seen.pressure, dtype=np.float64) * unit
-    found = like[["x", "y"]].assign(pressure=(("x", "y"), values, labels))
+    dataset = like[["x", "y"]].assign(pressure=(("x", "y"), values, labels))
     residual = {"units": "1", "long_name": "residual of the solver"}
-    return found.assign(residual=((), seen.residual, residual)).assign_attrs(
+    return dataset.assign(residual=((), seen.residual, residual)).assign_attrs(
         title="line contact, stopped before it converged"
     )
 
 
 def pressure_in(path: Path) -> Array:
-    """The pressure (x, y) [Pa] in a file that ``contactstudy solve`` wrote."""
+    """Return the pressure (x, y) [Pa] in a file that ``contactstudy solve`` wrote."""
     from studies.store.netcdf import read_any
 
     dataset = read_any(path)

@@ -15,8 +15,8 @@ class StudyCommand(click.Command):
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Parse as usual; remember the study first, since help is printed before other arguments are parsed."""
-        given, _, _ = self.make_parser(ctx).parse_args(list(args))
-        ctx.meta[STUDY] = given.get("study")
+        parsed, _, _ = self.make_parser(ctx).parse_args(list(args))
+        ctx.meta[STUDY] = parsed.get("study")
         return super().parse_args(ctx, args)
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:

@@ -20,7 +20,7 @@ points = (Axis("case", tuple(matrix()), "contact with a known truth"),)
 # of small grids, and nothing is said about them
 times = "none"
 
-METRICS = tuple(one.name for one in fields(Errors))
+METRICS = tuple(field.name for field in fields(Errors))
 # A truth that is not known, and so not stored as nan.
 UNKNOWN = -1.0
 KINDS = tuple(dict.fromkeys(case.kind for case in matrix().values()))
@@ -33,38 +33,40 @@ class AccuracyRun:
     name: str
 
     def prepare(self) -> cs.Problem:
-        """The problem."""
+        """Return the problem."""
         return matrix()[self.name].problem()
 
     def run(self, prepared: cs.Problem) -> cs.Solution:
-        """The solve."""
+        """Solve with the default options."""
         return cs.solve(prepared)
 
     def record(self, result: cs.Solution) -> Mapping[str, xr.Variable]:
-        """The solver's own numbers."""
+        """Return the solver's numbers."""
         case = matrix()[self.name]
         return Case(case.scene, case.grid, case.padding).record(result)
 
 
 def scene_at(point: Point) -> AccuracyRun:
-    """A case by its name."""
+    """Return a case by its name."""
     return AccuracyRun(one_of("case", point["case"], matrix()))
 
 
 def measures(case: AccuracyRun, solution: cs.Solution) -> Mapping[str, xr.Variable]:
-    """``<metric>_error``, true and -1 where it is not known, and ``<metric>_bound``; infinite where there is none."""
-    one = matrix()[case.name]
-    estimate, true = cs.error_estimate(solution), errors(solution, one.truth())
-    kind = np.asarray(KINDS.index(one.kind))
-    found = {"kind": flags((), kind, [name.replace(" ", "_") for name in KINDS], "kind of surface")}
+    """Return ``<metric>_error``, -1 where it is not known, and ``<metric>_bound``, infinite where there is none."""
+    judged = matrix()[case.name]
+    estimate, true = cs.error_estimate(solution), errors(solution, judged.truth())
+    kind = np.asarray(KINDS.index(judged.kind))
+    variables = {
+        "kind": flags((), kind, [name.replace(" ", "_") for name in KINDS], "kind of surface")
+    }
     for metric in METRICS:
         error, bound = getattr(true, metric), getattr(estimate, metric).total
-        said = metric.replace("_", " ")
-        known = error if error == error else UNKNOWN  # nan is not itself
-        found[f"{metric}_error"] = number(known, f"relative error of the {said}")
-        found[f"{metric}_bound"] = number(bound, f"bound of the relative error of the {said}")
+        label = metric.replace("_", " ")
+        stored_error = error if error == error else UNKNOWN  # nan is not itself
+        variables[f"{metric}_error"] = number(stored_error, f"relative error of the {label}")
+        variables[f"{metric}_bound"] = number(bound, f"bound of the relative error of the {label}")
     missing = inf in {getattr(estimate, metric).total for metric in METRICS}
-    found["silent"] = number(
+    variables["silent"] = number(
         int(missing and not estimate.warnings), "1 where a bound is missing without a reason"
     )
-    return found
+    return variables

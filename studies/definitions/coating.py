@@ -52,13 +52,13 @@ REFERENCE = (
 
 
 def coated(ratio: float, thickness: float) -> CoatedHalfSpace:
-    """Steel with a coating ``ratio`` times as stiff; ``thickness`` [m]."""
+    """Return steel with a coating of ``thickness`` [m] that is ``ratio`` times as stiff."""
     coating = cs.HalfSpace(ratio * STEEL.youngs_modulus, STEEL.poisson_ratio)
     return CoatedHalfSpace(coating, thickness, STEEL)
 
 
 def scene_at(point: Point) -> Case:
-    """A rigid cylinder on coated steel, in plane strain."""
+    """Return a rigid cylinder on coated steel, in plane strain."""
     ratio = positive("ratio", point["ratio"], "give a ratio of moduli above 0")
     thickness = positive("thickness", point["thickness"], "give a thickness above 0 half-widths")
     cells = whole("grid", point["grid"], 32, "give at least 32 cells across the width")
@@ -69,7 +69,7 @@ def scene_at(point: Point) -> Case:
 
 
 def measures(case: Case, solution: cs.Solution) -> Mapping[str, xr.Variable]:
-    """The contact, the stress at the interface, the error of the image alone and that of known contacts."""
+    """Return the contact, the stress at the interface, and the errors of the image alone and of known contacts."""
     body = case.scene.solids[0]
     assert isinstance(body, CoatedHalfSpace)
     pressure, x = solution.pressure, case.grid.x
@@ -79,7 +79,7 @@ def measures(case: Case, solution: cs.Solution) -> Mapping[str, xr.Variable]:
     alone = _image_alone(case, body)
     without = np.abs(alone.pressure - pressure).sum() / pressure.sum()
     edges = half_widths(pressure, x)
-    known = _reference_error(ratio, case.grid.cells[0])
+    reference_error = _reference_error(ratio, case.grid.cells[0])
     return {
         "half_width": number(float(edges[0]) / A, "half-width over Hertz's on the substrate"),
         "peak_pressure": number(highest / P_H, "peak pressure over Hertz's on the substrate"),
@@ -95,10 +95,11 @@ def measures(case: Case, solution: cs.Solution) -> Mapping[str, xr.Variable]:
         ),
     } | (
         {}
-        if known is None
+        if reference_error is None
         else {
             "reference_error": number(
-                known, "largest relative error of the peak pressure of contacts that are known"
+                reference_error,
+                "largest relative error of the peak pressure of contacts that are known",
             )
         }
     )
@@ -106,49 +107,51 @@ def measures(case: Case, solution: cs.Solution) -> Mapping[str, xr.Variable]:
 
 @dataclass(frozen=True)
 class ImageAlone:
-    """What is left of a coating's coefficients without their short-ranged rest: the image two thicknesses below."""
+    """Influence coefficients of a coating reduced to the image of the load two thicknesses below the surface."""
 
-    whole: CoatingDisplacement
+    coating: CoatingDisplacement
     parity: ClassVar[tuple[int, int]] = (1, 1)
 
     @property
     def _depth(self) -> float:
-        return 2 * self.whole.thickness
+        return 2 * self.coating.thickness
 
     def turned(self) -> "ImageAlone":
-        """Itself."""
+        """Return these coefficients: they are even along both axes."""
         return self
 
     def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
-        """One cell."""
-        return self.whole.response.contrast * image_cell(x, y, dx, dy, self._depth)
+        """Return the coefficients of one cell."""
+        return self.coating.response.contrast * image_cell(x, y, dx, dy, self._depth)
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
-        """Infinitely many images along y, counted from any datum."""
-        return self.whole.response.contrast * image_row(x, y, dx, dy, period, self._depth)
+        """Return the coefficients of infinitely many images along y, but for a rigid shift."""
+        return self.coating.response.contrast * image_row(x, y, dx, dy, period, self._depth)
 
     def lattice(
         self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
     ) -> Array:
-        """Infinitely many images along both axes."""
+        """Return the coefficients of infinitely many images along both axes."""
         extent = width, period
-        return self.whole.response.contrast * image_lattice(x, y, dx, dy, *extent, self._depth)
+        return self.coating.response.contrast * image_lattice(x, y, dx, dy, *extent, self._depth)
 
 
 def _image_alone(case: Case, body: CoatedHalfSpace) -> cs.Solution:
     problem = case.prepare()
     terms = {
-        ImageAlone(one) if isinstance(one, CoatingDisplacement) else one: weight
-        for one, weight in response((body, RIGID), problem.scales.length).items()
+        ImageAlone(coefficients)
+        if isinstance(coefficients, CoatingDisplacement)
+        else coefficients: weight
+        for coefficients, weight in response((body, RIGID), problem.scales.length).items()
     }
     operator = cs.superposed(terms, case.grid, case.padding)
     return case.run(replace(problem, operator=operator))
 
 
 def _reference_error(ratio: float, cells: int) -> float | None:
-    found = []
-    for known, wide, load, peak in REFERENCE:
-        if known != ratio:
+    errors = []
+    for reference_ratio, wide, load, peak in REFERENCE:
+        if reference_ratio != ratio:
             continue
         half_width = A
         body = coated(ratio, half_width / wide)
@@ -157,8 +160,8 @@ def _reference_error(ratio: float, cells: int) -> float | None:
         scene = cs.Scene(line, (body, RIGID), (cs.Cylinder(RADIUS),))
         grid = cs.Grid((cells, 1), (2.4 * half_width, half_width))
         solution = cs.solve(scene.problem(grid, cs.ExactPeriodicity()))
-        found.append(abs(solution.pressure.max() / (peak * modulus * half_width / RADIUS) - 1))
-    return max(map(float, found), default=None)
+        errors.append(abs(solution.pressure.max() / (peak * modulus * half_width / RADIUS) - 1))
+    return max(map(float, errors), default=None)
 
 
 # Widths of the grid in the period that stress at the interface is found on: it errs by (a / period)^2.
@@ -166,7 +169,7 @@ PADDED = 32
 
 
 def interface(body: CoatedHalfSpace, pressure: Array, step: float) -> tuple[float, float]:
-    """Largest shear and tension [Pa] in the coating at the interface, in plane strain.
+    """Return the largest shear and tension [Pa] in the coating at the interface, in plane strain.
 
     By the layered problem itself, wave by wave: Airy functions in the layer and below it, and six
     conditions (Burmister 1945), not by the coefficients that the contact was solved with.
@@ -191,7 +194,7 @@ def _at_interface(body: CoatedHalfSpace, k: Array) -> tuple[Array, Array]:
     """s_xz and s_xx in the layer at depth h under unit pressure ``cos(q x)``, k = q h; unit wave number."""
     ratio = body.coating.youngs_modulus / body.substrate.youngs_modulus
     ratio *= (1 + body.substrate.poisson_ratio) / (1 + body.coating.poisson_ratio)
-    zero, one = np.zeros_like(k), np.ones_like(k)
+    zero, unit = np.zeros_like(k), np.ones_like(k)
     fade = np.exp(-k)
 
     def falling(z: Array, e: Array) -> list[list[Array]]:
@@ -201,9 +204,9 @@ def _at_interface(body: CoatedHalfSpace, k: Array) -> tuple[Array, Array]:
     def rising(z: Array, e: Array) -> list[list[Array]]:
         return [[e, e, e, e], [z * e, (1 + z) * e, (z + 2) * e, (3 + z) * e]]
 
-    top = falling(zero, one) + rising(zero, fade)
-    bottom = falling(k, fade) + rising(k, one)
-    below = falling(zero, one)
+    top = falling(zero, unit) + rising(zero, fade)
+    bottom = falling(k, fade) + rising(k, unit)
+    below = falling(zero, unit)
 
     def rows(d: list[Array], weight: float, nu: float) -> list[Array]:
         return [

@@ -32,7 +32,7 @@ times = "none"
 
 
 def scene_at(point: Point) -> EvolutionCase:
-    """The load held, with steps of one length."""
+    """Return the load held, with steps of one length."""
     steps = whole("steps", point["steps"], 2, "give at least 2 steps")
     cells = whole("grid", point["grid"], 4, "give at least 4 cells across the width")
     times = tuple(np.linspace(0, END, steps + 1).tolist())
@@ -41,7 +41,7 @@ def scene_at(point: Point) -> EvolutionCase:
 
 
 def measures(case: EvolutionCase, result: cs.Evolution) -> Mapping[str, xr.Variable]:
-    """Half-width and peak pressure over time, and errors against the closed form."""
+    """Return half-width and peak pressure over time, and errors against the closed form."""
     x = case.grid.x
     # away from the first step, which follows a jump; a whole number of records of every number of steps
     places = np.unique(np.linspace(0, len(result.frames) - 1, RECORDS + 1).round().astype(int))
@@ -53,10 +53,10 @@ def measures(case: EvolutionCase, result: cs.Evolution) -> Mapping[str, xr.Varia
         filled = np.pad(np.array(values, dtype=float), padded, constant_values=np.nan)
         return xr.Variable("time", filled, {"units": "1", "long_name": long_name})
 
-    wrong = []
+    errors = []
     for frame in frames[1:]:
         exact = CLOSED.pressure(x, frame.time)
-        wrong.append(float(np.abs(frame.pressure[:, 0] - exact).sum() / exact.sum()))
+        errors.append(float(np.abs(frame.pressure[:, 0] - exact).sum() / exact.sum()))
     cell = case.grid.cell[0]
     return {
         "time": xr.Variable("time", time, {"units": "1", "long_name": "time over that of creep"}),
@@ -68,8 +68,8 @@ def measures(case: EvolutionCase, result: cs.Evolution) -> Mapping[str, xr.Varia
             [frame.peak_pressure / (HALF_WIDTH / 2) for frame in frames],
             "peak pressure over that of a sudden load",
         ),
-        "pressure_error_l1": number(max(wrong), "largest relative L1 error of the pressure"),
-        "last_error_l1": number(wrong[-1], "relative L1 error of the pressure at the end"),
+        "pressure_error_l1": number(max(errors), "largest relative L1 error of the pressure"),
+        "last_error_l1": number(errors[-1], "relative L1 error of the pressure at the end"),
         "step_error": number(
             max(frame.step_error for frame in frames[1:]), "estimated L1 error by the steps"
         ),

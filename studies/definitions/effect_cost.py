@@ -77,16 +77,16 @@ points = (
 
 @dataclass(frozen=True)
 class SolveWithOutputs:
-    """A case to solve, and all that its scene asks to be found from the solution."""
+    """A case to solve with all outputs that its scene asks for."""
 
     case: Case
 
     def prepare(self) -> cs.Problem:
-        """Influence coefficients, transforms, gap."""
+        """Return the problem: influence coefficients, transforms, gap."""
         return self.case.prepare()
 
     def run(self, prepared: cs.Problem) -> cs.Solution:
-        """The solve, then the outputs."""
+        """Solve, then compute the outputs; return the solution."""
         solution = self.case.run(prepared)
         for output in prepared.outputs:
             if solution.traction is not None and isinstance(output, Sheared):
@@ -95,7 +95,7 @@ class SolveWithOutputs:
         return solution
 
     def record(self, result: cs.Solution) -> Mapping[str, xr.Variable]:
-        """That of the case."""
+        """Return the solver's numbers of the case."""
         return self.case.record(result)
 
 
@@ -104,12 +104,12 @@ class LastStep(EvolutionCase):
     """A march of which the last step is recorded."""
 
     def record(self, result: cs.Evolution) -> Mapping[str, xr.Variable]:
-        """The solver's numbers of the last step."""
+        """Return the solver's numbers of the last step."""
         return super().record(replace(result, frames=result.frames[-1:]))
 
 
 def scene_at(point: Point) -> SolveWithOutputs | EvolutionCase:
-    """A line contact, exactly periodic, with all effects up to the one named, or steps of one in time."""
+    """Return a line contact, exactly periodic, with all effects up to the one named, or steps of one in time."""
     effect = one_of("effect", point["effect"], (*SCENES, *IN_TIME, YIELD))
     cells = whole("grid", point["grid"], 4, "give at least 4 cells across the width")
     if effect == YIELD:
@@ -124,7 +124,7 @@ def scene_at(point: Point) -> SolveWithOutputs | EvolutionCase:
 
 
 def measures(case: Computation, result: cs.Solution | cs.Evolution) -> Mapping[str, xr.Variable]:
-    """The most memory that is held at once."""
+    """Return the peak memory and the share in contact."""
     peak = peak_bytes(lambda: case.run(case.prepare()))
     pressure = result.pressure if isinstance(result, cs.Solution) else result.frames[-1].pressure
     label = {"units": "MB", "long_name": "peak memory of set-up, solve and outputs"}

@@ -38,7 +38,7 @@ class Rough(Case):
 
 
 def scene_at(point: Point) -> Case:
-    """The sweeps' line contact between bodies of this Poisson's ratio and one contact modulus."""
+    """Return the sweeps' line contact between bodies of this Poisson's ratio and one contact modulus."""
     ratio = finite("poisson_ratio", point["poisson_ratio"], "give a ratio from 0 to 0.5")
     cells = whole("grid", point["grid"], 32, "give at least 32 cells across the width")
     whole("rough_grid", point["rough_grid"], 16, "give at least 16 cells along each axis")
@@ -51,16 +51,16 @@ def scene_at(point: Point) -> Case:
 
 
 def measures(case: Rough, solution: cs.Solution) -> Mapping[str, xr.Variable]:
-    """Von Mises' stress over the coefficient, sticking zones over the tangential force, and one error."""
+    """Return von Mises' stress over the coefficient, sticking zones over the tangential force, and one error."""
     highest, depth = _stress(case, solution.pressure)
     hertz = case.scene.hertz
     assert hertz is not None
     stick, mindlin = [], []
     for share in SHARES:
         slip = PartialSlip(MU, share * MU * case.scene.load.largest)
-        found = replace(case, scene=replace(case.scene, friction=slip))
-        held = cs.solve(found.prepare()).stick.sum() * case.grid.cell[0] / 2
-        stick.append(float(held) / hertz.half_width)
+        slipping = replace(case, scene=replace(case.scene, friction=slip))
+        stick_width = cs.solve(slipping.prepare()).stick.sum() * case.grid.cell[0] / 2
+        stick.append(float(stick_width) / hertz.half_width)
         mindlin.append(_sphere(case, share))
     error, across = _superposition(case)
     return {
@@ -86,7 +86,10 @@ def _along(dimension: str, values: object, long_name: str) -> xr.Variable:
 
 
 def _stress(case: Rough, pressure: Array) -> tuple[list[float], list[float]]:
-    """Under pressure and the shear of full sliding: linear in the coefficient."""
+    """Return the largest von Mises stress over p_H for each coefficient of friction, and its depth over a.
+
+    The stress under pressure and full sliding is linear in the coefficient.
+    """
     solid = case.scene.solids[0]
     assert isinstance(solid, cs.HalfSpace)
     below = StressBelow(
@@ -106,7 +109,7 @@ def _stress(case: Rough, pressure: Array) -> tuple[list[float], list[float]]:
 
 
 def _sphere(case: Rough, share: float) -> float:
-    """Radius of what sticks under a sphere over that in contact, as those of circles of like area."""
+    """Return the radius that sticks under a sphere over that in contact, both of circles of equal area."""
     width = 2.5 * A
     n = case.cells_rough
     modulus = case.scene.contact_modulus
@@ -117,12 +120,12 @@ def _sphere(case: Rough, share: float) -> float:
         cs.LineLoad(force / width), case.scene.solids, (cs.Sphere(radius),), friction=slip
     )
     free = cs.ZeroPadding(), cs.ZeroPadding()
-    found = cs.solve(scene.problem(cs.Grid((n, n), (width, width)), free), tolerance=1e-6)
-    return float(np.sqrt(found.stick.sum() / (found.pressure > 0).sum()))
+    solution = cs.solve(scene.problem(cs.Grid((n, n), (width, width)), free), tolerance=1e-6)
+    return float(np.sqrt(solution.stick.sum() / (solution.pressure > 0).sum()))
 
 
 def _superposition(case: Rough) -> tuple[float, float]:
-    """What two normal contacts miss of the shear on a rough surface under half the largest force."""
+    """Return the error of the superposition of two normal contacts on a rough surface, under half the largest force."""
     rough = cs.Roughness(
         0.3 * A**2 / (2 * HERTZ.radius), hurst=0.8, roll_off=0.8 * A, cut_off=0.2 * A, seed=1
     )

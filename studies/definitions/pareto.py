@@ -29,19 +29,19 @@ points = (
 
 
 def scene_at(point: Point) -> Case:
-    """The sweeps' line contact with a solver and a tolerance; of "line" one cell along the length."""
+    """Return the sweeps' line contact with a solver and a tolerance; of "line" one cell along the length."""
     solver = SOLVERS[one_of("solver", point["solver"], SOLVERS)]
     lined = point["padding"] == LINE
     # one computation for all periods
-    known: Point = {"padding": "exact", "period": line_contact.WIDTH} if lined else {}
-    case = line_contact.scene_at({**point, **known})
+    fixed: Point = {"padding": "exact", "period": line_contact.WIDTH} if lined else {}
+    case = line_contact.scene_at({**point, **fixed})
     grid = replace(case.grid, cells=(case.grid.cells[0], 1)) if lined else case.grid
     options = cs.SolveOptions(float(point["solver_tolerance"]), solver=solver)
     return replace(case, grid=grid, options=options)
 
 
 def measures(case: Case, solution: cs.Solution) -> Mapping[str, xr.Variable]:
-    """The sweeps' errors against Hertz, and the L1 error with the edge's own error taken off."""
+    """Return the sweeps' errors against Hertz, and the L1 error with the edge's own error taken off."""
     hertz = case.scene.hertz
     assert hertz is not None
     true = hertz.pressure(case.grid.x)[:, None]

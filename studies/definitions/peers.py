@@ -38,7 +38,7 @@ TOLERANCE = 1e-10  # for an error of about 1e-7; the others are given 1e-8 of th
 
 @dataclass(frozen=True)
 class ProgramRun:
-    """One program on one problem."""
+    """A program that solves one of the problems on a grid."""
 
     program: str
     boundary: str
@@ -47,33 +47,33 @@ class ProgramRun:
 
     @property
     def grid(self) -> cs.Grid:
-        """The same for every program."""
+        """Return the grid, which is the same for every program."""
         return cs.Grid(cells=(self.cells, self.cells), extent=(WIDTH * A, WIDTH * A))
 
     def problem(self) -> cs.Problem:
-        """The problem in this program's own terms."""
+        """Return the problem as this program has it."""
         scene = cs.Scene(SCENE.load, SCENE.solids, (SHAPES[self.boundary],))
         return scene.problem(self.grid, PADDINGS[self.boundary])
 
     def prepare(self) -> Callable[[], Array]:
-        """The set-up of the program, up to its solve."""
+        """Set the program up; return its solve."""
         with self._openmp():
             return PROGRAMS[self.program](self)
 
     def run(self, prepared: Callable[[], Array]) -> Array:
-        """The pressure [Pa]."""
+        """Solve; return the pressure [Pa]."""
         with self._openmp():
             return prepared()
 
     def _openmp(self) -> threadpool_limits:
-        """The threads of programs that take theirs from OpenMP."""
+        """Limit the threads of programs that use OpenMP."""
         return threadpool_limits(self.threads, user_api="openmp")
 
     def record(self, result: Array) -> Mapping[str, xr.Variable]:
-        """The load carried, over the load given: they should agree."""
-        given = SCENE.load.largest * self.grid.period
+        """Return the load carried over the load given: they should agree."""
+        load = SCENE.load.largest * self.grid.period
         carried = float(result.sum()) * self.grid.cell_area
-        return {"load_carried": number(carried / given, "load carried over load given")}
+        return {"load_carried": number(carried / load, "load carried over load given")}
 
 
 def _contactstudy(program_run: ProgramRun) -> Callable[[], Array]:
@@ -98,14 +98,14 @@ def _contact_mechanics(program_run: ProgramRun) -> Callable[[], Array]:
     }[program_run.boundary]()
 
     def solve() -> Array:
-        found = constrained_conjugate_gradients(
+        result = constrained_conjugate_gradients(
             substrate,
             Topography(heights, grid.extent),
             external_force=SCENE.load.largest * grid.period,
             pentol=1e-8 * P_H * A / MODULUS,
             forcetol=1e-8 * P_H * grid.cell_area,
         )
-        return np.asarray(found.jac)[: program_run.cells, : program_run.cells] / grid.cell_area
+        return np.asarray(result.jac)[: program_run.cells, : program_run.cells] / grid.cell_area
 
     return solve
 
@@ -150,7 +150,7 @@ def _aspher(program_run: ProgramRun) -> Callable[[], Array]:
         coarsest //= 2
 
     def solve() -> Array:
-        found = peer.solve_nested(
+        result = peer.solve_nested(
             program_run.cells,
             gap / A,
             SCENE.load.largest / grid.extent[0] / MODULUS,
@@ -159,13 +159,13 @@ def _aspher(program_run: ProgramRun) -> Callable[[], Array]:
             tol=1e-9,
             backend=backend,
         )
-        return np.asarray(found.pressure).reshape(grid.cells) * MODULUS
+        return np.asarray(result.pressure).reshape(grid.cells) * MODULUS
 
     return solve
 
 
 def _heights(program_run: ProgramRun) -> Array:
-    """Heights towards the other body, shape (width, length) [m]."""
+    """Return the heights towards the other body, shape (width, length) [m]."""
     gap = SHAPES[program_run.boundary].gap(program_run.grid)
     return np.ascontiguousarray(-gap * np.ones(program_run.grid.cells))
 
@@ -186,7 +186,7 @@ points = (
 
 
 def scene_at(point: Point) -> ProgramRun:
-    """A program, a problem, a grid and a number of threads."""
+    """Return a program on a problem, with a grid and a number of threads."""
     cells = whole("grid", point["grid"], 2, "give at least 2 cells across the width")
     threads = whole("threads", point["threads"], 1, "give a whole number of threads from 1 on")
     program = one_of("program", point["program"], PROGRAMS)
@@ -194,7 +194,7 @@ def scene_at(point: Point) -> ProgramRun:
 
 
 def measures(case: ProgramRun, result: Array) -> Mapping[str, xr.Variable]:
-    """Largest error against the discrete solution with cells of constant pressure and exact images."""
+    """Return the largest error against the discrete solution with cells of constant pressure and exact images."""
     converged = cs.solve(case.problem(), tolerance=1e-12).pressure
     error = float(np.abs(result - converged).max() / converged.max())
     return {"difference": number(error, "largest pressure difference over peak pressure")}

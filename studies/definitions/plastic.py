@@ -47,7 +47,7 @@ times = "none"
 
 
 def scene_at(point: Point) -> EvolutionCase:
-    """Loaded by equal steps, then unloaded at once."""
+    """Return a march that loads by equal steps, then unloads in one."""
     peak = positive("pressure", point["pressure"], "give a peak pressure above 0 yield stresses")
     hardening = non_negative("hardening", point["hardening"], "give a modulus from 0 on")
     steps = whole("steps", point["steps"], 2, "give at least 2 steps")
@@ -64,14 +64,14 @@ def scene_at(point: Point) -> EvolutionCase:
 
 
 def measures(case: EvolutionCase, result: cs.Evolution) -> Mapping[str, xr.Variable]:
-    """The contact under the largest load, what stays after it, and what a hardness gives in the place of yield."""
+    """Return the contact under the largest load, the dent it leaves, and both with a hardness in place of yield."""
     peak = case.scene.load.largest * 2 / pi
     x = case.grid.x
     loaded, last = result.frames[-2:]
     deep = last.kept["equivalent0"]
     yielded = np.flatnonzero((deep > 0).any(axis=(1, 2)))
     surface = last.fields["residual_displacement"].values[:, 0]
-    found = {
+    answers = {
         "peak_pressure": (loaded.peak_pressure / peak, "peak pressure over Hertz's"),
         "half_width": (_half_width(loaded.pressure, x), "half-width over Hertz's"),
         "dent": (_dent(surface, x) / STRAIN, f"dent below the surface at {FAR:g} a over a Y / E"),
@@ -86,14 +86,14 @@ def measures(case: EvolutionCase, result: cs.Evolution) -> Mapping[str, xr.Varia
     }
     body = case.scene.solids[0]
     hardening = getattr(body, "hardening_modulus", 0.0) / MODULUS
-    known = abs(peak - PRESSURE) < 1e-9 and abs(hardening - HARDENING) < 1e-9
+    has_reference = abs(peak - PRESSURE) < 1e-9 and abs(hardening - HARDENING) < 1e-9
     errors = {
         f"{name}_error": (abs(value / REFERENCE[name] - 1), f"relative error of {name} where known")
-        for name, (value, _) in found.items()
-        if known
+        for name, (value, _) in answers.items()
+        if has_reference
     }
     capped = _capped(case)
-    wrong = np.abs(capped.pressure - loaded.pressure).sum() / loaded.pressure.sum()
+    difference = np.abs(capped.pressure - loaded.pressure).sum() / loaded.pressure.sum()
     cap = {
         "cap_pressure": (
             capped.pressure.max() / peak,
@@ -108,19 +108,19 @@ def measures(case: EvolutionCase, result: cs.Evolution) -> Mapping[str, xr.Varia
             "depth of yielding over a Y / E, by a hardness",
         ),
         "cap_difference": (
-            wrong,
+            difference,
             "relative L1 difference of the pressures by a hardness and by plastic strain",
         ),
     }
     layers = {"layers": (len(last.kept["edges0"]) - 1, "layers of the volume that may yield")}
     return {
         name: number(float(value), text)
-        for name, (value, text) in (found | errors | cap | layers).items()
+        for name, (value, text) in (answers | errors | cap | layers).items()
     }
 
 
 def _capped(case: EvolutionCase) -> cs.Solution:
-    """An elastic contact of the same largest load, with a hardness."""
+    """Solve an elastic contact of the same largest load, with a hardness."""
     scene = replace(
         case.scene,
         load=cs.LineLoad(case.scene.load.largest),

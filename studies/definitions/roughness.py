@@ -56,20 +56,20 @@ class Comparison:
     images: int
 
     def prepare(self) -> cs.Problem:
-        """That of the exact case."""
+        """Return the problem of the exact case."""
         return self.exact.prepare()
 
     def run(self, prepared: cs.Problem) -> cs.Solution:
-        """The exact solve alone: what the others cost is the other studies' to say."""
+        """Solve the exact case: the cost of the others is the subject of other studies."""
         return self.exact.run(prepared)
 
     def record(self, result: cs.Solution) -> Mapping[str, xr.Variable]:
-        """That of the exact case."""
+        """Return the solver's numbers of the exact case."""
         return self.exact.record(result)
 
 
 def scene_at(point: Point) -> Comparison:
-    """The sweeps' cylinder with a rough surface on it; with zero rms, all other choices are one case."""
+    """Return the sweeps' cylinder with a rough surface on it; with zero rms, all other choices are one case."""
     rms = non_negative("rms", point["rms"], "give an rms height of 0 or more")
     cells = whole("grid", point["grid"], 2, "give at least 2 cells across the width")
     period = positive("period", point["period"], "give a period above 0 half-widths")
@@ -93,28 +93,28 @@ def scene_at(point: Point) -> Comparison:
 
 
 def measures(case: Comparison, solution: cs.Solution) -> Mapping[str, xr.Variable]:
-    """The answer with every padding, and its error against the exact one on this surface and grid."""
+    """Return the answer with every padding, and its error against the exact one on this surface and grid."""
     exact = case.exact
     flat = replace(exact, scene=SCENE, grid=replace(exact.grid, cells=(exact.grid.cells[0], 1)))
     smooth = flat.run(flat.prepare()).pressure
     rows, ends = [], []
     for name in PADDINGS:
         padding = padding_at(name, case.images)
-        one = replace(exact, padding=padding)
-        found = solution if name == "exact" else one.run(one.prepare())
+        padded = replace(exact, padding=padding)
+        answer = solution if name == "exact" else padded.run(padded.prepare())
         curved = solution if name == "exact" else _more_curved(exact, solution.problem, padding)
         rows.append(
-            _answers(found.pressure, smooth, exact.grid)
-            | _errors(found.pressure, solution.pressure, exact.grid)
+            _answers(answer.pressure, smooth, exact.grid)
+            | _errors(answer.pressure, solution.pressure, exact.grid)
             | {
                 "curved_difference": l1_error(
-                    found.pressure, curved.pressure, curved.pressure.sum()
+                    answer.pressure, curved.pressure, curved.pressure.sum()
                 )
             }
         )
         # without images the length is cut off, which is what is compared here
-        whole_width = not found.pressure[list(found.problem.open_edges)].any()
-        solved = found.status in (cs.Status.CONVERGED, cs.Status.CONTACT_AT_EDGE)
+        whole_width = not answer.pressure[list(answer.problem.open_edges)].any()
+        solved = answer.status in (cs.Status.CONVERGED, cs.Status.CONTACT_AT_EDGE)
         ends.append(solved and whole_width)
     label = {"long_name": "representation of the periodic direction"}
     flag = {
@@ -133,13 +133,13 @@ def measures(case: Comparison, solution: cs.Solution) -> Mapping[str, xr.Variabl
 
 
 def _more_curved(exact: Case, problem: cs.Problem, padding: cs.Padding) -> cs.Solution:
-    """What a window should answer by the law: exact periodicity on a cylinder of more curvature.
+    """Solve with exact periodicity on the more curved cylinder that a window of images stands for.
 
     Beyond the window's reach D the logarithm lacks ``(x - x')^2 / (2 D^2)``. Under the load of any pressure
     that is one parabola and a tilt, so the law knows nothing of the surface.
     """
-    more = 2 * truncation_error(HERTZ.half_width, padding.reach(exact.grid.period))
-    opened = sum(shape.gap(exact.grid) for shape in SCENE.shapes) * more
+    curvature = 2 * truncation_error(HERTZ.half_width, padding.reach(exact.grid.period))
+    opened = sum(shape.gap(exact.grid) for shape in SCENE.shapes) * curvature
     return exact.run(replace(problem, undeformed_gap=problem.undeformed_gap + opened))
 
 
@@ -166,6 +166,6 @@ def _errors(pressure: Array, exact: Array, grid: cs.Grid) -> dict[str, float]:
 
 
 def _half_width(pressure: Array, grid: cs.Grid) -> float:
-    """That of Hertz's pressure with the same second moment, ``<x^2> = a^2 / 4`` [m]."""
+    """Return the half-width of Hertz's pressure with the same second moment, ``<x^2> = a^2 / 4`` [m]."""
     across = pressure.sum(axis=1)
     return float(2 * np.sqrt((across * grid.x**2).sum() / across.sum()))

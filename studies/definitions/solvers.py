@@ -35,7 +35,7 @@ points = (
 
 
 def scene_at(point: Point) -> Case:
-    """A line contact, exactly periodic, to the default tolerance."""
+    """Return a line contact, exactly periodic, to the default tolerance."""
     solver = one_of("solver", point["solver"], SOLVERS)
     surface = one_of("surface", point["surface"], SURFACES)
     cells = whole("grid", point["grid"], 2, "give at least 2 cells across the width")
@@ -48,10 +48,10 @@ def scene_at(point: Point) -> Case:
 
 
 def measures(case: Case, result: cs.Solution) -> Mapping[str, xr.Variable]:
-    """The share in contact, and the most memory a solve holds."""
-    few = replace(case, options=replace(case.options, max_iterations=ENOUGH))
-    problem = few.prepare()
-    peak = peak_bytes(lambda: few.run(problem))
+    """Return the share in contact and the peak memory of a solve."""
+    short_case = replace(case, options=replace(case.options, max_iterations=ENOUGH))
+    problem = short_case.prepare()
+    peak = peak_bytes(lambda: short_case.run(problem))
     return {
         "contact_share": contact_share(result.pressure),
         "memory": number(
@@ -65,7 +65,7 @@ ENOUGH = 3
 
 
 def peak_bytes(compute: Callable[[], object]) -> int:
-    """Bytes that ``compute`` holds at the most, of what Python and numpy take."""
+    """Return the largest number of bytes that ``compute`` holds of what Python and numpy take."""
     tracemalloc.start()
     try:
         compute()

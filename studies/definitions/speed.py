@@ -57,37 +57,37 @@ class CaseOnDevice:
 
     @property
     def threads(self) -> int:
-        """Those of the processor that work for it."""
+        """Number of threads of the processor that a solve uses."""
         return self.on.threads if isinstance(self.on, cs.Cpu) else 1
 
     def prepare(self) -> cs.Problem:
-        """Influence coefficients, transforms, gap."""
+        """Return the problem: influence coefficients, transforms, gap."""
         return self.case.prepare()
 
     def run(self, prepared: cs.Problem) -> Timed:
-        """The solve proper."""
+        """Solve; return the solution and its time."""
         clock = clock_of(self.on)
         before = clock()
         solution = self.solved(prepared, self.case.options.max_iterations)
         return Timed(solution, clock() - before)
 
     def solved(self, problem: cs.Problem, max_iterations: int) -> cs.Solution:
-        """The solution, or what it is after so many iterations."""
+        """Return the solution after at most ``max_iterations``."""
         options = replace(self.case.options, max_iterations=max_iterations)
         return options.solved(problem, on=self.on)
 
     def record(self, result: Timed) -> Mapping[str, xr.Variable]:
-        """The solver's own numbers."""
+        """Return the solver's numbers."""
         return self.case.record(result.solution)
 
 
 def clock_of(on: Device) -> Callable[[], float]:
-    """CPU time, which a busy neighbour does not lengthen, where the processor does all the work."""
+    """Return the clock: CPU time, which a busy neighbour does not lengthen, where the processor does all the work."""
     return process_time if isinstance(on, cs.Cpu) else perf_counter
 
 
 def scene_at(point: Point) -> CaseOnDevice:
-    """A contact on a device: a line contact, or a flat self-affine surface periodic along both axes."""
+    """Return a contact on a device: a line contact, or a flat self-affine surface periodic along both axes."""
     surface = one_of("surface", point["surface"], (ROUGH, SELF_AFFINE))
     cells = whole("grid", point["grid"], 2, "give at least 2 cells across the width")
     threads = whole("threads", point["threads"], 1, "give a whole number of threads from 1 on")
@@ -105,7 +105,7 @@ def scene_at(point: Point) -> CaseOnDevice:
 
 
 def self_affine(grid: cs.Grid, hurst: float, cut_off: float, share: float) -> cs.Scene:
-    """A flat surface with waves down to so many cells, under the load of a ``share`` in contact.
+    """Return a flat surface with waves down to so many cells, under the load of a ``share`` in contact.
 
     Source: Persson (2001): the share is ``erf(sqrt(2) p / (E* slope))``.
     """
@@ -126,7 +126,7 @@ def self_affine(grid: cs.Grid, hurst: float, cut_off: float, share: float) -> cs
 
 
 def measures(case: CaseOnDevice, result: Timed) -> Mapping[str, xr.Variable]:
-    """The share in contact, the most memory a solve holds, and its time over that of its transforms."""
+    """Return the share in contact, the most memory a solve holds, and its time over that of its transforms."""
     problem = result.solution.problem
     peak = peak_bytes(lambda: case.solved(problem, ENOUGH))
     pair = transform_seconds(problem.operator, case.case.options.precision, case.on)
@@ -144,15 +144,17 @@ def measures(case: CaseOnDevice, result: Timed) -> Mapping[str, xr.Variable]:
 
 
 def transform_seconds(operator: cs.Operator, precision: cs.Precision, on: Device) -> float:
-    """Time [s] of one bare pair of transforms of the operator's size, the least of three."""
+    """Return the time [s] of one bare pair of transforms of the operator's size, the least of three."""
     assert isinstance(operator, Convolution)
     clock, least = clock_of(on), inf
     with using(on):
-        own, pair = operator.scaled(1.0, precision), transforms()
-        field = on.put(np.zeros(own.cells, dtype=precision.real))
+        scaled, pair = operator.scaled(1.0, precision), transforms()
+        field = on.put(np.zeros(scaled.cells, dtype=precision.real))
         for _ in range(3):
             before = clock()
-            waves = pair.forward(field, own.padded, own.room(own.padded, precision.real))
-            float(pair.backward(waves, own.cells, own.padded)[0, 0])  # done, also on another device
+            waves = pair.forward(field, scaled.padded, scaled.room(scaled.padded, precision.real))
+            float(
+                pair.backward(waves, scaled.cells, scaled.padded)[0, 0]
+            )  # done, also on another device
             least = min(least, clock() - before)
     return least

@@ -44,26 +44,26 @@ class HardCaseRun:
 
     @property
     def applies(self) -> bool:
-        """Whether the case makes sense with this padding."""
+        """Return whether the case makes sense with this padding."""
         return self.padding in CASES[self.case].paddings
 
     def prepare(self) -> cs.Problem:
-        """The problem."""
+        """Return the problem."""
         hard = CASES[self.case]
         return hard.scene.problem(hard.grid, PADDINGS[self.padding])
 
     def run(self, prepared: cs.Problem) -> cs.Solution:
-        """The solve, with the case's own settings."""
+        """Solve with the settings of the case."""
         return CASES[self.case].solve(prepared, SOLVERS[self.solver])
 
     def record(self, result: cs.Solution) -> Mapping[str, xr.Variable]:
-        """The solver's own numbers."""
+        """Return the solver's numbers."""
         hard = CASES[self.case]
         return Case(hard.scene, hard.grid, PADDINGS[self.padding]).record(result)
 
 
 def scene_at(point: Point) -> HardCaseRun:
-    """A case by its name."""
+    """Return a case by its name."""
     return HardCaseRun(
         one_of("case", point["case"], CASES),
         one_of("padding", point["padding"], PADDINGS),
@@ -72,7 +72,7 @@ def scene_at(point: Point) -> HardCaseRun:
 
 
 def measures(case: HardCaseRun, solution: cs.Solution) -> Mapping[str, xr.Variable]:
-    """Largest error of the pressure and the error stated for it, over the peak pressure."""
+    """Return the largest error of the pressure and the error stated for it, over the peak pressure."""
     hard = CASES[case.case]
     error, stated, verdict = 0.0, inf, "not_applicable"
     expected = solution.status in hard.may_end(case.padding)

@@ -41,7 +41,7 @@ times = "none"
 
 
 def scene_at(point: Point) -> EvolutionCase:
-    """Steps of one length, from the unworn cylinder on."""
+    """Return a march by steps of one length, from the unworn cylinder on."""
     scheme = one_of("scheme", point["scheme"], SCHEMES)
     steps = whole("steps", point["steps"], 2, "give at least 2 steps")
     cells = whole("grid", point["grid"], 4, "give at least 4 cells across the width")
@@ -58,13 +58,13 @@ def _case(cells: int, steps: int, scheme: str) -> EvolutionCase:
 
 @cache
 def _fine(cells: int) -> Array:
-    """The pressure at the end of a march with many short steps."""
+    """Return the pressure at the end of a march with many short steps."""
     case = _case(cells, FINE, "TWO_STAGE")
     return case.run(None).frames[-1].pressure
 
 
 def measures(case: EvolutionCase, result: cs.Evolution) -> Mapping[str, xr.Variable]:
-    """Half-width over distance, the volume, and the error against a march with many short steps."""
+    """Return the half-width over distance, the volume, and the error against a march with many short steps."""
     frames = result.frames
     places = np.linspace(0, len(frames) - 1, RECORDS + 1).round().astype(int)
     cell = case.grid.cell[0]
@@ -73,7 +73,7 @@ def measures(case: EvolutionCase, result: cs.Evolution) -> Mapping[str, xr.Varia
     last = frames[-1]
     volume = float(last.fields["worn_depth"].values.sum()) * cell
     share = np.linspace(0, 1, RECORDS + 1)
-    wrong = np.abs(last.pressure - fine).sum() / fine.sum()
+    error = np.abs(last.pressure - fine).sum() / fine.sum()
     return {
         "distance": xr.Variable(
             "distance", share, {"units": "1", "long_name": "distance over the whole"}
@@ -81,7 +81,7 @@ def measures(case: EvolutionCase, result: cs.Evolution) -> Mapping[str, xr.Varia
         "half_width": xr.Variable(
             "distance", np.array(widths), {"units": "1", "long_name": "half-width over Hertz's"}
         ),
-        "pressure_error_l1": number(float(wrong), "relative L1 error of the pressure at the end"),
+        "pressure_error_l1": number(float(error), "relative L1 error of the pressure at the end"),
         "volume_error": number(
             abs(volume / (LOAD * DISTANCE) - 1), "relative error of the worn volume"
         ),

@@ -38,7 +38,7 @@ class DenseAnswer:
 def answer(
     scene: cs.Scene, grid: cs.Grid, paddings: cs.Paddings, solution: cs.Solution
 ) -> DenseAnswer:
-    """The pressure that meets all conditions of contact to rounding, pivoting from ``solution``'s sets.
+    """Return the pressure that meets all conditions of contact to rounding, pivoting from ``solution``'s sets.
 
     Raises ``ArithmeticError`` where pivoting comes to no end. Source: Hintermüller, Ito & Kunisch (2003),
     Algorithm 2.1, for two limits.
@@ -50,22 +50,22 @@ def answer(
     total = scene.load.largest * grid.period / grid.cell_area / scales.pressure
     most = scene.hardness / scales.pressure
     before = solution.pressure.ravel() / scales.pressure
-    own = matrix[0, 0] - matrix.mean()  # a rigid shift may make the first negative
+    diagonal = matrix[0, 0] - matrix.mean()  # a rigid shift may make the first negative
     yielding = before >= most
     free = (before > 0) & ~yielding
     started = free.copy()
     for _ in range(PIVOTS):
         pressure = np.where(yielding, most, 0.0)
-        moved = matrix @ pressure if yielding.any() else np.zeros_like(gap)
-        rest = total - pressure.sum()
-        pressure[free], approach = _on(matrix, free, -(gap + moved)[free], rest)
-        left = gap + matrix @ pressure
+        displacement = matrix @ pressure if yielding.any() else np.zeros_like(gap)
+        free_load = total - pressure.sum()
+        pressure[free], approach = _on(matrix, free, -(gap + displacement)[free], free_load)
+        deformed_gap = gap + matrix @ pressure
         if not free.any():
-            approach = float(left[yielding].max())
-        left -= approach
-        left[free] = 0.0
-        wanted = pressure - left / own
-        sets = wanted >= most, (wanted > 0) & (wanted < most)
+            approach = float(deformed_gap[yielding].max())
+        deformed_gap -= approach
+        deformed_gap[free] = 0.0
+        predicted = pressure - deformed_gap / diagonal
+        sets = predicted >= most, (predicted > 0) & (predicted < most)
         if (sets[0] == yielding).all() and (sets[1] == free).all():
             sizes = gap[pressure > 0].max(), (np.abs(matrix) @ pressure).max()
             return DenseAnswer(
@@ -79,15 +79,15 @@ def answer(
 
 
 def _on(matrix: Array, free: np.ndarray, displacement: Array, load: float) -> tuple[Array, float]:
-    """The pressure on ``free`` cells that gives ``displacement`` plus an approach, under ``load``."""
+    """Return the pressure on ``free`` cells that gives ``displacement`` plus an approach, under ``load``."""
     count = int(free.sum())
     if not count:
         return np.zeros(0), 0.0
     system = np.ones((count + 1, count + 1))
     system[:-1, :-1] = matrix[np.ix_(free, free)]
     system[:-1, -1], system[-1, -1] = -1.0, 0.0
-    found = np.linalg.solve(system, np.append(displacement, load))
-    return found[:-1], float(found[-1])
+    unknowns = np.linalg.solve(system, np.append(displacement, load))
+    return unknowns[:-1], float(unknowns[-1])
 
 
 def _softest(matrix: Array, free: np.ndarray) -> float:
@@ -102,7 +102,7 @@ def _softest(matrix: Array, free: np.ndarray) -> float:
 
 
 def stated_error(solution: cs.Solution, found: DenseAnswer) -> float:
-    """How far the pressure may be from the discrete answer, in the problem's own unit of pressure.
+    """Return a bound of the pressure's distance from the discrete answer, in the problem's unit of pressure.
 
     From what the conditions of contact leave open, found again from the pressure, and from rounding, by the
     softest wave; and from the load.
@@ -111,15 +111,17 @@ def stated_error(solution: cs.Solution, found: DenseAnswer) -> float:
     pressure = solution.pressure / unit
     gap = bare.gap(pressure, bare.operator(pressure))
     free = bare.constraint.free(pressure)
-    left = gap.height * free + violation(pressure, gap.height, free)
-    unsure = float(np.linalg.norm(left)) + found.rounding * np.count_nonzero(pressure) ** 0.5
+    residual_gap = gap.height * free + violation(pressure, gap.height, free)
+    unsure = (
+        float(np.linalg.norm(residual_gap)) + found.rounding * np.count_nonzero(pressure) ** 0.5
+    )
     unbalanced = bare.resultant.error(float(pressure.sum()))
     return float(unsure / found.softest + pressure.max() * (unbalanced + ROUNDING))
 
 
 @lru_cache(maxsize=64)
 def influence_matrix(grid: cs.Grid, paddings: cs.Paddings, datum: float) -> Array:
-    """Influence coefficients [m] of every cell on every other, pair by pair, all images summed."""
+    """Return the influence coefficients [m] of every cell on every other, pair by pair, all images summed."""
     (nx, ny), (dx, dy) = grid.cells, grid.cell
     x, y = np.arange(1 - nx, nx) * dx, np.arange(1 - ny, ny) * dy
     offsets = _coefficients(x[:, None], y[None, :], grid, paddings, datum)
@@ -147,7 +149,7 @@ def _coefficients(x: Array, y: Array, grid: cs.Grid, paddings: cs.Paddings, datu
 
 
 def _images(at: Callable[[Array], Array], padding: cs.Padding, d: Array, period: float) -> Array:
-    """The sum over a window; one that wraps is even about its middle."""
+    """Return the sum over a window; a window that wraps is even about its middle."""
     assert padding.window is not None
     if padding.wraps:
         d = np.minimum(np.abs(d), period - np.abs(d))

@@ -23,7 +23,7 @@ from studies.reference.line_contact import SCENE, STEEL
 
 
 def units() -> dict[str, HardCase]:
-    """The rough contact with every number in another unit."""
+    """Return the rough contact with every number in another unit."""
     cases = {}
     for name, metre, newton in (
         ("in nm", 1e9, 1.0),
@@ -37,21 +37,21 @@ def units() -> dict[str, HardCase]:
         load = cs.LineLoad(SCENE.load.largest * newton / metre)
         plain = bumpy(ROUGH)
         heights = cs.MeasuredSurface(ROUGH * FLATTENED * metre)
-        other = cs.Scene(load, (solid, solid), (cs.Cylinder(0.01 * metre), heights))
+        converted = cs.Scene(load, (solid, solid), (cs.Cylinder(0.01 * metre), heights))
         cases[f"a scene {name}"] = HardCase(
             "units",
             f"every number is another {name}",
             plain,
             grid(),
             AT_EDGE,
-            Twin(other, grid(metre=metre), _Divided(pascal), 1e-10),
+            Twin(converted, grid(metre=metre), _Divided(pascal), 1e-10),
             options=cs.SolveOptions(tolerance=1e-12),
         )
     return cases
 
 
 def perturbation() -> dict[str, HardCase]:
-    """The rough contact nudged, moved, mirrored, over two periods, or with its curvature shared."""
+    """Return the rough contact nudged, moved, mirrored, over two periods, or with its curvature shared."""
     scene = bumpy(ROUGH)
     double = np.tile(ROUGH, 2)
     half = replace(SCENE, shapes=(cs.Cylinder(0.02), cs.Cylinder(0.02)))
@@ -69,7 +69,9 @@ def perturbation() -> dict[str, HardCase]:
             paddings=paddings,
         )
 
-    whole = tuple(name for name, padding in PADDINGS.items() if across_and_along(padding)[1].wraps)
+    wrapping = tuple(
+        name for name, padding in PADDINGS.items() if across_and_along(padding)[1].wraps
+    )
     endless = tuple(
         name for name, padding in PADDINGS.items() if across_and_along(padding)[1].window is None
     )
@@ -83,7 +85,7 @@ def perturbation() -> dict[str, HardCase]:
         "moved by whole cells": case(
             "the surface moves by five cells along",
             Twin(bumpy(np.roll(ROUGH, 5, 1)), on, _Rolled(-5), 1e-9),
-            whole,
+            wrapping,
         ),
         "mirrored along": case(
             "the surface is mirrored along", Twin(bumpy(ROUGH[:, ::-1]), on, _Mirrored((1,)), 1e-9)

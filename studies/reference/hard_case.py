@@ -38,7 +38,7 @@ EXACT_TO_ROUNDING = frozenset({cs.Status.CONVERGED, cs.Status.PRECISION_LIMIT})
 
 @dataclass(frozen=True)
 class Twin:
-    """The same contact told otherwise: its pressure, brought ``back``, differs by no more than ``within``.
+    """An equivalent form of the same contact: its pressure, brought ``back``, differs by no more than ``within``.
 
     Relative to the peak pressure. Where the heights are others, ``within`` comes on top of what their
     difference over the softest wave allows.
@@ -69,36 +69,36 @@ class HardCase:
     paddings: tuple[str, ...] = tuple(PADDINGS)
 
     def solve(self, problem: cs.Problem, solver: cs.Solver) -> cs.Solution:
-        """The solution of ``problem`` with this case's settings."""
+        """Return the solution of ``problem`` with this case's settings."""
         start = self.start(problem, solver) if self.start else None
         return replace(self.options, solver=solver).solved(problem, start)
 
     def may_end(self, padding: str) -> frozenset[cs.Status]:
-        """The statuses it may end in with that padding: a free length cuts off whatever varies along it."""
+        """Return the statuses it may end in with that padding: a free length cuts off whatever varies along it."""
         cut_off = padding == "zero" and cs.Status.CONVERGED in self.ends
         return self.ends | {cs.Status.CONTACT_AT_EDGE} if cut_off else self.ends
 
     def judge(
         self, solution: cs.Solution, padding: cs.Padding | cs.Paddings, solver: cs.Solver
     ) -> tuple[float, float]:
-        """The error of the pressure and the error stated for it, over the peak pressure."""
+        """Return the error of the pressure and the error stated for it, over the peak pressure."""
         highest = float(solution.pressure.max())
         unit = solution.problem.scales.pressure
-        other, allowed = None, 0.0
+        twin_solution, allowed = None, 0.0
         if self.twin is not None:
-            other = self.solve(self.twin.scene.problem(self.twin.grid, padding), solver)
+            twin_solution = self.solve(self.twin.scene.problem(self.twin.grid, padding), solver)
             allowed = self.twin.within
         if self.twin is None or self.twin.other_heights:
-            found = answer(self.scene, self.grid, across_and_along(padding), solution)
-            allowed += stated_error(solution, found) * unit / highest
-            right = found.pressure * unit
-        if other is not None:
+            dense = answer(self.scene, self.grid, across_and_along(padding), solution)
+            allowed += stated_error(solution, dense) * unit / highest
+            right = dense.pressure * unit
+        if twin_solution is not None:
             assert self.twin is not None
-            right = self.twin.back(other.pressure)
+            right = self.twin.back(twin_solution.pressure)
             if self.twin.other_heights:
-                moved = other.problem.undeformed_gap - solution.problem.undeformed_gap
-                nudge = float(np.linalg.norm(moved)) / solution.problem.scales.gap
-                allowed += nudge / found.softest * unit / highest
+                gap_change = twin_solution.problem.undeformed_gap - solution.problem.undeformed_gap
+                nudge = float(np.linalg.norm(gap_change)) / solution.problem.scales.gap
+                allowed += nudge / dense.softest * unit / highest
         return float(np.abs(right - solution.pressure).max()) / highest, allowed
 
 

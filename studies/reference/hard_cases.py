@@ -98,15 +98,15 @@ def _material() -> dict[str, HardCase]:
         "Poisson's ratio 0.5": (pair(rubber, rubber), "nu = 0.5, incompressible"),
         "moduli 1:10^6": (pair(STEEL, soft), "moduli a factor of 10^6 apart"),
     }
-    found = {}
+    cases = {}
     for name, (scene, hard) in bodies.items():
         hertz = scene.hertz
         assert hertz is not None
         extent = (2.4 * hertz.half_width, 1.2 * hertz.half_width)
-        found[name] = HardCase("material", hard, scene, cs.Grid(CELLS, extent))
+        cases[name] = HardCase("material", hard, scene, cs.Grid(CELLS, extent))
     for share in (1.01, 0.99, 0.7, 0.4, 0.33, 0.328):
         scene = replace(bumpy(ROUGH), hardness=share * P_H)
-        found[f"hardness {share:g} p_H"] = HardCase(
+        cases[f"hardness {share:g} p_H"] = HardCase(
             "material",
             f"a hardness of {share:g} p_H; 0.327 carries the load",
             scene,
@@ -115,7 +115,7 @@ def _material() -> dict[str, HardCase]:
         )
     # where trial steps are cut back to nothing: all but a few cells yield, or the cells are long and thin
     thin = bumpy(8.087711031384107e-4 * noise((15, 2), 23030886))
-    found["hardness on long cells"] = HardCase(
+    cases["hardness on long cells"] = HardCase(
         "material",
         "cells 30 times as wide as long, some at a hardness",
         replace(thin, hardness=0.321 * P_H),
@@ -124,7 +124,7 @@ def _material() -> dict[str, HardCase]:
         options=cs.SolveOptions(tolerance=1e-9),
     )
     full = bumpy(0.08086197949648571 * noise((7, 7), 632285552), FLAT)
-    found["hardness beside the mean"] = HardCase(
+    cases["hardness beside the mean"] = HardCase(
         "material",
         "all but two cells yield",
         replace(full, hardness=0.03661931369241763 * P_H),
@@ -132,14 +132,14 @@ def _material() -> dict[str, HardCase]:
         AT_EDGE | {cs.Status.STALLED},
         options=cs.SolveOptions(tolerance=1e-9),
     )
-    found["hardness 0.3 p_H"] = HardCase(
+    cases["hardness 0.3 p_H"] = HardCase(
         "material",
         "a hardness too low to carry the load",
         replace(SCENE, hardness=0.3 * P_H),
         grid(width=4.8),
         frozenset({cs.Status.NO_ADMISSIBLE_PRESSURE}),
     )
-    return found
+    return cases
 
 
 def _surface() -> dict[str, HardCase]:
@@ -172,9 +172,9 @@ def _surface() -> dict[str, HardCase]:
 
 
 def _corner(problem: cs.Problem, solver: cs.Solver) -> Array:
-    wrong = np.zeros_like(problem.undeformed_gap)
-    wrong[0, 0] = 1.0
-    return wrong
+    pressure = np.zeros_like(problem.undeformed_gap)
+    pressure[0, 0] = 1.0
+    return pressure
 
 
 def _interrupted(problem: cs.Problem, solver: cs.Solver) -> Array:

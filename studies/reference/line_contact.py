@@ -44,7 +44,7 @@ def axes(
     period: tuple[float, ...] = (2.4,),
     grid: tuple[int, ...] = (128,),
 ) -> tuple[Axis, ...]:
-    """The four axes of a sweep, at the paper's setting unless told otherwise."""
+    """Return the four axes of a sweep, at the paper's setting unless told otherwise."""
     return (
         Axis("padding", padding, "representation of the periodic direction"),
         Axis("images", images, "periods superposed on each side"),
@@ -54,13 +54,13 @@ def axes(
 
 
 def padding_at(padding: str, images: int) -> cs.Padding:
-    """The padding of that name; ``images`` matters to those that count them."""
+    """Return the padding of that name; ``images`` matters to those that count them."""
     make = PADDINGS[one_of("padding", padding, PADDINGS)]
     return make(whole("images", images, 0, "give a whole number of periods from 0 on"))
 
 
 def scene_at(point: Point) -> Case:
-    """Steel cylinder on steel flat, square numbers of cells, the period in half-widths."""
+    """Return a steel cylinder on a steel flat, square numbers of cells, the period in half-widths."""
     cells = whole("grid", point["grid"], 2, "give at least 2 cells across the width")
     period = positive("period", point["period"], "give a period above 0 half-widths")
     a = HERTZ.half_width
@@ -72,7 +72,7 @@ def scene_at(point: Point) -> Case:
 
 
 def measures(case: Case, solution: cs.Solution) -> Mapping[str, xr.Variable]:
-    """Errors of pressure and half-width against Hertz's line contact; all over p_H or a."""
+    """Return errors of pressure and half-width against Hertz's line contact; all over p_H or a."""
     hertz, grid = case.scene.hertz, case.grid
     assert hertz is not None
     pressure = solution.pressure / hertz.peak_pressure
@@ -109,7 +109,7 @@ def measures(case: Case, solution: cs.Solution) -> Mapping[str, xr.Variable]:
 
 
 def l1_error(pressure: Array, reference: Array, total: float) -> float:
-    """Integral of the absolute pressure difference over that of the pressure.
+    """Return the integral of the absolute pressure difference over that of the pressure.
 
     ``total`` is the load over the area of a cell [Pa]: the sum of the exact pressure over all cells.
     """
@@ -117,25 +117,31 @@ def l1_error(pressure: Array, reference: Array, total: float) -> float:
 
 
 def load_on(grid: cs.Grid, hertz: cs.analytic.HertzLine = HERTZ) -> float:
-    """The load of a line contact, :data:`SCENE` by default, on one period over the area of a cell [Pa]."""
+    """Return the load of a line contact, :data:`SCENE` by default, on one period over the area of a cell [Pa]."""
     return hertz.load_per_length * grid.period / grid.cell_area
 
 
 def covers(dataset: xr.Dataset, names: set[str], **values: set[float]) -> bool:
-    """Whether a sweep has these paddings and values of its axes, and all its cases came to an end.
+    """Return whether a sweep has these paddings and values of its axes, and all its cases came to an end.
 
-    Where it has not, a finding about them is left out: a sentence that fits any numbers says nothing.
+    A finding about cases that are missing is left out: a sentence that fits any numbers says nothing.
     """
-    there = all(wanted <= set(dataset[axis].values.tolist()) for axis, wanted in values.items())
-    held = {str(name) for name in dataset["padding"].values}
-    return there and names <= held and bool((dataset["case_status"] == CaseStatus.OK).all())
+    has_values = all(
+        needed <= set(dataset[axis].values.tolist()) for axis, needed in values.items()
+    )
+    held_paddings = {str(name) for name in dataset["padding"].values}
+    return (
+        has_values
+        and names <= held_paddings
+        and bool((dataset["case_status"] == CaseStatus.OK).all())
+    )
 
 
 def total_time(dataset: xr.Dataset) -> xr.DataArray:
-    """Wall time to set up and solve [s]."""
+    """Return the wall time to set up and solve [s]."""
     return dataset["setup_time"] + dataset["solve_time"]
 
 
 def padding_label(padding: str, images: int) -> str:
-    """A padding with its n, where it has one."""
+    """Return the name of a padding, with its n where it has one."""
     return f"{padding}, n = {images}" if padding in COUNTS_IMAGES else padding

@@ -12,24 +12,24 @@ LEFT_OUT = ("_time", "residual", "iterations", "convolutions", "_estimate_residu
 
 
 def changes(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
-    """A sentence for every measure of two stored studies that changed, the largest change first; then for times.
+    """Return a sentence for every measure of two stored studies that changed, the largest change first; then for times.
 
     Points are compared that both have. Raises :class:`~contactstudy.InvalidInput` for studies of other axes.
     """
     axes = [str(name) for name in first["case_status"].dims]
-    others = [str(name) for name in second["case_status"].dims]
-    if set(axes) != set(others):
+    second_axes = [str(name) for name in second["case_status"].dims]
+    if set(axes) != set(second_axes):
         raise InvalidInput(
-            f"The studies have the axes {axes} and {others}: compare two runs of one study."
+            f"The studies have the axes {axes} and {second_axes}: compare two runs of one study."
         )
     a, b = xr.align(first, second, join="inner")
     points = int(np.prod([a.sizes[axis] for axis in axes], dtype=int))
-    said = [
+    sentences = [
         f"{points} points in both, of {first['case_status'].size} and {second['case_status'].size}"
     ]
     if not points:
-        return said
-    found = []
+        return sentences
+    changed = []
     for name in sorted({str(n) for n in a.data_vars} & {str(n) for n in b.data_vars}):
         if (
             any(part in name for part in LEFT_OUT)
@@ -39,7 +39,7 @@ def changes(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
             continue
         if set(a[name].dims) != set(axes):
             continue
-        before, after = (one[name].transpose(*axes).values for one in (a, b))
+        before, after = (run[name].transpose(*axes).values for run in (a, b))
         change = np.abs(after - before)
         if not np.nan_to_num(change).any():
             continue
@@ -49,21 +49,21 @@ def changes(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
         x, y = float(before[place]), float(after[place])
         where = ", ".join(f"{axis} {value}" for axis, value in at.items())
         relative = abs(y - x) / scale if scale else np.inf
-        found.append(
+        changed.append(
             (relative, f"{name}: from {x:.6g} to {y:.6g} at {where}, {relative:.2g} of the largest")
         )
     for status in ("case_status", "solver_status"):
         if status in a and status in b:
             differ = int((a[status].values != b[status].transpose(*a[status].dims).values).sum())
-            said += [f"{status} differs at {differ} of {points} points"] * bool(differ)
-    said += [sentence for _, sentence in sorted(found, key=lambda one: -one[0])]
-    said += ["no measure differs"] * (len(said) == 1)
-    return [*said, *_speed(a, b)]
+            sentences += [f"{status} differs at {differ} of {points} points"] * bool(differ)
+    sentences += [sentence for _, sentence in sorted(changed, key=lambda run: -run[0])]
+    sentences += ["no measure differs"] * (len(sentences) == 1)
+    return [*sentences, *_speed(a, b)]
 
 
 def _speed(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
-    """How much longer the cases of the second took, where one machine timed both."""
-    said = []
+    """Compare the times of the cases, where one machine timed both."""
+    sentences = []
     for name in ("solve_time", "solve_time_cpu"):
         if name not in first or name not in second:
             continue
@@ -74,7 +74,7 @@ def _speed(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
         if any(first.attrs.get(key) != second.attrs.get(key) for key in ("cpu", "cpu_count")):
             return ["times are of two processors and are not compared"]
         low, middle, high = np.quantile(ratio, (0, 0.5, 1))
-        said.append(
+        sentences.append(
             f"{name}: {middle:.3g} of the first in the median of {ratio.size} points, from {low:.3g} to {high:.3g}"
         )
-    return said
+    return sentences

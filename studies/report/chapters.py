@@ -101,8 +101,8 @@ def chapters(names: Sequence[str]) -> Sequence[Chapter]:
     """
     if not names:
         return (MAIN,)
-    wanted = chain.from_iterable(CHAPTERS if name == "all" else (name,) for name in names)
-    return [_chapter(name) for name in dict.fromkeys(wanted)]
+    pages = chain.from_iterable(CHAPTERS if name == "all" else (name,) for name in names)
+    return [_chapter(name) for name in dict.fromkeys(pages)]
 
 
 def single(name: str) -> Chapter:
@@ -115,6 +115,6 @@ def _chapter(name: str) -> Chapter:
         return CHAPTERS[name]
     studies = (*BUILT_IN, *OPTIONAL)
     if name not in studies:
-        known = ["all", *CHAPTERS, *studies]
-        raise InvalidInput(f"Chapter {name!r} is not known: {suggestion(name, known)}.")
+        choices = ["all", *CHAPTERS, *studies]
+        raise InvalidInput(f"Chapter {name!r} is not known: {suggestion(name, choices)}.")
     return single(name)

@@ -28,12 +28,12 @@ SIZES: dict[str, Sequence[tuple[float, str]]] = {
 
 
 def curves(dataset: xr.Dataset) -> Sequence[CaptionedFigure]:
-    """The measures over the longest numeric axis, a line for each value of another; a figure for each of a third."""
+    """Draw the measures over the longest numeric axis, a line for each value of another, a figure for a third."""
     return _figures(dataset, "curves")
 
 
 def maps(dataset: xr.Dataset) -> Sequence[CaptionedFigure]:
-    """The measures as maps over two numeric axes; as :func:`curves` where there are none."""
+    """Draw the measures as maps over two numeric axes; as :func:`curves` where there are none."""
     return _figures(dataset, "maps")
 
 
@@ -45,16 +45,16 @@ def _figures(dataset: xr.Dataset, kind: str) -> Sequence[CaptionedFigure]:
             "The study has no measure to draw: let measures give a number that is not nan."
         )
     good = dataset.where(dataset["case_status"] == CaseStatus.OK)
-    shown, rest = axes[:2], axes[2:]
-    found = []
-    stacked = good.stack(point=rest) if rest else None
+    shown, further = axes[:2], axes[2:]
+    figures = []
+    stacked = good.stack(point=further) if further else None
     count = 1 if stacked is None else stacked.sizes["point"]
     for number in range(min(count, MOST_FIGURES)):
-        part, said = good, ""
+        part, place = good, ""
         if stacked is not None:
             values = stacked["point"].values[number]
-            at = dict(zip(rest, values, strict=True))
-            part, said = (
+            at = dict(zip(further, values, strict=True))
+            part, place = (
                 good.sel(at),
                 ", ".join(f"{_named(dataset[a])} {_short(v)}" for a, v in at.items()),
             )
@@ -66,13 +66,13 @@ def _figures(dataset: xr.Dataset, kind: str) -> Sequence[CaptionedFigure]:
         add_legend(figure)
         stem = kind if draw is _map else "curves"
         name = stem if stacked is None else f"{stem}-{number + 1}"
-        caption = f"{dataset.attrs.get('title', 'Study')}{'; ' if said else ''}{said}."
-        found.append(CaptionedFigure(name, figure, caption))
-    return found
+        caption = f"{dataset.attrs.get('title', 'Study')}{'; ' if place else ''}{place}."
+        figures.append(CaptionedFigure(name, figure, caption))
+    return figures
 
 
 def _by_length(dataset: xr.Dataset) -> list[str]:
-    """The axes: numeric ones before names, and of those the longest first; the load before all that vary."""
+    """Return the axes: numeric ones before names, and of those the longest first; the load before all that vary."""
     names = [str(name) for name in dataset["case_status"].dims]
 
     def rank(name: str) -> tuple[bool, bool, int]:
@@ -85,23 +85,23 @@ def _by_length(dataset: xr.Dataset) -> list[str]:
 
 def _measures(dataset: xr.Dataset) -> list[str]:
     dims = dataset["case_status"].dims
-    there = [
+    present = [
         str(name)
-        for name, one in dataset.data_vars.items()
-        if one.dims == dims and one.dtype.kind == "f" and one.notnull().any()
+        for name, variable in dataset.data_vars.items()
+        if variable.dims == dims and variable.dtype.kind == "f" and variable.notnull().any()
     ]
-    known = [name for name in (*DRAWN, *STRESS) if name in there]
-    if "stiffness" in known and "von_mises_max" in known:
-        known.remove("mean_gap")
-    times = [name for name in there if "_time" in name]
-    others = [
-        name for name in there if name not in times and name not in ("convolutions", "residual")
+    preferred = [name for name in (*DRAWN, *STRESS) if name in present]
+    if "stiffness" in preferred and "von_mises_max" in preferred:
+        preferred.remove("mean_gap")
+    times = [name for name in present if "_time" in name]
+    further = [
+        name for name in present if name not in times and name not in ("convolutions", "residual")
     ]
-    return (known or others or times)[:MOST_PANELS]
+    return (preferred or further or times)[:MOST_PANELS]
 
 
 def _curve(ax: Axes, values: xr.DataArray, shown: Sequence[str]) -> None:
-    first, *others = shown or ["point"]
+    first, *families = shown or ["point"]
     size, unit = _scale(values)
     if first == "point":
         ax.plot([0], [float(values) / size], marker="o")
@@ -111,23 +111,23 @@ def _curve(ax: Axes, values: xr.DataArray, shown: Sequence[str]) -> None:
     numeric = _is_numeric(x)
     x_size, x_unit = _scale(x) if numeric else (1.0, "")
     places = x.values / x_size if numeric else np.arange(x.size)
-    lines = values / size if not others else (values / size).transpose(others[0], first)
-    if not others:
+    lines = values / size if not families else (values / size).transpose(families[0], first)
+    if not families:
         ax.plot(places, lines, marker="o", color="#0072B2")
     else:
-        _family(ax, places, lines, others[0])
+        _family(ax, places, lines, families[0])
     if numeric and _spans(x):
         ax.set_xscale("log")
     if _spans(values):
         ax.set_yscale("log")
     ax.set(xlabel=_label(x, x_unit), ylabel=_label(values, unit))
     if not numeric:
-        texts = [str(one)[:24] for one in x.values]
+        texts = [str(value)[:24] for value in x.values]
         ax.set_xticks(np.arange(x.size), texts, rotation=30 if max(map(len, texts)) > 5 else 0)
 
 
 def _family(ax: Axes, places: Any, lines: xr.DataArray, axis: str) -> None:
-    """A line each; of many, thin ones with their mean."""
+    """Draw a line for each value; of many values, thin lines and their mean."""
     values = lines[axis].values
     if len(values) > MOST_LINES:
         ax.plot(places, lines.values.T, color="0.6", linewidth=0.7)
@@ -173,18 +173,18 @@ def _is_numeric(values: xr.DataArray) -> bool:
 
 
 def _spans(values: xr.DataArray) -> bool:
-    """Whether the values are above zero and spread over more than a decade."""
-    known = values.values[np.isfinite(values.values)].ravel()
-    return bool(known.size > 1 and known.min() > 0 and known.max() > 10 * known.min())
+    """Return whether the values are above zero and spread over more than a decade."""
+    finite = values.values[np.isfinite(values.values)].ravel()
+    return bool(finite.size > 1 and finite.min() > 0 and finite.max() > 10 * finite.min())
 
 
 def _scale(values: xr.DataArray) -> tuple[float, str]:
-    """The unit in which the largest value is short, and its name."""
+    """Return the size and name of the unit in which the largest value is short."""
     units = values.attrs.get("units", "1")
-    known = np.abs(values.values[np.isfinite(values.values)])
-    largest = float(known.max()) if known.size else 1.0
+    finite = np.abs(values.values[np.isfinite(values.values)])
+    largest = float(finite.max()) if finite.size else 1.0
     sizes: Sequence[tuple[float, str]] = SIZES.get(units, ((1.0, units),))
-    fitting = [one for one in sizes if largest >= one[0]] or [sizes[0]]
+    fitting = [entry for entry in sizes if largest >= entry[0]] or [sizes[0]]
     return fitting[-1]
 
 
@@ -196,7 +196,7 @@ def _label(values: xr.DataArray, unit: str) -> str:
 
 
 def _named(values: xr.DataArray) -> str:
-    """A short name of an axis for a legend."""
+    """Return a short name of an axis for a legend."""
     return str(values.attrs.get("long_name", values.name)).split(",")[0]
 
 

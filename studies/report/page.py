@@ -38,7 +38,7 @@ NOTHING_TO_DRAW = Drawing(
 
 @dataclass(frozen=True, eq=False)
 class Section:
-    """What a page shows of a study; ``data`` names the netCDF files behind it."""
+    """The part of a page that shows a study; ``data`` names the netCDF files behind it."""
 
     name: str
     title: str
@@ -51,7 +51,11 @@ class Section:
     @property
     def answers(self) -> Sequence[Finding]:
         """Findings that answer a question of the reader."""
-        return [one for one in self.findings if one.question.endswith("?") or _is_claim(one)]
+        return [
+            finding
+            for finding in self.findings
+            if finding.question.endswith("?") or _is_claim(finding)
+        ]
 
 
 def draw(
@@ -61,8 +65,8 @@ def draw(
     figures = drawing.figure(stored(study, out))
     _check(figures, study.name)
     with Progress(study.name, "drawing", len(figures), "figure", lambda text: None) as progress:
-        for one in figures:
-            _save(one, out / study.name, formats)
+        for figure in figures:
+            _save(figure, out / study.name, formats)
             progress.add()
     return figures
 
@@ -74,11 +78,11 @@ def stored(study: Study, out: Path) -> xr.Dataset:
     """
     path = out / f"{study.name}.nc"
     dataset = read(path)
-    held = dataset["case_status"].dims if "case_status" in dataset else ()
+    dims = dataset["case_status"].dims if "case_status" in dataset else ()
     axes = [axis.name for axis in study.points]
-    if set(held) != set(axes):
+    if set(dims) != set(axes):
         raise InvalidInput(
-            f"Study file {str(path)!r} has the axes {', '.join(map(str, held)) or 'of no study'}, and the study has "
+            f"Study file {str(path)!r} has the axes {', '.join(map(str, dims)) or 'of no study'}, and the study has "
             f"{', '.join(axes)}: run the study again."
         )
     return dataset
@@ -92,7 +96,9 @@ def section(
     if not (dataset["case_status"] == CaseStatus.OK).any():
         drawing = NOTHING_TO_DRAW
     figures = [
-        one for one in drawing.figure(dataset) if part.figures is None or one.name in part.figures
+        figure
+        for figure in drawing.figure(dataset)
+        if part.figures is None or figure.name in part.figures
     ]
     tables = drawing.tables(dataset)
     return Section(
@@ -100,7 +106,7 @@ def section(
         title=study.title.rstrip("."),
         swept=swept(study, dataset),
         findings=drawing.findings(dataset),
-        figures=[_embedded(one, part.name, out, formats) for one in figures],
+        figures=[_embedded(figure, part.name, out, formats) for figure in figures],
         tables=tables if part.tables is None else tables[: part.tables],
         data=[part.name],
     )
@@ -162,7 +168,7 @@ def make(
                 f"{monotonic() - began:.0f} s"
             )
             drawn.append(artist.submit(section, part, dataset, out, formats))
-        sections = [one.result() for one in drawn]
+        sections = [future.result() for future in drawn]
     return finish(chapter, sections, datasets, out, formats)
 
 
@@ -220,7 +226,7 @@ def swept(study: Study, dataset: xr.Dataset) -> str:
 
 def _check(figures: object, name: str) -> None:
     is_row = isinstance(figures, list | tuple)
-    if not is_row or not all(isinstance(one, CaptionedFigure) for one in figures):  # type: ignore[attr-defined]
+    if not is_row or not all(isinstance(figure, CaptionedFigure) for figure in figures):  # type: ignore[attr-defined]
         raise InvalidInput(
             f"figure of {name!r} gives no studies.model.drawing.CaptionedFigure: return a tuple of them, or () for "
             "none."
@@ -283,21 +289,23 @@ def _is_claim(finding: Finding) -> bool:
 
 def _with_claims_beside_the_paper(sections: Sequence[Section]) -> Sequence[Section]:
     """Return the sections with all findings about the paper in its section, if there is one."""
-    if "paper" not in [one.name for one in sections]:
+    if "paper" not in [section.name for section in sections]:
         return sections
-    claims = [finding for one in sections for finding in one.findings if _is_claim(finding)]
+    claims = [finding for section in sections for finding in section.findings if _is_claim(finding)]
     claims.sort(key=lambda finding: finding.question)
-    moved = []
-    for one in sections:
-        others = [finding for finding in one.findings if not _is_claim(finding)]
-        moved.append(replace(one, findings=claims + others if one.name == "paper" else others))
-    return moved
+    arranged = []
+    for section in sections:
+        further = [finding for finding in section.findings if not _is_claim(finding)]
+        arranged.append(
+            replace(section, findings=claims + further if section.name == "paper" else further)
+        )
+    return arranged
 
 
 def _others(chapter: Chapter, out: Path) -> Sequence[tuple[Chapter, bool]]:
     """Return all other chapters, and each study that is in none, with whether its page is there."""
-    shown = {part.name for one in CHAPTERS.values() for part in one.parts}
-    more = [one for one in CHAPTERS.values() if one != chapter]
-    return [(one, (out / one.page).is_file()) for one in more] + [
+    shown = {part.name for entry in CHAPTERS.values() for part in entry.parts}
+    built_in = [entry for entry in CHAPTERS.values() if entry != chapter]
+    return [(entry, (out / entry.page).is_file()) for entry in built_in] + [
         (single(name), (out / f"{name}.html").is_file()) for name in BUILT_IN if name not in shown
     ]

@@ -1,4 +1,4 @@
-"""How the report looks and reads: markers of paddings, text of numbers and settings, the two marks."""
+"""Style of the report: markers of paddings, text of numbers and settings, the two marks."""
 
 import re
 from collections.abc import Iterable
@@ -42,23 +42,23 @@ PADDING_STYLES = {
 
 
 def padding_style(padding: str) -> dict[str, Any]:
-    """Keywords for matplotlib; a padding without a look of its own is ochre."""
+    """Return keywords for matplotlib; a padding without a style is ochre."""
     chosen = PADDING_STYLES.get(padding, MarkerStyle("#E69F00", "D"))
     return {"color": chosen.color, "marker": chosen.marker}
 
 
 def style_over_images(padding: str) -> dict[str, Any]:
-    """:func:`padding_style` for a figure against n, where a padding without an n is a line without markers."""
+    """Return the style in a figure against n, where a padding without an n is a line without markers."""
     return padding_style(padding) | ({} if padding in COUNTS_IMAGES else {"marker": "none"})
 
 
 def setting_label(dataset: xr.Dataset | xr.DataArray) -> str:
-    """:func:`padding_label` of a Dataset reduced to one padding and one n."""
+    """Return the name of the padding and the n of a dataset that is reduced to one of each."""
     return padding_label(str(dataset["padding"].values), int(dataset["images"]))
 
 
 def select_evenly(values: Iterable[float], most: int = 3) -> list[float]:
-    """At most ``most`` of ``values``, first and last among them: what fits on a figure."""
+    """Return at most ``most`` of ``values``, the first and the last among them: as many as fit on a figure."""
     chosen = list(values)
     if len(chosen) <= most:
         return chosen
@@ -66,7 +66,7 @@ def select_evenly(values: Iterable[float], most: int = 3) -> list[float]:
 
 
 def percent(value: SupportsFloat) -> str:
-    """A share in per cent, with two significant digits; the space before the sign does not break."""
+    """Return a share in per cent, with two significant digits; the space before the sign does not break."""
     share = 100 * abs(float(value))
     if not np.isfinite(share):
         return "not known"
@@ -75,12 +75,12 @@ def percent(value: SupportsFloat) -> str:
 
 
 def paddings(dataset: xr.Dataset) -> list[str]:
-    """The paddings a Dataset holds, in its order."""
+    """Return the paddings of a dataset, in its order."""
     return [str(name) for name in dataset["padding"].values]
 
 
 def variation_text(dataset: xr.Dataset) -> str:
-    """How much the pressure of one setting varies along the length."""
+    """Return in words by how much the pressure of one setting varies along the length."""
     variation = float(dataset["length_variation"])
     return f"{percent(variation)} of p_{{H}}" if variation > 1e-12 else "rounding only"
 
@@ -89,12 +89,12 @@ MARK = re.compile(r"([_^])\{([^{}]*)\}")  # p_{H} is an index, N^{-1.5} a power
 
 
 def power(base: str, exponent: float, digits: int = 2) -> str:
-    """``base`` to the power of ``exponent``, with the mark for a power."""
+    """Return ``base`` to the power of ``exponent``, with the mark for a power."""
     return f"{base}^{{{exponent:.{digits}f}}}".replace("-", "−")
 
 
 def marked(text: str) -> Markup:
-    """``text`` as HTML, with its marks for indices and powers as tags."""
+    """Return ``text`` as HTML, with its marks for indices and powers as tags."""
 
     def tag(mark: re.Match[str]) -> str:
         name = "sub" if mark[1] == "_" else "sup"
@@ -104,5 +104,5 @@ def marked(text: str) -> Markup:
 
 
 def plain(text: str) -> str:
-    """``text`` without marks, for what cannot show them."""
+    """Return ``text`` without marks, for places that cannot show them."""
     return MARK.sub(r"\1\2", text)

@@ -26,7 +26,7 @@ SOLVERS_LINES = {"smooth": "-", "wavy": "--", "rough": ":"}
 
 
 def _solvers_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
-    """Time, iterations and convolutions against the grid, with the growth of each fitted."""
+    """Draw time, iterations and convolutions against the grid, with the growth of each fitted."""
     cells = dataset["grid"].values
     fig, axes = panels(3)
     labels = {
@@ -58,7 +58,7 @@ def _solvers_caption(dataset: xr.Dataset) -> str:
     facts = []
     finest = dataset.isel(grid=-1)
     for solver in (str(name) for name in dataset["solver"].values):
-        one = finest.sel(solver=solver)
+        part = finest.sel(solver=solver)
         growth = ""
         if dataset.sizes["grid"] > 1:
             times = dataset["solve_time"].sel(solver=solver)
@@ -70,10 +70,10 @@ def _solvers_caption(dataset: xr.Dataset) -> str:
             ]
             growth = f", growing like {power('N', min(rates), 1)} to {power('N', max(rates), 1)}"
         facts.append(
-            f"{TITLES[solver]}: {int(one['iterations'].min())} to "
-            f"{int(one['iterations'].max())} iterations, {float(one['solve_time'].min()):.2g} to "
-            f"{float(one['solve_time'].max()):.2g} s{growth}, at most "
-            f"{float(one['memory'].max()):.0f} fields of memory"
+            f"{TITLES[solver]}: {int(part['iterations'].min())} to "
+            f"{int(part['iterations'].max())} iterations, {float(part['solve_time'].min()):.2g} to "
+            f"{float(part['solve_time'].max()):.2g} s{growth}, at most "
+            f"{float(part['memory'].max()):.0f} fields of memory"
         )
     return (
         "Cost of a solve with exact periodicity to a residual of 1e-8, on one thread, without "
@@ -82,7 +82,7 @@ def _solvers_caption(dataset: xr.Dataset) -> str:
 
 
 def _solvers_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
-    """Which solver."""
+    """Return which solver is the faster."""
     solvers = set(dataset["solver"].values.tolist())
     if not solvers >= set(SOLVERS) or not (dataset["case_status"] == CaseStatus.OK).all():
         return ()
@@ -91,8 +91,8 @@ def _solvers_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     facts = "; ".join(
         f"{surface}: "
         + " against ".join(
-            f"{int(one['iterations'])} iterations in {float(one['solve_time']):.2g} s"
-            for one in (solver.sel(surface=surface) for solver in (new, old))
+            f"{int(part['iterations'])} iterations in {float(part['solve_time']):.2g} s"
+            for part in (solver.sel(surface=surface) for solver in (new, old))
         )
         for surface in finest["surface"].values.tolist()
     )
@@ -125,7 +125,7 @@ LABELS = {
 
 
 def _speed_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
-    """Time, iterations and the ratio to bare transforms against the grid, a line for each surface."""
+    """Draw time, iterations and the ratio to bare transforms against the grid, a line for each surface."""
     cells = dataset["grid"].values
     fig, axes = panels(len(LABELS))
     for ax, (variable, label) in zip(axes, LABELS.items(), strict=True):
@@ -154,8 +154,8 @@ def _speed_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
 
 
 def _surfaces(dataset: xr.Dataset) -> dict[str, dict[str, object]]:
-    """Where each surface is, by its name."""
-    found: dict[str, dict[str, object]] = {}
+    """Return the selection of each surface, by its name."""
+    selections: dict[str, dict[str, object]] = {}
     for surface in dataset["surface"].values.tolist():
         if surface == SELF_AFFINE:
             for values in product(*(dataset[axis].values.tolist() for axis in FAMILY)):
@@ -164,32 +164,32 @@ def _surfaces(dataset: xr.Dataset) -> dict[str, dict[str, object]]:
                     f"self-affine, H = {chosen['hurst']:g}, down to {chosen['cut_off']:g} cells, "
                     f"{percent(chosen['share'])}"
                 )
-                found[name] = {"surface": surface, **chosen}
+                selections[name] = {"surface": surface, **chosen}
         else:
             first = {axis: dataset[axis].values.tolist()[0] for axis in FAMILY}
-            found[surface] = {"surface": surface, **first}
-    return found
+            selections[surface] = {"surface": surface, **first}
+    return selections
 
 
 def _ways(dataset: xr.Dataset) -> dict[str, dict[str, object]]:
-    """How a surface is solved, in words that follow its name; threads are those of the processor alone."""
+    """Return the selections of precision, device and threads, by words that follow the name of a surface."""
     precisions, devices, threads = (dataset[axis].values.tolist() for axis in WAYS)
-    found: dict[str, dict[str, object]] = {}
+    selections: dict[str, dict[str, object]] = {}
     for precision, device, count in product(precisions, devices, threads):
         words = [precision] * (len(precisions) > 1)
         words += [device] * (len(devices) > 1)
         words += [thread_count(count)] * (len(threads) > 1 and device == "cpu")
         chosen = {"precision": precision, "device": device, "threads": count}
-        found.setdefault("".join(f", {word}" for word in words), chosen)
-    return found
+        selections.setdefault("".join(f", {word}" for word in words), chosen)
+    return selections
 
 
 def _speed_caption(dataset: xr.Dataset) -> str:
     finest = dataset.isel(FIRST | {"grid": -1})
     facts = [
-        f"{name}: {int(one['iterations'])} iterations in {float(one['solve_time']):.2g} s, "
-        f"{percent(one['contact_share'])} in contact, {float(one['memory']):.0f} fields of memory"
-        for name, one in _each(finest)
+        f"{name}: {int(part['iterations'])} iterations in {float(part['solve_time']):.2g} s, "
+        f"{percent(part['contact_share'])} in contact, {float(part['memory']):.0f} fields of memory"
+        for name, part in _each(finest)
     ]
     return (
         f"Cost of a solve against the grid, without set-up. {ROUGH.capitalize()} is a rough cylinder, semi-periodic, "
@@ -208,17 +208,17 @@ def _each(dataset: xr.Dataset) -> list[tuple[str, xr.Dataset]]:
 
 
 def _speed_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
-    """How cost grows, and what threads save."""
+    """Return how the cost grows, and the time that threads save."""
     if dataset.sizes["grid"] < 2 or not (dataset["case_status"] == CaseStatus.OK).all():
         return ()
     first, last = dataset.isel(grid=0), dataset.isel(grid=-1)
     growth = float((last["iterations"] / first["iterations"]).max())
     facts = "; ".join(
-        f"{name}: {int(one['iterations'][0])} to {int(one['iterations'][-1])}"
-        for name, one in _each(dataset.isel(FIRST))
+        f"{name}: {int(part['iterations'][0])} to {int(part['iterations'][-1])}"
+        for name, part in _each(dataset.isel(FIRST))
     )
     ratio = last["transform_ratio"].isel(FIRST)
-    said = (
+    measured = (
         f"Iterations from {int(first['grid'])} to {int(last['grid'])} cells across: {facts}. At "
         f"{int(last['grid'])} cells a solve takes {float(ratio.min()):.1f} to {float(ratio.max()):.1f} times the "
         "time of its bare transforms"
@@ -227,7 +227,7 @@ def _speed_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     if len(threads) > 1 and str(dataset["device"].values[0]) == "cpu":
         times = last["solve_time"].isel(precision=0, device=0)
         faster = times.isel(threads=0) / times.isel(threads=-1)
-        said += (
+        measured += (
             f", and is {float(np.min(faster)):.1f} to {float(np.max(faster)):.1f} times as fast on "
             f"{thread_count(threads[-1])} as on {thread_count(threads[0])} of this machine"
         )
@@ -235,7 +235,7 @@ def _speed_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
         Finding(
             f"From {int(first['grid'])} to {int(last['grid'])} cells across, iterations grow by a factor of at most "
             f"{growth:.1f}.",
-            f"{said}.",
+            f"{measured}.",
             "How does the cost grow?",
         ),
     )
@@ -253,12 +253,12 @@ ALONE = ("smooth", "one step", "two steps")
 
 
 def _effect_cost_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
-    """A bar for each scene: time, iterations, transforms and memory."""
-    here = dataset.isel(grid=-1)
-    names = [str(name) for name in here["effect"].values]
+    """Draw a bar for each scene: time, iterations, transforms and memory."""
+    finest = dataset.isel(grid=-1)
+    names = [str(name) for name in finest["effect"].values]
     place = np.arange(float(len(names)))
     fig, axes = panels(4, columns=2, width=3.6, height=0.6 + 0.32 * len(names), share="y")
-    setup, solve = here["setup_time"].values, here["solve_time"].values
+    setup, solve = finest["setup_time"].values, finest["solve_time"].values
     axes[0].barh(place, setup, color="#E69F00", label="set-up")
     axes[0].barh(place, solve, left=setup, color=COLOR, label="solve and outputs")
     _numbers(axes[0], place, setup + solve, "{:.2g}")
@@ -267,8 +267,8 @@ def _effect_cost_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
         (axes[2], "iterations", "{:.0f}"),
         (axes[3], "convolutions", "{:.0f}"),
     ):
-        ax.barh(place, here[variable].values, color=COLOR)
-        _numbers(ax, place, here[variable].values, form)
+        ax.barh(place, finest[variable].values, color=COLOR)
+        _numbers(ax, place, finest[variable].values, form)
     for ax, label in zip(
         axes,
         ("wall time [s]", "peak memory [MB]", "iterations", "transform pairs of the solve"),
@@ -280,11 +280,11 @@ def _effect_cost_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     axes[0].set_yticks(place, labels)
     axes[0].invert_yaxis()
     add_legend(fig)
-    return (CaptionedFigure("effects", fig, _effect_cost_caption(here)),)
+    return (CaptionedFigure("effects", fig, _effect_cost_caption(finest)),)
 
 
 def _numbers(ax: Axes, place: Array, values: Array, form: str) -> None:
-    """Each bar's value at its end."""
+    """Write the value of each bar at its end."""
     for y, value in zip(place, values, strict=True):
         ax.text(value, y, " " + form.format(value), va="center", fontsize="small")
     ax.margins(x=0.18)
@@ -335,7 +335,7 @@ PEERS_LINES = ("-", "--", ":", "-.")  # of each number of threads
 
 
 def _peers_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
-    """Time in all against the grid, a panel for each boundary."""
+    """Draw the total time against the grid, a panel for each boundary."""
     boundaries = [str(name) for name in dataset["boundary"].values]
     fig, axes = panels(len(boundaries), share="y")
     threads = dataset["threads"].values.tolist()
@@ -344,18 +344,18 @@ def _peers_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     for ax, boundary in zip(axes, boundaries, strict=True):
         for program, number in product(dataset["program"].values, range(len(threads))):
             chosen = {"program": program, "boundary": boundary, "threads": threads[number]}
-            one = time.sel(chosen)
-            if not np.isfinite(one).any():
+            part = time.sel(chosen)
+            if not np.isfinite(part).any():
                 continue
             name = program if len(threads) == 1 else f"{program}, {thread_count(threads[number])}"
             line = {
                 "color": PEERS_COLORS[str(program)],
                 "linestyle": PEERS_LINES[number % len(PEERS_LINES)],
             }
-            ax.loglog(dataset["grid"], one, marker="o", label=name, **line)
+            ax.loglog(dataset["grid"], part, marker="o", label=name, **line)
             finest = dataset.sel(chosen).isel(grid=-1)
             facts.append(
-                f"{boundary}, {name} {float(one[-1]):.2g} s with a difference of "
+                f"{boundary}, {name} {float(part[-1]):.2g} s with a difference of "
                 f"{float(finest['difference']):.0e}"
             )
         ax.set(title=boundary, xlabel="cells across and along")

@@ -16,7 +16,7 @@ from studies.report.style import COLORS, LAW_STYLE, add_legend, panels, percent,
 
 
 def _coating_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
-    """The contact, the stress at the interface and what a single image would cost, over the thickness."""
+    """Draw the contact, the stress at the interface and what a single image would cost, over the thickness."""
     finest = dataset.isel(grid=-1)
     labels = {
         "half_width": "half-width / a",
@@ -28,8 +28,8 @@ def _coating_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     fig, axes = panels(len(labels), columns=2, width=3.6, height=2.7)
     for ax, (variable, label) in zip(axes, labels.items(), strict=True):
         for ratio, color in zip(finest["ratio"].values, cycle(COLORS), strict=False):
-            one = finest[variable].sel(ratio=ratio)
-            ax.plot(one["thickness"], one, color=color, marker="o", label=f"E1/E2 = {ratio:g}")
+            curve = finest[variable].sel(ratio=ratio)
+            ax.plot(curve["thickness"], curve, color=color, marker="o", label=f"E1/E2 = {ratio:g}")
             if variable in ("half_width", "peak_pressure"):
                 # the coating alone, at the same load
                 power = -0.5 if variable == "half_width" else 0.5
@@ -51,7 +51,7 @@ def _coating_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
 
 
 def _coating_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
-    """How a coating matters by its thickness, and how well known contacts are met."""
+    """Return the effect of a coating by its thickness, and the error against known contacts."""
     if dataset.sizes["thickness"] < 3:
         return ()
     finest = dataset.isel(grid=-1)
@@ -59,8 +59,8 @@ def _coating_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     from_substrate = abs(thin["half_width"] - 1).max()
     from_coating = abs(thick["half_width"] * np.sqrt(thick["ratio"]) - 1).max()
     error = float(finest["reference_error"].max(skipna=True))
-    known = "Known contacts (a collocation of the layered problem) are met "
-    known = f"{known}to {error:.1e} in the peak pressure. " if np.isfinite(error) else ""
+    reference = "Known contacts (a collocation of the layered problem) are met "
+    reference = f"{reference}to {error:.1e} in the peak pressure. " if np.isfinite(error) else ""
     worst = finest["image_error"].max(("thickness", "ratio"))
     place = finest["image_error"].where(finest["image_error"] == worst, drop=True)
     shear = finest["interface_shear"].max(("thickness", "ratio"))
@@ -71,7 +71,7 @@ def _coating_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
             "does not describe it.",
             f"At a thickness of {float(thin['thickness']):g} a the half-width is within {percent(from_substrate)} of "
             f"that on the substrate, at {float(thick['thickness']):g} a within {percent(from_coating)} of that on the "
-            f"coating. {known}The image alone would be off by up to {percent(worst)} in L1 (E1/E2 = "
+            f"coating. {reference}The image alone would be off by up to {percent(worst)} in L1 (E1/E2 = "
             f"{float(place['ratio'][0]):g}, thickness {float(place['thickness'][0]):g} a). The shear at the "
             f"interface is largest, {float(shear):.2f} of the peak pressure, at E1/E2 = "
             f"{float(where['ratio'][0]):g} and a thickness of {float(where['thickness'][0]):g} a.",
@@ -87,16 +87,16 @@ coating = Drawing(_coating_figures, _coating_findings, axes=("ratio", "thickness
 
 
 def _friction_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
-    """Stress over the coefficient, sticking zones over the force, the superposition's error over Poisson's ratio."""
+    """Draw stress over the coefficient, sticking zones over the force, errors of the superposition."""
     finest = dataset.isel(grid=-1, rough_grid=-1)
     fig, axes = panels(6, columns=2, width=3.6, height=2.7)
     for ratio, color in zip(finest["poisson_ratio"].values, cycle(COLORS), strict=False):
-        one = finest.sel(poisson_ratio=ratio)
+        part = finest.sel(poisson_ratio=ratio)
         style: dict[str, Any] = {"color": color, "marker": "o", "label": f"nu = {float(ratio):g}"}
-        axes[0].plot(one["coefficient"], one["von_mises"], **style)
-        axes[1].plot(one["coefficient"], one["depth"], **style)
-        axes[2].plot(one["share"], one["stick"], **style)
-        axes[3].plot(one["share"], one["stick_sphere"], **style)
+        axes[0].plot(part["coefficient"], part["von_mises"], **style)
+        axes[1].plot(part["coefficient"], part["depth"], **style)
+        axes[2].plot(part["share"], part["stick"], **style)
+        axes[3].plot(part["share"], part["stick_sphere"], **style)
     share = np.linspace(0, 1, 200)
     axes[2].plot(share, np.sqrt(1 - share), label="Cattaneo, Mindlin", **LAW_STYLE)
     axes[3].plot(share, np.cbrt(1 - share), **LAW_STYLE)
@@ -124,7 +124,7 @@ def _friction_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
 
 
 def _friction_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
-    """Where the highest stress lies, and how far the superposition holds."""
+    """Return the place of the highest stress and the error of the superposition."""
     ratios = dataset["poisson_ratio"].values
     if len(ratios) < 2 or 0.3 not in ratios or 0.0 not in ratios:
         return ()
@@ -160,12 +160,12 @@ friction = Drawing(
 
 
 def _creep_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
-    """Half-width and peak pressure beside the closed forms; errors against steps and cost."""
+    """Draw half-width and peak pressure beside the closed forms; errors against steps and cost."""
     fig, axes = panels(4, columns=2, width=4.4, height=3.0)
     finest = dataset.isel(steps=-1, grid=-1)
     time = np.linspace(0, END, 100)
     axes[0].plot(time, CLOSED.half_width(time) / HALF_WIDTH, **LAW_STYLE)
-    peak = [float(CLOSED.pressure(0.0, one)) / (HALF_WIDTH / 2) for one in time]
+    peak = [float(CLOSED.pressure(0.0, part)) / (HALF_WIDTH / 2) for part in time]
     axes[1].plot(time, peak, **LAW_STYLE)
     for ax, name, label in (
         (axes[0], "half_width", "half-width"),
@@ -175,12 +175,12 @@ def _creep_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
         ax.set(xlabel="time over that of creep", ylabel=f"{label} over the sudden one")
         ax.set_title("dotted: closed form", loc="right", fontsize="small")
     for cells, color in zip(dataset["grid"].values, cycle(COLORS), strict=False):
-        one = dataset.sel(grid=cells)
+        part = dataset.sel(grid=cells)
         label = f"{cells} cells"
-        axes[2].loglog(one["steps"], one["pressure_error_l1"], "o-", color=color, label=label)
-        axes[2].loglog(one["steps"], one["step_error"], "--", color=color)
+        axes[2].loglog(part["steps"], part["pressure_error_l1"], "o-", color=color, label=label)
+        axes[2].loglog(part["steps"], part["step_error"], "--", color=color)
         axes[3].loglog(
-            one["convolutions"] * cells, one["pressure_error_l1"], "o-", color=color, label=label
+            part["convolutions"] * cells, part["pressure_error_l1"], "o-", color=color, label=label
         )
     axes[2].set(xlabel="steps", ylabel="largest relative L1 error")
     axes[2].set_title("dashed: estimated, by steps", loc="right", fontsize="small")
@@ -200,7 +200,7 @@ def _creep_caption(dataset: xr.Dataset) -> str:
 
 
 def _creep_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
-    """What accuracy in time costs beside that of the grid."""
+    """Return the cost of accuracy in time beside that of the grid."""
     if dataset.sizes["steps"] < 3 or dataset.sizes["grid"] < 2:
         return ()
     fine = dataset.isel(grid=-1)
@@ -237,32 +237,32 @@ WEAR_COLORS = {"implicit": "#0072B2", "two-stage": "#009E73", "explicit": "#D55E
 
 
 def _wear_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
-    """Half-width against distance beside the rigid law; errors against steps and solves."""
-    here = dataset.isel(grid=-1)
+    """Draw the half-width against distance beside the rigid law; errors against steps and solves."""
+    finest = dataset.isel(grid=-1)
     fig, axes = panels(3, columns=3, width=3.8, height=3.0)
     distance = np.linspace(0, 1, 100)
     axes[0].plot(distance, WORN * np.cbrt(distance), **LAW_STYLE)
     axes[0].plot(distance, np.cbrt(1 + WORN**3 * distance), **LAW_STYLE | {"linestyle": "--"})
-    for name in here["scheme"].values:
-        one = here.sel(scheme=name)
+    for name in finest["scheme"].values:
+        part = finest.sel(scheme=name)
         color = WEAR_COLORS.get(str(name), "#E69F00")
-        axes[0].plot(one["distance"], one["half_width"].isel(steps=-1), "o", color=color)
-        error = one["pressure_error_l1"].values
-        axes[1].loglog(one["steps"], error, "o-", color=color, label=str(name))
-        axes[2].loglog(one["solves"], error, "o-", color=color)
+        axes[0].plot(part["distance"], part["half_width"].isel(steps=-1), "o", color=color)
+        error = part["pressure_error_l1"].values
+        axes[1].loglog(part["steps"], error, "o-", color=color, label=str(name))
+        axes[2].loglog(part["solves"], error, "o-", color=color)
     axes[0].set(xlabel="distance over the whole", ylabel="half-width over Hertz's")
     axes[0].set_title("dotted: rigid; dashed: cubes added", loc="right", fontsize="small")
     axes[1].set(xlabel="steps", ylabel="relative L1 error at the end")
     axes[2].set(xlabel="solves", ylabel="relative L1 error at the end")
-    limit = _stable_from(here)
+    limit = _stable_from(finest)
     axes[1].axvline(limit, **LAW_STYLE)
     axes[1].set_title("dotted: explicit limit", loc="right", fontsize="small")
     add_legend(fig)
-    return (CaptionedFigure("wear", fig, _wear_caption(here)),)
+    return (CaptionedFigure("wear", fig, _wear_caption(finest)),)
 
 
 def _stable_from(here: xr.Dataset) -> float:
-    """The number of steps from which explicit ones are shorter than their limit."""
+    """Return the number of steps from which explicit ones are shorter than their limit."""
     return float(here["steps"][0] / here["longest_explicit"].isel(steps=0, scheme=0))
 
 
@@ -277,21 +277,21 @@ def _wear_caption(here: xr.Dataset) -> str:
 
 
 def _wear_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
-    """What implicit steps save."""
-    here = dataset.isel(grid=-1)
+    """Return the number of steps that implicit wear saves."""
+    finest = dataset.isel(grid=-1)
     if (
-        not {"implicit", "explicit"} <= set(here["scheme"].values.tolist())
-        or here.sizes["steps"] < 3
+        not {"implicit", "explicit"} <= set(finest["scheme"].values.tolist())
+        or finest.sizes["steps"] < 3
     ):
         return ()
-    limit = _stable_from(here)
-    few = here.isel(steps=1)
+    limit = _stable_from(finest)
+    coarse = finest.isel(steps=1)
     implicit, explicit = (
-        float(few["pressure_error_l1"].sel(scheme=name)) for name in ("implicit", "explicit")
+        float(coarse["pressure_error_l1"].sel(scheme=name)) for name in ("implicit", "explicit")
     )
     return (
         Finding(
-            f"{int(few['steps'])} implicit steps of wear are as good as {percent(implicit)}; as many explicit "
+            f"{int(coarse['steps'])} implicit steps of wear are as good as {percent(implicit)}; as many explicit "
             f"ones are out by {percent(explicit)}.",
             f"An explicit march needs {limit:.3g} steps to be stable on this grid, and twice as many on one twice as "
             "fine. An implicit step costs the same solve, with a constant in its spectrum, and the worn "
@@ -316,32 +316,32 @@ LABELS = {
 
 
 def _plastic_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
-    """What yields over the load, beside a hardness; errors against steps and cost."""
+    """Draw the yielding contact over the load, beside a hardness; errors against steps and cost."""
     fig, axes = panels(6, columns=2, width=4.0, height=2.7)
     finest = dataset.isel(steps=-1, grid=-1)
     for ax, (name, (label, cap)) in zip(axes, LABELS.items(), strict=False):
         for hardening, color in zip(dataset["hardening"].values, cycle(COLORS), strict=False):
-            one = finest.sel(hardening=hardening)
+            part = finest.sel(hardening=hardening)
             text = f"plastic, H = {hardening:g} E"
-            ax.plot(one["pressure"], one[name], "o-", color=color, label=text)
+            ax.plot(part["pressure"], part[name], "o-", color=color, label=text)
         if cap is not None:
-            one = finest.isel(hardening=0)
+            part = finest.isel(hardening=0)
             text = f"hardness {CAP:g} Y"
-            ax.plot(one["pressure"], one[cap], "s--", color="#CC79A7", label=text)
+            ax.plot(part["pressure"], part[cap], "s--", color="#CC79A7", label=text)
         ax.plot([PRESSURE], [REFERENCE[name]], "*", color="black", markersize=10, label="known")
         ax.set(xlabel="p_H / Y", ylabel=label)
-    known = _known(dataset)
+    reference = _known(dataset)
     for cells, color in zip(dataset["grid"].values, cycle(COLORS), strict=False):
-        if known is None:
+        if reference is None:
             break
-        one = known.sel(grid=cells)
-        text = f"{cells} cells, {float(one['layers'][-1]):g} layers"
-        wrong = one["peak_pressure_error"]
-        axes[4].loglog(one["steps"], wrong, "o-", color=color, label=text)
-        axes[5].loglog(one["convolutions"] * cells, wrong, "o-", color=color, label=text)
-    if known is not None:
-        steps = known["steps"].values
-        first = float(known["peak_pressure_error"].isel(steps=0, grid=-1))
+        part = reference.sel(grid=cells)
+        text = f"{cells} cells, {float(part['layers'][-1]):g} layers"
+        error = part["peak_pressure_error"]
+        axes[4].loglog(part["steps"], error, "o-", color=color, label=text)
+        axes[5].loglog(part["convolutions"] * cells, error, "o-", color=color, label=text)
+    if reference is not None:
+        steps = reference["steps"].values
+        first = float(reference["peak_pressure_error"].isel(steps=0, grid=-1))
         axes[4].loglog(steps, first * steps[0] / steps, **LAW_STYLE)
     axes[4].set(xlabel="steps in load", ylabel="error of the peak pressure")
     axes[4].set_title("dotted: first order", loc="right", fontsize="small")
@@ -361,19 +361,19 @@ def _plastic_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
 
 
 def _known(dataset: xr.Dataset) -> xr.Dataset | None:
-    """Where the reference is."""
+    """Return the part of the sweep for which a reference is known."""
     if PRESSURE not in dataset["pressure"].values or HARDENING not in dataset["hardening"].values:
         return None
     return dataset.sel(pressure=PRESSURE, hardening=HARDENING)
 
 
 def _plastic_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
-    """How good a hardness is, and what an accuracy of yielding costs."""
+    """Return the error of a hardness in place of yield, and the cost of an accuracy of yielding."""
     if dataset.sizes["pressure"] < 2 or dataset.sizes["steps"] < 2:
         return ()
     finest = dataset.isel(steps=-1, grid=-1, hardening=0)
     first, last = finest.isel(pressure=0), finest.isel(pressure=-1)
-    found = [
+    findings = [
         Finding(
             "A hardness is no substitute for plastic strain below the surface.",
             f"At p_H = {float(last['pressure']):g} Y, where the peak pressure is "
@@ -385,12 +385,12 @@ def _plastic_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
             "Is a hardness cap enough?",
         )
     ]
-    known = _known(dataset)
-    if known is not None:
-        fine = known.isel(steps=-1, grid=-1)
-        wrong = known["peak_pressure_error"].isel(grid=-1)
-        steps = known["steps"].values
-        found.append(
+    reference = _known(dataset)
+    if reference is not None:
+        fine = reference.isel(steps=-1, grid=-1)
+        error = reference["peak_pressure_error"].isel(grid=-1)
+        steps = reference["steps"].values
+        findings.append(
             Finding(
                 f"{steps[-1]} steps in load give the peak pressure on a body that yields to "
                 f"{percent(fine['peak_pressure_error'])}.",
@@ -398,12 +398,12 @@ def _plastic_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
                 f"the peak pressure is within {percent(fine['peak_pressure_error'])} of the known one, the dent "
                 f"within {percent(fine['dent_error'])} and the largest plastic strain within "
                 f"{percent(fine['plastic_strain_error'])}. From {steps[0]} steps to {steps[-1]} the error of the "
-                f"pressure falls by a factor of {float(wrong[0] / wrong[-1]):.1f}: it is of first order in the steps, "
+                f"pressure falls by a factor of {float(error[0] / error[-1]):.1f}: it is of first order in the steps, "
                 "and what the cells add does not fall with them.",
                 "What does yielding cost?",
             )
         )
-    return tuple(found)
+    return tuple(findings)
 
 
 plastic = Drawing(

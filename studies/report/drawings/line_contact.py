@@ -48,8 +48,10 @@ def _each(dataset: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]]:
 
 def _errors(ax: Axes, over: str, chosen: xr.Dataset, variable: str) -> None:
     """Plot the absolute value of an error against one axis, a line for each padding."""
-    for name, one in _each(chosen):
-        ax.loglog(chosen[over], abs(one[variable]), label=setting_label(one), **padding_style(name))
+    for name, part in _each(chosen):
+        ax.loglog(
+            chosen[over], abs(part[variable]), label=setting_label(part), **padding_style(name)
+        )
 
 
 def _over_images(
@@ -64,8 +66,8 @@ def _over_images(
     fig, axes = panels(len(periods), share="y", height=2.9)
     half = dataset["images"].values + 0.5
     for ax, period in zip(axes, periods, strict=True):
-        for name, one in _each(dataset.sel(period=period)):
-            if (error := abs(one[variable])).all():
+        for name, part in _each(dataset.sel(period=period)):
+            if (error := abs(part[variable])).all():
                 ax.loglog(half, error, label=name, **style_over_images(name))
         ax.loglog(half, law(period, half), label=law_label, **LAW_STYLE)
         ax.set(title=f"period L = {period:g} a", xlabel=IMAGES_LABEL)
@@ -123,8 +125,8 @@ def _price(dataset: xr.Dataset) -> CaptionedFigure:
 def _reach(dataset: xr.Dataset) -> CaptionedFigure:
     fig, (ax,) = panels(1, width=6, height=3.4)
     spans: list[float] = []
-    for name, one in _each(dataset):
-        counted = one if name in COUNTS_IMAGES else one.isel(images=[0])
+    for name, part in _each(dataset):
+        counted = part if name in COUNTS_IMAGES else part.isel(images=[0])
         settings_ = counted["axis_pressure_error"].stack(setting=("images", "period"))
         reaches = [padding_at(name, n).reach(period) for n, period in settings_["setting"].values]
         if np.isfinite(reaches).all():
@@ -166,17 +168,17 @@ def _padding_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
 
 
 def _which_padding(dataset: xr.Dataset) -> Finding:
-    here = dataset.isel(period=-1, grid=-1, images=-1)
-    exact = here.sel(padding="exact")
+    finest = dataset.isel(period=-1, grid=-1, images=-1)
+    exact = finest.sel(padding="exact")
     costs = "; ".join(
-        f"{setting_label(one)}: {percent(one['axis_pressure_error'])} in {float(total_time(one)):.2g} s"
-        for name, one in _each(here)
+        f"{setting_label(part)}: {percent(part['axis_pressure_error'])} in {float(total_time(part)):.2g} s"
+        for name, part in _each(finest)
         if name in ("duplicated", "superposed", "circular")
     )
     return Finding(
         "Use exact periodicity: it has no n to choose and no truncation error at any period; an L1 error of "
         f"{percent(exact['pressure_error_l1'])} costs {float(total_time(exact)):.2g} s.",
-        f"At {int(here['grid'])} x {int(here['grid'])} cells and L = {float(here['period']):g} a the error of its "
+        f"At {int(finest['grid'])} x {int(finest['grid'])} cells and L = {float(finest['period']):g} a the error of its "
         f"peak pressure is {percent(exact['axis_pressure_error'])}, which is the discretisation error; the pressure "
         f"varies along the length by {variation_text(exact)}; the time is {float(total_time(exact)):.2g} s. "
         f"Error of the peak pressure and time of the others: {costs}.",
@@ -260,9 +262,9 @@ def _period_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     add_legend(fig)
     ends = float(periods.min()), float(periods.max())
     facts = "; ".join(
-        f"{setting_label(one)}: {percent(one.sel(period=ends[0])['axis_pressure_error'])} at "
-        f"L = {ends[0]:g} a, {percent(one.sel(period=ends[1])['axis_pressure_error'])} at {ends[1]:g} a"
-        for _, one in _each(chosen)
+        f"{setting_label(part)}: {percent(part.sel(period=ends[0])['axis_pressure_error'])} at "
+        f"L = {ends[0]:g} a, {percent(part.sel(period=ends[1])['axis_pressure_error'])} at {ends[1]:g} a"
+        for _, part in _each(chosen)
     )
     caption = (
         "Error against the period; in the law D = L for duplicated padding and (n + ½)L for "
@@ -275,14 +277,14 @@ def _period_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     needed = {"duplicated", "superposed", "circular", "exact"}
     if not covers(dataset, needed) or dataset.sizes["period"] < 2:
         return ()
-    here = dataset["axis_pressure_error"].isel(grid=-1, images=-1)
-    copied, exact = (abs(here.sel(padding=name)) for name in ("duplicated", "exact"))
-    short, long = float(here["period"].min()), float(here["period"].max())
+    errors = dataset["axis_pressure_error"].isel(grid=-1, images=-1)
+    copied, exact = (abs(errors.sel(padding=name)) for name in ("duplicated", "exact"))
+    short, long = float(errors["period"].min()), float(errors["period"].max())
     facts = " and ".join(
-        f"from {percent(one.sel(period=short))} to {percent(one.sel(period=long))} with {setting_label(one)}"
-        for one in (here.sel(padding=name) for name in ("duplicated", "superposed"))
+        f"from {percent(part.sel(period=short))} to {percent(part.sel(period=long))} with {setting_label(part)}"
+        for part in (errors.sel(padding=name) for name in ("duplicated", "superposed"))
     )
-    signed = here.sel(padding="exact")
+    signed = errors.sel(padding="exact")
     return (
         Finding(
             "With exact periodicity any period is accurate: use that of the surface, and no longer one.",
@@ -339,22 +341,24 @@ def _images_caption(dataset: xr.Dataset, periods: Sequence[float]) -> str:
         better = dataset["images"].values[worse[-1] + 1 if worse.size else 0 :]
         if better.size:
             facts.append(f"at L = {period:g} a from n = {better[0]} on ({percent(duplicated)})")
-    more = f" Superposition is more accurate than duplicated padding {', '.join(facts)}."
-    return words + more * bool(facts)
+    comparison = f" Superposition is more accurate than duplicated padding {', '.join(facts)}."
+    return words + comparison * bool(facts)
 
 
 def _variation(dataset: xr.Dataset) -> CaptionedFigure:
     fig, (ax,) = panels(1, width=6, height=3.0)
     half = dataset["images"].values + 0.5
     periods = select_evenly(dataset["period"].values)
-    superposed = [one["length_variation"] for name, one in _each(dataset) if name == "superposed"]
+    superposed = [
+        curve["length_variation"] for name, curve in _each(dataset) if name == "superposed"
+    ]
     for variation in superposed:
         for period, line in zip(periods, ("-", "--", "-."), strict=False):
-            one = variation.sel(period=period)
+            curve = variation.sel(period=period)
             style = padding_style("superposed") | {"linestyle": line}
-            ax.loglog(half, one, label=f"superposed, L = {period:g} a", **style)
+            ax.loglog(half, curve, label=f"superposed, L = {period:g} a", **style)
             middle = len(half) // 2
-            law = float(one[middle]) * (half[middle] / half) ** 2
+            law = float(curve[middle]) * (half[middle] / half) ** 2
             ax.loglog(half, law, label="slope −2", **LAW_STYLE)
     ax.set(xlabel=IMAGES_LABEL, ylabel="pressure variation along length / p_H")
     add_legend(fig)
@@ -370,12 +374,12 @@ def _variation(dataset: xr.Dataset) -> CaptionedFigure:
 
 
 def _images_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
-    found = []
+    findings_ = []
     if covers(dataset, {"circular", "exact"}) and dataset.sizes["images"] > 2:
-        found.append(_what_n(dataset))
+        findings_.append(_what_n(dataset))
     if covers(dataset, {"duplicated", "superposed"}, images={6}, period={2.4}):
-        found.append(_six_images(dataset))
-    return tuple(found)
+        findings_.append(_six_images(dataset))
+    return tuple(findings_)
 
 
 def _what_n(dataset: xr.Dataset) -> Finding:
@@ -398,8 +402,8 @@ def _what_n(dataset: xr.Dataset) -> Finding:
 
 
 def _six_images(dataset: xr.Dataset) -> Finding:
-    here = dataset.sel(period=2.4, images=6).isel(grid=-1)
-    copied, six = here.sel(padding="duplicated"), here.sel(padding="superposed")
+    finest = dataset.sel(period=2.4, images=6).isel(grid=-1)
+    copied, six = finest.sel(padding="duplicated"), finest.sel(padding="superposed")
     ratio = abs(float(copied["axis_pressure_error"] / six["axis_pressure_error"]))
     return Finding(
         "“n ≥ 6 gives very similar results to duplicated padding”: the computed errors differ.",
@@ -538,26 +542,26 @@ def _kernel_law(period: float, half: Array) -> Any:
 
 def _build_time(dataset: xr.Dataset) -> CaptionedFigure:
     fig, (ax,) = panels(1, width=6, height=3.0)
-    here = dataset.isel(period=-1)
-    half = here["images"].values + 0.5
-    for name, one in _each(here):
-        ax.loglog(half, one["setup_time"], label=name, **style_over_images(name))
+    longest = dataset.isel(period=-1)
+    half = longest["images"].values + 0.5
+    for name, part in _each(longest):
+        ax.loglog(half, part["setup_time"], label=name, **style_over_images(name))
     words = ""
-    if "superposed" in paddings(here):
-        superposed = here.sel(padding="superposed")
+    if "superposed" in paddings(longest):
+        superposed = longest.sel(padding="superposed")
         last = float(superposed["setup_time"][-1])
         ax.loglog(half, last * half / half[-1], label="proportional to n + ½", **LAW_STYLE)
-        if "exact" in paddings(here):
+        if "exact" in paddings(longest):
             six = superposed.sel(images=6, method="nearest")
-            ratio = float(six["setup_time"] / here["setup_time"].sel(padding="exact")[0])
+            ratio = float(six["setup_time"] / longest["setup_time"].sel(padding="exact")[0])
             words = f" {setting_label(six).capitalize()}, takes {ratio:.2g} times as long as exact periodicity."
     ax.set(xlabel=IMAGES_LABEL, ylabel="time to build the operator [s]")
     add_legend(fig)
     return CaptionedFigure(
         "build_time",
         fig,
-        f"Time to build the operator (coefficients and transform) for {int(here['grid'])} x "
-        f"{int(here['grid'])} cells and L = {float(here['period']):g} a. Beyond a few images the cost of a sum "
+        f"Time to build the operator (coefficients and transform) for {int(longest['grid'])} x "
+        f"{int(longest['grid'])} cells and L = {float(longest['period']):g} a. Beyond a few images the cost of a sum "
         f"is proportional to their number; exact periodicity has no such number.{words}",
     )
 

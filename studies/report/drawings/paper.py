@@ -25,7 +25,7 @@ KNOWN_AXES = ("padding", "images")
 
 
 def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
-    """Figs. 4 and 5."""
+    """Draw the paper's Figs. 4 and 5."""
     return _displacement(dataset), _pressure(dataset)
 
 
@@ -45,18 +45,18 @@ def _displacement(dataset: xr.Dataset) -> CaptionedFigure:
         ax.set(xlabel="distance from centre / contact radius", title=TITLES[direction])
     axes[0].set_ylabel("displacement / Hertz's at the centre")
     add_legend(fig)
-    said = {
+    remarks = {
         "zero": "it agrees with Hertz's solution of a single contact, since it has no neighbours.",
         "duplicated": "the neighbours raise the curve, and along the length they also bend it.",
     }
     words = []
     for name in shown:
-        one = dataset.sel(padding=name).isel(images=-1)
-        across, along = one["displacement_x"], one["displacement_y"]
+        part = dataset.sel(padding=name).isel(images=-1)
+        across, along = part["displacement_x"], part["displacement_y"]
         words.append(
             f"With {name} padding it is {float(across[POINT_CELLS // 2]):.4f} at the centre, "
             f"{float(across[0]):.4f} at the edge across and {float(along[0]):.4f} at the edge along: "
-            + said[name]
+            + remarks[name]
         )
     return CaptionedFigure(
         "displacement",
@@ -67,13 +67,13 @@ def _displacement(dataset: xr.Dataset) -> CaptionedFigure:
 
 
 def _pressure(dataset: xr.Dataset) -> CaptionedFigure:
-    fig, (whole, error) = panels(2, width=4.6)
+    fig, (full, error) = panels(2, width=4.6)
     x = dataset["x"]
     hertz = np.sqrt(np.clip(1 - x**2, 0, None))
     for name in paddings(dataset):
         chosen = dataset.sel(padding=name).isel(images=-1)
         label = setting_label(chosen)
-        whole.plot(x, chosen["pressure"], label=label, markevery=8, **padding_style(name))
+        full.plot(x, chosen["pressure"], label=label, markevery=8, **padding_style(name))
         error.plot(
             x, 100 * (chosen["pressure"] - hertz), label=label, markevery=8, **padding_style(name)
         )
@@ -90,8 +90,8 @@ def _pressure(dataset: xr.Dataset) -> CaptionedFigure:
             100 * (chosen["pressure_max"] - hertz),
             **band,
         )
-    whole.plot(x, hertz, label="Hertz", **LAW_STYLE)
-    whole.set(xlabel="position across / half-width a", ylabel="pressure / p_H", ylim=(0, 1.2))
+    full.plot(x, hertz, label="Hertz", **LAW_STYLE)
+    full.set(xlabel="position across / half-width a", ylabel="pressure / p_H", ylim=(0, 1.2))
     error.set(
         xlabel="position across / half-width a",
         ylabel="error against Hertz [% of p_H]",
@@ -100,8 +100,8 @@ def _pressure(dataset: xr.Dataset) -> CaptionedFigure:
     error.set_yscale("symlog", linthresh=0.1)
     add_legend(fig)
     facts = "; ".join(
-        f"{setting_label(one)}: {percent(one['pressure_error_max'])}"
-        for one in (dataset.sel(padding=name).isel(images=-1) for name in paddings(dataset))
+        f"{setting_label(part)}: {percent(part['pressure_error_max'])}"
+        for part in (dataset.sel(padding=name).isel(images=-1) for name in paddings(dataset))
     )
     return CaptionedFigure(
         "pressure",
@@ -114,12 +114,12 @@ def _pressure(dataset: xr.Dataset) -> CaptionedFigure:
 
 
 def tables(dataset: xr.Dataset) -> tuple[Table, ...]:
-    """Every mode at the paper's setting."""
+    """Return the errors and the cost of every padding at the paper's setting."""
     return (accuracy_table(dataset),)
 
 
 def accuracy_table(dataset: xr.Dataset) -> Table:
-    """Errors and cost of every mode at the paper's setting."""
+    """Return the errors and the cost of every padding at the paper's setting."""
     rows = []
     order = ("exact", "duplicated", "circular", "superposed", "zero")
     for name in (name for name in order if name in paddings(dataset)):
@@ -127,7 +127,7 @@ def accuracy_table(dataset: xr.Dataset) -> Table:
             dataset["images"].values if name in COUNTS_IMAGES else dataset["images"].values[-1:]
         )
         for images in counted:
-            one = dataset.sel(padding=name, images=images)
+            part = dataset.sel(padding=name, images=images)
             errors = (
                 "axis_pressure_error",
                 "peak_pressure_error",
@@ -137,11 +137,11 @@ def accuracy_table(dataset: xr.Dataset) -> Table:
             )
             rows.append(
                 (
-                    "zero (not periodic)" if name == "zero" else setting_label(one),
-                    *(percent(one[error]) for error in errors),
-                    str(int(one["iterations"])),
-                    f"{float(one['setup_time']):.3f}",
-                    f"{float(one['solve_time']):.3f}",
+                    "zero (not periodic)" if name == "zero" else setting_label(part),
+                    *(percent(part[error]) for error in errors),
+                    str(int(part["iterations"])),
+                    f"{float(part['setup_time']):.3f}",
+                    f"{float(part['solve_time']):.3f}",
                 )
             )
     return Table(

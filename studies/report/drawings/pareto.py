@@ -17,7 +17,7 @@ KNOWN_AXES = ("padding", "images", "period", "grid", "solver_tolerance", "solver
 
 
 def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
-    """Error against runtime with the front at every period, and what each decade costs."""
+    """Draw error against runtime with the front at every period, and what each decade costs."""
     return _fronts(dataset), _decades(dataset)
 
 
@@ -52,11 +52,11 @@ def _fronts(dataset: xr.Dataset) -> CaptionedFigure:
 def _front(ax: Axes, every: Settings) -> None:
     for name in dict.fromkeys(every.modes.tolist()):
         for solver in dict.fromkeys(every.axes["solver"].tolist()):
-            own = (every.modes == name) & (every.axes["solver"] == solver)
+            marks = (every.modes == name) & (every.axes["solver"] == solver)
             hollow = solver == "polonsky_keer"
             face = {"markerfacecolor": "none"} if hollow else {"label": name}
             ax.loglog(
-                every.cost[own], every.error[own], linestyle="none", alpha=0.6, markersize=4,
+                every.cost[marks], every.error[marks], linestyle="none", alpha=0.6, markersize=4,
                 **padding_style(name) | face,
             )  # fmt: skip
     for chosen, style, label in (
@@ -77,22 +77,22 @@ def _decades(dataset: xr.Dataset) -> CaptionedFigure:
     period = select_evenly(dataset["period"].values)[
         len(select_evenly(dataset["period"].values)) // 2
     ]
-    here = dataset.sel(period=period)
+    chosen_period = dataset.sel(period=period)
     fig, axes = panels(len(STORED_ERRORS), share="y")
     words = []
     for ax, (metric, errors) in zip(axes, STORED_ERRORS.items(), strict=True):
-        every = settings(here, *errors)
+        every = settings(chosen_period, *errors)
         targets = 10.0 ** np.arange(-1, np.floor(np.log10(every.error.min())) - 1, -0.02)
         for name in paddings(dataset):
-            own = every.where(every.modes == name)
-            best = [(target, own.cheapest(target)) for target in targets]
+            of_mode = every.where(every.modes == name)
+            best = [(target, of_mode.cheapest(target)) for target in targets]
             met = [(target, index) for target, index in best if index is not None]
             if met:
-                asked, chosen = map(list, zip(*met, strict=True))
+                targets_met, chosen = map(list, zip(*met, strict=True))
                 style = padding_style(name) | {"markevery": 25}
-                ax.loglog(asked, own.cost[chosen], label=name, **style)
+                ax.loglog(targets_met, of_mode.cost[chosen], label=name, **style)
                 ax.fill_between(
-                    asked, *own.spread[:, chosen], color=style["color"], alpha=0.2, lw=0
+                    targets_met, *of_mode.spread[:, chosen], color=style["color"], alpha=0.2, lw=0
                 )
         ax.invert_xaxis()
         ax.set(title=f"of the {metric}", xlabel="requested error")
@@ -117,7 +117,7 @@ L1 = STORED_ERRORS["pressure in L1"]
 
 
 def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
-    """Which modes are never worth using, and how good the recommendations are."""
+    """Return the paddings that are never the cheapest, and the quality of recommendations."""
     if not covers(dataset, {"duplicated", "superposed", "circular", "exact"}):
         return ()
     modes = Finding(*dominated_modes(dataset), "Paddings that never pay")
@@ -127,7 +127,7 @@ def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
 
 
 def tables(dataset: xr.Dataset) -> tuple[Table, ...]:
-    """The shortest time in which each mode reaches each decade of the L1 error, at every period."""
+    """Return the shortest time in which each mode reaches each decade of the L1 error, at every period."""
     rows = []
     for (mode, period), seconds in decades(dataset).items():
         times = (f"{second:.2g}" if np.isfinite(second) else "none" for second in seconds)
@@ -143,57 +143,59 @@ def tables(dataset: xr.Dataset) -> tuple[Table, ...]:
 
 
 def decades(dataset: xr.Dataset) -> dict[tuple[str, str], tuple[float, ...]]:
-    """Least seconds for each of ``DECADES`` of the L1 error, infinite for none, by mode and period."""
-    found = {}
+    """Return the least seconds for each of ``DECADES`` of the L1 error, infinite for none, by mode and period."""
+    shortest = {}
     for period in dataset["period"].values:
         every = settings(dataset.sel(period=period), *L1)
         for mode in dict.fromkeys(every.modes.tolist()):
-            own = every.where(every.modes == mode)
-            best = (own.cheapest(target) for target in DECADES)
-            seconds = tuple(np.inf if one is None else float(own.cost[one]) for one in best)
+            of_mode = every.where(every.modes == mode)
+            best = (of_mode.cheapest(target) for target in DECADES)
+            seconds = tuple(
+                np.inf if setting is None else float(of_mode.cost[setting]) for setting in best
+            )
             if np.isfinite(seconds).any():
-                found[mode, "any" if mode == LINE else f"{period:g} a"] = seconds
-    return found
+                shortest[mode, "any" if mode == LINE else f"{period:g} a"] = seconds
+    return shortest
 
 
 def savings(dataset: xr.Dataset) -> dict[str, dict[float, tuple[float, float]]]:
-    """For each mode, the most it saves at each period, and at which L1 error (see ``Settings``).
+    """Return for each padding the most it saves at each period, and at which L1 error (see ``Settings``).
 
     Among the modes that have cells along the length: with one cell alone nothing else would ever pay.
     """
-    found: dict[str, dict[float, tuple[float, float]]] = {}
+    saved: dict[str, dict[float, tuple[float, float]]] = {}
     for period in dataset["period"].values.tolist():
         every = settings(dataset.sel(period=period), *L1)
         for mode, best in every.where(every.modes != LINE).savings().items():
-            found.setdefault(mode, {})[period] = best
-    return found
+            saved.setdefault(mode, {})[period] = best
+    return saved
 
 
 def dominated_modes(dataset: xr.Dataset) -> tuple[str, str]:
-    """The claim about modes that are never worth using, and what was measured."""
+    """Return the claim about paddings that are never the cheapest, and what was measured."""
     saved = savings(dataset)
     most = {mode: max(best for best, _ in places.values()) for mode, places in saved.items()}
     never = [mode for mode, best in most.items() if best <= NOISE]
-    said = []
+    sentences = []
     for mode, places in saved.items():
         paying = {at: best for at, best in places.items() if best[0] > NOISE}
         if mode in never:
             least, error = max(places.values())
             slower = least < 1 / 1.05
             took = f"takes {1 / least:.2g} times as long as" if slower else "is no faster than"
-            said.append(
+            sentences.append(
                 f"{mode} padding, at its best, {took} another mode of the same accuracy (at an error of "
                 f"{percent(error)})"
             )
         elif np.isfinite(most[mode]):
             least = min(error for _, error in paying.values())
-            said.append(
+            sentences.append(
                 f"{mode} saves up to a factor of {most[mode]:.2g}, at L = {_join_periods(paying)} a, for errors of "
                 f"{percent(least)} and above"
             )
         else:
             only = [period for period, best in places.items() if not np.isfinite(best[0])]
-            said.append(
+            sentences.append(
                 f"{mode} is the only one at the smallest errors at L = {_join_periods(only)} a"
             )
     claim = (
@@ -203,19 +205,22 @@ def dominated_modes(dataset: xr.Dataset) -> tuple[str, str]:
     )
     lined = settings(dataset.isel(period=-1), *L1)
     if LINE in paddings(dataset):
-        line, others = (lined.where((lined.modes == LINE) == is_line) for is_line in (True, False))
-        target = max(float(line.error.min()), float(others.error.min()))
-        own, same = line.cheapest(target), others.cheapest(target)
-        assert own is not None
-        assert same is not None
-        said.append(
-            "if nothing varies along the length, one cell along it is "
-            f"{float(others.cost[same] / line.cost[own]):.0f} times faster, for an error of {percent(target)}"
+        line, two_dimensional = (
+            lined.where((lined.modes == LINE) == is_line) for is_line in (True, False)
+        )
+        target = max(float(line.error.min()), float(two_dimensional.error.min()))
+        line_setting, other_setting = line.cheapest(target), two_dimensional.cheapest(target)
+        assert line_setting is not None
+        assert other_setting is not None
+        faster = float(two_dimensional.cost[other_setting] / line.cost[line_setting])
+        sentences.append(
+            f"if nothing varies along the length, one cell along it is {faster:.0f} times faster, for an error of "
+            f"{percent(target)}"
         )
     return claim, (
         "Over every n, grid, tolerance and solver, wall time against the L1 error of the "
         "pressure, corrected or not: "
-        + "; ".join(said)
+        + "; ".join(sentences)
         + ". At large errors the grid is coarse, a solve takes "
         "milliseconds and the set-up dominates, so a sum of two images is cheap."
         + " A window centred on the domain needs twice the transform and also errs along the length."
@@ -224,22 +229,22 @@ def dominated_modes(dataset: xr.Dataset) -> tuple[str, str]:
 
 
 def recommendation_check(dataset: xr.Dataset) -> tuple[str, str]:
-    """The claim about recommendations, and what was measured."""
-    found = verify(dataset)
+    """Return the claim about recommendations, and what was measured."""
+    verification = verify(dataset)
     met, near, lucky = (
         np.mean(values <= limit)
         for values, limit in (
-            (found.error, 1.0), (found.slower, 1.3), (found.slower_than_luck, 1.3),
+            (verification.error, 1.0), (verification.slower, 1.3), (verification.slower_than_luck, 1.3),
         )
     )  # fmt: skip
     return (
-        f"A recommended setting met the requested error in {percent(met)} of {len(found.error)} cases.",
+        f"A recommended setting met the requested error in {percent(met)} of {len(verification.error)} cases.",
         "For every target, metric and period in turn, the times of one period were predicted from those of the "
         f"others. In {percent(near)} of the cases no stored setting whose estimated error meets the target is "
         f"more than 1.3 times faster than the recommended one; the worst factor is "
-        f"{float(np.max(found.slower)):.2g}. If settings count that met the target only because their contact "
+        f"{float(np.max(verification.slower)):.2g}. If settings count that met the target only because their contact "
         f"edge fell favourably within its cell, the share is {percent(lucky)} and the median factor "
-        f"{float(np.nanmedian(found.slower_than_luck)):.2g}: this is the price of a reliable estimate.",
+        f"{float(np.nanmedian(verification.slower_than_luck)):.2g}: this is the price of a reliable estimate.",
     )
 
 

@@ -1,4 +1,4 @@
-"""What the study of rough surfaces shows and says, from its stored data alone."""
+"""Drawing of the study `roughness`: figures and findings from its stored data."""
 
 from itertools import cycle
 from typing import Any
@@ -25,7 +25,7 @@ KNOWN_AXES = ("rms", "hurst", "peklenik", "seed", "images", "period", "grid")
 
 
 def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
-    """What roughness does, what each padding does to that, and how far the law of the window reaches."""
+    """Draw the effect of roughness, the error of each padding, and the law of the window."""
     finest = dataset.isel(images=-1, period=-1, grid=-1)
     return _shift(finest.sel(padding="exact")), _paddings(finest), _law(finest)
 
@@ -46,16 +46,16 @@ def _shift(dataset: xr.Dataset) -> CaptionedFigure:
     for ax, (variable, label) in zip(axes, labels.items(), strict=True):
         for peklenik, color in zip(dataset["peklenik"].values, cycle(COLORS), strict=False):
             for hurst, line in zip(dataset["hurst"].values, cycle(LINES), strict=False):
-                one = dataset[variable].sel(peklenik=peklenik, hurst=hurst)
+                part = dataset[variable].sel(peklenik=peklenik, hurst=hurst)
                 style = {"color": color, "linestyle": line}
-                _over_rms(ax, one, f"lay {peklenik:g}, H = {hurst:g}", **style)
+                _over_rms(ax, part, f"lay {peklenik:g}, H = {hurst:g}", **style)
         ax.set_ylabel(label)
     add_legend(fig)
     rough = dataset.isel(rms=-1)
     facts = "; ".join(
-        f"lay {float(lay):g}: area {float(one['contact_area'].mean()):.2f}, peak pressure "
-        f"{float(one['peak_pressure'].mean()):.1f} p_{{H}}"
-        for lay, one in rough.groupby("peklenik")
+        f"lay {float(lay):g}: area {float(part['contact_area'].mean()):.2f}, peak pressure "
+        f"{float(part['peak_pressure'].mean()):.1f} p_{{H}}"
+        for lay, part in rough.groupby("peklenik")
     )
     return CaptionedFigure(
         "shift",
@@ -78,8 +78,8 @@ def _paddings(dataset: xr.Dataset) -> CaptionedFigure:
     fig, axes = panels(len(labels), columns=2, width=3.9, height=2.3)
     for ax, (variable, label) in zip(axes, labels.items(), strict=True):
         for name in (name for name in paddings(dataset) if name != "exact"):
-            one = dataset.sel(padding=name)
-            _over_rms(ax, abs(one[variable]), setting_label(one), **padding_style(name))
+            part = dataset.sel(padding=name)
+            _over_rms(ax, abs(part[variable]), setting_label(part), **padding_style(name))
         if variable == "pressure_error_l1":
             shift = dataset["smooth_difference"].sel(padding="exact")
             style = {"color": "black", "linestyle": "--"}
@@ -100,12 +100,15 @@ def _paddings(dataset: xr.Dataset) -> CaptionedFigure:
 def _law(dataset: xr.Dataset) -> CaptionedFigure:
     fig, (ratio, after) = panels(2, width=3.6, height=2.9)
     for name in ("duplicated", "superposed", "circular"):
-        one = dataset.sel(padding=name)
+        part = dataset.sel(padding=name)
         _over_rms(
-            ratio, -one["half_width_error"] / law_of(one), setting_label(one), **padding_style(name)
+            ratio,
+            -part["half_width_error"] / law_of(part),
+            setting_label(part),
+            **padding_style(name),
         )
-        left = one["curved_difference"] / one["pressure_error_l1"]
-        _over_rms(after, left, setting_label(one), **padding_style(name))
+        remaining = part["curved_difference"] / part["pressure_error_l1"]
+        _over_rms(after, remaining, setting_label(part), **padding_style(name))
     ratio.axhline(1, label="law a²/(8D²)", **LAW_STYLE)
     ratio.set(ylabel="half-width error / law")
     ratio.set_ylim(bottom=0)
@@ -123,46 +126,46 @@ def _law(dataset: xr.Dataset) -> CaptionedFigure:
 
 
 def law_of(dataset: xr.Dataset) -> float:
-    """a²/(8D²) of one padding at one n and period."""
+    """Return a²/(8D²) of one padding at one n and period."""
     padding = padding_at(str(dataset["padding"].values), int(dataset["images"]))
     return float(truncation_error(1, padding.reach(float(dataset["period"]))))
 
 
 def _over_rms(ax: Axes, values: xr.DataArray, label: str, **style: Any) -> None:
-    """Median and span of all surfaces at each rms; the rms stand side by side, for one may be zero."""
-    others = [name for name in values.dims if name != "rms"]
+    """Draw the median and the span of all surfaces at each rms; the rms stand side by side, for one may be zero."""
+    surfaces = [name for name in values.dims if name != "rms"]
     place = np.arange(values.sizes["rms"])
-    ax.plot(place, values.median(others), label=label, **style)
+    ax.plot(place, values.median(surfaces), label=label, **style)
     band = {"color": style["color"], "alpha": 0.15, "linewidth": 0}
-    ax.fill_between(place, values.min(others), values.max(others), **band)
+    ax.fill_between(place, values.min(surfaces), values.max(surfaces), **band)
     names = ["smooth" if rms == 0 else f"{rms:g}" for rms in values["rms"].values]
     ax.set_xticks(place, names)
     ax.set_xlabel("rms height / (a²/2R)")
 
 
 def _compares_rough_and_smooth(dataset: xr.Dataset) -> bool:
-    there = covers(dataset, {"duplicated", "circular", "exact"}, rms={0.0}, images={6})
-    return there and dataset.sizes["rms"] > 1 and bool((dataset["converged"] == 1).all())
+    is_covered = covers(dataset, {"duplicated", "circular", "exact"}, rms={0.0}, images={6})
+    return is_covered and dataset.sizes["rms"] > 1 and bool((dataset["converged"] == 1).all())
 
 
 def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
-    """What roughness does to the error of a padding."""
+    """Return the effect of roughness on the error of a padding."""
     return (_rough_surfaces(dataset),) if _compares_rough_and_smooth(dataset) else ()
 
 
 def _rough_surfaces(dataset: xr.Dataset) -> Finding:
-    here = dataset.sel(images=6).isel(period=-1, grid=-1)
+    sweep = dataset.sel(images=6).isel(period=-1, grid=-1)
     surfaces = ("hurst", "peklenik", "seed")
-    middle, most = here.median(surfaces), float(here["rms"].max())
+    middle, most = sweep.median(surfaces), float(sweep["rms"].max())
     smooth, rough = middle.sel(rms=0), middle.sel(rms=most)
-    moved, cells, highest, left = [], [], [], []
+    l1_errors, cells, highest, remaining = [], [], [], []
     for name in ("duplicated", "circular"):
         before, after, label = (
             smooth.sel(padding=name),
             rough.sel(padding=name),
-            setting_label(here.sel(padding=name)),
+            setting_label(sweep.sel(padding=name)),
         )
-        moved.append(
+        l1_errors.append(
             f"{percent(before['pressure_error_l1'])} smooth and {percent(after['pressure_error_l1'])} "
             f"rough with {label}"
         )
@@ -172,9 +175,9 @@ def _rough_surfaces(dataset: xr.Dataset) -> Finding:
         highest.append(
             f"{percent(before['peak_pressure_error'])} to {percent(after['peak_pressure_error'])}"
         )
-        left.append(percent(after["curved_difference"] / after["pressure_error_l1"]))
+        remaining.append(percent(after["curved_difference"] / after["pressure_error_l1"]))
     ratios = [
-        here["half_width_error"].sel(padding=name) / -law_of(here.sel(padding=name))
+        sweep["half_width_error"].sel(padding=name) / -law_of(sweep.sel(padding=name))
         for name in ("duplicated", "circular")
     ]
     low, high = (
@@ -185,11 +188,11 @@ def _rough_surfaces(dataset: xr.Dataset) -> Finding:
     return Finding(
         "On a rough surface a padding has the same error as on a smooth one: a²/(8D²) holds for the contact as a "
         "whole, but not for single cells.",
-        f"At L = {float(here['period']):g} a the L1 error of the pressure is {' and '.join(moved)}, at an "
+        f"At L = {float(sweep['period']):g} a the L1 error of the pressure is {' and '.join(l1_errors)}, at an "
         f"rms height of {most:g} a²/(2R). The effective half-width is too small by {low:.2f} to "
         f"{high:.2f} times a²/(8D²), on every surface. The reason: a window that reaches D makes the cylinder "
         "more curved by a²/(4D²), whatever its roughness. Compared with exact periodicity on a cylinder of "
-        f"that curvature, {' and '.join(left)} of those L1 errors remain. Roughness changes where "
+        f"that curvature, {' and '.join(remaining)} of those L1 errors remain. Roughness changes where "
         f"the error is located: the largest error of any cell grows from {' and from '.join(cells)}, since "
         "asperities in light contact appear and disappear, while the error of the peak pressure, which is now "
         f"under an asperity, falls from {' and from '.join(highest)}. Roughness itself changes the pressure by "

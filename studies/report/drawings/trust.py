@@ -78,8 +78,8 @@ def _stability_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
         return ()
     share = (dataset["pressure_error"] / dataset["stated_error"]).where(dataset["verdict"] == RIGHT)
     claim = "Hard cases end with an error within the stated one, or with a status that explains why there is no answer."
-    wrong, where = _count(dataset, WRONG), ""
-    if wrong:
+    n_wrong, where = _count(dataset, WRONG), ""
+    if n_wrong:
         claim = "Some hard cases end neither within the stated error nor with a status that explains why."
         is_wrong = (dataset["verdict"] == WRONG).any(("padding", "solver"))
         names = [str(name) for name in dataset["case"].values[is_wrong.values]]
@@ -90,7 +90,7 @@ def _stability_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
             f"{dataset.sizes['case']} difficult contacts were solved with {dataset.sizes['padding']} paddings and "
             f"{dataset.sizes['solver']} solvers, where the combination applies: {_count(dataset, RIGHT)} solves have an "
             f"error within the one stated for them, {_count(dataset, EXPLAINED)} end with a status that explains why "
-            f"there is no answer, and {wrong} do neither{where}. The median error is {percent(share.median())} of the "
+            f"there is no answer, and {n_wrong} do neither{where}. The median error is {percent(share.median())} of the "
             f"stated error, the largest {percent(share.max())}.",
             "Is it stable?",
         ),
@@ -146,15 +146,15 @@ SMALLEST = 1e-7  # where errors of nothing are drawn
 
 
 def _accuracy_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
-    """Bound against true error, a panel for each quantity and a colour for each kind of surface."""
+    """Draw bounds against true errors, a panel for each quantity and a colour for each kind of surface."""
     fig, axes = panels(len(PROMISED), columns=3, width=3.6, height=3.6)
     kinds = dataset["kind"].values.astype(int)
     for ax, metric in zip(axes, PROMISED, strict=True):
         error, bound = _pairs(dataset, metric)
         for kind in np.unique(kinds):
-            own = (kinds == kind) & np.isfinite(bound) & np.isfinite(error)
+            marks = (kinds == kind) & np.isfinite(bound) & np.isfinite(error)
             ax.loglog(
-                np.maximum(error[own], SMALLEST), np.maximum(bound[own], SMALLEST), ls="none", ms=4,
+                np.maximum(error[marks], SMALLEST), np.maximum(bound[marks], SMALLEST), ls="none", ms=4,
                 color=f"C{kind % 10}", marker="ox^sv"[kind // 10 % 5], alpha=0.7, label=KINDS[kind],
             )  # fmt: skip
         span = np.array([SMALLEST, 2.0])
@@ -174,13 +174,13 @@ def _accuracy_caption(dataset: xr.Dataset) -> str:
 
 
 def _accuracy_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
-    """How far an answer can be trusted, on every kind of surface."""
+    """Return the share of bounds that hold, on every kind of surface."""
     parts, lowest = [], 1.0
     for metric in PROMISED:
-        held, median, missing = _summary(*_pairs(dataset, metric))
-        lowest = min(lowest, held)
+        share, median, missing = _summary(*_pairs(dataset, metric))
+        lowest = min(lowest, share)
         parts.append(
-            f"{LABELS[metric]}: {100 * held:.1f} % bounded, in the median {median:.2g} times too large, "
+            f"{LABELS[metric]}: {100 * share:.1f} % bounded, in the median {median:.2g} times too large, "
             f"{missing} without a bound"
         )
     silent = int(dataset["silent"].sum())
@@ -196,15 +196,15 @@ def _accuracy_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
 
 
 def _accuracy_tables(dataset: xr.Dataset) -> tuple[Table, ...]:
-    """By kind of surface, and every miss."""
+    """Return bounds by kind of surface, and the worst errors beyond their bound."""
     kinds = dataset["kind"].values.astype(int)
     rows, misses = [], []
     for kind in np.unique(kinds):
         row = [KINDS[kind], str(int((kinds == kind).sum()))]
         for metric in PROMISED:
             error, bound = _pairs(dataset, metric)
-            held, median, missing = _summary(error[kinds == kind], bound[kinds == kind])
-            row += [f"{100 * held:.1f} %", f"{median:.2g}", str(missing)]
+            share, median, missing = _summary(error[kinds == kind], bound[kinds == kind])
+            row += [f"{100 * share:.1f} %", f"{median:.2g}", str(missing)]
         rows.append(tuple(row))
     for metric in METRICS:
         error, bound = _pairs(dataset, metric)
@@ -238,19 +238,19 @@ def _accuracy_tables(dataset: xr.Dataset) -> tuple[Table, ...]:
 
 
 def _pairs(dataset: xr.Dataset, metric: str) -> tuple[np.ndarray, np.ndarray]:
-    """True errors, nan where they are not known, and bounds."""
+    """Return the true errors, nan where they are not known, and the bounds."""
     error = dataset[f"{metric}_error"].values.astype(float)
     return np.where(error < 0, np.nan, error), dataset[f"{metric}_bound"].values.astype(float)
 
 
 def _summary(error: np.ndarray, bound: np.ndarray) -> tuple[float, float, int]:
-    """The share that is bounded, the median of bound over error, and how many have no bound."""
-    known = ~np.isnan(error)
-    error, bound = error[known], bound[known]
+    """Return the share that is bounded, the median of bound over error, and how many have no bound."""
+    is_known = ~np.isnan(error)
+    error, bound = error[is_known], bound[is_known]
     finite = np.isfinite(bound) & (error > 0)
-    held = float((bound >= error).mean()) if error.size else 1.0
+    share = float((bound >= error).mean()) if error.size else 1.0
     median = float(np.median(bound[finite] / error[finite])) if finite.any() else np.inf
-    return held, median, int((~np.isfinite(bound)).sum())
+    return share, median, int((~np.isfinite(bound)).sum())
 
 
 accuracy = Drawing(_accuracy_figures, _accuracy_findings, _accuracy_tables, axes=("case",))
@@ -268,38 +268,41 @@ LARGE = 5  # times the true error: limit for the median estimate
 
 
 def sweeps_with_estimates(stored: Mapping[str, xr.Dataset]) -> Mapping[str, xr.Dataset]:
-    """The sweeps that hold both an estimate and a true error, by name."""
-    wanted = {"padding"} | set(ESTIMATES) | {error for error, _ in ESTIMATES.values()}
-    return {name: dataset for name, dataset in stored.items() if wanted <= set(dataset.variables)}
+    """Return the sweeps that hold both an estimate and a true error, by name."""
+    needed = {"padding"} | set(ESTIMATES) | {error for error, _ in ESTIMATES.values()}
+    return {name: dataset for name, dataset in stored.items() if needed <= set(dataset.variables)}
 
 
 def estimated_cases(stored: Mapping[str, xr.Dataset], estimate: str) -> xr.Dataset:
-    """Every distinct case as a flat list of ``error``, ``estimate``, its parts and ``padding``."""
+    """Return every distinct case as a flat list of ``error``, ``estimate``, its parts and ``padding``."""
     error, _ = ESTIMATES[estimate]
     parts = [f"{estimate}_{cause}" for cause in CAUSES]
     rows: dict[tuple[object, ...], None] = {}  # a set that keeps its order
     for dataset in stored.values():
         for name in paddings(dataset):
-            one = dataset.sel(padding=name)
-            columns = [one[variable].values.ravel() for variable in (error, estimate, *parts)]
+            part = dataset.sel(padding=name)
+            columns = [part[variable].values.ravel() for variable in (error, estimate, *parts)]
             rows.update({(name, *map(float, row)): None for row in zip(*columns, strict=True)})
     names, numbers = [row[0] for row in rows], np.array([row[1:] for row in rows], dtype=float)
     numbers = np.abs(numbers)  # an error has a sign
-    there = np.isfinite(numbers).all(axis=1) & (numbers[:, 0] > 0)
+    is_complete = np.isfinite(numbers).all(axis=1) & (numbers[:, 0] > 0)
     labels = ("error", "estimate", *CAUSES)
-    flat = {label: ("case", column[there]) for label, column in zip(labels, numbers.T, strict=True)}
-    return xr.Dataset(flat | {"padding": ("case", np.array(names)[there])})
+    flat = {
+        label: ("case", column[is_complete])
+        for label, column in zip(labels, numbers.T, strict=True)
+    }
+    return xr.Dataset(flat | {"padding": ("case", np.array(names)[is_complete])})
 
 
 def estimates_figure(stored: Mapping[str, xr.Dataset]) -> CaptionedFigure:
-    """Estimate against true error, a panel for each metric."""
+    """Draw estimates against true errors, a panel for each metric."""
     fig, axes = panels(len(ESTIMATES), width=4.4, height=3.8)
     for ax, (estimate, (_, label)) in zip(axes, ESTIMATES.items(), strict=True):
         flat = estimated_cases(stored, estimate)
         for name in dict.fromkeys(flat["padding"].values.tolist()):
-            own = flat.where(flat["padding"] == name, drop=True)
+            of_padding = flat.where(flat["padding"] == name, drop=True)
             style = padding_style(name) | {"linestyle": "none", "alpha": 0.6, "markersize": 4}
-            ax.loglog(own["error"], own["estimate"], label=name, **style)
+            ax.loglog(of_padding["error"], of_padding["estimate"], label=name, **style)
         span = np.array([flat["error"].min(), flat["error"].max()])
         ax.loglog(span, span, label="estimate = error", **LAW_STYLE | {"linestyle": "-"})
         ax.loglog(span, LARGE * span, label=f"{LARGE} times the error", **LAW_STYLE)
@@ -315,19 +318,21 @@ def estimates_figure(stored: Mapping[str, xr.Dataset]) -> CaptionedFigure:
 
 
 def estimates_table(stored: Mapping[str, xr.Dataset]) -> Table:
-    """How often an estimate bounds its error, how large it is beside it, and what it is made of."""
+    """Return the share of estimates that bound their error, their ratio to it, and their causes."""
     rows = []
     for estimate, (_, label) in ESTIMATES.items():
         flat = estimated_cases(stored, estimate)
         for name in dict.fromkeys(flat["padding"].values.tolist()):
-            own = flat.where(flat["padding"] == name, drop=True)
-            ratio = own["estimate"] / own["error"]
-            shares = [float((own[cause] / own["estimate"]).median()) for cause in CAUSES]
+            of_padding = flat.where(flat["padding"] == name, drop=True)
+            ratio = of_padding["estimate"] / of_padding["error"]
+            shares = [
+                float((of_padding[cause] / of_padding["estimate"]).median()) for cause in CAUSES
+            ]
             rows.append(
                 (
                     label,
                     name,
-                    str(own.sizes["case"]),
+                    str(of_padding.sizes["case"]),
                     f"{100 * float((ratio >= 1).mean()):.0f} %",
                     f"{float(ratio.median()):.2g}",
                     f"{float(ratio.quantile(0.9)):.2g}",
@@ -346,7 +351,7 @@ def estimates_table(stored: Mapping[str, xr.Dataset]) -> Table:
 
 
 def estimates_finding(stored: Mapping[str, xr.Dataset]) -> Finding:
-    """How far the estimates can be trusted."""
+    """Return the share of estimates that bound their error."""
     flats = [estimated_cases(stored, estimate) for estimate in ESTIMATES]
     ratios = [flat["estimate"] / flat["error"] for flat in flats]
     bounded = [float((ratio >= 1).mean()) for ratio in ratios]

@@ -25,7 +25,7 @@ PRESENTATIONS = {
     "LubricatedContact.plot": "contactstudy.io.pictures.contact.film_picture",
     "LubricatedContact.to_dataset": "contactstudy.io.dataset.film_dataset",
     "RepeatedRolling.to_dataset": "contactstudy.io.dataset.rolling_dataset",
-    "Solution in a notebook": "contactstudy.io.html.html",
+    "Solution in a notebook": "contactstudy.io.summary.as_html",
     "Solution.plot": "contactstudy.io.pictures.contact.picture",
     "Solution.to_dataset": "contactstudy.io.dataset.to_dataset",
 }

@@ -15,6 +15,7 @@ from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.version import VERSION
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
 from contactstudy.io.scene_writer import scene_text
+from contactstudy.io.summary import Quantity, march_quantities
 from contactstudy.problem.problem import Field, Sheared
 from contactstudy.scene.scene import PosedScene
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
@@ -65,6 +66,17 @@ def _of_field(field: Field) -> xr.Variable:
 
 def _attributes(title: str) -> dict[str, str]:
     return {"Conventions": "CF-1.11", "title": title, "source": f"contactstudy {VERSION}"}
+
+
+def with_numbers(dataset: xr.Dataset, numbers: Sequence[Quantity]) -> xr.Dataset:
+    """Return `dataset` with numbers as variables without dimensions."""
+    return dataset.assign(
+        {
+            n.name: labelled((), n.value, n.units, n.long_name)
+            for n in numbers
+            if n.name not in dataset
+        }
+    )
 
 
 def to_dataset(solution: Solution, error: ErrorEstimate | None = None) -> xr.Dataset:
@@ -238,7 +250,8 @@ def evolution_dataset(evolution: "Evolution") -> xr.Dataset:
         attrs=_attributes("evolution of a line contact")
         | {"scene": scene_attribute(evolution.description)},
     )
-    return dataset.assign(_memories_over_time(evolution)).assign(_outputs_over_time(evolution))
+    dataset = dataset.assign(_memories_over_time(evolution)).assign(_outputs_over_time(evolution))
+    return with_numbers(dataset, march_quantities(evolution))
 
 
 def _memories_over_time(evolution: "Evolution") -> dict[str, xr.Variable]:

@@ -5,15 +5,18 @@ from __future__ import annotations
 import json
 import os
 import sys
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 from time import perf_counter
+from typing import TYPE_CHECKING
 
 import click
-import numpy as np
 
 import contactstudy as cs
 from studies.model.plain_text import thread_count
+
+if TYPE_CHECKING:
+    from studies.cli.solving import Outcome
 
 SCENE = click.argument("scene", type=click.Path(path_type=Path))
 THREADS = click.option(
@@ -65,16 +68,6 @@ def plan(scene: Path, threads: int | None, device: str, as_json: bool) -> None: 
             )
 
 
-def _rolled(described: cs.SceneFile, planned: cs.Plan | None) -> cs.Solution:
-    """Of a contact that rolls."""
-    rolled = described.roll(planned)
-    click.echo(
-        f"rolling: {rolled.settled.passes} passes to a change of {rolled.settled.change:.1e}; centroid "
-        f"{rolled.shift:.4g} m ahead, resistance {rolled.resistance:.4g} of the load"
-    )
-    return rolled.solution
-
-
 @click.command()
 @SCENE
 @click.option(
@@ -91,91 +84,123 @@ def _rolled(described: cs.SceneFile, planned: cs.Plan | None) -> cs.Solution:
     type=click.Path(path_type=Path),
     help="A file with a pressure to go on from, such as one that a stopped solve left.",
 )
-def solve(scene: Path, out: Path, threads: int | None, device: str, start: Path | None) -> None:
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object, for scripts.")
+def solve(
+    scene: Path,
+    out: Path,
+    threads: int | None,
+    device: str,
+    start: Path | None,
+    as_json: bool,  # noqa: FBT001 (click's own way)
+) -> None:
     """Solve the scene in the TOML file SCENE; write its fields as netCDF and a picture of them.
 
     The exit code is 0 if the solution converged, else 1; the result is written in both cases.
     """
-    from contactstudy.domain.files import replacing
-    from studies.store.netcdf import check_kind, open_folder, write
-    from studies.store.provenance import provenance
+    from studies.cli.solving import marched, rolled, still
+    from studies.store.netcdf import check_kind, open_folder
 
     on = _device(device, threads)
     described = cs.read_scene(scene)
-    moving = described.scene.rolling is not None or described.scene.changing is not None
-    if moving and not isinstance(on, cs.Cpu):
+    rolls, changes = described.scene.rolling is not None, described.scene.changing is not None
+    if (rolls or changes) and not isinstance(on, cs.Cpu):
         raise cs.InvalidInput(
             "--device gpu is for a scene that neither changes in time nor rolls: leave it out."
         )
+    if (rolls or changes) and start is not None:
+        raise cs.InvalidInput(
+            "--start is for a scene that neither changes in time nor rolls: leave it out."
+        )
     folder = open_folder(out)
     check_kind(folder / f"{scene.stem}.nc", "solution")
-    planned = None if described.scene.hertz is None else described.plan(on=on)
-    if planned is not None:
-        for warning in planned.warnings:
-            click.echo(f"{scene}: warning: {warning}", err=True)
-        if planned.seconds > LONG or planned.bytes > LARGE:
-            click.echo(
-                f"{scene}: estimated cost: {planned.seconds:.2g} s and "
-                f"{planned.bytes / 1e9:.2g} GB",
-                err=True,
-            )
-    if described.scene.rolling is None and described.scene.changing is not None:
-        from studies.cli.progress import evolve
-
-        evolve(scene, described, planned, folder)
-        return
+    planned = _announced(scene, described, on)
     begin = perf_counter()
-    if described.scene.rolling is not None:
-        if start is not None:
-            raise cs.InvalidInput("--start is for a scene that does not roll: leave it out.")
-        solution = _rolled(described, planned)
+    if rolls:
+        outcome = rolled(described, planned)
+    elif changes:
+        outcome = marched(described, planned, scene, folder)
     else:
-        solution = _solved(described, planned, start, scene, folder, on)
+        outcome = still(described, planned, scene, folder, start=start, on=on)
     seconds = perf_counter() - begin
-    estimate = cs.error_estimate(solution)
-    dataset = cs.to_dataset(solution, estimate)
-    dataset.attrs.update(provenance())
-    path = folder / f"{scene.stem}.nc"
-    write(dataset, path)
-    from contactstudy.io.pictures.contact import picture
-
-    if np.isfinite(solution.pressure).all():
-        figure = picture(dataset)
-        for suffix in ("png", "pdf"):
-            with replacing(folder / f"{scene.stem}.{suffix}") as partial:
-                figure.savefig(partial)
-    cells = solution.pressure.shape
-    click.echo(f"{scene}: {solution.status}")
-    if solution.note:
-        click.echo(f"  {solution.note}")
-    click.echo(
-        f"  {cells[0]} x {cells[1]} cells, {solution.iterations} iterations, "
-        f"residual {solution.residual:.1e}, {seconds:.2g} s"
-    )
-    click.echo(
-        f"  peak pressure {solution.pressure.max():.4g} Pa, in contact "
-        f"{np.mean(solution.pressure > 0) * solution.problem.grid.extent[0]:.4g} m of the width on the "
-        f"mean, approach {solution.approach:.4g} m"
-    )
-    for what, parts in (
-        ("peak pressure", estimate.peak_pressure),
-        ("pressure in L1", estimate.l1),
-        ("contact area", estimate.contact_area),
-        ("mean gap", estimate.mean_gap),
-    ):
-        click.echo(
-            f"  estimated error of the {what} <= {parts.total:.1g}: truncation {parts.truncation:.1g}, "
-            f"discretisation {parts.discretisation:.1g}, residual {parts.residual:.1g}"
-        )
-    for warning in estimate.warnings:
-        click.echo(f"  warning: {warning}")
-    click.echo(f"  wrote {path} and {path.with_suffix('.png')}")
-    if solution.status is not cs.Status.CONVERGED:
+    outcome.notes[:0] = _surfaces(described)
+    files = _stored(outcome, folder / f"{scene.stem}.nc")
+    _print(scene, outcome, seconds, files, as_json=as_json)
+    if outcome.status is not cs.Status.CONVERGED:
         sys.exit(1)
 
 
+def _announced(scene: Path, described: cs.SceneFile, on: cs.Cpu | cs.Gpu) -> cs.Plan | None:
+    """Return the plan, None without a curved shape; print its warnings, and its cost where that is large."""
+    if described.scene.hertz is None:
+        return None
+    planned = described.plan(on=on)
+    for warning in planned.warnings:
+        click.echo(f"{scene}: warning: {warning}", err=True)
+    if planned.seconds > LONG or planned.bytes > LARGE:
+        click.echo(
+            f"{scene}: estimated cost: {planned.seconds:.2g} s and {planned.bytes / 1e9:.2g} GB",
+            err=True,
+        )
+    return planned
+
+
+def _surfaces(described: cs.SceneFile) -> list[str]:
+    """Return what was done to the measured surfaces, a sentence each."""
+    return [
+        f"shapes[{number}]: {shape.description}"
+        for number, shape in enumerate(described.scene.shapes)
+        if isinstance(shape, cs.MeasuredSurface)
+    ]
+
+
+def _stored(outcome: Outcome, path: Path) -> list[Path]:
+    """Write the dataset and its picture; return the files."""
+    from contactstudy.domain.files import replacing
+    from studies.store.netcdf import write
+    from studies.store.provenance import provenance
+
+    outcome.dataset.attrs.update(provenance())
+    write(outcome.dataset, path)
+    files = [path]
+    if outcome.picture is not None:
+        figure = outcome.picture()
+        for suffix in (".png", ".pdf"):
+            with replacing(path.with_suffix(suffix)) as partial:
+                figure.savefig(partial)
+            files.append(path.with_suffix(suffix))
+    outcome.done()
+    return files
+
+
+def _print(
+    scene: Path, outcome: Outcome, seconds: float, files: list[Path], *, as_json: bool
+) -> None:
+    """Print the numbers first, then status, time, notes and files; or all of it as one JSON object."""
+    from contactstudy.io.summary import as_json as in_si
+    from contactstudy.io.summary import as_text
+
+    if as_json:
+        found = {
+            "scene": str(scene),
+            "status": outcome.status.name,
+            "seconds": seconds,
+            "numbers": in_si(outcome.numbers),
+            "notes": outcome.notes,
+            "files": [str(path) for path in files],
+        }
+        click.echo(json.dumps(found))
+        return
+    click.echo(f"{scene}:")
+    click.echo(as_text(outcome.numbers))
+    click.echo(f"  {outcome.status}")
+    click.echo(f"  {seconds:.2g} s")
+    for note in outcome.notes:
+        click.echo(f"  {note}")
+    click.echo(f"  wrote {', '.join(str(path) for path in files)}")
+
+
 def _device(name: str, threads: int | None) -> cs.Cpu | cs.Gpu:
-    """The device of that name."""
+    """Return the device of that name."""
     if name == "cpu":
         return cs.Cpu(threads or _cores())
     if threads is not None:
@@ -184,46 +209,7 @@ def _device(name: str, threads: int | None) -> cs.Cpu | cs.Gpu:
 
 
 def _cores() -> int:
-    """The cores that this process may use."""
+    """Return the number of cores that this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
-
-
-def _solved(
-    described: cs.SceneFile,
-    planned: cs.Plan | None,
-    start: Path | None,
-    scene: Path,
-    folder: Path,
-    on: cs.Cpu | cs.Gpu,
-) -> cs.Solution:
-    """The solution, with a bar on the way; where it is stopped, the pressure so far is written."""
-    import xarray as xr
-
-    from contactstudy.io.dataset import X, Y
-    from contactstudy.solvers.solve import Watched
-    from studies.cli.progress import pressure_in, progress, stopped
-    from studies.store.netcdf import write
-
-    begin = None if start is None else pressure_in(start)
-    settings = described.settings
-    with progress(str(scene), settings.tolerance) as seen:
-        watched = replace(settings, solver=Watched(seen.see, settings.solver))
-        problem = described.problem(planned)
-        try:
-            solution = watched.solved(problem, begin, on)
-        except KeyboardInterrupt:
-            if seen.pressure is None:
-                raise
-            grid = problem.grid
-            like = xr.Dataset(coords={"x": ("x", grid.x, X), "y": ("y", grid.y, Y)})
-            path = folder / f"{scene.stem}.stopped.nc"
-            write(stopped(seen, problem.scales.pressure, like), path)
-            click.echo(
-                f"contactstudy: stopped at a residual of {seen.residual:.1e} after {seen.iterations} iterations; "
-                f"go on with contactstudy solve {scene} --start {path}",
-                err=True,
-            )
-            sys.exit(130)
-    return solution

@@ -3,7 +3,6 @@
 import os
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 
 import click
 import pytest
@@ -11,7 +10,7 @@ import xarray as xr
 from click.testing import CliRunner
 
 import contactstudy as cs
-from studies.cli import commands, progress, scenes
+from studies.cli import commands, scenes, solving
 from tests.studies.scene_study.conftest import SMOOTH
 
 
@@ -69,11 +68,11 @@ def test_a_solve_of_more_than_a_minute_or_four_gigabytes_is_announced(
     path.write_text(SMOOTH, encoding="utf-8")
     planned = SimpleNamespace(seconds=seconds, bytes=size, warnings=())
 
-    def enough(*_: object) -> None:
+    def enough(*_: object, **__: object) -> None:
         raise Enough
 
     monkeypatch.setattr(cs.SceneFile, "plan", lambda *_, **__: planned)
-    monkeypatch.setattr(scenes, "_solved", enough)
+    monkeypatch.setattr(solving, "still", enough)
     result = CliRunner().invoke(commands.cli, ["solve", str(path), "--out", str(tmp_path / "out")])
     assert isinstance(result.exception, Enough)
     assert ("estimated cost" in result.output) == bool(said)
@@ -87,7 +86,7 @@ def test_a_solve_says_its_seconds(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(scenes, "perf_counter", lambda: next(clock))
     result = CliRunner().invoke(commands.cli, ["solve", str(path), "--out", str(tmp_path / "out")])
     assert result.exit_code == 0, result.output
-    assert ", 2.5 s\n" in result.output
+    assert "\n  2.5 s\n" in result.output
 
 
 def test_one_core_is_there_where_none_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -99,35 +98,17 @@ def test_one_core_is_there_where_none_is_counted(monkeypatch: pytest.MonkeyPatch
 
 
 @pytest.mark.parametrize("status", [cs.Status.CONVERGED, cs.Status.STALLED])
-def test_a_march_says_its_seconds_and_ends_with_one_where_a_step_did_not_converge(
-    status: cs.Status,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+def test_a_command_ends_with_one_where_a_solve_did_not_converge(
+    status: cs.Status, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    clock = iter((10.0, 12.5))
-    monkeypatch.setattr(progress, "perf_counter", lambda: next(clock))
-    monkeypatch.setattr(
-        "contactstudy.io.pictures.evolution.evolution_picture",
-        lambda _: SimpleNamespace(savefig=lambda path: Path(path).write_bytes(b"")),
-    )
-    evolution = SimpleNamespace(
-        to_dataset=lambda: xr.Dataset({"load": 1.0}), summary=lambda: "summed up",
-        grid=cs.Grid((8, 3), (1.0, 1.0)), status=status,
-    )  # fmt: skip
-
-    def evolve(planned: object, *, folder: Path, progress: Any) -> SimpleNamespace:
-        folder.mkdir()
-        progress(0.5, 2.0)
-        return evolution
-
-    described: Any = SimpleNamespace(evolve=evolve)
-    code = None
-    try:
-        progress.evolve(Path("rubber.toml"), described, None, tmp_path)
-    except SystemExit as ended:
-        code = ended.code
-    assert code == (None if status is cs.Status.CONVERGED else 1)
-    assert "  8 x 3 cells, 2.5 s\n" in capsys.readouterr().out
-    assert not (tmp_path / "rubber.march").exists()
-    assert (tmp_path / "rubber.nc").is_file()
+    path = tmp_path / "smooth.toml"
+    path.write_text(SMOOTH, encoding="utf-8")
+    dataset = xr.Dataset({"load": 1.0}, attrs={"title": "line contact"})
+    ended = []
+    outcome = solving.Outcome(status, [], ["a note"], dataset, None, lambda: ended.append(True))
+    monkeypatch.setattr(solving, "still", lambda *_, **__: outcome)
+    result = CliRunner().invoke(commands.cli, ["solve", str(path), "--out", str(tmp_path / "out")])
+    assert result.exit_code == (0 if status is cs.Status.CONVERGED else 1)
+    assert "\n  a note\n" in result.output
+    assert (tmp_path / "out" / "smooth.nc").is_file()
+    assert ended == [True]

@@ -152,3 +152,20 @@ def test_a_rolling_scene_says_its_shift_and_resistance(tmp_path: Path) -> None:
     assert result.exit_code == 0, result.output
     assert "resistance" in result.output
     assert "CONVERGED" in result.output
+    dataset = xr.load_dataset(tmp_path / "out" / "rolling.nc")
+    assert f"{float(dataset['resistance']):.4g}" in result.output
+    assert dataset["shift"].attrs["units"] == "m"
+
+
+def test_numbers_come_first_and_json_has_the_same(tmp_path: Path) -> None:
+    scene = str(EXAMPLES / "smooth.toml")
+    lines = run("solve", scene, "--out", str(tmp_path)).output.splitlines()
+    assert lines[1].startswith("  peak pressure ")
+    assert "MPa" in lines[1]
+    assert "error <= " in lines[1]
+    found = json.loads(run("solve", scene, "--out", str(tmp_path), "--json").output)
+    dataset = xr.load_dataset(tmp_path / "smooth.nc")
+    assert found["status"] == "CONVERGED"
+    assert found["numbers"]["peak_pressure"]["value"] == float(dataset["pressure"].max())
+    assert found["numbers"]["approach"]["value"] == float(dataset["approach"])
+    assert all(Path(file).is_file() for file in found["files"])

@@ -20,6 +20,7 @@ from contactstudy.elasticity.kernels.displacement import (
     boussinesq_cell,
     multipoles,
 )
+from tests.fifty_digits import stored
 
 Array = NDArray[np.float64]
 Corner = Callable[[mp.mpf, mp.mpf], mp.mpf]
@@ -50,6 +51,7 @@ def corners(f: Corner, x: mp.mpf, y: mp.mpf, dx: mp.mpf, dy: mp.mpf) -> mp.mpf:
     return f(right, upper) - f(left, upper) - f(right, lower) + f(left, lower)
 
 
+@stored
 def judged_cell(*arguments: float) -> mp.mpf:
     with mp.workdps(DIGITS):
         return corners(love, *(mp.mpf(a) for a in arguments))

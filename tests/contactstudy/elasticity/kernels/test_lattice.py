@@ -11,6 +11,7 @@ from contactstudy.elasticity.kernels.displacement import (
 )
 from tests.contactstudy.elasticity.kernels.test_cell import DIGITS, EXACT
 from tests.contactstudy.elasticity.kernels.test_row import judged_lattice
+from tests.fifty_digits import stored
 
 EXTENTS = [(1.2, 0.8), (0.8, 1.2), (1.0, 1.0), (3.0, 0.05), (0.02, 5.0)]
 
@@ -20,6 +21,7 @@ def one_period(width: float, period: float, nx: int, ny: int) -> np.ndarray:
     return boussinesq_cell_doubly_periodic(x, y, width / nx, period / ny, width, period)
 
 
+@stored
 def judged(x: float, y: float, dx: float, dy: float, width: float, period: float) -> mp.mpf:
     """Rows one by one, and the logarithms of all others as an integral of Gamma functions."""
     rows = int(np.ceil(7 * period / width)) + 1  # exp(-14 pi) is left

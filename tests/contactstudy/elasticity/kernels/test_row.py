@@ -24,6 +24,7 @@ from tests.contactstudy.elasticity.kernels.test_cell import (
     love,
     offsets,
 )
+from tests.fifty_digits import stored
 
 TAIL_IMAGES, TAIL_TERMS = 9, 12  # the judge's own: what it leaves out is below 1e-18
 with mp.workdps(DIGITS):
@@ -57,6 +58,7 @@ def love_derivatives(x: mp.mpf, y: mp.mpf) -> mp.mpf:
     return mp.fsum(weight * taylor[n - 2] for n, weight in MIDPOINT_WEIGHTS)
 
 
+@stored
 def judged_lattice(*arguments: float) -> mp.mpf:
     """Images summed one by one and the rest as an integral and its Euler-Maclaurin corrections.
 

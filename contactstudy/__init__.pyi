@@ -31,8 +31,15 @@ from .lubrication.film_error import FilmError, FilmErrorParts, film_error
 from .lubrication.lubricated_contact import FilmScales, FilmStatus, LubricatedContact
 from .lubrication.solve_lubricated import film_grid, solve_lubricated
 from .planning.plan import Plan, plan
-from .problem.bare_problem import BareProblem, PrescribedLoad, Resultant
-from .problem.constraint import Compressive, Constraint, Gap, HardnessLimited
+from .problem.bare_problem import BareProblem
+from .problem.constraint import (
+    Compressive,
+    Constraint,
+    Gap,
+    HardnessLimited,
+    PrescribedLoad,
+    Resultant,
+)
 from .problem.operator import Operator
 from .problem.problem import Problem, Scales
 from .scene.bodies import Body, HalfSpace

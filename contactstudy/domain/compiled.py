@@ -30,15 +30,6 @@ def summing(function: Pass) -> Pass:
     return cast(Pass, njit(cache=True, nogil=True, error_model="numpy", fastmath=SUMS)(function))
 
 
-@exact
-def scale(parts: Array, factors: Array) -> None:
-    """Real and imaginary ``parts`` of waves, one after the other, times real factors, in place."""
-    for i in range(factors.shape[0]):
-        for j in range(factors.shape[1]):
-            parts[i, 2 * j] *= factors[i, j]
-            parts[i, 2 * j + 1] *= factors[i, j]
-
-
 @summing
 def level(
     undeformed: Array, displacement: Array, pressure: Array, most: float, found: Array
@@ -108,8 +99,8 @@ def contact(pressure: Array, height: Array, most: float, cells: Array, unlevel: 
 
 @exact
 def joined(
-    pressure: Array, height: Array, whole: Array, length: float, most: float, cells: Array,
-    found: Array,
+    pressure: Array, height: Array, whole: Array, length: float, most: float, contact: Array,
+    cells: Array, found: Array,
 ) -> None:  # fmt: skip
     """To the cells, those that will bear by the gap expected; how many."""
     for i in range(pressure.shape[0]):
@@ -118,16 +109,8 @@ def joined(
             own, expected = pressure[i, j], height[i, j] - length * whole[i, j]
             wrong = ((own == 0) & (expected < 0)) | ((own >= most) & (expected > 0))
             count += 1 if wrong else 0
-            cells[i, j] = 1.0 if wrong else cells[i, j]
+            cells[i, j] = 1.0 if wrong else contact[i, j]
         found[i, 0] = count
-
-
-@exact
-def product(one: Array, other: Array, out: Array) -> None:
-    """Of two fields."""
-    for i in range(out.shape[0]):
-        for j in range(out.shape[1]):
-            out[i, j] = one[i, j] * other[i, j]
 
 
 @summing
@@ -259,142 +242,81 @@ def beyond(trial: Array, pressure: Array, factor: float, most: float, found: Arr
 def advance(
     trial: Array, pressure: Array, ahead: Array, moved: Array, taken: float, most: float
 ) -> None:
-    """So much of a step: pressure and displacement in place of those ahead, the changes in place of those before."""
+    """Take a share of a step: the pressure and the displacement there, and the way back in place of those before."""
     for i in range(trial.shape[0]):
-        if taken == 1:
+        for j in range(trial.shape[1]):
+            pressure[i, j] -= trial[i, j]
+            moved[i, j] -= ahead[i, j]
+        if taken != 1:
             for j in range(trial.shape[1]):
-                pressure[i, j] = trial[i, j] - pressure[i, j]
-                moved[i, j] = ahead[i, j] - moved[i, j]
-        else:
-            for j in range(trial.shape[1]):
-                step, response = (
-                    taken * (trial[i, j] - pressure[i, j]),
-                    taken * (ahead[i, j] - moved[i, j]),
-                )
-                after = pressure[i, j] + step
+                after = trial[i, j] + (1 - taken) * pressure[i, j]
                 after = 0.0 if after < 0 else after
                 trial[i, j] = most if after > most else after
-                ahead[i, j] = moved[i, j] + response
-                pressure[i, j], moved[i, j] = step, response
+                ahead[i, j] += (1 - taken) * moved[i, j]
+                pressure[i, j] *= taken
+                moved[i, j] *= taken
 
 
 @exact
-def weights(
-    weight: Array, two: tuple[bool, bool], factor: float, inverse: Array, blocks: Array,
-    begin: int, end: int,
-) -> None:  # fmt: skip
-    """Of blocks of parts, and one over the sum of the parts' weights."""
-    line = np.zeros(2 * weight.shape[1] + 2, dtype=weight.dtype)
+def block_means(parts: Array, out: Array, begin: int, end: int) -> None:
+    """Write the means of parts over blocks of 2 x 2."""
     for k in range(begin, end):
-        _sum(weight, two, k, line)
-        for m in range(blocks.shape[1]):
-            total = line[m]
-            inverse[k, m] = 1 / total if total > 0 else 0.0
-            total *= factor
-            blocks[k, m] = total if total < 1 else 1.0
-
-
-@exact
-def means(
-    parts: Array, two: tuple[bool, bool], inverse: Array, out: Array, begin: int, end: int
-) -> None:
-    """Of parts over blocks."""
-    line = np.zeros(2 * parts.shape[1] + 2, dtype=parts.dtype)
-    for k in range(begin, end):
-        _sum(parts, two, k, line)
+        line = parts[2 * k] + parts[2 * k + 1]
         for m in range(out.shape[1]):
-            out[k, m] = line[m] * inverse[k, m]
+            out[k, m] = (line[2 * m] + line[2 * m + 1]) / 4
 
 
 @exact
-def _sum(parts: Array, two: tuple[bool, bool], k: int, line: Array) -> None:
-    """The sums of a row of blocks, at the beginning of a line that is zero from the number of parts on."""
-    count = parts.shape[1]
-    i = 2 * k if two[0] else k
-    if two[0] and i + 1 < parts.shape[0]:
-        for j in range(count):
-            line[j] = parts[i, j] + parts[i + 1, j]
-    else:
-        for j in range(count):
-            line[j] = parts[i, j]
-    if two[1]:
-        for m in range((count + 1) // 2):
-            line[m] = line[2 * m] + line[2 * m + 1]
-
-
-@exact
-def gathered(
-    blocks: Array, two: tuple[bool, bool], weight: Array, pressure: Array, begin: int, end: int
-) -> None:
-    """What parts keep of a pressure, and their share in that of their blocks, in place."""
-    columns, count = blocks.shape[1], pressure.shape[1]
-    line = np.empty(2 * columns, dtype=pressure.dtype)
-    for i in range(begin, end):
-        k = i // 2 if two[0] else i
-        if two[1]:
-            for m in range(columns):
-                line[2 * m] = blocks[k, m]
-                line[2 * m + 1] = blocks[k, m]
-            for j in range(count):
-                pressure[i, j] = (pressure[i, j] + line[j]) * weight[i, j]
-        else:
-            for j in range(count):
-                pressure[i, j] = (pressure[i, j] + blocks[k, j]) * weight[i, j]
-
-
-@exact
-def filled(
-    blocks: Array, two: tuple[bool, bool], weight: Array, held: Array, out: Array,
+def block_means_transposed(
+    blocks: Array, block_weight: Array, weight: Array, held: Array, pressure: Array,
     begin: int, end: int,
 ) -> None:  # fmt: skip
-    """What is held, and what parts lack of weight from blocks, linear between their middles."""
+    """Gather the pressure of parts that are held, and for parts with weight their share in that of weighted blocks."""
+    columns = blocks.shape[1]
+    line = np.empty(2 * columns, dtype=pressure.dtype)
+    for k in range(begin, end):
+        for m in range(columns):
+            share = blocks[k, m] / (4 * block_weight[k, m]) if block_weight[k, m] > 0 else 0.0
+            line[2 * m] = share
+            line[2 * m + 1] = share
+        for i in (2 * k, 2 * k + 1):
+            for j in range(2 * columns):
+                pressure[i, j] = pressure[i, j] * held[i, j] + line[j] * weight[i, j]
+
+
+@exact
+def filled(blocks: Array, weight: Array, held: Array, out: Array, begin: int, end: int) -> None:
+    """Write the held displacement and what parts lack of weight from blocks, linear between their middles."""
     rows, columns = blocks.shape
-    count = held.shape[1]
     near = np.empty(columns + 2, dtype=held.dtype)  # one more at either end, once round
     line = np.empty(2 * columns, dtype=held.dtype)
-    for i in range(begin, end):
-        k = i // 2 if two[0] else i
+    for i in range(2 * begin, 2 * end):
+        k = i // 2
         far = (k + (1 if i % 2 else rows - 1)) % rows
         for j in range(columns):
-            near[j + 1] = 0.75 * blocks[k, j] + 0.25 * blocks[far, j] if two[0] else blocks[k, j]
-        if two[1]:
-            near[0], near[columns + 1] = near[columns], near[1]
-            for m in range(columns):
-                most = 0.75 * near[m + 1]
-                line[2 * m] = most + 0.25 * near[m]
-                line[2 * m + 1] = most + 0.25 * near[m + 2]
-        else:
-            for j in range(count):
-                line[j] = near[j + 1]
-        for j in range(count):
+            near[j + 1] = 0.75 * blocks[k, j] + 0.25 * blocks[far, j]
+        near[0], near[columns + 1] = near[columns], near[1]
+        for m in range(columns):
+            most = 0.75 * near[m + 1]
+            line[2 * m] = most + 0.25 * near[m]
+            line[2 * m + 1] = most + 0.25 * near[m + 2]
+        for j in range(2 * columns):
             out[i, j] = line[j] * (1 - weight[i, j]) + held[i, j]
 
 
 @exact
-def spilled(
-    pressure: Array, two: tuple[bool, bool], weight: Array, blocks: Array, begin: int, end: int
-) -> None:
-    """The transpose of :func:`filled`: what parts give to blocks."""
-    rows, count = pressure.shape
-    columns = blocks.shape[1]
+def filled_transposed(pressure: Array, weight: Array, blocks: Array, begin: int, end: int) -> None:
+    """Write what parts give to blocks: the transpose of :func:`filled`."""
+    rows, columns = blocks.shape
     line = np.zeros(2 * columns + 2, dtype=pressure.dtype)  # one more at either end, once round
     for k in range(begin, end):
-        if two[0]:
-            for j in range(count):
-                line[j + 1] = 0.75 * ((1 - weight[2 * k, j]) * pressure[2 * k, j])
-            for part, share in ((1, 0.75), (2, 0.25), (-1, 0.25)):
-                i = (2 * k + part) % (2 * blocks.shape[0])
-                if i < rows:  # an odd number lacks the last part
-                    for j in range(count):
-                        line[j + 1] += share * ((1 - weight[i, j]) * pressure[i, j])
-        else:
-            for j in range(count):
-                line[j + 1] = (1 - weight[k, j]) * pressure[k, j]
-        if two[1]:
-            line[0], line[2 * columns + 1] = line[2 * columns], line[1]
-            for m in range(columns):
-                most = 0.75 * (line[2 * m + 1] + line[2 * m + 2])
-                blocks[k, m] = most + 0.25 * (line[2 * m] + line[2 * m + 3])
-        else:
-            for j in range(count):
-                blocks[k, j] = line[j + 1]
+        for j in range(2 * columns):
+            line[j + 1] = 0.75 * ((1 - weight[2 * k, j]) * pressure[2 * k, j])
+        for part, share in ((1, 0.75), (2, 0.25), (-1, 0.25)):
+            i = (2 * k + part) % (2 * rows)
+            for j in range(2 * columns):
+                line[j + 1] += share * ((1 - weight[i, j]) * pressure[i, j])
+        line[0], line[2 * columns + 1] = line[2 * columns], line[1]
+        for m in range(columns):
+            most = 0.75 * (line[2 * m + 1] + line[2 * m + 2])
+            blocks[k, m] = most + 0.25 * (line[2 * m] + line[2 * m + 3])

@@ -1,13 +1,11 @@
 """Where and in which numbers a problem is solved: the cores of this machine, a graphics processor, another library."""
 
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
 from enum import Enum
-from functools import cache
 from importlib import import_module
-from importlib.util import find_spec
 from typing import Any, Protocol, cast, runtime_checkable
 
 import numpy as np
@@ -183,15 +181,16 @@ class Library:
 
 
 _NUMPY = cast(Namespace, np)
-# From so many cells on, compiled passes save more in a few solves than it takes to load them.
-LARGE = 2**18
 ONE_THREAD = Cpu()
 _DEVICE: ContextVar[Device] = ContextVar("device", default=ONE_THREAD)
-_FUSED: ContextVar[Any] = ContextVar("fused", default=None)
 
 
 def checked(chosen: Device, field: str) -> Device:
     """``chosen``, if it is a device; else :class:`~contactstudy.InvalidInput`."""
+    if isinstance(
+        chosen, Cpu
+    ):  # to see whether it has all of a device's properties takes as long as a small solve
+        return chosen
     if isinstance(chosen, type) or not isinstance(chosen, Device):
         raise InvalidInput(f"{field} is {chosen!r}: give Cpu(threads=2) or Gpu(), or leave it out.")
     return chosen
@@ -213,30 +212,13 @@ def threads() -> int:
     return chosen.threads if isinstance(chosen, Cpu) else 1
 
 
-def fused() -> Any:
-    """Compiled passes over fields, :mod:`~contactstudy.domain.compiled`; None where there are none or none pay."""
-    return _FUSED.get()
-
-
-@cache
-def _compiled() -> Any:
-    if find_spec("numba") is None:
-        return None
-    # either of a numba for another numpy, or without a folder to keep what is compiled
-    with suppress(ImportError, RuntimeError):
-        return import_module("contactstudy.domain.compiled")
-    return None
-
-
 @contextmanager
-def using(chosen: Device, cells: int = 0) -> Iterator[None]:
-    """Work on the ``chosen`` device, with compiled passes where fields have so many ``cells`` that they pay."""
-    pays = isinstance(checked(chosen, "solve.on"), Cpu) and cells >= LARGE
-    token, passes = _DEVICE.set(chosen), _FUSED.set(_compiled() if pays else None)
+def using(chosen: Device) -> Iterator[None]:
+    """Work on the ``chosen`` device."""
+    token = _DEVICE.set(checked(chosen, "solve.on"))
     try:
         yield
     finally:
-        _FUSED.reset(passes)
         _DEVICE.reset(token)
 
 

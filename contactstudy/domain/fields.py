@@ -2,8 +2,11 @@
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from contextvars import copy_context
 from functools import cache
+from importlib import import_module
+from importlib.util import find_spec
 from math import prod
 from typing import Any, TypeVar
 
@@ -15,6 +18,10 @@ T = TypeVar("T")
 
 # Cells of a block: half a dozen blocks of double precision fit into the cache of a core.
 BLOCK = 2**15
+# From so many cells on, compiled loops save more in some dozen solves than it takes to load them.
+LARGE = 2**16
+# Rows of fewer cells take a compiled loop longer to begin than to work through.
+NARROWEST = 4
 # Cells of a part at least: to wake another thread takes as long as a pass over some 100 000 cells.
 PART = 2**18
 
@@ -25,6 +32,8 @@ def in_blocks(work: Callable[[slice], T], shape: tuple[int, ...]) -> list[T]:
     All blocks but the last have an even number of rows. They do not depend on the number of threads, so that
     sums over blocks do not either. On a device that is no :class:`Cpu` there is one block.
     """
+    if shape[0] * shape[1] <= BLOCK:
+        return [work(slice(0, shape[0]))]
     parts = _shared(lambda blocks: [work(block) for block in blocks], _blocks(shape))
     return [each for part in parts for each in part]
 
@@ -42,23 +51,6 @@ def in_parts(work: Callable[[slice], object], shape: tuple[int, ...]) -> None:
     work(first)
     for other in others:
         other.result()
-
-
-def compiled(kernel: Callable[..., object], *arguments: Any, results: int = 0) -> Array:
-    """What a compiled pass over fields (x, y) finds in each of their rows, (``results``, x).
-
-    The ``kernel`` gets a thread's part of each field among its ``arguments``, the others as they are, and last that
-    part of an array for its results, if it has any: one call for each thread.
-    """
-    shape = next(one.shape for one in arguments if isinstance(one, np.ndarray))
-    found = np.empty((shape[0], results))
-
-    def some(rows: slice) -> None:
-        own = [one[rows] if isinstance(one, np.ndarray) else one for one in arguments]
-        kernel(*own, *([found[rows]] if results else []))
-
-    in_parts(some, shape)
-    return found.T
 
 
 def change(field: Array, changed: Callable[[Array], Array]) -> Array:
@@ -94,6 +86,23 @@ def _alone(work: Callable[[list[slice]], T], blocks: list[slice]) -> T:
         return work(blocks)
 
 
+def compiled_loops(shape: tuple[int, ...]) -> Any:
+    """Return the module of compiled loops for fields of that `shape` (x, y); None where there are none or none pay."""
+    rows, columns = shape
+    pays = rows * columns >= LARGE and columns >= NARROWEST
+    return _loops() if pays and isinstance(device(), Cpu) else None
+
+
+@cache
+def _loops() -> Any:
+    if find_spec("numba") is None:
+        return None
+    # either of a numba for another numpy, or without a folder to keep what is compiled
+    with suppress(ImportError, RuntimeError):
+        return import_module("contactstudy.domain.compiled")
+    return None
+
+
 @cache
 def _pool(threads: int) -> ThreadPoolExecutor:
     return ThreadPoolExecutor(threads, thread_name_prefix="contactstudy")
@@ -112,6 +121,8 @@ def inner(a: Array, b: Array) -> float:
     Row by row: BLAS would start threads for a whole large field, and on a busy machine they
     cost a hundred times what they save.
     """
+    if a.shape[0] * a.shape[1] <= BLOCK:
+        return _inner(a, b)
     return sum(in_blocks(lambda rows: _inner(a[rows, :], b[rows, :]), a.shape))
 
 
@@ -124,6 +135,8 @@ def _inner(a: Array, b: Array) -> float:
 
 def total(field: Array) -> float:
     """Sum over a field (x, y)."""
+    if field.shape[0] * field.shape[1] <= BLOCK:
+        return float(arrays().sum(field))
     return sum(in_blocks(lambda rows: float(arrays().sum(field[rows, :])), field.shape))
 
 

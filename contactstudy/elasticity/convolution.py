@@ -14,9 +14,9 @@ from contactstudy.domain.device import Cpu, Precision, arrays, device
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Padding, Paddings, across_and_along
-from contactstudy.elasticity.approximate_inverse import ApproximateInverse, sampled, scale
+from contactstudy.elasticity.approximate_inverse import ApproximateInverse, sampled
 from contactstudy.elasticity.coefficients import Coefficients, Displacement, kernel
-from contactstudy.elasticity.transforms import Waves, transforms
+from contactstudy.elasticity.transforms import Waves, scale, transforms
 
 # Axes of fewer cells than this are not coarsened: a coarser grid would no longer see the contact.
 COARSEST = 32

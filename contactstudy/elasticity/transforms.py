@@ -7,6 +7,7 @@ thread, work array reused where it can be, medians of one run on an AMD EPYC: 51
 """
 
 import os
+from abc import ABC, abstractmethod
 from importlib import import_module
 from importlib.util import find_spec
 from threading import Lock
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from contactstudy.domain.device import Cpu, arrays, device, threads
-from contactstudy.domain.fields import Array
+from contactstudy.domain.fields import BLOCK, Array, in_blocks
 
 Waves = NDArray[np.complexfloating[Any, Any]]
 
@@ -33,8 +34,31 @@ class Transforms(Protocol):
         """The first (nx, ny) cells of the field with these ``waves``, which are lost."""
         ...
 
+    def filtered(self, field: Array, factors: Array, work: Waves | None) -> Array:
+        """Return ``field`` (nx, ny), periodic along both axes, with its waves multiplied by ``factors``."""
+        ...
 
-class Standard:
+
+class _InTwoSteps(ABC):
+    """Transforms that filter a field by one transform forward and one backward."""
+
+    @abstractmethod
+    def forward(self, field: Array, padded: tuple[int, int], work: Waves | None) -> Waves:
+        """Return the waves of a field padded with zeros."""
+
+    @abstractmethod
+    def backward(self, waves: Waves, cells: tuple[int, int], padded: tuple[int, int]) -> Array:
+        """Return the first cells of the field with these waves."""
+
+    def filtered(self, field: Array, factors: Array, work: Waves | None) -> Array:
+        """Multiply the waves of a periodic field by `factors`."""
+        cells = field.shape[0], field.shape[1]
+        waves = self.forward(field, cells, work)
+        scale(waves, factors)
+        return self.backward(waves, cells, cells)
+
+
+class Standard(_InTwoSteps):
     """The transforms of the device's array library."""
 
     def forward(self, field: Array, padded: tuple[int, int], work: Waves | None) -> Waves:
@@ -51,7 +75,7 @@ class Standard:
         return field
 
 
-class SciPy:
+class SciPy(_InTwoSteps):
     """scipy.fft, on the threads of the device."""
 
     def forward(self, field: Array, padded: tuple[int, int], work: Waves | None) -> Waves:
@@ -129,6 +153,22 @@ class Ducc:
             )
         return np.ascontiguousarray(field[:, : cells[1]])
 
+    def filtered(self, field: Array, factors: Array, work: Waves | None) -> Array:
+        """Multiply the waves of a periodic field by `factors`, by one call each way."""
+        count = self._threads()
+        work = self._fft.r2c(field, axes=(0, 1), out=work, nthreads=count)
+        scale(work, factors)
+        filtered: Array = self._fft.c2r(
+            work,
+            axes=(0, 1),
+            lastsize=field.shape[1],
+            forward=False,
+            inorm=2,
+            nthreads=count,
+            allow_overwriting_input=True,
+        )
+        return filtered
+
 
 TRANSFORMS: Transforms = Ducc() if find_spec("ducc0") else SciPy()
 STANDARD = Standard()
@@ -137,3 +177,17 @@ STANDARD = Standard()
 def transforms() -> Transforms:
     """Those for arrays of the device."""
     return TRANSFORMS if isinstance(device(), Cpu) else STANDARD
+
+
+def scale(waves: Waves, factors: Array) -> None:
+    """Multiply `waves` by `factors`, one for each wave, in place."""
+
+    if waves.shape[0] * waves.shape[1] <= BLOCK:
+        waves *= factors
+        return
+
+    def some(rows: slice) -> None:
+        part = waves[rows, :]
+        part *= factors[rows, :]
+
+    in_blocks(some, waves.shape)

@@ -21,7 +21,7 @@ from contactstudy.evolution.memory import (
     Step,
 )
 from contactstudy.evolution.steps import Scheme
-from contactstudy.problem.bare_problem import PrescribedLoad
+from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Problem, Scales
 from contactstudy.scene.load import ChangingLoad
 from contactstudy.solvers.solution import Solution, Status

@@ -1,13 +1,14 @@
-"""The gap under a pressure, and what limits the pressure of each cell, whatever load they carry together."""
+"""The gap under a pressure, what limits the pressure of each cell, and what all cells carry together."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf, nan, prod
 from typing import Protocol, Self
 
 import numpy as np
 
-from contactstudy.domain.device import arrays, fused
-from contactstudy.domain.fields import Array, change, compiled, in_blocks, inner
+from contactstudy.domain.device import arrays
+from contactstudy.domain.fields import Array, change, in_blocks, inner
 from contactstudy.domain.fields import total as sum_of
 
 
@@ -16,13 +17,15 @@ class Gap:
     """``height`` (x, y) of the gap, counted from the ``approach``, all in units of the gap scale.
 
     The approach is such that cells whose pressure is at no limit have no mean height. It should be zero in these
-    cells, not below zero in cells without pressure, and not above zero in cells at an upper limit. A pass that
-    has found the ``residual`` and the ``farthest`` displacement along with the heights leaves them here.
+    cells, not below zero in cells without pressure, and not above zero in cells at an upper limit. A pass that has
+    found them along with the heights leaves here the ``measured`` violation of the constraint, the ``load`` (the sum of
+    the pressure) and the size of the ``farthest`` displacement.
     """
 
     height: Array
     approach: float
-    residual: float | None = None
+    measured: float | None = None
+    load: float | None = None
     farthest: float | None = None
 
 
@@ -174,17 +177,24 @@ class Compressive:
 
     def levelled(self, trial: Array, cells: Array, total: float) -> Array:
         """Shifted in Newton's steps, each of which cuts off more: the sum is convex in the shift."""
-        borne, bearing, most = _chosen(trial, cells)
-        if most > total:  # numbers of this size would drown the load
+        xp = arrays()
+        trial *= cells
+        self.clip(trial)
+        bearing = trial[trial != 0]
+        borne = float(xp.sum(bearing))
+        if bearing.shape[0] and float(xp.max(bearing)) > total:
+            # numbers of this size would drown the load
             where = cells > 0
             trial[where] = shifted(trial[where], total, inf)
             return trial
-        shift, before = 0.0, -1.0
-        while borne > total and bearing != before:
-            shift, before = shift + (borne - total) / bearing, bearing
-            borne, bearing = _lowered(trial, shift)
-        rounding = 16 * arrays().finfo(trial.dtype).eps
-        return _lower(trial, shift, 1.0 if abs(borne / total - 1) <= rounding else total / borne)
+
+        def lowered(shift: float) -> tuple[float, float]:
+            rest = bearing[bearing > shift]
+            return float(xp.sum(rest)) - shift * rest.shape[0], rest.shape[0]
+
+        epsilon = float(xp.finfo(trial.dtype).eps)
+        shift, factor = lowered_to(total, borne, bearing.shape[0], lowered, epsilon)
+        return change(trial, lambda some: xp.maximum(some - shift, 0) * factor)
 
     def wrong(self, pressure: Array, height: Array) -> Array:
         """Cells that penetrate."""
@@ -196,48 +206,29 @@ class Compressive:
 
         def measure(rows: slice) -> tuple[float, float]:
             some, height = pressure[rows, :], gap.height[rows, :]
-            return inner(some, xp.abs(height)), float(xp.max((self.free(some) - 1) * height))
+            return inner(some, xp.abs(height)), -float(xp.min(xp.where(some == 0, height, 0.0)))
 
         moments, deepest = zip(*in_blocks(measure, pressure.shape), strict=True)
         return largest(sum(moments) / borne, *deepest)
 
 
-def _chosen(trial: Array, cells: Array) -> tuple[float, ...]:
-    """Tension and what is not among the ``cells`` cut off, in place; the load, in how many cells, the largest left."""
-    xp, kernels = arrays(), fused()
-    if kernels is not None:
-        found = compiled(kernels.chosen, trial, cells, results=3)
-        return (*found[:2].sum(axis=1).tolist(), float(found[2].max()))
+def lowered_to(
+    load: float,
+    borne: float,
+    bearing: float,
+    lowered: Callable[[float], tuple[float, float]],
+    epsilon: float,
+) -> tuple[float, float]:
+    """Return the shift and the factor that make a pressure carry `load`.
 
-    def some(rows: slice) -> tuple[float, float, float]:
-        kept = xp.maximum(trial[rows, :] * cells[rows, :], 0)
-        trial[rows, :] = kept
-        return float(xp.sum(kept)), int(xp.count_nonzero(kept > 0)), float(xp.max(kept))
-
-    borne, bearing, most = zip(*in_blocks(some, trial.shape), strict=True)
-    return sum(borne), sum(bearing), max(most)
-
-
-def _lowered(trial: Array, shift: float) -> tuple[float, ...]:
-    """The load that is left of a pressure so much lower, and in how many cells."""
-    xp, kernels = arrays(), fused()
-    if kernels is not None:
-        return tuple(compiled(kernels.lowered, trial, shift, results=2).sum(axis=1).tolist())
-
-    def some(rows: slice) -> tuple[float, float]:
-        left = xp.maximum(trial[rows, :] - shift, 0)
-        return float(xp.sum(left)), int(xp.count_nonzero(left > 0))
-
-    return tuple(map(sum, zip(*in_blocks(some, trial.shape), strict=True)))
-
-
-def _lower(trial: Array, shift: float, scale: float) -> Array:
-    """That pressure, in place, times a factor."""
-    xp, kernels = arrays(), fused()
-    if kernels is not None:
-        compiled(kernels.lower, trial, shift, scale)
-        return trial
-    return change(trial, lambda some: xp.maximum(some - shift, 0) * scale)
+    The pressure carries `borne` in so many `bearing` cells; `lowered` tells the same of it after a shift. The factor
+    makes up for what no shift can, and is 1 within some roundings `epsilon`.
+    """
+    shift, before = 0.0, -1.0
+    while borne > load and bearing != before:
+        shift, before = shift + (borne - load) / bearing, bearing
+        borne, bearing = lowered(shift)
+    return shift, 1.0 if abs(borne / load - 1) <= 16 * epsilon else load / borne
 
 
 @dataclass(frozen=True)
@@ -335,3 +326,70 @@ class HardnessLimited:
         moment, of_free = inner(pressure, xp.abs(gap.height) * free), inner(pressure, free)
         complementarity = moment / of_free if of_free > 0 else 0.0
         return largest(complementarity, float(xp.max(violation(pressure, gap.height, free))))
+
+
+class Resultant(Protocol):
+    """What closes the problem beside the conditions in each cell."""
+
+    def scaled(self, pressure: float, cells: int = 1) -> Self:
+        """The same in another unit of pressure (times ``pressure``), on blocks of so many cells."""
+        ...
+
+    def is_met_by(self, constraint: Constraint, cells: int) -> bool:
+        """Whether so many cells under ``constraint`` can meet it."""
+        ...
+
+    def uniform(self, cells: int) -> float:
+        """The pressure that meets it if it is the same in so many cells."""
+        ...
+
+    def admit(self, trial: Array, constraint: Constraint) -> Array:
+        """``trial`` cut off at the limits of ``constraint`` and made to meet this, in place."""
+        ...
+
+    def nearest(self, trial: Array, constraint: Constraint) -> Array:
+        """The admissible pressure nearest to ``trial``, in place: a step against the gap, made so, is downhill."""
+        ...
+
+    def levelled(self, trial: Array, cells: Array, constraint: Constraint) -> Array:
+        """``trial`` cut off at the limits and made to meet this by a shift of ``cells``, in place."""
+        ...
+
+    def error(self, borne: float) -> float:
+        """How far a pressure whose sum is ``borne`` is from meeting it, dimensionless."""
+        ...
+
+
+@dataclass(frozen=True)
+class PrescribedLoad:
+    """``sum(p) = total``: the load over the area of a cell, in the unit of p."""
+
+    total: float
+
+    def scaled(self, pressure: float, cells: int = 1) -> "PrescribedLoad":
+        """In another unit, on larger cells."""
+        return PrescribedLoad(float(self.total * pressure / cells))
+
+    def is_met_by(self, constraint: Constraint, cells: int) -> bool:
+        """Whether the cells can carry the load."""
+        return constraint.capacity(cells) >= self.total
+
+    def uniform(self, cells: int) -> float:
+        """The load spread evenly."""
+        return self.total / cells
+
+    def admit(self, trial: Array, constraint: Constraint) -> Array:
+        """Scaled to the load."""
+        return constraint.carrying(trial, self.total)
+
+    def nearest(self, trial: Array, constraint: Constraint) -> Array:
+        """Shifted to the load."""
+        return constraint.nearest(trial, self.total)
+
+    def levelled(self, trial: Array, cells: Array, constraint: Constraint) -> Array:
+        """Shifted to the load."""
+        return constraint.levelled(trial, cells, self.total)
+
+    def error(self, borne: float) -> float:
+        """``|borne / total - 1|``."""
+        return abs(borne / self.total - 1)

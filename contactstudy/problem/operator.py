@@ -1,8 +1,8 @@
 """The linear map from pressure to displacement, as a solver sees it."""
 
-from typing import Any, Protocol, Self
+from typing import Protocol, Self
 
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import DTypeLike
 
 from contactstudy.domain.device import Precision
 from contactstudy.domain.fields import Array
@@ -11,8 +11,17 @@ from contactstudy.domain.fields import Array
 class Extension(Protocol):
     """A linear map from the displacement (x, y) of some cells, zero elsewhere, to that of all cells."""
 
+    @property
+    def work(self) -> float:
+        """Cells transformed until a displacement is extended."""
+        ...
+
     def __call__(self, displacement: Array) -> Array:
         """The displacement of all cells."""
+        ...
+
+    def held(self, cells: Array, displacement: Array, extended: Array) -> Array:
+        """Hold more ``cells`` (x, y) at their own ``displacement``, also in one that is ``extended`` already."""
         ...
 
     def transposed(self, pressure: Array) -> Array:
@@ -30,19 +39,15 @@ class ApproximateInverse(Protocol):
 
     @property
     def work(self) -> float:
-        """Cells transformed in one application."""
+        """Cells transformed from an extended displacement to the gathered pressure."""
         ...
 
     def extension(self, contact: Array) -> Extension:
         """The first step, for the cells of a ``contact`` (x, y), which is 1 there and 0 elsewhere."""
         ...
 
-    def waves(self, displacement: Array) -> NDArray[Any]:
-        """The second, as far as a transform: waves of the pressure that makes a ``displacement`` of all cells."""
-        ...
-
-    def pressure(self, waves: NDArray[Any]) -> Array:
-        """The pressure (x, y) on all cells with these ``waves``, which are lost."""
+    def pressure(self, displacement: Array) -> Array:
+        """The second: the pressure (x, y) on all cells that makes a ``displacement`` of all cells."""
         ...
 
     def __call__(self, displacement: Array, contact: Array) -> Array:

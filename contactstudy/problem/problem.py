@@ -10,8 +10,8 @@ from contactstudy.domain.device import Device, Precision, device
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Paddings
-from contactstudy.problem.bare_problem import BareProblem, Resultant
-from contactstudy.problem.constraint import Constraint
+from contactstudy.problem.bare_problem import BareProblem
+from contactstudy.problem.constraint import Constraint, Resultant
 from contactstudy.problem.operator import Operator
 
 

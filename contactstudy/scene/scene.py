@@ -14,8 +14,7 @@ from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Padding, Paddings, across_and_along
 from contactstudy.domain.units import Pascals
 from contactstudy.elasticity.convolution import superposed
-from contactstudy.problem.bare_problem import PrescribedLoad
-from contactstudy.problem.constraint import Compressive, Constraint, HardnessLimited
+from contactstudy.problem.constraint import Compressive, Constraint, HardnessLimited, PrescribedLoad
 from contactstudy.problem.memory import refuse_too_large
 from contactstudy.problem.problem import Derived, Problem, Scales
 from contactstudy.scene.bodies import Body, Layered, Particular, contact_modulus, response

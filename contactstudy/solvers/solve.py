@@ -20,9 +20,6 @@ from contactstudy.solvers.iterate import Iterate
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from contactstudy.solvers.solution import Solution, Status
 
-# Rows of fewer cells take a compiled pass longer to begin than to work through.
-NARROWEST = 4
-
 
 class Solver(Protocol):
     """An iteration for the dimensionless problem."""
@@ -111,10 +108,7 @@ class SolveOptions:
             _check_other(checked(on, "solve.on"), problem, self.precision)
         if start is not None:
             start = _admitted(start, problem, self.precision)
-        built_in = isinstance(problem.constraint, Compressive | HardnessLimited)
-        wide = problem.undeformed_gap.shape[1] >= NARROWEST
-        cells = problem.undeformed_gap.size if built_in and wide else 0
-        with using(on, cells), np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        with using(on), np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             bare = problem.bare(self.precision)
             last = self.solver.iterate(
                 bare,

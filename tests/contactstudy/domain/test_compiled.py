@@ -2,16 +2,19 @@
 
 import sys
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.domain import device
-from contactstudy.domain import fields as rows
-from contactstudy.domain.device import fused, using
+from contactstudy.domain import fields
+from contactstudy.domain.device import using
+from contactstudy.domain.fields import compiled_loops
+from contactstudy.problem.passes import ArrayPasses, passes_for
 from tests.conftest import LineContact
-from tests.contactstudy.domain.test_devices import BOTH, STRICT, agree, extended
+from tests.contactstudy.domain.test_devices import BOTH, STRICT, agree
 from tests.contactstudy.solvers.test_preconditioned_cg import problem
 
 
@@ -19,23 +22,7 @@ from tests.contactstudy.solvers.test_preconditioned_cg import problem
 def compiled(monkeypatch: pytest.MonkeyPatch) -> None:
     """For fields of any size; without numba there is nothing to test."""
     pytest.importorskip("numba")
-    monkeypatch.setattr(device, "LARGE", 1)
-
-
-@pytest.mark.usefixtures("compiled")
-@pytest.mark.parametrize("shape", [(16, 16), (13, 10), (10, 13), (25, 1), (1, 6)], ids=str)
-@pytest.mark.parametrize("elongation", [1.0, 0.02, 30.0])
-def test_an_extension_is_the_same(
-    shape: tuple[int, int], elongation: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    expected = extended(shape, elongation, cs.Cpu())
-    monkeypatch.setattr(rows, "PART", 8)
-    with using(cs.Cpu(2), 1):
-        assert fused() is not None
-        found = extended(shape, elongation, cs.Cpu())
-    for one, two in zip(found, expected, strict=True):
-        # sums of at most so many terms of size one
-        np.testing.assert_allclose(one, two, rtol=0, atol=1e-15 * two.size)
+    monkeypatch.setattr(fields, "LARGE", 1)
 
 
 def rough(cells: tuple[int, int], hardness: float | None, line_contact: LineContact) -> cs.Problem:
@@ -67,13 +54,13 @@ def test_a_rough_contact_is_the_same(
 def test_sums_do_not_depend_on_the_number_of_threads(
     hardness: float | None, line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(rows, "PART", 256)
+    monkeypatch.setattr(fields, "PART", 256)
     bare = rough((37, 51), hardness, line_contact).bare()
     pressure = bare.admit(np.random.default_rng(1).exponential(size=(37, 51)))
     moved = bare.operator(pressure)
     found = []
     for threads in (1, 2, 3):
-        with using(cs.Cpu(threads), 1):
+        with using(cs.Cpu(threads)):
             gap = bare.gap(pressure, moved)
             found.append((gap.approach, bare.residual(pressure, gap)))
     assert found[0] == found[1] == found[2]
@@ -87,36 +74,40 @@ def test_heights_that_are_not_finite_are_seen(line_contact: LineContact) -> None
 
 
 def test_small_fields_do_not_load_the_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(device, "_compiled", lambda: pytest.fail("loaded"))
-    with using(cs.Cpu(), device.LARGE - 1):
-        assert fused() is None
+    monkeypatch.setattr(fields, "_loops", lambda: pytest.fail("loaded"))
+    assert compiled_loops((fields.LARGE // 8 - 1, 8)) is None
 
 
-def test_fields_of_so_many_cells_and_no_fewer_are_worked_on_by_compiled_passes(
+def test_fields_of_so_many_cells_and_no_fewer_are_worked_on_by_compiled_loops(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(device, "_compiled", lambda: "passes")
-    with using(cs.Cpu(), device.LARGE):
-        assert fused() == "passes"
-    with using(STRICT, device.LARGE):
-        assert fused() is None
+    monkeypatch.setattr(fields, "_loops", lambda: "loops")
+    assert compiled_loops((fields.LARGE // 8, 8)) == "loops"
+    with using(STRICT):
+        assert compiled_loops((fields.LARGE // 8, 8)) is None
 
 
-@pytest.mark.parametrize(("along", "times"), [(1, 0), (3, 0), (4, 1)])
+@pytest.mark.parametrize(("along", "compiled"), [(1, False), (3, False), (4, True)])
 def test_rows_of_few_cells_are_left_to_array_operations(
-    along: int, times: int, line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
+    along: int,
+    compiled: bool,  # noqa: FBT001
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """A compiled pass would begin a row more often than it has cells to work on."""
-    monkeypatch.setattr(device, "LARGE", 1)
-    asked: list[bool] = []
-    monkeypatch.setattr(device, "_compiled", lambda: asked.append(True))
-    cs.solve(problem(line_contact, (64, along), "smooth"))
-    assert len(asked) == times
+    """A compiled loop would begin a row more often than it has cells to work on."""
+    monkeypatch.setattr(fields, "_loops", lambda: "loops")
+    assert compiled_loops((fields.LARGE, along)) == ("loops" if compiled else None)
+
+
+def test_a_constraint_of_one_s_own_is_left_to_array_operations(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(fields, "LARGE", 1)
+    own: Any = SimpleNamespace(capacity=lambda cells: cells)
+    assert isinstance(passes_for(own, (64, 64)), ArrayPasses)
 
 
 def test_without_the_compiler_array_operations_do_the_work(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "numba", None)  # type: ignore[arg-type]
-    device._compiled.cache_clear()
-    with using(cs.Cpu(), device.LARGE):
-        assert fused() is None
-    device._compiled.cache_clear()
+    fields._loops.cache_clear()
+    assert compiled_loops((fields.LARGE // 8, 8)) is None
+    fields._loops.cache_clear()

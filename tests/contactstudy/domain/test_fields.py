@@ -8,7 +8,6 @@ from contactstudy.domain import device
 from contactstudy.domain import fields as rows
 from contactstudy.domain.device import Library, using
 from contactstudy.domain.fields import (
-    compiled,
     in_blocks,
     in_parts,
     inner,
@@ -65,21 +64,6 @@ def test_large_fields_have_a_part_for_each_thread() -> None:
     with using(cs.Cpu(3)):
         in_parts(parts.append, (99, 9))
     assert sorted(part.stop - part.start for part in parts) == [31, 34, 34]
-
-
-def test_a_pass_finds_something_in_each_row() -> None:
-    """In parts, and only of its fields: numbers are passed on."""
-
-    def kernel(field: np.ndarray, factor: float, out: np.ndarray, found: np.ndarray) -> None:
-        out[...] = factor * field
-        found[:, 0], found[:, 1] = field.sum(axis=1), field.max(axis=1)
-
-    field, out = np.random.default_rng(2).standard_normal((99, 9)), np.empty((99, 9))
-    with using(cs.Cpu(3)):
-        sums, largest = compiled(kernel, field, 2.0, out, results=2)
-    np.testing.assert_array_equal(out, 2 * field)
-    np.testing.assert_array_equal(sums, field.sum(axis=1))
-    np.testing.assert_array_equal(largest, field.max(axis=1))
 
 
 def test_what_a_part_raises_is_raised() -> None:

@@ -2,10 +2,16 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.domain import fields as rows
+from contactstudy.domain import fields
 from contactstudy.domain.device import using
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.approximate_inverse import Extension, sampled
+from contactstudy.elasticity.approximate_inverse import (
+    LONGEST,
+    ApproximateInverse,
+    BlockExtension,
+    hole_width,
+    sampled,
+)
 
 CASES = [
     ((16, 16), 1.0),
@@ -23,32 +29,75 @@ def island(shape: tuple[int, int], share: float = 0.3) -> Array:
     return contact
 
 
+def inverse(shape: tuple[int, int], elongation: float) -> ApproximateInverse:
+    """On a grid of cells so many times as long as wide, periodic along both axes."""
+    both = cs.ExactPeriodicity(), cs.ExactPeriodicity()
+    extent = shape[0] * 1.0, shape[1] * elongation
+    return cs.convolution(1.0, cs.Grid(shape, extent), both, datum=1.0).approximate_inverse()
+
+
+@pytest.fixture(params=["array operations", "blocks"])
+def blocks(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> bool:
+    """Whether grids that have blocks of 2 x 2 cells are extended by way of them."""
+    if request.param == "blocks":
+        pytest.importorskip("numba")
+        monkeypatch.setattr(fields, "LARGE", 1)
+    return bool(request.param == "blocks")
+
+
+def by_blocks(shape: tuple[int, int], elongation: float) -> bool:
+    return shape[0] % 4 == shape[1] % 4 == 0 and 1 / LONGEST < elongation < LONGEST
+
+
 @pytest.mark.parametrize(("shape", "elongation"), CASES, ids=str)
-def test_what_is_known_in_the_contact_stays(shape: tuple[int, int], elongation: float) -> None:
+def test_what_is_known_in_the_contact_stays(
+    shape: tuple[int, int],
+    elongation: float,
+    blocks: bool,  # noqa: FBT001
+) -> None:
     contact = island(shape)
     known = np.random.default_rng(6).standard_normal(shape) * contact
-    extended = Extension(contact, elongation)(known)
+    extension = inverse(shape, elongation).extension(contact)
+    assert isinstance(extension, BlockExtension) == (blocks and by_blocks(shape, elongation))
+    extended = extension(known)
     np.testing.assert_array_equal(extended * contact, known)
     # elsewhere stand means of it
     assert known.min() <= extended.min()
     assert extended.max() <= known.max()
 
 
+@pytest.mark.usefixtures("blocks")
 @pytest.mark.parametrize(("shape", "elongation"), CASES, ids=str)
 def test_a_rigid_shift_is_the_same_everywhere(shape: tuple[int, int], elongation: float) -> None:
     contact = island(shape)
-    np.testing.assert_allclose(Extension(contact, elongation)(contact), 1, rtol=1e-14)
+    extended = inverse(shape, elongation).extension(contact)(contact)
+    # the smallest weights are some roundings of a transform
+    np.testing.assert_allclose(extended, 1, rtol=1e-12)
 
 
+@pytest.mark.usefixtures("blocks")
+@pytest.mark.parametrize("more", [False, True])
 @pytest.mark.parametrize(("shape", "elongation"), CASES, ids=str)
-def test_the_transposed_map_is_the_transpose(shape: tuple[int, int], elongation: float) -> None:
+def test_the_transposed_map_is_the_transpose(
+    shape: tuple[int, int],
+    elongation: float,
+    more: bool,  # noqa: FBT001
+) -> None:
+    """Also of a contact that other cells have joined, which stay where they are and move nothing."""
     contact = island(shape)
-    extension = Extension(contact, elongation)
+    extension = inverse(shape, elongation).extension(contact)
     known, pressure = np.random.default_rng(7).standard_normal((2, *shape))
+    extended = extension(known * contact)
+    if more:
+        before, contact = extended.copy(), np.maximum(contact, island(shape, 0.2).T.reshape(shape))
+        extended = extension.held(contact, known, extended)
+        np.testing.assert_allclose(
+            extended, known * contact + before * (1 - contact), atol=1e-15 * 10
+        )
     gathered = extension.transposed(pressure.copy())
     np.testing.assert_array_equal(gathered * (1 - contact), 0)
     work = np.abs(pressure).sum() * np.abs(known).max()
-    difference = np.vdot(extension(known * contact), pressure) - np.vdot(known, gathered)
+    difference = np.vdot(extended, pressure) - np.vdot(known, gathered)
     assert abs(difference) < 1e-15 * pressure.size * work
 
 
@@ -60,13 +109,30 @@ def test_blocks_of_rows_give_what_the_whole_gives(
     contact = island(shape)
     known, pressure = np.random.default_rng(7).standard_normal((2, *shape))
     known *= contact
-    whole = Extension(contact, elongation)
+    whole = inverse(shape, elongation).extension(contact)
     expected = whole(known), whole.transposed(pressure.copy())
-    monkeypatch.setattr(rows, "BLOCK", 8)
+    monkeypatch.setattr(fields, "BLOCK", 8)
     with using(cs.Cpu(threads)):
-        extension = Extension(contact, elongation)
+        extension = inverse(shape, elongation).extension(contact)
         np.testing.assert_array_equal(extension(known), expected[0])
         np.testing.assert_array_equal(extension.transposed(pressure.copy()), expected[1])
+
+
+@pytest.mark.parametrize(
+    ("rows", "width"),
+    [
+        # eight cells outside, and 2, 2 and 1 ends of the contact along rows, 1, 2, 0 and 2 along columns
+        (["#..#", ".#..", "...#"], 2 * 8 / 10),
+        (["####", "####"], 0.5),
+        (["#...", "...."], 2 * 7 / 2),
+        (["#", ".", ".", "#"], 2 * 2 / 2),
+    ],
+)
+def test_holes_are_as_wide_as_the_cells_between_two_ends_of_the_contact(
+    rows: list[str], width: float
+) -> None:
+    contact = np.array([[cell == "#" for cell in row] for row in rows]) * 1.0
+    assert hole_width(contact) == pytest.approx(width)
 
 
 def stiffness_ratios(cells: int, contact: Array, seen: Array) -> Array:

@@ -14,7 +14,7 @@ from contactstudy.evolution import march as marching
 from contactstudy.evolution.march import Instant, LoweredContact, March, lowered, solved_or_unloaded
 from contactstudy.evolution.memory import Contribution, Step
 from contactstudy.evolution.steps import Scheme
-from contactstudy.problem.bare_problem import PrescribedLoad
+from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.scene.bodies import response
 from contactstudy.solvers.solve import SolveOptions
 from tests.conftest import LineContact

@@ -5,9 +5,7 @@ from math import inf, isnan
 import numpy as np
 import pytest
 
-from contactstudy.problem import constraint as compressive
 from contactstudy.problem.constraint import Compressive, Gap, shifted
-from tests.contactstudy.solvers.kernels import Kernels
 
 WHICH = Compressive()
 
@@ -54,23 +52,6 @@ def test_what_is_cut_off_on_the_way_down_bears_no_more() -> None:
     """Four cells down by 0.625, which leaves 5.125 in three, and these by a third of 0.125."""
     found = WHICH.levelled(row(3.0, 1.5, 2.5, 0.5), np.ones((1, 4)), 5.0)
     assert found == pytest.approx(row(3 - 2 / 3, 1.5 - 2 / 3, 2.5 - 2 / 3, 0))
-
-
-def test_compiled_passes_are_asked_for_the_sums_of_all_rows(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Two rows bear 5 Pa in three cells, which a third of 1 Pa less leaves 2 Pa in as many: twice that."""
-    kernels = Kernels(chosen=[(2.5, 1.5, 3.0), (2.5, 1.5, 0.0)], lowered=(1.0, 1.5))
-    monkeypatch.setattr(compressive, "fused", lambda: kernels)
-    trial = np.ones((2, 3))
-    assert WHICH.levelled(trial, np.ones((2, 3)), 4.0) is trial
-    assert kernels.asked["lowered"][1] == pytest.approx(1 / 3)
-    assert kernels.asked["lower"][1:] == pytest.approx((1 / 3, 2.0))
-    # one alone that bears more than the load
-    kernels.results["chosen"] = [(2.5, 1.5, 4.5), (2.5, 1.5, 0.0)]
-    kernels.asked.clear()
-    WHICH.levelled(trial, np.ones((2, 3)), 4.0)
-    assert list(kernels.asked) == ["chosen"]
 
 
 def test_a_load_is_not_drowned_by_numbers_far_above_it() -> None:

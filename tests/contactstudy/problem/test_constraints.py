@@ -6,10 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import contactstudy as cs
-from contactstudy.domain import device
-from contactstudy.domain.device import using
-from contactstudy.problem.bare_problem import PrescribedLoad
-from contactstudy.problem.constraint import Compressive, Constraint, HardnessLimited
+from contactstudy.domain import fields
+from contactstudy.problem.constraint import Compressive, Constraint, HardnessLimited, PrescribedLoad
+from contactstudy.problem.passes import CompiledPasses, passes_for
 from contactstudy.solvers.polonsky_keer import PolonskyKeer
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from tests.conftest import LineContact
@@ -72,14 +71,17 @@ def test_too_much_load_is_taken_off_all_chosen_cells_alike_and_too_little_scaled
 ) -> None:
     if compiled:
         pytest.importorskip("numba")
-    monkeypatch.setattr(device, "LARGE", 1)
+        monkeypatch.setattr(fields, "LARGE", 1)
     rng = np.random.default_rng(seed)
     cells = (rng.random((30, 40)) < 0.7) * 1.0
     trial = rng.standard_normal((30, 40))
     left = np.maximum(trial * cells, 0)
-    with using(cs.Cpu(), trial.size if compiled else 0):
-        lower = Compressive().levelled(trial.copy(), cells, 0.6 * left.sum())
-        higher = Compressive().levelled(trial.copy(), cells, 1.4 * left.sum())
+    passes = passes_for(Compressive(), trial.shape)
+    assert isinstance(passes, CompiledPasses) == bool(compiled)
+    lower, higher = (
+        passes.levelled(trial.copy(), cells, PrescribedLoad(share * left.sum()))
+        for share in (0.6, 1.4)
+    )
     bears = lower > 0
     shifts = (left - lower)[bears]
     shift = shifts.mean()

@@ -16,6 +16,7 @@ BYTES = 8 * (14 * 64 * 16 + 2 * 128 * 16)
 
 
 def left(monkeypatch: pytest.MonkeyPatch, amount: float) -> None:
+    monkeypatch.setattr(memory, "ALWAYS_THERE", 0)
     monkeypatch.setattr(memory, "available_bytes", lambda: amount)
 
 
@@ -52,3 +53,8 @@ def test_on_a_device_the_library_s_room_counts_twice(line_contact: LineContact) 
         cs.InvalidInput, match=r"the solve needs 0\.00018 GB and it has 0\.00018 GB"
     ):
         memory.refuse_on(device, operator, cs.Precision.DOUBLE)
+
+
+def test_what_every_machine_has_is_not_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(memory, "available_bytes", lambda: pytest.fail("asked"))
+    memory.refuse_too_large(GRID, PADDINGS)

@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from contactstudy.problem.passes import ArrayPasses, CompiledPasses
+
 
 class Kernels:
     """Each pass finds these ``results``, in every row or row by row, and nothing if it is not named."""
@@ -24,13 +26,15 @@ class Kernels:
         return kernel
 
 
-def limited(most: float) -> Any:
-    """A problem whose cells bear so much each."""
+def limited(most: float, kernels: Kernels | None = None) -> Any:
+    """A problem whose cells bear so much each, with passes over its fields."""
     constraint = SimpleNamespace(
         capacity=lambda cells: cells * most,
-        clip=lambda trial: np.clip(trial, 0, most),
+        clip=lambda trial: np.clip(trial, 0, most, out=trial),
         cuts=lambda trial: bool(trial.min() < 0 or trial.max() > most),
         free=lambda pressure: ((pressure > 0) & (pressure < most)) * 1.0,
         wrong=lambda pressure, height: ((pressure == 0) & (height < 0)) * 1.0,
     )
-    return SimpleNamespace(constraint=constraint)
+    given: Any = constraint
+    passes = ArrayPasses(given) if kernels is None else CompiledPasses(given, kernels)
+    return SimpleNamespace(constraint=constraint, passes=passes)

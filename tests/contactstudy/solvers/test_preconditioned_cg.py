@@ -190,8 +190,8 @@ def test_an_iteration_is_one_convolution_and_one_preconditioning(
     solution = cs.solve(problem(line_contact, 128, "30 %"))
     assert counted[128, 128] == solution.iterations + 1
     assert set(counted) == {(128, 128), (64, 64), (32, 32)}
-    # half as much for every preconditioning, and the coarser grids by their share of the cells
-    levels = {cells[0]: (1 + 1.5 * (n - 1)) * (cells[0] / 128) ** 2 for cells, n in counted.items()}
+    # four halves for every preconditioning, and the coarser grids by their share of the cells
+    levels = {cells[0]: (1 + 3 * (n - 1)) * (cells[0] / 128) ** 2 for cells, n in counted.items()}
     assert solution.convolutions == pytest.approx(sum(levels.values()), rel=1e-12)
 
 

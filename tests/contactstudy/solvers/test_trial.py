@@ -1,19 +1,17 @@
 """The pressure one step ahead, by hand: with array operations, and with compiled passes."""
 
-from collections.abc import Iterator
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
-import contactstudy as cs
-from contactstudy.domain import device
-from contactstudy.domain.device import fused, using
+from contactstudy.domain import fields
 from contactstudy.problem.constraint import Compressive, HardnessLimited
+from contactstudy.problem.passes import CompiledPasses, passes_for
 from contactstudy.solvers.preconditioned_cg import Step, trial_along
 
-PROBLEM: Any = SimpleNamespace(constraint=Compressive())
+COMPRESSIVE = Compressive()
 RNG = np.random.default_rng(3)
 CELLS = np.zeros((5, 4))
 CELLS[1:4, 1:] = 1.0
@@ -23,13 +21,12 @@ COUNT = CELLS.sum()
 
 
 @pytest.fixture(params=["array operations", "compiled"], autouse=True)
-def passes(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+def passes(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     if request.param == "compiled":
         pytest.importorskip("numba")
-        monkeypatch.setattr(device, "LARGE", 1)
-    with using(cs.Cpu(), CELLS.size):
-        assert (fused() is not None) == (request.param == "compiled")
-        yield
+        monkeypatch.setattr(fields, "LARGE", 1)
+    chosen = passes_for(COMPRESSIVE, CELLS.shape)
+    assert isinstance(chosen, CompiledPasses) == (request.param == "compiled")
 
 
 def step(sum_of_step: float = 0.0) -> Step:
@@ -44,10 +41,11 @@ def step(sum_of_step: float = 0.0) -> Step:
 
 
 def direction(
-    gap: np.ndarray, last: Step | None, length: float = 0.25, problem: Any = PROBLEM
+    gap: np.ndarray, last: Step | None, length: float = 0.25, constraint: Any = COMPRESSIVE
 ) -> tuple[np.ndarray, bool]:
     """Over the ``length``; the last step is overwritten."""
     height: Any = SimpleNamespace(height=gap)
+    problem: Any = SimpleNamespace(passes=passes_for(constraint, gap.shape))
     trial, cut = trial_along(problem, PRESSURE, height, CLOSING, CELLS, last, last, length)
     return (trial - PRESSURE) / length, cut
 
@@ -115,5 +113,5 @@ def test_a_limit_that_is_met_is_said() -> None:
     assert direction(CLOSING, None, length=1.01 * farthest)[1]
     highest = (PRESSURE + 0.25 * plain()).max()
     for share, cut in ((0.99, True), (1.01, False)):
-        hard: Any = SimpleNamespace(constraint=HardnessLimited(share * highest))
-        assert direction(CLOSING, None, problem=hard)[1] == cut
+        hard = HardnessLimited(share * highest)
+        assert direction(CLOSING, None, constraint=hard)[1] == cut

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from contactstudy.problem.constraint import Gap
-from contactstudy.solvers import preconditioned_cg as trials
 from contactstudy.solvers.preconditioned_cg import Step, _direction, trial_along
 from tests.contactstudy.solvers.kernels import Kernels, limited
 
+PASSES = limited(4.0).passes
 PRESSURE = np.array([[1.0, 2.0], [0.5, 0.0], [3.0, 1.5]])
 CELLS = np.array([[1.0, 1.0], [1.0, 0.0], [1.0, 0.0]])
 CLOSING = np.array([[0.5, -1.0], [2.0, 0.0], [0.25, 0.0]])
@@ -27,9 +27,9 @@ KEPT = (ALONG - LEVEL * 2.5) / 4
 
 
 def test_a_direction_is_level_and_conjugate_to_the_last_step_where_that_is_downhill() -> None:
-    assert _direction(HEIGHT, CLOSING, CELLS, None) == (LEVEL, 0)
+    assert _direction(PASSES, HEIGHT, CLOSING, CELLS, None) == (LEVEL, 0)
     # the step changed these cells by 1.25 together
-    found = _direction(HEIGHT, CLOSING, CELLS, STEP)
+    found = _direction(PASSES, HEIGHT, CLOSING, CELLS, STEP)
     assert found == pytest.approx((LEVEL - KEPT * 1.25 / 4, KEPT))
     # 5.3125 downhill against the gap, of which so much of the step would lose 2.75 a time
     assert (HEIGHT * CLOSING).sum() == 5.3125
@@ -41,11 +41,11 @@ def test_a_direction_is_level_and_conjugate_to_the_last_step_where_that_is_downh
         (0.0, False),
         (-4.0, False),
     ):
-        kept = _direction(HEIGHT, CLOSING, CELLS, replace(STEP, curvature=curvature))[1]
+        kept = _direction(PASSES, HEIGHT, CLOSING, CELLS, replace(STEP, curvature=curvature))[1]
         assert bool(kept) == conjugate
     # a step that had lowered the energy, however little it bends
     back = replace(STEP, step=-STEP.step, curvature=0.5)
-    assert _direction(HEIGHT, CLOSING, CELLS, back)[1] == pytest.approx(8 * KEPT)
+    assert _direction(PASSES, HEIGHT, CLOSING, CELLS, back)[1] == pytest.approx(8 * KEPT)
 
 
 def test_a_trial_goes_against_the_closing_pressure_and_keeps_the_load() -> None:
@@ -65,20 +65,18 @@ def test_a_trial_goes_against_the_closing_pressure_and_keeps_the_load() -> None:
     assert trial_along(limited(3.0), PRESSURE, gap, CLOSING, CELLS, None, None, 0.25)[1]
 
 
-def test_compiled_passes_are_asked_for_the_sums_of_all_rows(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_compiled_passes_are_asked_for_the_sums_of_all_rows() -> None:
     """Of three rows: four cells with 1.5 to close; then seven sums."""
     kernels = Kernels(totals=(4 / 3, 0.5), trial=(0.0,))
-    monkeypatch.setattr(trials, "fused", lambda: kernels)
+    problem = limited(4.0, kernels)
     gap = Gap(HEIGHT, 0.0)
-    found, cut = trial_along(limited(4.0), PRESSURE, gap, CLOSING, CELLS, None, None, 0.5)
+    found, cut = trial_along(problem, PRESSURE, gap, CLOSING, CELLS, None, None, 0.5)
     assert not cut
     assert found.shape == PRESSURE.shape
     assert kernels.asked["trial"][3:7] == pytest.approx((1.5 / 4, 0.0, 0.5, 4.0))
     # count, closed, downhill, along, over, ahead, shifted
     kernels.results |= {"products": (1.0, 2.0, 30.0, 4.0, 0.5, 1.0, 3.0), "trial": (1.0,)}
-    _, cut = trial_along(limited(4.0), PRESSURE, gap, CLOSING, CELLS, STEP, STEP, 0.5)
+    _, cut = trial_along(problem, PRESSURE, gap, CLOSING, CELLS, STEP, STEP, 0.5)
     assert cut
     # a level of 2, (12 - 2 * 1.5) / 4 of the step, which had shifted three cells by 9
     assert kernels.asked["trial"][3:5] == pytest.approx((2 - 2.25 * 9 / 3, 2.25))

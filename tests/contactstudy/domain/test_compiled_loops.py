@@ -9,8 +9,8 @@ import pytest
 import contactstudy as cs
 from contactstudy.domain import fields as rows
 from contactstudy.domain.device import using
-from contactstudy.domain.fields import compiled
 from contactstudy.problem.constraint import violation
+from contactstudy.problem.passes import _rows as compiled
 
 pytest.importorskip("numba")
 fused: Any = import_module("contactstudy.domain.compiled")
@@ -80,9 +80,6 @@ def test_the_contact_is_of_free_cells(shape: tuple[int, int], most: float, real:
     compiled(fused.contact, pressure, height, most, cells, unlevel)
     np.testing.assert_array_equal(cells, free_cells(pressure, most))
     np.testing.assert_array_equal(unlevel, (height * cells).astype(real))
-    out = np.empty(shape, real)
-    compiled(fused.product, height, cells, out)
-    np.testing.assert_array_equal(out, unlevel)
 
 
 @pytest.mark.parametrize("most", LIMITS)
@@ -92,11 +89,10 @@ def test_cells_join_that_will_penetrate_or_open_at_the_limit(
     pressure, (height, whole) = pressures(shape, most), fields(shape, 2)
     expected = height - 0.4 * whole
     wrong = ((pressure == 0) & (expected < 0)) | ((pressure >= most) & (expected > 0))
-    cells = free_cells(pressure, most)
-    after = np.maximum(cells, wrong)
-    count = summed(fused.joined, pressure, height, whole, 0.4, most, cells, results=1)
-    assert count == wrong.sum()
-    np.testing.assert_array_equal(cells, after)
+    contact, cells = free_cells(pressure, most), np.full(shape, np.nan)
+    fields_of = pressure, height, whole, 0.4, most, contact, cells
+    assert summed(fused.joined, *fields_of, results=1) == wrong.sum()
+    np.testing.assert_array_equal(cells, np.maximum(contact, wrong))
 
 
 def test_sums_of_a_direction(shape: tuple[int, int]) -> None:
@@ -170,14 +166,5 @@ def test_an_advance_leaves_pressure_and_step(
         np.testing.assert_array_equal(far, ahead)
     np.testing.assert_allclose(after, np.clip(beyond, 0, most), **NEAR)
     np.testing.assert_allclose(far, moved + taken * (ahead - moved), **NEAR)
-    np.testing.assert_allclose(before, taken * (trial - pressure), **NEAR)
-    np.testing.assert_allclose(near, taken * (ahead - moved), **NEAR)
-
-
-@pytest.mark.parametrize("real", [np.float64, np.float32])
-def test_waves_are_scaled_as_numbers(shape: tuple[int, int], real: type) -> None:
-    one, other, factors = (field.astype(real) for field in fields(shape, 3))
-    waves = one + 1j * other
-    expected = waves * factors
-    compiled(fused.scale, waves.view(real), factors)
-    np.testing.assert_array_equal(waves, expected)
+    np.testing.assert_allclose(before, taken * (pressure - trial), **NEAR)
+    np.testing.assert_allclose(near, taken * (moved - ahead), **NEAR)

@@ -244,10 +244,11 @@ def _conducted(before: _Cells, behind: _Cells, factor: float) -> _Flow:
     half = (behind.log_fluidity - before.log_fluidity) / 2
     small = np.abs(half) < SERIES
     safe = np.where(small, 1.0, half)
-    ratio = np.where(small, 1 + half**2 / 6, np.sinh(safe) / safe)
-    # derivative of the logarithm of sinh(u) / u
+    # sinh(u) / u exp(-|u|), which does not overflow, and the derivative of ln(sinh(u) / u)
+    size = 2 * np.abs(safe)
+    ratio = np.where(small, (1 + half**2 / 6) * np.exp(-np.abs(half)), -np.expm1(-size) / size)
     tilt = np.where(small, half / 3, 1 / np.tanh(safe) - 1 / safe)
-    fluidity = np.exp((before.log_fluidity + behind.log_fluidity) / 2) * ratio
+    fluidity = np.exp(np.maximum(before.log_fluidity, behind.log_fluidity)) * ratio
     both = before.film + behind.film
     conductance = factor * 2 * (before.film * behind.film) ** 2 / both * fluidity
     density = (before.density + behind.density) / 2

@@ -201,5 +201,6 @@ def shear_stress(scales: FilmScales, pressure: Array, film: Array, film_fraction
     motion = scales.lubrication
     oil = motion.lubricant
     log_viscosity, _ = oil.viscosity_law.log_ratio(pressure, oil.pressure_viscosity)
-    newtonian = oil.viscosity * np.exp(log_viscosity) * motion.sliding_speed / film
+    with np.errstate(over="ignore"):  # Barus' law knows no end
+        newtonian = oil.viscosity * np.exp(log_viscosity) * motion.sliding_speed / film
     return film_fraction * oil.shear.stress(newtonian, pressure)

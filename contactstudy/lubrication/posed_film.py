@@ -62,6 +62,10 @@ class PosedFilm:
     scales: FilmScales
     operator_on: Callable[[Grid], Convolution]
 
+    def at(self, resistance: float) -> "PosedFilm":
+        """Return the same at another speed, to which the resistance is proportional."""
+        return replace(self, equation=replace(self.equation, resistance=resistance))
+
     def coarser(self) -> "PosedFilm | None":
         """Return the same with half the cells along each axis that is long and even, at last in plane strain.
 

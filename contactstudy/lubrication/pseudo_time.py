@@ -20,6 +20,9 @@ from contactstudy.lubrication.film_equation import Film, FilmEquation, Linearise
 FILM_FALL, CONTENT_FALL = 0.3, 0.1
 # A step in time changes by these factors at most, and one below this is given up.
 SHORTER, LONGER, REFUSED, LEAST = 0.3, 4.0, 0.25, 1e-9
+# The residual that rounding of the heights leaves, over their relative size, the rows of cells and the smallest film.
+# A larger one than COARSE is no balance.
+ROUNDING, COARSE = 10 * float(np.finfo(float).eps), 1e-3
 # Rounds that settle which cells are cavitated, and the share of cells that need not be.
 ROUNDS, UNSETTLED = 6, 1e-3
 
@@ -71,9 +74,16 @@ class FilmIteration:
     linear_iterations: int
 
     def converged(self, tolerance: float) -> bool:
-        """Return whether the residual is below ``tolerance``, and no cell has both a pressure and a void."""
+        """Return whether the residual is below ``tolerance`` or rounding, and no cell has both a pressure and a void."""
         both = (self.film.pressure > 0) & (self.film.void > 0)
-        return self.residual <= tolerance and not bool(both.any())
+        return self.residual <= max(tolerance, self.rounding) and not bool(both.any())
+
+    @property
+    def rounding(self) -> float:
+        """Residual that rounding leaves: a thin film is a small difference of large heights."""
+        gap = self.linear.equation.gap
+        left = ROUNDING * len(gap) * np.abs(gap).max() / np.abs(self.film.film).min()
+        return min(float(left), COARSE)
 
 
 def residual_of(linear: Linearised, film: Film) -> float:

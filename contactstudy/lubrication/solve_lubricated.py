@@ -47,6 +47,8 @@ REFINEMENTS, MOST_CELLS = 4, 3200
 # The first step in pseudo-time after a coarser grid, and the change of ln(eta) in a step that is not shortened: in plane
 # strain, and where the film varies along its length.
 REFINED_STEP, REFINED_ROUGH_STEP, ROUGH_CHANGE = 0.3, 0.003, 6.0
+# Where a cold start fails: factors in speed to go up by, how often at most, and the least one to come down by.
+SPEED_STEP, FASTEST, LEAST_SPEED_STEP = 10.0, 4, 1.05
 
 
 def film_grid(
@@ -143,8 +145,30 @@ def _solve(
 ) -> LubricatedContact:
     posed = pose(scene, grid, padding)
     film = None if start is None else restart(posed, start)
-    last = _nested(posed, controls) if film is None else _iterated(posed, film, controls)
+    last = _continued(posed, controls) if film is None else _iterated(posed, film, controls)
     return contact_of(scene, grid, padding, posed, last, controls.tolerance)
+
+
+def _continued(posed: PosedFilm, controls: FilmControls) -> FilmIteration:
+    """Iterate from a cold start, or where that fails from the film at higher speeds down to this one."""
+    last = first = _nested(posed, controls)
+    resistance = faster = posed.equation.resistance
+    for _ in range(FASTEST):
+        if last.converged(controls.tolerance):
+            break
+        faster *= SPEED_STEP
+        last = _nested(posed.at(faster), controls)
+    else:
+        return first
+    step = SPEED_STEP
+    while faster > resistance and step > LEAST_SPEED_STEP:
+        slower = max(faster / step, resistance)
+        trial = _iterated(posed.at(slower), last.film, controls, last.cavitated)
+        if trial.converged(controls.tolerance):
+            last, faster = trial, slower
+        else:
+            step = sqrt(step)
+    return last if faster == resistance else first
 
 
 def _nested(posed: PosedFilm, controls: FilmControls) -> FilmIteration:

@@ -191,3 +191,24 @@ def test_a_softer_coat_lowers_the_peak_and_keeps_the_flow() -> None:
     assert soft.status is cs.FilmStatus.CONVERGED
     assert soft.peak_pressure < 0.9 * plain.peak_pressure
     assert soft.flux_spread < 1e-6
+
+
+@pytest.mark.parametrize("viscosity", [0, 5])
+def test_slower_films_go_over_into_the_dry_contact(viscosity: float) -> None:
+    cells = grid(400, 3.0)
+    dry = cs.solve(DRY.problem(cells, cs.ExactPeriodicity())).pressure
+    distances = []
+    for load in (1e2, 1e3, 1e4, 1e5):
+        contact = cs.solve_lubricated(by_moes(load, viscosity), cells)
+        assert contact.status is not cs.FilmStatus.NOT_CONVERGED
+        distances.append(float(np.abs(contact.pressure - dry).sum() / dry.sum()))
+    assert distances[0] == pytest.approx(8.5e-3, rel=0.1)
+    # a hundredth of the speed each: the film falls by a factor of 4 or more, and so does its distance
+    for thick, thin in zip(distances, distances[1:], strict=False):
+        assert thin < thick / 4
+
+
+def test_where_a_cold_start_fails_the_film_comes_down_from_higher_speeds() -> None:
+    contact = cs.solve_lubricated(by_moes(1e5, 0), grid(200, 3.0))
+    assert contact.status is cs.FilmStatus.FILM_BELOW_CELL
+    assert 0 < contact.minimum_film < 1e-9

@@ -1,6 +1,7 @@
 """Steady films in plane strain, beside published formulas and graded reference solutions."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -204,7 +205,7 @@ def test_slower_films_go_over_into_the_dry_contact(viscosity: float) -> None:
         distances.append(float(np.abs(contact.pressure - dry).sum() / dry.sum()))
     assert distances[0] == pytest.approx(8.5e-3, rel=0.1)
     # a hundredth of the speed each: the film falls by a factor of 4 or more, and so does its distance
-    for thick, thin in zip(distances, distances[1:], strict=False):
+    for thick, thin in pairwise(distances):
         assert thin < thick / 4
 
 

@@ -174,6 +174,11 @@ class Forecast:
     size: Estimate | None
     each: Mapping[str, Estimate]
 
+    @property
+    def is_worth_telling(self) -> bool:
+        """Return whether a user waits for more than a moment, and the forecast is good for something."""
+        return self.seconds is not None and self.seconds.value > 10 and self.seconds.factor < 4
+
     def __str__(self) -> str:
         if self.seconds is None:
             return "how long is not known: nothing like it is stored in this folder"
@@ -271,12 +276,3 @@ def score(predicted: Forecast, taken: Mapping[str, float]) -> Mapping[str, float
         "prediction_error_factor_median": exp(float(np.median(errors))),
         "prediction_error_factor_largest": exp(max(errors)),
     }
-
-
-def describe_score(found: Mapping[str, float]) -> str:
-    """What :func:`score` found."""
-    return (
-        f"predicted {found['predicted_seconds']:.2g} s of CPU time, taken "
-        f"{found['taken_seconds']:.2g} s; "
-        f"half of the cases within a factor {found['prediction_error_factor_median']:.2g}"
-    )

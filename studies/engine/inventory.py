@@ -2,9 +2,11 @@
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from contactstudy import InvalidInput
 from studies.engine.forecast import Forecast, ForecastModel, fit_model, forecast
 from studies.engine.options import RunOptions
 from studies.model.outcome import CaseStatus
@@ -14,6 +16,7 @@ from studies.store.provenance import machine
 from studies.store.request import Request, recompute_reasons
 from studies.store.result_file import has_fields
 
+SUFFIX = ".journal.jsonl"
 Log = Callable[[str], object]
 
 
@@ -58,6 +61,27 @@ class Inventory:
         for change, count in changes.items():
             log(f"{count} stored cases are computed anew, since {change}")
         return missing
+
+    def adopt(self, missing: Sequence[str]) -> int:
+        """Store those of the ``missing`` cases that another study in the folder holds, with their times; count them."""
+        adopted = 0
+        for path in sorted(self.journal.path.parent.glob(f"*{SUFFIX}")):
+            if path == self.journal.path or self.options.fields == "kept":
+                continue
+            with suppress(InvalidInput):  # a damaged journal is no other study's concern
+                others = Journal(path, self.request.context, machine()).contents
+                for name in missing:
+                    record = others.records.get(name)
+                    if record is None or self.record(name) is not None:
+                        continue
+                    if record.case_status is CaseStatus.OK and record.is_of(
+                        self.request.identities[name]
+                    ):
+                        self.journal.add(self.request.identities[name], record.outcome)
+                        for sample in others.samples.get(name, ()):
+                            self.journal.time(name, sample)
+                        adopted += 1
+        return adopted
 
     def _serves(self, name: str, case_status: CaseStatus) -> bool:
         """Return whether what is stored of the case is what the options ask for."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import xarray as xr
 
 from contactstudy.domain.files import locked, remove_partial_files
-from studies.engine.forecast import Forecast, describe_score, score
+from studies.engine.forecast import Forecast, score
 from studies.engine.inventory import Inventory
 from studies.engine.options import RunOptions
 from studies.engine.progress import Progress
@@ -184,12 +184,15 @@ class _Run:
         if len(missing) < len(cases):
             self.log(f"{len(cases) - len(missing)} cases are stored, {len(missing)} to compute")
         predicted = self.inventory.forecast(missing)
-        if missing and predicted.seconds is not None:
+        if missing and predicted.is_worth_telling:
             self.log(str(predicted))
         check_kind(self.file.path, "study")
         self.file.provenance = provenance()
         axes = {axis.name: axis.values for axis in self.study.points}
         self.journal.start(self.file.provenance, axes)
+        if adopted := self.inventory.adopt(missing):
+            self.log(f"{adopted} cases are taken over from other studies in the folder")
+            missing = self.inventory.missing(self.log)
         if self.options.table == "stored":
             self.file.table = stored_table(self.study, self.request, self.journal.contents)
         if missing:
@@ -258,7 +261,6 @@ class _Run:
         }
         if attributes := score(predicted, seconds):
             self.journal.score(attributes)
-            self.log(describe_score(attributes))
 
     def _write_once_more(self) -> None:
         self.journal.sync()

@@ -21,12 +21,15 @@ SECONDS = {
 
 @dataclass(frozen=True)
 class Part:
-    """A study in a chapter: other values of its ``axes`` there, and which of its ``figures`` are shown (None: all)."""
+    """A study in a chapter: other values of its ``axes`` there, and which of its ``figures`` are shown (None: all).
+
+    Each case is timed at most ``repeats`` times: twice where a front of error against time is shown.
+    """
 
     name: str
     axes: Mapping[str, str] = field(default_factory=dict)
     figures: tuple[str, ...] | None = None
-    tables: int | None = None
+    repeats: int = 1
 
     def study(self) -> Study:
         """Return the study over the axes of this chapter."""
@@ -61,7 +64,7 @@ MAIN = Chapter(
     "report",
     "Line contacts, periodic along their length: padding, accuracy and cost",
     (
-        Part("padding", figures=("price",)),
+        Part("padding", figures=("price",), repeats=2),
         Part("period"),
         Part("images", figures=("peak_error",)),
         Part("grid"),
@@ -70,6 +73,7 @@ MAIN = Chapter(
             "pareto",
             {"solver": "preconditioned_cg", "period": "0.6,2.4", "solver_tolerance": "1e-4,1e-8"},
             ("front",),
+            repeats=2,
         ),
         Part("stability", figures=()),
         Part("roughness", {"hurst": "0.8", "peklenik": "1", "rms": "0,0.1,0.3"}, ("paddings",)),
@@ -88,7 +92,7 @@ CHAPTERS = {
         Chapter(
             "cost",
             "Cost: solvers, grids, effects and coefficients",
-            tuple(map(Part, ("kernels", "solvers", "speed", "effect_cost"))),
+            tuple(Part(name, repeats=2) for name in ("kernels", "solvers", "speed", "effect_cost")),
         ),
     )
 }
@@ -107,7 +111,7 @@ def chapters(names: Sequence[str]) -> Sequence[Chapter]:
 
 def single(name: str) -> Chapter:
     """Return a study as a chapter of its own."""
-    return Chapter(name, load(name).title.rstrip("."), (Part(name),))
+    return Chapter(name, load(name).title.rstrip("."), (Part(name, repeats=2),))
 
 
 def _chapter(name: str) -> Chapter:

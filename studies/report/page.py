@@ -100,14 +100,13 @@ def section(
         for figure in drawing.figure(dataset)
         if part.figures is None or figure.name in part.figures
     ]
-    tables = drawing.tables(dataset)
     return Section(
         name=part.name,
         title=study.title.rstrip("."),
         swept=swept(study, dataset),
         findings=drawing.findings(dataset),
         figures=[_embedded(figure, part.name, out, formats) for figure in figures],
-        tables=tables if part.tables is None else tables[: part.tables],
+        tables=drawing.tables(dataset),
         data=[part.name],
     )
 
@@ -156,9 +155,8 @@ def make(
         for number, part in enumerate(chapter.parts, 1):
             began, messages = monotonic(), list[str]()
             study = part.study()
-            dataset = run(
-                study, out, options=options, log=messages.append, executor=executor
-            ).load()
+            timed = replace(options, repeats=min(options.repeats, part.repeats))
+            dataset = run(study, out, options=timed, log=messages.append, executor=executor).load()
             datasets[part.name] = dataset
             failed = ~dataset["case_status"].isin([CaseStatus.OK, CaseStatus.NOT_RUN])
             for message in messages if failed.any() else ():

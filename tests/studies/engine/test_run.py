@@ -12,6 +12,7 @@ from studies.engine.run import run
 from studies.model.case import Case
 from studies.model.study import Study
 from studies.reference.line_contact import HERTZ, SCENE, measures
+from studies.registry import load
 from studies.store.netcdf import read
 from tests.studies.conftest import quiet
 
@@ -157,3 +158,22 @@ def test_measures_do_not_depend_on_the_unit_of_length() -> None:
         measured = measures(case, case.run(case.prepare()))
         found.append([float(variable) for variable in measured.values()])
     np.testing.assert_allclose(found[0], found[1], rtol=0, atol=1e-9)
+
+
+def test_a_case_that_another_study_in_the_folder_holds_is_not_computed_again(
+    tmp_path: Path,
+) -> None:
+    axes = {"padding": "exact,zero", "images": "1", "period": "2.4"}
+    lines: list[str] = []
+    first = run(load("padding").override(axes | {"grid": "16,24"}), tmp_path, workers=0, repeats=1)
+    second = run(
+        load("grid").override(axes | {"grid": "16,24,32"}),
+        tmp_path,
+        workers=0,
+        repeats=1,
+        log=lines.append,
+    )
+    assert "grid: 4 cases are taken over from other studies in the folder" in lines
+    for name in (*NUMBERS, "setup_time_all"):  # to the last bit, and the very same times
+        np.testing.assert_array_equal(second[name].isel(grid=[0, 1]), first[name])
+    assert np.isfinite(second["solve_time"]).all()

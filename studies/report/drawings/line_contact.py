@@ -428,7 +428,7 @@ images = Drawing(_images_figures, _images_findings, axes=AXES)
 def _grid_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     chosen = dataset.isel(images=-1, period=-1)
     cells = chosen["grid"].values
-    fig, axes = panels(len(LABELS), columns=2, width=4.4, height=2.7)
+    fig, axes = panels(len(LABELS), columns=2, width=4.4, height=2.2)
     for ax, (variable, label) in zip(axes, LABELS.items(), strict=True):
         _errors(ax, "grid", chosen, variable)
         if variable == "pressure_error_max" and "exact" in paddings(dataset):

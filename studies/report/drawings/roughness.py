@@ -75,7 +75,7 @@ def _paddings(dataset: xr.Dataset) -> CaptionedFigure:
         "peak_pressure_error": "|peak-pressure error|",
         "pressure_error_max": "largest error / p_H",
     }
-    fig, axes = panels(len(labels), columns=2, width=3.9, height=2.3)
+    fig, axes = panels(len(labels), columns=2, width=4.2, height=2.0)
     for ax, (variable, label) in zip(axes, labels.items(), strict=True):
         for name in (name for name in paddings(dataset) if name != "exact"):
             part = dataset.sel(padding=name)

@@ -39,6 +39,19 @@ from contactstudy.scene.load import (
     SineLoad,
     TotalLoad,
 )
+from contactstudy.scene.lubrication import (
+    Barus,
+    ConstantDensity,
+    DensityLaw,
+    DowsonHigginson,
+    Eyring,
+    LimitingShear,
+    Lubrication,
+    Newtonian,
+    Roelands,
+    ShearLaw,
+    ViscosityLaw,
+)
 from contactstudy.scene.motion import Rolling, Wear
 from contactstudy.scene.scene import Output, Scene
 from contactstudy.scene.shapes.roller import Crown, Cylinder, FiniteLength, LundbergProfile, Sphere
@@ -73,6 +86,7 @@ from contactstudy.solvers.solve import SolveOptions, Solver
 if TYPE_CHECKING:
     from contactstudy.evolution.evolution import Evolution
     from contactstudy.evolution.rolling import SteadyRolling
+    from contactstudy.lubrication.lubricated_contact import LubricatedContact
 
 
 # Curvature [1/m] and contact modulus [Pa] of the scene that a shape stands in.
@@ -230,6 +244,7 @@ class Document:
     friction: Friction | None = None
     wear: Wear | None = None
     rolling: Rolling | None = None
+    lubrication: Lubrication | None = None
     evolve: TimeSteps = field(default_factory=TimeSteps)
     grid: Grid | None = None
     padding: Padding | None = None
@@ -278,6 +293,9 @@ KINDS: Mapping[Any, Mapping[str, type]] = {
         (Missing, (RefuseMissing, HarmonicFill)),
         (Seam, (AsMeasured, Mirrored, Tapered)),
         (Solver, (PreconditionedCG, PolonskyKeer)),
+        (ViscosityLaw, (Roelands, Barus)),
+        (DensityLaw, (DowsonHigginson, ConstantDensity)),
+        (ShearLaw, (Newtonian, Eyring, LimitingShear)),
     )
 } | {
     Body: {
@@ -375,6 +393,16 @@ class SceneFile:
 
         return solve_rolling(self.scene, *self._where(planned), **self._options)
 
+    def lubricate(self, planned: Plan | None = None) -> "LubricatedContact":
+        """Solve a lubricated scene, with an estimate of its errors in plane strain; see `solve_lubricated`."""
+        from contactstudy.lubrication.film_error import film_error
+        from contactstudy.lubrication.solve_lubricated import solve_lubricated
+
+        contact = solve_lubricated(
+            self.scene, *self._where(planned), tolerance=self.settings.tolerance
+        )
+        return replace(contact, error=film_error(contact)) if contact.is_smooth else contact
+
     def _where(self, planned: Plan | None) -> tuple[Grid, Padding | Paddings]:
         grid, padding = self.grid, self.padding
         if grid is None or padding is None:
@@ -394,8 +422,8 @@ def read_scene(path: str | PathLike[str]) -> SceneFile:
     """Read a scene from a TOML file.
 
     Tables ``load``, ``solids`` (two), ``shapes`` and ``outputs`` (each with its ``kind``), ``friction``,
-    ``wear``, ``rolling``, ``grid``, ``padding``, ``plan``, ``solve``, ``evolve`` and ``vary``, and the key
-    ``hardness``, take the fields of the values of these names. A solid may name its ``material``.
+    ``wear``, ``rolling``, ``lubrication``, ``grid``, ``padding``, ``plan``, ``solve``, ``evolve`` and ``vary``,
+    and the key ``hardness``, take the fields of the values of these names. A solid may name its ``material``.
 
     Raises
     ------
@@ -442,6 +470,7 @@ def scene_file_of(document: Document, folder: Path = Path()) -> SceneFile:
         friction=document.friction,
         wear=document.wear,
         rolling=document.rolling,
+        lubrication=document.lubrication,
     )
     padding: Padding | Paddings | None = document.padding
     if document.padding_across is not None:

@@ -18,9 +18,11 @@ from contactstudy.domain.imports import import_for
 from contactstudy.domain.units import Unit
 
 NUMBER = re.compile(r"\s*([-+]?(?:inf|(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?))\s*(.*?)\s*")
-# Units: names, powers, products, quotients, and no other expressions.
+# Units: names, powers, products, quotients also of 1, and no other expressions.
 SYMBOL = r"[^\W\d_]+\d?"
-SYMBOLS = re.compile(rf"{SYMBOL}(?:\s*(?:\*\*|\^)\s*-?\d|\s*[*/·]\s*{SYMBOL}|\s+{SYMBOL})*")
+SYMBOLS = re.compile(
+    rf"(?:1\s*/\s*)?{SYMBOL}(?:\s*(?:\*\*|\^)\s*-?\d|\s*[*/·]\s*{SYMBOL}|\s+{SYMBOL})*"
+)
 
 
 def quantity(field: str, value: object, unit: Unit) -> float:

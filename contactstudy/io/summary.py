@@ -19,6 +19,7 @@ from contactstudy.solvers.solution import Solution
 if TYPE_CHECKING:
     from contactstudy.evolution.evolution import Evolution
     from contactstudy.evolution.rolling import SteadyRolling
+    from contactstudy.lubrication.lubricated_contact import LubricatedContact
 
 # Units that a person reads, by the SI unit: the largest one that leaves a number above 1.
 READ_AS: Mapping[str, tuple[tuple[float, str], ...]] = {
@@ -150,6 +151,32 @@ def march_quantities(evolution: "Evolution") -> list[Quantity]:
         dent = float(np.abs(fields["residual_displacement"].values[-1]).max())
         numbers.append(Quantity("dent_depth", "depth of the dent at the end", dent, "m"))
     return numbers
+
+
+def film_quantities(contact: "LubricatedContact") -> list[Quantity]:
+    """Return the numbers of a lubricated contact that are looked at first."""
+    error = contact.error
+    film, lowest, drag, peak = (
+        (nan,) * 4
+        if error is None
+        else (
+            error.central_film.total,
+            error.minimum_film.total,
+            error.friction.total,
+            error.peak_pressure.total,
+        )
+    )
+    scales = contact.scales
+    return [
+        Quantity("central_film", "central film", contact.central_film, "m", film),
+        Quantity("minimum_film", "smallest film", contact.minimum_film, "m", lowest),
+        Quantity("peak_pressure", "peak pressure", contact.peak_pressure, "Pa", peak),
+        Quantity("friction", "friction force over load", contact.friction, "1", drag),
+        Quantity("power_loss", "power lost per length", contact.power_loss, "W m-1"),
+        Quantity("load_parameter", "Moes' M", scales.load_parameter, "1"),
+        Quantity("viscosity_parameter", "Moes' L", scales.viscosity_parameter, "1"),
+        Quantity("flux_spread", "spread of the flow over x", contact.flux_spread, "1"),
+    ]
 
 
 def _length(solution: Solution) -> float:

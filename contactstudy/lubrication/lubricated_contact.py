@@ -109,6 +109,11 @@ class LubricatedContact:
     error: "FilmError | None" = None
 
     @property
+    def is_smooth(self) -> bool:
+        """Whether this is plane strain, with one cell along the length."""
+        return self.grid.cells[1] == 1
+
+    @property
     def central_film(self) -> float:
         """Film on the axis, mean over the length [m]."""
         return float(_on_axis(self.film.mean(axis=1)))

@@ -1,11 +1,11 @@
 """Scene -> lubricated contact: the grid, nested grids, and what the film can be trusted for."""
 
 from dataclasses import replace
-from math import ceil, sqrt
+from math import ceil, inf, sqrt
 
 import numpy as np
 
-from contactstudy.domain.checks import positive, whole
+from contactstudy.domain.checks import InvalidInput, positive, whole
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import ExactPeriodicity, Padding, Paddings, across_and_along
 from contactstudy.lubrication.along_length import KrylovStep
@@ -44,6 +44,8 @@ INLET = 3.0
 STARVED, STEEP = 0.05, 0.5
 # Rounds of refinement towards an error, and the most cells across of plane strain.
 REFINEMENTS, MOST_CELLS = 4, 3200
+# Cells for the shortest wave of a surface.
+PER_WAVE = 8
 # The first step in pseudo-time after a coarser grid, and the change of ln(eta) in a step that is not shortened: in plane
 # strain, and where the film varies along its length.
 REFINED_STEP, REFINED_ROUGH_STEP, ROUGH_CHANGE = 0.3, 0.003, 6.0
@@ -56,21 +58,35 @@ def film_grid(
     error: float = 1e-2,
     period: float = 1e-3,
     *,
+    finest: tuple[float, float] = (inf, inf),
     longer: float = 1.0,
     finer: float = 1.0,
 ) -> Grid:
-    """Return the grid of plane strain on which central and smallest film are within a relative ``error``.
+    """Return a grid on which central and smallest film of a smooth contact are within a relative ``error``.
 
-    One half of the error is the inlet's, one that of the cells; the cells resolve the inlet sweep. The inlet is
-    ``longer`` and the cells are ``finer`` by a factor. ``period`` [m] does not bear on the answer.
+    Parameters
+    ----------
+    scene
+        A lubricated scene.
+    error
+        One half of it is the inlet's, one that of the cells, which resolve the inlet sweep.
+    period
+        Length [m], which does not bear on the film in plane strain.
+    finest
+        Shortest wavelengths (across, along) of the surfaces [m]; ``PER_WAVE`` cells each. One cell along the length
+        where nothing varies along it.
+    longer, finer
+        Factors by which the inlet is longer and the cells are finer.
     """
     scales = lubricated_scales(scene)
-    film = scales.expected_film
+    film, a = scales.expected_film, scales.hertz.half_width
     inlet = longer * max(INLET, sqrt(2 * INLET_ERROR * film / error))
     sweep = (film / SWEEP) ** (2 / 3)
     cell = sweep / 2 * min(1.0, sqrt(error / 2 / HALF_SWEEP_ERROR)) / finer
-    cells = min(LEVELS * ceil(2 * inlet / min(cell, 0.05) / LEVELS), MOST_CELLS)
-    return Grid((cells, 1), (2 * inlet * scales.hertz.half_width, period))
+    cell = min(cell, 0.05, finest[0] / a / PER_WAVE)
+    across = min(LEVELS * ceil(2 * inlet / cell / LEVELS), MOST_CELLS)
+    along = 1 if finest[1] == inf else LEVELS * ceil(PER_WAVE * period / finest[1] / LEVELS)
+    return Grid((across, along), (2 * inlet * a, period))
 
 
 def solve_lubricated(
@@ -119,6 +135,11 @@ def solve_lubricated(
         return _solve(scene, grid, padding, controls, start)
     from contactstudy.lubrication.film_error import film_error
 
+    if grid is None and any(varies_along(shape) for shape in scene.shapes):
+        raise InvalidInput(
+            "solve_lubricated.grid is None, and Scene.shapes vary along the length: give a grid, such as "
+            "contactstudy.plan(scene).grid."
+        )
     error = positive("solve_lubricated.error", 1e-2 if error is None else error, "give one above 0")
     longer = finer = 1.0
     for _ in range(REFINEMENTS):
@@ -147,6 +168,12 @@ def _solve(
     film = None if start is None else restart(posed, start)
     last = _continued(posed, controls) if film is None else _iterated(posed, film, controls)
     return contact_of(scene, grid, padding, posed, last, controls.tolerance)
+
+
+def varies_along(shape: object) -> bool:
+    """Return whether a shape varies along the length, as far as its detail says."""
+    detail = getattr(shape, "detail", None)
+    return detail is None or detail.finest[1] < inf or detail.roller > 0
 
 
 def _continued(posed: PosedFilm, controls: FilmControls) -> FilmIteration:

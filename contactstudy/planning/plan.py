@@ -13,7 +13,7 @@ from contactstudy.domain.checks import InvalidInput, NotDefined, positive
 from contactstudy.domain.device import ONE_THREAD, Device, checked
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.memory import available_bytes
-from contactstudy.domain.padding import Padding, Paddings, across_and_along
+from contactstudy.domain.padding import ExactPeriodicity, Padding, Paddings, across_and_along
 from contactstudy.planning.cost import (
     DIGITS,
     SMOOTH_CONVOLUTIONS,
@@ -30,6 +30,8 @@ from contactstudy.solvers.solve import SolveOptions
 
 # The error that a plan keeps to if none is asked for.
 DEFAULT_ERROR = 1e-3
+# Relative error of the film of a lubricated scene that is planned where none is asked for.
+FILM_ERROR = 1e-2
 # Cells of a small solution at most, in one and in two dimensions, more of them where the surface is finer; and the
 # tolerance that it is solved to.
 LINE, PLANE, MOST, TOLERANCE = 2**13, 2**16, 2**19, 1e-5
@@ -351,6 +353,8 @@ def plan(
     if scene.changing is not None or scene.rolling is not None:
         return _plan_in_time(scene, error or DEFAULT_ERROR, period, grid, end)
     needs = needs_of(scene)
+    if scene.lubrication is not None:
+        return _plan_of_film(scene, needs, error or FILM_ERROR, period, grid)
     padding = needs.padding()
     if grid is not None and period is not None and period != grid.period:
         raise InvalidInput(f"plan.period is {period!r}: leave it out, since the grid has its own.")
@@ -464,6 +468,26 @@ def _warnings(
         yield f"plan.error is {error:.2g}: this grid reaches {reached:.2g}; {why}."
     if seen.message:
         yield seen.message
+
+
+def _plan_of_film(
+    scene: Scene, needs: Needs, error: float, period: float | None, grid: Grid | None
+) -> Plan:
+    from contactstudy.planning.film_needs import film_needs  # a dry scene imports nothing of films
+
+    film = film_needs(scene, needs, error, period, grid)
+    smooth = film.grid.cells[1] == 1
+    return Plan(
+        grid=film.grid,
+        padding=ExactPeriodicity(),
+        dimension=1 if smooth else 2,
+        error=error if smooth and grid is None else inf,
+        seconds=film.seconds,
+        bytes=film.bytes,
+        period_check=needs.period_check(film.grid.period),
+        reasons=film.reasons,
+        warnings=film.warnings,
+    )
 
 
 def needs_of(scene: Scene) -> Needs:

@@ -97,25 +97,28 @@ def solve(
 
     The exit code is 0 if the solution converged, else 1; the result is written in both cases.
     """
-    from studies.cli.solving import marched, rolled, still
+    from studies.cli.solving import flooded, marched, rolled, still
     from studies.store.netcdf import check_kind, open_folder
 
     on = _device(device, threads)
     described = cs.read_scene(scene)
     rolls, changes = described.scene.rolling is not None, described.scene.changing is not None
-    if (rolls or changes) and not isinstance(on, cs.Cpu):
+    flows = described.scene.lubrication is not None
+    if (rolls or changes or flows) and not isinstance(on, cs.Cpu):
         raise cs.InvalidInput(
-            "--device gpu is for a scene that neither changes in time nor rolls: leave it out."
+            "--device gpu is for a dry scene that neither changes in time nor rolls: leave it out."
         )
-    if (rolls or changes) and start is not None:
+    if (rolls or changes or flows) and start is not None:
         raise cs.InvalidInput(
-            "--start is for a scene that neither changes in time nor rolls: leave it out."
+            "--start is for a dry scene that neither changes in time nor rolls: leave it out."
         )
     folder = open_folder(out)
     check_kind(folder / f"{scene.stem}.nc", "solution")
     planned = _announced(scene, described, on)
     begin = perf_counter()
-    if rolls:
+    if flows:
+        outcome = flooded(described, planned)
+    elif rolls:
         outcome = rolled(described, planned)
     elif changes:
         outcome = marched(described, planned, scene, folder)
@@ -125,7 +128,7 @@ def solve(
     outcome.notes[:0] = _surfaces(described)
     files = _stored(outcome, folder / f"{scene.stem}.nc")
     _print(scene, outcome, seconds, files, as_json=as_json)
-    if outcome.status is not cs.Status.CONVERGED:
+    if outcome.status.name != "CONVERGED":
         sys.exit(1)
 
 

@@ -35,7 +35,7 @@ class Outcome:
     ``done`` is called when the dataset is stored.
     """
 
-    status: cs.Status
+    status: cs.Status | cs.FilmStatus
     numbers: list[Quantity]
     notes: list[str]
     dataset: xr.Dataset
@@ -116,6 +116,20 @@ def rolled(described: cs.SceneFile, planned: cs.Plan | None) -> Outcome:
     settled = rolling.settled
     note = f"rolling: {settled.passes} passes to a change of {settled.change:.1e}"
     return replace(outcome, notes=[note, *outcome.notes])
+
+
+def flooded(described: cs.SceneFile, planned: cs.Plan | None) -> Outcome:
+    """Solve a lubricated scene."""
+    from contactstudy.io.summary import film_quantities
+
+    contact = described.lubricate(planned)
+    nx, ny = contact.grid.cells
+    notes = [f"{nx} x {ny} cells, {contact.iterations} iterations, residual {contact.residual:.1e}"]
+    if contact.error is not None and contact.error.reason:
+        notes.append(f"warning: {contact.error.reason}")
+    return Outcome(
+        contact.status, film_quantities(contact), notes, contact.to_dataset(), contact.plot
+    )
 
 
 def _of_solution(solution: cs.Solution, others: list[Quantity] | None = None) -> Outcome:

@@ -15,8 +15,10 @@ from contactstudy.io.scene_writer import scene_text
 from contactstudy.planning.grid_requirements import Needs, halvable
 from contactstudy.planning.plan import SHARE, affordable, needs_of
 from studies.model.axis import Value, check_count
+from studies.model.case import Case
 from studies.model.study import Point, Study
 from studies.scene_study.fields import document_of
+from studies.scene_study.film_case import FilmCase, film_measures
 from studies.scene_study.measures import measures
 from studies.scene_study.scene_case import SceneCase
 from studies.scene_study.variation import Variation, variation
@@ -93,6 +95,11 @@ def _check(name: str, shape: object, grid: cs.Grid) -> None:
 def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
     """One grid for all ``points``, or one for each where no period suits all."""
     first = points[0]
+    if first.grid is None and any(point.scene.lubrication is not None for point in points):
+        notes = [
+            "each film has a grid of its own, since its inlet grows and its cells shrink with it"
+        ]
+        return [_grid_of_plan(point) for point in points], notes
     if first.grid is not None:
         return [first.grid] * len(points), [
             f"grid {_size_text(first.grid)}, given, for {_counted(points)}"
@@ -231,12 +238,14 @@ def study_of(
             points, placed, (_file_at(described, axes, p) for p in points), strict=True
         )
     }
+    films = any(isinstance(one, FilmCase) for one in cases.values())
+    measured = film_measures if films else measures
     if name is None:
         name = Path(scene).stem if isinstance(scene, str | PathLike) else "scene"
     title = f"{name}: {', '.join(one.axis.long_name for one in axes)}"
     return Study(
         name, title, tuple(one.axis for one in axes), _SceneAt(tuple(names_of(axes)), cases),
-        measures, times="none", notes=notes, attributes={"scene": _text(scene, described)},
+        measured, times="none", notes=notes, attributes={"scene": _text(scene, described)},
     )  # fmt: skip
 
 
@@ -260,9 +269,9 @@ class _SceneAt:
     """The case at every point."""
 
     names: tuple[str, ...]
-    cases: Mapping[tuple[Value, ...], SceneCase]
+    cases: Mapping[tuple[Value, ...], Case]
 
-    def __call__(self, point: Point) -> SceneCase:
+    def __call__(self, point: Point) -> Case:
         values = tuple(point[name] for name in self.names)
         if values not in self.cases:
             raise InvalidInput(
@@ -296,5 +305,6 @@ def _rank(one: Variation) -> int:
     return ORDER.index(last) if last in ORDER else len(ORDER)
 
 
-def _case(one: Posed, described: SceneFile) -> SceneCase:
-    return SceneCase(one.scene, one.grid, one.padding, described.settings)
+def _case(one: Posed, described: SceneFile) -> Case:
+    kind = SceneCase if one.scene.lubrication is None else FilmCase
+    return kind(one.scene, one.grid, one.padding, described.settings)

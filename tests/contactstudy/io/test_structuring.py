@@ -10,6 +10,7 @@ from contactstudy.io.structuring import quantity
 
 METRES = Unit("m", "a length", "10 mm")
 PASCALS = Unit("Pa", "a pressure", "1.2 GPa")
+PER_PASCAL = Unit("1/Pa", "a coefficient", "1e-17 1/Pa")
 LOAD = Unit("N/m", "a load per length", "100 N/mm")
 NUMBER = Unit("", "a number", "0.3")
 
@@ -28,6 +29,7 @@ NUMBER = Unit("", "a number", "0.3")
         ("100 N/mm", LOAD, 1e5),
         ("5 N*mm**-1", LOAD, 5e3),
         ("5 N mm^-1", LOAD, 5e3),
+        ("20 1/GPa", PER_PASCAL, 2e-8),
         ("0.3", NUMBER, 0.3),
         ("30 %", NUMBER, None),
         ("90 degree", Unit("rad", "an angle", "90 degree"), math.pi / 2),

@@ -1,0 +1,87 @@
+"""A lubricated contact of a sweep, and the quantities recorded of it."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from math import nan
+from time import perf_counter
+
+import numpy as np
+import xarray as xr
+
+import contactstudy as cs
+from contactstudy.io.dataset import flags
+from contactstudy.io.summary import film_quantities
+from studies.model.case import Case, number
+
+
+@dataclass(frozen=True, eq=False)
+class SolvedFilm:
+    """A lubricated ``contact``, and the wall time [s] that it took."""
+
+    contact: cs.LubricatedContact
+    seconds: float
+
+
+@dataclass(frozen=True)
+class FilmCase(Case):
+    """A lubricated contact to solve."""
+
+    def prepare(self) -> None:  # type: ignore[override]
+        """Do nothing: a film sets up its nested grids itself."""
+
+    def run(self, prepared: object = None) -> SolvedFilm:  # type: ignore[override]
+        """Solve the film."""
+        start = perf_counter()
+        contact = cs.solve_lubricated(
+            self.scene, self.grid, self.padding, tolerance=self.options.tolerance
+        )
+        return SolvedFilm(contact, perf_counter() - start)
+
+    def record(self, result: SolvedFilm) -> Mapping[str, xr.Variable]:  # type: ignore[override]
+        """Return the numbers of the iteration, and its status as CF flags."""
+        contact = result.contact
+        names = [status.name for status in cs.FilmStatus]
+        place = np.asarray(names.index(contact.status.name))
+        meanings = [name.lower() for name in names]
+        return {
+            "solver_status": flags((), place, meanings, "how the solver ended"),
+            "iterations": number(contact.iterations, "steps of the finest grid"),
+            "linear_iterations": number(
+                contact.linear_iterations, "iterations of linear systems on the finest grid"
+            ),
+            "residual": number(contact.residual, "residual of the solver"),
+        }
+
+    def fields(self, result: SolvedFilm) -> Mapping[str, xr.Variable]:  # type: ignore[override]
+        """Return pressure, film and film fraction over the grid."""
+        dataset = result.contact.to_dataset()
+        shown = "x", "y", "pressure", "film", "film_fraction"
+        return {name: dataset[name].variable for name in shown}
+
+
+def film_measures(case: FilmCase, solved: SolvedFilm) -> Mapping[str, xr.Variable]:
+    """Return film, friction, power loss, parameters of Moes, shares of a thin film, wall time and error estimates."""
+    contact = solved.contact
+    found = {
+        one.name: xr.Variable((), one.value, {"units": one.units, "long_name": one.long_name})
+        for one in film_quantities(contact)
+    }
+    scales = contact.scales
+    expected = scales.expected_film * scales.film
+    area, load = contact.thinner_than(expected / 2)
+    half = "film below half of that of Moes' formula"
+    found["moes_film"] = xr.Variable(
+        (), expected, {"units": "m", "long_name": "film by the formula of Moes"}
+    )
+    found["thin_area"] = number(area, f"share of Hertz's area with a {half}")
+    found["thin_load"] = number(load, f"share of the load on a {half}")
+    found["wall_time"] = xr.Variable(
+        (), solved.seconds, {"units": "s", "long_name": "wall time, beside other cases"}
+    )
+    estimate = asdict(cs.film_error(contact)) if contact.is_smooth else {}
+    for metric in ("central_film", "minimum_film", "friction"):
+        parts = estimate.get(metric)
+        total = sum(parts.values()) if parts else nan
+        name = f"estimated relative error of the {metric.replace('_', ' ')}"
+        found[f"{metric}_estimate"] = number(total, name)
+    return found

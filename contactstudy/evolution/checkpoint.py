@@ -3,12 +3,13 @@
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from contactstudy.accuracy.expected_error import ErrorParts
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.evolution.evolution import Frame
@@ -57,6 +58,8 @@ class Checkpoint:
                 for name, field in frame.fields.items()
             },
             "status": frame.status.name,
+            "grid_error_parts": asdict(frame.grid_error_parts),
+            "warnings": frame.warnings,
         } | {name: getattr(frame, name) for name in NUMBERS}
         fields = {f"field_{name}": field.values for name, field in frame.fields.items()}
         fields |= {f"kept_{name}": values for name, values in frame.kept.items()}
@@ -82,6 +85,8 @@ class Checkpoint:
             fields=fields,
             kept=kept,
             status=status,
+            grid_error_parts=ErrorParts(**about["grid_error_parts"]),
+            warnings=tuple(about["warnings"]),
             **numbers,
         )
 

@@ -2,10 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from contactstudy.accuracy.expected_error import ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.imports import presentation
@@ -19,14 +21,17 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+UNKNOWN = ErrorParts(0.0, inf, 0.0)
+
+
 @dataclass(frozen=True, eq=False)
 class Frame:
     """Fields of shape (x, y) at ``time`` [s] under ``load`` [N/m]: ``pressure`` [Pa], ``gap`` [m].
 
     ``fields`` are what memories show, such as the worn depth. ``step_error`` is the estimated relative L1
-    error of the pressure from the steps in time, ``grid_error`` that from the cells (see
-    :func:`~contactstudy.accuracy.discretisation.discretisation`); both are infinite where there is no
-    estimate, and relative to the pressure of the largest load where bodies yield.
+    error of the pressure from the steps in time, ``grid_error`` that of the contact on this grid (see
+    :func:`~contactstudy.error_estimate`), with its parts by cause and ``warnings`` about what has no bound; both are
+    infinite where there is no estimate, and relative to the pressure of the largest load where bodies yield.
     ``status`` is the worst of the steps since the frame before. ``steps``, ``iterations`` and
     ``convolutions`` are counted since then, with those of rejected steps and of the companion march.
     ``residual`` is that of the last solve. ``kept`` is what was found together with the pressure, such as plastic
@@ -47,6 +52,8 @@ class Frame:
     iterations: int
     convolutions: float
     kept: Mapping[str, Array] = field(default_factory=dict)
+    grid_error_parts: ErrorParts = UNKNOWN
+    warnings: tuple[str, ...] = ()
 
     @property
     def peak_pressure(self) -> float:
@@ -138,6 +145,11 @@ class Evolution:
         """The largest estimated relative L1 error of the pressure from the cells."""
         return max(frame.grid_error for frame in self.frames)
 
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Each warning about an error of the frames once, in the order of time."""
+        return tuple(dict.fromkeys(warning for frame in self.frames for warning in frame.warnings))
+
     def summary(self) -> str:
         """What was found, in a few lines."""
         first, last = self.frames[0], self.frames[-1]
@@ -151,7 +163,8 @@ class Evolution:
                 f"{np.mean(last.pressure > 0) * self.grid.extent[0]:.4g} m of the width on average, approach "
                 f"{last.approach:.4g} m",
                 f"  estimated error of the pressure in L1, at most: steps in time {self.step_error:.1g}, "
-                f"cells {self.grid_error:.1g}",
+                f"grid {self.grid_error:.1g}",
+                *(f"  warning: {warning}" for warning in self.warnings),
             )
         )
 

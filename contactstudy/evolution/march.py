@@ -1,15 +1,16 @@
 """One step in time: a bare problem made from a scene's memories, solved from the pressure before."""
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from math import log2, sqrt
 
 import numpy as np
 
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Grid
 from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.convolution import Convolution, combined, superposed
 from contactstudy.evolution.memory import (
@@ -22,7 +23,7 @@ from contactstudy.evolution.memory import (
 )
 from contactstudy.evolution.steps import Scheme
 from contactstudy.problem.constraint import PrescribedLoad
-from contactstudy.problem.problem import Problem, Scales
+from contactstudy.problem.problem import Problem, Scales, Source
 from contactstudy.scene.load import ChangingLoad
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions
@@ -88,6 +89,11 @@ class March:
     def kept(self) -> tuple[Kept, ...]:
         """All that is kept, in the order of an instant's states."""
         return self.memories if self.joint is None else (*self.memories, self.joint)
+
+    @property
+    def is_first_order(self) -> bool:
+        """Whether the error of a step falls only like its duration."""
+        return len(self.scheme.stages) == 1 and any(one.has_stages for one in self.memories)
 
     def start(self, time: float) -> Instant:
         """Before the first load."""
@@ -169,18 +175,27 @@ class March:
             memory.contribution(state, instant.pressure, step)
             for memory, state in zip(self.memories, instant.states, strict=False)
         ]
-        load = step.loads[1]
-        grid = self.problem.grid
         weights = Counter(self.weights)
         for one in contributions:
             weights.update(one.compliance)
+        own = sum(one.own for one in contributions)
+        problem = self._with(weights, own, step.loads[1], self.problem)
+        source = self.problem.source
+        if source is not None:
+            source = StepSource(source, partial(self._with, weights, own, step.loads[1]))
+        return replace(problem, undeformed_gap=self._gap(contributions), source=source)
+
+    def _with(
+        self, weights: Mapping[Coefficients, float], own: float, load: float, problem: Problem
+    ) -> Problem:
+        """Return a ``problem`` of the largest load, on any grid, with a step's operator and ``load`` [N/m]."""
+        grid = problem.grid
         softer = sum(weights.values()) / sum(self.weights.values())
         return replace(
-            self.problem,
-            undeformed_gap=self._gap(contributions),
-            operator=self._operator(weights, sum(one.own for one in contributions)),
+            problem,
+            operator=self._operator(problem, weights, own),
             resultant=PrescribedLoad(load * grid.period / grid.cell_area),
-            scales=self._scales(load, softer) if load else self.problem.scales,
+            scales=self._scales(load, softer) if load else problem.scales,
         )
 
     def _gap(self, contributions: Iterable[Contribution]) -> Array:
@@ -196,17 +211,22 @@ class March:
                 gap = gap + self._units[coefficients](strain)
         return gap
 
-    def _operator(self, weights: Mapping[Coefficients, float], own: float) -> Convolution:
-        operator = self.problem.operator
+    def _operator(
+        self, problem: Problem, weights: Mapping[Coefficients, float], own: float
+    ) -> Convolution:
+        operator = problem.operator
         assert isinstance(operator, Convolution)
         if weights == self.weights:
             return combined([(1.0, operator)], own) if own else operator
-        return combined(((weight, self._units[one]) for one, weight in weights.items()), own)
+        units = self._units if problem is self.problem else self._units_of(problem)
+        return combined(((weight, units[one]) for one, weight in weights.items()), own)
 
     @cached_property
     def _units(self) -> Mapping[Coefficients, Convolution]:
-        """An operator for each kind of coefficients [m]."""
-        problem = self.problem
+        return self._units_of(self.problem)
+
+    def _units_of(self, problem: Problem) -> Mapping[Coefficients, Convolution]:
+        """Return an operator on the grid of ``problem`` for each kind of coefficients [m]."""
         if len(self.weights) == 1:
             ((coefficients, weight),) = self.weights.items()
             assert isinstance(problem.operator, Convolution)
@@ -231,6 +251,42 @@ class March:
             length, pressure = 1.0, ratio
         pressure = 2.0 ** round(log2(scales.pressure * pressure))
         return Scales(scales.length * length, pressure, scales.gap * ratio * softer)
+
+
+@dataclass(frozen=True)
+class StepSource:
+    """The heights of a scene, and its problem on another grid as a step has it, but for what memories add to the gap."""
+
+    source: Source
+    step: Callable[[Problem], Problem]
+
+    @property
+    def finest(self) -> tuple[float, float]:
+        """The shortest lengths (across, along) over which the heights change [m]."""
+        return self.source.finest
+
+    @property
+    def names_scales(self) -> bool:
+        """Whether ``finest`` is known of every shape."""
+        return self.source.names_scales
+
+    @property
+    def ends_along(self) -> bool:
+        """Whether a body ends along the length."""
+        return self.source.ends_along
+
+    def gap(self, grid: Grid) -> Array:
+        """Return the undeformed gap [m] on ``grid``."""
+        return self.source.gap(grid)
+
+    def gap_without_scales(self, grid: Grid) -> Array:
+        """Return the gap [m] on ``grid`` of the shapes that name no scales."""
+        known: Callable[[Grid], Array] = getattr(self.source, "gap_without_scales", self.source.gap)
+        return known(grid)
+
+    def problem(self, grid: Grid) -> Problem:
+        """Return the problem of the step on ``grid``."""
+        return self.step(self.source.problem(grid))
 
 
 def lowered(problem: Problem, lift: Array) -> Problem:

@@ -63,4 +63,4 @@ def test_the_summary_says_how_much_of_the_width_is_in_contact_at_the_end() -> No
     """Two cells of four, in a width of 8 m."""
     text = FOUR.summary()
     assert "peak pressure 5 Pa, in contact 4 m of the width on average, approach 0.125 m" in text
-    assert "at most: steps in time 0.07, cells 0.009" in text
+    assert "at most: steps in time 0.07, grid 0.009" in text

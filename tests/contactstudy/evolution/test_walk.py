@@ -8,12 +8,24 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.accuracy.expected_error import ErrorParts
+from contactstudy.evolution import walk as walking
 from contactstudy.evolution.march import Instant
 from contactstudy.evolution.steps import Mark, StepControl, schedule
-from contactstudy.evolution.walk import ONSET, Walk
+from contactstudy.evolution.walk import ONSET, REMEMBERED, YIELDED, Walk
 
 GRID = cs.Grid((8, 1), (4.0, 2.5))
 CELLS = np.array([0, 0, 1, 1, 1, 1, 0, 0.0])[:, None]
+
+
+def estimate(cells: float) -> Any:
+    return SimpleNamespace(l1=ErrorParts(0.001, cells, 0.0001), warnings=("coarse",))
+
+
+@pytest.fixture(autouse=True)
+def estimated(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Contacts that are known to 2 %."""
+    monkeypatch.setattr(walking, "error_estimate", lambda _: estimate(0.02))
 
 
 @dataclass(eq=False)
@@ -28,6 +40,8 @@ class Decaying:
     fails_from: float = np.inf
     second: float = 1.0
     kept: Any = (SimpleNamespace(fields=lambda state: {"age": state}),)
+    memories: Any = ()
+    is_first_order: bool = False
 
     @property
     def problem(self) -> Any:
@@ -284,12 +298,41 @@ def test_without_a_solution_the_march_ends_with_a_frame_that_says_so() -> None:
     assert controlled.frames[-1].time < 3.0
 
 
+def test_errors_by_cells_are_those_of_each_contact_with_parts_and_reasons() -> None:
+    walk, _ = walked([0.0, 4.0])
+    for frame in walk.frames:
+        assert frame.grid_error_parts == ErrorParts(0.001, 0.02, 0.0001)
+        assert frame.grid_error == pytest.approx(0.0211)
+        assert frame.warnings == ("coarse",)
+
+
+def test_what_is_remembered_in_error_stays_in_later_frames(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first contact is known to 10 %, the later ones to 1 % of a pressure that decays."""
+    errors = iter([0.1, 0.01])
+    monkeypatch.setattr(walking, "error_estimate", lambda _: estimate(next(errors)))
+    walk, _ = walked([0.0, 4.0], march=Decaying(HELD, memories=PATH))
+    first, last = walk.frames
+    assert first.grid_error_parts.discretisation == pytest.approx(REMEMBERED * 0.1)
+    carried = 0.1 * first.pressure.sum() / last.pressure.sum()
+    assert last.grid_error_parts.discretisation == pytest.approx(REMEMBERED * carried)
+
+
 def test_errors_by_cells_of_bodies_that_yield_are_over_the_largest_load() -> None:
     plain, _ = walked([0.0])
     march = Decaying(cs.LoadHistory((0.0, 4.0), (2.0, 8.0)), joint=PATH)
     joint, _ = walked([0.0], march=march)
     # 8.1 of pressures on cells of 0.5 m and a load of 8 N/m, of which two are there
     there = joint.frames[0].pressure.sum() * 0.5 / 8
-    scaled = plain.frames[0].grid_error * there
-    assert joint.frames[0].grid_error == pytest.approx(scaled)
-    assert plain.frames[0].grid_error > 0
+    one, other = plain.frames[0].grid_error_parts, joint.frames[0].grid_error_parts
+    assert other.discretisation == pytest.approx(YIELDED * one.discretisation * there)
+    assert other.truncation == pytest.approx(one.truncation * there)
+
+
+def test_a_first_order_difference_is_a_bound_for_errors_that_fall_like_the_root_of_the_step() -> (
+    None
+):
+    """Errors 1, and 2^1/2 of steps twice as long: their difference is 0.41."""
+    walk, _ = walked([4.0], march=Decaying(HELD, is_first_order=True))
+    plain, _ = walked([4.0])
+    ratio = walk.frames[-1].step_error / plain.frames[-1].step_error
+    assert ratio * (2**0.5 - 1) == pytest.approx(1.0)

@@ -11,14 +11,15 @@ EDGES = 1 / 12
 
 
 def discretisation(pressure: Array, wraps: tuple[bool, bool]) -> tuple[float, float]:
-    """Relative error of the peak pressure, and of all of it in L1, by the grid.
+    """Return the relative errors of the peak pressure and of the pressure in L1 that the cells cause.
 
-    ``pressure`` (x, y); ``wraps``: which axes close on themselves. The maximum lies beside a
-    cell's centre, above it by the parabola through three cells, and the cell's pressure is a 24th of
-    the second difference too high (its mean is right); the edges move both. In L1 each end of a row of touching
-    cells adds what :func:`~contactstudy.accuracy.contact_edge.edge_error` says of its last two, and each cell
-    within that 24th. Both axes are added, since an edge that crosses the cells has ends on both. It
-    sees what the pressure shows: heights between the cell centres leave no trace there.
+    ``pressure`` has the shape (x, y); ``wraps`` says which axes close on themselves. The maximum lies beside a cell's
+    centre, above it by the parabola through three cells, and the cell's pressure is a 24th of the second difference too
+    high; the edges move both. In L1 each end of a row of touching cells adds what
+    :func:`~contactstudy.accuracy.contact_edge.edge_error` says of its last two, and each cell within adds a 12th of its
+    second difference: of a wave q the cells' pressure is ``1 / sinc(q dx / 2)`` times its value at the centre, and the
+    mean in the cell sinc times it. Both axes are added, since an edge that crosses the cells has ends on both. Heights
+    between the cell centres leave no trace here.
     """
     highest = np.unravel_index(np.argmax(pressure), pressure.shape)
     level = float(pressure[highest])
@@ -32,7 +33,7 @@ def discretisation(pressure: Array, wraps: tuple[bool, bool]) -> tuple[float, fl
         before, after = around[:-2], around[2:]
         bend = np.abs(before + after - 2 * along)
         within = (along > 0) & (before > 0) & (after > 0)
-        l1 += bend[within].sum() / 24
+        l1 += bend[within].sum() / 12
         for outer, inner in ((before, after), (after, before)):
             end = (along > 0) & (outer == 0)
             l1 += edge_error(along[end], inner[end]).sum()

@@ -169,7 +169,7 @@ def _cells(solution: Solution, coarse: Solution | None, confidence: float) -> _C
     regular = not (yields or at_end) and _spot(pressure, wraps) >= FEW
     if regular and inside.uncertain <= SMOOTH * l1 and inside.corner <= SHARP:
         peak *= 1 + PEAK_RESOLVED * inside.uncertain / l1 if l1 else 1.0
-        peak += inside.rise
+        peak += inside.rise + inside.kink
         return _with_area_warning(_Cells(peak, l1, area, GAP_EDGES * l1))
     coarse = coarse or coarse_solution(problem)
     if coarse is None or coarse.status in (Status.NOT_FINITE, Status.NO_ADMISSIBLE_PRESSURE):
@@ -186,7 +186,7 @@ def _cells(solution: Solution, coarse: Solution | None, confidence: float) -> _C
     if peak_known:
         peak_seen = min(peak_seen, (1 + PEAK_RESOLVED * hides) * peak)
     both = _Cells(
-        0.0 if yields else max(peak, peak_seen) + inside.rise,
+        0.0 if yields else max(peak, peak_seen) + inside.rise + inside.kink,
         LARGEST if _all_alone(pressure) else min(LARGEST, max(l1, l1_seen)),
         max(area, _lost(AREA_CHANGE * seen.contact_area), HIDDEN / 2 * inside.uncertain),
         max(GAP_CHANGE * seen.mean_gap, GAP_EDGES / 2 * l1),

@@ -24,6 +24,8 @@ STEPS = 0.7548776662466927, 0.5698402909980532
 RISE = 2.0 * pi / 2
 # A corner has so much of the bend of three cells between two neighbouring points; a smooth surface a sixth.
 CORNER = 0.7
+# Powers n - 1 of a height |x|^n from which a bend counts as smooth, and the least one that is told from a corner.
+SMOOTH, FLATTEST = 0.9, 0.1
 
 
 @dataclass(frozen=True)
@@ -35,13 +37,15 @@ class Subcell:
     ``E* S / (2 pi) ln 2`` each time the cell is halved, and so without limit; ``corner`` is the largest such
     rise in the contact over the peak pressure. ``stands_out``: whether a shape that names no
     scales stands out of a cell so far that it would carry all of the pressure there, and more. ``rise`` is by what
-    share of the peak pressure such a shape's features within a cell may raise it.
+    share of the peak pressure such a shape's features within a cell may raise it, and ``kink`` by what share it may
+    still rise on finer cells under a height ``|x|^n`` with n below 2.
     """
 
     uncertain: float
     corner: float
     stands_out: bool
     rise: float = 0.0
+    kink: float = 0.0
 
 
 def subcell(problem: Problem, pressure: Array, confidence: float) -> Subcell | None:
@@ -55,7 +59,8 @@ def subcell(problem: Problem, pressure: Array, confidence: float) -> Subcell | N
         return None
     beside = _with_neighbours(pressure, problem)
     points_each = POINTS if source.names_scales else DENSE
-    hidden, standing, corner = np.zeros_like(pressure), np.zeros_like(pressure), 0.0
+    hidden, standing = np.zeros_like(pressure), np.zeros_like(pressure)
+    corner = kink = 0.0
     for axis, padding in enumerate(problem.paddings):
         if grid.cells[axis] < 4:
             continue
@@ -67,7 +72,7 @@ def subcell(problem: Problem, pressure: Array, confidence: float) -> Subcell | N
         if points.shape[axis] == 1:
             continue
         modulus = _modulus(problem, axis)
-        missed, stands, edge = (
+        missed, stands, edge, bend = (
             np.broadcast_to(np.moveaxis(field, 0, axis), lines)
             for field in _along(
                 np.moveaxis(centres, axis, 0),
@@ -80,8 +85,10 @@ def subcell(problem: Problem, pressure: Array, confidence: float) -> Subcell | N
         if not source.names_scales:
             standing += on_cells(stands * (modulus / grid.cell[axis]), grid.cells)
         hidden += on_cells(missed * (modulus / grid.cell[axis]), grid.cells)
-        sharp = np.where(on_cells(beside, lines) > 0, edge, 0.0)
-        corner = max(corner, float(sharp.max()) * modulus * log(2) / (2 * pi))
+        pressed, halving = on_cells(beside, lines) > 0, modulus * log(2) / (2 * pi)
+        corner = max(corner, float(np.where(pressed, edge, 0.0).max()) * halving)
+        if not source.names_scales:
+            kink = max(kink, float(np.where(pressed, bend, 0.0).max()) * halving)
     rise = 0.0
     if not source.names_scales and min(grid.cells) >= 4:
         try:
@@ -96,7 +103,8 @@ def subcell(problem: Problem, pressure: Array, confidence: float) -> Subcell | N
     hides = np.minimum(hidden, beside)
     borne = pressure.sum()
     stands_out = bool((standing > beside)[beside > 0].any())
-    return Subcell(float(hides.sum() / borne), corner / float(pressure.max()), stands_out, rise)
+    highest = float(pressure.max())
+    return Subcell(float(hides.sum() / borne), corner / highest, stands_out, rise, kink / highest)
 
 
 @dataclass(frozen=True)
@@ -209,10 +217,12 @@ def _modulus(problem: Problem, axis: int) -> float:
 
 def _along(
     centres: Array, inside: Array, step: float, points: int, *, wraps: bool
-) -> tuple[Array, Array, Array]:
-    """What a cubic through the ``centres`` misses in each cell [m], that which stands out, and the sharpest corner.
+) -> tuple[Array, Array, Array, Array]:
+    """Return what a cubic through ``centres`` misses in each cell [m], what stands out [m], and its corner and kink.
 
-    The corner is given by its slope.
+    A height ``|x|^n`` has the share ``(w / W)^(n - 1)`` of the bend over W within w about its apex, which tells n. The
+    pressure there rises with the power n - 1 of the cell: all rises to come are that of a corner of the same bend in a
+    cell, over ``1 - 2^(1 - n)``. Both are given by their slopes.
     """
     count = len(centres)
     mode = "wrap" if wraps else "edge"
@@ -239,4 +249,9 @@ def _along(
     strongest = pairs.reshape(count, points, -1).max(axis=1)
     # what a smooth bend of these cells has between two points
     smooth = (three - strongest) * (2 / (3 * points - 2))
-    return missed, stands, np.where(strongest > CORNER * three, strongest - smooth, 0.0)
+    corner = np.where(strongest > CORNER * three, strongest - smooth, 0.0)
+    seen = (three > 0) & (strongest > 0)
+    share = np.divide(strongest, three, out=np.ones_like(three), where=seen)
+    power = np.maximum(np.log(share) / log(2 / (3 * points)), FLATTEST)
+    kink = np.where(seen & (power < SMOOTH), three * 3**-power / (1 - 2**-power), 0.0)
+    return missed, stands, corner, kink

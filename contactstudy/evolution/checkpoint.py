@@ -12,6 +12,7 @@ import numpy as np
 from contactstudy.accuracy.expected_error import ErrorParts
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
+from contactstudy.domain.files import replacing
 from contactstudy.evolution.evolution import Frame
 from contactstudy.evolution.march import Instant
 from contactstudy.problem.problem import Field
@@ -22,7 +23,7 @@ from contactstudy.solvers.solution import Status
 class Checkpoint:
     """A folder with ``request.json``, ``frame_00000.npz`` and so on, and ``state.npz``.
 
-    Each file is written beside its place and then moved there, so that a kill leaves the one before.
+    Each file is replaced at once and on the disk, so that a kill leaves the one before.
     """
 
     folder: Path
@@ -46,9 +47,10 @@ class Checkpoint:
             raise InvalidInput(
                 f"evolve.folder is {str(self.folder)!r}, which holds other files: give an empty folder."
             )
-        partial = path.with_suffix(".partial")
-        partial.write_text(json.dumps({"sha256": digest, "request": request}, indent=1), "utf-8")
-        partial.replace(path)
+        with replacing(path) as partial:
+            partial.write_text(
+                json.dumps({"sha256": digest, "request": request}, indent=1), "utf-8"
+            )
 
     def write_frame(self, number: int, frame: Frame) -> None:
         """One more frame."""
@@ -130,10 +132,8 @@ class Checkpoint:
         return self.folder / f"frame_{number:05d}.npz"
 
     def _write(self, path: Path, about: Mapping[str, Any], **arrays: Array) -> None:
-        partial = path.with_suffix(".partial")
-        with partial.open("wb") as file:
+        with replacing(path) as partial, partial.open("wb") as file:
             np.savez(file, about=np.array(json.dumps(about)), **arrays)  # type: ignore[arg-type]
-        partial.replace(path)
 
     def _read(self, path: Path) -> tuple[Any, dict[str, Array]]:
         with np.load(path) as file:

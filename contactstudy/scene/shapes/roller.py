@@ -273,7 +273,8 @@ class FiniteLength:
 
     Cells whose centre lies beyond the ends stand back by `length`: more than any elastic displacement, which is a
     small part of the body's own size, and finite, so that averages over blocks of cells stay finite too. The end is
-    resolved to a cell, and exactly where it falls between two. Under a scene's load per length of the grid, the
+    resolved to a cell, and exactly where it falls between two; a cell that it divides counts by its share in the mean
+    gap, through the cells beyond. Under a scene's load per length of the grid, the
     roller carries that load times the grid's period over its own length. Along a free length a grid of the roller's
     own length ends it as well, without a cell to spare.
 
@@ -313,4 +314,11 @@ class FiniteLength:
         beyond = np.abs(grid.y) > self.length / 2
         if not beyond.any():
             return np.zeros((grid.cells[0], 1))
-        return np.where(beyond, self.length, 0.0)[None, :]
+        step = grid.cell[1]
+        share = np.clip((np.abs(grid.y) - self.length / 2) / step + 0.5, 0.0, 1.0)
+        # a cell that is more than half on the roller is on it, and leaves the rest of its share to the next cell out
+        left = np.where(beyond, 0.0, share)
+        share = np.where(beyond, share, 0.0)
+        share[1:] += np.where(grid.y[:-1] > 0, left[:-1], 0.0)
+        share[:-1] += np.where(grid.y[1:] < 0, left[1:], 0.0)
+        return (self.length * share)[None, :]

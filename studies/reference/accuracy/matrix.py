@@ -1,6 +1,8 @@
 """Waves, grooves and dimples on the cylinder, against the same scene on a much finer grid."""
 
+import itertools
 from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cache
 from math import inf, pi
 
@@ -195,6 +197,51 @@ def measured() -> Iterator[AccuracyCase]:
         yield AccuracyCase("measured surface", scene(given), grid, EXACT, FINER)
 
 
+@dataclass(frozen=True)
+class Bumps:
+    """Gaussian bumps on a lattice, told as a shape of a user's own; lengths in m, places from the axis."""
+
+    height: float
+    width: float
+    pitch: tuple[float, float]
+    place: tuple[float, float]
+    curvature = 0.0
+
+    def gap(self, grid: cs.Grid) -> Array:
+        """The bumps stand out of the body."""
+        x, y = (
+            (points - place + pitch / 2) % pitch - pitch / 2
+            for points, place, pitch in zip((grid.x, grid.y), self.place, self.pitch, strict=True)
+        )
+        return np.asarray(-self.height * np.exp(-(x[:, None] ** 2 + y**2) / self.width**2))
+
+
+def bumps() -> Iterator[AccuracyCase]:
+    """Bumps from a tenth of a cell to some cells wide, on the lines of the grid and between them."""
+    for number, (width, height) in enumerate(
+        itertools.product((0.12, 0.4, 1.2, 3.0), (0.002, 0.02, 0.3))
+    ):
+        cells = 48 + 5 * number, 40 + 3 * number
+        grid = cs.Grid(cells, (3.2 * A, 3.2 * A * cells[1] / cells[0]))
+        dx, dy = grid.cell
+        shape = Bumps(
+            height * FLATTENED,
+            width * dx,
+            (5 * dx, grid.period / (cells[1] // 5)),
+            (number / 12 * dx, dy / 2),
+        )
+        yield AccuracyCase("bumps", scene(shape), grid, EXACT, Finer((6, 6), EXACT))
+
+
+def ended() -> Iterator[AccuracyCase]:
+    """Crowned rollers that end inside a cell."""
+    for cells, longer, length in ((64, 1.1, 16.4), (51, 1.1, 2.0), (45, 1.25, 8.0)):
+        roller = cs.Crown.of_drop(3 * FLATTENED, length * A), cs.FiniteLength(length * A)
+        grid = cs.Grid((40, cells), (5 * A, longer * length * A))
+        truth = Finer((4, 8), (FREE, FREE))
+        yield AccuracyCase("rollers", scene(*roller), grid, (FREE, FREE), truth)
+
+
 def point_loads() -> Iterator[AccuracyCase]:
     """A rough sphere on a free length."""
     point = cs.analytic.hertz_point(30.0, 0.01, MODULUS)
@@ -219,6 +266,8 @@ BUILDERS = (
     smooth.spheres,
     smooth.waves,
     smooth.sharp,
+    smooth.powers,
+    smooth.full,
     smooth.yielding,
     textured_waves,
     grooves,
@@ -229,6 +278,8 @@ BUILDERS = (
     roughness,
     hard,
     measured,
+    ended,
+    bumps,
     point_loads,
 )
 

@@ -18,6 +18,7 @@ from studies.reference.accuracy.case import (
     A,
     AccuracyCase,
     ClosedForm,
+    Finer,
     Pressure,
     Shifted,
     scene,
@@ -126,6 +127,49 @@ def sharp() -> Iterator[AccuracyCase]:
             yield AccuracyCase("steps and kinks", wedge, grid, EXACT, truth)
 
 
+@dataclass(frozen=True)
+class Power:
+    """A height ``h |x / a|^n``, told as a shape of a user's own."""
+
+    height: float
+    power: float
+    aside: float
+    curvature: float = 1 / HERTZ.radius  # for the scales alone
+
+    def gap(self, grid: cs.Grid) -> Array:
+        """Both flanks."""
+        return (self.height * np.abs((grid.x - self.aside) / A) ** self.power)[:, None]
+
+
+def powers() -> Iterator[AccuracyCase]:
+    """Apexes between a wedge and a cylinder, whose peak pressure is finite and reached slowly."""
+    for power, height, cells in ((1.2, 2.0, 160), (1.3, 1.0, 77), (1.5, 2.0, 56), (1.8, 3.0, 101)):
+        apex = cs.Scene(SCENE.load, STEEL, (Power(height * FLATTENED, power, 0.013 * A),))
+        grid = cs.Grid((cells, 1), (7 * A, A))
+        yield AccuracyCase("steps and kinks", apex, grid, EXACT, Finer((32, 1), EXACT))
+
+
+def full() -> Iterator[AccuracyCase]:
+    """Waves pressed flat, over both axes and over one."""
+    length, mean = 1e-4, 1e9
+    for cells, share, across, along in (
+        ((36, 36), 0.25, 1, 1), ((50, 80), 0.4, 2, 1), ((96, 64), 0.3, 1, 2), ((48, 1), 0.35, 2, 0),
+    ):  # fmt: skip
+        wave = 2 * pi / length * np.hypot(across, along)
+        shape = cs.Waviness(
+            2 * share * mean / (MODULUS * wave),
+            across=length / across,
+            along=length / along if along else inf,
+        )
+        phase = 2 * pi / length
+        truth = ClosedForm(
+            _flat(mean, share, phase * across, phase * along), mean * (1 + share), 1.0
+        )
+        pressed = cs.Scene(cs.LineLoad(mean * length), STEEL, (shape,))
+        grid = cs.Grid(cells, (length, length))
+        yield AccuracyCase("full contact", pressed, grid, (EXACT, EXACT), truth)
+
+
 def yielding() -> Iterator[AccuracyCase]:
     """All cells at the hardness: a strip of a known width."""
     for share in (0.3, 0.4, 0.5):
@@ -147,6 +191,11 @@ def _cylinder(aside: float) -> Pressure:
 
 def _wave(wave: Westergaard) -> Pressure:
     return lambda x, y: wave.pressure(x)
+
+
+def _flat(mean: float, share: float, across: float, along: float) -> Pressure:
+    # heights count out of the body, so that pressure is highest where they are lowest
+    return lambda x, y: mean * (1 - share * np.cos(across * x + along * y))
 
 
 def _strip(half: float, pressure: float) -> Pressure:

@@ -32,7 +32,7 @@ def places(points: int) -> np.ndarray:
 def along(
     heights: Any, points: int = 4, *, wraps: bool = False
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    first, second, third = _along(
+    first, second, third, _ = _along(
         heights(CENTRES)[:, None], heights(places(points))[:, None], STEP, points, wraps=wraps
     )
     return first[:, 0], second[:, 0], third[:, 0]
@@ -71,6 +71,23 @@ def test_a_kink_is_a_corner_of_both_its_slopes_wherever_it_is(aside: float) -> N
     _, _, both = along(lambda x: 0.3 * np.abs(x - aside) + 0.01 * x**2)
     assert both.max() == pytest.approx(0.6, rel=0.01)
     assert not along(lambda x: 0.01 * x**2)[2].any()
+
+
+@pytest.mark.parametrize("power", [1.2, 1.5, 1.8])
+def test_the_power_of_a_rounded_apex_is_told_by_its_bends(power: float) -> None:
+    """All rises to come under ``|x|^n``: the bend of a cell at the apex, over what a halving leaves of it."""
+    kinks = _along(
+        np.abs(CENTRES[:, None]) ** power,
+        np.abs(places(48)[:, None]) ** power,
+        STEP,
+        48,
+        wraps=False,
+    )[3][:, 0]
+    # from 1.5 cells before the apex to as far behind, brought down to one cell
+    bend = 2 * power * (1.5 * STEP) ** (power - 1) / 3 ** (power - 1)
+    assert kinks.max() == pytest.approx(bend / (1 - 2 ** (1 - power)), rel=0.15)
+    smooth = _along(CENTRES[:, None] ** 2, places(48)[:, None] ** 2, STEP, 48, wraps=False)[3]
+    assert not smooth.any()
 
 
 def test_what_stands_out_is_measured_from_the_centres_of_three_cells() -> None:

@@ -166,4 +166,5 @@ def test_round_bodies_and_ends_have_their_heights() -> None:
     assert cs.Crown(5.0).gap(grid) == pytest.approx((y**2 / 10)[None])
     # 4 m long: the middle cell and those whose centres lie on the ends
     assert cs.FiniteLength(4.0).gap(grid).tolist() == [[0.0]] * 4
-    assert cs.FiniteLength(3.9).gap(grid).tolist() == [[3.9, 0.0, 3.9]]
+    # cells of 2 m, of which 1.05 m lie beyond the ends
+    assert cs.FiniteLength(3.9).gap(grid) == pytest.approx(3.9 * np.array([[0.525, 0.0, 0.525]]))

@@ -113,6 +113,14 @@ def joined(
         found[i, 0] = count
 
 
+@exact
+def product(field: Array, cells: Array, out: Array) -> None:
+    """Multiply two fields cell by cell, into a third."""
+    for i in range(out.shape[0]):
+        for j in range(out.shape[1]):
+            out[i, j] = field[i, j] * cells[i, j]
+
+
 @summing
 def totals(cells: Array, closing: Array, found: Array) -> None:
     """The sums that a direction needs that is conjugate to none."""
@@ -268,10 +276,9 @@ def block_means(parts: Array, out: Array, begin: int, end: int) -> None:
 
 @exact
 def block_means_transposed(
-    blocks: Array, block_weight: Array, weight: Array, held: Array, pressure: Array,
-    begin: int, end: int,
-) -> None:  # fmt: skip
-    """Gather the pressure of parts that are held, and for parts with weight their share in that of weighted blocks."""
+    blocks: Array, block_weight: Array, weight: Array, pressure: Array, begin: int, end: int
+) -> None:
+    """Add to the pressure of parts their share in that of their weighted blocks, and weight it, in place."""
     columns = blocks.shape[1]
     line = np.empty(2 * columns, dtype=pressure.dtype)
     for k in range(begin, end):
@@ -281,7 +288,7 @@ def block_means_transposed(
             line[2 * m + 1] = share
         for i in (2 * k, 2 * k + 1):
             for j in range(2 * columns):
-                pressure[i, j] = pressure[i, j] * held[i, j] + line[j] * weight[i, j]
+                pressure[i, j] = (pressure[i, j] + line[j]) * weight[i, j]
 
 
 @exact

@@ -12,29 +12,34 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from contactstudy.domain.device import Array, Cpu, arrays, device, threads, using
+from contactstudy.domain.device import Array, Cpu, Numbers, arrays, device, threads, using
 
 T = TypeVar("T")
 
 # Cells of a block: half a dozen blocks of double precision fit into the cache of a core.
 BLOCK = 2**15
 # From so many cells on, compiled loops save more in some dozen solves than it takes to load them.
-LARGE = 2**16
+LARGE = 2**14
 # Rows of fewer cells take a compiled loop longer to begin than to work through.
 NARROWEST = 4
 # Cells of a part at least: to wake another thread takes as long as a pass over some 100 000 cells.
 PART = 2**18
 
 
-def in_blocks(work: Callable[[slice], T], shape: tuple[int, ...]) -> list[T]:
-    """What ``work`` makes of every block of rows of a field with that shape, in order.
+def in_blocks(work: Callable[..., T], *fields: Numbers) -> list[T]:
+    """Return what `work` makes of the same block of rows of all `fields` (x, y), for every block in order.
 
-    All blocks but the last have an even number of rows. They do not depend on the number of threads, so that
-    sums over blocks do not either. On a device that is no :class:`Cpu` there is one block.
+    Blocks do not depend on the number of threads, so that sums over blocks do not either. Fields that fit into one
+    block, and those on a device that is no :class:`Cpu`, are worked on as they are.
     """
-    if shape[0] * shape[1] <= BLOCK:
-        return [work(slice(0, shape[0]))]
-    parts = _shared(lambda blocks: [work(block) for block in blocks], _blocks(shape))
+    rows, columns = fields[0].shape
+    if rows * columns <= BLOCK or not isinstance(device(), Cpu):
+        return [work(*fields)]
+
+    def some(block: slice) -> T:
+        return work(*(field[block, :] for field in fields))
+
+    parts = _shared(lambda blocks: [some(block) for block in blocks], _blocks(rows, columns))
     return [each for part in parts for each in part]
 
 
@@ -53,19 +58,18 @@ def in_parts(work: Callable[[slice], object], shape: tuple[int, ...]) -> None:
         other.result()
 
 
-def change(field: Array, changed: Callable[[Array], Array]) -> Array:
-    """``field``, block by block in place of itself as it is ``changed``."""
+def replaced(field: Array, new: Callable[[Array], Array]) -> Array:
+    """Return `field` (x, y), every block of it in place by what is `new` for it."""
 
-    def some(rows: slice) -> None:
-        field[rows, :] = changed(field[rows, :])
+    def some(block: Array) -> None:
+        block[...] = new(block)
 
-    in_blocks(some, field.shape)
+    in_blocks(some, field)
     return field
 
 
-def _blocks(shape: tuple[int, ...]) -> list[slice]:
-    rows, columns = shape
-    step = max(2, BLOCK // columns // 2 * 2) if isinstance(device(), Cpu) else rows
+def _blocks(rows: int, columns: int) -> list[slice]:
+    step = max(2, BLOCK // columns // 2 * 2)
     return [slice(begin, min(begin + step, rows)) for begin in range(0, rows, step)]
 
 
@@ -121,9 +125,7 @@ def inner(a: Array, b: Array) -> float:
     Row by row: BLAS would start threads for a whole large field, and on a busy machine they
     cost a hundred times what they save.
     """
-    if a.shape[0] * a.shape[1] <= BLOCK:
-        return _inner(a, b)
-    return sum(in_blocks(lambda rows: _inner(a[rows, :], b[rows, :]), a.shape))
+    return sum(in_blocks(_inner, a, b))
 
 
 def _inner(a: Array, b: Array) -> float:
@@ -135,9 +137,7 @@ def _inner(a: Array, b: Array) -> float:
 
 def total(field: Array) -> float:
     """Sum over a field (x, y)."""
-    if field.shape[0] * field.shape[1] <= BLOCK:
-        return float(arrays().sum(field))
-    return sum(in_blocks(lambda rows: float(arrays().sum(field[rows, :])), field.shape))
+    return sum(in_blocks(lambda block: float(arrays().sum(block)), field))
 
 
 def mean_over(cells: Array, field: Array) -> float:

@@ -24,6 +24,8 @@ from contactstudy.elasticity.transforms import Waves, transforms
 
 # Single precision has noise in all waves: in the shortest, times this, it may be as large as the longest are.
 WIDEST = 1e4
+# The smoothing reaches over so many holes; of 1, 1.5, 2 and 3 this takes the fewest iterations on sparse contacts.
+HOLES = 2
 # Weights below so many roundings of the largest are noise of a transform.
 ROUNDINGS = 100
 # Cells whose sides differ by a factor of more make no blocks of 2 x 2.
@@ -61,14 +63,14 @@ class ApproximateInverse:
 
     @property
     def work(self) -> float:
-        """Cells transformed from an extended displacement to the gathered pressure, in two pairs of transforms."""
-        return float(2 * self._cells[0] * self._cells[1])
+        """Cells transformed from an extended displacement to its pressure."""
+        return float(self._cells[0] * self._cells[1])
 
     def extension(self, contact: Array) -> "Extension | BlockExtension":
         """Return the map from the displacement of a `contact` (x, y) to that of all cells."""
         if self._coarser is not None:
             return BlockExtension(contact, self._coarser)
-        width = 2.0 ** round(log2(hole_width(contact)))
+        width = 2.0 ** round(log2(HOLES * hole_width(contact)))
         if width != self._smoothing[0]:
             stretch = width * np.pi / self._stiffest
             self._smoothing = width, (1 + stretch * self._inverse) ** -0.5
@@ -111,60 +113,41 @@ class Extension:
 
     def __init__(self, contact: Array, smoothed: Callable[[Array], Array]) -> None:
         xp = arrays()
-        self._contact, self._held, self._smoothed = contact, contact, smoothed
+        self._contact, self._smoothed = contact, smoothed
         weights = smoothed(contact)
         least = ROUNDINGS * float(xp.finfo(contact.dtype).eps) * float(xp.max(weights))
 
-        def some(rows: slice) -> None:
-            outside = 1 - contact[rows, :]
-            outside /= xp.maximum(weights[rows, :], least)
-            weights[rows, :] = outside
+        def some(cells: Array, weight: Array) -> None:
+            weight[...] = (1 - cells) / xp.maximum(weight, least)
 
-        in_blocks(some, contact.shape)
+        in_blocks(some, contact, weights)
         self._outside = weights
 
     @property
     def work(self) -> float:
-        """Cells transformed until a displacement is extended, in two pairs of transforms."""
-        return float(2 * self._contact.shape[0] * self._contact.shape[1])
+        """Cells transformed in one smoothing: a new extension, each use of it and of its transpose take one."""
+        return float(self._contact.shape[0] * self._contact.shape[1])
 
     def __call__(self, displacement: Array) -> Array:
         """Return a `displacement` (x, y), which is zero outside the contact, extended to all cells."""
         extended = self._smoothed(displacement)
 
-        def some(rows: slice) -> None:
-            part = extended[rows, :]
-            part *= self._outside[rows, :]
-            part += displacement[rows, :]
+        def some(block: Array, outside: Array, own: Array) -> None:
+            block *= outside
+            block += own
 
-        in_blocks(some, extended.shape)
-        return extended
-
-    def held(self, cells: Array, displacement: Array, extended: Array) -> Array:
-        """Hold more `cells` (x, y) at their own `displacement`, also in one that is `extended` already, in place.
-
-        They do not move the cells around them, which saves the transforms of a new extension.
-        """
-        self._held = cells
-
-        def some(rows: slice) -> None:
-            self._outside[rows, :] *= 1 - cells[rows, :]
-            hold(cells[rows, :], displacement[rows, :], extended[rows, :])
-
-        in_blocks(some, extended.shape)
+        in_blocks(some, extended, self._outside, displacement)
         return extended
 
     def transposed(self, pressure: Array) -> Array:
         """Gather a `pressure` (x, y) on all cells to those of the contact, in place: the transposed map."""
         gathered = self._smoothed(pressure * self._outside)
 
-        def some(rows: slice) -> None:
-            part, near = pressure[rows, :], gathered[rows, :]
-            near *= self._contact[rows, :]
-            part *= self._held[rows, :]
-            part += near
+        def some(block: Array, near: Array, contact: Array) -> None:
+            block += near
+            block *= contact
 
-        in_blocks(some, pressure.shape)
+        in_blocks(some, pressure, gathered, self._contact)
         return pressure
 
 
@@ -175,14 +158,14 @@ class BlockExtension:
     """
 
     def __init__(self, contact: Array, coarser: ApproximateInverse) -> None:
-        self._contact, self._held = contact, contact
+        self._contact = contact
         self._loops = compiled_loops(contact.shape)
         self._block_contact = self._means(contact)
         self._extension = coarser.extension(self._block_contact)
 
     @property
     def work(self) -> float:
-        """Cells transformed until a displacement is extended: those of blocks."""
+        """Cells transformed in one smoothing: those of blocks."""
         return self._extension.work
 
     def __call__(self, displacement: Array) -> Array:
@@ -192,18 +175,12 @@ class BlockExtension:
         self._in_parts(self._loops.filled, blocks, self._contact, displacement, extended)
         return extended
 
-    def held(self, cells: Array, displacement: Array, extended: Array) -> Array:
-        """Hold more `cells` (x, y), as :meth:`Extension.held` does."""
-        self._held = cells
-        in_parts(lambda rows: hold(cells[rows], displacement[rows], extended[rows]), extended.shape)
-        return extended
-
     def transposed(self, pressure: Array) -> Array:
         """Gather a `pressure` (x, y) on all cells to those of the contact, in place: the transposed map."""
         blocks = self._blocks(pressure)
-        self._in_parts(self._loops.filled_transposed, pressure, self._held, blocks)
+        self._in_parts(self._loops.filled_transposed, pressure, self._contact, blocks)
         blocks = self._extension.transposed(blocks)
-        weights = self._block_contact, self._contact, self._held
+        weights = self._block_contact, self._contact
         self._in_parts(self._loops.block_means_transposed, blocks, *weights, pressure)
         return pressure
 
@@ -219,13 +196,6 @@ class BlockExtension:
         """Run a compiled loop over rows of blocks, some for each thread."""
         rows, columns = self._contact.shape
         in_parts(lambda part: loop(*arguments, part.start, part.stop), (rows // 2, columns // 2))
-
-
-def hold(cells: Array, displacement: Array, extended: Array) -> None:
-    """Give `extended` the `displacement` of `cells`, which are 1, and leave others as they are."""
-    change = extended - displacement
-    change *= cells
-    extended -= change
 
 
 def hole_width(contact: Array) -> float:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from contactstudy.domain.device import Cpu, arrays, device, threads
-from contactstudy.domain.fields import BLOCK, Array, in_blocks
+from contactstudy.domain.fields import Array, in_blocks
 
 Waves = NDArray[np.complexfloating[Any, Any]]
 
@@ -182,12 +182,4 @@ def transforms() -> Transforms:
 def scale(waves: Waves, factors: Array) -> None:
     """Multiply `waves` by `factors`, one for each wave, in place."""
 
-    if waves.shape[0] * waves.shape[1] <= BLOCK:
-        waves *= factors
-        return
-
-    def some(rows: slice) -> None:
-        part = waves[rows, :]
-        part *= factors[rows, :]
-
-    in_blocks(some, waves.shape)
+    in_blocks(lambda block, its_factors: block.__imul__(its_factors), waves, factors)

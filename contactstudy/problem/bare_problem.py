@@ -73,12 +73,11 @@ class BareProblem:
         """
         xp = arrays()
 
-        def highest(rows: slice) -> float:
-            some = displacement[rows, :]
-            return max(float(xp.max(some)), -float(xp.min(some)))
+        def highest(block: Array) -> float:
+            return max(float(xp.max(block)), -float(xp.min(block)))
 
         if farthest is None:
-            farthest = largest(*in_blocks(highest, displacement.shape))
+            farthest = largest(*in_blocks(highest, displacement))
         return float(ROUNDINGS * xp.finfo(displacement.dtype).eps * farthest)
 
     def ends(

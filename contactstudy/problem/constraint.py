@@ -8,7 +8,7 @@ from typing import Protocol, Self
 import numpy as np
 
 from contactstudy.domain.device import arrays
-from contactstudy.domain.fields import Array, change, in_blocks, inner
+from contactstudy.domain.fields import Array, in_blocks, inner, replaced
 from contactstudy.domain.fields import total as sum_of
 
 
@@ -163,7 +163,7 @@ class Compressive:
 
     def clip(self, trial: Array) -> Array:
         """Tension is set to zero."""
-        return change(trial, lambda some: arrays().maximum(some, 0))
+        return replaced(trial, lambda block: arrays().maximum(block, 0))
 
     def carrying(self, trial: Array, total: float) -> Array:
         """Tension is set to zero, the rest scaled."""
@@ -194,7 +194,7 @@ class Compressive:
 
         epsilon = float(xp.finfo(trial.dtype).eps)
         shift, factor = lowered_to(total, borne, bearing.shape[0], lowered, epsilon)
-        return change(trial, lambda some: xp.maximum(some - shift, 0) * factor)
+        return replaced(trial, lambda block: xp.maximum(block - shift, 0) * factor)
 
     def wrong(self, pressure: Array, height: Array) -> Array:
         """Cells that penetrate."""
@@ -204,11 +204,11 @@ class Compressive:
         """Complementarity and penetration."""
         xp = arrays()
 
-        def measure(rows: slice) -> tuple[float, float]:
-            some, height = pressure[rows, :], gap.height[rows, :]
-            return inner(some, xp.abs(height)), -float(xp.min(xp.where(some == 0, height, 0.0)))
+        def measure(block: Array, height: Array) -> tuple[float, float]:
+            overlap = xp.where(block == 0, height, 0.0)
+            return inner(block, xp.abs(height)), -float(xp.min(overlap))
 
-        moments, deepest = zip(*in_blocks(measure, pressure.shape), strict=True)
+        moments, deepest = zip(*in_blocks(measure, pressure, gap.height), strict=True)
         return largest(sum(moments) / borne, *deepest)
 
 
@@ -269,12 +269,12 @@ class HardnessLimited:
 
     def clip(self, trial: Array) -> Array:
         """No tension, and nothing above the hardness."""
-        return change(trial, lambda some: arrays().clip(some, 0.0, self.hardness))
+        return replaced(trial, lambda block: arrays().clip(block, 0.0, self.hardness))
 
     def carrying(self, trial: Array, total: float) -> Array:
         """Scaled before it is cut off at the hardness, by the one factor that gives the sum ``total``."""
         xp = arrays()
-        change(trial, lambda some: xp.maximum(some, 0))
+        replaced(trial, lambda block: xp.maximum(block, 0))
         bearing = trial > 0
         count = int(xp.count_nonzero(bearing))
         if count * self.hardness <= total:
@@ -297,7 +297,7 @@ class HardnessLimited:
             if not (below > 0 and rest / below > factor):
                 break
             factor = rest / below
-        return change(trial, lambda some: xp.minimum(some * factor, self.hardness))
+        return replaced(trial, lambda block: xp.minimum(block * factor, self.hardness))
 
     def nearest(self, trial: Array, total: float) -> Array:
         """Shifted, then cut off."""

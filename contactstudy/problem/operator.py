@@ -13,15 +13,11 @@ class Extension(Protocol):
 
     @property
     def work(self) -> float:
-        """Cells transformed until a displacement is extended."""
+        """Cells transformed in making it, and in each use of it or of its transpose."""
         ...
 
     def __call__(self, displacement: Array) -> Array:
         """The displacement of all cells."""
-        ...
-
-    def held(self, cells: Array, displacement: Array, extended: Array) -> Array:
-        """Hold more ``cells`` (x, y) at their own ``displacement``, also in one that is ``extended`` already."""
         ...
 
     def transposed(self, pressure: Array) -> Array:
@@ -39,7 +35,7 @@ class ApproximateInverse(Protocol):
 
     @property
     def work(self) -> float:
-        """Cells transformed from an extended displacement to the gathered pressure."""
+        """Cells transformed from an extended displacement to its pressure."""
         ...
 
     def extension(self, contact: Array) -> Extension:

@@ -11,8 +11,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike
 
-from contactstudy.domain.device import Precision, arrays
-from contactstudy.domain.fields import Array, compiled_loops, in_blocks, in_parts, inner, total
+from contactstudy.domain.device import Precision, arrays, threads
+from contactstudy.domain.fields import (
+    PART,
+    Array,
+    compiled_loops,
+    in_blocks,
+    in_parts,
+    inner,
+    total,
+)
 from contactstudy.problem.constraint import (
     Compressive,
     Constraint,
@@ -42,32 +50,27 @@ class ArrayPasses:
         """Return the gap, whose heights are written to `height`: zero on the mean of the free cells."""
         free_of = self.constraint.free
 
-        def add(rows: slice) -> tuple[float, float]:
-            free = free_of(pressure[rows, :])
-            both = undeformed[rows, :] + displacement[rows, :]
-            height[rows, :] = both
-            return inner(both, free), float(arrays().sum(free))
+        def add(heights: Array, flat: Array, moved: Array, bearing: Array) -> tuple[float, float]:
+            free = free_of(bearing)
+            heights[...] = flat + moved
+            return inner(heights, free), float(arrays().sum(free))
 
-        heights, cells = map(sum, zip(*in_blocks(add, pressure.shape), strict=True))
+        sums = in_blocks(add, height, undeformed, displacement, pressure)
+        heights, cells = map(sum, zip(*sums, strict=True))
         approach = heights / cells if cells else self.constraint.approach(pressure, height)
 
-        def count(rows: slice) -> None:
-            part = height[rows, :]
-            part -= approach
-
-        in_blocks(count, height.shape)
+        in_blocks(lambda block: block.__isub__(approach), height)
         return Gap(height, approach)
 
     def contact(self, pressure: Array, height: Array, real: DTypeLike) -> tuple[Array, Array]:
         """Return the cells that bear pressure and are at no limit (1, others 0), and their gap, in `real` numbers."""
         cells, unlevel = (arrays().empty(pressure.shape, dtype=real) for _ in range(2))
 
-        def some(rows: slice) -> None:
-            free = self.constraint.free(pressure[rows, :])
-            cells[rows, :] = free
-            unlevel[rows, :] = height[rows, :] * free
+        def some(free: Array, level: Array, bearing: Array, own: Array) -> None:
+            free[...] = self.constraint.free(bearing)
+            level[...] = own * free
 
-        in_blocks(some, pressure.shape)
+        in_blocks(some, cells, unlevel, pressure, height)
         return cells, unlevel
 
     def joined(
@@ -79,13 +82,22 @@ class ArrayPasses:
         """
         cells = arrays().empty_like(contact)
 
-        def some(rows: slice) -> bool:
-            expected = height[rows, :] - step_length * extended[rows, :]
-            wrong = self.constraint.wrong(pressure[rows, :], expected)
-            cells[rows, :] = contact[rows, :] + wrong
+        def some(after: Array, before: Array, bearing: Array, own: Array, whole: Array) -> bool:
+            wrong = self.constraint.wrong(bearing, own - step_length * whole)
+            after[...] = before + wrong
             return bool(arrays().any(wrong > 0))
 
-        return cells if any(in_blocks(some, pressure.shape)) else contact
+        joined = any(in_blocks(some, cells, contact, pressure, height, extended))
+        return cells if joined else contact
+
+    def product(self, height: Array, cells: Array, out: Array) -> Array:
+        """Write the gap of `cells`, which are 1, and 0 for others, into `out`."""
+
+        def some(own: Array, chosen: Array, product: Array) -> None:
+            product[...] = own * chosen
+
+        in_blocks(some, height, cells, out)
+        return out
 
     def totals(self, cells: Array, closing: Array) -> tuple[float, ...]:
         """Return the number of `cells`, and the sum of the pressure that would close them."""
@@ -98,18 +110,14 @@ class ArrayPasses:
         pressure and response, cells and response, gap of the cells and step, cells and step.
         """
 
-        def some(rows: slice) -> tuple[float, ...]:
-            height, closing, cells, step, response = (field[rows, :] for field in fields)
-            pairs = (
-                (height, closing),
-                (closing, response),
-                (cells, response),
-                (height * cells, step),
-            )
-            sums = (inner(*pair) for pair in pairs)
-            return total(cells), total(closing), *sums, inner(cells, step)
+        def some(
+            height: Array, closing: Array, cells: Array, step: Array, response: Array
+        ) -> tuple[float, ...]:
+            pairs = (height, closing), (closing, response), (cells, response)
+            sums = (inner(*pair) for pair in (*pairs, (height * cells, step), (cells, step)))
+            return total(cells), total(closing), *sums
 
-        return tuple(map(sum, zip(*in_blocks(some, fields[0].shape), strict=True)))
+        return tuple(map(sum, zip(*in_blocks(some, *fields), strict=True)))
 
     def trial(
         self,
@@ -123,21 +131,20 @@ class ArrayPasses:
     ) -> bool:
         """Write the pressure one step ahead over the last `step`; whether a limit cuts it."""
 
-        def some(rows: slice) -> bool:
-            ahead = step[rows, :]
+        def some(ahead: Array, against: Array, chosen: Array, bearing: Array) -> bool:
             if conjugate:
                 ahead *= conjugate
-                ahead -= closing[rows, :]
+                ahead -= against
                 ahead += level
             else:
-                ahead[...] = level - closing[rows, :]
-            ahead *= cells[rows, :]
+                ahead[...] = level - against
+            ahead *= chosen
             if step_length != 1:
                 ahead *= step_length
-            ahead += pressure[rows, :]
+            ahead += bearing
             return self.constraint.cuts(ahead)
 
-        return any(in_blocks(some, pressure.shape))
+        return any(in_blocks(some, step, closing, cells, pressure))
 
     def levelled(self, trial: Array, cells: Array, resultant: Resultant) -> Array:
         """Cut a trial pressure off at the limits and shift its `cells` to meet the `resultant`, in place."""
@@ -146,31 +153,24 @@ class ArrayPasses:
     def slope(self, trial: Array, pressure: Array, height: Array) -> float:
         """Return how fast the energy grows along the step to `trial`."""
 
-        def some(rows: slice) -> float:
-            return inner(height[rows, :], trial[rows, :] - pressure[rows, :])
-
-        return sum(in_blocks(some, trial.shape))
+        fields = trial, pressure, height
+        return sum(in_blocks(lambda there, here, gap: inner(gap, there - here), *fields))
 
     def curvature(self, trial: Array, pressure: Array, ahead: Array, displacement: Array) -> float:
         """Return the work of the step to `trial` on the change of displacement that it makes."""
 
-        def some(rows: slice) -> float:
-            step, response = (
-                trial[rows, :] - pressure[rows, :],
-                ahead[rows, :] - displacement[rows, :],
-            )
-            return inner(step, response)
+        def some(there: Array, here: Array, after: Array, before: Array) -> float:
+            return inner(there - here, after - before)
 
-        return sum(in_blocks(some, trial.shape))
+        return sum(in_blocks(some, trial, pressure, ahead, displacement))
 
     def meets_a_limit(self, trial: Array, pressure: Array, factor: float) -> bool:
         """Return whether a cell is beyond a limit after `factor` steps."""
 
-        def some(rows: slice) -> bool:
-            step = trial[rows, :] - pressure[rows, :]
-            return self.constraint.cuts(pressure[rows, :] + factor * step)
+        def some(there: Array, here: Array) -> bool:
+            return self.constraint.cuts(here + factor * (there - here))
 
-        return any(in_blocks(some, pressure.shape))
+        return any(in_blocks(some, trial, pressure))
 
     def advance(
         self, trial: Array, pressure: Array, ahead: Array, displacement: Array, share: float
@@ -180,17 +180,16 @@ class ArrayPasses:
         The changes of both, from there back, are written over `pressure` and `displacement`.
         """
 
-        def some(rows: slice) -> None:
-            for before, after in ((pressure, trial), (displacement, ahead)):
-                back, there = before[rows, :], after[rows, :]
-                back -= there
-                if share != 1:
-                    there += (1 - share) * back
-                    back *= share
+        def some(back: Array, there: Array) -> None:
+            back -= there
             if share != 1:
-                self.constraint.clip(trial[rows, :])
+                there += (1 - share) * back
+                back *= share
 
-        in_blocks(some, trial.shape)
+        in_blocks(some, displacement, ahead)
+        in_blocks(some, pressure, trial)
+        if share != 1:
+            self.constraint.clip(trial)
 
 
 class CompiledPasses:
@@ -229,6 +228,11 @@ class CompiledPasses:
         cells = np.empty_like(contact)
         fields = pressure, height, extended, step_length, self._limit, contact, cells
         return cells if _rows(self._loops.joined, *fields, results=1).any() else contact
+
+    def product(self, height: Array, cells: Array, out: Array) -> Array:
+        """As :meth:`ArrayPasses.product`."""
+        _rows(self._loops.product, height, cells, out)
+        return out
 
     def totals(self, cells: Array, closing: Array) -> tuple[float, ...]:
         """As :meth:`ArrayPasses.totals`."""
@@ -305,13 +309,16 @@ def passes_for(constraint: Constraint, shape: tuple[int, ...]) -> Passes:
 
 
 def _rows(kernel: Callable[..., object], *arguments: Any, results: int = 0) -> Array:
-    """Return what a compiled `kernel` over fields (x, y) finds in each of their rows, (`results`, x).
+    """Return what a compiled `kernel` over fields (x, y), its first `arguments`, finds in each row, (`results`, x).
 
-    It gets a thread's part of each field among its `arguments`, the others as they are, and last that part of an array
+    It gets a thread's part of each field, other arguments as they are, and last that part of an array
     for its results, if it has any: one call for each thread.
     """
-    shape = next(one.shape for one in arguments if isinstance(one, np.ndarray))
+    shape = arguments[0].shape
     values = np.empty((shape[0], results))
+    if shape[0] * shape[1] < 2 * PART or threads() == 1:
+        kernel(*arguments, *([values] if results else []))
+        return values.T
 
     def some(rows: slice) -> None:
         parts = [one[rows] if isinstance(one, np.ndarray) else one for one in arguments]

@@ -40,13 +40,17 @@ def closing_pressure(
     passes = problem.passes
     contact, unlevel = passes.contact(pressure, gap.height, inverse.real)
     extension = inverse.extension(contact)
+    work = inverse.work + 3 * extension.work  # made, used, and gathered by
     extended = extension(unlevel)
-    del unlevel
     cells = passes.joined(pressure, gap.height, extended, step_length, contact)
     if cells is not contact:
-        extended = extension.held(cells, gap.height, extended)
+        del extension  # or it would stand beside that of more cells
+        extension = inverse.extension(cells)
+        extended = extension(passes.product(gap.height, cells, unlevel))
+        work += 2 * extension.work
+    del unlevel
     closing = extension.transposed(inverse.pressure(extended))
-    return closing, cells, cells is not contact, extension.work + inverse.work
+    return closing, cells, cells is not contact, work
 
 
 def trial_along(

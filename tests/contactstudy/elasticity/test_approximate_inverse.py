@@ -76,24 +76,12 @@ def test_a_rigid_shift_is_the_same_everywhere(shape: tuple[int, int], elongation
 
 
 @pytest.mark.usefixtures("blocks")
-@pytest.mark.parametrize("more", [False, True])
 @pytest.mark.parametrize(("shape", "elongation"), CASES, ids=str)
-def test_the_transposed_map_is_the_transpose(
-    shape: tuple[int, int],
-    elongation: float,
-    more: bool,  # noqa: FBT001
-) -> None:
-    """Also of a contact that other cells have joined, which stay where they are and move nothing."""
+def test_the_transposed_map_is_the_transpose(shape: tuple[int, int], elongation: float) -> None:
     contact = island(shape)
     extension = inverse(shape, elongation).extension(contact)
     known, pressure = np.random.default_rng(7).standard_normal((2, *shape))
     extended = extension(known * contact)
-    if more:
-        before, contact = extended.copy(), np.maximum(contact, island(shape, 0.2).T.reshape(shape))
-        extended = extension.held(contact, known, extended)
-        np.testing.assert_allclose(
-            extended, known * contact + before * (1 - contact), atol=1e-15 * 10
-        )
     gathered = extension.transposed(pressure.copy())
     np.testing.assert_array_equal(gathered * (1 - contact), 0)
     work = np.abs(pressure).sum() * np.abs(known).max()

@@ -10,6 +10,12 @@ import pytest
 from scipy.special import erfinv
 
 import contactstudy as cs
+from contactstudy.domain import fields
+from contactstudy.elasticity.approximate_inverse import (
+    ApproximateInverse,
+    BlockExtension,
+    Extension,
+)
 from contactstudy.solvers import preconditioned_cg
 from contactstudy.solvers.iterate import Stall
 from contactstudy.solvers.polonsky_keer import PolonskyKeer
@@ -186,13 +192,25 @@ def test_an_iteration_is_one_convolution_and_one_preconditioning(
         counted[operator.cells] += 1
         return apply(operator, pressure)
 
+    extend = ApproximateInverse.extension
+    extensions: Counter[tuple[int, int]] = Counter()
+
+    def extending(inverse: ApproximateInverse, contact: np.ndarray) -> Extension | BlockExtension:
+        extensions[contact.shape[0], contact.shape[1]] += 1
+        return extend(inverse, contact)
+
+    monkeypatch.setattr(fields, "LARGE", np.inf)
     monkeypatch.setattr(cs.Convolution, "__call__", counting)
+    monkeypatch.setattr(ApproximateInverse, "extension", extending)
     solution = cs.solve(problem(line_contact, 128, "30 %"))
     assert counted[128, 128] == solution.iterations + 1
     assert set(counted) == {(128, 128), (64, 64), (32, 32)}
-    # four halves for every preconditioning, and the coarser grids by their share of the cells
-    levels = {cells[0]: (1 + 3 * (n - 1)) * (cells[0] / 128) ** 2 for cells, n in counted.items()}
-    assert solution.convolutions == pytest.approx(sum(levels.values()), rel=1e-12)
+    # on the grid that is not padded: two pairs for every extension, one for the pressure, one to gather it
+    levels = [
+        (n + (2 * (n - 1) + 2 * extensions[cells]) / 2) * (cells[0] / 128) ** 2
+        for cells, n in counted.items()
+    ]
+    assert solution.convolutions == pytest.approx(sum(levels), rel=1e-12)
 
 
 def test_a_stall_hands_over_to_the_reference_and_says_so(line_contact: LineContact) -> None:

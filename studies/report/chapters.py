@@ -13,9 +13,9 @@ from studies.registry import BUILT_IN, OPTIONAL, load
 INSTALLATION = 60
 # Seconds that each study takes on two cores, with its times and its figures.
 SECONDS = {
-    "padding": 6, "period": 2, "images": 4, "grid": 3, "paper": 3, "pareto": 14, "stability": 6, "roughness": 6,
-    "coating": 20, "friction": 20, "creep": 20, "wear": 20, "plastic": 30, "accuracy": 60,
-    "kernels": 10, "solvers": 20, "speed": 60, "effect_cost": 30, "peers": 120,
+    "padding": 6, "period": 3, "images": 4, "grid": 3, "paper": 3, "pareto": 6, "stability": 5, "roughness": 3,
+    "coating": 4, "friction": 4, "creep": 3, "wear": 5, "plastic": 3, "accuracy": 15,
+    "kernels": 8, "solvers": 15, "speed": 15, "effect_cost": 20, "peers": 120,
 }  # fmt: skip
 
 

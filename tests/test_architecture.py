@@ -34,3 +34,13 @@ def test_modules_above_are_found_by_name_in_one_place() -> None:
     for name in PRESENTATIONS.values():
         module, _, function = name.rpartition(".")
         assert callable(getattr(import_module(module), function))
+
+
+def test_the_files_that_contributors_are_led_to_are_there() -> None:
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    paths = re.findall(r"`((?:contactstudy|studies|tests)/[\w/.]+)`", text.replace("NAME.py", ""))
+    assert len(paths) > 20
+    for path in paths:
+        assert (ROOT / path).exists(), path
+    for name, path in re.findall(r"`(\w+)` (?:in|of) `([\w/]+\.py)`", text):
+        assert re.search(rf"\b{name}\b", (ROOT / path).read_text(encoding="utf-8")), (name, path)

@@ -1,7 +1,7 @@
 """The axes of a study: their values, and how a person writes them."""
 
 import math
-import sys
+import re
 from collections.abc import Iterable, Iterator, Sequence, Sized
 from dataclasses import dataclass
 from itertools import chain, islice
@@ -17,9 +17,13 @@ Value = str | int | float
 MOST_POINTS = 1_000_000  # of a study, for which nobody is asked
 POINT_BYTES = 500  # of memory for a point, at the least
 
+NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+# first:last, first:last:count or first:last:count:log
+RANGE = re.compile(rf"({NUMBER})\s*:\s*({NUMBER})(?:\s*:\s*(\d+)(?:\s*:\s*(log))?)?")
+
 FORMS = {
-    int: "give whole numbers such as 0,1,6 or a range with both its ends such as 0:10 or 0:10:2",
-    float: "give numbers such as 0.6,2.4",
+    int: "give whole numbers such as 0,1,6, all of a range such as 0:10, or so many such as 32:1024:6:log",
+    float: "give numbers such as 0.6,2.4, or so many of a range such as 0.6:2.4:4 or 1:100:3:log",
     str: "give names separated by commas",
 }
 
@@ -149,22 +153,41 @@ def _snapped(value: float) -> float:
     return float(f"{value:.15g}")
 
 
-def _split(text: str, kind: type) -> Iterator[Sequence[str] | range]:
+def _split(text: str, kind: type) -> Iterator[Sequence[str] | Sequence[float]]:
+    """Yield the values of each part between commas; a part that is no range stays as it is."""
     for part in text.split(","):
-        part = part.strip()
-        bounds = part.split(":")
-        if kind is int and len(bounds) in (2, 3) and all(_is_whole(bound) for bound in bounds):
-            first, last, *step = (int(bound) for bound in bounds)
-            # an empty or endless range is no range: it is refused as the text it is
-            if first <= last and all(s > 0 for s in step) and last - first < sys.maxsize:
-                yield range(first, last + 1, *step)
-                continue
-        yield (part,)
+        found = RANGE.fullmatch(part.strip()) if kind is not str else None
+        values = None if found is None else values_between(*found.groups(""), whole=kind is int)
+        yield (part.strip(),) if values is None else values
 
 
-def _is_whole(text: str) -> bool:
-    try:
-        int(text)
-    except ValueError:
-        return False
-    return True
+def values_between(
+    first: str, last: str, count: str, spacing: str, *, whole: bool
+) -> Sequence[float] | None:
+    """Return the values of a range that a person writes as ``first:last:count`` or ``first:last:count:log``.
+
+    Both ends belong to it. Without a count they are all whole numbers between them. Returns None for what is no
+    range: one that does not rise, has fewer than two values, a logarithmic one from zero, or one of whole numbers
+    between numbers with a fraction.
+    """
+    low, high = float(first), float(last)
+    if whole and not (low.is_integer() and high.is_integer()):
+        return None
+    if not count:
+        rises = whole and low <= high and high - low < 2**53
+        return range(int(low), int(high) + 1) if rises else None
+    if (
+        int(count) < 2
+        or low >= high
+        or (spacing and low <= 0)
+        or int(count) * POINT_BYTES > available_bytes()
+    ):
+        return None
+    spaced = np.geomspace(low, high, int(count)) if spacing else np.linspace(low, high, int(count))
+    if whole:
+        rounded = np.round(spaced).astype(int)
+        if not spacing and np.abs(spaced - rounded).max() > 1e-9 * high:
+            return None
+        return [int(value) for value in np.unique(rounded)]
+    # to twelve digits, so that the number that was meant comes out: 3e-07 and not 3.0000000000000004e-07
+    return [float(f"{value:.12g}") for value in spaced]

@@ -14,10 +14,9 @@ import contactstudy as cs
 from contactstudy import InvalidInput, MeasuredSurface, Window
 from contactstudy.io.scene_file import KINDS, Document, Turn
 from contactstudy.io.structuring import structured
-from studies.model.axis import Axis, Value, check_count
+from studies.model.axis import NUMBER, Axis, Value, check_count, values_between
 from studies.scene_study.fields import Field, document_of, find, replaced, without_none
 
-NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 QUANTITY = re.compile(rf"({NUMBER})\s*(.*)")
 RANGE = re.compile(
     rf"({NUMBER})\s*([^:,\d]*):\s*({NUMBER})\s*([^:,\d][^:,]*)?(?::\s*(\d+)\s*(?::\s*(log))?\s*([^:]*))?"
@@ -33,9 +32,9 @@ OPEN, CLOSED = "[{", "]}"
 def parse_values(field: str, text: str, *, whole: bool) -> list[object]:
     """``text`` as what a scene file could hold in the place of ``field``: numbers, texts, lists, tables.
 
-    ``50:400:8 N/mm`` is eight values from 50 to 400 N/mm, ``50:400:8:log N/mm`` in equal ratios. For a
-    field of ``whole`` numbers ``0:10`` is all from 0 to 10 and ``0:10:2`` every second. A unit after the last
-    of several numbers is that of all. Raises :class:`~contactstudy.InvalidInput` for what is none of these.
+    ``50:400:8 N/mm`` is eight values from 50 to 400 N/mm, ``50:400:8:log N/mm`` in equal ratios, and for a field of
+    ``whole`` numbers ``0:10`` all from 0 to 10. A unit after the last of several numbers is that of all. Raises
+    :class:`~contactstudy.InvalidInput` for what is none of these.
     """
     parts = [part.strip() for part in _split(field, text)]
     if not all(parts) or not parts:
@@ -81,36 +80,16 @@ def _expanded(field: str, part: str, whole: bool) -> list[object]:  # noqa: FBT0
         raise InvalidInput(
             f"{field} is {part!r}, which has the units {sorted(units)}: write both ends in one unit."
         )
-    if whole:
-        return list(_whole_range(field, part, first, last, count))
-    if not count or int(count) < 2:
+    check_count(field, int(count or 0), "values", MOST)
+    values = values_between(first, last, count, log, whole=whole)
+    if values is None:
         raise InvalidInput(
-            f"{field} is {part!r}: give the number of values, 2 or more, as in {first}:{last}:8."
+            f"{field} is {part!r}: give a rising range with its number of values, such as {first}:{last}:8, with :log "
+            "behind it for equal ratios above 0, or of whole numbers such as 0:10."
         )
-    ends = float(first), float(last)
-    if log and min(ends) <= 0:
-        raise InvalidInput(
-            f"{field} is {part!r}: give ends above 0 for a range in equal ratios, or leave out log."
-        )
-    check_count(field, int(count), "values", MOST)
-    spaced = np.geomspace(*ends, int(count)) if log else np.linspace(*ends, int(count))
+    check_count(field, len(values), "values", MOST)
     suffix = f" {units.pop()}" if units else ""
-    # to twelve digits, so that the number that was meant comes out: 3e-07 and not 3.0000000000000004e-07
-    return [f"{value:.12g}{suffix}" if suffix else float(f"{value:.12g}") for value in spaced]
-
-
-def _whole_range(field: str, part: str, first: str, last: str, step: str) -> range:
-    try:
-        bounds = range(int(first), int(last) + 1, int(step or 1))
-    except ValueError:
-        bounds = range(0)
-    if not bounds:
-        raise InvalidInput(
-            f"{field} is {part!r}: give a rising range of whole numbers, such as 0:10, or 0:10:2 for "
-            "every second."
-        )
-    check_count(field, len(bounds), "values", MOST)
-    return bounds
+    return [f"{value:.12g}{suffix}" if suffix else value for value in values]
 
 
 def _plain(part: str) -> object:

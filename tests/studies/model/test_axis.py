@@ -12,10 +12,13 @@ NAME = Axis("padding", ("zero",), "mode")
     ("axis", "text", "values"),
     [
         (WHOLE, "0:10", tuple(range(11))),
-        (WHOLE, "0:10:5,100", (0, 5, 10, 100)),
+        (WHOLE, "0:10:3,100", (0, 5, 10, 100)),
+        (WHOLE, "32:1024:6:log", (32, 64, 128, 256, 512, 1024)),
         (WHOLE, "6, 1,6", (1, 6)),
         (REAL, "0.15,0.6,2.4", (0.15, 0.6, 2.4)),
         (REAL, "2", (2.0,)),
+        (REAL, "0.6:2.4:4", (0.6, 1.2, 1.8, 2.4)),
+        (REAL, "1:100:3:log,7", (1.0, 7.0, 10.0, 100.0)),
         (NAME, "zero,exact", ("zero", "exact")),
     ],
 )
@@ -37,7 +40,7 @@ def test_values_may_come_from_python() -> None:
         (WHOLE, ""), (WHOLE, "six"), (WHOLE, "1.5"), (WHOLE, "3:1"), (WHOLE, "0:4:0"), (WHOLE, "1,,2"),
         (WHOLE, "0:--3"),
         (WHOLE, "nan"), (WHOLE, "inf"), (REAL, "0:10"), (REAL, "nan"), (REAL, "inf"), (REAL, "1e999"),
-        (REAL, ","),
+        (REAL, ","), (REAL, "0:1:3:log"), (REAL, "2:1:3"), (WHOLE, "0:10:4"), (REAL, "1:2:999999999999"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_read_is_refused_with_its_axis(axis: Axis, text: str) -> None:

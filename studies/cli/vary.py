@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from contactstudy import InvalidInput
+from contactstudy import InvalidInput, read_scene
 
 if TYPE_CHECKING:
     from studies.model.study import Study
@@ -30,7 +30,7 @@ FIGURES = click.option(
 
 
 def load_scene_study(name: str, vary: Sequence[str], others: Sequence[str]) -> "Study | None":
-    """The study of the scene in the file ``name``; None where that is no scene file.
+    """Return the study of the scene in the file `name`, over `vary` or what the file varies; None for no scene file.
 
     Raises :class:`~contactstudy.InvalidInput` for what cannot be varied.
     """
@@ -43,21 +43,23 @@ def load_scene_study(name: str, vary: Sequence[str], others: Sequence[str]) -> "
         return None
     if others:
         raise InvalidInput(f"Argument {others[0]!r} is not expected: write {EXAMPLE}.")
-    if not vary:
-        raise InvalidInput(
-            f"{name} is run without anything to vary: give {EXAMPLE}, or use contactstudy solve {name}."
-        )
     fields: dict[str, object] = {}
-    for one in vary:
-        field, equals, values = one.partition("=")
+    for text in vary:
+        field, equals, values = text.partition("=")
         field = field.strip()
         if not equals or not field or not values.strip():
             raise InvalidInput(
-                f"--vary is {one!r}: give a field and its values, such as {EXAMPLE}."
+                f"--vary is {text!r}: give a field and its values, such as {EXAMPLE}."
             )
         if field in fields:
             raise InvalidInput(f"--vary names {field} twice: write all its values in one list.")
         fields[field] = values.strip()
     from studies.scene_study.study_of import study_of
 
-    return study_of(Path(name), fields)
+    described = read_scene(name)
+    if not fields and not described.vary:
+        raise InvalidInput(
+            f"{name} is run without anything to vary: give {EXAMPLE} or a table [vary] in the file, or use "
+            f"contactstudy solve {name}."
+        )
+    return study_of(Path(name), fields or None)

@@ -29,58 +29,58 @@ OF_FILE = ("file", "turn", "window")
 
 @dataclass(frozen=True)
 class Field:
-    """A field by its ``path`` in a scene file, and the type that is wanted there."""
+    """Field of a scene file by its path, and the type that stands there."""
 
     path: Path
     wanted: Any
 
     @property
     def name(self) -> str:
-        """As a person writes it."""
+        """Path as a person writes it."""
         return ".".join(self.path)
 
     @property
     def unit(self) -> str:
-        """The symbol of its SI unit, or nothing."""
-        for one in (self.wanted, *get_args(self.wanted)):
-            for note in getattr(one, "__metadata__", ()):
+        """Symbol of the SI unit, empty without one."""
+        for candidate in (self.wanted, *get_args(self.wanted)):
+            for note in getattr(candidate, "__metadata__", ()):
                 if isinstance(note, Unit):
                     return note.symbol
         return ""
 
     @property
     def is_whole(self) -> bool:
-        """Whether whole numbers are wanted."""
+        """True for a field of whole numbers."""
         return self.wanted is int
 
 
 def document_of(described: SceneFile) -> Document:
-    """All that a scene file says, as one value."""
+    """Return the keys of a scene file."""
     scene = described.scene
     across, along = (
         described.padding if isinstance(described.padding, tuple) else (None, described.padding)
     )
-    said = {
-        one.name: getattr(scene, one.name) for one in fields(Document) if hasattr(scene, one.name)
+    of_scene = {
+        key.name: getattr(scene, key.name) for key in fields(Document) if hasattr(scene, key.name)
     }
-    others: dict[str, Any] = {"grid": described.grid, "padding": along, "padding_across": across}
-    others["evolve"] = described.time_steps
-    return Document(**(said | others), plan=described.plan_settings, solve=described.settings)
+    beside: dict[str, Any] = {"grid": described.grid, "padding": along, "padding_across": across}
+    beside["evolve"] = described.time_steps
+    return Document(**(of_scene | beside), plan=described.plan_settings, solve=described.settings)
 
 
 def find(document: Document, name: str) -> Field:
-    """The field that a person calls ``name``.
+    """Return the field that a person calls `name`.
 
     A path, a short name such as ``tolerance``, or the name of a field that one shape alone has. Raises
-    :class:`~contactstudy.InvalidInput` for a name that is no field, and says what there is.
+    :class:`~contactstudy.InvalidInput` for a name that is no field, with those that there are.
     """
     if name in SHORT and not (name == "period" and document.grid is not None):
         return _at(document, tuple(SHORT[name].split(".")))
     if name == "period":
         return _at(document, ("grid", "extent", "1"))
     path = tuple(name.split("."))
-    known = [one.name for one in fields(Document)]
-    if path[0] in known:
+    keys = [key.name for key in fields(Document)]
+    if path[0] in keys:
         return _at(document, path)
     owners = [
         str(number) for number, shape in enumerate(document.shapes) if path[0] in _names(shape)
@@ -90,7 +90,7 @@ def find(document: Document, name: str) -> Field:
     if owners:
         several = ", ".join(f"shapes.{number}.{name}" for number in owners)
         raise InvalidInput(f"Field {name!r} is one of several shapes: give one of {several}.")
-    hint = suggestion(path[0], sorted([*known, *SHORT]))
+    hint = suggestion(path[0], sorted([*keys, *SHORT]))
     raise InvalidInput(
         f"Field {name!r} is not in the scene: {hint}, or a path such as load.per_length or "
         f"shapes.0.{_example(document)}."
@@ -113,8 +113,8 @@ def _at(document: Document, path: Path) -> Field:
         if isinstance(value, tuple | list):
             if not part.isdigit() or int(part) >= len(value):
                 listed = ", ".join(
-                    f"{number} {type(one).__name__ if is_dataclass(one) else one}"
-                    for number, one in enumerate(value)
+                    f"{number} {type(entry).__name__ if is_dataclass(entry) else entry}"
+                    for number, entry in enumerate(value)
                 )
                 raise InvalidInput(
                     f"Field {'.'.join(path)!r} has {part!r} for an entry of {before}: give one of "
@@ -144,42 +144,43 @@ def _is_of_file(value: object, part: str) -> bool:
 
 
 def _names(value: Any) -> list[str]:
-    names = [one.name for one in fields(value) if one.init]
+    names = [member.name for member in fields(value) if member.init]
     if isinstance(value, MeasuredSurface):
         return [*OF_FILE, "missing", "trend", "seam", "extent"]
     return names
 
 
 def _entry(wanted: Any, number: int) -> Any:
-    """The type of one entry of a tuple, which may be one of several types that are wanted."""
-    for one in (wanted, *(get_args(wanted) if get_origin(wanted) in (Union, UnionType) else ())):
-        if get_origin(one) is tuple:
-            entries = get_args(one)
+    """Return the type of one entry of a tuple, which may be one of several types."""
+    for option in (wanted, *(get_args(wanted) if get_origin(wanted) in (Union, UnionType) else ())):
+        if get_origin(option) is tuple:
+            entries = get_args(option)
             return entries[0] if entries[-1] is ... else entries[number]
     return wanted
 
 
 def replaced(value: Any, path: Sequence[str], new: object) -> Any:
-    """``value`` with ``new`` at ``path``."""
+    """Return `value` with `new` at `path`."""
     if not path:
         return new
-    first, rest = path[0], path[1:]
+    first, below = path[0], path[1:]
     if isinstance(value, tuple | list):
         number = int(first)
         return tuple(
-            replaced(one, rest, new) if place == number else one for place, one in enumerate(value)
+            replaced(entry, below, new) if place == number else entry
+            for place, entry in enumerate(value)
         )
-    return replace(value, **{first: replaced(getattr(value, first), rest, new)})
+    return replace(value, **{first: replaced(getattr(value, first), below, new)})
 
 
 def without_none(wanted: Any) -> Any:
-    """``wanted`` without the None that stands for leaving it open."""
+    """Return a type without the None that leaves it open."""
     if get_origin(wanted) in (Union, UnionType):
-        left = tuple(one for one in get_args(wanted) if one is not NoneType)
-        return left[0] if len(left) == 1 else Union[left]  # noqa: UP007 (made at run time)
+        options = tuple(option for option in get_args(wanted) if option is not NoneType)
+        return options[0] if len(options) == 1 else Union[options]  # noqa: UP007 (made at run time)
     return wanted
 
 
 def is_number(wanted: Any) -> bool:
-    """Whether a number with a unit is wanted."""
+    """Return whether a field is a number with a unit."""
     return get_origin(wanted) is Annotated

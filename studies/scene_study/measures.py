@@ -1,14 +1,17 @@
 """Quantities recorded of every contact of a sweep."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
 
 import contactstudy as cs
 from contactstudy.domain.fields import Array, inner
+from contactstudy.io.dataset import labelled
+from contactstudy.io.summary import Quantity, march_quantities, rolling_quantities
+from contactstudy.scene.load import ConstantLoad
 from studies.model.case import error_estimates, number
-from studies.scene_study.scene_case import SceneCase, Solved
+from studies.scene_study.scene_case import MarchedScene, RolledScene, SceneCase, Solved
 
 # The error of the stiffness is the square of the relative error of the iteration.
 RESIDUAL = 3e-2
@@ -16,9 +19,9 @@ MOST = 60
 
 
 def normal_stiffness(solution: cs.Solution) -> float:
-    """d load / d approach [N/m per m of length] of the contact as it stands: its cells stay the same.
+    """Return d load / d approach [N/m per m of length] of the contact as it stands: its cells stay the same.
 
-    The increment of the pressure that carries a unit of load and moves all cells in contact alike, found
+    It is that of the increment of the pressure that carries a unit of load and moves all cells in contact alike, found
     by projected conjugate gradients (Hestenes & Stiefel 1952), which do not see the rigid shift of the
     operator. Cells that yield carry no more. nan where no cell can.
     """
@@ -60,49 +63,59 @@ def normal_stiffness(solution: cs.Solution) -> float:
     return float(grid.cell_area / grid.period / compliance)
 
 
-def measures(case: SceneCase, solved: Solved) -> Mapping[str, xr.Variable]:
-    """Area, pressures, approach, stiffness, mean gap, load, wall time, error estimates, von Mises stress."""
-    solution, grid = solved.solution, case.grid
-    pressure = solution.pressure
+def measures(
+    case: SceneCase | RolledScene | MarchedScene, result: Solved | cs.SteadyRolling | cs.Evolution
+) -> Mapping[str, xr.Variable]:
+    """Return the numbers of a contact: of a solution, of steady rolling, or of a march in time."""
+    if isinstance(result, cs.Evolution):
+        return _of_quantities(march_quantities(result))
+    if isinstance(result, cs.SteadyRolling):
+        numbers = _of_quantities(rolling_quantities(result))
+        return {**_of_solution(case.scene, result.solution), **numbers}
+    measured = _of_solution(case.scene, result.solution)
+    approach = "approach of the bodies" + _counted(result.datum)
+    measured["approach"] = labelled((), result.solution.approach, "m", approach)
+    wall_time = "wall time of set-up and solve, beside other cases"
+    measured["wall_time"] = labelled((), result.seconds, "s", wall_time)
+    if result.solution.pressure.any():
+        long_name = "normal stiffness, d load / d approach"
+        measured["stiffness"] = labelled((), normal_stiffness(result.solution), "N m-2", long_name)
+    return measured
+
+
+def _of_quantities(numbers: Sequence[Quantity]) -> dict[str, xr.Variable]:
+    return {q.name: labelled((), q.value, q.units, q.long_name) for q in numbers}
+
+
+def _of_solution(scene: cs.Scene, solution: cs.Solution) -> dict[str, xr.Variable]:
+    """Return load, area, pressures, mean gap, error estimates and the largest von Mises stress."""
+    grid, pressure = solution.problem.grid, solution.pressure
     touching = pressure > 0
     area = float(np.count_nonzero(touching) * grid.cell_area)
-    mean = case.load.per_length * grid.period / area if area else 0.0
-    found = {
-        "load": _number(case.load.per_length, "N m-1", "load per length"),
-        "contact_area": _number(area, "m2", "area of the cells in contact"),
+    load = scene.load.over(grid.period) if isinstance(scene.load, ConstantLoad) else 0.0
+    mean = load * grid.period / area if area else 0.0
+    perimeter = _perimeter(touching, grid, solution.problem.paddings)
+    measured = {
+        "load": labelled((), load, "N m-1", "load per length"),
+        "contact_area": labelled((), area, "m2", "area of the cells in contact"),
         "contact_share": number(float(touching.mean()), "share of the grid in contact"),
-        "contact_perimeter": _number(
-            _perimeter(touching, grid, solution.problem.paddings),
-            "m",
-            "length of the cells' edges at which contact ends",
+        "contact_perimeter": labelled(
+            (), perimeter, "m", "length of the cells' edges at which contact ends"
         ),
-        "peak_pressure": _number(float(pressure.max()), "Pa", "peak pressure"),
-        "mean_pressure": _number(mean, "Pa", "mean pressure of the cells in contact"),
-        "approach": _number(
-            solution.approach, "m", "approach of the bodies" + _counted(solved.datum)
-        ),
-        "mean_gap": _number(float(solution.gap.mean()), "m", "mean gap over the grid"),
-        "wall_time": _number(
-            solved.seconds, "s", "wall time of set-up and solve, beside other cases"
-        ),
+        "peak_pressure": labelled((), float(pressure.max()), "Pa", "peak pressure"),
+        "mean_pressure": labelled((), mean, "Pa", "mean pressure of the cells in contact"),
+        "approach": labelled((), solution.approach, "m", "approach of the bodies"),
+        "mean_gap": labelled((), float(solution.gap.mean()), "m", "mean gap over the grid"),
     }
-    if touching.any():
-        long_name = "normal stiffness, d load / d approach"
-        found["stiffness"] = _number(normal_stiffness(solution), "N m-2", long_name)
-    if (hertz := case.scene.hertz) is not None:
+    if (hertz := scene.hertz) is not None:
         share = area / (2 * hertz.half_width * grid.period)
-        found["contact_area_over_hertz"] = number(
-            share, "contact area over that of Hertz's line contact"
-        )
-    return {**found, **_von_mises(solution), **error_estimates(solution)}
+        long_name = "contact area over that of Hertz's line contact"
+        measured["contact_area_over_hertz"] = number(share, long_name)
+    return {**measured, **_von_mises(solution), **error_estimates(solution)}
 
 
 def _counted(datum: float | None) -> str:
     return "" if datum is None else f", counted from {datum:.4g} m beside the contact"
-
-
-def _number(value: float, units: str, long_name: str) -> xr.Variable:
-    return xr.Variable((), value, {"units": units, "long_name": long_name})
 
 
 def _perimeter(touching: np.ndarray, grid: cs.Grid, paddings: cs.Paddings | None) -> float:
@@ -122,15 +135,17 @@ def _repeats(padding: cs.Padding) -> bool:
 
 
 def _von_mises(solution: cs.Solution) -> Mapping[str, xr.Variable]:
-    """The highest of the stress that the scene names, and its depth."""
-    found = {}
+    """Return the largest von Mises stress of the outputs that the scene names, and its depth."""
+    measured = {}
     for output in solution.problem.outputs:
         fields = output.fields(solution.pressure)
         if "von_mises" not in fields or "z" not in fields:
             continue
         values, depths = fields["von_mises"].values, fields["z"].values
         level = int(np.unravel_index(values.argmax(), values.shape)[0])
-        found["von_mises_max"] = _number(float(values.max()), "Pa", "highest von Mises stress")
+        measured["von_mises_max"] = labelled(
+            (), float(values.max()), "Pa", "highest von Mises stress"
+        )
         depth = "depth of the highest von Mises stress, of those named"
-        found["von_mises_max_depth"] = _number(float(depths[level]), "m", depth)
-    return found
+        measured["von_mises_max_depth"] = labelled((), float(depths[level]), "m", depth)
+    return measured

@@ -11,8 +11,9 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.domain.fields import Array
+from contactstudy.io.scene_file import TimeSteps
 from contactstudy.scene.scene import under_load
-from studies.model.case import Case
+from studies.model.case import Case, EvolutionCase
 
 # Of the pressure that would close a cell's gap alone, how much stands for the gap in a forecast of the
 # pressure: cells about to touch are foreseen to do so. From 0.05 to 0.5 the iterations differ by 2 %.
@@ -23,7 +24,7 @@ FAR = 2.0
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """A ``solution``, the wall time [s] of set-up and solve, and where its approach counts from [m].
+    """Solution, the wall time [s] of set-up and solve, and the distance [m] from which its approach counts.
 
     ``datum`` is None where the padding leaves nothing open.
     """
@@ -44,13 +45,13 @@ class SceneCase(Case):
     """
 
     def prepare(self) -> Any:
-        """The problem, from the last one if that differs in its load alone."""
+        """Return the problem, from the last one if that differs in its load alone."""
         start = perf_counter()
         problem = under_load(_LAST.problem_like(self), self.load)
         return problem, perf_counter() - start
 
     def run(self, prepared: Any) -> Any:
-        """The solve, from the pressures at the loads before."""
+        """Solve, beginning with the pressures at the loads before."""
         problem, seconds = prepared
         start = perf_counter()
         start_pressure = _LAST.pressure_for(problem, self.load.per_length)
@@ -61,32 +62,22 @@ class SceneCase(Case):
         return Solved(solution, seconds, self.datum)
 
     def record(self, result: Solved) -> Mapping[str, xr.Variable]:  # type: ignore[override]
-        """The solver's own numbers, and its status as CF flags."""
+        """Return the numbers of the solver, and its status as CF flags."""
         return super().record(result.solution)
 
     def fields(self, result: Solved) -> Mapping[str, xr.Variable]:  # type: ignore[override]
-        """Pressure and gap over the grid, and the outputs that the scene names, such as stress."""
-        dataset = cs.to_dataset(result.solution)
-        shown = [
-            str(name)
-            for name, one in dataset.variables.items()
-            if one.ndim and name != "displacement"
-        ]
-        return {name: dataset[name].variable for name in shown}
+        """Return pressure and gap over the grid, and the outputs that the scene names, such as stress."""
+        return _fields(cs.to_dataset(result.solution))
 
     @property
-    def load(self) -> cs.LineLoad:
-        """The load, which does not change with time."""
-        load = self.scene.load
-        if not isinstance(load, cs.LineLoad):
-            raise cs.InvalidInput(
-                "Scene.load changes with time: vary a LineLoad, or follow one scene with evolve."
-            )
-        return load
+    def load(self) -> cs.LineLoad | cs.TotalLoad:
+        """Load, which does not change with time."""
+        assert isinstance(self.scene.load, cs.LineLoad | cs.TotalLoad)  # another is marched
+        return self.scene.load
 
     @property
     def datum(self) -> float | None:
-        """Where the approach counts from [m]: half the grid's width, where infinitely many images leave it open."""
+        """Distance from which the approach counts [m]: half the grid's width; None if finitely many images fix it."""
         across, along = (
             self.padding if isinstance(self.padding, tuple) else (cs.ZeroPadding(), self.padding)
         )
@@ -94,8 +85,73 @@ class SceneCase(Case):
         return self.grid.extent[0] / 2 if is_open else None
 
 
+@dataclass(frozen=True)
+class RolledScene:
+    """Scene that rolls steadily, as a computation of a sweep."""
+
+    scene: cs.Scene
+    grid: cs.Grid
+    padding: cs.Padding | cs.Paddings
+    options: cs.SolveOptions
+
+    def prepare(self) -> cs.SceneFile:
+        """Return the scene with its grid, padding and options."""
+        return cs.SceneFile(self.scene, settings=self.options, grid=self.grid, padding=self.padding)
+
+    def run(self, prepared: cs.SceneFile) -> cs.SteadyRolling:
+        """Solve the rolling contact."""
+        return prepared.roll()
+
+    def record(self, result: cs.SteadyRolling) -> Mapping[str, xr.Variable]:
+        """Return the numbers of the solver, and its status as CF flags."""
+        return Case.record(self, result.solution)  # type: ignore[arg-type]
+
+    def fields(self, result: cs.SteadyRolling) -> Mapping[str, xr.Variable]:
+        """Return pressure and gap over the grid."""
+        return _fields(cs.to_dataset(result.solution))
+
+
+@dataclass(frozen=True)
+class MarchedScene:
+    """Scene that changes in time, as a computation of a sweep."""
+
+    scene: cs.Scene
+    grid: cs.Grid
+    padding: cs.Padding | cs.Paddings
+    options: cs.SolveOptions
+    time_steps: TimeSteps
+
+    def prepare(self) -> cs.SceneFile:
+        """Return the scene with its grid, padding, options and instants."""
+        return cs.SceneFile(
+            self.scene,
+            settings=self.options,
+            grid=self.grid,
+            padding=self.padding,
+            time_steps=self.time_steps,
+        )
+
+    def run(self, prepared: cs.SceneFile) -> cs.Evolution:
+        """March through the instants."""
+        return prepared.evolve()
+
+    def record(self, result: cs.Evolution) -> Mapping[str, xr.Variable]:
+        """Return the numbers of the solver over all steps."""
+        return EvolutionCase.record(self, result)  # type: ignore[arg-type]
+
+    def fields(self, result: cs.Evolution) -> Mapping[str, xr.Variable]:
+        """Return the fields over time and grid."""
+        return _fields(result.to_dataset())
+
+
+def _fields(dataset: xr.Dataset) -> Mapping[str, xr.Variable]:
+    """Return the variables with dimensions, less the displacement, which the gap contains."""
+    names = [name for name, variable in dataset.variables.items() if variable.ndim]
+    return {str(name): dataset[name].variable for name in names if name != "displacement"}
+
+
 class _Last:
-    """What this process knows of the cases it has just computed: those of one kind, at two loads."""
+    """Latest solved cases of this process: those of one kind, at two loads."""
 
     def __init__(self) -> None:
         self.kind: object = None
@@ -114,15 +170,15 @@ class _Last:
         self.solved = [*self.solved[-1:], (load, solution.pressure, solution.gap)]
 
     def pressure_for(self, problem: cs.Problem, load: float) -> Array | None:
-        """A pressure to start from, extrapolated in the logarithm of the load; None if nothing is known."""
+        """Return a pressure to begin with, extrapolated in the logarithm of the load; None after no solve."""
         if not self.solved:
             return None
-        known, pressure, gap = self.solved[-1]
-        scaled: Array = pressure * (load / known)
-        if len(self.solved) < 2 or load == known or self.solved[0][0] == known:
+        latest, pressure, gap = self.solved[-1]
+        scaled: Array = pressure * (load / latest)
+        if len(self.solved) < 2 or load == latest or self.solved[0][0] == latest:
             return scaled
         before, its_pressure, its_gap = self.solved[0]
-        step = log(load / known) / log(known / before)
+        step = log(load / latest) / log(latest / before)
         if abs(step) > FAR:
             return scaled
         seed = SEED / problem.operator.own
@@ -136,7 +192,7 @@ _LAST = _Last()
 
 
 def _at_half_width(case: SceneCase) -> cs.LineLoad:
-    """The load at which Hertz's contact fills the grid's width, so that heights count from there."""
+    """Return the load at which Hertz's contact fills the grid's width, so that heights count from there."""
     hertz = case.scene.hertz
     if hertz is None:
         return cs.LineLoad(1.0)

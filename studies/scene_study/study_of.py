@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
+from math import prod
 from os import PathLike
 from pathlib import Path
 
@@ -12,21 +13,22 @@ from contactstudy.domain.checks import divides
 from contactstudy.domain.memory import available_bytes
 from contactstudy.io.scene_file import SceneFile, read_scene, scene_file_of
 from contactstudy.io.scene_writer import scene_text
+from contactstudy.planning.cost import memory
 from contactstudy.planning.grid_requirements import Needs, halvable
 from contactstudy.planning.plan import SHARE, affordable, needs_of
 from studies.model.axis import Value, check_count
-from studies.model.case import Case
+from studies.model.case import Computation
 from studies.model.study import Point, Study
 from studies.scene_study.fields import document_of
 from studies.scene_study.film_case import FilmCase, film_measures
 from studies.scene_study.measures import measures
-from studies.scene_study.scene_case import SceneCase
-from studies.scene_study.variation import Variation, variation
+from studies.scene_study.scene_case import MarchedScene, RolledScene, SceneCase
+from studies.scene_study.variation import Variation, together, variation
 
 
 @dataclass(frozen=True)
 class Posed:
-    """A scene on the grid and with the padding that it is solved on."""
+    """Scene on the grid and with the padding that it is solved on."""
 
     scene: cs.Scene
     grid: cs.Grid
@@ -34,7 +36,7 @@ class Posed:
 
 
 def posed(points: Sequence[SceneFile]) -> tuple[list[Posed], tuple[str, ...]]:
-    """Every point on its grid, and what there is to say about the grids.
+    """Return every point on its grid, and notes on the grids.
 
     Points whose file says the same of the grid and of the plan share a grid: the width of the widest, the
     cells of the finest. Random surfaces without an extent get that of the widest grid, so that each is
@@ -43,23 +45,23 @@ def posed(points: Sequence[SceneFile]) -> tuple[list[Posed], tuple[str, ...]]:
     """
     groups: dict[object, list[int]] = {}
     for number, point in enumerate(points):
-        asked = point.plan_settings if point.grid is None else None
-        groups.setdefault((asked, point.grid), []).append(number)
+        settings = point.plan_settings if point.grid is None else None
+        groups.setdefault((settings, point.grid), []).append(number)
     grids: dict[int, cs.Grid] = {}
     notes: list[str] = []
     for numbers in groups.values():
-        chosen, said = _shared([points[number] for number in numbers])
+        chosen, about = _shared([points[number] for number in numbers])
         grids.update(zip(numbers, chosen, strict=True))
-        notes += said
-    extent, said = _extent([grids[number] for number in range(len(points))])
+        notes += about
+    extent, about = _extent([grids[number] for number in range(len(points))])
     if any(
         isinstance(shape, Roughness) and shape.extent is None
-        for p in points
-        for shape in p.scene.shapes
+        for point in points
+        for shape in point.scene.shapes
     ):
-        notes += said
-    found = [_on(point, grids[number], extent) for number, point in enumerate(points)]
-    return found, tuple(dict.fromkeys(notes))
+        notes += about
+    placed = [_on(point, grids[number], extent) for number, point in enumerate(points)]
+    return placed, tuple(dict.fromkeys(notes))
 
 
 def _on(point: SceneFile, grid: cs.Grid, extent: tuple[float, float] | None) -> Posed:
@@ -76,7 +78,7 @@ def _on(point: SceneFile, grid: cs.Grid, extent: tuple[float, float] | None) -> 
 
 
 def _check(name: str, shape: object, grid: cs.Grid) -> None:
-    """Whether ``grid`` can hold a surface that has a size of its own, before anything is solved."""
+    """Raise :class:`~contactstudy.InvalidInput` if `grid` cannot hold a surface that has a size of its own."""
     if isinstance(shape, Roughness) and shape.extent is not None and shape.rms:
         divides(f"{name}.extent[1]", shape.extent[1], grid.period)
     if not isinstance(shape, MeasuredSurface) or shape.extent is None:
@@ -93,7 +95,7 @@ def _check(name: str, shape: object, grid: cs.Grid) -> None:
 
 
 def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
-    """One grid for all ``points``, or one for each where no period suits all."""
+    """Return one grid for all points, or one for each if no period suits all, and notes on them."""
     first = points[0]
     if first.grid is None and any(point.scene.lubrication is not None for point in points):
         notes = [
@@ -128,15 +130,23 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
         or all(": give" not in one.period_check(period) for one in needs)
     )
     if not fits:
-        said = f"no period suits all of {_counted(points)}, so that each has a grid of its own"
-        return planned, [said, *notes]
+        each = f"no period suits all of {_counted(points)}, so that each has a grid of its own"
+        return planned, [each, *notes]
     cells = (
         halvable(width / min(grid.cell[0] for grid in planned)),
         max(1, *(halvable(period / grid.cell[1]) if grid.cells[1] > 1 else 1 for grid in planned)),
     )
-    grid = _fitting(cs.Grid(cells, (width, period)), first)
-    said = f"grid {_size_text(grid)}, planned once for {_counted(points)}"
-    return [grid] * len(points), [said, *notes]
+    finest = cs.Grid(cells, (width, period))
+    grid = _fitting(finest, first)
+    if grid != finest:
+        needed = memory(finest, first.padding or needs[0].padding())
+        notes.append(
+            f"the finest contact in the widest grid would take {cells[0]} x {cells[1]} cells and {needed / 1e9:.3g} GB, "
+            f"and this machine has {available_bytes() / 1e9:.3g} GB: the common grid is the finest that it holds; give "
+            "fewer values, a larger plan.error, or a grid"
+        )
+    shared = f"grid {_size_text(grid)}, planned once for {_counted(points)}"
+    return [grid] * len(points), [shared, *notes]
 
 
 # Points of a sweep that are planned, from the narrowest contact to the widest; the others take their cells.
@@ -162,26 +172,25 @@ def _planned(points: Sequence[SceneFile], needs: Sequence[Needs]) -> list[cs.Gri
 
 
 def _grid_of_plan(point: SceneFile) -> cs.Grid:
-    asked = point.plan_settings
-    return cs.plan(point.scene, error=asked.error, period=asked.period).grid
+    settings = point.plan_settings
+    return cs.plan(point.scene, error=settings.error, period=settings.period).grid
 
 
 def _fitting(grid: cs.Grid, point: SceneFile) -> cs.Grid:
-    """Return ``grid``, or the finest of its extent that the machine holds."""
+    """Return `grid`, or the finest of its extent that the machine holds."""
     padding = point.padding or needs_of(point.scene).padding()
     return affordable(grid, padding, SHARE * available_bytes())
 
 
 def _extent(grids: Sequence[cs.Grid]) -> tuple[tuple[float, float] | None, list[str]]:
-    """The extent of random surfaces that name none; None where the periods differ."""
+    """Return the extent of random surfaces that name none, None if the periods differ, and a note on it."""
     width, period = max(grid.extent[0] for grid in grids), min(grid.period for grid in grids)
-    whole = all(abs(grid.period / period - round(grid.period / period)) < 1e-9 for grid in grids)
-    if not whole:
-        said = (
+    if any(abs(grid.period / period - round(grid.period / period)) > 1e-9 for grid in grids):
+        differ = (
             "random surfaces differ from grid to grid, since the periods of the grids have no common part: give "
             "Roughness an extent whose length divides all periods for one surface"
         )
-        return None, [said]
+        return None, [differ]
     return (width, period), [
         f"random surfaces are fixed at {width:.4g} m x {period:.4g} m for all points"
     ]
@@ -201,56 +210,82 @@ MOST = 100_000
 
 def study_of(
     scene: Scene | SceneFile | str | PathLike[str],
-    vary: Mapping[str, object],
+    vary: Mapping[str, object] | Sequence[Mapping[str, object]] | None = None,
     *,
     name: str | None = None,
     folder: str | PathLike[str] | None = None,
 ) -> Study:
-    """A :class:`~studies.model.study.Study` of ``scene`` over the values of its fields in ``vary``.
+    """Return the :class:`~studies.model.study.Study` of a scene over other values of its fields.
 
-    ``scene`` is a scene, what :func:`~contactstudy.read_scene` reads, or the path of a file. Keys of
-    ``vary`` are paths in a scene file, such as ``load.per_length``, ``shapes.1.rms`` or ``padding``; ``surfaces``
-    and ``windows`` vary the measured surface of the scene. Values are a sequence, or a text as on the
-    command line. The load is the last axis, so that neighbours on it are solved one after the other.
-    Raises :class:`~contactstudy.InvalidInput` for a field that is not there and values that it cannot have.
+    The load is the last axis, so that neighbours on it are solved one after the other. Random surfaces and the grid
+    are the same at all points where they can be.
+
+    Parameters
+    ----------
+    scene
+        A scene, what :func:`~contactstudy.read_scene` reads, or the path of a file.
+    vary
+        Values by the paths of fields in a scene file, such as ``load.per_length``, ``shapes.1.rms`` or ``padding``;
+        ``surfaces`` and ``windows`` vary the measured surface of the scene. Values are a sequence, or a text as on the
+        command line. Fields of one mapping in a sequence of mappings change together. None takes what the file says.
+    name
+        Name of the study, that of the file if None.
+    folder
+        Folder at which files of surfaces start.
+
+    Raises
+    ------
+    InvalidInput
+        For a field that is not there and values that it cannot have.
     """
-    described, found = _read(scene)
-    folder = Path(folder) if folder is not None else found
-    if not vary:
+    described, place = _read(scene)
+    folder = Path(folder) if folder is not None else place
+    if vary is None:
+        vary = described.vary
+    groups = [{field: vary[field]} for field in vary] if isinstance(vary, Mapping) else list(vary)
+    if not groups:
         raise InvalidInput(
             'vary is empty: give a field and its values, such as {"load.per_length": "50 N/mm,100 N/mm"}.'
         )
-    axes = [variation(described, field, values, folder) for field, values in vary.items()]
-    names = [one.axis.name for one in axes]
+    axes = [_variation(described, group, folder) for group in groups]
+    names = [varied.axis.name for varied in axes]
     for axis in names:
         if names.count(axis) > 1:
             raise InvalidInput(f"{axis} is varied twice: write all its values in one list.")
-    axes.sort(key=lambda one: one.is_load)
-    count = 1
-    for one in axes:
-        count *= len(one.values)
-    check_count("vary", count, "points", MOST)
-    points = list(product(*(one.values for one in axes)))
-    placed, notes = posed([_file_at(described, axes, point) for point in points])
+    axes.sort(key=lambda varied: varied.is_load)
+    check_count("vary", prod(len(varied.axis.values) for varied in axes), "points", MOST)
+    points = list(product(*(varied.axis.values for varied in axes)))
+    files = [_file_at(described, axes, point) for point in points]
+    placed, notes = posed(files)
     cases = {
-        point: _case(one, described_at)
-        for point, one, described_at in zip(
-            points, placed, (_file_at(described, axes, p) for p in points), strict=True
-        )
+        point: _case(one_posed, file)
+        for point, one_posed, file in zip(points, placed, files, strict=True)
     }
-    films = any(isinstance(one, FilmCase) for one in cases.values())
-    measured = film_measures if films else measures
     if name is None:
         name = Path(scene).stem if isinstance(scene, str | PathLike) else "scene"
-    title = f"{name}: {', '.join(one.axis.long_name for one in axes)}"
     return Study(
-        name, title, tuple(one.axis for one in axes), _SceneAt(tuple(names_of(axes)), cases),
-        measured, times="none", notes=notes, attributes={"scene": _text(scene, described)},
-    )  # fmt: skip
+        name,
+        f"{name}: {', '.join(varied.axis.long_name for varied in axes)}",
+        tuple(varied.axis for varied in axes),
+        _SceneAt(tuple(varied.axis.name for varied in axes), cases),
+        film_measures if isinstance(next(iter(cases.values())), FilmCase) else measures,
+        times="none",
+        notes=(*notes, *(note for varied in axes for note in varied.notes)),
+        attributes={"scene": _text(scene, described)},
+    )
+
+
+def _variation(described: SceneFile, group: Mapping[str, object], folder: Path) -> Variation:
+    """Return the axis of one field, or of several that change together."""
+    order = "rising" if len(group) == 1 else "given"
+    varied = [
+        variation(described, field, values, folder, order=order) for field, values in group.items()
+    ]
+    return varied[0] if len(varied) == 1 else together(varied)
 
 
 def _text(scene: object, described: SceneFile) -> str:
-    """The scene as TOML, as its file has it."""
+    """Return the scene as TOML, as its file has it."""
     if isinstance(scene, str | PathLike):
         return Path(scene).read_text(encoding="utf-8")
     try:
@@ -259,19 +294,14 @@ def _text(scene: object, described: SceneFile) -> str:
         return f"# {error}\n# {described.scene!r}\n"
 
 
-def names_of(axes: list[Variation]) -> list[str]:
-    """The names of the axes."""
-    return [one.axis.name for one in axes]
-
-
 @dataclass(frozen=True, eq=False)
 class _SceneAt:
-    """The case at every point."""
+    """Function of a point that returns its case."""
 
     names: tuple[str, ...]
-    cases: Mapping[tuple[Value, ...], Case]
+    cases: Mapping[tuple[Value, ...], Computation]
 
-    def __call__(self, point: Point) -> Case:
+    def __call__(self, point: Point) -> Computation:
         values = tuple(point[name] for name in self.names)
         if values not in self.cases:
             raise InvalidInput(
@@ -293,18 +323,25 @@ def _read(scene: Scene | SceneFile | str | PathLike[str]) -> tuple[SceneFile, Pa
 
 
 def _file_at(described: SceneFile, axes: list[Variation], point: tuple[Value, ...]) -> SceneFile:
-    """What the file says at a point."""
+    """Return the scene file at a point."""
     document = document_of(described)
-    for one, value in sorted(zip(axes, point, strict=True), key=lambda pair: _rank(pair[0])):
-        document = one.apply(document, value)
+    for varied, value in sorted(zip(axes, point, strict=True), key=lambda pair: _rank(pair[0])):
+        document = varied.apply(document, value)
     return scene_file_of(document)
 
 
-def _rank(one: Variation) -> int:
-    last = one.field.path[-1]
+def _rank(varied: Variation) -> int:
+    last = varied.field.path[-1]
     return ORDER.index(last) if last in ORDER else len(ORDER)
 
 
-def _case(one: Posed, described: SceneFile) -> Case:
-    kind = SceneCase if one.scene.lubrication is None else FilmCase
-    return kind(one.scene, one.grid, one.padding, described.settings)
+def _case(placed: Posed, file: SceneFile) -> Computation:
+    """Return the computation of a scene: a film, a contact that rolls or changes in time, or one that does neither."""
+    contact = placed.scene, placed.grid, placed.padding
+    if placed.scene.lubrication is not None:
+        return FilmCase(*contact, file.settings)
+    if placed.scene.rolling is not None:
+        return RolledScene(*contact, file.settings)
+    if placed.scene.changing is not None:
+        return MarchedScene(*contact, file.settings, file.time_steps)
+    return SceneCase(*contact, file.settings)

@@ -2,7 +2,7 @@
 
 import re
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from glob import glob, has_magic
 from pathlib import Path
@@ -30,11 +30,11 @@ OPEN, CLOSED = "[{", "]}"
 
 
 def parse_values(field: str, text: str, *, whole: bool) -> list[object]:
-    """``text`` as what a scene file could hold in the place of ``field``: numbers, texts, lists, tables.
+    """Return the values in a text as a scene file could hold them: numbers, texts, lists, tables.
 
     ``50:400:8 N/mm`` is eight values from 50 to 400 N/mm, ``50:400:8:log N/mm`` in equal ratios, and for a field of
-    ``whole`` numbers ``0:10`` all from 0 to 10. A unit after the last of several numbers is that of all. Raises
-    :class:`~contactstudy.InvalidInput` for what is none of these.
+    `whole` numbers ``0:10`` all from 0 to 10. A unit after the last of several numbers is that of all. Raises
+    :class:`~contactstudy.InvalidInput` for anything else.
     """
     parts = [part.strip() for part in _split(field, text)]
     if not all(parts) or not parts:
@@ -44,7 +44,7 @@ def parse_values(field: str, text: str, *, whole: bool) -> list[object]:
 
 
 def _split(field: str, text: str) -> Iterator[str]:
-    """At the commas that are in no bracket and no quotation."""
+    """Yield the parts of a text between commas that are in no bracket and no quotation."""
     depth, quote, begin = 0, "", 0
     for place, letter in enumerate(text):
         if quote:
@@ -69,13 +69,13 @@ def _expanded(field: str, part: str, whole: bool) -> list[object]:  # noqa: FBT0
             return [tomllib.loads(f"value = {part}")["value"]]
         except tomllib.TOMLDecodeError as error:
             raise InvalidInput(f"{field} is {part!r}, which is not valid TOML: {error}.") from None
-    found = RANGE.fullmatch(part)
-    if found is None:
+    match = RANGE.fullmatch(part)
+    if match is None:
         return [_plain(part)]
     first, first_unit, last, last_unit, count, log, unit = (
-        (one or "").strip() for one in found.groups()
+        (group or "").strip() for group in match.groups()
     )
-    units = {one for one in (first_unit, last_unit, unit) if one}
+    units = {group for group in (first_unit, last_unit, unit) if group}
     if len(units) > 1:
         raise InvalidInput(
             f"{field} is {part!r}, which has the units {sorted(units)}: write both ends in one unit."
@@ -104,7 +104,7 @@ def _plain(part: str) -> object:
 
 
 def _with_shared_unit(field: str, text: str, values: list[object]) -> list[object]:
-    """The unit of the last number for those before it, where it alone has one."""
+    """Return values with the unit of the last number given to those before it, if it alone has one."""
     bare = [isinstance(value, int | float) and not isinstance(value, bool) for value in values]
     last = QUANTITY.fullmatch(values[-1]) if isinstance(values[-1], str) else None
     if not any(bare) or last is None or not last[2]:
@@ -124,33 +124,94 @@ LONG_NAMES = {"load.per_length": "load per length"}
 
 @dataclass(frozen=True, eq=False)
 class Variation:
-    """An ``axis`` and, for each of its values, what stands at ``field`` of the scene file."""
+    """Axis of a study, and what stands at fields of the scene file for each of its values.
+
+    Parameters
+    ----------
+    axis
+        Name, values and unit.
+    changes
+        Fields, and for each value of the axis what stands there; several fields change together.
+    notes
+        Sentences on the axis.
+    """
 
     axis: Axis
-    field: Field
-    values: Mapping[Value, Any]
+    changes: tuple[tuple[Field, Mapping[Value, Any]], ...]
+    notes: tuple[str, ...] = ()
+
+    @property
+    def field(self) -> Field:
+        """Field that names the axis."""
+        return self.changes[0][0]
 
     @property
     def is_load(self) -> bool:
-        """Whether it is the load, along which contacts are neighbours."""
+        """True for the load, along which contacts are neighbours."""
         return self.field.path[0] == "load"
 
     def apply(self, document: Document, value: Value) -> Document:
-        """``document`` with one of the values."""
-        path, new = self.field.path, self.values[value]
-        try:
-            if path[0] == "shapes" and path[-1] in ("file", "turn", "window"):
-                return _with_surface(document, path, new)
-            changed: Document = replaced(document, path, new)
-        except InvalidInput as error:
-            raise InvalidInput(f"{self.field.name} = {value!r}: {error}") from None
-        return changed
+        """Return `document` with the fields as they are at `value`."""
+        for field, values in self.changes:
+            path, new = field.path, values[value]
+            try:
+                if path[0] == "shapes" and path[-1] in ("file", "turn", "window"):
+                    document = _with_surface(document, path, new)
+                else:
+                    document = replaced(document, path, new)
+            except InvalidInput as error:
+                raise InvalidInput(f"{field.name} = {value!r}: {error}") from None
+        return document
 
 
-def variation(described: "cs.SceneFile", name: str, given: object, folder: Path) -> Variation:
-    """The field that a person calls ``name``, over the values ``given``: text as on a command line, or a sequence.
+def together(varied: Sequence[Variation]) -> Variation:
+    """Return one axis along which several fields change, the first value of each first.
 
-    Paths of surfaces start at ``folder``. Raises :class:`~contactstudy.InvalidInput`.
+    The axis has the name and the values of the first field. Raises :class:`~contactstudy.InvalidInput` unless all
+    have equally many values.
+    """
+    counts = [len(each.axis.values) for each in varied]
+    names = [each.field.name for each in varied]
+    if len(set(counts)) > 1:
+        raise InvalidInput(
+            f"vary has {', '.join(map(str, counts))} values of {', '.join(names)}, which change together: give "
+            "equally many different values of each."
+        )
+    axis = varied[0].axis
+    changes = tuple(
+        (field, dict(zip(axis.values, values.values(), strict=True)))
+        for each in varied
+        for field, values in each.changes
+    )
+    labels = "; ".join(
+        f"{each.field.name} = {', '.join(str(value) for value in each.axis.values)}"
+        for each in varied[1:]
+    )
+    return Variation(axis, changes, (f"along {axis.name}: {labels}",))
+
+
+def variation(
+    described: cs.SceneFile, name: str, given: object, folder: Path, *, order: str = "rising"
+) -> Variation:
+    """Return the axis of a field over other values.
+
+    Parameters
+    ----------
+    described
+        Scene file whose field is varied.
+    name
+        Name of the field: a path, or a short name.
+    given
+        Values, as a text as on the command line, or a sequence.
+    folder
+        Folder at which paths of surfaces start.
+    order
+        Order of numbers on the axis, "rising" or as "given".
+
+    Raises
+    ------
+    InvalidInput
+        For a field that is not there and values that it cannot have.
     """
     document = document_of(described)
     if name == SURFACES:
@@ -166,20 +227,20 @@ def variation(described: "cs.SceneFile", name: str, given: object, folder: Path)
         else _listed(name, given)
     )
     values: dict[Value, Any] = {}
-    for one in raw:
-        made = _made(field, one)
-        values.setdefault(_label(made, one), made)
+    for entry in raw:
+        made = _made(field, entry)
+        values.setdefault(_label(made, entry), made)
     # an infinite value, such as a rigid body's modulus, has no place on a scale: such values are names
     if all(isinstance(label, int | float) and np.isfinite(label) for label in values):
         if any(isinstance(label, float) for label in values):
             values = {_snapped(label): made for label, made in values.items()}
-        values = dict(sorted(values.items()))
+        values = dict(sorted(values.items())) if order == "rising" else values
     else:
         values = {
             label if isinstance(label, str) else f"{label:.12g}": made
             for label, made in values.items()
         }
-    return Variation(_axis(document, field, tuple(values)), field, values)
+    return Variation(_axis(document, field, tuple(values)), ((field, values),))
 
 
 def _listed(name: str, given: object) -> list[object]:
@@ -187,14 +248,14 @@ def _listed(name: str, given: object) -> list[object]:
         raise InvalidInput(
             f"vary[{name!r}] is {given!r}: give a list of values, or a text with commas."
         )
-    raw = [one.item() if isinstance(one, np.generic) else one for one in given]
+    raw = [entry.item() if isinstance(entry, np.generic) else entry for entry in given]
     if not raw:
         raise InvalidInput(f"vary[{name!r}] has no values: give one or more.")
     return raw
 
 
 def _made(field: Field, raw: object) -> Any:
-    """``raw`` as the type that stands at ``field``."""
+    """Return a value as the type that stands at `field`."""
     if is_dataclass(raw) or (isinstance(raw, tuple) and raw and is_dataclass(raw[0])):
         return raw  # from Python, where it is what it is; the scene checks it
     if isinstance(raw, tuple):
@@ -207,16 +268,16 @@ def _made(field: Field, raw: object) -> Any:
         if field.name == "load" and not isinstance(raw, dict):
             sentence = f"load: it is {raw!r}: vary load.per_length, or give tables with a kind."
         if is_dataclass(wanted) and not isinstance(raw, dict):
-            names = [one.name for one in fields(wanted)]
+            names = [member.name for member in fields(wanted)]
             sentence = (
                 f"{field.name}: it is {raw!r}: give a field of it, "
-                f"{' or '.join(f'{field.name}.{one}' for one in names)}."
+                f"{' or '.join(f'{field.name}.{name}' for name in names)}."
             )
         raise InvalidInput(sentence) from None
 
 
 class _Holder:
-    """A dataclass with one field of a type that is known at run time."""
+    """Maker of dataclasses with one field of a type that is known at run time."""
 
     @staticmethod
     def of(wanted: Any) -> Any:
@@ -226,7 +287,7 @@ class _Holder:
 
 
 def _label(made: Any, raw: object) -> Value:
-    """What stands on the axis: numbers and names as they are, kinds by their name, others as they were written."""
+    """Return the value on the axis: numbers and names as they are, dataclasses by their representation."""
     if isinstance(made, int | float | str) and not isinstance(made, bool):
         return made
     if isinstance(raw, str):
@@ -254,7 +315,12 @@ def _long_name(document: Document, field: Field) -> str:
             owner = getattr(owner, part)
         elif isinstance(owner, tuple) and part.isdigit():
             owner = owner[int(part)]
-    last = field.path[-1].replace("_", " ")
+    path = field.path
+    if (
+        len(path) > 2 and path[-1].isdigit() and path[-2] != "shapes"
+    ):  # an entry of a list of numbers
+        return f"{path[-2].replace('_', ' ')} {path[-1]} of {path[-3]}"
+    last = path[-1].replace("_", " ")
     if field.path[0] == "shapes" and len(field.path) > 2:
         return f"{last} of {type(document.shapes[int(field.path[1])]).__name__}"
     return f"{last} of {field.path[-2]}" if len(field.path) > 1 else last
@@ -277,16 +343,16 @@ def _only_surface(document: Document, what: str) -> str:
 def _surfaces(
     document: Document, given: object, folder: Path, field: Field | None = None
 ) -> Variation:
-    """Surfaces as an axis: files by name or pattern, topographies, arrays with sizes; each by its name."""
+    """Return measured surfaces as an axis: files by name or pattern, topographies, arrays with sizes."""
     field = field or Field(("shapes", _only_surface(document, "surfaces"), "file"), str)
-    kept = document.shapes[int(field.path[1])]
-    assert isinstance(kept, MeasuredSurface)
+    surface_now = document.shapes[int(field.path[1])]
+    assert isinstance(surface_now, MeasuredSurface)
     items = given.split(",") if isinstance(given, str) else given
     if not isinstance(items, Iterable):
         items = [items]
     values: dict[Value, Any] = {}
     for number, item in enumerate(_found(items, folder)):
-        surface = _surface(item, kept)
+        surface = _surface(item, surface_now)
         name = Path(item).name if isinstance(item, str | Path) else getattr(item, "name", None)
         name = str(name or (Path(surface.file).name if surface.file else f"surface {number}"))
         if name in values:
@@ -295,15 +361,15 @@ def _surfaces(
     if not values:
         raise InvalidInput("surfaces has no values: give one or more.")
     axis = Axis("surface", tuple(values), "measured surface")
-    return Variation(axis, field, values)
+    return Variation(axis, ((field, values),))
 
 
 def _found(items: Iterable[Any], folder: Path) -> list[Any]:
-    found: list[Any] = []
+    items_found: list[Any] = []
     for item in items:
         if not isinstance(item, str | Path):
             # a container of SurfaceTopography's has several
-            found += (
+            items_found += (
                 list(item)
                 if hasattr(item, "__iter__")
                 and not hasattr(item, "dims")
@@ -316,35 +382,41 @@ def _found(items: Iterable[Any], folder: Path) -> list[Any]:
         places = [Path(pattern), folder / pattern]
         if has_magic(pattern):
             # not Path.glob, which has no absolute patterns
-            lists = (sorted(glob(str(one))) for one in places)  # noqa: PTH207
-            matched = next((one for one in lists if one), [])
+            lists = (sorted(glob(str(place))) for place in places)  # noqa: PTH207
+            matched = next((place for place in lists if place), [])
         else:
-            matched = [str(one) for one in places if one.is_file()][:1]
+            matched = [str(place) for place in places if place.is_file()][:1]
         if not matched:
             raise InvalidInput(
                 f"surfaces has {pattern!r}, which no file matches: give files that are there."
             )
-        found += matched
-    return found
+        items_found += matched
+    return items_found
 
 
-def _surface(item: Any, kept: MeasuredSurface) -> MeasuredSurface:
-    """``item`` treated like the surface that the scene has."""
+def _surface(item: Any, surface_now: MeasuredSurface) -> MeasuredSurface:
+    """Return a surface prepared like the one that the scene has."""
     if isinstance(item, MeasuredSurface):
         return item
     if isinstance(item, str | Path):
-        surface = MeasuredSurface.read(item, missing=kept.missing, trend=kept.trend, seam=kept.seam)
+        surface = MeasuredSurface.read(
+            item, missing=surface_now.missing, trend=surface_now.trend, seam=surface_now.seam
+        )
     else:
-        surface = MeasuredSurface(item, missing=kept.missing, trend=kept.trend, seam=kept.seam)
-    surface = surface if kept.window is None else surface.cut(kept.window)
-    return surface.turned() if kept.is_turned else surface
+        surface = MeasuredSurface(
+            item, missing=surface_now.missing, trend=surface_now.trend, seam=surface_now.seam
+        )
+    surface = surface if surface_now.window is None else surface.cut(surface_now.window)
+    return surface.turned() if surface_now.is_turned else surface
 
 
 def _windows(document: Document, given: object) -> Variation:
-    """Equal windows as an axis, ``2x6`` across and along."""
+    """Return equal windows of a surface as an axis, such as ``2x6`` across and along."""
     field = Field(("shapes", _only_surface(document, "windows"), "window"), Window)
     text = (
-        given if isinstance(given, str) else "x".join(str(one) for one in _listed(WINDOWS, given))
+        given
+        if isinstance(given, str)
+        else "x".join(str(number) for number in _listed(WINDOWS, given))
     )
     parts = text.replace(" ", "").split("x")
     if len(parts) != 2 or not all(part.isdigit() for part in parts):
@@ -355,11 +427,11 @@ def _windows(document: Document, given: object) -> Variation:
     if not values:
         raise InvalidInput(f"windows is {text!r}: give at least 1x1.")
     long_name = f"window of the surface, {tiles[0]} across and {tiles[1]} along it"
-    return Variation(Axis("window", tuple(values), long_name), field, values)
+    return Variation(Axis("window", tuple(values), long_name), ((field, values),))
 
 
 def _with_surface(document: Document, path: tuple[str, ...], new: Any) -> Document:
-    """``document`` with the surface, a window of it, or turned."""
+    """Return `document` with another surface, with a window of its surface, or with it turned."""
     number = int(path[1])
     shape = document.shapes[number]
     assert isinstance(shape, MeasuredSurface)
@@ -369,5 +441,7 @@ def _with_surface(document: Document, path: tuple[str, ...], new: Any) -> Docume
         surface = shape.cut(new)
     else:
         surface = shape.turned() if (new is Turn.QUARTER) != shape.is_turned else shape
-    shapes = tuple(surface if place == number else one for place, one in enumerate(document.shapes))
+    shapes = tuple(
+        surface if place == number else each for place, each in enumerate(document.shapes)
+    )
     return replace(document, shapes=shapes)

@@ -60,7 +60,10 @@ def test_run_leaves_a_dataset_and_its_figures(tmp_path: Path) -> None:
             "Parameter 'perid' is not one of study 'padding': did you mean 'period'.",
         ),
         (["run", "padding", "--period", "0"], "period is 0.0: give a period above 0 half-widths."),
-        (["run", "padding", "--period", "nan"], "period is 'nan': give numbers such as 0.6,2.4."),
+        (
+            ["run", "padding", "--period", "nan"],
+            "period is 'nan': give numbers such as 0.6,2.4, or so many of a range such as 0.6:2.4:4 or 1:100:3:log.",
+        ),
         (["run", "padding", "--grid", "1"], "grid is 1: give at least 2 cells across the width."),
         (["run", "padding", "--grid"], "Parameter 'grid' has no values: write --grid values."),
         (

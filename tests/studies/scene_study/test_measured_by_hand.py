@@ -26,7 +26,7 @@ def recorded(monkeypatch: pytest.MonkeyPatch) -> Any:
     monkeypatch.setattr(module, "error_estimates", lambda _: {})
 
     def of(pressure: np.ndarray, case: SceneCase = CASE, *outputs: Any) -> dict[str, float]:
-        problem = SimpleNamespace(paddings=None, outputs=outputs)
+        problem = SimpleNamespace(paddings=None, outputs=outputs, grid=GRID)
         gap = np.where(pressure > 0, 0.0, 4e-7)
         solution: Any = SimpleNamespace(pressure=pressure, gap=gap, approach=3e-6, problem=problem)
         found = module.measures(case, Solved(solution, 0.25, 1e-4))

@@ -11,6 +11,7 @@ import pytest
 
 import contactstudy as cs
 import studies
+from contactstudy import InvalidInput
 from contactstudy.planning.cost import memory
 from studies.scene_study import study_of as grids
 from studies.scene_study.scene_case import SceneCase
@@ -277,9 +278,11 @@ def test_a_common_grid_is_no_larger_than_the_machine(
 ) -> None:
     planned |= {1.0: cs.Grid((640, 32), (4.0, 2.0)), 2.0: cs.Grid((64, 640), (4.0, 2.0))}
     monkeypatch.setattr(grids, "available_bytes", lambda: 20e6)
-    (one, other), _ = grids.posed([point(1.0), point(2.0)])
+    (one, other), notes = grids.posed([point(1.0), point(2.0)])
     assert one.grid == other.grid
     assert memory(one.grid, cs.ExactPeriodicity()) <= 16e6
+    assert "640 x 640 cells" in notes[1]
+    assert "this machine has 0.02 GB: the common grid is the finest that it holds" in notes[1]
 
 
 def test_points_that_ask_for_another_error_or_give_a_grid_have_grids_of_their_own(
@@ -334,3 +337,126 @@ def test_a_surface_that_a_grid_cannot_hold_is_refused(
     else:
         assert grids.posed([point(1.0, shape, grid=grid)])[0][0].grid == grid
     assert inf not in planned
+
+
+RUBBER = """
+[load]
+per_length = "500 N/m"
+[[solids]]
+kind = "ViscoelasticHalfSpace"
+equilibrium_modulus = "1 MPa"
+poisson_ratio = 0.5
+relaxation = [["2 MPa", "0.1 s"]]
+[[solids]]
+youngs_modulus = inf
+poisson_ratio = 0.3
+[[shapes]]
+kind = "Cylinder"
+radius = "10 mm"
+[grid]
+cells = [32, 1]
+extent = ["8 mm", "1 mm"]
+[padding]
+kind = "ExactPeriodicity"
+"""
+STEPPED = "[evolve]\ntimes = [0.0, 0.1]\n"
+YIELDING = """
+[load]
+kind = "LoadHistory"
+times = [0, 1]
+per_length = ["100 N/mm", "1 kN/mm"]
+[[solids]]
+kind = "ElasticPlasticHalfSpace"
+material = "steel"
+yield_stress = "1 GPa"
+hardening_modulus = "10 GPa"
+[[solids]]
+material = "steel"
+[[shapes]]
+kind = "Cylinder"
+radius = "10 mm"
+[grid]
+cells = [24, 1]
+extent = ["1 mm", "1 mm"]
+[padding]
+kind = "ExactPeriodicity"
+[evolve]
+times = [0, 1]
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "field", "values", "units", "measured"),
+    [
+        (RUBBER + '[rolling]\nspeed = "1 mm/s"\n', "rolling.speed", "1,10 mm/s", "m/s", "resistance"),
+        (RUBBER + STEPPED + "[wear]\ncoefficient = 1e-13\nspeed = 1.0\n", "wear.coefficient",
+         [1e-13, 2e-13], "1/Pa", "worn_volume"),
+        (YIELDING, "load.per_length.1", "800,1000 N/mm", "N m-1", "dent_depth"),
+        (YIELDING, "solids.0.hardening_modulus", "5,50 GPa", "Pa", "dent_depth"),
+    ],
+    ids=["rolling", "wear", "load history", "hardening"],
+)  # fmt: skip
+def test_a_scene_that_rolls_or_changes_is_swept(
+    text: str, field: str, values: object, units: str, measured: str, tmp_path: Path
+) -> None:
+    (tmp_path / "scene.toml").write_text(text)
+    study = studies.study_of(tmp_path / "scene.toml", {field: values})
+    dataset = studies.run(study, tmp_path / "out", workers=0, log=lambda _: None)
+    (axis,) = study.points
+    assert axis.units == units
+    assert dataset[measured].dims == (axis.name,)
+    first, second = dataset[measured].values
+    assert np.isfinite([first, second]).all()
+    assert first != second
+    if measured == "worn_volume":
+        assert second == pytest.approx(2 * first, rel=1e-6)
+
+
+def test_fields_of_one_group_change_together(smooth: Path) -> None:
+    study = studies.study_of(
+        smooth,
+        [{"radius": "20 mm,10 mm", "load.per_length": "80 N/mm,40 N/mm"}, {"plan.error": [0.1]}],
+    )
+    pairs = {(case.scene.shapes[0].radius, case.scene.load.per_length) for case in scenes(study)}
+    assert pairs == {(0.02, 8e4), (0.01, 4e4)}
+    assert [len(axis.values) for axis in study.points] == [2, 1]
+    assert "along shapes_0_radius: load.per_length = 80000.0, 40000.0" in study.notes
+    with pytest.raises(InvalidInput, match=r"2, 1 values of shapes\.0\.radius"):
+        studies.study_of(smooth, [{"radius": "20 mm,10 mm", "load.per_length": "80 N/mm"}])
+
+
+def test_what_a_file_varies_is_a_study(smooth: Path, tmp_path: Path) -> None:
+    text = smooth.read_text(encoding="utf-8")
+    (tmp_path / "varied.toml").write_text(f'{text}\n[vary]\nload.per_length = "50:100:3 N/mm"\n')
+    study = studies.study_of(tmp_path / "varied.toml")
+    assert [axis.values for axis in study.points] == [(5e4, 7.5e4, 1e5)]
+    with pytest.raises(InvalidInput, match=r"vary is empty"):
+        studies.study_of(smooth)
+
+
+def test_the_common_grid_is_wider_than_the_contact_under_any_coat(tmp_path: Path) -> None:
+    coated = SOFT_COAT
+    (tmp_path / "coated.toml").write_text(coated)
+    study = studies.study_of(
+        tmp_path / "coated.toml", {"solids.0.coating.youngs_modulus": "0.5,400 GPa"}
+    )
+    for case in scenes(study):
+        assert cs.solve(case.scene, case.grid, case.padding).status is cs.Status.CONVERGED
+
+
+SOFT_COAT = """
+[load]
+per_length = "100 N/mm"
+[[solids]]
+kind = "CoatedHalfSpace"
+thickness = "20 um"
+coating = { youngs_modulus = "100 GPa", poisson_ratio = 0.3 }
+substrate.material = "steel"
+[[solids]]
+material = "steel"
+[[shapes]]
+kind = "Cylinder"
+radius = "10 mm"
+[plan]
+error = 0.05
+"""

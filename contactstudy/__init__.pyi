@@ -27,6 +27,7 @@ from .io.dataset import to_dataset
 from .io.materials import material
 from .io.scene_file import SceneFile, read_scene
 from .io.scene_writer import write_scene
+from .lubrication.evolve_lubricated import FilmEvolution, evolve_lubricated
 from .lubrication.film_error import FilmError, FilmErrorParts, film_error
 from .lubrication.lubricated_contact import FilmScales, FilmStatus, LubricatedContact
 from .lubrication.solve_lubricated import film_grid, solve_lubricated
@@ -60,6 +61,7 @@ from .scene.lubrication import (
 )
 from .scene.motion import Rolling, Wear
 from .scene.scene import Output, Scene
+from .scene.shapes.carried import Carried
 from .scene.shapes.roller import Crown, Cylinder, FiniteLength, LundbergProfile, Sphere
 from .scene.shapes.roughness import Ra, RmsSlope, Roughness
 from .scene.shapes.shape import Detail, Shape
@@ -89,6 +91,7 @@ __all__ = [
     "BareProblem",
     "Barus",
     "Body",
+    "Carried",
     "CircularSuperposition",
     "CoatedHalfSpace",
     "Coefficients",
@@ -113,6 +116,7 @@ __all__ = [
     "Eyring",
     "FilmError",
     "FilmErrorParts",
+    "FilmEvolution",
     "FilmScales",
     "FilmStatus",
     "FiniteLength",
@@ -189,6 +193,7 @@ __all__ = [
     "convolution",
     "error_estimate",
     "evolve",
+    "evolve_lubricated",
     "film_error",
     "film_grid",
     "kernels",

@@ -23,6 +23,7 @@ PRESENTATIONS = {
     "Comparison.plot": "contactstudy.io.pictures.contact.compare_picture",
     "Evolution.to_dataset": "contactstudy.io.dataset.evolution_dataset",
     "LubricatedContact.plot": "contactstudy.io.pictures.contact.film_picture",
+    "FilmEvolution.to_dataset": "contactstudy.io.dataset.film_evolution_dataset",
     "LubricatedContact.to_dataset": "contactstudy.io.dataset.film_dataset",
     "RepeatedRolling.to_dataset": "contactstudy.io.dataset.rolling_dataset",
     "Solution in a notebook": "contactstudy.io.summary.as_html",

@@ -24,6 +24,7 @@ from contactstudy.solvers.solution import Solution, Status, Traction
 if TYPE_CHECKING:
     from contactstudy.evolution.evolution import Evolution
     from contactstudy.evolution.repeated_rolling import RepeatedRolling
+    from contactstudy.lubrication.evolve_lubricated import FilmEvolution
     from contactstudy.lubrication.lubricated_contact import LubricatedContact
 
 X = {"units": "m", "axis": "X", "long_name": "position across the contact"}
@@ -402,6 +403,18 @@ def film_dataset(contact: "LubricatedContact") -> xr.Dataset:
             for metric, parts in estimates.items()
         }
     )
+
+
+def film_evolution_dataset(evolution: "FilmEvolution") -> xr.Dataset:
+    """Return the contacts of a march with the dimension ``time``."""
+    contacts = [contact.to_dataset() for contact in evolution.contacts]
+    time = xr.Variable("time", list(evolution.times), {"units": "s", "long_name": "time"})
+    joined = xr.concat(
+        contacts, time, data_vars="all", coords="minimal", compat="override",
+        join="exact", combine_attrs="override",
+    )  # fmt: skip
+    joined["step_error"] = labelled((), evolution.step_error, "1", "largest error of a step")
+    return joined
 
 
 def _by_cause(parts: dict[str, float], what: str) -> xr.DataArray:

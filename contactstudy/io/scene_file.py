@@ -54,6 +54,7 @@ from contactstudy.scene.lubrication import (
 )
 from contactstudy.scene.motion import Rolling, Wear
 from contactstudy.scene.scene import Output, Scene
+from contactstudy.scene.shapes.carried import Carried
 from contactstudy.scene.shapes.roller import Crown, Cylinder, FiniteLength, LundbergProfile, Sphere
 from contactstudy.scene.shapes.roughness import Roughness
 from contactstudy.scene.shapes.shape import Shape
@@ -275,6 +276,7 @@ KINDS: Mapping[Any, Mapping[str, type]] = {
                 Roughness,
                 MeasuredSurface,
                 Sphere,
+                Carried,
             ),
         ),
         (

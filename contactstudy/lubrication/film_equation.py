@@ -123,8 +123,8 @@ class FilmEquation:
 
     ``gap`` (x, y) is undeformed, ``deflection`` maps a pressure (x, y) to a displacement, ``cell`` is the size of a
     cell, ``resistance`` lambda = 12 eta0 u_m R^2 / (a^3 p_H), ``load`` the mean over y of the sum of P dX.
-    ``log_viscosity`` and ``density`` return a ratio to the value at zero pressure and its derivative. The first two
-    cells across and the last have no pressure: the inlet is flooded.
+    ``speed`` is the mean speed over that in lambda. ``log_viscosity`` and ``density`` return a ratio to the value at
+    zero pressure and its derivative. The first two cells across and the last have no pressure: the inlet is flooded.
     """
 
     gap: Array
@@ -134,6 +134,7 @@ class FilmEquation:
     load: float
     log_viscosity: Callable[[Array], tuple[Array, Array]]
     density: Callable[[Array], tuple[Array, Array]]
+    speed: float = 1.0
 
     @cached_property
     def fixed(self) -> Mask:
@@ -168,7 +169,7 @@ class FilmEquation:
         across = _conducted(
             cells.rows(slice(None, -1)), cells.rows(slice(1, None)), 1 / (self.resistance * dx)
         )
-        wedge, wedge_own, wedge_upstream = _drawn_along(content)
+        wedge, wedge_own, wedge_upstream = (self.speed * one for one in _drawn_along(content))
         flux = across.flux + wedge
 
         residual = np.zeros_like(content)

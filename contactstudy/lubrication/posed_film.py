@@ -16,8 +16,8 @@ from contactstudy.elasticity.convolution import Convolution, superposed
 from contactstudy.lubrication.film_equation import Film, FilmEquation, Mask
 from contactstudy.lubrication.lubricated_contact import FilmScales, LubricatedContact
 from contactstudy.lubrication.pseudo_time import FilmIteration
+from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import response
-from contactstudy.scene.load import ConstantLoad
 from contactstudy.scene.scene import Scene
 
 # An outlet reaches so many half-widths, or further by so many times sqrt(2 H).
@@ -40,11 +40,6 @@ def lubricated_scales(scene: Scene) -> FilmScales:
         raise NotDefined(
             "Scene.shapes have no curvature, so that no inlet draws lubricant in: give a Cylinder."
         )
-    if not isinstance(scene.load, ConstantLoad):
-        raise InvalidInput(
-            "Scene.load changes in time, and this film is a steady one: give a LineLoad, or call "
-            "contactstudy.evolve_lubricated with the history of its speed and load."
-        )
     return FilmScales(scene.hertz, scene.lubrication)
 
 
@@ -52,7 +47,8 @@ def lubricated_scales(scene: Scene) -> FilmScales:
 class PosedFilm:
     """A film equation in Hertz units on an ``upstream`` grid: beyond it the outlet is cavitated throughout.
 
-    ``x`` are its rows over a, ``operator_on`` makes the deflection on another grid.
+    ``x`` are its rows over a, ``operator_on`` makes the deflection on another grid, ``problem`` is the dry contact
+    on the whole grid.
     """
 
     equation: FilmEquation
@@ -61,10 +57,17 @@ class PosedFilm:
     x: Array
     scales: FilmScales
     operator_on: Callable[[Grid], Convolution]
+    problem: Problem
 
     def at(self, resistance: float) -> "PosedFilm":
         """Return the same at another speed, to which the resistance is proportional."""
         return replace(self, equation=replace(self.equation, resistance=resistance))
+
+    def with_gap(self, gap: Array) -> "PosedFilm":
+        """Return the same with another undeformed gap (x, y) [m] on the whole grid."""
+        rows = self.upstream.cells[0]
+        equation = replace(self.equation, gap=gap[:rows] / self.scales.film)
+        return replace(self, equation=equation, problem=replace(self.problem, undeformed_gap=gap))
 
     def coarser(self) -> "PosedFilm | None":
         """Return the same with half the cells along each axis that is long and even, at last in plane strain.
@@ -132,7 +135,7 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
         density=density,
     )
     x = grid.x[:rows] / hertz.half_width
-    return PosedFilm(equation, deflection, upstream, x, scales, operator_on)
+    return PosedFilm(equation, deflection, upstream, x, scales, operator_on, problem)
 
 
 def refined(equation: FilmEquation, coarse: FilmIteration) -> tuple[Film, Mask]:

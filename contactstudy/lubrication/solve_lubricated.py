@@ -7,7 +7,7 @@ import numpy as np
 
 from contactstudy.domain.checks import InvalidInput, positive, whole
 from contactstudy.domain.grid import Grid
-from contactstudy.domain.padding import ExactPeriodicity, Padding, Paddings, across_and_along
+from contactstudy.domain.padding import ExactPeriodicity, Padding, Paddings
 from contactstudy.lubrication.along_length import KrylovStep
 from contactstudy.lubrication.film_equation import Film, Mask
 from contactstudy.lubrication.lubricated_contact import (
@@ -32,7 +32,9 @@ from contactstudy.lubrication.pseudo_time import (
     StepSolver,
     iterate,
 )
+from contactstudy.scene.load import ConstantLoad
 from contactstudy.scene.scene import Scene
+from contactstudy.scene.shapes.carried import Carried
 
 # Of the film in Hertz units H, the inlet sweep is (H / 0.94)^(2/3) a wide. Half of it per cell gives the smallest
 # film within 2 %, and an inlet of x_a half-widths a film that is too thin by 0.9 H / x_a^2.
@@ -130,6 +132,8 @@ def solve_lubricated(
     """
     positive("solve_lubricated.tolerance", tolerance, "give a tolerance above 0, such as 1e-8")
     whole("solve_lubricated.max_iterations", max_iterations, 0, "give a whole number from 0 on")
+    if isinstance(scene, Scene):
+        _steady(scene)
     controls = FilmControls(tolerance=tolerance, max_iterations=max_iterations)
     if error is None and grid is not None:
         return _solve(scene, grid, padding, controls, start)
@@ -166,8 +170,25 @@ def _solve(
 ) -> LubricatedContact:
     posed = pose(scene, grid, padding)
     film = None if start is None else restart(posed, start)
-    last = _continued(posed, controls) if film is None else _iterated(posed, film, controls)
+    last = continued(posed, controls) if film is None else _iterated(posed, film, controls)
     return contact_of(scene, grid, padding, posed, last, controls.tolerance)
+
+
+def step_solver(posed: PosedFilm) -> StepSolver:
+    """Return how steps are solved: directly in plane strain, else by GMRES."""
+    if posed.upstream.cells[1] == 1:
+        return DirectStep.for_equation(posed.equation)
+    return KrylovStep(posed.deflection)
+
+
+def _steady(scene: Scene) -> None:
+    """Refuse a scene whose film changes in time."""
+    remedy = "and this film is a steady one: call contactstudy.evolve_lubricated"
+    if not isinstance(scene.load, ConstantLoad):
+        raise InvalidInput(f"Scene.load changes in time, {remedy}, or give a LineLoad.")
+    for number, shape in enumerate(scene.shapes):
+        if isinstance(shape, Carried):
+            raise InvalidInput(f"Scene.shapes[{number}] moves with a body, {remedy}.")
 
 
 def varies_along(shape: object) -> bool:
@@ -176,7 +197,7 @@ def varies_along(shape: object) -> bool:
     return detail is None or detail.finest[1] < inf or detail.roller > 0
 
 
-def _continued(posed: PosedFilm, controls: FilmControls) -> FilmIteration:
+def continued(posed: PosedFilm, controls: FilmControls) -> FilmIteration:
     """Iterate from a cold start, or where that fails from the film at higher speeds down to this one."""
     last = first = _nested(posed, controls)
     resistance = faster = posed.equation.resistance
@@ -213,13 +234,9 @@ def _nested(posed: PosedFilm, controls: FilmControls) -> FilmIteration:
 def _iterated(
     posed: PosedFilm, film: Film, controls: FilmControls, cavitated: Mask | None = None
 ) -> FilmIteration:
-    equation = posed.equation
-    if equation.gap.shape[1] == 1:
-        solver: StepSolver = DirectStep.for_equation(equation)
-    else:
-        solver = KrylovStep(posed.deflection)
+    if posed.upstream.cells[1] > 1:
         controls = replace(controls, viscosity_change=ROUGH_CHANGE)
-    return iterate(equation, film, solver, controls, cavitated=cavitated)
+    return iterate(posed.equation, film, step_solver(posed), controls, cavitated=cavitated)
 
 
 def contact_of(
@@ -234,9 +251,8 @@ def contact_of(
     equation, scales, rows = posed.equation, posed.scales, posed.upstream.cells[0]
     pressure = np.zeros(grid.cells)
     pressure[:rows] = last.film.pressure * scales.hertz.peak_pressure
-    problem = replace(scene, lubrication=None, outputs=()).problem(grid, across_and_along(padding))
     separation = last.film.separation * scales.film
-    film = separation + problem.undeformed_gap + problem.operator(pressure)
+    film = separation + posed.problem.undeformed_gap + posed.problem.operator(pressure)
     # downstream of the last balance streamers carry what left it
     filled = np.zeros(grid.cells)
     filled[: rows - 1] = 1 - last.film.void[:-1]

@@ -1,0 +1,320 @@
+"""March of a lubricated contact in time: histories of load and speed, and heights that move through it.
+
+The content of the cells is differentiated backwards over two steps (BDF2 with steps of varying length), and each step is
+solved by the iteration of a steady film. A step starts from the extrapolation of those before; the difference to it is
+that of a third derivative, and tells the error of the step.
+"""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contactstudy.domain.checks import InvalidInput, finite, positive
+from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Grid
+from contactstudy.domain.imports import presentation
+from contactstudy.domain.padding import ExactPeriodicity, Padding, Paddings
+from contactstudy.lubrication.film_equation import Film, Storage
+from contactstudy.lubrication.lubricated_contact import FilmStatus, LubricatedContact
+from contactstudy.lubrication.posed_film import PosedFilm, pose
+from contactstudy.lubrication.pseudo_time import FilmControls, FilmIteration, StepSolver, iterate
+from contactstudy.lubrication.solve_lubricated import (
+    ROUGH_CHANGE,
+    contact_of,
+    continued,
+    step_solver,
+)
+from contactstudy.scene.load import ChangingLoad, LineLoad
+from contactstudy.scene.scene import Scene
+from contactstudy.scene.shapes.carried import Carried
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# A step is so much of a cell's passage at first, may change by these factors, aims below the error by this one, and is
+# given up below this share of its first length.
+FIRST, SHORTER, LONGER, SAFETY, LEAST = 0.5, 0.3, 1.6, 0.8, 1e-4
+# Error of a step of BDF2 over the difference to a quadratic through three steps before (Gear 1971, equal steps).
+STEP_ERROR = 2 / 11
+# Length of the first pseudo-time step [a / u_m], so long that it is Newton's.
+NEWTON = 1e6
+
+
+@dataclass(frozen=True, eq=False)
+class FilmEvolution:
+    """Lubricated contacts at ``times`` [s], and the steps, iterations and the largest error of a step that they took.
+
+    ``step_error`` is that of the film in the Hertzian zone, in L1 over its mean, of one step.
+    """
+
+    times: tuple[float, ...]
+    contacts: tuple[LubricatedContact, ...]
+    steps: int
+    iterations: int
+    linear_iterations: int
+    step_error: float
+
+    @property
+    def status(self) -> FilmStatus:
+        """Gravest outcome of the recorded contacts."""
+        order = list(FilmStatus)
+        return max((contact.status for contact in self.contacts), key=order.index)
+
+    @property
+    def central_film(self) -> Array:
+        """Central film (time,) [m]."""
+        return np.array([contact.central_film for contact in self.contacts])
+
+    @property
+    def minimum_film(self) -> Array:
+        """Smallest film (time,) [m]."""
+        return np.array([contact.minimum_film for contact in self.contacts])
+
+    def to_dataset(self) -> "xr.Dataset":
+        """Return pressure, film and numbers with the dimension ``time``."""
+        dataset: xr.Dataset = presentation("FilmEvolution.to_dataset")(self)
+        return dataset
+
+
+@dataclass(frozen=True, eq=False)
+class _Instant:
+    """A film at a time, in units of a / u_m, and its content."""
+
+    time: float
+    film: Film
+    content: Array
+    iteration: FilmIteration
+
+
+def evolve_lubricated(
+    scene: Scene,
+    grid: Grid,
+    padding: Padding | Paddings = ExactPeriodicity(),  # noqa: B008 (a frozen value)
+    *,
+    times: Iterable[float],
+    error: float | None = None,
+    step: float | None = None,
+    speed: Callable[[float], float] | None = None,
+    tolerance: float = 1e-6,
+    progress: Callable[[float, float], None] | None = None,
+) -> FilmEvolution:
+    """March the film of ``scene`` through time, from the steady film at the first time.
+
+    Parameters
+    ----------
+    scene
+        A lubricated scene; its load may change in time, and :class:`~contactstudy.Carried` shapes move with a body.
+    grid, padding
+        As for :func:`~contactstudy.solve_lubricated`.
+    times
+        Instants [s] at which the contact is recorded, ascending; the film is steady at the first.
+    error
+        Largest error of a step, of the film in L1 over its mean in the Hertzian zone: 1e-3 if neither this nor a step
+        is given.
+    step
+        Length of all steps [s], in place of an error.
+    speed
+        Mean speed [m/s] as a function of time [s], not below zero and above zero at the first time; that of the scene if
+        None.
+    tolerance
+        Residual of each step.
+    progress
+        Called with time and end [s] after each step.
+
+    Returns
+    -------
+    FilmEvolution
+        A contact at every time, with the last status where a step failed.
+    """
+    instants = [finite("evolve_lubricated.times", time, "give times in s") for time in times]
+    if len(instants) < 2 or sorted(set(instants)) != instants:
+        raise InvalidInput(f"evolve_lubricated.times is {times!r}: give two or more, ascending.")
+    if step is not None and error is not None:
+        raise InvalidInput("evolve_lubricated has a step and an error: leave one of them out.")
+    if step is not None:
+        step = positive("evolve_lubricated.step", step, "give a step above 0 s")
+    error = positive(
+        "evolve_lubricated.error", 1e-3 if error is None else error, "give one above 0"
+    )
+    march = _March.begin(scene, grid, padding, instants[0], speed, tolerance)
+    contacts, steps, worst, iterations, linear_iterations = [], 0, 0.0, 0, 0
+    first = march.posed.equation.cell[0] * march.unit
+    length = step or FIRST * first
+    for target in instants:
+        while march.time < target - 1e-9 * first:
+            left = target - march.time
+            # no sliver of a step before an instant
+            trial = (
+                left if length > 0.999 * left else min(length, left / np.ceil(left / length - 1e-6))
+            )
+            stepped, size = march.stepped(trial)
+            iterations += stepped.last.iterations
+            linear_iterations += stepped.last.linear_iterations
+            failed = not stepped.last.converged(tolerance)
+            if (failed or (step is None and size > 2 * error)) and trial > LEAST * first:
+                length = trial * (SHORTER if failed else max(SHORTER, (error / size) ** (1 / 3)))
+                continue
+            march, steps, worst = stepped, steps + 1, max(worst, size)
+            if progress is not None:
+                progress(march.time, instants[-1])
+            if step is None and trial == min(trial, length) and size > 0:
+                factor = SAFETY * (error / size) ** (1 / 3)
+                length = trial * float(np.clip(factor, SHORTER, LONGER))
+            if failed:
+                break
+        contacts.append(march.contact())
+        if contacts[-1].status is FilmStatus.NOT_CONVERGED:
+            break
+    return FilmEvolution(
+        tuple(instants[: len(contacts)]),
+        tuple(contacts),
+        steps,
+        iterations,
+        linear_iterations,
+        worst,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _March:
+    """The last three instants of a march, and what changes in it."""
+
+    scene: Scene
+    grid: Grid
+    padding: Padding | Paddings
+    posed: PosedFilm
+    solver: StepSolver
+    speed: Callable[[float], float]
+    start: float
+    unit: float
+    tolerance: float
+    distance: float
+    past: tuple[_Instant, ...]
+    now: PosedFilm
+
+    @classmethod
+    def begin(
+        cls,
+        scene: Scene,
+        grid: Grid,
+        padding: Padding | Paddings,
+        start: float,
+        speed: Callable[[float], float] | None,
+        tolerance: float,
+    ) -> "_March":
+        """Return a march that begins with the steady film at the first time."""
+        largest = replace(scene, load=LineLoad(scene.load.largest))
+        posed = pose(largest, grid, padding)
+        mean = posed.scales.lubrication.mean_speed
+        unit = posed.scales.hertz.half_width / mean
+        march = cls(
+            scene, grid, padding, posed, step_solver(posed), speed or (lambda _: mean), start, unit,
+            tolerance, 0.0, (), posed,
+        )  # fmt: skip
+        now = march._posed_at(start, 0.0)
+        if now.equation.speed <= 0:
+            raise InvalidInput(
+                "evolve_lubricated.speed is 0 m/s at the first time, when no film is steady: give one above."
+            )
+        last = continued(now, FilmControls(tolerance=tolerance))
+        instant = _Instant(start / unit, last.film, now.equation.content(last.film), last)
+        return replace(march, past=(instant,), now=now)
+
+    @property
+    def time(self) -> float:
+        """Time of the last instant [s]."""
+        return self.past[0].time * self.unit
+
+    @property
+    def last(self) -> FilmIteration:
+        """Iteration of the last instant."""
+        return self.past[0].iteration
+
+    def stepped(self, length: float) -> tuple["_March", float]:
+        """Return the march after a step [s], and the error of that step."""
+        end = self.time + length
+        middle = self.speed(self.time + length / 2)
+        distance = (
+            self.distance + length * (self.speed(self.time) + 4 * middle + self.speed(end)) / 6
+        )
+        now = self._posed_at(end, distance)
+        equation, step = now.equation, length / self.unit
+        expected = self._expected(now, end / self.unit)
+        controls = FilmControls(
+            tolerance=self.tolerance,
+            max_iterations=60,
+            time_step=NEWTON,
+            viscosity_change=ROUGH_CHANGE,
+        )
+        last = iterate(
+            equation, expected, self.solver, controls,
+            storage=self._storage(step), cavitated=self.last.cavitated,
+        )  # fmt: skip
+        instant = _Instant(end / self.unit, last.film, equation.content(last.film), last)
+        inside = np.abs(now.x) < 1
+        change = np.abs(last.film.film - self._extrapolated(end / self.unit, "film"))[inside].mean()
+        known = len(self.past) > 2
+        size = STEP_ERROR * float(change / last.film.film[inside].mean()) if known else 0.0
+        past = (instant, *self.past[:2])
+        return replace(self, past=past, now=now, distance=distance), size
+
+    def contact(self) -> LubricatedContact:
+        """Return the contact at the last instant."""
+        return contact_of(self.scene, self.grid, self.padding, self.now, self.last, self.tolerance)
+
+    def _posed_at(self, time: float, distance: float) -> PosedFilm:
+        """Return the film equation at a time [s], after the mean speed has gone a distance [m]."""
+        scales, load = self.posed.scales, self.scene.load
+        slide = scales.lubrication.slide_roll_ratio / 2
+        gap = np.zeros(self.grid.cells)
+        for shape in self.scene.shapes:
+            if isinstance(shape, Carried):
+                moved = distance * (1 + slide * (1 - 2 * shape.body))
+                gap += shape.gap_after(self.grid, moved)
+            else:
+                gap += shape.gap(self.grid)
+        posed = self.posed.with_gap(gap)
+        carried = load.at(time) if isinstance(load, ChangingLoad) else load.largest
+        equation = replace(
+            posed.equation,
+            load=self.posed.equation.load * carried / load.largest,
+            speed=self.speed(time) / scales.lubrication.mean_speed,
+        )
+        return replace(posed, equation=equation)
+
+    def _storage(self, step: float) -> Storage:
+        """Return the derivative of the content: BDF2, or backward Euler's in the first step."""
+        if len(self.past) == 1:
+            return Storage(1 / step, -self.past[0].content / step)
+        ratio = step / (self.past[0].time - self.past[1].time)
+        history = (
+            -(1 + ratio) * self.past[0].content + ratio**2 / (1 + ratio) * self.past[1].content
+        )
+        return Storage((1 + 2 * ratio) / (1 + ratio) / step, history / step)
+
+    def _extrapolated(self, time: float, field: str) -> Array:
+        """Return a field of the film at a later time by the polynomial through the last instants."""
+        total = np.zeros_like(self.past[0].film.film)
+        for number, one in enumerate(self.past):
+            weight = 1.0
+            for other, two in enumerate(self.past):
+                if other != number:
+                    weight *= (time - two.time) / (one.time - two.time)
+            total = total + weight * getattr(one.film, field)
+        return total
+
+    def _expected(self, now: PosedFilm, time: float) -> Film:
+        """Return the film to start a step from; that of the last instant where the extrapolation is no film."""
+        last = self.past[0].film
+        pressure = np.maximum(self._extrapolated(time, "pressure"), 0)
+        pressure[self.last.cavitated | now.equation.fixed] = 0
+        void = np.where(pressure > 0, 0, last.void)
+        separation = float(self._extrapolated(time, "separation").flat[0])
+        film = now.equation.film_of(pressure, void, separation)
+        if (film.film > 0.3 * last.film).all():
+            return film
+        film = now.equation.film_of(last.pressure, last.void, last.separation)
+        rise = max(0.0, float((0.3 * last.film - film.film).max()))
+        return now.equation.film_of(last.pressure, last.void, last.separation + rise)

@@ -1,0 +1,82 @@
+"""Heights that a body carries through a lubricated contact."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import ndimage
+
+from contactstudy.domain.checks import InvalidInput, whole
+from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Grid
+from contactstudy.scene.shapes.shape import Detail, Shape
+
+
+@dataclass(frozen=True)
+class MovedGrid(Grid):
+    """The cells of a grid as a body sees them that has moved by ``moved`` [m] across."""
+
+    moved: float = 0.0
+
+    @property
+    def x(self) -> Array:
+        """Cell centres across the width in the body's own frame, shape (nx,) [m]."""
+        return np.asarray(super().x - self.moved)
+
+
+@dataclass(frozen=True)
+class Carried:
+    """A shape on the surface of a body, which moves with it to larger x: see :func:`~contactstudy.evolve_lubricated`.
+
+    At time zero it is where the shape is. Heights of a measured surface repeat across with the width of the grid.
+
+    Parameters
+    ----------
+    shape
+        Roughness, texture, waves: a shape without curvature.
+    body
+        0 or 1, the body of ``Scene.solids`` that carries it.
+
+    Raises
+    ------
+    InvalidInput
+        For a shape with curvature, or another body.
+    """
+
+    shape: Shape
+    body: int = 0
+
+    def __post_init__(self) -> None:
+        whole("Carried.body", self.body, 0, "give 0 or 1, the body's place in Scene.solids")
+        if self.body > 1:
+            raise InvalidInput(f"Carried.body is {self.body!r}: give 0 or 1.")
+        if (
+            isinstance(self.shape, type)
+            or not isinstance(self.shape, Shape)
+            or self.shape.curvature
+        ):
+            raise InvalidInput(
+                f"Carried.shape is {self.shape!r}: give heights without curvature, such as Roughness."
+            )
+
+    @property
+    def curvature(self) -> float:
+        """Zero."""
+        return 0.0
+
+    @property
+    def detail(self) -> Detail:
+        """Detail of the shape."""
+        return getattr(self.shape, "detail", Detail())
+
+    def gap(self, grid: Grid) -> Array:
+        """Return the contribution to the gap [m] at time zero."""
+        return self.shape.gap(grid)
+
+    def gap_after(self, grid: Grid, moved: float) -> Array:
+        """Return the contribution to the gap [m] after the body has moved by a distance [m]."""
+        if hasattr(self.shape, "seam"):  # heights that stand on the grid
+            heights = np.broadcast_to(self.shape.gap(grid), grid.cells)
+            return np.asarray(
+                ndimage.shift(heights, (moved / grid.cell[0], 0), order=3, mode="grid-wrap")
+            )
+        return self.shape.gap(MovedGrid(grid.cells, grid.extent, moved))

@@ -1,0 +1,153 @@
+"""Films that change in time: waves that pass, a start from rest, a load that grows."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from tests.contactstudy.lubrication.scenes import DRY, by_moes, grid
+
+assert DRY.hertz is not None
+A = DRY.hertz.half_width
+
+
+def rolling(load: float, viscosity: float, *shapes: cs.Shape) -> cs.Scene:
+    """Both surfaces move alike."""
+    scene = by_moes(load, viscosity, *shapes)
+    assert scene.lubrication is not None
+    return replace(scene, lubrication=replace(scene.lubrication, slide_roll_ratio=0.0))
+
+
+def speed_of(scene: cs.Scene) -> float:
+    assert scene.lubrication is not None
+    return scene.lubrication.mean_speed
+
+
+def ramp(speed: float, duration: float) -> Callable[[float], float]:
+    """A thousandth of a speed at first, all of it from `duration` on."""
+    return lambda time: speed * max(1e-3, min(1.0, time / duration))
+
+
+# M, L, wavelength [a], steps a wave, cells: amplitude of the central film over that of the wave in pure rolling
+WAVES = ((100, 10, 0.5, 48, 400, 0.4398), (100, 5, 0.5, 48, 400, 0.337))
+
+
+@pytest.mark.parametrize(("load", "viscosity", "wave", "per_wave", "cells", "expected"), WAVES)
+def test_a_wave_that_passes_is_reduced_as_known(
+    load: float, viscosity: float, wave: float, per_wave: int, cells: int, expected: float
+) -> None:
+    smooth = rolling(load, viscosity)
+    height = 0.1 * cs.solve_lubricated(smooth, grid(cells, 3.0)).central_film
+    passing = cs.Carried(cs.Waviness(height, across=wave * A, along=np.inf))
+    scene = rolling(load, viscosity, passing)
+    period = wave * A / speed_of(scene)
+    evolution = cs.evolve_lubricated(
+        scene, grid(cells, 3.0), times=np.linspace(0, 7 * period, 169), step=period / per_wave
+    )
+    assert evolution.status is cs.FilmStatus.CONVERGED
+    last_wave = evolution.central_film[-25:]
+    # two digits: the reference has another grid, whose ratios fall by 2 % with twice the steps
+    assert np.ptp(last_wave) / 2 / height == pytest.approx(expected, rel=0.02)
+
+
+def test_a_steady_film_stays_as_it_is() -> None:
+    scene = by_moes(20, 5)
+    times = np.linspace(0, 4 * A / speed_of(scene), 5)
+    evolution = cs.evolve_lubricated(scene, grid(100, 4.5), times=times)
+    assert evolution.central_film == pytest.approx(evolution.central_film[0], rel=1e-6)
+
+
+def test_a_start_from_rest_ends_in_the_full_film() -> None:
+    scene = by_moes(20, 5)
+    passage = A / speed_of(scene)
+    evolution = cs.evolve_lubricated(
+        scene,
+        grid(160, 4.0),
+        times=np.linspace(0, 16 * passage, 9),
+        speed=ramp(speed_of(scene), 5 * passage),
+    )
+    steady = cs.solve_lubricated(scene, grid(160, 4.0))
+    films = evolution.central_film
+    assert films[0] < 0.02 * steady.central_film
+    assert (np.diff(films[:4]) > 0).all()
+    assert films[-1] == pytest.approx(steady.central_film, rel=1e-3)
+
+
+def test_a_load_that_grows_squeezes_the_film_to_that_of_the_larger_load() -> None:
+    scene = by_moes(20, 5)
+    passage = A / speed_of(scene)
+    load = cs.LoadHistory((0, 2 * passage, 6 * passage, 20 * passage), (1e5, 1e5, 2e5, 2e5))
+    evolution = cs.evolve_lubricated(
+        replace(scene, load=load), grid(160, 4.0), times=np.linspace(0, 20 * passage, 11)
+    )
+    heavy = cs.solve_lubricated(replace(scene, load=cs.LineLoad(2e5)), grid(160, 4.0))
+    films = evolution.central_film
+    assert films.max() > films[0] * 1.01
+    assert films[-1] == pytest.approx(heavy.central_film, rel=1e-3)
+    carried = evolution.contacts[5].pressure.sum() * grid(160, 4.0).cell[0]
+    assert carried == pytest.approx(2e5, rel=1e-5)
+
+
+def test_smaller_errors_take_more_steps_and_agree() -> None:
+    smooth = rolling(20, 5)
+    height = 0.2 * cs.solve_lubricated(smooth, grid(160, 4.0)).central_film
+    scene = rolling(20, 5, cs.Carried(cs.Waviness(height, across=A, along=np.inf)))
+    times = np.linspace(0, 4 * A / speed_of(scene), 9)
+    coarse, fine = (
+        cs.evolve_lubricated(scene, grid(160, 4.0), times=times, error=error)
+        for error in (1e-3, 1e-5)
+    )
+    assert fine.steps > coarse.steps
+    # errors of steps add up over the passage through the contact
+    bound = 1e-3 * coarse.steps
+    assert coarse.central_film == pytest.approx(fine.central_film, rel=bound)
+
+
+def test_rough_heights_on_either_body_pass_through() -> None:
+    smooth = cs.solve_lubricated(by_moes(20, 5), grid(96, 3.0))
+    for body in (0, 1):
+        waves = cs.Waviness(0.2 * smooth.central_film, across=A, along=A / 2)
+        scene = by_moes(20, 5, cs.Carried(waves, body=body))
+        times = np.linspace(0, A / speed_of(scene), 3)
+        evolution = cs.evolve_lubricated(scene, grid(96, 3.0, 16), times=times, error=1e-2)
+        assert evolution.status is not cs.FilmStatus.NOT_CONVERGED
+        assert np.ptp(evolution.contacts[-1].film, axis=1).max() > 0
+
+
+def test_carried_heights_move_by_the_distance_of_their_body() -> None:
+    waves = cs.Waviness(1e-8, across=A, along=np.inf)
+    cells = grid(60, 3.0)
+    moved = cs.Carried(waves).gap_after(cells, 2 * cells.cell[0])
+    assert moved[2:] == pytest.approx(waves.gap(cells)[:-2], abs=1e-18)
+
+
+def test_what_moves_or_changes_is_refused_by_the_steady_solve() -> None:
+    moving = by_moes(20, 5, cs.Carried(cs.Waviness(1e-8, across=A, along=np.inf)))
+    with pytest.raises(cs.InvalidInput, match="evolve_lubricated"):
+        cs.solve_lubricated(moving, grid(100, 4.5))
+    load = cs.LoadHistory((0.0, 1.0), (1e5, 2e5))
+    with pytest.raises(cs.InvalidInput, match="evolve_lubricated"):
+        cs.solve_lubricated(replace(by_moes(20, 5), load=load), grid(100, 4.5))
+
+
+def test_times_speeds_and_steps_that_make_no_march_are_refused() -> None:
+    scene = by_moes(20, 5)
+    for message, named in (
+        ("two or more, ascending", {"times": [0.0]}),
+        ("two or more, ascending", {"times": [1.0, 0.0]}),
+        ("leave one of them out", {"times": [0.0, 1e-3], "step": 1e-4, "error": 1e-3}),
+        ("when no film is steady", {"times": [0.0, 1e-3], "speed": lambda _: 0.0}),
+    ):
+        with pytest.raises(cs.InvalidInput, match=message):
+            cs.evolve_lubricated(scene, grid(64, 4.5), **named)
+
+
+def test_a_march_is_labelled_with_its_times() -> None:
+    scene = by_moes(20, 5)
+    times = [0.0, 1e-5]
+    dataset = cs.evolve_lubricated(scene, grid(64, 4.5), times=times).to_dataset()
+    assert dataset["film"].dims == ("time", "x", "y")
+    assert dataset["central_film"].dims == ("time",)
+    assert dataset["time"].values.tolist() == times

@@ -10,7 +10,7 @@ from contactstudy.domain.fields import Array
 from studies.definitions.effect_cost import COARSER, IN_TIME, PERIOD, WIDTH, YIELD
 from studies.definitions.peers import PROGRAMS
 from studies.definitions.solvers import SOLVERS
-from studies.definitions.speed import ROUGH, SELF_AFFINE
+from studies.definitions.speed import LINE, ROUGH, SELF_AFFINE
 from studies.model.drawing import CaptionedFigure, Drawing, Finding
 from studies.model.outcome import CaseStatus
 from studies.model.plain_text import thread_count
@@ -47,7 +47,7 @@ def _solvers_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
         if variable == "solve_time":
             least = float(dataset[variable].isel(grid=0).min())
             ax.loglog(cells, least * (cells / cells[0]) ** 2, label="N²", **LAW_STYLE)
-        ax.set(xlabel="cells N across and along", ylabel=label)
+        ax.set(xlabel="cells N across, and along but for a line", ylabel=label)
         ax.set_xticks(cells, [str(n) for n in cells])
         ax.minorticks_off()
     add_legend(fig)
@@ -146,7 +146,7 @@ def _speed_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
             ax.set_yscale("log")
         else:
             ax.set_ylim(bottom=0)
-        ax.set(xlabel="cells N across and along", ylabel=label)
+        ax.set(xlabel="cells N across, and along but for a line", ylabel=label)
         ax.set_xticks(cells, [str(n) for n in cells])
         ax.minorticks_off()
     add_legend(fig)
@@ -193,7 +193,8 @@ def _speed_caption(dataset: xr.Dataset) -> str:
     ]
     return (
         f"Cost of a solve against the grid, without set-up. {ROUGH.capitalize()} is a rough cylinder, semi-periodic, "
-        "the same surface on every grid; a self-affine one is flat, periodic along both axes, and has waves down "
+        f"the same surface on every grid; a {LINE} is a smooth cylinder with one cell along; a "
+        "self-affine one is flat, periodic along both axes, and has waves down "
         f"to so many cells of every grid. At {int(finest['grid'])} x {int(finest['grid'])} cells, on "
         f"{_where(finest)}, {'; '.join(facts)}. Bare transforms are as many as the solve takes, of the full grid."
     )

@@ -33,6 +33,17 @@ def test_a_surface_that_is_not_self_affine_is_solved_once_for_all_of_its_paramet
     assert study.scene_at(POINT) != study.scene_at(POINT | {"threads": 2})
 
 
+def test_a_line_is_a_smooth_cylinder_with_one_cell_along() -> None:
+    line, smooth = (
+        load("speed").scene_at(POINT | {"surface": name}) for name in ("line", "smooth")
+    )
+    assert isinstance(line, CaseOnDevice)
+    assert isinstance(smooth, CaseOnDevice)
+    assert line.case.grid.cells == (32, 1)
+    assert smooth.case.grid.cells == (32, 32)
+    assert line.case.scene == smooth.case.scene == SCENE
+
+
 def test_a_self_affine_surface_bears_the_load_of_its_share_and_ends_at_so_many_cells() -> None:
     """Persson (2001): the share is erf(sqrt(2) p / (E* slope)), p the mean pressure."""
     grid = cs.Grid((64, 64), (3e-3, 3e-3))
@@ -55,7 +66,7 @@ def test_a_self_affine_surface_bears_the_load_of_its_share_and_ends_at_so_many_c
         ({"cut_off": 0.0}, r"^cut_off is 0\.0: give a number of cells above 0\."),
         ({"threads": 0}, r"^threads is 0: give a whole number of threads from 1 on\."),
         ({"device": "gpu"}, "^Gpu "),
-        ({"surface": "smoth"}, "^surface is 'smoth': choose from rough, self-affine"),
+        ({"surface": "smoth"}, "^surface is 'smoth': did you mean 'smooth'"),
         ({"precision": "half"}, "^precision is 'half': give 'single' or 'double'"),
     ],
 )
@@ -97,10 +108,12 @@ def test_memory_is_counted_in_fields_of_double_precision(monkeypatch: pytest.Mon
 def test_a_solve_is_timed_from_its_beginning_to_its_end(monkeypatch: pytest.MonkeyPatch) -> None:
     case = load("speed").scene_at(POINT)
     assert isinstance(case, CaseOnDevice)
-    at = iter((100.0, 107.5))
+    # long enough together to be the last: the least counts
+    at = iter((100.0, 100.04, 107.0, 107.02))
     monkeypatch.setattr(module, "clock_of", lambda _: lambda: next(at))
     monkeypatch.setattr(CaseOnDevice, "solved", lambda *_: "solution")
-    assert case.run(None) == Timed("solution", 7.5)  # type: ignore[arg-type]
+    timed = case.run(None)  # type: ignore[arg-type]
+    assert (timed.solution, timed.seconds) == ("solution", pytest.approx(0.02))
 
 
 def test_of_three_pairs_of_transforms_the_quickest_counts(monkeypatch: pytest.MonkeyPatch) -> None:

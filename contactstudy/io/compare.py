@@ -1,5 +1,7 @@
-"""Two contacts on two grids: by how much they differ, and where."""
+"""Comparison of two contacts on two grids: by how much they differ, where, and in what their scenes differ."""
 
+import tomllib
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -9,20 +11,36 @@ import xarray as xr
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.imports import presentation
+from contactstudy.io.dataset import labelled
+from contactstudy.io.summary import readable
 from contactstudy.solvers.solution import Solution
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+# Sentences on differing keys of two scenes: so many are shown.
+SHOWN = 12
+
+
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """How the contact b differs from a; relative to a.
+    """Difference of the contact b from the contact a.
 
-    ``l1``: ``sum |p_b - p_a| / sum p_a`` over areas; ``peak_pressure``, ``contact_area`` and ``load``:
-    ``b / a - 1``; ``approach`` [m]: ``b - a``, if both count from one place, as they do on one grid with one load.
-    ``largest`` [Pa] is the largest ``|p_b - p_a|``, ``at`` (x, y) [m] where it is. ``difference`` has the pressures
-    ``a``, ``b`` and ``b - a`` (x, y) [Pa] on the cells that the edges of both grids make.
+    Parameters
+    ----------
+    l1
+        ``sum |p_b - p_a| / sum p_a`` over areas.
+    peak_pressure, contact_area, load
+        ``b / a - 1``.
+    approach
+        ``b - a`` [m], if both count from one place, as they do on one grid with one load.
+    largest, at
+        Largest ``|p_b - p_a|`` [Pa], and the place (x, y) [m] where it is.
+    difference
+        Pressures ``a``, ``b`` and ``b - a`` (x, y) [Pa] on the cells that the edges of both grids make.
+    differing
+        Sentences on the keys of the scenes that differ.
     """
 
     l1: float
@@ -33,41 +51,51 @@ class Comparison:
     largest: float
     at: tuple[float, float]
     difference: xr.Dataset
+    differing: tuple[str, ...] = ()
 
     def __str__(self) -> str:
-        x, y = self.at
-        return "\n".join(
-            (
-                f"pressure in L1: {self.l1:.3g} of all pressure",
-                f"peak pressure: {self.peak_pressure:+.3g} of it",
-                f"contact area: {self.contact_area:+.3g} of it",
-                f"load: {self.load:+.3g} of it",
-                f"approach: {self.approach:+.4g} m",
-                f"largest difference: {self.largest:.4g} Pa at x = {x:.4g} m, y = {y:.4g} m",
-            )
-        )
+        x, y = (readable(place, "m") for place in self.at)
+        lines = [
+            f"pressure in L1: {100 * self.l1:.3g} %",
+            f"peak pressure: {100 * self.peak_pressure:+.3g} %",
+            f"contact area: {100 * self.contact_area:+.3g} %",
+            f"load: {100 * self.load:+.3g} %",
+            f"approach: {'+' * (self.approach > 0)}{readable(self.approach, 'm')}",
+            f"largest difference: {readable(self.largest, 'Pa')} at x = {x}, y = {y}",
+        ]
+        more = len(self.differing) - SHOWN
+        lines += [f"scenes differ in {text}" for text in self.differing[:SHOWN]]
+        return "\n".join(lines + [f"... and in {more} more keys"] * (more > 0))
 
     def plot(self) -> "Figure":
-        """The difference as a map, and both pressures across the place where it is largest."""
+        """Draw the difference as a map, and both pressures across the place where it is largest."""
         figure: Figure = presentation("Comparison.plot")(self)
         return figure
 
 
 def compare(a: Solution | xr.Dataset, b: Solution | xr.Dataset) -> Comparison:
-    """How ``b`` differs from ``a``: solutions, or their datasets, on any two grids of one period.
+    """Return how the contact `b` differs from the contact `a`.
 
     Pressures are constant in each cell, so that all integrals over both grids are exact; beyond the width of
-    a grid there is no pressure. A contact of one cell along the length is the same at any period. Raises
-    :class:`~contactstudy.InvalidInput` for two periods, and for a dataset that is of no contact.
+    a grid there is no pressure. A contact of one cell along the length is the same at any period.
+
+    Parameters
+    ----------
+    a, b
+        Solutions, or their datasets, on any two grids of one period.
+
+    Raises
+    ------
+    InvalidInput
+        For contacts of two periods or of two kinds, such as a roller with free ends and one period of an endless
+        one, and for a dataset that is of no contact.
     """
     first, second = _labelled("a", a), _labelled("b", b)
-    edges = []
-    for axis in ("x", "y"):
-        ours, theirs = _edges(first, axis), _edges(second, axis)
-        if axis == "y":
-            ours, theirs = _one_period(first, second, ours, theirs)
-        edges.append((ours, theirs, _union(ours, theirs)))
-    (x_a, x_b, x), (y_a, y_b, y) = edges
+    tables = _scene(first), _scene(second)
+    _check_kinds(*tables)
+    x_a, x_b = _edges(first, "x"), _edges(second, "x")
+    y_a, y_b = _one_period(first, second, _edges(first, "y"), _edges(second, "y"))
+    x, y = _union(x_a, x_b), _union(y_a, y_b)
     p_a = _on(first["pressure"].values, x_a, y_a, x, y)
     p_b = _on(second["pressure"].values, x_b, y_b, x, y)
     area = np.diff(x)[:, None] * np.diff(y)[None, :]
@@ -80,16 +108,11 @@ def compare(a: Solution | xr.Dataset, b: Solution | xr.Dataset) -> Comparison:
     centres = (x[1:] + x[:-1]) / 2, (y[1:] + y[:-1]) / 2
     place = np.unravel_index(int(np.abs(change).argmax()), change.shape)
     touching = [float(((p > 0) * area).sum()) for p in (p_a, p_b)]
-    labels = {"units": "Pa"}
     difference = xr.Dataset(
         {
-            "a": (("x", "y"), p_a, labels | {"long_name": "pressure of a"}),
-            "b": (("x", "y"), p_b, labels | {"long_name": "pressure of b"}),
-            "difference": (
-                ("x", "y"),
-                change,
-                labels | {"long_name": "pressure of b less that of a"},
-            ),
+            "a": labelled(("x", "y"), p_a, "Pa", "pressure of a"),
+            "b": labelled(("x", "y"), p_b, "Pa", "pressure of b"),
+            "difference": labelled(("x", "y"), change, "Pa", "pressure of b less that of a"),
         },
         {"x": ("x", centres[0], first["x"].attrs), "y": ("y", centres[1], first["y"].attrs)},
     )
@@ -102,26 +125,76 @@ def compare(a: Solution | xr.Dataset, b: Solution | xr.Dataset) -> Comparison:
         largest=float(np.abs(change[place])),
         at=(float(centres[0][place[0]]), float(centres[1][place[1]])),
         difference=difference,
+        differing=_differing(*tables),
     )
 
 
-def _labelled(name: str, one: Any) -> xr.Dataset:
-    if isinstance(one, Solution):
-        return one.to_dataset()
+def _scene(dataset: xr.Dataset) -> dict[str, object]:
+    """Return the keys of the scene in a dataset by their paths, less those of its grid; none if it has no scene."""
+    text = str(dataset.attrs.get("scene", ""))
+    try:
+        return {} if text.startswith("#") else _flat(tomllib.loads(text), "")
+    except tomllib.TOMLDecodeError:
+        return {}
+
+
+def _flat(value: object, path: str) -> dict[str, object]:
+    entries: Iterable[tuple[object, object]]
+    if isinstance(value, dict):
+        entries = value.items()
+    elif isinstance(value, list) and any(isinstance(entry, dict) for entry in value):
+        entries = enumerate(value)
+    else:
+        return {} if path.startswith("grid.") else {path: value}
+    flat: dict[str, object] = {}
+    for key, entry in entries:
+        flat |= _flat(entry, f"{path}.{key}" if path else str(key))
+    return flat
+
+
+def _check_kinds(first: Mapping[str, object], second: Mapping[str, object]) -> None:
+    """Raise :class:`~contactstudy.InvalidInput` if one contact ends where the other repeats, or is lubricated."""
+    paddings = [str(table.get("padding.kind", table.get("padding"))) for table in (first, second)]
+    ends = [padding == "ZeroPadding" for padding in paddings]
+    if first and second and ends[0] != ends[1]:
+        ended, endless = ("a", "b") if ends[0] else ("b", "a")
+        raise InvalidInput(
+            f"The contacts are not of one kind: {ended} ends at both ends of its grid (ZeroPadding), and {endless} is "
+            f"one period of an endless contact ({paddings[ends.index(False)]}): compare contacts with one padding "
+            "along the length."
+        )
+    films = [any(key.startswith("lubrication") for key in table) for table in (first, second)]
+    if films[0] != films[1]:
+        raise InvalidInput(
+            "The contacts are not of one kind: one is lubricated, the other is dry: compare two of one kind."
+        )
+
+
+def _differing(first: Mapping[str, object], second: Mapping[str, object]) -> tuple[str, ...]:
+    """Return a sentence for each key of two scenes that differs."""
+    keys = [key for key in {**first, **second} if first.get(key) != second.get(key)]
+    if not first or not second:
+        return ()
+    return tuple(f"{key}: {first.get(key, 'none')} and {second.get(key, 'none')}" for key in keys)
+
+
+def _labelled(name: str, contact: Any) -> xr.Dataset:
+    if isinstance(contact, Solution):
+        return contact.to_dataset()
     if (
-        not isinstance(one, xr.Dataset)
-        or "pressure" not in one
-        or one["pressure"].dims != ("x", "y")
+        not isinstance(contact, xr.Dataset)
+        or "pressure" not in contact
+        or contact["pressure"].dims != ("x", "y")
     ):
         raise InvalidInput(
-            f"compare.{name} is {type(one).__name__} without a pressure over (x, y): give a Solution or its "
+            f"compare.{name} is {type(contact).__name__} without a pressure over (x, y): give a Solution or its "
             "dataset."
         )
-    return one
+    return contact
 
 
 def _edges(dataset: xr.Dataset, axis: str) -> Array:
-    """Of the cells whose centres the dataset has; one cell alone along the length has the period of the file."""
+    """Return the edges of the cells whose centres the dataset has; of one cell alone, edges of unit distance."""
     centres = dataset[axis].values
     if len(centres) > 1:
         step = float(centres[-1] - centres[0]) / (len(centres) - 1)
@@ -143,22 +216,22 @@ def _one_period(first: xr.Dataset, second: xr.Dataset, a: Array, b: Array) -> tu
 
 
 def _union(a: Array, b: Array) -> Array:
-    """The edges of both, where those that differ in rounding are one."""
+    """Return the edges of both grids, with those that differ in rounding as one."""
     edges = np.unique(np.concatenate([a, b]))
     near = np.diff(edges) > 1e-9 * (edges[-1] - edges[0])
     return np.asarray(edges[np.concatenate([[True], near])])
 
 
 def _on(pressure: Array, x: Array, y: Array, to_x: Array, to_y: Array) -> Array:
-    """``pressure`` on finer cells: that of the cell around each centre, nothing beyond the grid."""
-    rows, row_is_there = _places(x, to_x)
-    columns, column_is_there = _places(y, to_y)
-    there = row_is_there[:, None] & column_is_there[None, :]
-    return np.where(there, pressure[np.ix_(rows, columns)], 0.0)
+    """Return the pressure on finer cells: that of the cell around each centre, zero beyond the grid."""
+    rows, row_on_grid = _places(x, to_x)
+    columns, column_on_grid = _places(y, to_y)
+    on_grid = row_on_grid[:, None] & column_on_grid[None, :]
+    return np.where(on_grid, pressure[np.ix_(rows, columns)], 0.0)
 
 
 def _places(edges: Array, finer: Array) -> tuple[np.ndarray, np.ndarray]:
     centres = (finer[1:] + finer[:-1]) / 2
     places = np.searchsorted(edges, centres) - 1
-    there = (places >= 0) & (places < len(edges) - 1)
-    return np.clip(places, 0, len(edges) - 2), there
+    on_grid = (places >= 0) & (places < len(edges) - 1)
+    return np.clip(places, 0, len(edges) - 2), on_grid

@@ -9,10 +9,9 @@ import click
 
 from contactstudy import InvalidInput, __version__
 from contactstudy.domain.imports import missing_package
-from studies.cli.compare import compare
 from studies.cli.recommend import recommendation
 from studies.cli.scenes import plan, solve
-from studies.cli.show import show
+from studies.cli.show import compare, show
 from studies.cli.study_help import StudyCommand
 from studies.cli.vary import FIGURES, VARY, load_scene_study
 from studies.model.axis import MOST_POINTS

@@ -1,4 +1,4 @@
-"""``contactstudy show FILE.nc``."""
+"""The commands on stored files: ``contactstudy show FILE.nc`` and ``contactstudy compare A.nc B.nc``."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -32,16 +32,31 @@ FORMATS = ("png", "pdf", "svg", "vtk")
 @click.option(
     "--figures", type=click.Choice(["curves", "maps"]), default="curves", show_default=True
 )
-def show(file: Path, out: Path | None, formats: str, figures: str) -> None:
+@click.option(
+    "--csv",
+    "as_table",
+    is_flag=True,
+    help="Print the numbers of FILE as CSV instead: a row for each point of a study, units in the header.",
+)
+def show(
+    file: Path,
+    out: Path | None,
+    formats: str,
+    figures: str,
+    as_table: bool,  # noqa: FBT001 (click's own way)
+) -> None:
     """Draw what is in FILE: a solution, with pressure, gap, profiles and stress, or a study."""
     from contactstudy.domain.files import replacing
     from studies.store.netcdf import open_folder, read_any
 
-    chosen = [one.strip().lower().lstrip(".") for one in formats.split(",")]
-    for one in chosen:
-        if one not in FORMATS:
-            raise InvalidInput(f"--format is {one!r}: give one or more of {', '.join(FORMATS)}.")
+    chosen = [name.strip().lower().lstrip(".") for name in formats.split(",")]
+    for name in chosen:
+        if name not in FORMATS:
+            raise InvalidInput(f"--format is {name!r}: give one or more of {', '.join(FORMATS)}.")
     dataset = read_any(file)
+    if as_table:
+        click.echo(_csv(dataset), nl=False)
+        return
     folder = open_folder(out or file.parent)
     if "pressure" in dataset and dataset["pressure"].dims == ("x", "y"):
         from contactstudy.io.pictures.contact import picture
@@ -70,8 +85,46 @@ def show(file: Path, out: Path | None, formats: str, figures: str) -> None:
             click.echo(f"wrote {folder / stem}.{suffix}")
 
 
+def _csv(dataset: "xr.Dataset") -> str:
+    """Return a table: a row for each point of a study or instant of a march, or one of a solution's numbers."""
+    if "case_status" in dataset:
+        axes = [str(name) for name in dataset["case_status"].dims]
+    else:
+        axes = [name for name in ("time", "pass") if name in dataset.dims]
+    # beside axes, a number without one is the same in every row
+    names = [
+        str(name)
+        for name, variable in dataset.data_vars.items()
+        if set(variable.dims) <= set(axes) and bool(variable.dims) == bool(axes)
+    ]
+    flat = dataset[names].assign({name: _in_words(dataset[name]) for name in names})
+    flat = flat.drop_vars([name for name in flat.coords if name not in axes])
+    if axes:
+        table = flat.to_dataframe(dim_order=axes).reset_index()
+    else:
+        table = flat.expand_dims("row").to_dataframe().reset_index(drop=True)
+    table.columns = [_header(dataset, str(name)) for name in table.columns]
+    return str(table.to_csv(index=False))
+
+
+def _header(dataset: "xr.Dataset", name: str) -> str:
+    units = dataset[name].attrs.get("units", "1") if name in dataset.variables else "1"
+    return name if units == "1" else f"{name} [{units}]"
+
+
+def _in_words(variable: "xr.DataArray") -> "xr.DataArray":
+    """Return a flag by its meanings, and any other variable as it is."""
+    meanings = str(variable.attrs.get("flag_meanings", "")).split()
+    if not meanings:
+        return variable
+    values = [int(value) for value in np.atleast_1d(variable.attrs["flag_values"])]
+    words = dict(zip(values, meanings, strict=True))
+    named = np.vectorize(lambda value: words.get(int(value), ""), otypes=[object])(variable.values)
+    return variable.copy(data=named)
+
+
 def _vtk(dataset: "xr.Dataset", stem: Path) -> str:
-    """Pressure and gap over the cells as a rectilinear grid; stress, if there is any, as points in depth."""
+    """Write pressure and gap over the cells as a rectilinear grid, and stress as points in depth; return the file."""
     write = import_for("--format vtk", "pyevtk.hl").gridToVTK
     edges = [_edges(dataset[axis].values) for axis in ("x", "y")]
     # its cells lie between edges: one thin layer, so that the map is seen from above
@@ -100,3 +153,37 @@ def _edges(centres: np.ndarray) -> np.ndarray:
         return np.array([-0.5, 0.5]) * (abs(float(centres[0])) or 1e-6)
     step = float(centres[-1] - centres[0]) / (len(centres) - 1)
     return np.asarray(centres[0] + step * (np.arange(len(centres) + 1) - 0.5))
+
+
+@click.command()
+@click.argument("first", metavar="A", type=click.Path(path_type=Path))
+@click.argument("second", metavar="B", type=click.Path(path_type=Path))
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    help="Folder for a picture of the difference.  [default: none is drawn]",
+)
+def compare(first: Path, second: Path, out: Path | None) -> None:
+    """Say how B differs from A: two solutions on any grids of one period, or two runs of one study."""
+    import contactstudy as cs
+    from contactstudy.domain.files import replacing
+    from studies.report.changes import changes
+    from studies.store.netcdf import open_folder, read_any
+
+    a, b = read_any(first), read_any(second)
+    if "pressure" in a and "pressure" in b:
+        found = cs.compare(a, b)
+        for line in str(found).splitlines():
+            click.echo(line)
+        if out is not None:
+            name = f"{first.stem}-{second.stem}.png"
+            with replacing(open_folder(out) / name) as partial:
+                found.plot().savefig(partial)
+            click.echo(f"wrote {out / name}")
+    elif "case_status" in a and "case_status" in b:
+        for line in changes(a, b):
+            click.echo(line)
+    else:
+        raise InvalidInput(
+            f"{str(first)!r} and {str(second)!r} are not of one kind: give two solutions or two runs of a study."
+        )

@@ -139,8 +139,9 @@ def _of_solution(solution: cs.Solution, others: list[Quantity] | None = None) ->
     from contactstudy.io.summary import quantities
 
     estimate = cs.error_estimate(solution)
-    dataset = with_numbers(cs.to_dataset(solution, estimate), others or [])
+    dataset = cs.to_dataset(solution, estimate)
     numbers = quantities(solution, estimate, dataset.get("von_mises")) + (others or [])
+    dataset = with_numbers(dataset, numbers)
     cells = solution.pressure.shape
     notes = [
         f"{cells[0]} x {cells[1]} cells, {solution.iterations} iterations, residual {solution.residual:.1e}",

@@ -1,5 +1,6 @@
 """Two contacts on two grids: their difference is exact for pressures that are constant in each cell."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -8,6 +9,7 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.io.compare import _union
+from tests.conftest import LineContact
 
 
 def contact(
@@ -118,3 +120,30 @@ def test_grids_of_one_scene_differ_by_no_more_than_the_estimate_says(line_contac
     assert abs(found.load) < 1e-7  # both carry the load, to their residual
     assert "pressure in L1" in str(found)
     assert len(found.plot().axes) == 1
+
+
+def test_contacts_of_two_kinds_are_refused(line_contact: LineContact) -> None:
+    grid = line_contact.grid((16, 4), 1.4)
+    endless, ended = (
+        cs.solve(line_contact.scene, grid, padding)
+        for padding in (cs.ExactPeriodicity(), cs.ZeroPadding())
+    )
+    with pytest.raises(cs.InvalidInput, match=r"not of one kind: b ends at both ends of its grid"):
+        cs.compare(endless, ended)
+    assert cs.compare(ended, ended).l1 == 0
+
+
+def test_keys_in_which_the_scenes_differ_are_said_and_numbers_are_in_per_cent(
+    line_contact: LineContact,
+) -> None:
+    grid = line_contact.grid((16, 1), 1.6)
+    heavier = replace(line_contact.scene, load=cs.LineLoad(1.21 * line_contact.scene.load.largest))
+    a, b = (cs.solve(scene, grid, cs.ExactPeriodicity()) for scene in (line_contact.scene, heavier))
+    found = cs.compare(a, b)
+    loads = line_contact.scene.load.largest, heavier.load.largest
+    assert found.differing == (f"load.per_length: {loads[0]} and {loads[1]}",)
+    text = str(found)
+    assert "load: +21 %\n" in text
+    assert f"peak pressure: {100 * found.peak_pressure:+.3g} %" in text
+    assert "scenes differ in load.per_length" in text
+    assert cs.compare(a, a).differing == ()

@@ -1,6 +1,8 @@
 """What is stored is compared and drawn from its file alone."""
 
+import csv
 import signal
+from io import StringIO
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -65,7 +67,7 @@ def test_solutions_of_several_loads_open_as_one_dataset(folder: Path) -> None:
 def test_two_solutions_are_compared(folder: Path) -> None:
     words = folder / "out" / "smooth.nc", folder / "out" / "heavy.nc"
     text = said("compare", *words, "--out", folder / "compared")
-    assert "load: +0.1 of it" in text
+    assert "load: +10 %" in text
     assert (folder / "compared" / "smooth-heavy.png").is_file()
 
 
@@ -267,3 +269,58 @@ def test_fields_lie_in_one_thin_layer_of_cells_and_stress_below_it(
     written.clear()
     show._vtk(flat, Path("flat"))
     assert set(written) == {"flat"}
+
+
+def table(file: Path) -> list[dict[str, str]]:
+    result = CliRunner().invoke(cli, ["show", str(file), "--csv"])
+    assert result.exit_code == 0, result.output
+    return list(csv.DictReader(StringIO(result.output)))
+
+
+def test_a_study_is_a_table_with_a_row_for_each_point(tmp_path: Path) -> None:
+    points = xr.Dataset(
+        {
+            "case_status": (
+                ("load", "n"),
+                np.array([[1, 1, 1], [1, 0, 1]], dtype=np.int8),
+                OUTCOMES,
+            ),
+            "peak": (("n", "load"), np.arange(6.0).reshape(3, 2), {"units": "Pa"}),
+            "field": (("n", "load", "x"), np.zeros((3, 2, 4))),
+        },
+        {"load": ("load", [1e3, 2e3], {"units": "N m-1"}), "n": ("n", [0, 1, 2], {"units": "1"})},
+    )
+    points.to_netcdf(tmp_path / "points.nc")
+    rows = table(tmp_path / "points.nc")
+    assert list(rows[0]) == ["load [N m-1]", "n", "case_status", "peak [Pa]"]
+    assert [row["peak [Pa]"] for row in rows] == ["0.0", "2.0", "4.0", "1.0", "3.0", "5.0"]
+    assert [row["case_status"] for row in rows] == ["ok", "ok", "ok", "ok", "failed", "ok"]
+    assert [(row["load [N m-1]"], row["n"]) for row in rows[2:4]] == [
+        ("1000.0", "2"),
+        ("2000.0", "0"),
+    ]
+
+
+OUTCOMES = {"flag_values": np.array([0, 1], dtype=np.int8), "flag_meanings": "failed ok"}
+
+
+def test_a_solution_is_one_row_of_its_numbers(folder: Path) -> None:
+    (row,) = table(folder / "out" / "smooth.nc")
+    stored = xr.load_dataset(folder / "out" / "smooth.nc")
+    assert float(row["peak_pressure [Pa]"]) == float(stored["pressure"].max())
+    assert row["status"] == "CONVERGED"
+
+
+def test_a_march_is_a_row_for_each_instant(tmp_path: Path) -> None:
+    march = xr.Dataset(
+        {
+            "load": ("time", [1.0, 2.0], {"units": "N m-1"}),
+            "pressure": (("time", "x"), np.ones((2, 3))),
+        },
+        {"time": ("time", [0.0, 0.5], {"units": "s"})},
+    )
+    march.to_netcdf(tmp_path / "march.nc")
+    assert table(tmp_path / "march.nc") == [
+        {"time [s]": "0.0", "load [N m-1]": "1.0"},
+        {"time [s]": "0.5", "load [N m-1]": "2.0"},
+    ]

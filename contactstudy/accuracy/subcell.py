@@ -22,10 +22,12 @@ FEATURE = 0.03
 STEPS = 0.7548776662466927, 0.5698402909980532
 # A bump ``h exp(-r^2 / s^2)`` pressed flat raises the pressure by ``pi / 2 E* h / s``; a sharper one by twice that.
 RISE = 2.0 * pi / 2
+# What cubics miss of a feature that the centres show is no more than this share of their second difference.
+SHOWN = 0.5
 # A corner has so much of the bend of three cells between two neighbouring points; a smooth surface a sixth.
 CORNER = 0.7
 # Powers n - 1 of a height |x|^n from which a bend counts as smooth, and the least one that is told from a corner.
-SMOOTH, FLATTEST = 0.9, 0.1
+SMOOTH, FLATTEST = 0.82, 0.1
 
 
 @dataclass(frozen=True)
@@ -92,13 +94,13 @@ def subcell(problem: Problem, pressure: Array, confidence: float) -> Subcell | N
     rise = 0.0
     if not source.names_scales and min(grid.cells) >= 4:
         try:
-            missed, stands, narrow = _off_lines(problem, confidence)
+            missed, stands, narrow, unseen = _off_lines(problem, confidence)
         except InvalidInput:
             return None
         stiffness = max(_modulus(problem, axis) / grid.cell[axis] for axis in (0, 1))
         hidden = np.maximum(hidden, missed * stiffness)
         standing = np.maximum(standing, stands * stiffness)
-        risen = np.where(beside > 0, pressure + RISE * missed * stiffness / narrow, 0.0)
+        risen = np.where(beside > 0, pressure + RISE * unseen * stiffness / narrow, 0.0)
         rise = max(float(risen.max() / pressure.max()) - 1, 0.0)
     hides = np.minimum(hidden, beside)
     borne = pressure.sum()
@@ -122,10 +124,11 @@ class _Beside(Grid):
         return super().y + self.aside[1] * self.cell[1]
 
 
-def _off_lines(problem: Problem, confidence: float) -> tuple[Array, Array, Array]:
-    """Return what cubics through the centres miss off their lines [m], what stands out there [m], and how wide it is.
+def _off_lines(problem: Problem, confidence: float) -> tuple[Array, Array, Array, Array]:
+    """Return what cubics through the centres miss off their lines [m], what stands out [m], its width and height.
 
-    The width is that of a round bump ``exp(-r^2 / s^2)`` with as large a mean square in the cell, s in cells.
+    The width is that of a round bump ``exp(-r^2 / s^2)`` with as large a mean square in the cell, s in cells; the height
+    [m] leaves out what the centres show.
 
     None of k random points in a cell hits a feature over the share q of it with the probability ``(1 - q)^k``; points of
     low discrepancy leave smaller holes. Each point is looked at in all cells at once.
@@ -143,7 +146,7 @@ def _off_lines(problem: Problem, confidence: float) -> tuple[Array, Array, Array
         np.full(grid.cells, np.inf),
     )
     if heights(grid).shape[1] == 1:  # one profile, which lines across have shown
-        return missed, missed, np.ones(grid.cells)
+        return missed, missed, np.ones(grid.cells), missed
     wraps = [padding.wraps for padding in problem.paddings]
     count = ceil(log(1 - confidence) / log(1 - FEATURE))
     for number in range(count):
@@ -160,7 +163,11 @@ def _off_lines(problem: Problem, confidence: float) -> tuple[Array, Array, Array
     stands = np.maximum(ndimage.minimum_filter(centres, 3, mode=mode) - lowest, 0)
     most = count * missed**2
     share = np.divide(squares, most, out=np.ones(grid.cells), where=most > 0)
-    return missed, stands, np.sqrt(2 * share / pi)
+    shown = np.zeros(grid.cells)
+    for axis, closed in enumerate(wraps):
+        padded = _extended(np.moveaxis(centres, axis, 0), wraps=closed)[1:-1]
+        np.maximum(shown, np.moveaxis(np.abs(np.diff(padded, n=2, axis=0)), 0, axis), out=shown)
+    return missed, stands, np.sqrt(2 * share / pi), np.maximum(missed - SHOWN * shown, 0)
 
 
 def _cubic(centres: Array, place: float, *, wraps: bool) -> Array:
@@ -218,11 +225,11 @@ def _modulus(problem: Problem, axis: int) -> float:
 def _along(
     centres: Array, inside: Array, step: float, points: int, *, wraps: bool
 ) -> tuple[Array, Array, Array, Array]:
-    """Return what a cubic through ``centres`` misses in each cell [m], what stands out [m], and its corner and kink.
+    """Return what a cubic through ``centres`` misses in each cell [m], what stands out [m], its corner and its kink.
 
-    A height ``|x|^n`` has the share ``(w / W)^(n - 1)`` of the bend over W within w about its apex, which tells n. The
-    pressure there rises with the power n - 1 of the cell: all rises to come are that of a corner of the same bend in a
-    cell, over ``1 - 2^(1 - n)``. Both are given by their slopes.
+    A height ``|x|^n`` has the share ``(w / W)^(n - 1)`` of the bend over a cell W within w about its apex, which tells
+    n. The pressure there rises with the power n - 1 of the cell: all rises to come are that of a corner of the same bend
+    in a cell, over ``1 - 2^(1 - n)``. Both are given by their slopes.
     """
     count = len(centres)
     mode = "wrap" if wraps else "edge"
@@ -250,8 +257,23 @@ def _along(
     # what a smooth bend of these cells has between two points
     smooth = (three - strongest) * (2 / (3 * points - 2))
     corner = np.where(strongest > CORNER * three, strongest - smooth, 0.0)
-    seen = (three > 0) & (strongest > 0)
-    share = np.divide(strongest, three, out=np.ones_like(three), where=seen)
-    power = np.maximum(np.log(share) / log(2 / (3 * points)), FLATTEST)
-    kink = np.where(seen & (power < SMOOTH), three * 3**-power / (1 - 2**-power), 0.0)
+    # the bend within half a cell to either side of each pair
+    half = points // 2
+    sums = np.cumsum(np.pad(bends, ((half, half), (0, 0)), mode=mode), axis=0)  # type: ignore[call-overload]
+    around = np.concatenate([sums[points - 1 : points], sums[points:] - sums[:-points]])[
+        : len(bends)
+    ]
+    apex = pairs.reshape(count, points, -1).argmax(axis=1)[:, None]
+    about = np.take_along_axis(around.reshape(count, points, -1), apex, axis=1)[:, 0]
+    share = np.divide(strongest, about, out=np.ones_like(about), where=about > 0)
+    power = np.maximum(np.log(np.maximum(share, 1 / points)) / log(2 / points), FLATTEST)
+    from scipy import ndimage  # as heavy as all else together
+
+    # an apex bends more than all about it; where a bend begins, half of the window is straight
+    highest_pair = ndimage.maximum_filter1d(pairs, points + 1, axis=0, mode="nearest")
+    here = np.take_along_axis(highest_pair.reshape(count, points, -1), apex, axis=1)[:, 0]
+    is_apex = (strongest > 0) & (strongest >= here) & (power < SMOOTH)
+    if not wraps:
+        is_apex[[0, -1]] = False
+    kink = np.where(is_apex, about / (1 - 2**-power), 0.0)
     return missed, stands, corner, kink

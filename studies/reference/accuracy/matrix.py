@@ -266,8 +266,6 @@ BUILDERS = (
     smooth.spheres,
     smooth.waves,
     smooth.sharp,
-    smooth.powers,
-    smooth.full,
     smooth.yielding,
     textured_waves,
     grooves,
@@ -278,9 +276,11 @@ BUILDERS = (
     roughness,
     hard,
     measured,
+    point_loads,
+    smooth.powers,
+    smooth.full,
     ended,
     bumps,
-    point_loads,
 )
 
 

@@ -138,7 +138,7 @@ class Power:
 
     def gap(self, grid: cs.Grid) -> Array:
         """Both flanks."""
-        return (self.height * np.abs((grid.x - self.aside) / A) ** self.power)[:, None]
+        return np.asarray(self.height * np.abs((grid.x - self.aside) / A) ** self.power)[:, None]
 
 
 def powers() -> Iterator[AccuracyCase]:

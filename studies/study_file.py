@@ -1,7 +1,6 @@
 """A study in a Python file: read, and checked before anything runs."""
 
 import ast
-import importlib.util
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -18,12 +17,12 @@ FUNCTIONS = ("scene_at", "measures", "figure", "findings", "tables")
 
 
 def module_name(path: Path) -> str:
-    """What the module of a study file is called: a file called time.py does not replace Python's module."""
+    """Return the name of the module of a study file: a file called time.py does not replace Python's module."""
     return f"study_in_file_{path.stem}"
 
 
 def module_in(path: Path) -> ModuleType:
-    """The module in ``path``, with the names that a study needs.
+    """Return the module in ``path``, with the names that a study needs.
 
     Raises :class:`~contactstudy.InvalidInput`, with file and line, for whatever is wrong with it.
     """
@@ -32,14 +31,17 @@ def module_in(path: Path) -> ModuleType:
     except (OSError, ValueError):
         is_file = False
     name = module_name(path)
-    spec = importlib.util.spec_from_file_location(name, path) if is_file else None
-    if spec is None or spec.loader is None:
+    if not is_file:
         raise InvalidInput(
             f"Study file {_short(path)} cannot be read: give the path of a Python file."
         )
-    module = importlib.util.module_from_spec(spec)
+    module = ModuleType(name)
+    sys.modules[name] = module
     with _blaming(path):
-        spec.loader.exec_module(module)
+        # these very bytes, which no cache of compiled files stands for, are what the numbers are known by
+        source = path.read_bytes()
+        vars(module).update(__file__=str(path.absolute()), __source__=source)
+        exec(compile(source, str(path.absolute()), "exec"), vars(module))
     for part in NEEDED:
         if not hasattr(module, part):
             raise InvalidInput(
@@ -61,20 +63,26 @@ def module_in(path: Path) -> ModuleType:
     # worker processes cannot import this file: its functions are pickled by value
     from cloudpickle import register_pickle_by_value
 
-    sys.modules[name] = module
     register_pickle_by_value(module)
     return module
 
 
 def study_in(path: Path) -> Study:
-    """The study in ``path``."""
+    """Return the study in ``path``."""
     module = module_in(path)
-    title = one_line((module.__doc__ or path.stem).strip().split("\n")[0], 300)
-    times = getattr(module, "times", "taken")
+    words = module.__doc__ if isinstance(module.__doc__, str) else path.stem
+    title = one_line(words.strip().split("\n")[0], 300)
+    times, files = getattr(module, "times", "taken"), getattr(module, "files", ())
+    files = (files,) if isinstance(files, str) else files
+    if not isinstance(files, tuple | list) or not all(isinstance(name, str) for name in files):
+        raise InvalidInput(
+            f"{_where(path, 'files')}: files is {one_line(repr(files), 60)}: give the names of files beside the study."
+        )
     try:
         return Study(
-            path.stem, title, tuple(module.points), module.scene_at, module.measures, times
-        )
+            path.stem, title, tuple(module.points), module.scene_at, module.measures, times,
+            files=tuple(files), folder=path.absolute().parent,
+        )  # fmt: skip
     except InvalidInput as error:
         blamed = "times" if str(error).startswith("times") else "points"
         raise InvalidInput(f"{_where(path, blamed)}: {error}") from None
@@ -82,7 +90,7 @@ def study_in(path: Path) -> Study:
 
 @contextmanager
 def _blaming(path: Path) -> Iterator[None]:
-    """What is raised while the file is read is said with its line."""
+    """Raise what goes wrong while the file is read as a sentence with its line."""
     try:
         yield
     except KeyboardInterrupt:
@@ -106,7 +114,7 @@ def _blaming(path: Path) -> Iterator[None]:
 
 
 def _where(path: Path, name: str) -> str:
-    """The file and the line that defines ``name``."""
+    """Name the file and the line that defines ``name``."""
     with suppress(OSError, SyntaxError, ValueError):
         for node in ast.parse(path.read_bytes()).body:
             targets: list[ast.expr] = []

@@ -20,7 +20,8 @@ from contactstudy.domain.fields import Array
 from contactstudy.planning.cost import PowerLaw, log_work
 from studies.model.outcome import CaseStatus
 from studies.store.identity import DEFAULTS, Tree, text
-from studies.store.journal import Contents, Journal
+from studies.store.journal import Journal
+from studies.store.records import Contents
 
 UNLIKE = 1.0  # standard deviation, in logarithms, between one mode and another
 LARGEST = 100.0  # limit of any logarithm, against overflow

@@ -11,8 +11,9 @@ from studies.engine.forecast import Forecast, ForecastModel, fit_model, forecast
 from studies.engine.options import RunOptions
 from studies.model.outcome import CaseStatus
 from studies.model.study import Study
-from studies.store.journal import Journal, Record
+from studies.store.journal import Journal
 from studies.store.provenance import machine
+from studies.store.records import Record
 from studies.store.request import Request, recompute_reasons
 from studies.store.result_file import has_fields
 
@@ -53,11 +54,12 @@ class Inventory:
         changes: Counter[str] = Counter()
         for name, identity in self.request.identities.items():
             record = self.record(name)
-            if record is not None and self._serves(name, record.case_status):
+            if record is not None and self._serves(name, record.case_status, log):
                 continue
             if record is None and (contents.records or contents.others):
-                changes.update(recompute_reasons(contents, identity, self.request.context))
+                changes[recompute_reasons(contents, identity, self.request.context)] += 1
             missing.append(name)
+        changes.pop("", None)  # new cases
         for change, count in changes.items():
             log(f"{count} stored cases are computed anew, since {change}")
         return missing
@@ -83,11 +85,11 @@ class Inventory:
                         adopted += 1
         return adopted
 
-    def _serves(self, name: str, case_status: CaseStatus) -> bool:
+    def _serves(self, name: str, case_status: CaseStatus, log: Log) -> bool:
         """Return whether what is stored of the case is what the options ask for."""
         wants_fields = self.options.fields == "kept" and case_status is CaseStatus.OK
         return case_status not in self.options.retry and (
-            not wants_fields or has_fields(self.fields, name)
+            not wants_fields or has_fields(self.fields, name, log)
         )
 
     def times_missing(self) -> dict[str, int]:

@@ -80,8 +80,9 @@ def run(
     with locked(folder / f".{study.name}.lock", log), _stopping() as stop:
         remove_partial_files(folder)
         journal = Journal(folder / f"{study.name}.journal.jsonl", request.context, machine())
+        study, request = _beside_stored(study, request, journal, log)
         with journal, ExitStack() as closing:
-            return _Run(study, request, folder, journal, chosen, log, stop).go(executor, closing)
+            return _Run(study, request, journal, chosen, log, stop).go(executor, closing)
 
 
 def estimate_cost(study: Study, out: Path, *, options: RunOptions, log: Log = print) -> Forecast:
@@ -89,13 +90,32 @@ def estimate_cost(study: Study, out: Path, *, options: RunOptions, log: Log = pr
     study.check_size(options.most_points)
     request = _request(study, log)
     journal = Journal(out / f"{study.name}.journal.jsonl", request.context, machine())
-    return _Run(study, request, out, journal, options, log, Stop()).estimate_cost()
+    study, request = _beside_stored(study, request, journal, log)
+    return _Run(study, request, journal, options, log, Stop()).estimate_cost()
 
 
 def _request(study: Study, log: Log) -> Request:
     if study.size > MANY:
         log(f"{study.name}: {study.size} points, whose cases are now made")
     return Request.of(study)
+
+
+def _beside_stored(
+    study: Study, request: Request, journal: Journal, log: Log
+) -> tuple[Study, Request]:
+    """Let a stored value of an axis stand for an asked one that differs by rounding, and say so."""
+    stored = journal.contents.axes
+    axes = tuple(axis.beside(stored.get(axis.name, ())) for axis in study.points)
+    for axis in axes:
+        if axis.merged:
+            log(
+                f"{study.name}: {axis.merged} values of {axis.name} differ from others by rounding alone, which stand "
+                "for them"
+            )
+    if axes == study.points:
+        return study, request
+    study = replace(study, points=axes)
+    return study, Request.of(study)
 
 
 @contextmanager
@@ -116,7 +136,6 @@ class _Run:
         self,
         study: Study,
         request: Request,
-        folder: Path,
         journal: Journal,
         options: RunOptions,
         log: Log,
@@ -124,7 +143,7 @@ class _Run:
     ) -> None:
         self.study, self.request, self.journal = study, request, journal
         self.options, self.stop = options, stop
-        self.file = ResultFile(study, request, folder, journal, requested_table(study, request))
+        self.file = ResultFile(study, request, journal, requested_table(study, request))
         self.inventory = Inventory(study, request, journal, options, self.file.fields_folder)
         self.log: Log = lambda text: log(f"{study.name}: {text}")
 
@@ -186,7 +205,7 @@ class _Run:
         predicted = self.inventory.forecast(missing)
         if missing and predicted.is_worth_telling:
             self.log(str(predicted))
-        check_kind(self.file.path, "study")
+        check_kind(self.file.path, "study", self.log)
         self.file.provenance = provenance()
         axes = {axis.name: axis.values for axis in self.study.points}
         self.journal.start(self.file.provenance, axes)

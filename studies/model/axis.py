@@ -3,7 +3,7 @@
 import math
 import re
 from collections.abc import Iterable, Iterator, Sequence, Sized
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import chain, islice
 
 import numpy as np
@@ -14,6 +14,7 @@ from contactstudy.domain.memory import available_bytes
 from studies.model.plain_text import is_storable, name_problem, one_line
 
 Value = str | int | float
+ROUNDING = 1e-12  # of the span of an axis and of a number: less is no other number
 MOST_POINTS = 1_000_000  # of a study, for which nobody is asked
 POINT_BYTES = 500  # of memory for a point, at the least
 
@@ -38,12 +39,17 @@ def one_of(field: str, value: object, known: Iterable[str]) -> str:
 
 @dataclass(frozen=True)
 class Axis:
-    """Values of one parameter, all of one type, and what labels them in a Dataset."""
+    """Values of one parameter, all of one type, and what labels them in a Dataset.
+
+    Of numbers that differ by less than 1e-12 of the axis' span and of themselves, as 0.3 and 3 * 0.1 do beside 1, the
+    first stands for the others; ``merged`` counts those. Any other difference makes another value.
+    """
 
     name: str
     values: tuple[Value, ...]
     long_name: str
     units: str = "1"
+    merged: int = field(default=0, init=False, compare=False)
 
     def __post_init__(self) -> None:
         if problem := name_problem(self.name):
@@ -68,7 +74,7 @@ class Axis:
                 "both."
             )
         if float in kinds:
-            values = tuple(_snapped(self._finite(value)) for value in values)
+            values = tuple(self._finite(value) for value in values)
         for value in values:
             if isinstance(value, str) and not is_storable(value):
                 raise InvalidInput(f"Axis {self.name!r} has the value {value!a}: give plain text.")
@@ -79,7 +85,9 @@ class Axis:
         if len(set(values)) < len(values):
             twice = next(value for value in values if values.count(value) > 1)
             raise InvalidInput(f"Axis {self.name!r} has the value {twice!r} twice: give it once.")
-        object.__setattr__(self, "values", values)
+        distinct = tuple(dict.fromkeys(_without_rounding(values) if float in kinds else values))
+        object.__setattr__(self, "values", distinct)
+        object.__setattr__(self, "merged", len(values) - len(distinct))
 
     def _finite(self, value: Value) -> float:
         try:
@@ -115,6 +123,17 @@ class Axis:
             raise InvalidInput(f"{self.name} is {_shortened(values)}: {FORMS[self.kind]}.")
         return Axis(self.name, tuple(parsed), self.long_name, self.units)
 
+    def beside(self, stored: Iterable[Value]) -> "Axis":
+        """Return this axis with ``stored`` values in place of those that differ from one by rounding alone."""
+        if self.kind is not float:
+            return self
+        first = [value for value in stored if isinstance(value, float)]
+        values = _without_rounding([*first, *self.values])[len(first) :]
+        changed = sum(old != new for old, new in zip(self.values, values, strict=True))
+        axis = Axis(self.name, tuple(dict.fromkeys(values)), self.long_name, self.units)
+        object.__setattr__(axis, "merged", self.merged + changed)
+        return axis
+
     def _convert(self, value: Value) -> Value:
         try:
             if isinstance(value, bool) or (self.kind is str and not isinstance(value, str)):
@@ -125,7 +144,7 @@ class Axis:
             exact = False
         if not exact or (self.kind is float and not math.isfinite(converted)):
             raise InvalidInput(f"{self.name} is {_shortened(value)}: {FORMS[self.kind]}.")
-        return _snapped(converted) if self.kind is float else converted
+        return converted  # type: ignore[no-any-return]
 
 
 def check_count(name: str, count: int, what: str, most: int | None) -> None:
@@ -148,9 +167,20 @@ def _shortened(value: object) -> str:
         return "a number of thousands of digits"
 
 
-def _snapped(value: float) -> float:
-    """The shortest number with fifteen digits: 3 * 0.1 is 0.3."""
-    return float(f"{value:.15g}")
+def _without_rounding(values: Sequence[Value]) -> list[Value]:
+    """Return, for each number, the first in ``values`` that differs from it by rounding alone."""
+    numbers = [float(value) for value in values]
+    span = max(numbers) - min(numbers)
+    groups: list[list[int]] = []
+    for place in sorted(range(len(numbers)), key=numbers.__getitem__):
+        last = groups[-1][-1] if groups else place
+        size = max(abs(numbers[place]), abs(numbers[last]))
+        if groups and numbers[place] - numbers[last] <= ROUNDING * min(span, size):
+            groups[-1].append(place)
+        else:
+            groups.append([place])
+    first = {place: min(group) for group in groups for place in group}
+    return [values[first[place]] for place in range(len(values))]
 
 
 def _split(text: str, kind: type) -> Iterator[Sequence[str] | Sequence[float]]:

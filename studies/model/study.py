@@ -6,12 +6,13 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import product
 from math import prod
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from contactstudy import InvalidInput
 from contactstudy.domain.checks import suggestion
 from studies.model.axis import MOST_POINTS, Axis, Value, check_count, one_of
-from studies.model.plain_text import one_line, place_of
+from studies.model.plain_text import name_problem, one_line, place_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -23,16 +24,36 @@ Point = Mapping[str, Value]
 Measures = Callable[[Any, Any], "Mapping[str, xr.Variable]"]
 
 
+# what a study file says that cannot change a number of a case
+NOT_NUMBERS = frozenset({"points", "times", "files", "figure", "findings", "tables"})
+
+
 @dataclass(frozen=True, eq=False)
 class Study:
-    """``points`` to visit, the computation ``scene_at`` a point, and what it ``measures`` there.
+    """A study: the points to visit, the computation at each, and what is measured there.
 
-    ``points``: the axes. ``scene_at(point)``: the computation at a point, usually a
-    :class:`~studies.model.case.Case`; bad values raise :class:`~contactstudy.InvalidInput`.
-    ``measures(case, result)``: named variables, scalar or with dimensions of their own; a variable
-    named like its dimension is its coordinate. ``times``: "taken" if the cases are timed, else "none".
-    ``notes`` are what there is to say about all points, such as on which grid; they are kept with the results, as
-    are ``attributes``.
+    Parameters
+    ----------
+    name, title
+        Name of its files, and a line for people.
+    points
+        Axes whose product is visited.
+    scene_at
+        ``scene_at(point)`` returns the computation at a point, usually a :class:`~studies.model.case.Case`; bad
+        values raise :class:`~contactstudy.InvalidInput`.
+    measures
+        ``measures(case, result)`` returns named variables, scalar or with dimensions of their own; a variable
+        named like its dimension is its coordinate.
+    times
+        "taken" if the cases are timed, else "none".
+    notes
+        What there is to say about all points, such as on which grid; kept with the results.
+    attributes
+        Attributes of the stored Dataset.
+    files
+        Files that it reads, beside ``folder``: where one changes, what is stored is computed anew.
+    folder
+        Folder of the study file.
     """
 
     name: str
@@ -43,9 +64,13 @@ class Study:
     times: str = "taken"
     notes: tuple[str, ...] = ()
     attributes: Mapping[str, str] = field(default_factory=dict)
+    files: tuple[str, ...] = ()
+    folder: Path = Path()
 
     def __post_init__(self) -> None:
         one_of("times", self.times, ("taken", "none"))
+        if problem := name_problem(self.name):
+            raise InvalidInput(f"A study is called {one_line(repr(self.name), 60)}: {problem}.")
         names = [axis.name for axis in self.points]
         if len(set(names)) < len(names):
             twice = next(name for name in names if names.count(name) > 1)
@@ -59,13 +84,13 @@ class Study:
         return prod(len(axis.values) for axis in self.points)
 
     def check_size(self, most: int | None) -> None:
-        """Raises :class:`~contactstudy.InvalidInput` for more points than ``most``, or than memory holds."""
+        """Raise :class:`~contactstudy.InvalidInput` for more points than ``most``, or than memory holds."""
         check_count(f"Study {self.name!r}", self.size, "points", most)
 
     def override(
         self, axes: Mapping[str, str | Iterable[Value]], *, most: int | None = MOST_POINTS
     ) -> Study:
-        """This study over other values of some of its axes, at ``most`` so many of each."""
+        """Return this study over other values of some of its axes, ``most`` of each at the most."""
         known = {axis.name: axis for axis in self.points}
         for name in axes:
             if name not in known:
@@ -79,7 +104,7 @@ class Study:
         return replace(self, points=changed)
 
     def visits(self) -> Iterator[tuple[Point, Computation]]:
-        """Every point with its case, in the order of the axes (last one fastest)."""
+        """Give every point with its case, in the order of the axes (last one fastest)."""
         names = [axis.name for axis in self.points]
         for values in product(*(axis.values for axis in self.points)):
             point = dict(zip(names, values, strict=True))
@@ -95,5 +120,5 @@ class Study:
             yield point, case
 
     def cases(self) -> list[Computation]:
-        """The case at every point, in the order of the axes (last one fastest)."""
+        """Return the case at every point, in the order of the axes (last one fastest)."""
         return [case for _, case in self.visits()]

@@ -1,141 +1,224 @@
-"""The code that makes a number of a case, as a fingerprint: where it changes, numbers may."""
+"""The code that makes a number of a case, file by file: where one of them changes, numbers may."""
 
 import ast
 import hashlib
 import importlib.util
-import inspect
+import secrets
+import sys
 import sysconfig
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import fields, is_dataclass
-from functools import cache
+from functools import cache, partial
+from importlib.machinery import ModuleSpec, PathFinder
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from types import FunctionType, ModuleType
-from typing import Any
+from types import ModuleType
 
 import contactstudy
 from contactstudy import InvalidInput
+from studies.model.study import NOT_NUMBERS, Study
 from studies.store.identity import canonical, text
 
 # Libraries that the numbers of a case depend on, and the folders of the core that cannot change a number.
 LIBRARIES = ("numpy", "scipy", "ducc0")
 NOT_NUMERICAL = ("io", "planning")
+# Parts of this package that make numbers; the others say how they are computed, kept and shown.
+NUMERICAL = ("definitions", "model", "reference", "scene_study")
+OF_CASES = "cases of "
+CONSTANT = (bool, int, float, complex, str, bytes, tuple, frozenset)
+INSTALLED = ("site-packages", "dist-packages")
 
 
 @cache
-def versions() -> Mapping[str, str]:
-    """Version of the core and of the libraries it computes with, and a hash of the core's numerical code."""
+def versions() -> dict[str, str]:
+    """Return the version of the core and of the libraries it computes with, and a hash of the core's code."""
     core = Path(contactstudy.__file__).parent
-    found = {"contactstudy": contactstudy.__version__, "source": source_fingerprint(core)}
+    known = {"contactstudy": contactstudy.__version__, "source": source_fingerprint(core)}
     for name in LIBRARIES:
         if importlib.util.find_spec(name):
             try:
-                found[name] = version(name)
+                known[name] = version(name)
             except PackageNotFoundError:
-                found[name] = "unknown"
-    return found
+                known[name] = "unknown"
+    return known
 
 
 def source_fingerprint(core: Path) -> str:
-    """A hash of the modules in the package ``core`` that can change a number.
+    """Return a hash of the modules in the package ``core`` that can change a number."""
+    paths = sorted(path.relative_to(core) for path in core.rglob("*.py"))
+    numerical = [path for path in paths if path.parts[0] not in NOT_NUMERICAL]
+    return _hash(*(part for path in numerical for part in (str(path), (core / path).read_bytes())))
 
-    Comments, docstrings and layout do not count.
+
+def study_fingerprint(study: Study, kinds: Iterable[type]) -> dict[str, str]:
+    """Return a hash of each file that the numbers of ``study`` come from, by the name of its module or file.
+
+    These are the module of its measures, every module that this one imports, wherever it does so, but for installed
+    distributions, and the ``files`` that the study names; after ``OF_CASES``, further modules that the classes
+    ``kinds`` of its cases come from. All bytes count, comments too, but for what a study file says of its axes,
+    figures, findings and tables; so do numbers and text that a module has as constants, wherever they come from.
+    What was typed at a prompt is never the same.
+
+    Raises :class:`~contactstudy.InvalidInput` for a file that cannot be read.
     """
-    digest = hashlib.sha256()
-    for path in sorted(core.rglob("*.py")):
-        name = path.relative_to(core)
-        if name.parts[0] not in NOT_NUMERICAL:
-            tree = _without_docstrings(ast.parse(path.read_text(encoding="utf-8")))
-            digest.update(f"{name} {ast.dump(tree)}".encode())
-    return digest.hexdigest()[:12]
+    hashes: dict[str, str] = {}
+    measures = study.measures
+    while isinstance(measures, partial):
+        arguments = text(canonical((measures.args, measures.keywords)))
+        hashes["arguments"] = _hash(hashes.get("arguments", ""), arguments)
+        measures = measures.func
+    _add_module(getattr(measures, "__module__", None) or type(measures).__module__, hashes)
+    for given in study.files:
+        try:
+            hashes[given] = _hash((study.folder / given).read_bytes())
+        except (OSError, ValueError) as error:
+            raise InvalidInput(
+                f"Study {study.name!r} names the file {given!r}, which cannot be read ({error}): mend 'files'."
+            ) from None
+    both = dict(hashes)
+    for kind in kinds:
+        _add_module(kind.__module__, both)
+    return hashes | {f"{OF_CASES}{name}": both[name] for name in both.keys() - hashes.keys()}
 
 
-def measures_fingerprint(measures: Callable[..., object], kinds: frozenset[type]) -> str:
-    """A hash of ``measures``, of the methods of the computations ``kinds``, and of what these call.
-
-    Comments, docstrings and layout do not count; nor does the core, which has its version, nor a
-    library.
-    """
-    seen: dict[int, str] = {}
-    for root in (measures, *kinds):
-        _follow(root, seen)
-    return hashlib.sha256("\n".join(sorted(set(seen.values()))).encode()).hexdigest()[:12]
+def agree(stored: Mapping[str, str], now: Mapping[str, str]) -> bool:
+    """Return whether numbers of one context are those of another."""
+    return not disagreements(stored, now)
 
 
-def _follow(thing: object, seen: dict[int, str]) -> None:
-    if not callable(thing) and not isinstance(thing, ModuleType):
-        with suppress(InvalidInput):  # a table of functions, or the like
-            seen[id(thing)] = text(canonical(thing))
-        return
-    if isinstance(thing, type):
-        if id(thing) not in seen and not _is_library(thing):
-            seen[id(thing)] = thing.__name__
-            for method in _methods(thing):
-                _follow(method, seen)
-        return
-    function = inspect.unwrap(thing) if callable(thing) else thing
-    if not isinstance(function, FunctionType) or id(function) in seen or _is_library(function):
-        return
-    try:
-        source = ast.parse(inspect.cleandoc("\n" + inspect.getsource(function)))
-    except (OSError, SyntaxError, TypeError):  # typed at a prompt, or a lambda amid a line
-        seen[id(function)] = function.__code__.co_code.hex() + repr(function.__code__.co_names)
+def disagreements(stored: Mapping[str, str], now: Mapping[str, str]) -> list[str]:
+    """Say where two contexts differ; a class of cases that only one has makes no difference."""
+    return [
+        f"{name} was {stored.get(name, 'absent')} and is {now.get(name, 'absent')}"
+        for name in sorted(stored.keys() | now.keys())
+        if stored.get(name) != now.get(name)
+        and not (name.startswith(OF_CASES) and (name not in stored or name not in now))
+    ]
+
+
+def _add_module(name: str, hashes: dict[str, str]) -> None:
+    """Add the hashes of the loaded module ``name``, and of the modules that it imports."""
+    if file := getattr(sys.modules.get(name), "__file__", None):
+        if _counts(name, Path(file)):
+            _add(name, Path(file), hashes)
     else:
-        seen[id(function)] = ast.dump(_without_docstrings(source))
-    for used in _used(function):
-        _follow(used, seen)
+        hashes[name] = secrets.token_hex(6)
 
 
-def _methods(kind: type) -> Iterator[object]:
-    """But for what a dataclass makes of its fields: those are the case's own."""
-    own = {part.name for part in fields(kind)} if is_dataclass(kind) else set()
-    for owner in kind.__mro__:
-        for name, part in vars(owner).items():
-            if name in own:
-                continue
-            if not name.startswith("__") or name == "__post_init__":
-                method = getattr(part, "__func__", part)
-                yield method.fget if isinstance(method, property) else method
+def _add(name: str, file: Path, hashes: dict[str, str]) -> None:
+    """Add the hash of the module ``name`` in ``file``, and those of the modules that it imports."""
+    module = sys.modules.get(name)
+    # of a study file, what was read: it may have been edited since
+    source = getattr(module, "__source__", None)
+    label = name if source is None else file.name
+    if label in hashes:
+        return
+    numerical = file.read_bytes() if source is None else _numerical(source)
+    hashes[label] = _hash(numerical, _constants(module))
+    if file.suffix == ".py":
+        package = name if file.name == "__init__.py" else name.rpartition(".")[0]
+        for imported in _imports(ast.parse(numerical), package):
+            spec = _spec(imported)
+            if spec is not None and spec.origin and _counts(imported, Path(spec.origin)):
+                _add(imported, Path(spec.origin), hashes)
 
 
-def _without_docstrings(tree: ast.Module) -> ast.Module:
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Module | ast.FunctionDef | ast.ClassDef) and ast.get_docstring(
-            node
+def _numerical(source: bytes) -> bytes:
+    """Return the ``source`` of a study file without what cannot change a number of a case.
+
+    That is its docstring, and each definition in ``NOT_NUMBERS`` that nothing else in the file names.
+    """
+    tree = ast.parse(source)
+    lines: list[bytes | None] = list(source.splitlines(keepends=True))
+    for node in tree.body:
+        names = {getattr(node, "name", "")}
+        if isinstance(node, ast.Assign):
+            names = {getattr(target, "id", "") for target in node.targets}
+        is_docstring = node is tree.body[0] and ast.get_docstring(tree) is not None
+        if is_docstring or (
+            names <= NOT_NUMBERS and not any(_is_named(n, node, tree) for n in names)
         ):
-            node.body = node.body[1:] or [ast.Pass()]
-    return tree
+            decorated = getattr(node, "decorator_list", [])
+            first = min(part.lineno for part in (node, *decorated))
+            lines[first - 1 : node.end_lineno] = [None] * ((node.end_lineno or first) - first + 1)
+    return b"".join(line for line in lines if line is not None)
 
 
-def _used(function: FunctionType) -> Iterator[object]:
-    """What the names in ``function`` stand for, those in a module it names as well."""
-    names = _names(function.__code__)
-    for name in names:
-        found = function.__globals__.get(name)
-        yield found
-        if isinstance(found, ModuleType) and not _is_library(found):
-            yield from (getattr(found, other) for other in names if hasattr(found, other))
+def _is_named(name: str, definition: ast.stmt, tree: ast.Module) -> bool:
+    """Return whether anything in ``tree`` but its ``definition`` uses ``name``, or shares a line with that."""
+    for node in tree.body:
+        if node is definition:
+            continue
+        if (
+            node.lineno <= (definition.end_lineno or 0)
+            and (node.end_lineno or 0) >= definition.lineno
+        ):
+            return True
+        for part in ast.walk(node):
+            words = (getattr(part, word, None) for word in ("id", "attr", "value"))
+            if any(isinstance(word, str) and word == name for word in words):
+                return True
+    return False
 
 
-def _names(code: Any) -> list[str]:
-    inner = [name for part in code.co_consts if hasattr(part, "co_names") for name in _names(part)]
-    return [*code.co_names, *inner]
+def _constants(module: ModuleType | None) -> str:
+    """Return the numbers and texts among the values of a ``module``, which may come from anywhere."""
+    if module is None or module.__name__.startswith("studies."):
+        return ""
+    constants = {}
+    for name, value in sorted(vars(module).items()):
+        if not name.startswith("__") and name not in NOT_NUMBERS and isinstance(value, CONSTANT):
+            with suppress(InvalidInput):
+                constants[name] = canonical(value)
+    return text(constants)
 
 
-@cache
-def _libraries() -> tuple[str, ...]:
-    paths = sysconfig.get_paths()
-    return paths["stdlib"], paths["purelib"], paths["platlib"]
+def _imports(tree: ast.Module, package: str) -> Iterator[str]:
+    """Give the names of all modules that the code may import."""
+    for node in ast.walk(tree):
+        match node:
+            case ast.Import():
+                names = [alias.name for alias in node.names]
+            case ast.ImportFrom():
+                base = "." * node.level + (node.module or "")
+                with suppress(ImportError):
+                    base = importlib.util.resolve_name(base, package)
+                names = [f"{base}.{alias.name}" for alias in node.names]
+            case ast.Call(func=ast.Attribute(attr="import_module") | ast.Name(id="import_module" | "__import__"),
+                          args=[ast.Constant(value=str(name)), *_]):  # fmt: skip
+                names = [name]
+            case _:
+                continue
+        for name in names:
+            parts = name.split(".")
+            yield from (".".join(parts[: k + 1]) for k in range(len(parts)))
 
 
-def _is_library(thing: FunctionType | ModuleType | type) -> bool:
-    module = thing if isinstance(thing, ModuleType) else inspect.getmodule(thing)
-    if module is None:
+def _spec(name: str) -> ModuleSpec | None:
+    """Find a module without importing it."""
+    parent, _, _ = name.rpartition(".")
+    with suppress(ImportError, ValueError):
+        if not parent:
+            return importlib.util.find_spec(name)
+        folder = _spec(parent)
+        if folder is not None and folder.submodule_search_locations is not None:
+            return PathFinder.find_spec(name, folder.submodule_search_locations)
+    return None
+
+
+def _counts(name: str, file: Path) -> bool:
+    """Return whether a module is no installed distribution's, and not among those that the versions speak of."""
+    package, _, rest = name.partition(".")
+    if package == "contactstudy" or (package == "studies" and rest.split(".")[0] not in NUMERICAL):
         return False
-    if module.__name__.split(".")[0] == "contactstudy":
-        return True
-    if module.__name__.split(".")[0] == "studies":
-        return False
-    file = getattr(module, "__file__", None)
-    return file is None or str(file).startswith(_libraries())
+    standard = sysconfig.get_paths()["stdlib"]
+    is_installed = any(part in INSTALLED for part in file.parts) or str(file).startswith(standard)
+    return not is_installed and file.is_file()
+
+
+def _hash(*parts: str | bytes) -> str:
+    digest = hashlib.sha256()
+    for part in parts:
+        raw = part.encode() if isinstance(part, str) else part
+        digest.update(len(raw).to_bytes(8) + raw)
+    return digest.hexdigest()[:12]

@@ -1,9 +1,9 @@
-"""A computation as plain data that does not depend on how its numbers were written."""
+"""A computation as plain data that is the same for the same computation, and for no other."""
 
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import MISSING, fields, is_dataclass
+from dataclasses import MISSING, dataclass, field, fields, is_dataclass
 from enum import Enum
 from functools import cache
 from pathlib import PurePath
@@ -20,68 +20,80 @@ Tree = Any  # what JSON can hold
 DEFAULTS = "="
 
 
-Memory = dict[int, tuple[object, Tree]]
+@dataclass(eq=False)
+class Memory:
+    """What was met in the cases of one request: dataclasses that they share, and classes by their names."""
+
+    records: dict[int, tuple[object, Tree]] = field(default_factory=dict)
+    kinds: dict[str, type] = field(default_factory=dict)
+
+    def name(self, kind: type) -> str:
+        """Return the module and qualified name of a class, which tell it from every other.
+
+        Raises :class:`~contactstudy.InvalidInput` where another class has the same.
+        """
+        name = f"{kind.__module__}.{kind.__qualname__}"
+        if self.kinds.setdefault(name, kind) is not kind:
+            raise InvalidInput(f"Two classes are called {name!r}: give each a name of its own.")
+        return name
 
 
 def canonical(value: object, memory: Memory | None = None) -> Tree:
-    """``value`` as a tree of text: numbers to twelve digits, dataclasses by name and fields.
+    """Return ``value`` as a tree that no other value has: exact numbers with their types, dataclasses by their fields.
 
-    ``memory`` holds the dataclasses met before, for the many cases that share a scene.
-    Raises :class:`~contactstudy.InvalidInput` for what has no value of its own, such as an object
-    known by its address.
+    A number is written with all its digits; text in quotes; 1, 1.0, True, "1" and numpy's 1 are five values, and so
+    are 0.0 and -0.0. Fields that a dataclass does not compare are left out. Raises
+    :class:`~contactstudy.InvalidInput` for what has no value of its own, such as an object known by its address.
     """
+    memory = memory or Memory()
     if is_dataclass(value) and not isinstance(value, type):
-        if memory is None:
-            return _record(value, {})
-        if id(value) not in memory:
-            memory[id(value)] = value, _record(value, memory)
-        return memory[id(value)][1]
+        if id(value) not in memory.records:
+            memory.records[id(value)] = value, _record(value, memory)
+        return memory.records[id(value)][1]
+    if value is None or type(value) is bool:
+        return value
+    if type(value) in (str, int, float, complex):
+        return repr(value)
     match value:
-        case bool() | np.bool_():
-            return bool(value)
-        case None | str():
-            return value
-        case int() | float() | np.integer() | np.floating():
-            return _number(value)
         case Enum():
-            return f"{type(value).__name__}.{value.name}"
-        case np.ndarray():
+            return {"": memory.name(type(value)), "name": value.name}
+        case np.ndarray() if not value.dtype.hasobject:
             digest = hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()
             return {"": "array", "dtype": value.dtype.str, "shape": list(value.shape), "is": digest}
-        case tuple() | list():
+        case np.generic() if not value.dtype.hasobject:
+            return {"": f"numpy {value.dtype.str}", "is": repr(value.item())}
+        case tuple() if type(value) is tuple:
             return [canonical(item, memory) for item in value]
+        case tuple() | list():
+            items = [canonical(item, memory) for item in value]
         case frozenset() | set():
-            return sorted((canonical(item) for item in value), key=text)
+            items = sorted((canonical(item, memory) for item in value), key=text)
         case Mapping():
-            return {str(name): canonical(item) for name, item in sorted(value.items(), key=repr)}
-        case PurePath() | complex():
-            return str(value)
-    raise InvalidInput(
-        f"A case holds {value!r}, which cannot be told from another of its kind: make its class a "
-        "frozen dataclass."
-    )
-
-
-def _number(value: float | np.number[Any]) -> str:
-    if isinstance(value, int | np.integer):
-        return str(int(value))
-    short = f"{float(value):.12g}"  # 0.3 and 3 * 0.1 alike
-    return "0" if short == "-0" else short
+            pairs = ([canonical(k, memory), canonical(v, memory)] for k, v in value.items())
+            items = sorted(pairs, key=text)
+        case bytes() | PurePath() | str() | int() | float() | complex():
+            items = [repr(value)]
+        case _:
+            raise InvalidInput(
+                f"A case holds {value!r}, which cannot be told from another of its kind: make its class a "
+                "frozen dataclass."
+            )
+    return {"": memory.name(type(value)), "is": items}
 
 
 def _record(value: Any, memory: Memory) -> Tree:
-    tree: dict[str, Tree] = {"": type(value).__name__}
+    tree: dict[str, Tree] = {"": memory.name(type(value))}
     defaults: dict[str, Tree] = {}
     for part, default in _parts(type(value)):  # type: ignore[arg-type]
-        held = canonical(getattr(value, part), memory)
-        (defaults if held == default else tree)[part] = held
+        content = canonical(getattr(value, part), memory)
+        (defaults if content == default else tree)[part] = content
     return tree | {DEFAULTS: defaults} if defaults else tree
 
 
 @cache
 def _parts(kind: type) -> tuple[tuple[str, Tree], ...]:
-    """The fields of a dataclass that tell its values apart, with the trees of their defaults."""
-    found = []
+    """Return the fields of a dataclass that tell its values apart, with the trees of their defaults."""
+    parts = []
     for part in fields(kind):
         default: Tree = MISSING
         if part.default is not MISSING:
@@ -89,17 +101,17 @@ def _parts(kind: type) -> tuple[tuple[str, Tree], ...]:
         elif part.default_factory is not MISSING:
             default = canonical(part.default_factory())
         if part.compare:
-            found.append((part.name, default))
-    return tuple(found)
+            parts.append((part.name, default))
+    return tuple(parts)
 
 
 def text(tree: Tree) -> str:
-    """``tree`` as JSON, always the same for the same tree."""
+    """Return ``tree`` as JSON, always the same for the same tree."""
     return json.dumps(tree, sort_keys=True, separators=(",", ":"))
 
 
 def key(tree: Tree) -> str:
-    """What the computation is called in the journal: a hash of ``tree`` without its defaults."""
+    """Return what the computation is called in the journal: a hash of ``tree`` without its defaults."""
     return hashlib.sha256(text(_bare(tree)).encode()).hexdigest()[:24]
 
 
@@ -110,7 +122,7 @@ def _bare(tree: Tree) -> Tree:
 
 
 def differences(stored: Tree, now: Tree, name: str = "case") -> list[str]:
-    """Where two trees say different things; a field that only one has, at its default, is none."""
+    """Say where two trees differ; a field that only one has, at its default, makes no difference."""
     if not (isinstance(stored, dict) and isinstance(now, dict)):
         if isinstance(stored, list) and isinstance(now, list) and len(stored) == len(now):
             pairs = enumerate(zip(stored, now, strict=True))
@@ -119,21 +131,22 @@ def differences(stored: Tree, now: Tree, name: str = "case") -> list[str]:
     if stored.get("") != now.get(""):
         return [f"{name} was {_short(stored)} and is {_short(now)}"]
     before, after = _fields(stored), _fields(now)
-    found = []
+    changes = []
     for part in before.keys() | after.keys():
         if part in before and part in after:
-            found += differences(before[part], after[part], f"{name}.{part}")
+            changes += differences(before[part], after[part], f"{name}.{part}")
         elif part in stored or part in now:
-            found.append(f"{name}.{part} is {'gone' if part in before else 'new'}")
-    return sorted(found)
+            changes.append(f"{name}.{part} is {'gone' if part in before else 'new'}")
+    return sorted(changes)
 
 
 def _fields(tree: dict[str, Tree]) -> dict[str, Tree]:
-    own = {name: item for name, item in tree.items() if name not in ("", DEFAULTS)}
-    return own | dict(tree.get(DEFAULTS, {}))
+    parts = {name: item for name, item in tree.items() if name not in ("", DEFAULTS)}
+    return parts | dict(tree.get(DEFAULTS, {}))
 
 
 def _short(tree: Tree) -> str:
     if isinstance(tree, dict):
         return str(tree.get("", "a mapping"))
-    return text(tree) if len(text(tree)) < 40 else "another"
+    shown = tree if isinstance(tree, str) else text(tree)
+    return shown if len(shown) < 40 else "another"

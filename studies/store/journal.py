@@ -1,153 +1,23 @@
-"""What a study found, line by line as it was found: nothing that stands in it is ever changed."""
+"""The journal of a study: what it found, line by line as it was found; nothing that stands in it is ever changed."""
 
 import os
 import weakref
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
-from dataclasses import asdict, dataclass, field
-from functools import cached_property
-from itertools import chain, count
+from dataclasses import asdict
 from pathlib import Path
 from time import monotonic
 from types import TracebackType
 from typing import Any, Self
 
-import xarray as xr
-
 from contactstudy import InvalidInput
 from contactstudy.domain.files import open_descriptor, read_at, reason, replacing
-from studies.model.outcome import CaseStatus, Failure, Outcome, Sample
-from studies.store.identity import Tree, differences, text
-from studies.store.journal_lines import (
-    FIRST_FORMAT,
-    START,
-    VariableTypes,
-    decoded,
-    encoded,
-    short_hash,
-)
+from studies.model.outcome import Outcome, Sample
+from studies.store.journal_lines import START, VariableTypes, decoded, encoded, short_hash
+from studies.store.records import FORMAT, ODD, CaseIdentity, Contents, Source
 
 # A case that took longer is on disk at once, shorter ones together: a write to disk takes 0.3 ms.
 TOGETHER = 0.05
-FORMAT = 2
-
-
-@dataclass(frozen=True, eq=False)
-class CaseIdentity:
-    """A case by its ``key``, as a ``tree``, with the first ``point`` that asks for it."""
-
-    key: str
-    tree: Tree
-    point: Mapping[str, str]
-
-    @cached_property
-    def tree_hash(self) -> int:
-        """A hash of the whole tree, defaults included, in this process."""
-        return hash(text(self.tree))
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Record:
-    """What is stored of a case, in ``size`` bytes at ``start`` of the journal; read from there when it is used."""
-
-    key: str
-    case_status: CaseStatus
-    seconds: float
-    cpu: float
-    context: Mapping[str, str]
-    tree_hash: int
-    start: int
-    size: int
-    source: "_Source"
-
-    @property
-    def identity(self) -> CaseIdentity:
-        """The case."""
-        line = self.source.line(self)
-        return CaseIdentity(self.key, line["tree"], line["point"])
-
-    @property
-    def outcome(self) -> Outcome:
-        """Its outcome."""
-        line = self.source.line(self)
-        failure = Failure(**line["failure"]) if "failure" in line else None
-        variables = self.source.kinds.decode(line["values"])
-        return Outcome(self.case_status, variables, failure, self.seconds, {}, self.cpu)
-
-    @property
-    def error(self) -> str:
-        """The failure in a sentence, or nothing."""
-        return str(self.source.line(self).get("failure", {}).get("sentence", ""))
-
-    def variable(self, name: str) -> xr.Variable | None:
-        """What was measured under this name, if there is something."""
-        values = self.source.line(self)["values"]
-        return self.source.kinds.decode({name: values[name]})[name] if name in values else None
-
-    def is_of(self, identity: CaseIdentity) -> bool:
-        """Whether it is of this very case, the values that are at their defaults included."""
-        return self.tree_hash == identity.tree_hash or not differences(
-            self.identity.tree, identity.tree
-        )
-
-
-@dataclass(eq=False)
-class _Source:
-    """Where records are read from."""
-
-    descriptor: int
-    kinds: VariableTypes
-
-    def line(self, record: Record) -> dict[str, Any]:
-        parts, start, lacking = [], record.start, record.size
-        while lacking and (part := read_at(self.descriptor, lacking, start)):
-            parts.append(part)
-            start, lacking = start + len(part), lacking - len(part)
-        line = decoded(b"".join(parts))
-        if line is None:
-            raise InvalidInput(
-                "The journal was changed by another program while it was read: run the same command again."
-            )
-        return line
-
-
-@dataclass(eq=False)
-class Contents:
-    """What a journal says: records of the present ``context``, others, and timings of this machine.
-
-    ``axes``: the values that each axis ever had in this context. ``untimed``: why cases have no times.
-    """
-
-    records: dict[str, Record] = field(default_factory=dict)
-    others: dict[str, Record] = field(default_factory=dict)
-    samples: dict[str, list[Sample]] = field(default_factory=dict)
-    untimed: dict[str, str] = field(default_factory=dict)
-    axes: dict[str, dict[Any, None]] = field(default_factory=dict)
-    begun: str | None = None
-    history: list[str] = field(default_factory=list)
-    score: Mapping[str, float] = field(default_factory=dict)
-    epoch: int = 0
-
-    def changed(self, identity: CaseIdentity) -> list[str]:
-        """How the case last stored for ``identity``, or at its point, differs from it, if there is one."""
-        before = self.records.get(identity.key) or self.others.get(identity.key)
-        tree = before.identity.tree if before else self._at().get(_place(identity.point))
-        return [] if tree is None else differences(tree, identity.tree)
-
-    def _at(self) -> Mapping[object, Tree]:
-        """What was stored at each point; read at the first question."""
-        if self._trees is None:
-            identity = [
-                record.identity for record in (*self.others.values(), *self.records.values())
-            ]
-            self._trees = {_place(one.point): one.tree for one in identity}
-        return self._trees
-
-    _trees: Mapping[object, Tree] | None = None
-
-
-def _place(point: Mapping[str, str]) -> object:
-    return tuple(sorted(point.items()))
 
 
 class Journal:
@@ -174,9 +44,7 @@ class Journal:
 
     def __enter__(self) -> Self:
         try:
-            if self._is_first_format:
-                self._set_first_format_aside()
-            elif self._damaged:
+            if self._damaged:
                 self._set_aside()
             self._keep_open(open_descriptor(self.path, os.O_RDWR | os.O_CREAT | os.O_APPEND))
             os.ftruncate(self._descriptor, self._end)
@@ -200,7 +68,7 @@ class Journal:
             self._close()
 
     def start(self, provenance: Mapping[str, str], axes: Mapping[str, Iterable[Any]]) -> None:
-        """A run begins, in the present context, over these values of its axes."""
+        """Begin a run, in the present context, over these values of its axes."""
         run = {"format": FORMAT, "context": dict(self._present), "machine": self._machine}
         self._run = short_hash(run)
         self._write({"run": self._run} | run | {"provenance": dict(provenance)}, copies=2)
@@ -226,12 +94,12 @@ class Journal:
         self.contents.score = found
 
     def begin(self, key: str) -> None:
-        """This process itself begins a case: should it die, the next will know in which."""
+        """Write down that this process itself begins a case: should it die, the next will know in which."""
         self._write({"begin": key})
 
     def add(self, identity: CaseIdentity, outcome: Outcome) -> bool:
         """Write down a case; returns whether all cases so far are on disk."""
-        new, variables = self._kinds.encode(outcome.variables)
+        new, variables = self._source.kinds.encode(outcome.variables)
         for name, kind in new.items():
             self._write({"kind": name, "is": kind}, copies=2)
         line: dict[str, Any] = {
@@ -249,7 +117,7 @@ class Journal:
         start = self._end
         size = self._write(line)
         self._write_second_copies()
-        self.contents.records[identity.key] = self._record(line, self._present, start, size)
+        self.contents.records[identity.key] = self.contents.record(line, self._present, start, size)
         if outcome.seconds > TOGETHER / 2 or monotonic() - self._synced > TOGETHER:
             self.sync()
             return True
@@ -278,7 +146,7 @@ class Journal:
         self.contents.untimed.clear()
 
     def sync(self) -> None:
-        """Have everything on disk, in the file that bears the journal's name.
+        """Bring everything to the disk, in the file that bears the journal's name.
 
         Raises :class:`~contactstudy.InvalidInput` where the disk is full, or the file has been removed.
         """
@@ -306,7 +174,7 @@ class Journal:
         return len(raw)
 
     def _write_second_copies(self) -> None:
-        """Apart from the first, so that one hole in the file does not take both."""
+        """Write each again, apart from the first, so that one hole in the file does not take both."""
         while self._second_copies:
             self._write_bytes(self._second_copies[0])
             del self._second_copies[0]
@@ -337,11 +205,11 @@ class Journal:
     def _read(self) -> None:
         """Read what there is."""
         self._close()
-        self.contents, self._kinds = Contents(), VariableTypes()
-        self._source = _Source(-1, self._kinds)
+        self._source = Source(-1, VariableTypes())
+        self.contents = Contents(self._context, self._machine, self._source)
         self._descriptor, self._end = -1, 0
         self._damaged: list[tuple[int, int]] = []
-        self._is_first_format = self._lacks_line_feed = False
+        self._lacks_line_feed = False
         try:
             self._keep_open(open_descriptor(self.path, os.O_RDONLY))
             with open(self._descriptor, "rb", closefd=False) as file:
@@ -354,104 +222,38 @@ class Journal:
             ) from None
 
     def _take_all(self, file: Iterable[bytes]) -> None:
-        at, first, has_line = 0, b"", False
-        seen: set[bytes] = set()
-        runs: dict[str, Any] = {}
-        unsure: list[str] = []
+        """Take in every line of the file; a torn last one is left out."""
+        first, is_journal = b"", False
         for raw in file:
             first = first or raw
             line = decoded(raw)
             if line is None and not raw.endswith(b"\n"):
                 break  # torn
-            if line is None:
-                self._damaged.append((at, len(raw)))
-            elif "run" not in line or raw not in seen:  # its second copy is not another run
-                has_line = True
-                seen |= {raw} if "run" in line else set()
-                self._take(line, runs, at, len(raw), unsure)
+            is_journal |= line is not None
+            if not self._took(line, len(raw)):
+                self._damaged.append((self._end, len(raw)))
             self._lacks_line_feed = not raw.endswith(b"\n")
-            at += len(raw)
-        self._end = at
-        for key in unsure:  # their kinds may have come after them
-            for held in (self.contents.records, self.contents.others):
-                if key in held and not self._kinds.knows(self._source.line(held[key])["values"]):
-                    del held[key]
-        if has_line or not first:
-            return
-        if first.startswith(FIRST_FORMAT) and first.endswith(b"\n"):
-            self._is_first_format = True
-        elif not (first.startswith(START) or START.startswith(first)):
+            self._end += len(raw)
+        self.contents.finish()
+        if not is_journal and first and not (first.startswith(START) or START.startswith(first)):
             raise InvalidInput(
                 f"Journal {str(self.path)!r} is not a journal of this program: move the file away, or give "
                 "another folder with --out."
             )
 
-    def _take(
-        self,
-        line: Mapping[str, Any],
-        runs: dict[str, Any],
-        start: int,
-        size: int,
-        unsure: list[str],
-    ) -> None:
-        contents = self.contents
-        if "run" in line:
-            runs[line["run"]] = line
-            contents.history.append(line["provenance"]["history"])
-            return
-        if "kind" in line:
-            self._kinds.add(line["kind"], line["is"])
-            return
-        if "begin" in line:
-            contents.begun = line["begin"]
-            return
-        if "retime" in line:
-            self._turn_epoch(line["retime"])
-            return
-        run = runs.get(line.get("of", ""))
-        if run is None:  # nobody can say which versions it is of
-            self._damaged.append((start, size))
-            return
-        is_present = self._context is None or run["context"] == self._context
-        is_here = is_present and run["machine"] == self._machine
-        if "case" in line:
-            key = line["case"]
-            contents.begun = None if contents.begun == key else contents.begun
-            record = self._record(line, run["context"], start, size)
-            (contents.records if is_present else contents.others)[key] = record
-            if not self._kinds.knows(line["values"]):
-                unsure.append(key)
-        elif "axis" in line and is_present:
-            contents.axes.setdefault(line["axis"], {}).update(dict.fromkeys(line["values"]))
-        elif "score" in line and is_present:
-            contents.score = line["score"]
-        elif "epoch" in line:
-            self._turn_epoch(line["epoch"])
-            if line["epoch"] == contents.epoch and is_here and "time" in line:
-                contents.samples.setdefault(line["time"], []).append(Sample(**line["sample"]))
-            elif line["epoch"] == contents.epoch and is_here:
-                contents.untimed[line["untimed"]] = line["reason"]
-
-    def _turn_epoch(self, epoch: int) -> None:
-        if epoch > self.contents.epoch:
-            self.contents.epoch = epoch
-            self.contents.samples.clear()
-            self.contents.untimed.clear()
-
-    def _record(
-        self, line: Mapping[str, Any], context: Mapping[str, str], start: int, size: int
-    ) -> Record:
-        return Record(
-            line["case"],
-            CaseStatus[line["status"].upper()],
-            line["seconds"],
-            line["cpu"],
-            context,
-            hash(text(line["tree"])),
-            start,
-            size,
-            self._source,
-        )
+    def _took(self, line: Mapping[str, Any] | None, size: int) -> bool:
+        """Take in a line; returns whether it is one that this version writes."""
+        try:
+            if line is not None:
+                self.contents.take(line, self._end, size)
+        except InvalidInput as refused:
+            raise InvalidInput(
+                f"Journal {str(self.path)!r} cannot be read ({refused}): use the version that wrote it, or give another "
+                "folder with --out."
+            ) from None
+        except ODD:
+            return False
+        return line is not None
 
     def _set_aside(self) -> None:
         """Move damaged lines to a file of their own, and let the journal be what remains."""
@@ -474,15 +276,4 @@ class Journal:
         self._read()
         self.notes.append(
             f"{lines} damaged lines of the journal are set aside in {damaged}; what they held is computed anew"
-        )
-
-    def _set_first_format_aside(self) -> None:
-        names = (f"{self.path.name}.format1{end}" for end in chain([""], map(str, count(2))))
-        old = next(path for path in map(self.path.with_name, names) if not path.exists())
-        self._close()
-        self.path.rename(old)
-        self._read()
-        self.notes.append(
-            f"the journal is of an older format without checksums; it is set aside as {old}, and its cases are "
-            "computed anew"
         )

@@ -1,8 +1,9 @@
-"""One line of a journal: JSON that starts with a checksum of the rest."""
+"""Lines of a journal: JSON that starts with a checksum of the rest, and variables in them, to the last bit."""
 
 import base64
 import hashlib
 import json
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -12,18 +13,16 @@ import xarray as xr
 START = b'{"sum":"'
 DIGITS = 16
 _HEAD = len(START) + DIGITS
-# what lines of the first format, which had no checksum, started with
-FIRST_FORMAT = (b'{"run":', b'{"kind":', b'{"case":', b'{"begin":', b'{"time":', b'{"score":')
 
 
 def encoded(line: Mapping[str, Any]) -> bytes:
-    """``line`` with its checksum, as bytes that end with a line feed."""
+    """Return ``line`` with its checksum, as bytes that end with a line feed."""
     rest = b'",' + json.dumps(line, separators=(",", ":")).encode()[1:]
     return START + _checksum(rest) + rest + b"\n"
 
 
 def decoded(raw: bytes) -> dict[str, Any] | None:
-    """The line, or None where its checksum is not that of its content."""
+    """Return the line, or None where its checksum is not that of its content."""
     rest = raw[_HEAD:].rstrip(b"\n")
     if not raw.startswith(START) or raw[len(START) : _HEAD] != _checksum(rest):
         return None
@@ -39,7 +38,7 @@ def _checksum(rest: bytes) -> bytes:
 
 
 def short_hash(tree: object) -> str:
-    """A name for what is written once and referred to: twelve digits of a hash of its JSON."""
+    """Return a name for what is written once and referred to: twelve digits of a hash of its JSON."""
     text = json.dumps(tree, separators=(",", ":"), sort_keys=True).encode()
     return hashlib.blake2b(text, digest_size=6).hexdigest()
 
@@ -61,26 +60,49 @@ class VariableTypes:
     def encode(
         self, variables: Mapping[str, xr.Variable]
     ) -> tuple[Mapping[str, Json], Mapping[str, Json]]:
-        """The kinds that are new by their names, and the variables in terms of kinds."""
+        """Return the kinds that are new by their names, and the variables in terms of kinds."""
         new: dict[str, Json] = {}
-        found = {}
+        written = {}
         for name, variable in variables.items():
             values = np.asarray(variable.values)
             kind = self._name(variable.dims, values, variable.attrs, new)
             is_plain = values.ndim == 0 and values.dtype.str in ("<f8", "<i8")
-            found[name] = [kind, values.item() if is_plain else _to_text(values)]
-        return new, found
+            written[name] = [kind, values.item() if is_plain else _to_text(values)]
+        return new, written
 
     def add(self, name: str, kind: Json) -> None:
-        """A kind that was read."""
+        """Add a kind that was read; raises an error of Python's for one that :meth:`encode` does not make."""
+        dims, dtype, shape, attrs = kind
+        if name != short_hash(kind) or np.dtype(dtype).kind not in "biufcSUmM":
+            raise ValueError(kind)
+        xr.Variable(dims, np.empty([0 for _ in shape], dtype))
+        {key: _attribute(value) for key, value in attrs.items()}
+        if any(type(size) is not int or size < 0 for size in shape):
+            raise ValueError(kind)
         self._known[name] = kind
 
-    def knows(self, variables: Mapping[str, Json]) -> bool:
-        """Whether all these can be decoded."""
-        return all(kind in self._known for kind, _ in variables.values())
+    def fit(self, variables: Mapping[str, Json]) -> bool:
+        """Return whether the kinds of all these are known; raises an error of Python's where one is not of its kind."""
+        return all(self._fits(*variable) for variable in variables.values())
+
+    def _fits(self, kind: str, payload: Json) -> bool:
+        if kind not in self._known:
+            return False
+        _, dtype, shape, _ = self._known[kind]
+        if isinstance(payload, str):
+            size = len(base64.b64decode(payload, validate=True))
+            if size != np.dtype(dtype).itemsize * math.prod(shape):
+                raise ValueError(payload)
+        elif (
+            shape
+            or payload != payload
+            or {"<f8": float, "<i8": int}.get(dtype) is not type(payload)
+        ):
+            raise TypeError(payload)
+        return True
 
     def decode(self, variables: Mapping[str, Json]) -> Mapping[str, xr.Variable]:
-        """The variables that were encoded."""
+        """Return the variables that were encoded."""
         return {name: self._decoded(*held) for name, held in variables.items()}
 
     def _decoded(self, kind: str, payload: Json) -> xr.Variable:
@@ -121,14 +143,14 @@ def _to_text(values: np.ndarray) -> str:
 
 
 def _plain_attributes(attrs: Mapping[Any, Any]) -> dict[str, Json]:
-    found: dict[str, Json] = {}
+    plain: dict[str, Json] = {}
     for name, value in attrs.items():
         if isinstance(value, np.ndarray | np.generic):
             value = np.asarray(value)
-            found[str(name)] = {"dtype": value.dtype.str, "values": value.tolist()}
+            plain[str(name)] = {"dtype": value.dtype.str, "values": value.tolist()}
         else:
-            found[str(name)] = value
-    return found
+            plain[str(name)] = value
+    return plain
 
 
 def _attribute(value: Json) -> Any:

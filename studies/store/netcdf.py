@@ -4,7 +4,7 @@ import os
 import signal
 import tempfile
 import threading
-from collections.abc import Hashable, Iterable, Iterator
+from collections.abc import Callable, Hashable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Literal
@@ -12,11 +12,11 @@ from typing import Literal
 import xarray as xr
 
 from contactstudy import InvalidInput
-from contactstudy.domain.files import reason, replacing
+from contactstudy.domain.files import reason, replacing, set_aside
 
 
 def open_folder(path: Path) -> Path:
-    """``path`` as a folder that can be written to, made if need be.
+    """Return ``path`` as a folder that can be written to, made if need be.
 
     Raises :class:`~contactstudy.InvalidInput` where it cannot.
     """
@@ -63,34 +63,48 @@ def _encoding(dataset: xr.Dataset) -> dict[Hashable, dict[str, None]]:
 
 
 def read_any(path: Path) -> xr.Dataset:
-    """As :func:`read`, of a solution or a study."""
+    """Return the Dataset in ``path``, as :func:`read` does, of a solution or a study."""
     return read(path, "File", "give a file that contactstudy solve or run wrote")
 
 
-def check_kind(path: Path, kind: Literal["solution", "study"]) -> None:
-    """Raises :class:`~contactstudy.InvalidInput` where a file of the other kind would be replaced."""
+def check_kind(
+    path: Path, kind: Literal["solution", "study"], log: Callable[[str], object] = print
+) -> None:
+    """Raise :class:`~contactstudy.InvalidInput` where a file of the other kind would be replaced.
+
+    A damaged file is set aside, which is said to ``log``.
+    """
     if not path.is_file():
         return
     try:
-        with interrupts_deferred(), xr.open_dataset(path, engine="netcdf4") as held:
-            found = "study" if "case_status" in held else "solution" if "pressure" in held else kind
-    except (OSError, RuntimeError, ValueError):  # damaged
+        with interrupts_deferred(), xr.load_dataset(path, engine="netcdf4") as dataset:
+            present = (
+                "study"
+                if "case_status" in dataset
+                else "solution"
+                if "pressure" in dataset
+                else kind
+            )
+    except Exception:  # noqa: BLE001 (libraries raise anything for a damaged file)
+        log(f"{path} is damaged: it is set aside as {set_aside(path).name}, and is made again")
         return
-    if found != kind:
+    if present != kind:
         raise InvalidInput(
-            f"{_shortened(path)} holds a {found}, which the {kind} would replace: give another folder with --out."
+            f"{_shortened(path)} holds a {present}, which the {kind} would replace: give another folder with --out."
         )
 
 
 def read(path: Path, what: str = "Study file", remedy: str = "run the study first") -> xr.Dataset:
-    """The Dataset in ``path``, in memory; raises :class:`~contactstudy.InvalidInput` without one."""
+    """Return the Dataset in ``path``, in memory; raises :class:`~contactstudy.InvalidInput` without one."""
     try:
         with interrupts_deferred():
             return xr.load_dataset(path, engine="netcdf4")
-    except (OSError, RuntimeError, ValueError) as error:
-        raise InvalidInput(
-            f"{what} {_shortened(path)} cannot be read ({reason(error)}): {remedy}."
-        ) from None
+    except Exception as error:  # noqa: BLE001 (libraries raise anything for a damaged file)
+        if isinstance(error, OSError | RuntimeError) and str(error):
+            why = reason(error)
+        else:
+            why = f"it is damaged: {type(error).__name__}"
+        raise InvalidInput(f"{what} {_shortened(path)} cannot be read ({why}): {remedy}.") from None
 
 
 @contextmanager

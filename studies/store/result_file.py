@@ -1,7 +1,10 @@
-"""Fields of a study's cases: a file each while they are computed, groups of the study's netCDF in the end."""
+"""The netCDF file of a study, written from its journal as often as is wanted, and the fields that go into it.
 
-import os
-from collections.abc import Iterator, Mapping
+Fields of a case have a file of their own while cases are computed, and are groups of the netCDF in the end.
+"""
+
+import json
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
@@ -10,26 +13,25 @@ from time import monotonic
 import xarray as xr
 
 from contactstudy import InvalidInput
-from contactstudy.domain.files import reason, replacing
+from contactstudy.domain.files import read_sealed, reason, set_aside, write_sealed
 from studies.model.outcome import CaseStatus, Outcome
 from studies.model.plain_text import one_line
 from studies.model.study import Study
 from studies.store.identity import key
 from studies.store.journal import Journal
-from studies.store.journal_lines import VariableTypes, decoded, encoded
+from studies.store.journal_lines import VariableTypes
 from studies.store.netcdf import read, write
 from studies.store.request import Request
 from studies.store.table import PointTable, assemble
 
 
 def save_fields(folder: Path, key: str, variables: Mapping[str, xr.Variable]) -> None:
-    """``variables`` of the case ``key``, on disk when this returns."""
+    """Write the fields of the case ``key`` to a file of its own, which is on the disk when this returns."""
     kinds, values = VariableTypes().encode(variables)
     try:
-        with replacing(folder / f"{key}.json") as partial, partial.open("xb") as file:
-            file.write(encoded({"kinds": kinds, "values": values}))
-            file.flush()
-            os.fsync(file.fileno())
+        write_sealed(
+            folder / f"{key}.json", json.dumps({"kinds": kinds, "values": values}).encode()
+        )
     except OSError as error:
         raise InvalidInput(
             f"Fields in {str(folder)!r} cannot be written ({reason(error, folder / key)}): what was stored is "
@@ -37,25 +39,31 @@ def save_fields(folder: Path, key: str, variables: Mapping[str, xr.Variable]) ->
         ) from None
 
 
-def has_fields(folder: Path, key: str) -> bool:
-    """Whether the case ``key`` has its fields here."""
-    return (folder / f"{key}.json").is_file()
+def has_fields(folder: Path, key: str, log: Callable[[str], object]) -> bool:
+    """Return whether the fields of the case ``key`` are here; a damaged file is set aside, which is said."""
+    path = folder / f"{key}.json"
+    if not path.is_file():
+        return False
+    if load_fields(folder, key) is None:
+        log(
+            f"{path} is damaged: it is set aside as {set_aside(path).name}, and its case is computed anew"
+        )
+        return False
+    return True
 
 
 def load_fields(folder: Path, key: str) -> xr.Dataset | None:
-    """The fields of the case ``key``; a variable named like its dimension is its coordinate.
+    """Return the fields of the case ``key``, or None for a damaged file.
 
-    None for a damaged file, which is renamed, so that the case is computed for its fields again.
+    A variable named like its dimension is its coordinate.
     """
-    path = folder / f"{key}.json"
-    held = decoded(path.read_bytes())
-    if held is None:
-        path.replace(path.with_suffix(".damaged"))
+    content = read_sealed(folder / f"{key}.json")
+    if content is None:
         return None
-    kinds = VariableTypes()
-    for name, kind in held["kinds"].items():
+    line, kinds = json.loads(content), VariableTypes()
+    for name, kind in line["kinds"].items():
         kinds.add(name, kind)
-    variables = kinds.decode(held["values"])
+    variables = kinds.decode(line["values"])
     coords = {name: v for name, v in variables.items() if v.dims == (name,)}
     data = {name: v for name, v in variables.items() if name not in coords}
     return xr.Dataset(data, coords)
@@ -67,14 +75,13 @@ SHARE = 20  # a write takes at most one part in so many of the time
 
 @dataclass(eq=False)
 class ResultFile:
-    """``<folder>/<study>.nc``, and ``fields_folder``, the folder of fields that go into it at the end.
+    """The netCDF file of a study, beside its journal, and ``fields_folder``, the folder of fields that go into it.
 
     ``provenance`` is the provenance of the run that writes; ``skipped`` the cases that a stopped run leaves out.
     """
 
     study: Study
     request: Request
-    folder: Path
     journal: Journal
     table: PointTable
     provenance: Mapping[str, str] = field(default_factory=dict)
@@ -83,16 +90,16 @@ class ResultFile:
 
     @property
     def path(self) -> Path:
-        """The file."""
-        return self.folder / f"{self.study.name}.nc"
+        """Path of the file."""
+        return self.journal.path.parent / f"{self.study.name}.nc"
 
     @property
     def fields_folder(self) -> Path:
-        """The folder."""
-        return self.folder / f"{self.study.name}.fields"
+        """Path of the folder."""
+        return self.journal.path.parent / f"{self.study.name}.fields"
 
     def write(self, *, fields: str = "none") -> None:
-        """All there is, with a group for every case that has fields if these are "kept"."""
+        """Write all there is, with a group for every case that has fields if these are "kept"."""
         start = monotonic()
         contents = self.journal.contents
         now = datetime.now(UTC).isoformat(timespec="seconds")
@@ -105,7 +112,7 @@ class ResultFile:
         self.next_write = end + max(OFTEN, SHARE * (end - start))
 
     def read(self) -> xr.Dataset:
-        """What was written."""
+        """Return what was written."""
         return read(self.path)
 
     def _outcome(self, name: str) -> Outcome | None:
@@ -118,8 +125,8 @@ class ResultFile:
     def _attributes(self) -> dict[str, object]:
         first = next(iter(self.request.cases.values()))
         history = self.journal.contents.history
-        said = {"notes": "\n".join(self.study.notes)} if self.study.notes else {}
-        own: dict[str, object] = {
+        notes = {"notes": "\n".join(self.study.notes)} if self.study.notes else {}
+        attributes: dict[str, object] = {
             "study": self.study.name,
             "title": one_line(self.study.title),
             "first_case": _shown(first),
@@ -129,15 +136,15 @@ class ResultFile:
             "parameter_hash": key(list(self.table.keys)),
             "timing": "wall time, least of the repeats, one case at a time, on one thread where no axis says more",
         }
-        return said | dict(self.study.attributes) | dict(self.provenance) | own
+        return notes | dict(self.study.attributes) | dict(self.provenance) | attributes
 
     def _groups(self) -> Iterator[tuple[str, xr.Dataset]]:
-        """Of every case with fields, read when it is written."""
+        """Give the fields of every case that has some, read when they are written."""
         for name in dict.fromkeys(self.table.keys):
-            if name and has_fields(self.fields_folder, name):
-                held = load_fields(self.fields_folder, name)
-                if held is not None:
-                    yield f"fields/case_{name}", held
+            if name and (self.fields_folder / f"{name}.json").is_file():
+                fields = load_fields(self.fields_folder, name)
+                if fields is not None:
+                    yield f"fields/case_{name}", fields
 
 
 def _shown(case: object) -> str:

@@ -15,10 +15,12 @@ from studies.model.axis import Axis, Value
 from studies.model.outcome import CaseStatus, Failure, Outcome, Sample, timing_variables
 from studies.model.study import Study
 from studies.store.identity import Memory, canonical, key
-from studies.store.journal import CaseIdentity, Contents
+from studies.store.records import CaseIdentity, Contents
 from studies.store.request import Request, point_text
 
 # attributes by which two variables of one name are not one quantity
+# a table of all points may take this many times what is stored of a variable, and this many bytes more
+MOST_FILLED, ROOM = 4, 2**28
 MEANING = ("units", "standard_name", "flag_values", "flag_meanings", "positive")
 Signature = Hashable
 
@@ -92,7 +94,7 @@ def assemble(
     }
     data: dict[str, xr.Variable] = {}
     left_out: list[str] = []
-    for name, column in _chosen(columns, left_out):
+    for name, column in _chosen(columns, index.size, left_out):
         kind = column.kind
         if kind.dims == (name,):
             if all(np.array_equal(kind.values, values) for values in column.values):
@@ -139,13 +141,20 @@ def _signature(variable: xr.Variable) -> Signature:
 
 
 def _chosen(
-    columns: Mapping[str, Mapping[Signature, _Column]], left_out: list[str]
+    columns: Mapping[str, Mapping[Signature, _Column]], points: int, left_out: list[str]
 ) -> Iterator[tuple[str, _Column]]:
     """For each name the variable that most cases have, in dimensions that do not contradict another's."""
     sizes: dict[Hashable, int] = {}
     for name, alike in columns.items():
         column = max(alike.values(), key=lambda one: len(one.rows))
         count = sum(len(one.rows) for one in alike.values())
+        whole, stored = points * column.kind.nbytes, len(column.rows) * column.kind.nbytes
+        if whole > ROOM + MOST_FILLED * stored:
+            left_out.append(
+                f"{name} of {len(column.rows)} cases, since a table of all points would take {whole / 1e9:.3g} GB; "
+                "the journal has it"
+            )
+            continue
         if len(column.rows) < count:
             left_out.append(
                 f"{name} of {count - len(column.rows)} of {count} cases, which differs from the others' in "
@@ -200,7 +209,7 @@ def stored_table(study: Study, request: Request, contents: Contents) -> PointTab
         return requested_table(study, request)
     shape = tuple(len(axis.values) for axis in axes)
     asked = dict(zip(product(*(axis.values for axis in study.points)), request.keys, strict=True))
-    memory: Memory = {}
+    memory = Memory()
     keys: list[str] = []
     is_kept = np.zeros(prod(shape), dtype=bool)
     for place, values in enumerate(product(*(axis.values for axis in axes))):

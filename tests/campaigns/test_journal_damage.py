@@ -11,7 +11,6 @@ import pytest
 from contactstudy import InvalidInput
 from studies.engine.options import RunOptions
 from studies.engine.run import run
-from studies.model.outcome import CaseStatus
 from studies.store.journal import Journal
 from studies.store.provenance import machine
 from studies.store.request import Request
@@ -118,17 +117,6 @@ def test_a_run_sets_damage_aside_says_so_and_computes_it_anew(tmp_path: Path) ->
     said.clear()
     run(sweep, tmp_path, options=ALONE, log=said.append)
     assert not any("damaged" in line for line in said)
-
-
-def test_a_journal_without_checksums_is_set_aside_in_a_sentence(tmp_path: Path) -> None:
-    path = tmp_path / "victim.journal.jsonl"
-    old = '{"run":{"context":{},"machine":"","provenance":{"history":""}}}\n{"kind":[[],"<f8",[],{}]}\n'
-    path.write_text(old)
-    said: list[str] = []
-    dataset = run(study(plain(tmp_path), [1, 2]), tmp_path, options=ALONE, log=said.append)
-    assert any("older format without checksums; it is set aside as" in line for line in said)
-    assert (tmp_path / "victim.journal.jsonl.format1").read_text(encoding="utf-8") == old
-    assert (dataset["case_status"] == CaseStatus.OK).all()
 
 
 @pytest.mark.parametrize(

@@ -36,6 +36,12 @@ def _set_warnings(filters: list[Any]) -> None:
     warnings.filters[:] = filters  # type: ignore[index]
 
 
+def _set_xarray_options(options: dict[str, Any]) -> None:
+    now = xr.get_options()
+    # those alone: to set some, to anything, is deprecated
+    xr.set_options(**{name: value for name, value in options.items() if now[name] != value})
+
+
 # how each part of the state is read, and how it is set to what was read
 PARTS: tuple[tuple[Callable[[], Any], Callable[[Any], object]], ...] = (
     (os.getcwd, os.chdir),
@@ -49,7 +55,7 @@ PARTS: tuple[tuple[Callable[[], Any], Callable[[Any], object]], ...] = (
     (np.geterr, lambda errors: np.seterr(**errors)),
     (np.geterrcall, np.seterrcall),
     (np.get_printoptions, lambda options: np.set_printoptions(**options)),
-    (lambda: dict(xr.get_options()), lambda options: xr.set_options(**options)),
+    (lambda: dict(xr.get_options()), _set_xarray_options),
 )
 
 

@@ -46,3 +46,28 @@ def test_values_may_come_from_python() -> None:
 def test_what_cannot_be_read_is_refused_with_its_axis(axis: Axis, text: str) -> None:
     with pytest.raises(InvalidInput, match=rf"^{axis.name} is .*: give .*\.$"):
         axis.override(text)
+
+
+@pytest.mark.parametrize(
+    ("values", "distinct", "merged"),
+    [
+        ((0.1, 0.3, 3 * 0.1, 1.0), (0.1, 0.3, 1.0), 1),
+        ((3 * 0.1, 0.3, 1.0), (3 * 0.1, 1.0), 1),
+        # alone they are a span of their own; and small beside the span is not small by itself
+        ((0.3, 3 * 0.1), (0.3, 3 * 0.1), 0),
+        ((1e-18, 2e-18, 1.0), (1e-18, 2e-18, 1.0), 0),
+        ((1700000000.1234, 1700000000.1239), (1700000000.1234, 1700000000.1239), 0),
+        ((-1e308, 1e308), (-1e308, 1e308), 0),
+    ],
+)
+def test_of_numbers_that_differ_by_rounding_the_first_stands(
+    values: tuple[float, ...], distinct: tuple[float, ...], merged: int
+) -> None:
+    axis = Axis("a", values, "a")
+    assert (axis.values, axis.merged) == (distinct, merged)
+
+
+def test_a_stored_value_stands_for_one_that_differs_by_rounding() -> None:
+    axis = Axis("a", (3 * 0.1, 1.0, 2.0), "a").beside([0.3, 5.0])
+    assert (axis.values, axis.merged) == ((0.3, 1.0, 2.0), 1)
+    assert Axis("a", (1, 2), "a").beside([1.0]).values == (1, 2)

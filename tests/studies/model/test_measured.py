@@ -9,7 +9,12 @@ import pytest
 import xarray as xr
 
 from contactstudy import InvalidInput
-from studies.model.measured import NotANumberError, measured_variables
+from studies.model.measured import (
+    LARGEST_RESULT,
+    NotANumberError,
+    check_size,
+    measured_variables,
+)
 from studies.store.netcdf import read, write
 
 AXES = frozenset({"number"})
@@ -131,3 +136,10 @@ def test_what_is_accepted_comes_back_from_netcdf_as_it_was(value: Any, tmp_path:
     assert back.dims == measured.dims
     for name, attribute in measured.attrs.items():
         np.testing.assert_array_equal(back.attrs[name], attribute)
+
+
+def test_more_than_a_table_can_hold_is_refused_with_its_size() -> None:
+    row = xr.Variable(("n",), np.zeros(LARGEST_RESULT // 8))
+    check_size({"row": row})
+    with pytest.raises(InvalidInput, match=r"gives 67.1 MB, more than the 33.6 MB of a case"):
+        check_size({"row": row, "other": row})

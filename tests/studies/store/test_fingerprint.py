@@ -1,31 +1,43 @@
+"""Which edits make stored numbers be computed anew: all that may change one, no figure, axis or title."""
+
 import re
 import shutil
-import textwrap
+import sys
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 import contactstudy
+from contactstudy import InvalidInput
+from studies.engine.options import RunOptions
+from studies.engine.run import run
 from studies.registry import load
-from studies.store.fingerprint import measures_fingerprint, source_fingerprint
+from studies.store.fingerprint import agree, source_fingerprint
+from studies.store.request import Request
+from tests.studies.conftest import quiet
 
-FILE = '''
-"""A study."""
+HEAD = '''"""A study."""
 
 from dataclasses import dataclass
+from functools import lru_cache, partial, wraps
+from types import SimpleNamespace
 
-from studies.model.axis import Axis
+import numpy as np
 
-points = (Axis("n", (1, 2), "n"),)
-SCALE = 2.0
+from studies import Axis
+
+points = (Axis("a", (1, 2, 3), "a"),)
+times = "none"
 
 
 @dataclass(frozen=True)
 class Thing:
-    n: int
+    a: int
 
     def prepare(self):
-        return self.n
+        return self.a
 
     def run(self, prepared):
         return prepared + 1
@@ -35,94 +47,209 @@ class Thing:
 
 
 def scene_at(point):
-    return Thing(point["n"])
-
-
-def helper(x):
-    return SCALE * x
-
-
-def measures(case, result):
-    """Twice."""
-    return {"twice": helper(result)}
+    return Thing(point["a"])
 
 
 def figure(dataset):
     return ()
+
+
 '''
+# what a study file measures, before and after an edit, or the helper that it imports
+MEASURES = "def measures(case, r): return {'s': f(r)}\n"
+EDITS = {
+    "swapped constants": (
+        "A=2.0\nB=3.0\ndef f(r): return A*r-B\n",
+        "A=3.0\nB=2.0\ndef f(r): return A*r-B\n",
+    ),
+    "default argument": ("K=1.0\ndef f(r,k=K): return k*r\n", "K=2.0\ndef f(r,k=K): return k*r\n"),
+    "closure": (
+        "def make(k):\n    return lambda r: k*r\nf=make(1.0)\n",
+        "def make(k):\n    return lambda r: k*r\nf=make(2.0)\n",
+    ),
+    "partial": (
+        "def g(r,k): return k*r\nf=partial(g,k=1.0)\n",
+        "def g(r,k): return k*r\nf=partial(g,k=2.0)\n",
+    ),
+    "table of functions": (
+        "T=[lambda r: 1.0*r]\ndef f(r): return T[0](r)\n",
+        "T=[lambda r: 2.0*r]\ndef f(r): return T[0](r)\n",
+    ),
+    "plain object": (
+        "class M:\n    def __call__(s,r): return 1.0*r\nf=M()\n",
+        "class M:\n    def __call__(s,r): return 2.0*r\nf=M()\n",
+    ),
+    "decorator": (
+        "def d(g):\n    @wraps(g)\n    def w(r): return 1.0*g(r)\n    return w\n@d\ndef f(r): return r\n",
+        "def d(g):\n    @wraps(g)\n    def w(r): return 2.0*g(r)\n    return w\n@d\ndef f(r): return r\n",
+    ),
+    "thirteenth digit": (
+        "K=1.0\ndef f(r): return K*r\n",
+        "K=1.00000000000002\ndef f(r): return K*r\n",
+    ),
+    "number or text": (
+        "K=2\ndef f(r): return len(str(K))\n",
+        "K='2'\ndef f(r): return len(str(K))\n",
+    ),
+    "nested class": (
+        "class C:\n    class D:\n        K=1.0\ndef f(r): return C.D.K*r\n",
+        "class C:\n    class D:\n        K=2.0\ndef f(r): return C.D.K*r\n",
+    ),
+    "namespace": (
+        "N=SimpleNamespace(k=1.0)\ndef f(r): return N.k*r\n",
+        "N=SimpleNamespace(k=2.0)\ndef f(r): return N.k*r\n",
+    ),
+    "library object": (
+        "P=np.poly1d([1.0,0])\ndef f(r): return P(r)\n",
+        "P=np.poly1d([2.0,0])\ndef f(r): return P(r)\n",
+    ),
+    "figure that is measured": (
+        "def f(r): return r+len(figure(None))\n",
+        "def f(r): return r-len(figure(None))\n",
+    ),
+}
+IMPORTS = {
+    "at the top": ("from helper_of_study import f\n", "helper_of_study.py"),
+    "inside": (
+        "def f(r):\n    import helper_of_study\n    return helper_of_study.f(r)\n",
+        "helper_of_study.py",
+    ),
+    "in a package": (
+        "def f(r):\n    import package_of_study.part\n    return package_of_study.part.f(r)\n",
+        "package_of_study/part.py",
+    ),
+    "from a package": (
+        "def f(r):\n    from package_of_study import part\n    return part.f(r)\n",
+        "package_of_study/part.py",
+    ),
+    "by name": (
+        "def f(r):\n    from importlib import import_module\n    return import_module('helper_of_study').f(r)\n",
+        "helper_of_study.py",
+    ),
+    "by another": (
+        "def f(r):\n    import first_of_study\n    return first_of_study.f(r)\n",
+        "helper_of_study.py",
+    ),
+}
 
 
-def fingerprint(path: Path, text: str) -> str:
-    path.write_text(textwrap.dedent(text), encoding="utf-8")
-    study = load(str(path))
-    return measures_fingerprint(study.measures, frozenset(type(case) for case in study.cases()))
+@pytest.fixture(autouse=True)
+def _own_modules(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(tmp_path)
+    for name in ("helper_of_study", "package_of_study", "package_of_study.part"):
+        monkeypatch.delitem(sys.modules, name, raising=False)
+
+
+def context(path: Path, text: str) -> Mapping[str, str]:
+    path.write_text(text, encoding="utf-8")
+    return Request.of(load(str(path))).context
+
+
+@pytest.mark.parametrize("edit", EDITS)
+def test_an_edit_of_what_makes_the_numbers_is_noticed(edit: str, tmp_path: Path) -> None:
+    before, after = (context(tmp_path / "one.py", HEAD + text + MEASURES) for text in EDITS[edit])
+    assert not agree(before, after)
+
+
+@pytest.mark.parametrize("how", IMPORTS)
+def test_an_edit_of_a_module_is_noticed_wherever_it_is_imported(how: str, tmp_path: Path) -> None:
+    use, file = IMPORTS[how]
+    (tmp_path / "package_of_study").mkdir()
+    (tmp_path / "package_of_study" / "__init__.py").touch()
+    (tmp_path / "first_of_study.py").write_text("from helper_of_study import f\n")
+    (tmp_path / "helper_of_study.py").touch()
+    contexts = []
+    for factor in (1.0, 2.0):
+        (tmp_path / file).write_text(f"def f(r): return {factor} * r\n")
+        contexts.append(context(tmp_path / "one.py", HEAD + use + MEASURES))
+    assert not agree(*contexts)
 
 
 @pytest.mark.parametrize(
     ("old", "new"),
     [
-        ("helper(result)}", "helper(result) + 1}"),
-        ("SCALE * x", "SCALE + x"),
-        ("SCALE = 2.0", "SCALE = 3.0"),
-        ("prepared + 1", "prepared + 2"),
-        ("return self.n", "return -self.n"),
-    ],
-)
-def test_a_change_of_what_makes_the_numbers_is_noticed(old: str, new: str, tmp_path: Path) -> None:
-    before = fingerprint(tmp_path / "one.py", FILE)
-    assert old in FILE
-    assert fingerprint(tmp_path / "two.py", FILE.replace(old, new)) != before
-
-
-@pytest.mark.parametrize(
-    ("old", "new"),
-    [
-        ('"""Twice."""', '"""Two times."""'),
         ("return ()", "return (1,)"),
-        ("(1, 2)", "(1, 2, 3)"),
-        ("    return SCALE * x", "    # as agreed\n    return SCALE * x"),
-        ("    n: int", "    n: int\n    more: int = 0"),
+        ("(1, 2, 3)", "(1, 2, 3, 4)"),
+        ('times = "none"', 'times = "taken"'),
+        ("A study.", "A study, otherwise called."),
     ],
 )
-def test_a_change_of_words_figures_and_axes_is_none(old: str, new: str, tmp_path: Path) -> None:
-    before = fingerprint(tmp_path / "one.py", FILE)
-    assert fingerprint(tmp_path / "two.py", FILE.replace(old, new)) == before
+def test_an_edit_of_figures_axes_and_title_is_none(old: str, new: str, tmp_path: Path) -> None:
+    text = f"{HEAD}def f(r): return r\n{MEASURES}"
+    assert old in text
+    before = context(tmp_path / "one.py", text)
+    assert agree(before, context(tmp_path / "one.py", text.replace(old, new)))
+
+
+def test_a_constant_counts_by_its_value_wherever_it_comes_from(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = f"{HEAD}import os\nK = float(os.environ['OF_STUDY'])\ndef f(r): return K * r\n{MEASURES}"
+    contexts = []
+    for value in ("1.0", "2.0"):
+        monkeypatch.setenv("OF_STUDY", value)
+        contexts.append(context(tmp_path / "one.py", text))
+    assert not agree(*contexts)
+
+
+def test_files_that_a_study_names_count(tmp_path: Path) -> None:
+    text = f"{HEAD}files = ('data.json',)\ndef f(r): return r\n{MEASURES}"
+    contexts = []
+    for content in ("1", "2"):
+        (tmp_path / "data.json").write_text(content)
+        contexts.append(context(tmp_path / "one.py", text))
+    assert not agree(*contexts)
+    (tmp_path / "data.json").unlink()
+    with pytest.raises(InvalidInput, match=r"names the file 'data.json', which cannot be read"):
+        context(tmp_path / "one.py", text)
+
+
+def test_what_was_read_counts_and_not_what_the_file_has_become(tmp_path: Path) -> None:
+    path = tmp_path / "one.py"
+    text = f"{HEAD}def f(r): return r\n{MEASURES}"
+    path.write_text(text)
+    study = load(str(path))
+    path.write_text(text.replace("return r\n", "return 2 * r\n"))
+    assert agree(Request.of(study).context, Request.of(study).context)
+    assert not agree(Request.of(study).context, Request.of(load(str(path))).context)
+
+
+def test_another_class_at_a_new_value_computes_nothing_anew(tmp_path: Path) -> None:
+    (tmp_path / "helper_of_study.py").write_text(
+        "from one_of_study import Thing\nclass Other(Thing): pass\n"
+    )
+    text = f"{HEAD}def f(r): return r\n{MEASURES}"
+    path = tmp_path / "one_of_study.py"
+    path.write_text(text)
+    study = load(str(path))
+    options = RunOptions(workers=0)
+    run(study, tmp_path / "out", options=options, log=quiet)
+    from helper_of_study import Other  # type: ignore[import-not-found]
+
+    said: list[str] = []
+    grown = replace(
+        study.override({"a": [1, 2, 3, 4]}),
+        scene_at=lambda point: Other(4) if point["a"] == 4 else study.scene_at(point),
+    )
+    run(grown, tmp_path / "out", options=options, log=said.append)
+    assert any("3 cases are stored, 1 to compute" in line for line in said)
 
 
 def test_a_fingerprint_has_the_twelve_digits_that_stored_cases_go_by(tmp_path: Path) -> None:
     (tmp_path / "kernel.py").write_text("A = 1", encoding="utf-8")
-    digits = "[0-9a-f]{12}"
-    assert re.fullmatch(digits, source_fingerprint(tmp_path))
-    assert re.fullmatch(digits, measures_fingerprint(load("grid").measures, frozenset()))
-
-
-def test_studies_measure_differently() -> None:
-    found = {
-        measures_fingerprint(load(name).measures, frozenset({type(load(name).cases()[0])}))
-        for name in ("paper", "padding", "kernels", "speed")
-    }
-    assert len(found) == 4
+    assert re.fullmatch("[0-9a-f]{12}", source_fingerprint(tmp_path))
 
 
 @pytest.mark.parametrize(
-    ("path", "old", "new", "effect"),
-    [
-        ("analytic.py", "\n\n", "\n\n# a remark\n", "same"),
-        ("analytic.py", '"""', '"""Otherwise worded. ', "same"),
-        ("analytic.py", "def ", "EXTRA = 1\n\n\ndef ", "other"),
-        ("domain/padding.py", "def ", "EXTRA = 1\n\n\ndef ", "other"),
-        ("io/dataset.py", "def ", "EXTRA = 1\n\n\ndef ", "same"),
-        ("planning/plan.py", "def ", "EXTRA = 1\n\n\ndef ", "same"),
-    ],
-)
+    ("path", "effect"),
+    [("analytic.py", "other"), ("domain/padding.py", "other"), ("io/dataset.py", "same"), ("planning/plan.py", "same")],
+)  # fmt: skip
 def test_only_core_code_that_can_change_a_number_counts(
-    path: str, old: str, new: str, effect: str, tmp_path: Path
+    path: str, effect: str, tmp_path: Path
 ) -> None:
     core = tmp_path / "core"
     shutil.copytree(Path(contactstudy.__file__).parent, core)
     before = source_fingerprint(core)
-    text = (core / path).read_text(encoding="utf-8")
-    place = text.index(f"\n{old}") + 1 if old == "def " else text.index(old)
-    (core / path).write_text(text[:place] + text[place:].replace(old, new, 1))
-    found = "same" if source_fingerprint(core) == before else "other"
-    assert found == effect
+    with (core / path).open("a", encoding="utf-8") as file:
+        file.write("EXTRA = 1\n")
+    assert ("same" if source_fingerprint(core) == before else "other") == effect

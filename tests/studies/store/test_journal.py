@@ -11,7 +11,9 @@ import xarray as xr
 from contactstudy import InvalidInput
 from studies.model.outcome import CaseStatus, Outcome, Sample
 from studies.store import journal as module
-from studies.store.journal import CaseIdentity, Journal
+from studies.store.journal import Journal
+from studies.store.journal_lines import encoded, short_hash
+from studies.store.records import CaseIdentity
 
 CONTEXT = {"code": "1"}
 PROVENANCE = {"history": "now"}
@@ -193,3 +195,72 @@ def test_a_hole_in_one_of_two_copies_loses_no_case_beside_the_one_between_them(
             assert list(found.axes["number"]) == [1]
             # nobody knows the versions of what comes before the first whole line of its run
             assert ("between" in found.records) == (number != 0)
+
+
+CASE = {
+    "case": "a", "status": "ok", "point": {"number": "a"}, "tree": {"": "Case"}, "seconds": 1.0, "cpu": 1.0,
+}  # fmt: skip
+KIND = [[], "<f8", [], {}]
+ROW = [["k"], "<f8", [2], {}]
+ODD: dict[str, list[dict[str, object]]] = {
+    "no seconds": [{name: value for name, value in CASE.items() if name != "seconds"}],
+    "nan seconds": [CASE | {"seconds": float("nan")}],
+    "unknown status": [CASE | {"status": "bogus"}],
+    "no tree": [{name: value for name, value in CASE.items() if name != "tree"}],
+    "a key that is no text": [CASE | {"case": [1]}],
+    "values that are text": [CASE | {"values": "x"}],
+    "a value that is a list": [CASE | {"values": {"s": [short_hash(KIND), [1, 2]]}}],
+    "a value that is nan": [CASE | {"values": {"s": [short_hash(KIND), float("nan")]}}],
+    "a value that is whole": [CASE | {"values": {"s": [short_hash(KIND), 1]}}],
+    "a value of bad letters": [CASE | {"values": {"s": [short_hash(ROW), "!!!"]}}],
+    "a value that is too short": [CASE | {"values": {"s": [short_hash(ROW), "AAAA"]}}],
+    "a name for a group": [CASE | {"values": {"a/b": [short_hash(KIND), 1.0]}}],
+    "more in a failure": [CASE | {"failure": {"kind": "a", "sentence": "b", "stage": "c", "d": 1}}],
+    "a failure that moves a cursor": [
+        CASE | {"failure": {"kind": "a", "sentence": "\x1b[31m", "stage": "c"}}
+    ],
+    "a kind of objects": [{"kind": short_hash([[], "|O", [], {}]), "is": [[], "|O", [], {}]}],
+    "a kind of nonsense": [{"kind": short_hash([[], "zz", [], {}]), "is": [[], "zz", [], {}]}],
+    "a kind under another name": [{"kind": "zz", "is": KIND}],
+    "a kind without dimensions": [{"kind": "zz", "is": [[]]}],
+    "an axis of tables": [{"axis": "a", "values": [{"x": 1}]}],
+    "a sample of others": [{"time": "a", "epoch": 0, "sample": {"x": 1}}],
+    "an epoch that is text": [{"time": "a", "epoch": "9", "sample": {}}, {"retime": "a"}],
+    "no reason": [{"untimed": "a", "epoch": 0}],
+    "a score that is text": [{"score": "x"}],
+    "a score that hides values": [{"score": {"_FillValue": 1}}],
+    "a beginning of lists": [{"begin": [1]}],
+    "a run without versions": [{"run": "b"}],
+    "nothing known": [{"hello": 1}],
+}
+
+
+@pytest.mark.parametrize("kind", ODD)
+def test_a_line_that_no_version_wrote_is_set_aside_though_its_checksum_is_right(
+    kind: str, tmp_path: Path
+) -> None:
+    with opened(tmp_path) as journal:
+        journal.start(PROVENANCE, {"number": [1]})
+        journal.add(identity("b"), outcome(value=7.0))
+        run = journal._run
+        path = journal.path
+    with path.open("ab") as file:
+        for shape in (KIND, ROW):
+            file.write(encoded({"kind": short_hash(shape), "is": shape}))
+        for line in ODD[kind]:
+            file.write(encoded({"of": run, "values": {}} | line))
+    with opened(tmp_path) as journal:
+        assert list(journal.contents.records) == ["b"]
+        assert float(journal.contents.records["b"].outcome.variables["square"]) == 7
+        assert f"{len(ODD[kind])} damaged lines" in journal.notes[0]
+        assert journal.contents.samples == {}
+    assert opened(tmp_path).notes == []
+
+
+def test_a_journal_of_another_format_is_left_as_it_is(tmp_path: Path) -> None:
+    path = tmp_path / "x.journal.jsonl"
+    path.write_bytes(encoded({"run": "a", "format": 9, "context": {}, "machine": "here"}))
+    with pytest.raises(
+        InvalidInput, match=r"of format 9, and this version reads format 2\): use the"
+    ):
+        opened(tmp_path)

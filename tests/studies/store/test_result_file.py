@@ -11,10 +11,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from contactstudy import InvalidInput
 from studies.engine.options import RunOptions
 from studies.engine.run import run
 from studies.registry import load
 from studies.store import result_file
+from studies.store.netcdf import read
 from studies.store.result_file import ResultFile, has_fields, load_fields, save_fields
 from tests.studies.conftest import quiet
 
@@ -28,10 +30,11 @@ def test_a_write_takes_a_twentieth_of_the_time_and_waits_a_minute_at_least(
     monkeypatch.setattr(result_file, "assemble", lambda *_: None)
     monkeypatch.setattr(result_file, "write", lambda *_: None)
     monkeypatch.setattr(ResultFile, "_attributes", lambda _: {})
-    journal: Any = SimpleNamespace(contents=SimpleNamespace(score={}, samples={}))
+    contents = SimpleNamespace(score={}, samples={})
+    journal: Any = SimpleNamespace(contents=contents, path=tmp_path / "x.journal.jsonl")
     table: Any = SimpleNamespace(axes=(), keys=())
     study: Any = SimpleNamespace(name="x")
-    written = ResultFile(study, None, tmp_path, journal, table)  # type: ignore[arg-type]
+    written = ResultFile(study, None, journal, table)  # type: ignore[arg-type]
     written.write()
     assert written.next_write == pytest.approx(100 + took + pause)
 
@@ -63,11 +66,39 @@ def test_fields_of_one_case_come_back_with_their_coordinates(tmp_path: Path) -> 
     x = xr.Variable(("x",), [1.5, 2.5, 3.5], {"units": "m"})
     pressure = xr.Variable(("x",), [0.0, 2.0, 1.0], {"units": "Pa"})
     save_fields(tmp_path / "kept", "abc", {"x": x, "pressure": pressure})
-    assert has_fields(tmp_path / "kept", "abc")
-    assert not has_fields(tmp_path / "kept", "abd")
+    assert has_fields(tmp_path / "kept", "abc", pytest.fail)
+    assert not has_fields(tmp_path / "kept", "abd", pytest.fail)
     found = load_fields(tmp_path / "kept", "abc")
     assert found is not None
     xr.testing.assert_identical(found, xr.Dataset({"pressure": pressure}, {"x": x}))
+
+
+def test_a_damaged_file_of_fields_is_set_aside_and_its_case_computed_anew(tmp_path: Path) -> None:
+    study = load("grid").override({"padding": "exact", "grid": "16,24"})
+    run(study, tmp_path, options=KEPT, log=quiet)
+    (one, _) = sorted((tmp_path / "grid.fields").iterdir())
+    one.write_bytes(one.read_bytes()[:-9])
+    said: list[str] = []
+    run(study, tmp_path, options=KEPT, log=said.append)
+    assert any(f"set aside as {one.name}.damaged" in line for line in said)
+    assert any("1 cases are stored, 1 to compute" in line for line in said)
+    with xr.open_datatree(tmp_path / "grid.nc") as tree:
+        assert len(tree["fields"].children) == 2
+
+
+@pytest.mark.parametrize("place", [0, 20, 200, 5000])
+def test_a_damaged_study_file_is_set_aside_and_made_again(tmp_path: Path, place: int) -> None:
+    study = load("grid").override({"padding": "exact", "grid": "16"})
+    before = run(study, tmp_path, workers=0, repeats=1, log=quiet)
+    path = tmp_path / "grid.nc"
+    raw = path.read_bytes()
+    path.write_bytes(raw[:place])
+    with pytest.raises(InvalidInput, match=r"^Study file .* cannot be read"):
+        read(path)
+    said: list[str] = []
+    after = run(study, tmp_path, workers=0, repeats=1, log=said.append)
+    assert any("set aside as grid.nc.damaged" in line for line in said)
+    xr.testing.assert_equal(before, after)
 
 
 def test_the_root_opens_as_a_plain_dataset(out: Path) -> None:

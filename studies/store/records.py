@@ -1,0 +1,274 @@
+"""What a journal says: cases by their keys, timed runs, values of axes; each line is checked before it counts."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import xarray as xr
+
+from contactstudy import InvalidInput
+from contactstudy.domain.files import read_at
+from studies.model.outcome import CaseStatus, Failure, Outcome, Sample
+from studies.model.plain_text import is_storable, name_problem
+from studies.store.fingerprint import agree
+from studies.store.identity import Tree, differences, text
+from studies.store.journal_lines import VariableTypes, decoded
+
+FORMAT = 2
+# what a line that is not as this version writes it may raise
+ODD = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError)
+
+
+@dataclass(frozen=True, eq=False)
+class CaseIdentity:
+    """A case by its ``key``, as a ``tree``, with the first ``point`` that asks for it."""
+
+    key: str
+    tree: Tree
+    point: Mapping[str, str]
+
+    @cached_property
+    def tree_hash(self) -> int:
+        """A hash of the whole tree, defaults included, in this process."""
+        return hash(text(self.tree))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Record:
+    """A stored case, in ``size`` bytes at ``start`` of the journal, where its values are read when they are used."""
+
+    key: str
+    case_status: CaseStatus
+    seconds: float
+    cpu: float
+    context: Mapping[str, str]
+    tree_hash: int
+    start: int
+    size: int
+    source: "Source"
+
+    @property
+    def identity(self) -> CaseIdentity:
+        """The case."""
+        line = self.source.line(self)
+        return CaseIdentity(self.key, line["tree"], line["point"])
+
+    @property
+    def outcome(self) -> Outcome:
+        """Its outcome."""
+        line = self.source.line(self)
+        failure = Failure(**line["failure"]) if "failure" in line else None
+        variables = self.source.kinds.decode(line["values"])
+        return Outcome(self.case_status, variables, failure, self.seconds, {}, self.cpu)
+
+    @property
+    def error(self) -> str:
+        """The failure in a sentence, or an empty text."""
+        return str(self.source.line(self).get("failure", {}).get("sentence", ""))
+
+    def variable(self, name: str) -> xr.Variable | None:
+        """Return what was measured under this name, if there is something."""
+        values = self.source.line(self)["values"]
+        return self.source.kinds.decode({name: values[name]})[name] if name in values else None
+
+    def is_of(self, identity: CaseIdentity) -> bool:
+        """Return whether it is of this very case, the values that are at their defaults included."""
+        return self.tree_hash == identity.tree_hash or not differences(
+            self.identity.tree, identity.tree
+        )
+
+
+@dataclass(eq=False)
+class Source:
+    """The open file that records are read from, and the kinds of its variables."""
+
+    descriptor: int
+    kinds: VariableTypes
+
+    def line(self, record: Record) -> dict[str, Any]:
+        """Read the line of a record."""
+        parts, start, remaining = [], record.start, record.size
+        while remaining and (part := read_at(self.descriptor, remaining, start)):
+            parts.append(part)
+            start, remaining = start + len(part), remaining - len(part)
+        line = decoded(b"".join(parts))
+        if line is None:
+            raise InvalidInput(
+                "The journal was changed by another program while it was read: run the same command again."
+            )
+        return line
+
+
+@dataclass(eq=False)
+class Contents:
+    """The contents of a journal: records of the present ``context``, others, and timings of this ``machine``.
+
+    Without a context, all are of the present one. ``axes``: the values that each axis ever had in this context.
+    ``untimed``: why cases have no times.
+    """
+
+    context: Mapping[str, str] | None
+    machine: str
+    source: Source
+    records: dict[str, Record] = field(default_factory=dict)
+    others: dict[str, Record] = field(default_factory=dict)
+    samples: dict[str, list[Sample]] = field(default_factory=dict)
+    untimed: dict[str, str] = field(default_factory=dict)
+    axes: dict[str, dict[Any, None]] = field(default_factory=dict)
+    begun: str | None = None
+    history: list[str] = field(default_factory=list)
+    score: Mapping[str, float] = field(default_factory=dict)
+    epoch: int = 0
+    # the versions and machine of each run, and whether they are the present ones
+    _runs: dict[str, tuple[Mapping[str, Any], bool]] = field(default_factory=dict)
+    _incomplete: list[str] = field(default_factory=list)
+
+    def take(self, line: Mapping[str, Any], start: int, size: int) -> None:
+        """Take in a line, of ``size`` bytes at ``start``.
+
+        Raises an error of Python's for a line that is not as this version writes it, and
+        :class:`~contactstudy.InvalidInput` for a run of another format.
+        """
+        if "run" in line:
+            self._take_run(line)
+        elif "kind" in line:
+            self.source.kinds.add(line["kind"], line["is"])
+        elif "begin" in line:
+            self.begun = _text(line["begin"])
+        elif "retime" in line:
+            self._turn_epoch(line["retime"])
+        else:
+            self._take_of_run(line, *self._runs[line["of"]], start, size)
+
+    def _take_run(self, line: Mapping[str, Any]) -> None:
+        """Take in the versions and the machine that later lines refer to."""
+        if line["format"] != FORMAT:
+            raise InvalidInput(
+                f"it is of format {line['format']!r}, and this version reads format {FORMAT}"
+            )
+        for name, value in line["context"].items():
+            _text(name), _text(value)
+        _text(line["machine"])
+        if line["run"] not in self._runs or line["provenance"]["history"] != self.history[-1]:
+            self.history.append(_text(line["provenance"]["history"]))
+        is_present = self.context is None or agree(line["context"], self.context)
+        self._runs[line["run"]] = line, is_present
+
+    def _take_of_run(
+        self,
+        line: Mapping[str, Any],
+        run: Mapping[str, Any],
+        is_present: bool,  # noqa: FBT001
+        start: int,
+        size: int,
+    ) -> None:
+        """Take in a line that refers to a run."""
+        is_here = is_present and run["machine"] == self.machine
+        if "case" in line:
+            record = self.record(line, run["context"], start, size)
+            self.begun = None if self.begun == record.key else self.begun
+            (self.records if is_present else self.others)[record.key] = record
+        elif "axis" in line:
+            values = dict.fromkeys(line["values"])
+            if not all(type(value) in (str, int, float) for value in values):
+                raise TypeError(values)
+            if is_present:
+                self.axes.setdefault(_text(line["axis"]), {}).update(values)
+        elif "score" in line:
+            score = {_name(name): _number(value) for name, value in line["score"].items()}
+            self.score = score if is_present else self.score
+        elif "time" in line:
+            sample = Sample(**{name: _number(value) for name, value in line["sample"].items()})  # type: ignore[arg-type]
+            if self._turn_epoch(line["epoch"]) and is_here:
+                self.samples.setdefault(_text(line["time"]), []).append(sample)
+        else:
+            key, reason = _text(line["untimed"]), _text(line["reason"])
+            if self._turn_epoch(line["epoch"]) and is_here:
+                self.untimed[key] = reason
+
+    def record(
+        self, line: Mapping[str, Any], context: Mapping[str, str], start: int, size: int
+    ) -> Record:
+        """Return the record of a case; raises an error of Python's for one that this version does not write."""
+        if "failure" in line:
+            failure = Failure(**line["failure"])
+            for part in (failure.kind, failure.sentence, failure.stage):
+                _text(part)
+        for name in line["values"]:
+            _name(name)
+        for name, value in line["point"].items():
+            _text(name), _text(value)
+        if not self.source.kinds.fit(line["values"]):
+            self._incomplete.append(line["case"])  # its kinds may come after it
+        return Record(
+            _text(line["case"]),
+            CaseStatus[line["status"].upper()],
+            _number(line["seconds"]),
+            _number(line["cpu"]),
+            context,
+            hash(text(line["tree"])),
+            start,
+            size,
+            self.source,
+        )
+
+    def finish(self) -> None:
+        """Drop the cases whose variables cannot be read though all lines were."""
+        for key in self._incomplete:
+            for records in (self.records, self.others):
+                if key in records and not self._fits(records[key]):
+                    del records[key]
+
+    def _fits(self, record: Record) -> bool:
+        """Return whether all variables of a case can be read."""
+        try:
+            return self.source.kinds.fit(self.source.line(record)["values"])
+        except ODD:
+            return False
+
+    def _turn_epoch(self, epoch: object) -> bool:
+        """Forget all times of earlier epochs than this; returns whether this is the present one."""
+        if type(epoch) is not int:
+            raise TypeError(epoch)
+        if epoch > self.epoch:
+            self.epoch = epoch
+            self.samples.clear()
+            self.untimed.clear()
+        return epoch == self.epoch
+
+    def changed(self, identity: CaseIdentity) -> list[str]:
+        """Say how the case last stored for ``identity``, or at its point, differs from it, if there is one."""
+        before = self.records.get(identity.key) or self.others.get(identity.key)
+        tree = before.identity.tree if before else self._trees.get(_place(identity.point))
+        return [] if tree is None else differences(tree, identity.tree)
+
+    @cached_property
+    def _trees(self) -> Mapping[object, Tree]:
+        """What was stored at each point when this was first asked."""
+        records = (*self.others.values(), *self.records.values())
+        identities = (record.identity for record in records)
+        return {_place(identity.point): identity.tree for identity in identities}
+
+
+def _place(point: Mapping[str, str]) -> object:
+    return tuple(sorted(point.items()))
+
+
+def _text(value: object) -> str:
+    if not isinstance(value, str) or not is_storable(value):
+        raise TypeError(value)
+    return value
+
+
+def _name(value: object) -> str:
+    if name_problem(value) or str(value).startswith("_"):
+        raise ValueError(value)
+    return str(value)
+
+
+def _number(value: object) -> float:
+    if type(value) not in (int, float) or not math.isfinite(value):  # type: ignore[arg-type]
+        raise TypeError(value)
+    return value  # type: ignore[return-value]

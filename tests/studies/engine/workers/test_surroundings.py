@@ -1,0 +1,106 @@
+"""No case sees another: what one leaves behind in its process is put back before the next."""
+
+import decimal
+import locale
+import os
+import random
+import sys
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from studies.engine.options import RunOptions
+from studies.engine.run import run
+from studies.engine.workers.surroundings import Surroundings, kept_surroundings
+from studies.model.axis import Axis
+from studies.model.study import Point, Study
+from tests.studies.conftest import quiet
+
+
+@dataclass(frozen=True)
+class Leaky:
+    """Reads all that a case may leave behind, and leaves something else behind."""
+
+    number: int
+
+    def prepare(self) -> int:
+        return self.number
+
+    def run(self, prepared: int) -> int:
+        return prepared
+
+    def record(self, result: int) -> Mapping[str, xr.Variable]:
+        return {}
+
+
+def measures(case: Leaky, result: int) -> Mapping[str, object]:
+    seen = {
+        "of_numpy": float(np.random.random()),  # noqa: NPY002
+        "of_random": random.random(),
+        "folder": os.getcwd(),  # noqa: PTH109
+        "variable": os.environ.get("LEFT", "none"),
+        "divide": np.geterr()["divide"],
+        "filters": sum(getattr(one[1], "pattern", "").isdigit() for one in warnings.filters),
+        "digits": decimal.getcontext().prec,
+        "join": xr.get_options()["arithmetic_join"],
+        "printed": np.get_printoptions()["precision"],
+        "path": len(sys.path),
+        "depth": sys.getrecursionlimit(),
+        "place": locale.setlocale(locale.LC_ALL),
+    }
+    os.chdir("/")
+    os.environ["LEFT"] = str(case.number)
+    np.seterr(divide="raise")
+    warnings.filterwarnings("error", message=str(case.number))
+    decimal.getcontext().prec = 5 + case.number
+    xr.set_options(arithmetic_join="outer")
+    np.set_printoptions(precision=case.number + 1)
+    np.random.seed(case.number)  # noqa: NPY002
+    random.seed(case.number)
+    sys.path.append(str(case.number))
+    sys.setrecursionlimit(2000 + case.number)
+    locale.setlocale(locale.LC_ALL, "C")
+    return seen
+
+
+def study(numbers: list[int]) -> Study:
+    def scene_at(point: Point) -> Leaky:
+        return Leaky(int(point["number"]))
+
+    return Study(
+        "leaky", "Leaks", (Axis("number", tuple(numbers), "n"),), scene_at, measures, "none"
+    )
+
+
+@pytest.mark.parametrize("workers", [0, 1])
+def test_the_answer_of_a_case_does_not_depend_on_the_cases_before_it(
+    workers: int, tmp_path: Path
+) -> None:
+    orders = [[0, 1, 2, 3, 4, 5], [5, 3, 1, 0, 4, 2], [3]]
+    answers = [
+        run(study(numbers), tmp_path / str(place), options=RunOptions(workers=workers), log=quiet)
+        for place, numbers in enumerate(orders)
+    ]
+    first = answers[0]
+    assert len(set(first["of_numpy"].values.tolist())) == 6
+    for other in answers[1:]:
+        same = first.sel(number=other["number"])
+        for name in ("of_numpy", "of_random", "folder", "variable", "divide", "filters", "digits",
+                     "join", "printed", "path", "depth", "place"):  # fmt: skip
+            assert (same[name] == other[name]).all(), name
+
+
+def test_the_caller_s_own_state_is_as_it_was_after_a_block() -> None:
+    np.random.seed(7)  # noqa: NPY002
+    before = Surroundings.now()
+    expected = np.random.RandomState(7).random()
+    with kept_surroundings() as surroundings:
+        surroundings.restore("one")
+        measures(Leaky(1), 1)
+    assert repr(Surroundings.now()) == repr(before)
+    assert np.random.random() == expected  # noqa: NPY002

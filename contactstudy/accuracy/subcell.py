@@ -148,13 +148,14 @@ def _off_lines(problem: Problem, confidence: float) -> tuple[Array, Array, Array
     if heights(grid).shape[1] == 1:  # one profile, which lines across have shown
         return missed, missed, np.ones(grid.cells), missed
     wraps = [padding.wraps for padding in problem.paddings]
+    beside = _extended(centres, wraps=wraps[0])
     count = ceil(log(1 - confidence) / log(1 - FEATURE))
     for number in range(count):
         across, along = ((0.5 + number * step) % 1 - 0.5 for step in STEPS)
         points = np.broadcast_to(
             heights(_Beside(grid.cells, grid.extent, (across, along))), grid.cells
         )
-        smooth = _cubic(_cubic(centres, across, wraps=wraps[0]).T, along, wraps=wraps[1]).T
+        smooth = _cubic(_extended(_cubic(beside, across).T, wraps=wraps[1]), along).T
         np.maximum(missed, np.abs(points - smooth), out=missed)
         squares += (points - smooth) ** 2
         np.minimum(lowest, points, out=lowest)
@@ -170,14 +171,17 @@ def _off_lines(problem: Problem, confidence: float) -> tuple[Array, Array, Array
     return missed, stands, np.sqrt(2 * share / pi), np.maximum(missed - SHOWN * shown, 0)
 
 
-def _cubic(centres: Array, place: float, *, wraps: bool) -> Array:
-    """Return the cubics through four neighbouring ``centres`` (n, ...), at a ``place`` in cells beside each."""
-    padded = _extended(centres, wraps=wraps)
+def _cubic(extended: Array, place: float) -> Array:
+    """Return the cubics through four neighbouring centres, at a ``place`` in cells beside each of the inner ones.
+
+    ``extended`` (n + 4, ...) are the centres with two more at either end.
+    """
+    count = len(extended) - 4
     nodes = range(-1, 3) if place > 0 else range(-2, 2)
-    total = np.zeros(centres.shape)
+    total = np.zeros((count, *extended.shape[1:]))
     for node in nodes:
         weight = prod((place - other) / (node - other) for other in nodes if other != node)
-        total += weight * padded[2 + node : 2 + node + len(centres)]
+        total += weight * extended[2 + node : 2 + node + count]
     return total
 
 
@@ -188,7 +192,8 @@ def _extended(centres: Array, *, wraps: bool) -> Array:
     if not wraps:
         for ghost in (1, 0):
             for side in (padded, padded[::-1]):
-                side[ghost] = np.tensordot([4, -6, 4, -1], side[ghost + 1 : ghost + 5], 1)
+                first, second, third, fourth = side[ghost + 1 : ghost + 5]
+                side[ghost] = 4 * first - 6 * second + 4 * third - fourth
     return padded
 
 
@@ -243,7 +248,7 @@ def _along(
     stands = np.maximum(highest - heights.min(axis=1), 0)
     for point in range(points):
         place = (point + 0.5) / points - 0.5
-        cubic = _cubic(centres, place, wraps=wraps)
+        cubic = _cubic(padded, place)
         np.maximum(missed, np.abs(heights[:, point] - cubic), out=missed)
     beyond = ((1, 1), (0, 0))
     slopes = np.diff(np.pad(inside, beyond, mode=mode), axis=0) * (points / step)  # type: ignore[call-overload]

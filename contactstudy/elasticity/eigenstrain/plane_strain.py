@@ -24,10 +24,11 @@ ORDERS = tuple((m, n) for m in range(3) for n in range(3))
 
 
 def influence(count: int, edges: Array, layer: int) -> Mapping[tuple[int, int], Array]:
-    """Means of ``d_z^m d_z'^n d_x^(4-m-n) G`` over a cell of ``layer``, by sources in all layers, for each (m, n).
+    """Return means of derivatives of G over a cell of one `layer`, by sources in all layers, for each pair of `ORDERS`.
 
-    Arrays (layers, x) for ``count`` offsets 0, 1, 2 ... in cells; ``edges`` of the layers in cells too. Errors from
-    cancellation grow like the offset squared, to 1e-9 of the largest at 1000 cells.
+    For (m, n) it is ``d_z^m d_z'^n d_x^(4-m-n) G``. The arrays (layers, x) are at `count` offsets 0, 1, 2 ... across;
+    offsets and the `edges` of the layers are in cells. Errors from cancellation grow like the offset squared, to 1e-9 of
+    the largest mean at 1000 cells.
     """
     x = np.arange(-1.0, count + 1)
     below, above = (_integrals(x, edges[layer + side], edges) for side in (1, 0))
@@ -40,19 +41,25 @@ def influence(count: int, edges: Array, layer: int) -> Mapping[tuple[int, int], 
 
 
 def _integrals(x: Array, z: float, source: Array) -> dict[tuple[int, int], Array]:
-    """``d_z^(m-1) d_z'^(n-1) d_x^(2-m-n) G`` at x, z by each depth of ``source``, (source, x), for each (m, n)."""
+    """Return ``d_z^(m-1) d_z'^(n-1) d_x^(2-m-n) G`` (source, x) for each (m, n), at offsets `x` and depth `z`.
+
+    `source` are the depths of the sources; what the differences over cells remove is left out.
+    """
     z_source = source[:, None]
     direct = _powers(x, z - z_source)
     image = _powers(x, z + z_source)
-    rest = _products(x, z, z_source)
+    products = _products(x, z, z_source)
     return {
-        (m, n): (-((-1) ** n) * direct[m + n] - image[m + n] + 4 * rest[m, n]) / (8 * np.pi)
+        (m, n): (-((-1) ** n) * direct[m + n] - image[m + n] + 4 * products[m, n]) / (8 * np.pi)
         for m, n in ORDERS
     }
 
 
 def _powers(x: Array, z: Array) -> tuple[Array, ...]:
-    """``d_z^(k-2) d_x^(2-k) (r^2 ln r)`` for k = 0 ... 4, but for what differences remove."""
+    """Return ``d_z^(k-2) d_x^(2-k) (r^2 ln r)`` for k = 0 ... 4, with r the distance from the origin to (x, z).
+
+    Polynomials that the differences over cells remove are left out.
+    """
     squared = x * x + z * z
     log = np.log(np.where(squared > 0, squared, 1.0)) / 2
     by_z = np.sign(z) * np.arctan2(x, np.abs(z))
@@ -67,25 +74,28 @@ def _powers(x: Array, z: Array) -> tuple[Array, ...]:
 
 
 def _products(x: Array, z: float, source: Array) -> dict[tuple[int, int], Array]:
-    """``d_z^(m-1) d_z'^(n-1) d_x^(2-m-n) (z z' ln R)``, but for what differences remove."""
+    """Return ``d_z^(m-1) d_z'^(n-1) d_x^(2-m-n) (z z' ln R)`` for each (m, n), with z' the depths of the `source`.
+
+    R is the distance from the source's image. Polynomials that the differences over cells remove are left out.
+    """
     w = (z + source) + 1j * x
     log = np.log(np.where(w == 0, 1.0, w))
-    # integrals of ln w, none to two times
-    of_log = log, w * (log - 1), w * w / 2 * (log - 1.5)
-    found = {}
+    # ln w, integrated zero, one and two times
+    log_integrals = log, w * (log - 1), w * w / 2 * (log - 1.5)
+    derivatives = {}
     for m, n in ORDERS:
         s, t = m - 1, n - 1
-        turn = 1j ** ((2 - m - n) % 4)
-        zero, one, two = ((turn * term).real for term in of_log)
-        found[m, n] = z * source * zero + (s * source + t * z) * one + s * t * two
-    return found
+        rotation = 1j ** ((2 - m - n) % 4)
+        plain, once, twice = ((rotation * term).real for term in log_integrals)
+        derivatives[m, n] = z * source * plain + (s * source + t * z) * once + s * t * twice
+    return derivatives
 
 
 def pressed(offsets: Array, edges: Array) -> tuple[Array, Array, Array]:
-    """Means of the stresses xx, zz and xz over cells under a cell of unit pressure, each (layers, x).
+    """Return means of the stresses xx, zz and xz over cells under one cell of unit pressure, each (layers, x).
 
-    ``offsets`` of the stress from the pressure and ``edges`` of the layers in cells. Source: the integrals of
-    Johnson (1985), eqs. 2.23, over the cells.
+    `offsets` of the stress from the pressure and `edges` of the layers are in cells. Source: the integrals of Johnson
+    (1985), eqs. 2.23, over the cells.
     """
     x = offsets + np.array([-1.0, 0.0, 1.0])[:, None]
     x, z = x[:, None, :], edges[:, None]
@@ -98,23 +108,24 @@ def pressed(offsets: Array, edges: Array) -> tuple[Array, Array, Array]:
         (squared * angle - x * z) / (2 * np.pi),
     )
     thickness = np.diff(edges)[:, None]
-    found = []
-    for one in integrals:
-        change = np.diff(one, axis=1)
-        found.append((change[2] - 2 * change[1] + change[0]) / thickness)
-    xx, zz, xz = found
+    means = []
+    for integral in integrals:
+        change = np.diff(integral, axis=1)
+        means.append((change[2] - 2 * change[1] + change[0]) / thickness)
+    xx, zz, xz = means
     return xx, zz, xz
 
 
 def padded_cells(across: int) -> int:
-    """How many cells the transforms of so many have."""
+    """Return the length of the transforms for a field of `across` cells: at least twice as long, and fast."""
     return int(fft.next_fast_len(2 * across, real=True))
 
 
 def real_spectrum(means: Array, *, is_odd: tuple[bool, bool]) -> Array:
-    """The factors (..., waves) of a component by another, from ``means`` (..., x) at offsets 0, 1, 2 ... in cells.
+    """Return the real factors (..., waves) that convolve one component with another.
 
-    ``is_odd`` says which of the two, that of the result and that of the source, is the odd one.
+    `means` (..., x) are the coefficients at offsets 0, 1, 2 ... in cells. `is_odd` says of the result and of the source
+    whether it is the component that is odd in x.
     """
     across = means.shape[-1]
     around = np.zeros((*means.shape[:-1], padded_cells(across)))
@@ -129,14 +140,17 @@ def real_spectrum(means: Array, *, is_odd: tuple[bool, bool]) -> Array:
 
 
 def convolved(matrices: Array, fields: Array, odd: int) -> Array:
-    """``fields`` (components, layers, x) by ``matrices`` (waves, components layers, components layers)."""
+    """Return `fields` (components, layers, x) convolved across, wave by wave.
+
+    `matrices` are (waves, components layers, components layers); `odd` is the number of the component odd in x.
+    """
     components, layers, across = fields.shape
     padded = padded_cells(across)
     waves = fft.rfft(fields, padded, axis=-1)
     waves[odd] *= -1j
     columns = np.ascontiguousarray(np.moveaxis(waves, -1, 0)).reshape(-1, components * layers, 1)
-    found = np.matmul(matrices, columns.view(np.float64))
-    result = np.moveaxis(found.view(np.complex128).reshape(-1, components, layers), 0, -1)
+    products = np.matmul(matrices, columns.view(np.float64))
+    result = np.moveaxis(products.view(np.complex128).reshape(-1, components, layers), 0, -1)
     result[odd] *= 1j
     return np.asarray(fft.irfft(result, padded, axis=-1)[..., :across])
 
@@ -162,10 +176,11 @@ ODD = 2
 
 @dataclass(frozen=True, eq=False)
 class PlaneStrainOperator:
-    """An :class:`~contactstudy.elasticity.eigenstrain.volume.EigenstrainOperator` for one cell along the length.
+    """Plastic strain in plane strain, for one cell along the length.
 
-    Strain and stress are means over cells, so that B is the elastic energy of piecewise constant strain: symmetric in
-    the inner product of cell volumes. Transforms across are padded to twice the cells, without error.
+    An :class:`~contactstudy.elasticity.eigenstrain.volume.EigenstrainOperator`. Strain and stress are means over cells,
+    so that B is the elastic energy of piecewise constant strain: symmetric in the inner product of cell volumes.
+    Transforms across are padded to twice the cells, without error.
     """
 
     volume: Volume
@@ -173,78 +188,84 @@ class PlaneStrainOperator:
 
     @property
     def basis(self) -> Array:
-        """(3, 6)."""
+        """Basis of the three components (3, 6): xx, yy, zz, yz, xz, xy of each tensor."""
         return BASIS
 
     def stress_of_pressure(self, pressure: Array) -> Array:
-        """S p."""
+        """Return the deviatoric stress (3, layers, x, 1) [Pa] under `pressure` (x, 1) [Pa]."""
         return self.deviator(self._pressed(pressure))
 
     def stress_of_strain(self, strain: Array) -> Array:
-        """B e."""
-        stress = self.deviator(self._taken(strain))
+        """Return the deviatoric stress (3, layers, x, 1) [Pa] that plastic `strain` relaxes."""
+        stress = self.deviator(self._relaxed(strain))
         stress[1] += self.moduli.youngs_modulus * BASIS[1, 1] ** 2 * strain[1]
         return stress
 
     def lift(self, strain: Array) -> Array:
-        """``S^T e`` (x, 1) [m]."""
+        """Return how far plastic `strain` moves the unloaded surface into the body, (x, 1) [m]."""
         volume, spectrum = self.volume, self._pressure_spectrum
         first, last = volume.first, volume.last
         padded = self._padded_grid
-        whole = np.zeros((3, volume.shape[0], last))
-        whole[..., first:] = self.in_plane(strain)[..., 0] * volume.thicknesses[:, None]
-        waves = np.einsum("clk,clk->k", spectrum.conj(), fft.rfft(whole, padded, axis=-1))
+        moments = np.zeros((3, volume.shape[0], last))
+        moments[..., first:] = self.in_plane(strain)[..., 0] * volume.thicknesses[:, None]
+        waves = np.einsum("clk,clk->k", spectrum.conj(), fft.rfft(moments, padded, axis=-1))
         return np.asarray(fft.irfft(waves, padded)[: volume.grid.cells[0], None])
 
     def tensor_of_pressure(self, pressure: Array) -> Array:
-        """(6, layers, x, 1) [Pa]."""
+        """Return the stress (6, layers, x, 1) [Pa] under `pressure` (x, 1) [Pa]."""
         return self.tensor(self._pressed(pressure), None)
 
     def tensor_of_strain(self, strain: Array) -> Array:
-        """(6, layers, x, 1) [Pa]."""
-        return self.tensor(-self._taken(strain), strain[1])
+        """Return the residual stress (6, layers, x, 1) [Pa] of plastic `strain` without pressure."""
+        return self.tensor(-self._relaxed(strain), strain[1])
 
     @cached_property
     def self_blocks(self) -> Array:
-        """(layers, 3, 3) [Pa]."""
-        mixed = self._mixing
-        own: Array = np.einsum("ai,lab,bj->lij", mixed, self._own, mixed)
-        own[:, 1, 1] += self.moduli.youngs_modulus * BASIS[1, 1] ** 2
-        return own
+        """Stress that strain in a cell takes from that cell itself, by layer (layers, 3, 3) [Pa]."""
+        mixing = self._mixing
+        blocks: Array = np.einsum("ai,lab,bj->lij", mixing, self._in_plane_self_blocks, mixing)
+        blocks[:, 1, 1] += self.moduli.youngs_modulus * BASIS[1, 1] ** 2
+        return blocks
 
     @cached_property
     def _mixing(self) -> Array:
-        """(3, 3): in-plane strains xx + nu yy, zz + nu yy, sqrt(2) xz by components."""
+        """Matrix (3, 3) from components to the in-plane strains xx + nu yy, zz + nu yy, sqrt(2) xz."""
         nu = self.moduli.poisson_ratio
         xx, yy, zz, _, xz, _ = BASIS.T
         return np.array((xx + nu * yy, zz + nu * yy, 2**0.5 * xz))
 
     def in_plane(self, strain: Array) -> Array:
-        """(3, ...): strains xx + nu yy, zz + nu yy, sqrt(2) xz of components (3, ...)."""
+        """Return the strains xx + nu yy, zz + nu yy, sqrt(2) xz (3, ...) of components (3, ...)."""
         return np.asarray(np.einsum("ai,i...->a...", self._mixing, strain))
 
     def deviator(self, stress: Array) -> Array:
-        """Components of what in-plane stress makes, with yy = nu (xx + zz)."""
+        """Return the deviatoric components (3, ...) of an in-plane `stress` xx, zz, sqrt(2) xz (3, ...).
+
+        The stress along the length is yy = nu (xx + zz).
+        """
         return np.asarray(np.einsum("ai,a...->i...", self._mixing, stress))
 
     def tensor(self, stress: Array, out_of_plane: Array | None) -> Array:
-        """(6, ...) [Pa] from stress xx, zz, sqrt(2) xz, with the component of strain out of the plane, if any."""
+        """Return the stress tensor (6, ...) [Pa] of an in-plane `stress` xx, zz, sqrt(2) xz (3, ...) [Pa].
+
+        `out_of_plane` is the component of plastic strain along the length, if there is any.
+        """
         xx, zz, xz = stress
-        whole = np.zeros((6, *xx.shape))
-        whole[0], whole[2], whole[4] = xx, zz, xz / 2**0.5
-        whole[1] = self.moduli.poisson_ratio * (xx + zz)
+        tensor = np.zeros((6, *xx.shape))
+        tensor[0], tensor[2], tensor[4] = xx, zz, xz / 2**0.5
+        tensor[1] = self.moduli.poisson_ratio * (xx + zz)
         if out_of_plane is not None:
-            whole[1] -= self.moduli.youngs_modulus * BASIS[1, 1] * out_of_plane
-        return whole
+            tensor[1] -= self.moduli.youngs_modulus * BASIS[1, 1] * out_of_plane
+        return tensor
 
     def _pressed(self, pressure: Array) -> Array:
-        """In-plane stress (3, layers, x, 1) [Pa]."""
+        """Return the in-plane stress (3, layers, x, 1) [Pa] under `pressure` (x, 1) [Pa]."""
         padded = self._padded_grid
         waves = self._pressure_spectrum * fft.rfft(pressure[:, 0], padded)
         return np.asarray(fft.irfft(waves, padded, axis=-1)[..., self.volume.rows, None])
 
-    def _taken(self, strain: Array) -> Array:
-        """Minus the in-plane stress (3, layers, x, 1) [Pa] by ``strain``."""
+    def _relaxed(self, strain: Array) -> Array:
+        """Return the in-plane stress (3, layers, x, 1) [Pa] that plastic `strain` relaxes: minus its stress."""
         return convolved(self._strain_spectrum, self.in_plane(strain)[..., 0], ODD)[..., None]
 
     @property
@@ -254,12 +275,12 @@ class PlaneStrainOperator:
 
     @property
     def edges_in_cells(self) -> Array:
-        """In cells."""
+        """Depths between layers (layers + 1,), in cells across."""
         return np.array(self.volume.edges) / self.volume.grid.cell[0]
 
     @cached_property
     def _pressure_spectrum(self) -> Array:
-        """(3, layers, waves): in-plane stress by pressure."""
+        """Spectrum (3, layers, waves) from pressure to in-plane stress."""
         volume, padded = self.volume, self._padded_grid
         offsets = np.arange(volume.first - volume.grid.cells[0] + 1, volume.last)
         xx, zz, xz = pressed(offsets.astype(np.float64), self.edges_in_cells)
@@ -269,58 +290,60 @@ class PlaneStrainOperator:
 
     @cached_property
     def _strain_spectrum(self) -> Array:
-        """(waves, 3 layers, 3 layers), real."""
-        return self._spectrum_and_own[0]
+        """Real matrices (waves, 3 layers, 3 layers) from in-plane strain to relaxed stress [Pa]."""
+        return self._spectrum_and_blocks[0]
 
     @property
-    def _own(self) -> Array:
-        """(layers, 3, 3) [Pa]: of a cell on itself."""
-        return self._spectrum_and_own[1]
+    def _in_plane_self_blocks(self) -> Array:
+        """Relaxed in-plane stress of a cell by its own in-plane strain (layers, 3, 3) [Pa]."""
+        return self._spectrum_and_blocks[1]
 
     @cached_property
-    def _spectrum_and_own(self) -> tuple[Array, Array]:
+    def _spectrum_and_blocks(self) -> tuple[Array, Array]:
         layers, across, _ = self.volume.shape
         modulus = self.moduli.plane_strain
         spectrum = np.empty((padded_cells(across) // 2 + 1, 3, layers, 3, layers))
-        own = np.empty((layers, 3, 3))
+        self_blocks = np.empty((layers, 3, 3))
         for layer in range(layers):
             means = influence(across, self.edges_in_cells, layer)
             for i in range(3):
                 for j in range(3):
-                    known = (modulus * FACTORS[i, j]) * means[DERIVATIVES[i][j]]
-                    own[layer, i, j] = known[layer, 0]
-                    spectrum[:, i, layer, j] = real_spectrum(known, is_odd=(i == ODD, j == ODD)).T
-        return spectrum.reshape(-1, 3 * layers, 3 * layers), own
+                    coefficients = (modulus * FACTORS[i, j]) * means[DERIVATIVES[i][j]]
+                    self_blocks[layer, i, j] = coefficients[layer, 0]
+                    spectrum[:, i, layer, j] = real_spectrum(
+                        coefficients, is_odd=(i == ODD, j == ODD)
+                    ).T
+        return spectrum.reshape(-1, 3 * layers, 3 * layers), self_blocks
 
 
-# Sums of what is odd across go on for so many depths of the volume; the rest is found from its asymptote.
+# Odd terms are summed over so many depths of the volume; beyond, by their asymptote.
 DEPTHS = 16
-# Of in-plane components, when x changes its sign.
+# Signs that in-plane components get when x changes its own.
 MIRRORED = np.where(np.arange(len(BASIS)) == ODD, -1.0, 1.0)
-# Powers of the distance with which they fall.
+# Powers of the distance with which odd terms fall.
 POWERS = np.array([3.0, 5.0])
 
 
 @dataclass(frozen=True, eq=False)
 class HalfLines:
-    """The surroundings of ``operator``'s volume: one profile (component, layers) on the left of it, one on the right.
+    """The surroundings of an operator's volume: one strain profile (component, layers) on its left, one on its right.
 
-    Sums of closed forms over all cells of each side: those of what is even across from the sum over both, in
-    closed form; those of what is odd with an asymptote beyond ``DEPTHS``, to 1e-6 of the largest.
+    Closed forms are summed over all cells of either side. Sums of terms even across follow from the sum over both sides,
+    in closed form; sums of odd terms have an asymptote beyond `DEPTHS` depths, to 1e-6 of the largest.
     """
 
     operator: PlaneStrainOperator
 
     def stress(self, left: Array, right: Array) -> Array:
-        """Deviatoric stress (3, layers, x, 1) [Pa] in the volume, without pressure."""
-        return -self.operator.deviator(self._taken(left, right))
+        """Return the deviatoric stress (3, layers, x, 1) [Pa] that the profiles make in the volume, without pressure."""
+        return -self.operator.deviator(self._relaxed(left, right))
 
     def tensor(self, left: Array, right: Array) -> Array:
-        """All stresses (6, layers, x, 1) [Pa] in the volume, without pressure."""
-        return self.operator.tensor(-self._taken(left, right), None)
+        """Return the stress tensor (6, layers, x, 1) [Pa] that the profiles make in the volume, without pressure."""
+        return self.operator.tensor(-self._relaxed(left, right), None)
 
     def lift(self, left: Array, right: Array) -> Array:
-        """Surface displacement (x, 1) [m] into the body, on a grid that the volume covers."""
+        """Return the surface displacement (x, 1) [m] into the body, on a grid that the volume covers."""
         thicknesses, cells = self.operator.volume.thicknesses, self.operator.volume.grid.cells[0]
         sums = self._lifts[..., :cells]
         by_left, by_right = (
@@ -329,8 +352,8 @@ class HalfLines:
         )
         return np.asarray((by_left + by_right[::-1])[:, None])
 
-    def _taken(self, left: Array, right: Array) -> Array:
-        """Minus the in-plane stress (3, layers, x, 1) [Pa]."""
+    def _relaxed(self, left: Array, right: Array) -> Array:
+        """Return the in-plane stress (3, layers, x, 1) [Pa] that the profiles relax: minus their stress."""
         sums = self._stresses
         mirrored = np.multiply.outer(MIRRORED, MIRRORED)[:, None, :, None, None]
         by_left = np.einsum("iljmx,jm->ilx", sums, self.operator.in_plane(left))
@@ -339,29 +362,29 @@ class HalfLines:
 
     @cached_property
     def _stresses(self) -> Array:
-        """(3, layer, 3, layer of strain, x): by all cells that are more than x cells to the left."""
+        """Relaxed in-plane stress (3, layer, 3, layer of strain, x) by all cells more than x cells to the left."""
         operator = self.operator
         layers, across, _ = operator.volume.shape
-        found = np.empty((3, layers, 3, layers, across))
+        stresses = np.empty((3, layers, 3, layers, across))
         modulus = operator.moduli.plane_strain
         for layer in range(layers):
             means = influence(self._count, operator.edges_in_cells, layer)
             for i in range(3):
                 for j in range(3):
-                    known = modulus * FACTORS[i, j] * means[DERIVATIVES[i][j]]
+                    coefficients = modulus * FACTORS[i, j] * means[DERIVATIVES[i][j]]
                     if (i == ODD) != (j == ODD):
-                        sums = _odd_sums(known)
+                        sums = _odd_sums(coefficients)
                     else:
                         # strain that is the same everywhere leaves the stress xx of its own layer
                         uniform = np.zeros((layers, 1))
                         uniform[layer] = modulus if i == j == 0 else 0.0
-                        sums = _even_sums(known, uniform)
-                    found[i, layer, j] = sums[:, :across]
-        return found
+                        sums = _even_sums(coefficients, uniform)
+                    stresses[i, layer, j] = sums[:, :across]
+        return stresses
 
     @cached_property
     def _lifts(self) -> Array:
-        """(3, layers, x): in-plane stress by pressure in a cell, over all cells more than x to its right."""
+        """Sums of in-plane stress (3, layers, x) by pressure in a cell, over all cells more than x to its right."""
         xx, zz, xz = pressed(np.arange(float(self._count)), self.operator.edges_in_cells)
         # under pressure that is the same everywhere, xx = zz = -1
         uniform = -np.ones((len(xx), 1))
@@ -375,15 +398,21 @@ class HalfLines:
 
 
 def _even_sums(values: Array, total: Array) -> Array:
-    """Sums of even ``values`` (..., distance) over all distances above 0, above 1 ..., ``total`` over both sides."""
+    """Return sums of even `values` (..., distance) over all distances above 0, above 1 ... on one side.
+
+    `total` is the sum over both sides and the middle.
+    """
     before = np.cumsum(values[..., 1:], axis=-1) - values[..., 1:]
     return np.asarray((total - values[..., :1]) / 2 - before)
 
 
 def _odd_sums(values: Array) -> Array:
-    """The same of odd ``values``."""
+    """Return sums of odd `values` (..., distance) over all distances above 0, above 1 ... on one side.
+
+    Beyond the last distance they are extrapolated by the powers of the distance with which they fall.
+    """
     last = values.shape[-1] - 1
-    known = np.array([last, last // 2])
-    factors = np.linalg.solve((known[:, None] / last) ** -POWERS, values[..., known].T)
-    rest = (zeta(POWERS, last + 1.0) * float(last) ** POWERS) @ factors
-    return np.asarray(np.cumsum(values[..., :0:-1], axis=-1)[..., ::-1] + rest[:, None])
+    fitted = np.array([last, last // 2])
+    factors = np.linalg.solve((fitted[:, None] / last) ** -POWERS, values[..., fitted].T)
+    remainder = (zeta(POWERS, last + 1.0) * float(last) ** POWERS) @ factors
+    return np.asarray(np.cumsum(values[..., :0:-1], axis=-1)[..., ::-1] + remainder[:, None])

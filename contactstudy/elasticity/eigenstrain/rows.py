@@ -32,23 +32,23 @@ ODD = 1
 
 @dataclass(frozen=True, eq=False)
 class AntiplaneOperator:
-    """The part of B between shear strains ``sqrt(2) xy`` and ``sqrt(2) yz``, (2, layers, x)."""
+    """Antiplane part of B: between shear strains ``sqrt(2) xy`` and ``sqrt(2) yz``, (2, layers, x)."""
 
     volume: Volume
     moduli: Moduli
 
     def __call__(self, strain: Array) -> Array:
-        """What ``strain`` takes from the stress (2, layers, x) [Pa]."""
-        return convolved(self._spectrum_and_own[0], strain, ODD)
+        """Return the stress (2, layers, x) [Pa] that plastic `strain` (2, layers, x) relaxes."""
+        return convolved(self._spectrum_and_blocks[0], strain, ODD)
 
     @property
     def self_blocks(self) -> Array:
-        """(layers, 2, 2) [Pa]."""
-        return self._spectrum_and_own[1]
+        """Stress that strain in a cell takes from that cell itself, by layer (layers, 2, 2) [Pa]."""
+        return self._spectrum_and_blocks[1]
 
     @cached_property
-    def _spectrum_and_own(self) -> tuple[Array, Array]:
-        """(waves, 2 layers, 2 layers), real, and the blocks of each layer's cells on themselves."""
+    def _spectrum_and_blocks(self) -> tuple[Array, Array]:
+        """Real matrices (waves, 2 layers, 2 layers), and the blocks of each layer's cells on themselves."""
         layers, across, _ = self.volume.shape
         edges = np.array(self.volume.edges) / self.volume.grid.cell[0]
         blocks = 2 * self.moduli.shear * influence(across, edges)
@@ -59,14 +59,15 @@ class AntiplaneOperator:
             ]
         )
         spectrum = spectrum.transpose(4, 0, 2, 1, 3).reshape(-1, 2 * layers, 2 * layers)
-        every = np.arange(layers)
-        return spectrum, np.moveaxis(blocks[:, :, every, every, 0], -1, 0)
+        layer_numbers = np.arange(layers)
+        return spectrum, np.moveaxis(blocks[:, :, layer_numbers, layer_numbers, 0], -1, 0)
 
 
 def influence(count: int, edges: Array) -> Array:
-    """What unit shear takes from the stress, over 2G, (2, 2, layers, layers, x): stress xy or yz by strain xy or yz.
+    """Return the stress xy or yz over 2G that unit plastic strain xy or yz relaxes, (2, 2, layers, layers, x).
 
-    Of each layer by each layer, at ``count`` offsets 0, 1, 2 ... in cells; ``edges`` of the layers in cells too.
+    It is the mean over cells of each layer by strain in each layer, at `count` offsets 0, 1, 2 ... across; offsets and
+    the `edges` of the layers are in cells.
     """
     x = np.arange(-1.0, count + 1)
     direct = _integrals(x, edges[:, None, None] - edges[:, None])
@@ -80,17 +81,20 @@ def influence(count: int, edges: Array) -> Array:
     (near_xx, near_xz, near_zz), (far_xx, far_xz, far_zz) = (
         [mean(field) / (2 * np.pi) for field in fields] for fields in (direct, image)
     )
-    own = (np.eye(len(edges) - 1)[..., None]) * (x[1:-1] == 0)
+    identity = (np.eye(len(edges) - 1)[..., None]) * (x[1:-1] == 0)
     return np.array(
         (
-            (own + near_xx - far_xx, near_xz + far_xz),
-            (near_xz - far_xz, own + near_zz + far_zz),
+            (identity + near_xx - far_xx, near_xz + far_xz),
+            (near_xz - far_xz, identity + near_zz + far_zz),
         )
     )
 
 
 def _integrals(x: Array, z: Array) -> tuple[Array, Array, Array]:
-    """Second derivatives xx, xz, zz of ``ln r``, integrated twice over x and z but for what differences remove."""
+    """Return the derivatives xx, xz, zz of ``ln r``, each integrated twice over x and twice over z.
+
+    Polynomials that the differences over cells remove are left out.
+    """
     squared = x * x + z * z
     log = np.log(np.where(squared > 0, squared, 1.0)) / 2
     by_x = np.sign(x) * np.arctan2(z, np.abs(x))
@@ -102,9 +106,9 @@ def _integrals(x: Array, z: Array) -> tuple[Array, Array, Array]:
     )
 
 
-# Those of plane strain, then sqrt(2) xy and sqrt(2) yz, in terms of xx, yy, zz, yz, xz, xy.
+# The tensors of plane strain, then sqrt(2) xy and sqrt(2) yz, in terms of xx, yy, zz, yz, xz, xy.
 BASIS = np.vstack((PLANE, np.eye(6)[[5, 3]] / 2**0.5))
-# What varies along the length with the wave number k dies out across like exp(-k |x|): it is cut off at this.
+# Waves along the length with wave number k die out across like exp(-k |x|): they are cut off at this share.
 WRAP = 1e-8
 # Complex numbers of a field that are worked through together.
 TOGETHER = 2**15
@@ -112,12 +116,12 @@ TOGETHER = 2**15
 
 @dataclass(frozen=True, eq=False)
 class RowOperator:
-    """An :class:`~contactstudy.elasticity.eigenstrain.volume.EigenstrainOperator` for more than one cell along.
+    """Plastic strain that varies along a period, for more than one cell along.
 
-    The mean along the length is in plane strain and antiplane shear, in closed form on an infinite axis. What varies
-    along it is summed over waves that repeat across, in periods so long that a neighbour is felt by no more than
-    ``WRAP``. Waves longer than two cells act on all layers, shorter ones, which make the edges of cells, on their own
-    layer and on those next to it.
+    An :class:`~contactstudy.elasticity.eigenstrain.volume.EigenstrainOperator`. The mean along the length is plane
+    strain and antiplane shear, in closed form on an infinite axis. What varies along the length is summed over waves
+    that repeat across, in periods so long that a neighbour is felt by no more than `WRAP`. Waves longer than two cells
+    act on all layers, shorter ones, which make the edges of cells, on their own layer and on those next to it.
     """
 
     volume: Volume
@@ -125,39 +129,39 @@ class RowOperator:
 
     @property
     def basis(self) -> Array:
-        """(5, 6)."""
+        """Basis of the five components (5, 6): xx, yy, zz, yz, xz, xy of each tensor."""
         return BASIS
 
     def stress_of_strain(self, strain: Array) -> Array:
-        """B e."""
+        """Return the deviatoric stress (5, layers, x, y) [Pa] that plastic `strain` relaxes."""
         return self._from_strain(strain, Components.DEVIATOR, -1.0)
 
     def tensor_of_strain(self, strain: Array) -> Array:
-        """(6, layers, x, y) [Pa]."""
+        """Return the residual stress (6, layers, x, y) [Pa] of plastic `strain` without pressure."""
         return self._from_strain(strain, Components.TENSOR, 1.0)
 
     def stress_of_pressure(self, pressure: Array) -> Array:
-        """S p."""
+        """Return the deviatoric stress (5, layers, x, y) [Pa] under `pressure` (x, y) [Pa]."""
         return self._from_pressure(pressure, Components.DEVIATOR)
 
     def tensor_of_pressure(self, pressure: Array) -> Array:
-        """(6, layers, x, y) [Pa]."""
+        """Return the stress (6, layers, x, y) [Pa] under `pressure` (x, y) [Pa]."""
         return self._from_pressure(pressure, Components.TENSOR)
 
     def lift(self, strain: Array) -> Array:
-        """``S^T e`` (x, y) [m] on the whole grid."""
+        """Return how far plastic `strain` moves the unloaded surface into the body, (x, y) [m]."""
         nx, ny = self.volume.grid.cells
         mean = self._plane.lift(strain[:3].mean(axis=-1, keepdims=True))
         along = np.zeros((nx, ny // 2 + 1), dtype=np.complex128)
         along[:, 0] = ny * mean[:, 0]
         for group, waves in self._grouped(strain):
-            found = fft.ifft(group.waves.lift(waves), axis=0, workers=threads())
-            along[group.window, group.orders] = found[group.around_window]
+            displacement = fft.ifft(group.waves.lift(waves), axis=0, workers=threads())
+            along[group.window, group.orders] = displacement[group.around_window]
         return np.asarray(fft.irfft(along, ny, axis=-1))
 
     @cached_property
     def self_blocks(self) -> Array:
-        """(layers, 5, 5) [Pa]."""
+        """Stress that strain in a cell takes from that cell itself, by layer (layers, 5, 5) [Pa]."""
         layers, _, ny = self.volume.shape
         blocks = np.zeros((layers, 5, 5))
         blocks[:, :3, :3] = self._plane.self_blocks / ny
@@ -168,11 +172,11 @@ class RowOperator:
 
     @property
     def bytes(self) -> int:
-        """What it holds."""
+        """Memory held by the operator [bytes]."""
         return sum(group.waves.bytes for group in self._groups)
 
     def _from_strain(self, strain: Array, components: Components, sign: float) -> Array:
-        """Stress by ``strain`` times ``sign``: the ``components`` asked for."""
+        """Return the `components` of the stress that `strain` relaxes, times -`sign`."""
         layers, across, ny = self.volume.shape
         plane = strain[:3].mean(axis=-1, keepdims=True)
         along = np.zeros((len(components.value), layers, across, ny // 2 + 1), dtype=np.complex128)
@@ -184,12 +188,13 @@ class RowOperator:
             along[:3, ..., :1] = (-sign * ny) * self._plane.stress_of_strain(plane)
             along[3:, ..., 0] = shear
         for group, waves in self._grouped(strain):
-            found = group.waves.stress(waves, components)
-            found *= sign
-            self._put(found, group, along)
-        return self._back(along)
+            stress = group.waves.stress(waves, components)
+            stress *= sign
+            self._write(stress, group, along)
+        return self._transformed_back(along)
 
     def _from_pressure(self, pressure: Array, components: Components) -> Array:
+        """Return the `components` of the stress under `pressure` (x, y) [Pa]."""
         layers, across, ny = self.volume.shape
         waves = fft.rfft(pressure, axis=-1)
         along = np.zeros((len(components.value), layers, across, ny // 2 + 1), dtype=np.complex128)
@@ -202,21 +207,22 @@ class RowOperator:
             around = np.zeros((group.period, waves[:, group.orders].shape[1]), dtype=np.complex128)
             around[group.around_window] = waves[group.window, group.orders]
             around = fft.fft(around, axis=0, overwrite_x=True, workers=threads())
-            self._put(group.waves.stress_of_pressure(around, components), group, along)
-        return self._back(along)
+            self._write(group.waves.stress_of_pressure(around, components), group, along)
+        return self._transformed_back(along)
 
-    def _put(self, waves: Complex, group: "_Group", along: Complex) -> None:
-        """Waves (components, layers, period, orders) across, on the cells of the volume."""
+    def _write(self, waves: Complex, group: "_Group", along: Complex) -> None:
+        """Write waves (components, layers, period, orders) across, transformed back, to the cells of the volume."""
         across = along.shape[2]
         field = fft.ifft(waves, axis=2, overwrite_x=True, workers=threads())
         along[..., group.orders] = field[:, :, :across]
 
-    def _back(self, along: Complex) -> Array:
+    def _transformed_back(self, along: Complex) -> Array:
+        """Return the field (components, layers, x, y) with these waves `along`."""
         ny = self.volume.grid.cells[1]
         return np.asarray(fft.irfft(along, ny, axis=-1, workers=threads()))
 
     def _grouped(self, strain: Array) -> Iterator[tuple["_Group", Complex]]:
-        """Waves (5, layers, period, orders) of ``strain``, group by group."""
+        """Yield each group with the waves (5, layers, period, orders) of `strain` that belong to it."""
         along = fft.rfft(strain, axis=-1, workers=threads())
         for group in self._groups:
             orders = along[..., group.orders]
@@ -239,10 +245,10 @@ class RowOperator:
 
 @dataclass(frozen=True, eq=False)
 class _Group:
-    """Waves along of the given ``orders``, and those across with a ``period`` in cells.
+    """Waves of some `orders` along the length, with those across that repeat after a `period` in cells.
 
-    Pressure and displacement matter in a ``window`` of the grid, which lies in the period at ``around_window``, counted
-    from the first cell of the volume. ``shares`` (orders,) is 2 / period for waves that stand for their conjugates too.
+    Pressure and displacement matter in a `window` of the grid, which lies in the period at `around_window`, counted from
+    the first cell of the volume. `shares` (orders,) is 2 / period for waves that stand for their conjugates too.
     """
 
     orders: slice
@@ -254,7 +260,7 @@ class _Group:
 
 
 def _groups(volume: Volume, moduli: Moduli) -> Iterator[_Group]:
-    """All waves along but their mean, in groups that are worked through together."""
+    """Yield all waves along the length except their mean, in groups that are worked through together."""
     layers, _, ny = volume.shape
     (nx, _), (dx, _) = volume.grid.cells, volume.grid.cell
     last = ny // 2
@@ -264,7 +270,7 @@ def _groups(volume: Volume, moduli: Moduli) -> Iterator[_Group]:
         window = slice(max(volume.first - fading, 0), min(volume.last + fading, nx))
         reach = max(volume.last - window.start, window.stop - volume.first)
         period = _odd(max(reach + fading, window.stop - window.start))
-        # those that fade a little sooner may share the period
+        # waves that fade a little sooner may share the period
         count = max(1, min(TOGETHER // (layers * period), order if order < 8 else ny))
         orders = slice(order, min(order + count, last + 1))
         order = orders.stop
@@ -275,12 +281,15 @@ def _groups(volume: Volume, moduli: Moduli) -> Iterator[_Group]:
             window,
             (np.arange(window.start, window.stop) - volume.first) % period,
             np.where(2 * numbers == ny, 1, 2) / period,
-            Waves.of(volume, moduli, numbers, period),
+            Waves.from_orders(volume, moduli, numbers, period),
         )
 
 
 def _odd(count: int) -> int:
-    """An odd length of fast transforms: an even one has a wave whose direction is not known."""
+    """Return the next odd length of fast transforms from `count` on.
+
+    An even length has a wave whose direction is not known.
+    """
     count += 1 - count % 2
     while fft.next_fast_len(count) != count:
         count += 2

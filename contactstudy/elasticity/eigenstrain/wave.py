@@ -15,26 +15,26 @@ from scipy.special import gammainc
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.eigenstrain.volume import Moduli
 
-# q times a depth at which nothing is left, but that does not underflow.
+# q times a depth at which a wave has died out, but does not underflow.
 DEEPEST = 700.0
 # nn, tt, zz, nz / i, nt, tz / i
 Tensor = tuple[Array, Array, Array, Array, Array, Array]
 
 
 def means(ratio: Array) -> tuple[Array, Array]:
-    """Means of ``exp(-s)`` and ``s exp(-s)`` for s from 0 to ``ratio``, without cancellation."""
+    """Return the means of ``exp(-s)`` and ``s exp(-s)`` for s from 0 to `ratio`, without cancellation."""
     small = np.maximum(ratio, 1e-300)
     return -np.expm1(-small) / small, gammainc(2.0, small) / small
 
 
 @dataclass(frozen=True, eq=False)
 class Sources:
-    """What plastic strain in a layer sends into the body, each field (layers, ..., waves).
+    """Amplitudes of the waves that plastic strain in layers sends into the body, each field (layers, ..., waves).
 
-    Where strain jumps from a layer to the one below, waves ``(a + b q z) exp(-q z)`` of Airy's stress function and
-    ``c exp(-q z)`` of antiplane stress go down, and others up: these are linear in the jump. ``down`` and ``up``
-    are their amplitudes (a, b, c) for each layer's own strain. ``zz``, ``tt`` and ``tz`` are the stress
-    of a layer whose displacement does not change with depth; its other components are zero.
+    Where strain jumps from a layer to the one below, waves ``(a + b q z) exp(-q z)`` of Airy's stress function and ``c
+    exp(-q z)`` of antiplane stress go down, and others up: these are linear in the jump. `down` and `up` are their
+    amplitudes (a, b, c) for each layer's own strain. `zz`, `tt` and `tz` are the stress of a layer whose displacement
+    does not change with depth; its other components are zero.
     """
 
     down: Array
@@ -44,17 +44,17 @@ class Sources:
     tz: Array
 
     @classmethod
-    def of(cls, strain: Tensor, moduli: Moduli) -> "Sources":
-        """Those of ``strain``."""
+    def from_strain(cls, strain: Tensor, moduli: Moduli) -> "Sources":
+        """Return the sources of a plastic `strain`."""
         nn, tt, zz, nz, nt, tz = strain
         nu, shear, half = moduli.poisson_ratio, moduli.shear, moduli.plane_strain / 2
         f = -half * (zz + nu * tt)
         g = (half / 2) * (nn - zz)
         h = -half * nz
         down, up = np.empty((3, *nn.shape)), np.empty((3, *nn.shape))
-        for number, one in enumerate((f, g)):
-            np.add(h, one, out=down[number])
-            np.subtract(h, one, out=up[number])
+        for number, coefficient in enumerate((f, g)):
+            np.add(h, coefficient, out=down[number])
+            np.subtract(h, coefficient, out=up[number])
         np.subtract(nt, tz, out=down[2])
         down[2] *= shear
         np.add(nt, tz, out=up[2])
@@ -64,33 +64,38 @@ class Sources:
 
 @dataclass(frozen=True, eq=False)
 class Layer:
-    """How waves of the numbers q pass a layer: q times its thickness, their decay in it, their :func:`means`."""
+    """Propagation of waves through a layer.
+
+    `ratio` (waves,) is the wave number q times the thickness; `decay` and `means` are ``exp(-ratio)`` and the
+    :func:`means` over the layer.
+    """
 
     ratio: Array
     decay: Array
     means: tuple[Array, Array]
 
     @classmethod
-    def of(cls, ratio: Array) -> "Layer":
-        """With q times its thickness, (waves,)."""
+    def from_ratio(cls, ratio: Array) -> "Layer":
+        """Return the layer with this `ratio` of its thickness to 1 / q, (waves,)."""
         return cls(ratio, np.exp(-ratio), means(ratio))
 
     def passed(self, amplitudes: Array) -> Array:
-        """``amplitudes`` (a, b, c) after the layer."""
+        """Return the `amplitudes` (a, b, c) of waves after they have crossed the layer."""
         after = amplitudes * self.decay
         after[0] += self.ratio * after[1]
         return after
 
 
 def reflected(up: Array) -> Array:
-    """The amplitudes that a surface free of traction sends down for those that come ``up``."""
+    """Return the amplitudes that a surface free of traction sends down for waves of the amplitudes `up`."""
     return np.stack((-up[0], up[1] - 2 * up[0], up[2]))
 
 
 def by_layers(sources: Sources, layers: Sequence[Layer], nu: float) -> Tensor:
-    """Means of the stress over each of ``layers``, from the surface on, (layers, ..., waves), by the strain of all.
+    """Return the means of the stress over each of the `layers` (layers, ..., waves) by plastic strain in all of them.
 
-    One sweep up and one down: the work grows with the number of layers, not with its square.
+    The layers are in order from the surface on. One sweep up and one down: the work grows with the number of layers, not
+    with its square.
     """
     count = len(layers)
     up, down = np.empty_like(sources.up), np.empty_like(sources.down)
@@ -108,21 +113,24 @@ def by_layers(sources: Sources, layers: Sequence[Layer], nu: float) -> Tensor:
             state = layers[number].passed(state)
             state += sources.down[:, number + 1]
             state -= sources.down[:, number]
-    return _total(sources, down, up, layers, nu)
+    return _layer_stress(sources, down, up, layers, nu)
 
 
 def by_itself(sources: Sources, top: Array, layer: Layer, nu: float) -> Tensor:
-    """Means of the stress over a layer by its own plastic strain, (any, waves); q times the depth of its ``top``."""
+    """Return the means of the stress over a `layer` by its own plastic strain, (any, waves).
+
+    `top` is q times the depth of its upper side.
+    """
     down = sources.down + _reflection(sources, layer, top, top)
-    return _total(sources, down, -sources.up, [layer], nu)
+    return _layer_stress(sources, down, -sources.up, [layer], nu)
 
 
 def by_another(
     sources: Sources, layers: tuple[Layer, Layer], tops: tuple[Array, Array], nu: float
 ) -> Tensor:
-    """Means of the stress over the second of ``layers`` by plastic strain in the first, above or below it.
+    """Return the means of the stress over the second of two `layers` by plastic strain in the first, above or below it.
 
-    ``tops`` are q times the depths of their tops, or above any reflection for layers that are deep.
+    `tops` are q times the depths of their upper sides, or so large for deep layers that there is no reflection.
     """
     (source, layer), (begin, end) = layers, tops
     down, up = _reflection(sources, source, begin, end), np.zeros_like(sources.up)
@@ -131,62 +139,73 @@ def by_another(
         down += _through(sent, end - begin - source.ratio)
     else:
         up += _through(sources.up - source.passed(sources.up), begin - end - layer.ratio)
-    return _of_waves(down, up, layer.means, nu)
+    return _wave_stress(down, up, layer.means, nu)
 
 
 def _reflection(sources: Sources, source: Layer, begin: Array, end: Array) -> Array:
-    """What comes back from the surface at a depth ``end`` for what a layer with its top at ``begin`` sends up."""
+    """Return the amplitudes at a depth `end` of the waves that a layer sends up and the surface reflects.
+
+    `begin` is the depth of the upper side of that layer, the `source`; depths are times q.
+    """
     up = _through(sources.up - source.passed(sources.up), begin)
     return _through(reflected(up), end)
 
 
 def _through(amplitudes: Array, ratio: Array) -> Array:
-    """``amplitudes`` after a distance of ``ratio`` / q."""
+    """Return the `amplitudes` of waves after a distance of `ratio` / q."""
     after = amplitudes * np.exp(-np.minimum(ratio, DEEPEST))
     after[0] += ratio * after[1]
     return after
 
 
 def pressed(top: Array, layer: Layer, nu: float) -> Tensor:
-    """Means of the stress over a layer under a wave of unit pressure (waves,); q times the depth of its ``top``.
+    """Return the means of the stress over a `layer` under a wave of unit pressure (waves,).
 
-    Source: Johnson (1985), sect. 2.2, summed to a wave.
+    `top` is q times the depth of its upper side. Source: Johnson (1985), sect. 2.2, summed to a wave.
     """
     decay = np.exp(-np.minimum(top, DEEPEST))
     m0 = decay * layer.means[0]
     m1 = decay * layer.means[1] + top * m0
-    none = np.zeros_like(m0)
-    return m1 - m0, -2 * nu * m0, -(m0 + m1), m1, none, none
+    zeros = np.zeros_like(m0)
+    return m1 - m0, -2 * nu * m0, -(m0 + m1), m1, zeros, zeros
 
 
-def _total(sources: Sources, down: Array, up: Array, layers: Sequence[Layer], nu: float) -> Tensor:
-    """Of waves ``down`` from the top of each layer and ``up`` from its bottom, and of its own strain."""
+def _layer_stress(
+    sources: Sources, down: Array, up: Array, layers: Sequence[Layer], nu: float
+) -> Tensor:
+    """Return the means of the stress over each layer, by waves and by the layer's own strain.
+
+    The waves have the amplitudes `down` at the upper side of each layer and `up` at its lower side.
+    """
     m0, m1 = layers[0].means
     if any(layer is not layers[0] for layer in layers):
-        m0, m1 = (np.stack([one.means[order] for one in layers])[:, None] for order in (0, 1))
-    nn, tt, zz, nz, nt, tz = _of_waves(down, up, (m0, m1), nu)
+        m0, m1 = (np.stack([layer.means[order] for layer in layers])[:, None] for order in (0, 1))
+    nn, tt, zz, nz, nt, tz = _wave_stress(down, up, (m0, m1), nu)
     tt += sources.tt
     zz += sources.zz
     tz += sources.tz
     return nn, tt, zz, nz, nt, tz
 
 
-def _of_waves(down: Array, up: Array, m: tuple[Array, Array], nu: float) -> Tensor:
-    """Means over a layer, ``m`` those of :func:`means`."""
-    m0, m1 = m
-    both, apart = down + up, down - up
+def _wave_stress(down: Array, up: Array, layer_means: tuple[Array, Array], nu: float) -> Tensor:
+    """Return the means of the stress over a layer by waves `down` and `up`; `layer_means` are its :func:`means`."""
+    m0, m1 = layer_means
+    sums, differences = down + up, down - up
     # exp(-q z) and q z exp(-q z) times their amplitudes
-    b = m0 * both[1]
-    zz = m0 * both[0]
-    zz += m1 * both[1]
-    apart[0] -= apart[1]
-    nz = m0 * apart[0]
-    nz += m1 * apart[1]
-    return zz - 2 * b, (-2 * nu) * b, -zz, nz, -m0 * both[2], -m0 * apart[2]
+    b = m0 * sums[1]
+    zz = m0 * sums[0]
+    zz += m1 * sums[1]
+    differences[0] -= differences[1]
+    nz = m0 * differences[0]
+    nz += m1 * differences[1]
+    return zz - 2 * b, (-2 * nu) * b, -zz, nz, -m0 * sums[2], -m0 * differences[2]
 
 
 class Components(Enum):
-    """What is wanted of a stress, one sign for each component: how it changes upside down."""
+    """Set of stress components to compute.
+
+    Its value has one sign for each component: -1 for one that changes its sign when the body is turned upside down.
+    """
 
     #: The five of the deviator, in the basis of the operator.
     DEVIATOR = (1, 1, -1, 1, -1)
@@ -195,13 +214,16 @@ class Components(Enum):
 
     @property
     def signs(self) -> Array:
-        """(components,)"""
+        """Sign of each component upside down (components,)."""
         return np.array(self.value)
 
 
 @dataclass(frozen=True, eq=False)
 class Direction:
-    """Wave number q [1/m] and direction (c, s), each (waves,), and what cells leave of it: ``weight`` for both sides."""
+    """Wave number `q` [1/m] and direction (`c`, `s`) of waves, each (waves,).
+
+    `weight` is the share of a wave that the mean over a cell leaves, for strain and for stress together.
+    """
 
     q: Array
     c: Array
@@ -209,7 +231,10 @@ class Direction:
     weight: Array
 
     def strain(self, e: Array) -> Tensor:
-        """Components nn, tt, zz, nz / i, nt, tz / i of strain in the basis of the operator (5, ..., waves)."""
+        """Return the strain nn, tt, zz, nz / i, nt, tz / i of waves.
+
+        `e` (5, ..., waves) are its components in the basis of the operator.
+        """
         c, s = self.c, self.s
         xx, yy = e[0] / 2**0.5 - e[1] / 6**0.5, (2 / 6**0.5) * e[1]
         zz = -xx - yy
@@ -221,28 +246,28 @@ class Direction:
         return nn, tt, zz, c * xz + s * yz, nt, c * yz - s * xz
 
     def stress(self, tensor: Tensor, components: Components) -> Array:
-        """The ``components`` asked for (components, ..., waves)."""
+        """Return the chosen `components` (components, ..., waves) of a stress `tensor`."""
         c, s = self.c, self.s
         nn, tt, zz, nz, nt, tz = tensor
-        apart, twice = nn - tt, 2 * c * s
-        even = np.broadcast_shapes(nn.shape, c.shape)
-        found = np.empty((len(components.value), *even))
-        xx = (c * c) * apart
+        difference, twice = nn - tt, 2 * c * s
+        shape = np.broadcast_shapes(nn.shape, c.shape)
+        stress = np.empty((len(components.value), *shape))
+        xx = (c * c) * difference
         xx += tt
         xx -= twice * nt
-        xy = (twice / 2) * apart
+        xy = (twice / 2) * difference
         xy += (c * c - s * s) * nt
         xz, yz = c * nz - s * tz, s * nz + c * tz
         if components is Components.TENSOR:
-            found[0], found[1], found[2] = xx, nn + tt - xx, zz
-            found[3], found[4], found[5] = yz, xz, xy
-            return found
-        np.subtract(xx, zz, out=found[0])
+            stress[0], stress[1], stress[2] = xx, nn + tt - xx, zz
+            stress[3], stress[4], stress[5] = yz, xz, xy
+            return stress
+        np.subtract(xx, zz, out=stress[0])
         xx *= -3
         xx += 2 * (nn + tt)
         xx -= zz
-        found[0] /= 2**0.5
-        np.divide(xx, 6**0.5, out=found[1])
-        for number, one in ((2, xz), (3, xy), (4, yz)):
-            np.multiply(one, 2**0.5, out=found[number])
-        return found
+        stress[0] /= 2**0.5
+        np.divide(xx, 6**0.5, out=stress[1])
+        for number, shear in ((2, xz), (3, xy), (4, yz)):
+            np.multiply(shear, 2**0.5, out=stress[number])
+        return stress

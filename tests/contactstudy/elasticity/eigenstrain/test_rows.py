@@ -126,7 +126,7 @@ def test_a_pressed_cell_makes_the_stress_of_its_point_formulas() -> None:
 def test_waves_add_up_to_the_closed_forms_of_an_infinite_axis() -> None:
     cells, period = 12, 1501
     volume = Volume(Grid((cells, 1), (12.0, 1e9)), 0, cells, (0.0, 0.7, 1.4, 2.1, 3.5, 4.5))
-    waves = Waves.of(volume, STEEL, np.array([1e-3]), period)
+    waves = Waves.from_orders(volume, STEEL, np.array([1e-3]), period)
     x, z = volume.grid.x[:, None], volume.depths[:, None, None]
     shape = np.exp(-((x / 3) ** 2) - ((z - 2) / 1.5) ** 2)
     strain = np.array([0.3, -0.5, 0.8, 0.6, -0.4])[:, None, None, None] * shape
@@ -204,9 +204,9 @@ def test_thin_layers_of_one_strain_are_a_thick_one_at_any_wave_number() -> None:
     for ratio in (1e-8, 1e-4, 0.03, 3.0):
         q = np.full((1, 1), ratio)
         strain = tuple(rng.normal(size=(6, 1, 1, 1)))
-        whole = by_layers(Sources.of(strain, STEEL), [Layer.of(q)], 0.3)
-        halves = Layer.of(q / 2)
+        whole = by_layers(Sources.from_strain(strain, STEEL), [Layer.from_ratio(q)], 0.3)
+        halves = Layer.from_ratio(q / 2)
         twice = tuple(np.repeat(one, 2, axis=0) for one in strain)
-        parts = by_layers(Sources.of(twice, STEEL), [halves, halves], 0.3)
+        parts = by_layers(Sources.from_strain(twice, STEEL), [halves, halves], 0.3)
         for one, other in zip(whole, parts, strict=True):
             assert other.mean(axis=0) == pytest.approx(one[0], abs=1e-13)

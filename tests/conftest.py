@@ -1,8 +1,8 @@
 """The two tiers of tests, a smooth line contact that many share, and random examples that are always the same.
 
 ``pytest`` runs the default tier: every promise once. It leaves out tests marked ``whole``, and of a test with more than
-six cases it runs six, from the first to the last. ``pytest --whole`` runs all, ``pytest --rest`` what the default tier
-leaves out, and ``pytest tests/test_x.py::test_y`` the test that is named.
+six cases it runs six, or as many as its mark ``cases`` says, from the first to the last. ``pytest --whole`` runs all,
+``pytest --rest`` what the default tier leaves out, and ``pytest tests/test_x.py::test_y`` the test that is named.
 """
 
 import os
@@ -29,6 +29,7 @@ def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line(
         "markers", "whole: runs with --whole, or where it is named on the command line"
     )
+    config.addinivalue_line("markers", "cases(most): so many of its cases are in the default tier")
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
@@ -38,17 +39,19 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     for item in items:
         if item.get_closest_marker("whole") is None:
             cases[item.nodeid.partition("[")[0]].append(item)
-    chosen = {id(item) for several in cases.values() for item in spread(several, MOST_CASES)}
+    chosen = {id(item) for several in cases.values() for item in spread(several)}
     if config.getoption("--rest"):
         chosen = {id(item) for item in items} - chosen
     config.hook.pytest_deselected(items=[item for item in items if id(item) not in chosen])
     items[:] = [item for item in items if id(item) in chosen]
 
 
-def spread(cases: list[pytest.Item], most: int) -> list[pytest.Item]:
-    """At most so many cases, evenly from the first to the last."""
-    if len(cases) <= most:
-        return cases
+def spread(cases: list[pytest.Item]) -> list[pytest.Item]:
+    """At most six cases, or as many as the test is marked with, evenly from the first to the last."""
+    mark = cases[0].get_closest_marker("cases")
+    most = mark.args[0] if mark else MOST_CASES
+    if len(cases) <= most or most == 1:
+        return cases[:most]
     return [cases[round(k * (len(cases) - 1) / (most - 1))] for k in range(most)]
 
 

@@ -3,6 +3,7 @@
 from math import inf, pi
 
 import numpy as np
+import pytest
 
 import contactstudy as cs
 
@@ -47,6 +48,7 @@ def test_a_smooth_cylinder_is_in_plane_strain_in_any_number_of_cells() -> None:
         assert np.abs(wanted).max() > 0.1 * unit
 
 
+@pytest.mark.whole
 def test_a_wavy_cylinder_keeps_to_the_yield_surface_wherever_its_waves_begin() -> None:
     a = half_width(2.5)
     height = 0.3 * a**2 / (2 * RADIUS)

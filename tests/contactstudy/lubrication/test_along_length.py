@@ -35,6 +35,7 @@ def test_a_uniform_film_is_that_of_plane_strain(along: int) -> None:
     assert same.friction == pytest.approx(plain.friction, rel=1e-9)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(("load", "viscosity"), [(20, 5), (100, 10)])
 def test_a_rough_film_converges_and_loses_no_lubricant(load: float, viscosity: float) -> None:
     scene = by_moes(load, viscosity)

@@ -22,6 +22,7 @@ REFERENCE = (
 )
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize(("load", "viscosity", "inlet", "central", "smallest"), REFERENCE)
 def test_the_film_is_that_of_graded_cells(
     load: float, viscosity: float, inlet: float, central: float, smallest: float

@@ -170,6 +170,7 @@ def test_a_sphere_has_the_symmetries_of_the_grid_to_what_the_residual_leaves(
     assert solution.iterations <= 40
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("heights", list(ROUGH)[1:])
 def test_rough_contacts_take_a_fifth_of_the_convolutions(
     heights: str, line_contact: LineContact

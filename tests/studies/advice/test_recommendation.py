@@ -91,6 +91,7 @@ def test_a_recommended_setting_of_any_mode_meets_its_error_on_periods_not_stored
     assert np.mean(met) >= 0.95
 
 
+@pytest.mark.whole
 def test_a_recommended_setting_of_a_rough_contact_meets_its_error() -> None:
     a, gap = HERTZ.half_width, HERTZ.half_width**2 / HERTZ.radius / 2
     for seed, error in ((1, 0.2), (2, 0.1)):

@@ -147,7 +147,14 @@ def test_studies_are_listed_with_their_axes(tmp_path: Path) -> None:
 
 
 @POSIX
-@pytest.mark.parametrize("written", [None, "case", "time"], ids=["at once", "solving", "timing"])
+@pytest.mark.parametrize(
+    "written",
+    [
+        pytest.param(None, marks=pytest.mark.whole, id="at once"),
+        pytest.param("case", id="solving"),
+        pytest.param("time", marks=pytest.mark.whole, id="timing"),
+    ],
+)
 def test_an_interrupt_ends_in_one_sentence_and_leaves_nothing_half_written(
     written: str | None, tmp_path: Path
 ) -> None:

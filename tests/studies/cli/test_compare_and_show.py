@@ -114,6 +114,7 @@ def test_a_solution_is_drawn_in_every_format(folder: Path, tmp_path: Path, name:
     assert b"pressure" in text
 
 
+@pytest.mark.whole
 def test_a_study_is_drawn_as_curves_or_maps(folder: Path, tmp_path: Path) -> None:
     study = folder / "study" / "smooth.nc"
     said("show", study, "--out", tmp_path)

@@ -39,6 +39,7 @@ def test_a_stiff_coating_is_in_tension_at_its_interface_and_a_soft_one_is_not() 
     assert soft < 0.05
 
 
+@pytest.mark.whole
 def test_coatings_are_measured_and_drawn(tmp_path: Path) -> None:
     study = load("coating").override({"ratio": "4", "thickness": "1e-4,1,1e3", "grid": "128"})
     dataset = run(study, tmp_path, workers=0, repeats=1, log=quiet)
@@ -57,6 +58,7 @@ def test_coatings_are_measured_and_drawn(tmp_path: Path) -> None:
     assert (tmp_path / "coating" / "coating.png").is_file()
 
 
+@pytest.mark.whole
 def test_friction_is_measured_and_drawn(tmp_path: Path) -> None:
     study = load("friction").override({"poisson_ratio": "0,0.3", "grid": "201", "rough_grid": "32"})
     dataset = run(study, tmp_path, workers=0, repeats=1, log=quiet)

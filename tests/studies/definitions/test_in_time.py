@@ -11,6 +11,7 @@ from studies.report import page as report
 from tests.studies.conftest import quiet
 
 
+@pytest.mark.whole
 def test_the_error_of_creep_falls_with_the_steps_under_its_estimate(tmp_path: Path) -> None:
     study = load("creep").override({"steps": "10,20,40", "grid": "64,512"})
     dataset = run(study, tmp_path, workers=0, repeats=1, log=quiet)

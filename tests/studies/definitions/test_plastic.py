@@ -10,6 +10,7 @@ from studies.report import page as report
 from tests.studies.conftest import quiet
 
 
+@pytest.mark.whole
 def test_a_contact_that_yields_nears_the_known_one_and_a_hardness_does_not(tmp_path: Path) -> None:
     """Errors are of first order in the steps: 0.75 % of the pressure with 8, by finite elements too."""
     study = load("plastic").override({"pressure": "1.5,3", "steps": "4,8", "grid": "48"})

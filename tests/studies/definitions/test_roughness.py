@@ -117,6 +117,7 @@ def test_roughness_takes_area_and_spreads_the_load() -> None:
     assert float(across["load_spread"]) > 1.5 * float(rough["load_spread"])
 
 
+@pytest.mark.whole
 def test_the_default_grid_and_period_show_every_surface() -> None:
     for case in {comparison.exact for comparison in load("roughness").cases()}:  # type: ignore[attr-defined]
         plan = cs.plan(case.scene, grid=case.grid)

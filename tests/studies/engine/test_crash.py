@@ -81,7 +81,8 @@ def wait_until(reached: Callable[[], bool], running: Process) -> None:
             raise AssertionError(running.communicate())
 
 
-@pytest.mark.parametrize("workers", [0, 2])
+@pytest.mark.cases(1)
+@pytest.mark.parametrize("workers", [2, 0])
 def test_a_kill_loses_nothing_but_what_is_being_computed(
     workers: int, start: Start, tmp_path: Path
 ) -> None:
@@ -186,6 +187,7 @@ def test_failures_are_kept_until_they_are_to_be_tried_again(tmp_path: Path) -> N
     assert lines(log) == ["3.0"]
 
 
+@pytest.mark.whole
 def test_a_second_run_says_who_holds_the_output_and_waits(start: Start, tmp_path: Path) -> None:
     log = tmp_path / "log"
     with locked(tmp_path / ".trouble.lock", quiet):
@@ -225,6 +227,7 @@ def test_a_journal_that_cannot_be_opened_is_said(tmp_path: Path) -> None:
         run(trouble.study([1]), tmp_path, options=ALONE, log=quiet)
 
 
+@pytest.mark.whole
 def test_an_interrupt_keeps_what_is_done_and_says_how_to_go_on(
     start: Start, tmp_path: Path
 ) -> None:

@@ -70,6 +70,7 @@ def test_every_sample_is_kept_with_least_median_and_processor_time() -> None:
     assert data["contended"].values.tolist() == [1, 1, 2]
 
 
+@pytest.mark.whole
 def test_stored_times_are_not_taken_again_unless_asked(tmp_path: Path) -> None:
     log = tmp_path / "log"
     study = trouble.study([1.0, 2.0], log=str(log))

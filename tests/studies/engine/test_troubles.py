@@ -141,6 +141,7 @@ def test_a_case_that_cannot_be_sent_fails_alone(address: str | None, where: str)
     assert "it holds an open file" in bad.error
 
 
+@pytest.mark.whole
 def test_its_processes_go_from_study_to_study_and_outlive_their_troubles(tmp_path: Path) -> None:
     """The processes stay, take the measures of each study, and end with the executor."""
     numbers = []
@@ -159,6 +160,7 @@ def test_its_processes_go_from_study_to_study_and_outlive_their_troubles(tmp_pat
         assert not psutil.pid_exists(number) or number == os.getpid()
 
 
+@pytest.mark.whole
 def test_an_executor_that_was_stopped_starts_anew(address: str | None) -> None:
     def stop(name: str, outcome: Outcome) -> None:
         raise KeyboardInterrupt
@@ -221,6 +223,7 @@ run(trouble.study(), Path(sys.argv[1]), options=RunOptions(workers=0, time_limit
 """
 
 
+@pytest.mark.whole
 @POSIX
 def test_a_case_that_takes_its_process_down_is_given_its_own_the_next_time(tmp_path: Path) -> None:
     command = [sys.executable, "-c", SCRIPT, str(tmp_path)]

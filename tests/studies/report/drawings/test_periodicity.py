@@ -17,6 +17,7 @@ def swept(name: str, out: Path, **axes: str) -> xr.Dataset:
     return read(out / f"{name}.nc")
 
 
+@pytest.mark.whole
 def test_findings_are_silent_where_the_sweeps_cannot_speak(tmp_path: Path) -> None:
     sweep = swept("padding", tmp_path, padding="exact,zero", grid="16", period="2.4")
     assert padding.findings(sweep) == ()
@@ -26,6 +27,7 @@ def test_findings_are_silent_where_the_sweeps_cannot_speak(tmp_path: Path) -> No
     assert price_table(sweep).rows[-1][2].startswith("none stored")
 
 
+@pytest.mark.whole
 def test_the_n_that_meets_a_target_is_the_least_from_which_on_all_do(tmp_path: Path) -> None:
     sweep = swept("images", tmp_path, padding="circular,exact", images="0:9", period="2.4")
     (said,) = images.findings(sweep)
@@ -34,6 +36,7 @@ def test_the_n_that_meets_a_target_is_the_least_from_which_on_all_do(tmp_path: P
     assert "needs n = 5 at L = 2.4 a" in said.measured
 
 
+@pytest.mark.whole
 def test_the_table_shows_what_is_stored(tmp_path: Path) -> None:
     rows = paper.accuracy_table(swept("paper", tmp_path, padding="circular,exact", images="1")).rows
     assert [row[0] for row in rows] == ["exact", "circular, n = 1"]

@@ -200,43 +200,36 @@ def _with(
 
 
 def _nearest(trial: Array, radius: Array, total: Array) -> Array:
-    """The field nearest to ``trial`` with ``|q| <= radius`` in each cell and the sum ``total``.
+    """Return the field nearest to `trial` with ``|q| <= radius`` in each cell and the sum `total`.
 
-    ``trial`` shifted by one vector and cut off at the disks; the vector by Newton's method on two unknowns,
+    It is `trial` shifted by one vector and cut off at the disks; the vector by Newton's method on two unknowns,
     damped, for its residual is the gradient of a convex function.
     """
     cells = radius > 0
     x, y, r = trial[0][cells], trial[1][cells], radius[cells]
     shift = (total - np.array([x.sum(), y.sum()])) / r.size
-    result = np.zeros_like(trial)
+    size, ridge = float(r.sum()), 1e-12 * r.size
+    reach = 4 * float(max(r.max(), np.abs(x).max(initial=0.0), np.abs(y).max(initial=0.0)))
     u = v = cut = np.zeros(0)
-    size = float(r.sum())
     error = np.inf
     for _ in range(NEWTON):
-        length = 1.0
-        direction = shift
         u, v = x + shift[0], y + shift[1]
         distance = np.hypot(u, v)
-        outside = distance > r
-        cut = np.where(outside, r / np.where(outside, distance, 1.0), 1.0)
+        farther = np.maximum(distance, r)
+        cut = r / farther
         missing = total - np.array([(cut * u).sum(), (cut * v).sum()])
         now = float(np.abs(missing).max())
         if now <= 1e-14 * size or (now >= error * (1 - 1e-3) and now <= 1e-10 * size):
             break
         error = now
-        # derivative of a cell: the identity within, cut (1 - e e^T) on the rim
-        e_x, e_y = (np.where(outside, a / np.where(outside, distance, 1.0), 0.0) for a in (u, v))
-        xx, yy, xy = (
-            (cut * (1 - e_x * e_x)).sum(),
-            (cut * (1 - e_y * e_y)).sum(),
-            -(cut * e_x * e_y).sum(),
-        )
-        ridge = 1e-12 * r.size
-        matrix = np.array([[xx + ridge, xy], [xy, yy + ridge]])
-        direction = np.linalg.solve(matrix, missing)
+        # derivative of a cell: the identity within, cut (1 - e e^T) on the rim, e = (u, v) / distance
+        rim = (distance > r) * cut / farther**2
+        whole, across = float(cut.sum()) + ridge, rim * u
+        xx, xy = whole - float((across * u).sum()), -float((across * v).sum())
+        yy = whole - float((rim * v * v).sum())
+        direction = np.linalg.solve(np.array([[xx, xy], [xy, yy]]), missing)
         longest = float(np.abs(direction).max())
-        reach = 4 * float(max(r.max(), np.abs(x).max(initial=0.0), np.abs(y).max(initial=0.0)))
-        length = min(1.0, reach / longest) if longest else 1.0
-        shift = shift + length * direction
+        shift = shift + (min(1.0, reach / longest) if longest else 1.0) * direction
+    result = np.zeros_like(trial)
     result[0][cells], result[1][cells] = cut * u, cut * v
     return result

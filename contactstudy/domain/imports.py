@@ -10,6 +10,8 @@ from typing import Any
 OWN = ("contactstudy", "studies")
 # what pip installs, where that is not the package's own name
 INSTALLS = {
+    "altair": "'contactstudy[explore]'",
+    "vl_convert": "'contactstudy[explore]'",
     "SurfaceTopography": "'contactstudy[measured]'",
     "click": "contactstudy",  # the command needs more than this one
     "distributed": "'contactstudy[cluster]'",

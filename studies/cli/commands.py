@@ -9,6 +9,7 @@ import click
 
 from contactstudy import InvalidInput, __version__
 from contactstudy.domain.imports import missing_package
+from studies.cli.explore import explore
 from studies.cli.recommend import recommendation
 from studies.cli.scenes import plan, solve
 from studies.cli.show import compare, show
@@ -255,6 +256,7 @@ def _with_png(formats: tuple[str, ...]) -> tuple[str, ...]:
 
 
 cli.add_command(compare)
+cli.add_command(explore)
 cli.add_command(plan)
 cli.add_command(show)
 cli.add_command(solve)

@@ -24,7 +24,7 @@ FAMILIES = {
     "effects": ("coating", "friction", "creep", "wear", "plastic"),
     "trust": ("stability", "accuracy"),
     "cost": ("solvers", "speed", "effect_cost", "peers"),
-    "": ("pareto", "roughness"),
+    "": ("pareto", "roughness", "lubrication"),
 }
 OPTIONAL = ("peers",)
 BUILT_IN = tuple(name for names in FAMILIES.values() for name in names if name not in OPTIONAL)

@@ -87,9 +87,9 @@ class LubricatedContact:
     The film fraction is the share of the film that holds lubricant: one under pressure, less where the lubricant is
     torn into streamers. ``shear`` [Pa] is the stress in the middle of the film, positive where it drags the first
     body back. ``residual`` is the larger of the flow that is not balanced over the flow along x, and the load that is
-    missing over half the load of a unit of pressure; ``flux_spread`` is the range over x of the flow per length, over
-    its mean. ``linear_iterations`` counts those of all linear systems. ``error`` is None unless an
-    error was asked for.
+    missing over the load of Hertz's peak pressure on one half-width. ``flow`` [m^2/s] is the lubricant that passes per
+    length, at the density of zero pressure, and ``flux_spread`` its range over x over its mean. ``linear_iterations``
+    counts those of all linear systems. ``error`` is None unless an error was asked for.
     """
 
     scene: Scene
@@ -105,6 +105,7 @@ class LubricatedContact:
     iterations: int
     linear_iterations: int
     residual: float
+    flow: float
     flux_spread: float
     error: "FilmError | None" = None
 

@@ -273,6 +273,7 @@ def contact_of(
         iterations=last.iterations,
         linear_iterations=last.linear_iterations,
         residual=last.residual,
+        flow=float(flow.mean()) * scales.film * scales.lubrication.mean_speed,
         flux_spread=float(np.ptp(flow) / flow.mean()),
     )
 

@@ -14,7 +14,7 @@ INSTALLATION = 60
 # Seconds that each study takes on two cores, with its times and its figures.
 SECONDS = {
     "padding": 6, "period": 3, "images": 4, "grid": 3, "paper": 3, "pareto": 6, "stability": 5, "roughness": 3,
-    "coating": 4, "friction": 4, "creep": 3, "wear": 5, "plastic": 3, "accuracy": 15,
+    "coating": 4, "friction": 4, "creep": 3, "wear": 5, "plastic": 3, "accuracy": 15, "lubrication": 15,
     "kernels": 8, "solvers": 15, "speed": 15, "effect_cost": 20, "peers": 120,
 }  # fmt: skip
 
@@ -87,6 +87,11 @@ CHAPTERS = {
             "effects",
             "Effects: coating, friction, creep, wear and yielding",
             tuple(map(Part, ("coating", "friction", "creep", "wear", "plastic"))),
+        ),
+        Chapter(
+            "lubrication",
+            "Lubrication: films over load, viscosity and cells",
+            (Part("lubrication", {"grid": "100,200"}),),
         ),
         Chapter("trust", "Trust: bounds beside true errors", (Part("accuracy"),)),
         Chapter(

@@ -18,9 +18,9 @@ from contactstudy.planning.grid_requirements import Needs, halvable
 from contactstudy.planning.plan import SHARE, affordable, needs_of
 from studies.model.axis import Value, check_count
 from studies.model.case import Computation
+from studies.model.film_case import FilmCase, film_measures
 from studies.model.study import Point, Study
 from studies.scene_study.fields import document_of
-from studies.scene_study.film_case import FilmCase, film_measures
 from studies.scene_study.measures import measures
 from studies.scene_study.scene_case import MarchedScene, RolledScene, SceneCase
 from studies.scene_study.variation import Variation, together, variation

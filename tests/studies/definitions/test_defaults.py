@@ -47,6 +47,12 @@ NUMBERS: dict[str, dict[str, tuple[float, ...]]] = {
         "solver_tolerance": (1e-4, 1e-6, 1e-8),
     },
     "peers": {"threads": (1,), "grid": (128, 256, 512)},
+    "lubrication": {
+        "load": (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000),
+        "viscosity": (0, 1, 2.5, 5, 7.5, 10, 12.5, 15, 17.5, 20),
+        "rms": (0.0,),
+        "grid": (100, 200, 400),
+    },
     "stability": {},
     "accuracy": {},
 }

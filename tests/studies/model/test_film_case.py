@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 import contactstudy as cs
-from studies.scene_study.film_case import FilmCase, film_measures
+from studies.model.film_case import FilmCase, film_measures
 from studies.scene_study.study_of import study_of
 
 OIL = Path(__file__).parents[3] / "examples" / "oil.toml"

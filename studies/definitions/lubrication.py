@@ -1,0 +1,105 @@
+"""Films of smooth and rough line contacts over load and viscosity, beside the formula of Moes; error against cost."""
+
+from collections.abc import Mapping
+from math import pi, sqrt
+
+import numpy as np
+import xarray as xr
+
+import contactstudy as cs
+from contactstudy.analytic import moes_film
+from contactstudy.domain.checks import non_negative, positive, whole
+from studies.model.axis import Axis
+from studies.model.case import number
+from studies.model.film_case import FilmCase, SolvedFilm
+from studies.model.study import Point
+
+# Steel, of which the dimensionless film knows nothing.
+RADIUS, LOAD, VISCOSITY = 0.01, 1e5, 0.04
+STEEL = cs.HalfSpace(210e9, 0.3)
+DRY = cs.Scene(cs.LineLoad(LOAD), (STEEL, STEEL), (cs.Cylinder(RADIUS),))
+HERTZ = cs.analytic.hertz_line(LOAD, RADIUS, DRY.contact_modulus)
+# The inlet begins so many half-widths from the axis, or so many times sqrt(2 H).
+INLET, FILMS = 4.5, 6.0
+# Waves of the surface [a]: random, an eighth of the length and more.
+ROLL_OFF, CUT_OFF, SEED = 0.5, 0.25, 1
+EYRING = 5e6
+
+points = (
+    Axis("load", (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0), "Moes' load M"),
+    Axis("viscosity", (0.0, 1.0, 2.5, 5.0, 7.5, 10.0, 12.5, 15.0, 17.5, 20.0), "Moes' viscosity L"),
+    Axis("rms", (0.0,), "rms height over the film of Moes' formula"),
+    Axis("grid", (100, 200, 400), "cells across the width"),
+)
+
+# wall times are recorded with the films
+times = "none"
+
+
+def scene_at(point: Point) -> FilmCase:
+    """Return steel cylinders with a Barus lubricant of constant density, solved from a cold start."""
+    load = positive("load", point["load"], "give a load parameter M above 0")
+    viscosity = non_negative("viscosity", point["viscosity"], "give a parameter L from 0 on")
+    rms = non_negative("rms", point["rms"], "give an rms height of 0 or more")
+    cells = whole("grid", point["grid"], 16, "give at least 16 cells across the width")
+    a = HERTZ.half_width
+    film = moes_film(load, viscosity) * pi / (8 * load)
+    speed = 3 * pi**2 / (8 * load**2) * a**3 * HERTZ.peak_pressure / (12 * VISCOSITY * RADIUS**2)
+    oil = cs.Lubricant(
+        VISCOSITY,
+        viscosity * sqrt(load / (2 * pi)) / HERTZ.peak_pressure,
+        cs.Barus(),
+        cs.ConstantDensity(),
+        cs.Eyring(EYRING),
+    )
+    height = rms * film * a**2 / RADIUS
+    width = 2 * max(INLET, FILMS * sqrt(2 * film)) * a
+    surface = cs.Roughness(
+        height, hurst=0.8, roll_off=ROLL_OFF * a, cut_off=CUT_OFF * a, seed=SEED,
+        extent=(width, a),
+    )  # fmt: skip
+    scene = cs.Scene(
+        DRY.load,
+        DRY.solids,
+        (*DRY.shapes, surface) if rms else DRY.shapes,
+        lubrication=cs.Lubrication(oil, speed, slide_roll_ratio=0.1),
+    )
+    along = max(cells // 2, 16) if rms else 1
+    return FilmCase(scene, cs.Grid((cells, along), (width, a)), cs.ExactPeriodicity())
+
+
+def measures(case: FilmCase, solved: SolvedFilm) -> Mapping[str, xr.Variable]:
+    """Return films in Moes' units, how evenly lubricant flows, friction, shares of a thin film and the time taken."""
+    contact = solved.contact
+    scales = contact.scales
+    load = scales.load_parameter
+    units = 8 * load / pi / scales.film
+    moes = moes_film(load, scales.viscosity_parameter)
+    flat = contact.flow / scales.lubrication.mean_speed
+    thin_area, thin_load = contact.thinner_than(moes / units / 2)
+    converged = contact.status is not cs.FilmStatus.NOT_CONVERGED
+    resolved = contact.status is cs.FilmStatus.CONVERGED
+    return {
+        "central_film": number(
+            contact.central_film * units, "central film, (h/R) (eta0 u_s/(E' R))^-1/2"
+        ),
+        "minimum_film": number(contact.minimum_film * units, "smallest film in the same unit"),
+        "flat_film": number(flat * units, "film where the pressure is flat, in the same unit"),
+        "film_over_moes": number(flat * units / moes, "film where the pressure is flat over Moes'"),
+        "friction": number(contact.friction, "friction force over load at 10 % sliding"),
+        "flux_spread": number(contact.flux_spread, "range of the flow over x over its mean"),
+        "thin_area": number(thin_area, "share of Hertz's area with less than half of Moes' film"),
+        "thin_load": number(thin_load, "share of the load on less than half of Moes' film"),
+        "peak_pressure": number(
+            contact.peak_pressure / HERTZ.peak_pressure, "peak pressure over Hertz's"
+        ),
+        "converged": number(float(converged), "1 where the iteration converged"),
+        "resolved": number(float(resolved), "1 where the cells resolve the film too"),
+        "wall_time": xr.Variable(
+            (), solved.seconds, {"units": "s", "long_name": "wall time of the solve"}
+        ),
+        "film_range": number(
+            float(np.ptp(contact.film[contact.grid.cells[0] // 2])) * units,
+            "range of the film along the axis",
+        ),
+    }

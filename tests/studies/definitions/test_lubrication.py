@@ -1,0 +1,58 @@
+"""The study of films: its scenes have the parameters asked for, and its numbers are those of the contact."""
+
+from pathlib import Path
+
+import pytest
+
+import contactstudy as cs
+from contactstudy.analytic import moes_film
+from studies.definitions.lubrication import measures, scene_at
+from studies.registry import load, load_drawing
+from studies.report import page as report
+
+POINT = {"load": 20.0, "viscosity": 5.0, "rms": 0.0, "grid": 128}
+
+
+def test_a_scene_has_the_load_and_viscosity_of_its_point() -> None:
+    case = scene_at(POINT)
+    assert case.scene.lubrication is not None
+    assert case.scene.hertz is not None
+    scales = cs.FilmScales(case.scene.hertz, case.scene.lubrication)
+    assert scales.load_parameter == pytest.approx(20, rel=1e-12)
+    assert scales.viscosity_parameter == pytest.approx(5, rel=1e-12)
+
+
+def test_films_are_in_the_unit_of_moes() -> None:
+    case = scene_at(POINT | {"grid": 400})
+    found = measures(case, case.run())
+    # reference solutions on graded cells, with a longer inlet: 3.504
+    assert float(found["central_film"]) == pytest.approx(3.504, rel=5e-3)
+    over = float(found["flat_film"]) / moes_film(20, 5)
+    assert float(found["film_over_moes"]) == pytest.approx(over)
+    assert float(found["converged"]) == 1
+    assert float(found["resolved"]) == 1
+
+
+def test_a_rough_point_varies_along_its_length() -> None:
+    case = scene_at(POINT | {"rms": 0.2, "grid": 64})
+    assert case.grid.cells == (64, 32)
+    found = measures(case, case.run())
+    assert float(found["converged"]) == 1
+    assert float(found["film_range"]) > 0.1
+
+
+@pytest.mark.parametrize("field", ["load", "grid"])
+def test_a_point_without_sense_is_refused(field: str) -> None:
+    with pytest.raises(cs.InvalidInput, match=field):
+        scene_at(POINT | {field: 0})
+
+
+def test_roughness_adds_a_figure(tmp_path: Path) -> None:
+    axes = {"load": "20,100", "viscosity": "5", "rms": "0,0.2", "grid": "32,64"}
+    study = load("lubrication").override(axes)
+    from studies.engine.run import run
+
+    run(study, tmp_path, workers=0)
+    report.draw(study, load_drawing("lubrication"), tmp_path)
+    drawn = {path.stem for path in (tmp_path / "lubrication").glob("*.png")}
+    assert drawn == {"films", "film_cost", "rough_films"}

@@ -7,7 +7,6 @@ import numpy as np
 
 import contactstudy as cs
 from contactstudy.domain.fields import Array
-from studies.reference.equivalent_cases import perturbation, units
 from studies.reference.hard_case import (
     AT_EDGE,
     CELLS,
@@ -22,6 +21,8 @@ from studies.reference.hard_case import (
     bumpy,
     grid,
     noise,
+    perturbation,
+    units,
 )
 from studies.reference.line_contact import SCENE, STEEL
 

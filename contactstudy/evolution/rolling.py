@@ -1,20 +1,24 @@
 """A viscoelastic contact that moves steadily across: Scene -> SteadyRolling."""
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from math import inf, pi
 
 import numpy as np
 
+from contactstudy.accuracy.coarser import halved
+from contactstudy.accuracy.estimate import ErrorEstimate, error_estimate
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import Precision
-from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Padding, Paddings
 from contactstudy.elasticity.coefficients import Coefficients, Displacement
 from contactstudy.elasticity.convolution import antisymmetric, superposed
 from contactstudy.elasticity.viscoelastic import Trailing
+from contactstudy.evolution.march import StepSource
+from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import response, sudden
 from contactstudy.scene.inelastic import ViscoelasticHalfSpace
 from contactstudy.scene.load import ConstantLoad
@@ -24,13 +28,24 @@ from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from contactstudy.solvers.solution import Solution
 from contactstudy.solvers.solve import SolveOptions, Solver
 
+# Fine cells in a cell, or as many as give this number, on which the delayed displacement under the pressure is found.
+FINE, MOST = 8, 2**17
+# Error of the resistance at most: over its change from cells of twice the size, on which passes settle to the last, and
+# over the error of the pressure. Measured on smooth, wavy and rough cylinders against cells of an eighth.
+CHANGED, LEAST, SETTLED = 2.0, 0.15, 1e-4
+
 
 @dataclass(frozen=True, eq=False)
 class SteadyRolling:
-    """What ``settled``: its :attr:`solution`, in the frame of the contact, and what moving it takes."""
+    """What ``settled``: its :attr:`solution`, in the frame of the contact, and what moving it takes.
+
+    ``odd`` are the coefficients [m] and weights [1/Pa] of the displacement that is odd across; ``again`` solves the same
+    scene on another grid.
+    """
 
     settled: Settled
-    shapes_gap: Array
+    odd: Mapping[Coefficients, float]
+    again: "Callable[[Grid], SteadyRolling]"
 
     @property
     def solution(self) -> Solution:
@@ -44,15 +59,55 @@ class SteadyRolling:
         x = self.solution.problem.grid.x
         return float(x @ pressure.sum(axis=1) / pressure.sum())
 
-    @property
+    @cached_property
     def resistance(self) -> float:
-        """Force against the motion over load: the mean slope of the heights under the pressure.
+        """Force against the motion over load: the power lost in the bodies over speed and load.
 
-        It is the power lost in the bodies over speed and load. For a cylinder, the shift over its radius.
+        A pressure that is constant in each cell does the work ``p (u(x + dx / 2) - u(x - dx / 2))`` in a length rolled,
+        of which only the displacement that is odd across loses any. It is found on finer cells. The moment of the
+        pressure, for a cylinder the shift over its radius, is the same in the limit, and further from it.
         """
-        pressure = self.solution.pressure
-        slope = np.gradient(self.shapes_gap, self.solution.problem.grid.cell[0], axis=0)
-        return float((slope * pressure).sum() / pressure.sum())
+        if not self.odd:
+            return 0.0
+        problem = self.solution.problem
+        assert problem.paddings is not None
+        (nx, ny), pressure = problem.grid.cells, self.solution.pressure
+        times = max(2, min(FINE, MOST // (nx * ny)))
+        fine = Grid((times * nx, ny), problem.grid.extent)
+        displacement = antisymmetric(self.odd, fine, problem.paddings)(
+            np.repeat(pressure, times, axis=0)
+        )
+        around = np.concatenate((displacement[:1], displacement, displacement[-1:]))
+        faces = (around[:-1:times] + around[1::times]) / 2
+        work = -(pressure * np.diff(faces, axis=0)).sum() / problem.grid.cell[0]
+        return float(work / pressure.sum())
+
+    @cached_property
+    def coarse(self) -> "SteadyRolling | None":
+        """The same on cells of twice the size, for its difference; None where the scene has no such grid."""
+        try:
+            return self.again(halved(self.solution.problem.grid))
+        except InvalidInput:
+            return None
+
+    @property
+    def resistance_error(self) -> float:
+        """Upper estimate of the relative error of the resistance; infinite without a coarser grid to compare with.
+
+        It is the change from cells of twice the size, and a small share of the pressure's error in L1, since the change
+        may be small by chance.
+        """
+        if self.coarse is None or not np.isfinite(self.settled.change):
+            return inf
+        if not self.resistance:
+            return 0.0
+        change = abs(self.coarse.resistance - self.resistance)
+        return CHANGED * change / abs(self.resistance) + LEAST * self.error_estimate().l1.total
+
+    def error_estimate(self) -> ErrorEstimate:
+        """Estimate the errors of :attr:`solution`, where its own pressure does not tell them from :attr:`coarse`."""
+        coarse = None if self.coarse is None else self.coarse.solution
+        return error_estimate(self.solution, coarse=coarse)
 
 
 def solve_rolling(
@@ -86,11 +141,22 @@ def solve_rolling(
     problem = still.problem(grid, padding)
     datum = problem.scales.length
     even, odd = _trailing(scene, datum)
-    problem = replace(problem, description=PosedScene(scene, grid, padding), source=None)
-    if even:
-        weights = Counter(response(still.solids, datum))
-        weights.update(even)
-        problem = replace(problem, operator=superposed(weights, grid, padding))
+    weights = Counter(response(still.solids, datum))
+    weights.update(even)
+
+    def delayed(problem: Problem) -> Problem:
+        return (
+            replace(problem, operator=superposed(weights, problem.grid, padding))
+            if even
+            else problem
+        )
+
+    assert problem.source is not None
+    problem = replace(
+        delayed(problem),
+        description=PosedScene(scene, grid, padding),
+        source=StepSource(problem.source, delayed),
+    )
     settled = solve_lagged(
         problem,
         antisymmetric(odd, grid, padding) if odd else None,
@@ -98,7 +164,11 @@ def solve_rolling(
         change=change,
         max_passes=max_passes,
     )
-    return SteadyRolling(settled, problem.undeformed_gap)
+    again = partial(
+        solve_rolling, scene, padding=padding, tolerance=SETTLED / 10, change=SETTLED, max_passes=max_passes,
+        max_iterations=max_iterations, solver=solver, precision=precision,
+    )  # fmt: skip
+    return SteadyRolling(settled, odd, again)
 
 
 def _trailing(

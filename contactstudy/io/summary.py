@@ -120,7 +120,13 @@ def quantities(
 def rolling_quantities(rolling: "SteadyRolling") -> list[Quantity]:
     """Return what moving a contact takes: its resistance over the load, and how far its pressure is ahead."""
     return [
-        Quantity("resistance", "rolling resistance over load", rolling.resistance, "1"),
+        Quantity(
+            "resistance",
+            "rolling resistance over load",
+            rolling.resistance,
+            "1",
+            rolling.resistance_error,
+        ),
         Quantity("shift", "pressure ahead of the axis", rolling.shift, "m"),
     ]
 

@@ -1,7 +1,7 @@
 """A scene in a TOML file: numbers in SI units, or texts with a unit such as "10 mm"."""
 
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from enum import Enum
 from math import inf
@@ -57,7 +57,7 @@ from contactstudy.scene.scene import Output, Scene
 from contactstudy.scene.shapes.carried import Carried
 from contactstudy.scene.shapes.roller import Crown, Cylinder, FiniteLength, LundbergProfile, Sphere
 from contactstudy.scene.shapes.roughness import Roughness
-from contactstudy.scene.shapes.shape import Shape
+from contactstudy.scene.shapes.shape import Detail, Shape
 from contactstudy.scene.shapes.texture import (
     Cosine,
     FlatBottomed,
@@ -464,7 +464,7 @@ def scene_file_of(document: Document, folder: Path = Path()) -> SceneFile:
         for shape in document.shapes
     )
     scene = Scene(
-        _with_length(document),
+        _with_length(document, shapes),
         document.solids,
         shapes,
         document.hardness,
@@ -507,10 +507,10 @@ def _paths(table: Mapping[str, object], before: str = "") -> dict[str, object]:
     return paths
 
 
-def _with_length(document: Document) -> ConstantLoad | ChangingLoad:
+def _with_length(document: Document, shapes: Iterable[Shape]) -> ConstantLoad | ChangingLoad:
     """Return the load; a total load on shapes without a length is spread over the length of the grid, if known."""
     load = document.load
-    has_length = any(getattr(shape, "length", None) for shape in document.shapes)
+    has_length = any(0 < getattr(shape, "detail", Detail()).roller < inf for shape in shapes)
     period = document.grid.period if document.grid else document.plan.period
     if isinstance(load, TotalLoad) and load.length is None and not has_length and period:
         return replace(load, length=period)

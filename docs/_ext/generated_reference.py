@@ -18,6 +18,7 @@ from sphinx.util.typing import stringify_annotation
 
 import contactstudy as cs
 from contactstudy.domain.units import Unit
+from contactstudy.io.materials import materials
 from contactstudy.io.scene_file import KINDS, NO_KIND, Document
 from studies.model.outcome import CaseStatus
 from studies.registry import BUILT_IN, OPTIONAL, load
@@ -291,6 +292,24 @@ def statuses() -> str:
     return "\n".join(text)
 
 
+def material_table() -> str:
+    """Return a page with every material that a scene file can name."""
+    text = [
+        "# Materials",
+        "",
+        '`material = "steel"` in a solid of a scene file, `cs.material("steel")` in Python. Keys beside it take the place of these',
+        "values. Moduli of one batch differ by some per cent, those of coats and polymers by far more.",
+        "",
+        "| material | Young's modulus [GPa] | Poisson's ratio | also | source |",
+        "|---|---|---|---|---|",
+    ]
+    text += [
+        f"| `{m.name}` | {m.youngs_modulus / 1e9:g} | {m.poisson_ratio:g} | {', '.join(m.also)} | {m.source} |"
+        for m in materials().values()
+    ]
+    return "\n".join(text)
+
+
 def write(app: Sphinx) -> None:
     """Write the pages where their text has changed."""
     folder = Path(app.srcdir) / "reference"
@@ -298,6 +317,7 @@ def write(app: Sphinx) -> None:
         "names": names(),
         "scene-file-keys": keys(),
         "studies": studies(folder / "study-variables.json"),
+        "materials": material_table(),
         "statuses": statuses(),
     }
     for name, text in pages.items():

@@ -64,7 +64,7 @@ def joint_memory(
             f"evolve.padding is {across!r} across and {along!r} along: plastic strain is known below a surface "
             "that goes on across and repeats along, give ExactPeriodicity()."
         )
-    return PlasticMemory(YieldingBody.all_of(scene), solved(problem), precision)
+    return PlasticMemory(YieldingBody.in_scene(scene), solved(problem), precision)
 
 
 class StepError(Enum):
@@ -119,7 +119,7 @@ def evolve(
         )
     if scene.friction is not None:
         raise InvalidInput("Scene.friction has no history here: leave it out.")
-    control = None if error is None else StepControl.of(error, tolerance)
+    control = None if error is None else StepControl.for_error(error, tolerance)
     load = _load(scene, grid, times)
     marks = schedule(load, times)
     elastic = _sudden(scene, load)
@@ -141,7 +141,7 @@ def evolve(
         march=march,
         marks=marks,
         control=control,
-        companion=bool(march.kept) and companion,
+        companion=bool(march.all_memories) and companion,
         wraps=(across.wraps, along.wraps),
         records_all=times is None,
         checkpoint=checkpoint,

@@ -1,4 +1,4 @@
-"""One step in time: a bare problem made from a scene's memories, solved from the pressure before."""
+"""One step in time: the problem that a scene's memories make of it, solved from the previous pressure."""
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -14,9 +14,9 @@ from contactstudy.domain.grid import Grid
 from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.convolution import Convolution, combined, superposed
 from contactstudy.evolution.memory import (
+    AnyMemory,
     Contribution,
     JointMemory,
-    Kept,
     Memory,
     State,
     Step,
@@ -28,15 +28,27 @@ from contactstudy.scene.load import ChangingLoad
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions
 
-# A contact is solved to this share of the tolerance where something is found together with it, which sees its error.
+# A contact solved together with a memory needs this share of the tolerance, since the memory sees its error.
 CLOSER = 0.01
-# A step without stages.
+# The single, implicit stage of a step that has no stages.
 WHOLE = ((1.0, 0.0),)
 
 
 @dataclass(frozen=True, eq=False)
 class Instant:
-    """A contact at ``time`` [s] under ``load`` [N/m]: its ``pressure`` (x, y) [Pa] and what is kept, by memory."""
+    """A contact at one time.
+
+    Attributes
+    ----------
+    time
+        Time [s].
+    load
+        Load [N/m].
+    pressure
+        Pressure (x, y) [Pa].
+    states
+        State of each memory, in the order of :attr:`March.all_memories`.
+    """
 
     time: float
     load: float
@@ -47,7 +59,19 @@ class Instant:
 def solved_or_unloaded(
     options: SolveOptions, problem: Problem, start: Array | None = None, share: float = 1.0
 ) -> Solution:
-    """Return the solution from a pressure (x, y) [Pa], to a `share` of the tolerance; without load, as it is."""
+    """Return the solution of `problem`; without load, the undeformed bodies that just touch.
+
+    Parameters
+    ----------
+    options
+        How the problem is solved.
+    problem
+        The contact.
+    start
+        Pressure (x, y) [Pa] to begin with; None or zero begins on coarser grids.
+    share
+        Factor on the tolerance of `options`.
+    """
     if problem.resultant.uniform(1) == 0:
         return unloaded(problem)
     begin = start if start is not None and start.any() else None
@@ -56,14 +80,14 @@ def solved_or_unloaded(
 
 @dataclass(eq=False)
 class LoweredContact:
-    """The contact of ``problem`` over a surface that is lowered, solved from the pressure found ``last``."""
+    """The contact of `problem` over a lowered surface, solved from the `last` pressure (x, y) [Pa]."""
 
     problem: Problem
     options: SolveOptions
     last: Array
 
     def __call__(self, lift: Array) -> Solution:
-        """Over a surface that is lowered by ``lift`` (x, y) [m]."""
+        """Return the contact over a surface lowered by `lift` (x, y) [m]."""
         solution = solved_or_unloaded(self.options, lowered(self.problem, lift), self.last, CLOSER)
         self.last = solution.pressure
         return solution
@@ -71,10 +95,24 @@ class LoweredContact:
 
 @dataclass(frozen=True, eq=False)
 class March:
-    """The steps of one scene on one grid under a changing ``load``.
+    """Steps in time of one scene on one grid.
 
-    ``problem`` is that of the largest load, applied suddenly before anything has changed; ``weights`` [1/Pa] are
-    those of the coefficients in its operator. ``joint`` is found together with the pressure.
+    Attributes
+    ----------
+    problem
+        The contact under the largest load, applied suddenly before any memory has changed.
+    load
+        Load over time.
+    weights
+        Weights [1/Pa] of the influence coefficients in its operator.
+    memories
+        Memories that follow from the pressures at both ends of a step.
+    joint
+        Memory that is solved for together with the pressure; None if there is none.
+    scheme
+        Stages of a step.
+    options
+        How each contact is solved.
     """
 
     problem: Problem
@@ -86,44 +124,66 @@ class March:
     options: SolveOptions
 
     @property
-    def kept(self) -> tuple[Kept, ...]:
-        """All that is kept, in the order of an instant's states."""
+    def all_memories(self) -> tuple[AnyMemory, ...]:
+        """Every memory of the scene, in the order of an instant's states."""
         return self.memories if self.joint is None else (*self.memories, self.joint)
 
     @property
     def is_first_order(self) -> bool:
-        """Whether the error of a step falls only like its duration."""
+        """Whether the error of a step falls only in proportion to its duration."""
         return len(self.scheme.stages) == 1 and any(one.has_stages for one in self.memories)
 
     def start(self, time: float) -> Instant:
-        """Before the first load."""
+        """Return the instant before the first load, at `time` [s]."""
         shape = self.problem.grid.cells
-        states = tuple(memory.start(shape) for memory in self.kept)
+        states = tuple(memory.start(shape) for memory in self.all_memories)
         return Instant(time, 0.0, np.zeros(shape), states)
 
     def at_rest(self) -> Solution:
-        """The bodies as they just touch, before the first load."""
+        """Return the bodies as they just touch, before the first load."""
         return unloaded(self.problem)
 
     def jump(
         self, instant: Instant, load: float, parts: int, onset: int
     ) -> tuple[Instant, list[Solution]]:
-        """To another ``load`` [N/m] at once, by so many equal ``parts``."""
+        """Change the load at one instant.
+
+        Parameters
+        ----------
+        instant
+            The contact before the jump.
+        load
+            Load [N/m] after the jump.
+        parts
+            Number of equal parts in which the load changes.
+        onset
+            See :meth:`advance`.
+
+        Returns
+        -------
+        tuple of Instant and list of Solution
+            The contact after the jump, and the solutions of all parts.
+        """
         solutions: list[Solution] = []
         first = instant.load
         for part in range(1, parts + 1):
             target = load if part == parts else first + (load - first) * part / parts
-            instant, found = self.advance(instant, instant.time, target, onset)
-            solutions += found
+            instant, part_solutions = self.advance(instant, instant.time, target, onset)
+            solutions += part_solutions
         return instant, solutions
 
     def advance(
         self, instant: Instant, end: float, load: float, onset: int = 0
     ) -> tuple[Instant, list[Solution]]:
-        """To the time ``end`` [s], where the ``load`` is known, with all solutions on the way.
+        """Advance to the time `end` [s], where the load is `load` [N/m].
 
-        A step in which bodies start to yield has an error that no step twice as long shows, if they do not yield in its
-        first half, or hardly do. So an abrupt step is halved, and its halves again, up to ``onset`` times.
+        A step in which bodies start to yield may have an error that a step twice as long does not show, because they
+        hardly yield in its first half. So an abrupt step is halved, and its halves again, up to `onset` times.
+
+        Returns
+        -------
+        tuple of Instant and list of Solution
+            The contact at `end`, and the solutions of all stages on the way.
         """
         after, solutions = self._step(instant, end, load)
         joint = self.joint
@@ -136,11 +196,14 @@ class March:
         return after, solutions + first + second
 
     def _step(self, instant: Instant, end: float, load: float) -> tuple[Instant, list[Solution]]:
+        """Advance through the stages of one step."""
         start, duration = instant.time, end - instant.time
         if duration == 0:
             return self._stage(instant, Step(end, end, (instant.load, load), load))
         solutions: list[Solution] = []
-        stages = self.scheme.stages if any(m.has_stages for m in self.kept) else WHOLE
+        stages = (
+            self.scheme.stages if any(memory.has_stages for memory in self.all_memories) else WHOLE
+        )
         share = 0.0
         for part, explicit in stages:
             share += part
@@ -148,11 +211,12 @@ class March:
             time = end if last else start + share * duration
             loads = instant.load, load if last else self.load.at(time)
             step = Step(instant.time, time, loads, self.load.mean(instant.time, time), explicit)
-            instant, found = self._stage(instant, step)
-            solutions += found
+            instant, stage_solutions = self._stage(instant, step)
+            solutions += stage_solutions
         return instant, solutions
 
     def _stage(self, instant: Instant, step: Step) -> tuple[Instant, list[Solution]]:
+        """Solve the contact at the end of one stage, and advance every memory."""
         problem = self._problem_at_end(instant, step)
         joint: tuple[State, ...] = ()
         if self.joint is not None:
@@ -171,40 +235,60 @@ class March:
         return Instant(step.end, step.loads[1], after, states + joint), [solution]
 
     def _problem_at_end(self, instant: Instant, step: Step) -> Problem:
+        """Return the problem at the end of a step, with the contributions of all memories."""
         contributions = [
             memory.contribution(state, instant.pressure, step)
             for memory, state in zip(self.memories, instant.states, strict=False)
         ]
         weights = Counter(self.weights)
-        for one in contributions:
-            weights.update(one.compliance)
-        own = sum(one.own for one in contributions)
-        problem = self._with(weights, own, step.loads[1], self.problem)
+        for contribution in contributions:
+            weights.update(contribution.compliance)
+        local_compliance = sum(contribution.local_compliance for contribution in contributions)
+        problem = self._with(weights, local_compliance, step.loads[1], self.problem)
         source = self.problem.source
         if source is not None:
-            source = StepSource(source, partial(self._with, weights, own, step.loads[1]))
+            source = StepSource(
+                source, partial(self._with, weights, local_compliance, step.loads[1])
+            )
         return replace(problem, undeformed_gap=self._gap(contributions), source=source)
 
     def _with(
-        self, weights: Mapping[Coefficients, float], own: float, load: float, problem: Problem
+        self,
+        weights: Mapping[Coefficients, float],
+        local_compliance: float,
+        load: float,
+        problem: Problem,
     ) -> Problem:
-        """Return a ``problem`` of the largest load, on any grid, with a step's operator and ``load`` [N/m]."""
+        """Return `problem`, which has the largest load, with the operator and the `load` [N/m] of a step.
+
+        Parameters
+        ----------
+        weights
+            Weights [1/Pa] of the influence coefficients in the step.
+        own
+            Displacement of a cell over its own pressure [m/Pa], added to the operator.
+        load
+            Load [N/m] at the end of the step.
+        problem
+            The scene's problem, on any grid.
+        """
         grid = problem.grid
         softer = sum(weights.values()) / sum(self.weights.values())
         return replace(
             problem,
-            operator=self._operator(problem, weights, own),
+            operator=self._operator(problem, weights, local_compliance),
             resultant=PrescribedLoad(load * grid.period / grid.cell_area),
             scales=self._scales(load, softer) if load else problem.scales,
         )
 
     def _gap(self, contributions: Iterable[Contribution]) -> Array:
+        """Return the undeformed gap (x, y) [m] with what memories add to it."""
         gap = self.problem.undeformed_gap
         strains: dict[Coefficients, Array] = {}
-        for one in contributions:
-            if one.gap is not None:
-                gap = gap + one.gap
-            for coefficients, field in one.strained.items():
+        for contribution in contributions:
+            if contribution.gap is not None:
+                gap = gap + contribution.gap
+            for coefficients, field in contribution.strained.items():
                 strains[coefficients] = strains.get(coefficients, 0.0) + field
         for coefficients, strain in strains.items():
             if strain.any():
@@ -212,21 +296,26 @@ class March:
         return gap
 
     def _operator(
-        self, problem: Problem, weights: Mapping[Coefficients, float], own: float
+        self, problem: Problem, weights: Mapping[Coefficients, float], local_compliance: float
     ) -> Convolution:
+        """Return the operator of a step, made from operators that exist already."""
         operator = problem.operator
         assert isinstance(operator, Convolution)
         if weights == self.weights:
-            return combined([(1.0, operator)], own) if own else operator
+            return combined([(1.0, operator)], local_compliance) if local_compliance else operator
         units = self._units if problem is self.problem else self._units_of(problem)
-        return combined(((weight, units[one]) for one, weight in weights.items()), own)
+        return combined(
+            ((weight, units[coefficients]) for coefficients, weight in weights.items()),
+            local_compliance,
+        )
 
     @cached_property
     def _units(self) -> Mapping[Coefficients, Convolution]:
+        """Operators on the grid of the march for each kind of coefficients [m]."""
         return self._units_of(self.problem)
 
     def _units_of(self, problem: Problem) -> Mapping[Coefficients, Convolution]:
-        """Return an operator on the grid of ``problem`` for each kind of coefficients [m]."""
+        """Return an operator on the grid of `problem` for each kind of coefficients [m]."""
         if len(self.weights) == 1:
             ((coefficients, weight),) = self.weights.items()
             assert isinstance(problem.operator, Convolution)
@@ -239,9 +328,9 @@ class March:
         }
 
     def _scales(self, load: float, softer: float) -> Scales:
-        """Those of a contact under ``load`` that is ``softer`` by a factor.
+        """Return the scales of a contact under `load` [N/m] whose compliance is `softer` times that of the march.
 
-        A curved contact grows like the root of both, a flat one stays as wide as it is.
+        The width of a curved contact grows like the root of both, a flat contact keeps its width.
         """
         scales = self.problem.scales
         ratio = load / self.load.largest
@@ -255,7 +344,15 @@ class March:
 
 @dataclass(frozen=True)
 class StepSource:
-    """The heights of a scene, and its problem on another grid as a step has it, but for what memories add to the gap."""
+    """Source of a step's problem on other grids: heights of the scene, without what memories add to the gap.
+
+    Attributes
+    ----------
+    source
+        Heights of the scene.
+    step
+        Returns a problem of the largest load as the step has it.
+    """
 
     source: Source
     step: Callable[[Problem], Problem]
@@ -267,7 +364,7 @@ class StepSource:
 
     @property
     def names_scales(self) -> bool:
-        """Whether ``finest`` is known of every shape."""
+        """Whether ``finest`` is known for every shape."""
         return self.source.names_scales
 
     @property
@@ -281,8 +378,10 @@ class StepSource:
 
     def gap_without_scales(self, grid: Grid) -> Array:
         """Return the gap [m] on ``grid`` of the shapes that name no scales."""
-        known: Callable[[Grid], Array] = getattr(self.source, "gap_without_scales", self.source.gap)
-        return known(grid)
+        gap_of: Callable[[Grid], Array] = getattr(
+            self.source, "gap_without_scales", self.source.gap
+        )
+        return gap_of(grid)
 
     def problem(self, grid: Grid) -> Problem:
         """Return the problem of the step on ``grid``."""
@@ -290,19 +389,19 @@ class StepSource:
 
 
 def lowered(problem: Problem, lift: Array) -> Problem:
-    """``problem`` with its surface lowered by ``lift`` (x, y) [m]."""
+    """Return `problem` with its surface lowered by `lift` (x, y) [m]."""
     return replace(problem, undeformed_gap=problem.undeformed_gap + lift)
 
 
 def unloaded(problem: Problem) -> Solution:
-    """Bodies that just touch."""
+    """Return the bodies of `problem` as they just touch, without pressure."""
     gap = problem.undeformed_gap
-    nothing = np.zeros_like(gap)
+    no_pressure = np.zeros_like(gap)
     approach = float(gap.min())
     return Solution(
         problem=problem,
-        pressure=nothing,
-        displacement=nothing.copy(),
+        pressure=no_pressure,
+        displacement=no_pressure.copy(),
         gap=gap - approach,
         approach=approach,
         status=Status.CONVERGED,
@@ -313,7 +412,7 @@ def unloaded(problem: Problem) -> Solution:
 
 
 def worst(statuses: Sequence[Status]) -> Status:
-    """The first in the order in which they matter, most serious first."""
+    """Return the most serious of `statuses`; converged if there is none."""
     order = (Status.NOT_FINITE, Status.NO_ADMISSIBLE_PRESSURE, Status.NOT_CONVERGED, Status.STALLED,
              Status.ITERATION_LIMIT, Status.PRECISION_LIMIT, Status.CONTACT_AT_EDGE, Status.YIELD_AT_EDGE,
              Status.CONVERGED)  # fmt: skip

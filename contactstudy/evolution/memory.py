@@ -1,4 +1,4 @@
-"""What a body or an interface keeps from one instant to the next, and what it makes of it in a step."""
+"""Memories of bodies and interfaces: what they keep between instants, and how a step changes it."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -21,10 +21,19 @@ Contact = Callable[[Array], Solution]
 
 @dataclass(frozen=True)
 class Step:
-    """From ``start`` to ``end`` [s], a jump of the load if these are one; ``loads`` [N/m] before and after.
+    """A step in time, or a jump of the load where it starts and ends at one instant.
 
-    ``mean_load`` [N/m] is that over the step. ``explicit`` is the share of the step in which an interface changes
-    under the pressure before it; in the rest it changes under the one after.
+    Attributes
+    ----------
+    start, end
+        Time [s].
+    loads
+        Load [N/m] at the start and at the end.
+    mean_load
+        Mean load [N/m] over the step.
+    explicit
+        Share of the step in which an interface changes under the pressure at its start; in the remaining share it
+        changes under the pressure at its end.
     """
 
     start: float
@@ -35,7 +44,7 @@ class Step:
 
     @property
     def duration(self) -> float:
-        """[s]"""
+        """Duration of the step [s]; 0 for a jump."""
         return self.end - self.start
 
 
@@ -43,79 +52,127 @@ class Step:
 class Contribution:
     """What a memory adds to the problem at the end of a step.
 
-    ``gap`` (x, y) [m] is added to the undeformed gap. ``strained`` (x, y) [-] are fields to be convolved with their
-    coefficients [m], and added to it too. ``compliance`` [1/Pa] is added to the weights of coefficients in
-    the operator, ``own`` [m/Pa] to the displacement of each cell under its own pressure.
+    Attributes
+    ----------
+    gap
+        Added to the undeformed gap (x, y) [m]; None adds nothing.
+    strained
+        Fields (x, y) [-] to be convolved with their influence coefficients [m], then added to the gap.
+    compliance
+        Added to the weights [1/Pa] of coefficients in the operator.
+    local_compliance
+        Displacement of a cell over its own pressure [m/Pa], added to the operator.
     """
 
     gap: Array | None = None
     strained: Mapping[Coefficients, Array] = field(default_factory=dict)
     compliance: Mapping[Coefficients, float] = field(default_factory=dict)
-    own: float = 0.0
+    local_compliance: float = 0.0
 
 
-class Kept(Protocol):
-    """What a body or an interface keeps.
+class AnyMemory(Protocol):
+    """Protocol of everything that a body or an interface keeps between instants.
 
     States are never changed in place: a step may be tried and rejected.
     """
 
     @property
     def has_stages(self) -> bool:
-        """Whether the stages of a :class:`~contactstudy.evolution.steps.Scheme` make a step better."""
+        """Whether the stages of a :class:`~contactstudy.evolution.steps.Scheme` make a step more accurate."""
         ...
 
     def start(self, shape: tuple[int, int]) -> State:
-        """What is kept before the first load."""
+        """Return the state before the first load, on a grid of `shape` cells (x, y)."""
         ...
 
     def fields(self, state: State) -> Mapping[str, Field]:
-        """What of it is worth to be shown, by name."""
+        """Return the fields of a state that a user is shown, by name."""
         ...
 
 
-class Memory(Kept, Protocol):
-    """What changes in a step as the pressures at its ends say."""
+class Memory(AnyMemory, Protocol):
+    """Protocol of a memory whose change in a step follows from the pressures at both ends of the step."""
 
     def contribution(self, state: State, pressure: Array, step: Step) -> Contribution:
-        """To the problem at the end of ``step``, from the state and the ``pressure`` [Pa] at its start."""
+        """Return what this memory adds to the problem at the end of a step.
+
+        Parameters
+        ----------
+        state
+            State at the start of the step.
+        pressure
+            Pressure (x, y) [Pa] at the start of the step.
+        step
+            The step.
+        """
         ...
 
     def advance(self, state: State, before: Array, after: Array, step: Step) -> State:
-        """What is kept at the end of ``step``, by the pressures [Pa] at its ends."""
+        """Return the state at the end of a step.
+
+        Parameters
+        ----------
+        state
+            State at the start of the step.
+        before, after
+            Pressure (x, y) [Pa] at the start and at the end of the step.
+        step
+            The step.
+        """
         ...
 
 
-class JointMemory(Kept, Protocol):
-    """What changes in a step together with the pressure at its end, so that both are found at once.
+class JointMemory(AnyMemory, Protocol):
+    """Protocol of a memory whose change in a step is solved for together with the pressure at its end.
 
-    It depends on the path of the load, not on how fast it is followed.
+    It depends on the path of the load, not on how fast the load follows it.
     """
 
     def settled(
         self, state: State, problem: Problem, contact: Contact, tolerance: float
     ) -> tuple[Solution, State]:
-        """The solution of ``problem`` and what is kept then, from the ``state`` before.
+        """Solve a step for the contact and the state together.
 
-        ``contact`` solves the problem over a surface that is lowered by a field (x, y) [m].
+        Parameters
+        ----------
+        state
+            State at the start of the step.
+        problem
+            The contact at the end of the step.
+        contact
+            Solves `problem` with the surface lowered by a field (x, y) [m].
+        tolerance
+            Largest relative residual of contact and state.
+
+        Returns
+        -------
+        tuple of Solution and State
+            The contact and the state at the end of the step.
         """
         ...
 
     def abrupt(self, before: State, after: State) -> bool:
-        """Whether a step between these states changed far more than those since the last without change."""
+        """Return whether a step between two states added far more than all steps before it."""
         ...
 
     def over_time(self, states: Sequence[State], pressures: Sequence[Array]) -> Mapping[str, Field]:
-        """What follows from states and pressures of several instants, (time, ...), by name."""
+        """Return fields over (time, ...), by name, from the states and pressures (x, y) [Pa] of several instants."""
         ...
 
 
 @dataclass(frozen=True)
 class CreepMemory:
-    """Delayed pressures c_i with ``c_i' = (p - c_i) / lambda_i``, and for a fluid the impulse ``b' = p``.
+    """Memory of a viscoelastic body: its delayed pressures, and the impulse of the pressure where it is a fluid.
 
-    The surface moves as under ``J_0 p + sum(J_i c_i) + fluidity b``, whose weights are those of ``creep`` [1/Pa], by
-    the influence ``coefficients`` [m]. Exact for a pressure that is linear in a step.
+    Delayed pressures follow ``c_i' = (p - c_i) / lambda_i``, the impulse ``b' = p``. The surface moves as under
+    ``J_0 p + sum(J_i c_i) + fluidity b``. Steps are exact for a pressure that is linear in time.
+
+    Attributes
+    ----------
+    creep
+        Creep function of the body, with weights [1/Pa].
+    coefficients
+        Influence coefficients [m] of its surface.
     """
 
     creep: Creep
@@ -124,65 +181,76 @@ class CreepMemory:
     has_stages: ClassVar[bool] = False
 
     def start(self, shape: tuple[int, int]) -> State:
-        """Nothing."""
+        """Return delayed pressures and impulse of zero on `shape` cells (x, y)."""
         names = [f"delayed{number}" for number in range(len(self.creep.terms))]
         names += ["impulse"] * bool(self.creep.fluidity)
         return {name: np.zeros(shape) for name in names}
 
     def contribution(self, state: State, pressure: Array, step: Step) -> Contribution:
-        """The part of the strain that the past has fixed, and the compliance of a step so long."""
+        """Return the strain fixed by past pressures, and the compliance for the pressure at the end of the step."""
         strain = np.zeros_like(pressure)
-        more = 0.0
+        compliance = 0.0
         for number, (size, time) in enumerate(self.creep.terms):
-            kept, before, after = weights(step.duration / time)
-            strain += (size * kept) * state[f"delayed{number}"]
-            strain += (size * before) * pressure
-            more += size * after
+            from_state, from_start, from_end = delay_weights(step.duration / time)
+            strain += (size * from_state) * state[f"delayed{number}"]
+            strain += (size * from_start) * pressure
+            compliance += size * from_end
         if self.creep.fluidity:
             half = self.creep.fluidity * step.duration / 2
             strain += self.creep.fluidity * state["impulse"] + half * pressure
-            more += half
+            compliance += half
         return Contribution(
-            strained={self.coefficients: strain}, compliance={self.coefficients: more}
+            strained={self.coefficients: strain}, compliance={self.coefficients: compliance}
         )
 
     def advance(self, state: State, before: Array, after: Array, step: Step) -> State:
-        """The delayed pressures and the impulse at the end of the step."""
-        new: dict[str, Array] = {}
+        """Return the delayed pressures [Pa] and the impulse [Pa s] at the end of the step."""
+        delayed: dict[str, Array] = {}
         for number, (_, time) in enumerate(self.creep.terms):
-            kept, first, last = weights(step.duration / time)
-            new[f"delayed{number}"] = (
-                kept * state[f"delayed{number}"] + first * before + last * after
+            from_state, from_start, from_end = delay_weights(step.duration / time)
+            delayed[f"delayed{number}"] = (
+                from_state * state[f"delayed{number}"] + from_start * before + from_end * after
             )
         if self.creep.fluidity:
-            new["impulse"] = state["impulse"] + step.duration / 2 * (before + after)
-        return new
+            delayed["impulse"] = state["impulse"] + step.duration / 2 * (before + after)
+        return delayed
 
     def fields(self, state: State) -> Mapping[str, Field]:
-        """None."""
+        """Return no fields: delayed pressures are not shown to users."""
         return {}
 
 
-def weights(ratio: float) -> tuple[float, float, float]:
-    """How the delayed pressure after ``ratio`` = step / lambda is made of itself, p before and p after.
+def delay_weights(ratio: float) -> tuple[float, float, float]:
+    """Return the weights of the delayed pressure, the pressure before and the pressure after, in a step of creep.
 
-    They add up to 1 and none is negative: ``e, f - e, 1 - f`` with ``e = exp(-ratio)``, ``f = (1 - e) / ratio``.
+    They are ``e``, ``f - e`` and ``1 - f`` with ``e = exp(-ratio)`` and ``f = (1 - e) / ratio``. They add up to 1 and
+    none is negative.
+
+    Parameters
+    ----------
+    ratio
+        Duration of the step over the retardation time lambda.
     """
-    kept = exp(-ratio)
+    from_state = exp(-ratio)
     if ratio < 1e-3:  # where the quotient would cancel
-        after = ratio / 2 - ratio**2 / 6 + ratio**3 / 24
-        return kept, -expm1(-ratio) - after, after
-    after = 1 + expm1(-ratio) / ratio
-    return kept, -expm1(-ratio) - after, after
+        from_end = ratio / 2 - ratio**2 / 6 + ratio**3 / 24
+        return from_state, -expm1(-ratio) - from_end, from_end
+    from_end = 1 + expm1(-ratio) / ratio
+    return from_state, -expm1(-ratio) - from_end, from_end
 
 
 @dataclass(frozen=True)
 class WearMemory:
-    """The worn depth w, ``dw/dt = rate p`` with ``rate`` [m/(Pa s)].
+    """Memory of wear: the worn depth w, with ``dw/dt = rate p`` (Archard 1953).
 
-    The pressure before a step acts in its explicit share, the one after in the rest, which adds a constant to
-    the operator. The volume is exact: where the load changes within the step, both are scaled to the
-    mean load, or what a falling load leaves missing is worn by the pressure before.
+    The pressure at the start of a step acts in its explicit share, the pressure at its end in the remaining share, which
+    adds a constant to the operator. The worn volume is exact: where the load changes within the step, both pressures are
+    scaled to the mean load, or the pressure at the start wears what a falling load leaves missing.
+
+    Attributes
+    ----------
+    rate
+        Depth over pressure and time [m/(Pa s)].
     """
 
     rate: float
@@ -190,47 +258,59 @@ class WearMemory:
     has_stages: ClassVar[bool] = True
 
     def start(self, shape: tuple[int, int]) -> State:
-        """Nothing is worn."""
+        """Return a worn depth of zero on `shape` cells (x, y)."""
         return {"worn_depth": np.zeros(shape)}
 
     def contribution(self, state: State, pressure: Array, step: Step) -> Contribution:
-        """The depth worn so far, and what the pressure to come wears off."""
+        """Return the depth worn so far as a gap, and what the pressure at the end wears as a local compliance."""
         before, after = self._shares(step)
         worn = state["worn_depth"]
         if before:
             worn = worn + before * pressure
-        return Contribution(gap=worn, own=after)
+        return Contribution(gap=worn, local_compliance=after)
 
     def advance(self, state: State, before: Array, after: Array, step: Step) -> State:
-        """The depth at the end of the step."""
+        """Return the worn depth at the end of the step."""
         first, last = self._shares(step)
         worn = state["worn_depth"] + last * after
         return {"worn_depth": worn + first * before if first else worn}
 
     def fields(self, state: State) -> Mapping[str, Field]:
-        """``worn_depth``."""
+        """Return the worn depth (x, y) [m]."""
         return {"worn_depth": Field(("x", "y"), state["worn_depth"], "m", "worn depth")}
 
     def _shares(self, step: Step) -> tuple[float, float]:
-        """Depth over pressure [m/Pa] that the pressure before the step wears off in it, and the one after."""
+        """Return depth over pressure [m/Pa] worn in the step by the pressure at its start and by that at its end."""
         (first, last), mean, explicit = step.loads, step.mean_load, step.explicit
-        whole = self.rate * step.duration
+        depth_per_pressure = self.rate * step.duration
         carried = explicit * first + (1 - explicit) * last
         if carried >= mean:
             scale = mean / carried if carried else 0.0
-            return whole * explicit * scale, whole * (1 - explicit) * scale
+            return depth_per_pressure * explicit * scale, depth_per_pressure * (
+                1 - explicit
+            ) * scale
         if last == 0:
-            return whole * (mean / first if first else 0.0), 0.0
-        # no more than half of the rest explicitly, so that it stays stable
-        more = min((mean - carried) / first, (1 - explicit) / 2) if first else 0.0
-        explicit += more
-        return whole * explicit, whole * (mean - explicit * first) / last
+            return depth_per_pressure * (mean / first if first else 0.0), 0.0
+
+        # at most half of the implicit share becomes explicit, so that the step stays stable
+        additional = min((mean - carried) / first, (1 - explicit) / 2) if first else 0.0
+        explicit += additional
+        return depth_per_pressure * explicit, depth_per_pressure * (mean - explicit * first) / last
 
 
 def explicit_limit(rate: float, contact_modulus: float, cell: float) -> float:
-    """The longest step [s] of an explicit scheme in plane strain: ``1.48 dx / (rate E*)``.
+    """Return the longest stable step [s] of explicit wear in plane strain, ``1.48 cell / (rate contact_modulus)``.
 
-    ``rate`` [m/(Pa s)], E* [Pa], ``cell`` dx [m]. The smallest eigenvalue of the influence matrix of touching cells is
-    0.742 dx / E*, and an explicit step must be shorter than twice that over the rate.
+    The smallest eigenvalue of the influence matrix of touching cells is ``0.742 cell / contact_modulus``; an explicit
+    step must be shorter than ``2 / (rate eigenvalue)``, where the eigenvalue is a compliance over pressure.
+
+    Parameters
+    ----------
+    rate
+        Wear rate [m/(Pa s)].
+    contact_modulus
+        Contact modulus E* [Pa].
+    cell
+        Width of a cell across [m].
     """
     return 1.484 * cell / (rate * contact_modulus)

@@ -1,4 +1,4 @@
-"""Which cells below the surface may yield, and how deep their layers reach."""
+"""Plastic strain as a memory: which cells below the surface may yield, and how a step changes their strain."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -28,11 +28,20 @@ LARGER = 0.3
 
 
 def layers(grid: Grid, length: float, depth: float) -> tuple[float, ...]:
-    """Depths [m] between layers down to ``depth``, with one more below.
+    """Return the depths [m] of the edges of layers from 0 to at least `depth`, and of one more layer.
 
-    A layer is as thick as a cell is wide down to the depth ``length``, twice that down to three times this depth, and
-    so on, so that errors of layers and of cells fall alike: an operator is made once for each thickness. More
-    depth adds layers and leaves the others as they are.
+    A layer is as thick as a cell is wide down to the depth `length`, twice that down to three times this depth, and so
+    on, so that errors of layers and of cells fall alike and an operator is made once for each thickness. A larger depth
+    adds layers and leaves the others unchanged.
+
+    Parameters
+    ----------
+    grid
+        Grid of the surface.
+    length
+        Length of the contact [m], such as its half-width.
+    depth
+        Depth that the layers cover [m].
     """
     edges, thickness = [0.0], grid.cell[0]
     while edges[-1] < depth:
@@ -48,13 +57,21 @@ def first_volume(
     pressure: Array,
     share_of_yield: Callable[[Volume], Array],
 ) -> Volume:
-    """Below the contact of an elastic ``pressure`` (x, y), down to where von Mises' stress has become small.
+    """Return the cells below an elastic contact that may yield, down to where von Mises' stress is small.
 
-    ``length`` [m] is that of the contact; ``share_of_yield`` is von Mises' stress over the yield
-    stress (layers, x, y) in a volume.
+    Parameters
+    ----------
+    grid
+        Grid of the surface.
+    length
+        Length of the contact [m].
+    pressure
+        Elastic pressure (x, y) [Pa] under the largest load.
+    share_of_yield
+        Returns von Mises' stress over the yield stress (layers, x, y) in a volume.
     """
-    bears = np.flatnonzero(pressure.any(axis=1))
-    first, last = (int(bears[0]), int(bears[-1]) + 1) if bears.size else (0, grid.cells[0])
+    loaded = np.flatnonzero(pressure.any(axis=1))
+    first, last = (int(loaded[0]), int(loaded[-1]) + 1) if loaded.size else (0, grid.cells[0])
     depth = min(length, (last - first) * grid.cell[0] / 2)
     while True:
         volume = Volume(grid, 0, grid.cells[0], layers(grid, length, depth))
@@ -62,50 +79,75 @@ def first_volume(
         if share[-1].max() < min(SHARE, share.max()) or depth > grid.extent[0]:
             break
         depth *= 1 + LARGER
-    high = np.flatnonzero((share > SHARE).any(axis=0))
-    if high.size:
-        first, last = min(first, int(high[0])), max(last, int(high[-1]) + 1)
+    near_yield = np.flatnonzero((share > SHARE).any(axis=0))
+    if near_yield.size:
+        first, last = min(first, int(near_yield[0])), max(last, int(near_yield[-1]) + 1)
     room = int(np.ceil(ROOM * (last - first))) + 1
     return replace(volume, first=max(first - room, 0), last=min(last + room, grid.cells[0]))
 
 
-def larger(volume: Volume, length: float, flows: NDArray[np.bool_]) -> Volume:
-    """``volume``, with more room on every side up to which it ``flows`` (layers, x, y), within its grid."""
-    room = int(np.ceil(LARGER * (volume.last - volume.first)))
-    first = max(volume.first - room, 0) if flows[:, 0].any() else volume.first
-    last = min(volume.last + room, volume.grid.cells[0]) if flows[:, -1].any() else volume.last
+def enlarged(volume: Volume, length: float, flows: NDArray[np.bool_]) -> Volume:
+    """Return `volume` with more room on every side where plastic flow reaches its edge, within its grid.
+
+    Parameters
+    ----------
+    volume
+        Cells that could yield.
+    length
+        Length of the contact [m], for which layers are made.
+    flows
+        Whether a cell flowed (layers, x, y).
+    """
+    margin = int(np.ceil(LARGER * (volume.last - volume.first)))
+    first = max(volume.first - margin, 0) if flows[:, 0].any() else volume.first
+    last = min(volume.last + margin, volume.grid.cells[0]) if flows[:, -1].any() else volume.last
     edges = volume.edges
     if flows[-1].any():
         edges = layers(volume.grid, length, (1 + LARGER) * edges[-1])
     return Volume(volume.grid, first, last, edges)
 
 
-def both(one: Volume, other: Volume) -> Volume:
-    """The smallest volume that holds both; their layers are the same as far as they reach."""
-    edges = max(one.edges, other.edges, key=len)
-    return Volume(one.grid, min(one.first, other.first), max(one.last, other.last), edges)
+def union(first_volume: Volume, second_volume: Volume) -> Volume:
+    """Return the smallest volume that holds two volumes; their layers are equal as far as both reach."""
+    edges = max(first_volume.edges, second_volume.edges, key=len)
+    return Volume(
+        first_volume.grid,
+        min(first_volume.first, second_volume.first),
+        max(first_volume.last, second_volume.last),
+        edges,
+    )
 
 
-def spread(field: Array, first: int, volume: Volume) -> Array:
-    """A field (..., layers, x, y) from cell ``first`` on, with zeros in the rest of a larger ``volume``."""
+def embedded(field: Array, first: int, volume: Volume) -> Array:
+    """Return a field in a larger volume, with zeros in the added cells.
+
+    Parameters
+    ----------
+    field
+        Values (..., layers, x, y) in a smaller volume.
+    first
+        First cell across of the smaller volume.
+    volume
+        The larger volume.
+    """
     layers, across = field.shape[-3:-1]
-    whole = np.zeros((*field.shape[:-3], *volume.shape))
+    values = np.zeros((*field.shape[:-3], *volume.shape))
     start = first - volume.first
-    whole[..., :layers, start : start + across, :] = field
-    return whole
+    values[..., :layers, start : start + across, :] = field
+    return values
 
 
 @dataclass(frozen=True)
 class YieldingBody:
-    """Body ``place`` of ``Scene.solids``."""
+    """A body that yields: its number `place` in ``Scene.solids``, elastic moduli and hardening [Pa]."""
 
     place: int
     moduli: Moduli
     hardening: Hardening
 
     @classmethod
-    def all_of(cls, scene: Scene) -> "tuple[YieldingBody, ...]":
-        """Those of ``scene``."""
+    def in_scene(cls, scene: Scene) -> "tuple[YieldingBody, ...]":
+        """Return the yielding bodies of `scene`, in the order of its solids."""
         return tuple(
             cls(
                 place,
@@ -119,9 +161,18 @@ class YieldingBody:
 
 @dataclass(eq=False)
 class PlasticMemory:
-    """Plastic strain and equivalent plastic strain of each body, in a volume that grows as it yields.
+    """Memory of plastic strain and equivalent plastic strain of each yielding body.
 
-    ``elastic`` is the contact under the largest load before anything has yielded.
+    They are kept in volumes of cells that grow as bodies yield.
+
+    Attributes
+    ----------
+    bodies
+        The bodies that yield.
+    elastic
+        Contact under the largest load before anything has yielded.
+    precision
+        Precision of the contact's solver.
     """
 
     bodies: tuple[YieldingBody, ...]
@@ -145,17 +196,22 @@ class PlasticMemory:
             self.operators.append(operator_on(volume, body.moduli))
 
     def start(self, shape: tuple[int, int]) -> State:
-        """No plastic strain."""
+        """Return a state without plastic strain."""
         state: dict[str, Array] = {"flow": np.zeros(1)}
-        for body, one in zip(self.bodies, self.operators, strict=True):
-            cells = one.volume.shape
-            state |= _named(body, np.zeros((len(one.basis), *cells)), np.zeros(cells), one.volume)
+        for body, operator in zip(self.bodies, self.operators, strict=True):
+            cells = operator.volume.shape
+            state |= _body_state(
+                body, np.zeros((len(operator.basis), *cells)), np.zeros(cells), operator.volume
+            )
         return state
 
     def settled(
         self, state: State, problem: Problem, contact: Contact, tolerance: float
     ) -> tuple[Solution, State]:
-        """Contact and plastic strain together, in volumes that are as large as what yields."""
+        """Solve a step for contact and plastic strain together, in volumes that hold everything that yields.
+
+        Parameters and result are those of :meth:`~contactstudy.evolution.memory.JointMemory.settled`.
+        """
         while True:
             # first, since the state of a march that goes on may be in larger volumes than these
             strains, equivalents = self._in_volumes(state)
@@ -163,44 +219,45 @@ class PlasticMemory:
                 tuple(self.operators), tuple(body.hardening for body in self.bodies)
             )
             before, equivalent = bodies.joined(strains), bodies.joined(equivalents)
-            found = settle(bodies, contact, self._tangent, before, equivalent, tolerance)
-            if not self._grown(bodies.parted(found.flow)):
+            settled = settle(bodies, contact, self._tangent, before, equivalent, tolerance)
+            if not self._grown(bodies.parted(settled.flow)):
                 break
-        strains = bodies.parted(found.strain)
-        equivalents = bodies.parted(equivalent + found.flow)
-        # to rounding, a cell on the yield surface may be beyond it
-        flows = found.flow > tolerance * bodies.unit
-        flow = float((found.flow * flows * bodies.volumes).sum())
+        strains = bodies.parted(settled.strain)
+        equivalents = bodies.parted(equivalent + settled.flow)
+
+        # rounding may put a cell that is on the yield surface beyond it
+        flows = settled.flow > tolerance * bodies.unit
+        flow = float((settled.flow * flows * bodies.volumes).sum())
         after: dict[str, Array] = {"flow": state["flow"] + flow if flow else np.zeros(1)}
         parts = zip(self.bodies, self.operators, strains, equivalents, strict=True)
-        for body, one, strain, hardened in parts:
-            after |= _named(body, strain, hardened, one.volume)
-        solution = concluded(found, tolerance)
+        for body, operator, strain, hardened in parts:
+            after |= _body_state(body, strain, hardened, operator.volume)
+        solution = step_solution(settled, tolerance)
         yielded = zip(self.operators, equivalents, strict=True)
         if solution.status is Status.CONVERGED and any(
-            _meets_edge(one.volume, hardened > 0) for one, hardened in yielded
+            _meets_edge(operator.volume, hardened > 0) for operator, hardened in yielded
         ):
             solution = replace(solution, status=Status.YIELD_AT_EDGE)
         return solution, after
 
     def fields(self, state: State) -> Mapping[str, Field]:
-        """``residual_displacement``, of both bodies together."""
+        """Return the residual displacement (x, y) [m] of both surfaces together, positive into the bodies."""
         strains, _ = self._in_volumes(state)
         parts = zip(self.operators, strains, strict=True)
         # of the surface, into the bodies
-        lift = np.asarray(sum(one.lift(strain) for one, strain in parts))
-        about = "residual displacement"
-        return {"residual_displacement": Field(("x", "y"), lift, "m", about)}
+        displacement = np.asarray(sum(operator.lift(strain) for operator, strain in parts))
+        long_name = "residual displacement"
+        return {"residual_displacement": Field(("x", "y"), displacement, "m", long_name)}
 
     def abrupt(self, before: State, after: State) -> bool:
-        """Whether plastic strain since it last stopped has become several times as large."""
+        """Return whether a step made the plastic strain since the last unchanged load several times as large."""
         return bool(after["flow"][0] > (1 + ABRUPT) * before["flow"][0])
 
     def over_time(self, states: Sequence[State], pressures: Sequence[Array]) -> Mapping[str, Field]:
-        """Strain and stress of each body, over (time, component, z, x, y), across the whole grid."""
+        """Return plastic strain and stress of each body over (time, component, z, x, y), across the whole grid."""
         for state in states:
-            self._in_volumes(state)  # so that volumes hold all
-        found: dict[str, Field] = {
+            self._in_volumes(state)  # volumes grow to hold every state
+        fields: dict[str, Field] = {
             "component": Field(
                 ("component",),
                 np.array(list(COMPONENTS)),
@@ -210,11 +267,11 @@ class PlasticMemory:
         }
         for number, body in enumerate(self.bodies):
             suffix = f"_{body.place}" if len(self.bodies) > 1 else ""
-            narrow = self.operators[number].volume
-            volume = replace(narrow, first=0, last=narrow.grid.cells[0])
+            yielding = self.operators[number].volume
+            volume = replace(yielding, first=0, last=yielding.grid.cells[0])
             wide = operator_on(volume, body.moduli)
             strains, equivalents = zip(
-                *(_spread(state, body, volume) for state in states), strict=True
+                *(_embedded_state(state, body, volume) for state in states), strict=True
             )
             residual = np.stack([wide.tensor_of_strain(strain) for strain in strains])
             total = residual + np.stack([wide.tensor_of_pressure(p) for p in pressures])
@@ -222,22 +279,28 @@ class PlasticMemory:
             cells = "time", f"z{suffix}", "x", "y"
             components = "time", "component", *cells[1:]
             down = {"axis": "Z", "positive": "down"}
-            said = "tension positive, mean over a cell"
-            found |= {
+            convention = "tension positive, mean over a cell"
+            fields |= {
                 f"plastic_strain{suffix}": Field(components, tensors, "1", "plastic strain"),
                 f"equivalent_plastic_strain{suffix}": Field(
                     cells, np.stack(equivalents), "1", "equivalent plastic strain"
                 ),
-                f"stress{suffix}": Field(components, total, "Pa", f"stress, {said}", NEAR_EDGE),
+                f"stress{suffix}": Field(
+                    components, total, "Pa", f"stress, {convention}", NEAR_EDGE
+                ),
                 f"residual_stress{suffix}": Field(
-                    components, residual, "Pa", f"stress without the pressure, {said}", NEAR_EDGE
+                    components,
+                    residual,
+                    "Pa",
+                    f"stress without the pressure, {convention}",
+                    NEAR_EDGE,
                 ),
                 f"z{suffix}": Field((f"z{suffix}",), volume.depths, "m", "depth of a layer", down),
                 f"layer_thickness{suffix}": Field(
                     (f"z{suffix}",), volume.thicknesses, "m", "thickness of a layer"
                 ),
             }
-        return found
+        return fields
 
     @property
     def _length(self) -> float:
@@ -247,35 +310,35 @@ class PlasticMemory:
         return ContactTangent.of(solution, self.precision)
 
     def _in_volumes(self, state: State) -> tuple[list[Array], list[Array]]:
-        """Strains and equivalent strains in the volumes of today, which are made to hold those of ``state``."""
+        """Return strains and equivalent strains of `state` by body, after enlarging the present volumes to hold them."""
         strains, equivalents = [], []
         for number, body in enumerate(self.bodies):
             strain, first = state[f"strain{body.place}"], int(state[f"first{body.place}"][0])
-            now = self.operators[number].volume
+            present = self.operators[number].volume
             edges = tuple(float(z) for z in state[f"edges{body.place}"])
-            held = both(now, Volume(now.grid, first, first + strain.shape[-2], edges))
-            if held != now:
-                self.operators[number] = operator_on(held, body.moduli)
-            one, other = _spread(state, body, held)
-            strains.append(one)
-            equivalents.append(other)
+            volume = union(present, Volume(present.grid, first, first + strain.shape[-2], edges))
+            if volume != present:
+                self.operators[number] = operator_on(volume, body.moduli)
+            body_strain, body_equivalent = _embedded_state(state, body, volume)
+            strains.append(body_strain)
+            equivalents.append(body_equivalent)
         return strains, equivalents
 
     def _grown(self, flows: Sequence[Array]) -> bool:
-        """Whether a volume had to be made larger, since it yields up to its edge."""
-        changed = False
-        for number, (body, one) in enumerate(zip(self.bodies, flows, strict=True)):
+        """Enlarge each volume in which plastic flow reaches the edge, and return whether there was one."""
+        any_grown = False
+        for number, (body, flow) in enumerate(zip(self.bodies, flows, strict=True)):
             volume = self.operators[number].volume
-            grown = larger(volume, self._length, one > 0)
-            if grown != volume:
-                self.operators[number] = operator_on(grown, body.moduli)
-                changed = True
-        return changed
+            new_volume = enlarged(volume, self._length, flow > 0)
+            if new_volume != volume:
+                self.operators[number] = operator_on(new_volume, body.moduli)
+                any_grown = True
+        return any_grown
 
 
 # A step that doubles the load beyond that of first yield adds some 3 times the plastic strain that there was.
 ABRUPT = 4.0
-# A contact that stopped short of what it was asked for.
+# Statuses of a contact that stopped before its tolerance.
 NEARLY = (Status.PRECISION_LIMIT, Status.STALLED, Status.ITERATION_LIMIT)
 # At the edge of the contact the stress has a logarithmic or stronger peak below the size of any cell.
 NEAR_EDGE = {
@@ -284,16 +347,17 @@ NEAR_EDGE = {
 
 
 def operator_on(volume: Volume, moduli: Moduli) -> EigenstrainOperator:
-    """The operator on plastic strain in ``volume``: in plane strain for one cell along the length."""
+    """Return the operator on plastic strain in `volume`, in plane strain if the grid has one cell along the length."""
     if volume.grid.cells[1] == 1:
         return PlaneStrainOperator(volume, moduli)
-    # here, for those whose scene varies along the length
+    # imported only for scenes that vary along the length
     from contactstudy.elasticity.eigenstrain.rows import RowOperator
 
     return RowOperator(volume, moduli)
 
 
-def _named(body: YieldingBody, strain: Array, equivalent: Array, volume: Volume) -> State:
+def _body_state(body: YieldingBody, strain: Array, equivalent: Array, volume: Volume) -> State:
+    """Return the arrays of one body's state, named after its place in the scene."""
     return {
         f"strain{body.place}": strain,
         f"equivalent{body.place}": equivalent,
@@ -302,36 +366,44 @@ def _named(body: YieldingBody, strain: Array, equivalent: Array, volume: Volume)
     }
 
 
-def _spread(state: State, body: YieldingBody, volume: Volume) -> tuple[Array, Array]:
-    """Strain and equivalent strain of ``body`` in a volume that holds those of ``state``."""
+def _embedded_state(state: State, body: YieldingBody, volume: Volume) -> tuple[Array, Array]:
+    """Return strain and equivalent strain of `body` from `state`, in a `volume` that contains them."""
     first = int(state[f"first{body.place}"][0])
     strain, equivalent = state[f"strain{body.place}"], state[f"equivalent{body.place}"]
-    return spread(strain, first, volume), spread(equivalent, first, volume)
+    return embedded(strain, first, volume), embedded(equivalent, first, volume)
 
 
 def _meets_edge(volume: Volume, yielded: NDArray[np.bool_]) -> bool:
-    """Whether plastic strain reaches the edges of the grid across."""
+    """Return whether plastic strain (layers, x, y) reaches the edges of the grid across."""
     left = volume.first == 0 and yielded[:, 0].any()
     return bool(left or (volume.last == volume.grid.cells[0] and yielded[:, -1].any()))
 
 
-def concluded(found: Settled, tolerance: float) -> Solution:
-    """The last contact of a step, with what all of them took, and what became of the plastic strain."""
-    last = found.solution
+def step_solution(settled: Settled, tolerance: float) -> Solution:
+    """Return the contact at the end of a step, with the work of all its contacts and the status of the plastic strain.
+
+    Parameters
+    ----------
+    found
+        Contact and plastic strain, settled together.
+    tolerance
+        Largest residual with which they count as converged.
+    """
+    last = settled.solution
     status, note = last.status, last.note
     if status in NEARLY and last.residual <= tolerance:
-        status = Status.CONVERGED  # the contact had been asked for more
-    if not found.residual <= tolerance:
+        status = Status.CONVERGED  # the contact was asked for a smaller residual than the step
+    if not settled.residual <= tolerance:
         status = Status.NOT_CONVERGED
         note = (
-            f"Plastic strain and pressure settled to {found.residual:.1e} of the yield strain in "
-            f"{found.iterations} iterations."
+            f"Plastic strain and pressure settled to {settled.residual:.1e} of the yield strain in "
+            f"{settled.iterations} iterations."
         )
     return replace(
         last,
         status=status,
         note=note,
-        residual=max(last.residual, found.residual),
-        iterations=sum(one.iterations for one in found.contacts),
-        convolutions=sum(one.convolutions for one in found.contacts),
+        residual=max(last.residual, settled.residual),
+        iterations=sum(contact.iterations for contact in settled.contacts),
+        convolutions=sum(contact.convolutions for contact in settled.contacts),
     )

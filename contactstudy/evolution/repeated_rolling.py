@@ -1,4 +1,4 @@
-"""What passes of a contact leave in a half-space."""
+"""Repeated rolling in plane strain: the plastic strain and residual stress that passes of a contact leave behind."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -16,15 +16,15 @@ from contactstudy.domain.padding import Padding, Paddings
 from contactstudy.elasticity.eigenstrain.plane_strain import PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import Volume
 from contactstudy.evolution.march import worst
-from contactstudy.evolution.plastic import YieldingBody, concluded, layers, spread
+from contactstudy.evolution.plastic import YieldingBody, embedded, layers, step_solution
 from contactstudy.evolution.track import (
     Contact,
     Profile,
     RollingPressure,
     Track,
-    nothing,
-    padded,
+    no_contact,
     rolling_contact,
+    with_zero_layers,
 )
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import sudden
@@ -43,13 +43,25 @@ XX, YY, XZ = 0, 1, 4
 
 @dataclass(frozen=True, eq=False)
 class RollingPass:
-    """One pass: the plastic strain that it has ``left`` behind, over a ``distance`` [m], and the contact at its end.
+    """One pass of a contact over a half-space.
 
-    ``status`` is the worst of its ``steps``, which took so many ``iterations`` of Newton's method; it is
-    NOT_CONVERGED, too, where the plastic strain did not become steady.
+    Attributes
+    ----------
+    profile
+        Plastic strain that the pass leaves behind.
+    distance
+        Distance rolled [m].
+    solution
+        The contact at the end of the pass.
+    status
+        The worst status of its steps; NOT_CONVERGED also where the plastic strain did not become steady.
+    steps
+        Number of steps.
+    iterations
+        Iterations of Newton's method in all steps.
     """
 
-    left: Profile
+    profile: Profile
     distance: float
     solution: Solution
     status: Status
@@ -59,11 +71,22 @@ class RollingPass:
 
 @dataclass(frozen=True, eq=False)
 class RepeatedRolling:
-    """The ``passes`` of a contact over a half-space, in order, and the ``track`` in the window of the last one.
+    """Passes of a contact over an elastic-plastic half-space.
 
     Arrays are (pass, z) or (pass, component, z): components xx, yy, zz, yz, xz, xy with x in the direction of travel
-    and z into the body, stress tension positive, each after the pass and far behind the contact, where nothing
-    changes along x. ``removed`` is the track after the last contact has been lifted off.
+    and z into the body, stress tension positive. Each is taken after the pass and far behind the contact, where nothing
+    changes along x.
+
+    Attributes
+    ----------
+    passes
+        The passes, in order.
+    track
+        The half-space in the window of the last pass.
+    removed
+        The half-space after the contact of the last pass has been lifted off.
+    description
+        The scene, grid and padding.
     """
 
     passes: tuple[RollingPass, ...]
@@ -73,28 +96,31 @@ class RepeatedRolling:
 
     @property
     def grid(self) -> Grid:
-        """The window."""
+        """Grid of the window that moves with the contact."""
         return self.track.operator.volume.grid
 
     @property
     def depths(self) -> Array:
-        """Middles of the layers (z,) [m]."""
+        """Depths of the middles of the layers (z,) [m]."""
         return self.track.operator.volume.depths
 
     @property
     def plastic_strain(self) -> Array:
-        """(pass, component, z)"""
+        """Plastic strain (pass, component, z) that each pass leaves behind."""
         basis = self.track.operator.basis
-        return np.asarray(np.einsum("ct,ncl->ntl", basis, self._each(_strain)))
+        return np.asarray(np.einsum("ct,ncl->ntl", basis, self._per_pass(_strain)))
 
     @property
     def equivalent_plastic_strain(self) -> Array:
-        """(pass, z)"""
-        return self._each(_equivalent)
+        """Equivalent plastic strain (pass, z) that each pass leaves behind."""
+        return self._per_pass(_equivalent)
 
     @property
     def residual_stress(self) -> Array:
-        """(pass, component, z) [Pa]: xx and yy alone, which balance in a body that goes on to infinity."""
+        """Residual stress (pass, component, z) [Pa] after each pass.
+
+        Only xx and yy differ from zero: the others balance in a half-space without end.
+        """
         moduli = self.track.operator.moduli
         strain, nu = self.plastic_strain, moduli.poisson_ratio
         stress = np.zeros_like(strain)
@@ -104,50 +130,50 @@ class RepeatedRolling:
 
     @property
     def yielding(self) -> Array:
-        """(pass,) The largest equivalent plastic strain that a pass adds; 0 where nothing yields any more."""
-        return np.asarray(self._added(self.equivalent_plastic_strain).max(axis=-1))
+        """Largest equivalent plastic strain (pass,) that each pass adds; 0 where nothing yields any more."""
+        return np.asarray(self._added_per_pass(self.equivalent_plastic_strain).max(axis=-1))
 
     @property
     def shear(self) -> Array:
-        """(pass, z) The shear strain ``2 e_xz`` that a pass adds."""
-        return 2 * self._added(self.plastic_strain[:, XZ])
+        """Shear strain ``2 e_xz`` (pass, z) that each pass adds."""
+        return 2 * self._added_per_pass(self.plastic_strain[:, XZ])
 
     @property
     def forward_displacement(self) -> Array:
-        """(pass,) [m] How far a pass moves the surface over what lies deep, against the direction of travel.
+        """Distance (pass,) [m] by which each pass moves the surface over deep material, against the direction of travel.
 
-        The integral of :attr:`shear`. On a disc that turns below a contact which stays, it is forwards
-        (Crook 1957, Proc. Inst. Mech. Eng. 171).
+        The integral of :attr:`shear` over depth. On a disc that turns below a contact that stays in place, it is
+        forwards (Crook 1957, Proc. Inst. Mech. Eng. 171).
         """
         return self.shear @ self.track.operator.volume.thicknesses
 
     @property
     def peak_pressure(self) -> Array:
-        """(pass,) [Pa] at the end of each."""
+        """Peak pressure (pass,) [Pa] at the end of each pass."""
         return np.array([one.solution.pressure.max() for one in self.passes])
 
     @property
     def shaken_down(self) -> int | None:
-        """The first pass, counted from 1, from which on nothing yields; None where the last one yields still."""
+        """Number of the first pass, counted from 1, from which on nothing yields; None if the last pass still yields."""
         still = np.flatnonzero(self.yielding > 0)
         last = int(still[-1]) + 1 if still.size else 0
         return None if last == len(self.passes) else last + 1
 
     @property
     def status(self) -> Status:
-        """The worst of all passes."""
+        """The worst status of all passes."""
         return worst([one.status for one in self.passes])
 
     def summary(self) -> str:
-        """What was found, in a few lines."""
+        """Return status, work, shakedown and residual stress as a few lines of text."""
         stress = self.residual_stress[-1, XX]
         lowest = int(stress.argmin())
         down = self.shaken_down
         return "\n".join(
             (
                 f"{self.status}",
-                f"  {len(self.passes)} passes, {sum(one.steps for one in self.passes)} steps, "
-                f"{sum(one.iterations for one in self.passes)} iterations",
+                f"  {len(self.passes)} passes, {sum(each_pass.steps for each_pass in self.passes)} steps, "
+                f"{sum(each_pass.iterations for each_pass in self.passes)} iterations",
                 "  the last pass yields still"
                 if down is None
                 else f"  nothing yields from pass {down} on",
@@ -158,15 +184,15 @@ class RepeatedRolling:
         )
 
     def to_dataset(self) -> "xr.Dataset":
-        """By pass and depth, and the window after the last pass, with units and long names."""
+        """Return results by pass and depth, and the window after the last pass, with units and long names."""
         dataset: xr.Dataset = presentation("RepeatedRolling.to_dataset")(self)
         return dataset
 
-    def _each(self, of: Callable[[Profile], Array]) -> Array:
+    def _per_pass(self, part: Callable[[Profile], Array]) -> Array:
         layers = len(self.depths)
-        return np.stack([of(one.left.deeper(layers)) for one in self.passes])
+        return np.stack([part(each_pass.profile.deeper(layers)) for each_pass in self.passes])
 
-    def _added(self, kept: Array) -> Array:
+    def _added_per_pass(self, kept: Array) -> Array:
         return np.diff(kept, axis=0, prepend=np.zeros_like(kept[:1]))
 
 
@@ -178,9 +204,9 @@ def _equivalent(profile: Profile) -> Array:
     return profile.equivalent
 
 
-# Layers reach so many lengths of the contact deep at first; they are made deeper where that yields.
+# Depth of the first layers, in lengths of the contact; they are made deeper where the last one yields.
 DEPTH = 2.0
-# A pass goes on for no longer than so many widths of the window.
+# The longest pass, in widths of the window.
 LONGEST = 20
 
 
@@ -198,25 +224,50 @@ def roll_repeatedly(
     solver: Solver = PreconditionedCG(),  # noqa: B008 (a frozen value)
     precision: Precision = Precision.DOUBLE,
 ) -> RepeatedRolling:
-    """Roll the contact of ``scene`` to larger x over an elastic-plastic half-space, ``passes`` times, in plane strain.
+    """Roll the contact of `scene` to larger x over an elastic-plastic half-space, `passes` times, in plane strain.
 
-    ``grid`` is a window that moves with the contact; all that yields below the contact must be in it. The half-space
-    has no end: ahead of the window it is as the pass before has left it, behind as this one leaves it. The
-    contact is pressed at once, then it rolls by one cell in each step. A pass ends when the plastic strain that
-    it leaves changes by less than ``steady`` yield strains (Y / E) while the contact rolls by its half-width, or
-    after a ``distance`` [m]. The next pass follows on. The other body is elastic or rigid, and heights move with the
-    contact.
+    The half-space has no end: ahead of the window it is as the previous pass left it, behind the window as this pass
+    leaves it. The contact is pressed at once, then rolls by one cell in each step; the next pass follows on. The
+    heights of the other body move with the contact. The error is of first order in the cell width: halve the cells, and
+    the change is about the error that remains.
 
-    Steps are as long as cells are wide: halve the cells, and the change is about the error that is left, which
-    is of first order. ``tolerance`` and what follows are those of :func:`~contactstudy.solve`.
-    Raises :class:`~contactstudy.InvalidInput` unless one body of the scene yields and the other is elastic, and for
-    a load that changes, wear, more than one cell along the length, or a surface that ends or wraps across.
+    Parameters
+    ----------
+    scene
+        The contact; one body yields, the other is elastic or rigid.
+    grid
+        Window that moves with the contact, of one cell along the length. Everything that yields below the contact must
+        be in it.
+    padding
+        Boundary conditions: no end across, periodic along.
+    passes
+        Number of passes, from 1 on.
+    pressure
+        Whether plastic strain changes the pressure.
+    distance
+        Distance of each pass [m]. None rolls until the plastic strain left behind is steady.
+    steady
+        A pass is steady when the plastic strain that it leaves changes by less than this many yield strains (Y / E)
+        while the contact rolls by its half-width.
+    tolerance, max_iterations, solver, precision
+        How each contact is solved, see :func:`~contactstudy.solve`.
+
+    Returns
+    -------
+    RepeatedRolling
+        Plastic strain and residual stress after each pass.
+
+    Raises
+    ------
+    InvalidInput
+        Unless exactly one body yields and the other is elastic; for a load that changes, wear, more than one cell along
+        the length, or a surface that ends or wraps across.
     """
     count = whole("roll_repeatedly.passes", passes, 1, "give a whole number of passes from 1 on")
     positive("roll_repeatedly.steady", steady, "give a part of the yield strain, such as 5e-3")
     if distance is not None:
         positive("roll_repeatedly.distance", distance, "give a distance above 0 m, or None")
-    body = _yielding(scene)
+    body = _single_yielding_body(scene)
     problem = replace(scene, solids=sudden(scene.solids)).problem(grid, padding)
     _check_grid(problem)
     length, cell = problem.scales.length, grid.cell[0]
@@ -232,27 +283,40 @@ def roll_repeatedly(
         steady=steady * body.hardening.yield_stress / body.moduli.youngs_modulus,
     )
     track, pressed = rolling.step(Track.fresh(operator, body.hardening))
-    found: list[RollingPass] = []
+    finished: list[RollingPass] = []
     for _ in range(count):
-        if found:
-            track = replace(track, ahead=track.left)
-        track, one = rolling.one_pass(track, () if found else (pressed,))
-        found.append(one)
-    lifted, _ = track.settled(nothing(problem), tolerance, length)
-    return RepeatedRolling(tuple(found), track, lifted, PosedScene(scene, grid, padding))
+        if finished:
+            track = replace(track, ahead=track.rear)
+        track, rolling_pass = rolling.one_pass(track, () if finished else (pressed,))
+        finished.append(rolling_pass)
+    lifted, _ = track.settled(no_contact(problem), tolerance, length)
+    return RepeatedRolling(tuple(finished), track, lifted, PosedScene(scene, grid, padding))
 
 
-# What is behind is a mean over some half of the window: as far as the contact is from its edge.
+# The strain behind is a mean over about half of the window: the distance from the contact to its edge.
 MEAN = 2
-# The contact at the end of a step, and the iterations of Newton's method.
+# The contact at the end of a step, and the iterations of Newton's method that the step took.
 Step = tuple[Solution, int]
 
 
 @dataclass(frozen=True, eq=False)
 class _Rolling:
-    """Steps of a ``contact`` to the ``tolerance``; ``length`` [m] is that of the contact, ``lag`` the same in cells.
+    """Steps of a rolling contact.
 
-    ``steps`` of a pass; None, as many as it takes until its plastic strain is ``steady``.
+    Attributes
+    ----------
+    contact
+        Solves the contact over a lowered surface.
+    tolerance
+        Largest relative residual.
+    length
+        Length of the contact [m].
+    lag
+        The same length in cells, over which changes of the plastic strain are judged.
+    steps
+        Steps of a pass; None takes as many as it needs to become steady.
+    steady
+        Largest change of plastic strain that counts as steady.
     """
 
     contact: Contact
@@ -263,56 +327,64 @@ class _Rolling:
     steady: float
 
     def one_pass(self, track: Track, first: tuple[Step, ...]) -> tuple[Track, RollingPass]:
-        """From where the contact is on ``track``; ``first`` are the steps that have pressed it there."""
+        """Roll one pass from the present position of the contact.
+
+        Parameters
+        ----------
+        track
+            The half-space before the pass.
+        first
+            Steps that pressed the contact on, which count as part of the pass.
+        """
         grid = track.operator.volume.grid
-        taken, left, change = list(first), [track.left], inf
-        most = LONGEST * grid.cells[0] if self.steps is None else self.steps
-        while len(left) <= most:
+        steps, profiles, change = list(first), [track.rear], inf
+        max_profiles = LONGEST * grid.cells[0] if self.steps is None else self.steps
+        while len(profiles) <= max_profiles:
             before = track.rolled(MEAN / grid.cells[0])
             track, step = self.step(before)
-            taken.append(step)
-            left.append(track.left)
-            if self.steps is None and len(left) > grid.cells[0] + self.lag:
-                change = _change(left[-1 - self.lag].strain, track.left.strain)
-                change = max(change, _change(track.behind, track.left.strain))
+            steps.append(step)
+            profiles.append(track.rear)
+            if self.steps is None and len(profiles) > grid.cells[0] + self.lag:
+                change = _strain_change(profiles[-1 - self.lag].strain, track.rear.strain)
+                change = max(change, _strain_change(track.behind, track.rear.strain))
                 if change < self.steady:
                     break
-        statuses = [solution.status for solution, _ in taken]
+        statuses = [solution.status for solution, _ in steps]
         if self.steps is None and change >= self.steady:
             statuses.append(Status.NOT_CONVERGED)
-        # at the end alone: what is behind is not like what is left there until all is steady
-        flow = track.equivalent - spread(before.equivalent, 0, track.operator.volume)
+        # judged at the end only: until the strain is steady, the mean behind differs from what leaves the window
+        flow = track.equivalent - embedded(before.equivalent, 0, track.operator.volume)
         if flow[:, [0, -1]].max() > self.steady:
             statuses.append(Status.YIELD_AT_EDGE)
         return track, RollingPass(
-            track.left,
-            distance=(len(left) - 1) * grid.cell[0],
-            solution=taken[-1][0],
+            track.rear,
+            distance=(len(profiles) - 1) * grid.cell[0],
+            solution=steps[-1][0],
             status=worst(statuses),
-            steps=len(taken),
-            iterations=sum(iterations for _, iterations in taken),
+            steps=len(steps),
+            iterations=sum(iterations for _, iterations in steps),
         )
 
     def step(self, track: Track) -> tuple[Track, Step]:
-        """``track`` after the contact has settled on it."""
+        """Return the track after the contact has settled on it, and that contact."""
         after, settled = track.settled(self.contact, self.tolerance, self.length)
-        solution = concluded(settled, self.tolerance)
+        solution = step_solution(settled, self.tolerance)
         return after, (solution, settled.iterations)
 
 
-def _change(one: Array, other: Array) -> float:
-    """The largest of plastic strain (component, layers), to one that may be deeper."""
-    return float(np.abs(other - padded(one, other.shape[1])).max(initial=0.0))
+def _strain_change(before: Array, after: Array) -> float:
+    """Return the largest change of plastic strain (component, layers), where the second may have more layers."""
+    return float(np.abs(after - with_zero_layers(before, after.shape[1])).max(initial=0.0))
 
 
-def _yielding(scene: Scene) -> YieldingBody:
-    """The one body of ``scene`` that yields, where it is the only one that keeps anything."""
+def _single_yielding_body(scene: Scene) -> YieldingBody:
+    """Return the one yielding body of `scene`; refuse scenes with another memory."""
     if scene.wear is not None or not isinstance(scene.load, ConstantLoad):
         field = "Scene.load" if scene.wear is None else "Scene.wear"
         raise InvalidInput(
             f"{field} changes in time beside repeated rolling: leave it out or give a LineLoad."
         )
-    bodies = YieldingBody.all_of(scene)
+    bodies = YieldingBody.in_scene(scene)
     if len(bodies) != 1:
         raise InvalidInput(
             f"Scene.solids are {scene.solids!r}: give one body that yields, an ElasticPlasticHalfSpace, and an "
@@ -322,7 +394,7 @@ def _yielding(scene: Scene) -> YieldingBody:
 
 
 def _check_grid(problem: Problem) -> None:
-    """Refuse what has no operator here."""
+    """Raise InvalidInput for a grid or a padding on which repeated rolling has no operator."""
     if problem.grid.cells[1] > 1:
         raise InvalidInput(
             f"Grid.cells[1] is {problem.grid.cells[1]}: repeated rolling is known in plane strain, give 1 cell along."

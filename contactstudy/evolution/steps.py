@@ -1,4 +1,4 @@
-"""How an interface changes within a step."""
+"""Steps in time: the stages of a scheme, the instants that steps end at, and the control of their length."""
 
 from collections import Counter
 from dataclasses import dataclass
@@ -16,9 +16,10 @@ STAGE = 1 - 1 / sqrt(2)
 
 
 class Scheme(Enum):
-    """Stages of a step: each a share of its duration, and the share of that which is explicit.
+    """Stages of a step: for each, its share of the duration, and the share of the stage that is explicit.
 
-    It matters to wear alone; creep is exact for a pressure that is linear in each stage. All keep the worn volume.
+    The scheme matters to wear only; creep is exact for a pressure that is linear in each stage. Every scheme keeps the
+    worn volume.
     """
 
     #: Second order, stable however long the step, two solves.
@@ -31,16 +32,25 @@ class Scheme(Enum):
 
     @property
     def stages(self) -> tuple[tuple[float, float], ...]:
-        """(share of the duration, explicit share of the stage), in the order of time."""
+        """Pairs (share of the duration, explicit share of the stage), in the order of time."""
         stages: tuple[tuple[float, float], ...] = self.value
         return stages
 
 
 @dataclass(frozen=True)
 class Mark:
-    """An instant ``time`` [s]: the load there ``before`` and ``after`` a jump [N/m], equal where there is none.
+    """An instant at which steps end.
 
-    ``records``: how often it is recorded, 0 to 2. ``breaks``: whether the load jumps there or its rate does.
+    Attributes
+    ----------
+    time
+        Time [s].
+    before, after
+        Load [N/m] before and after a jump; equal where there is none.
+    records
+        How often the contact is recorded there: 0, 1, or 2 for before and after a jump.
+    breaks
+        Whether the load or its rate jumps there.
     """
 
     time: float
@@ -51,28 +61,40 @@ class Mark:
 
     @property
     def jumps(self) -> bool:
-        """Whether the load jumps."""
+        """Whether the load jumps at this instant."""
         return self.before != self.after
 
 
 def schedule(load: ChangingLoad, times: ArrayLike | None) -> tuple[Mark, ...]:
-    """Marks from the start of ``load`` to the last of ``times`` [s], or to its own end without them.
+    """Return the instants at which steps end, from the start of the load to the last recorded time.
 
-    Raises :class:`~contactstudy.InvalidInput` for times that cannot be marched through.
+    Parameters
+    ----------
+    load
+        Load over time.
+    times
+        Recorded times [s]; None ends where the load does.
+
+    Raises
+    ------
+    InvalidInput
+        If times decrease, are not finite, begin before the load or stand there three times; if they are None and the
+        load has no end.
     """
-    wanted = None if times is None else _checked(times, load)
-    end = load.end if wanted is None else wanted[-1]
-    if wanted is None and end <= load.start:
+    recorded = None if times is None else _checked(times, load)
+    end = load.end if recorded is None else recorded[-1]
+    if recorded is None and end <= load.start:
         raise InvalidInput("evolve.times is None, and Scene.load has no end: give times [s].")
-    records = Counter(wanted or ())
+    counts = Counter(recorded or ())
     breaks = set(load.breaks(end)) | {load.start}
     return tuple(
-        Mark(time, load.before(time), load.at(time), records[time], time in breaks)
-        for time in sorted(breaks | set(records) | {end})
+        Mark(time, load.before(time), load.at(time), counts[time], time in breaks)
+        for time in sorted(breaks | set(counts) | {end})
     )
 
 
 def _checked(times: ArrayLike, load: ChangingLoad) -> list[float]:
+    """Return `times` [s] as a list that does not decrease; raise InvalidInput for others."""
     remedy = "give instants [s] that do not decrease, the same one twice at the most"
     try:
         values = np.asarray(times, dtype=np.float64)
@@ -89,32 +111,52 @@ def _checked(times: ArrayLike, load: ChangingLoad) -> list[float]:
     return [float(value) for value in values]
 
 
-# The first march may let the difference of two marches grow by this share of the error in a pair of steps.
+# In the first march, a pair of steps may add this share of the allowed error to the difference of two marches.
 SHARE = 0.5
-# Change a step's length by no more than these factors, and aim a little short of what is allowed.
+# Smallest and largest factor on the length of a step, and the share of the allowed length that is aimed at.
 SHRINK, GROW, AIM = 0.2, 2.0, 0.9
-# What a pair adds to the difference grows with its length to this power, all of it with the one below.
+# What one pair adds grows with its length to this power; what all pairs add, to this power minus 1.
 ORDER = 2
-# The first pair of steps after a jump, over the whole time: too long ones are rejected.
+# Duration of the first pair of steps over that of the march: if it is too long, it is rejected.
 FIRST = 1e-2
-# An error should be so many times the solver's tolerance, or it would be the solver's.
+# The least ratio of the error to the solver's tolerance, so that the solver's error does not count.
 ABOVE_TOLERANCE = 100
 
 
 @dataclass(frozen=True)
 class StepControl:
-    """Steps for a relative L1 ``error`` of the pressure, by what a pair of them ``adds`` to it at the most.
+    """Control of the step length by what a pair of steps adds to the error of the pressure.
 
-    How much of it an evolution forgets cannot be known beforehand: where the sum gets too large, the march starts
-    again with a :meth:`stricter` control.
+    How much of that error the contact forgets later cannot be known beforehand: where the sum gets too large, the march
+    starts again with a :meth:`stricter` control.
+
+    Attributes
+    ----------
+    error
+        Allowed relative L1 error of the pressure.
+    adds
+        What one pair of steps may add to it.
     """
 
     error: float
     adds: float
 
     @classmethod
-    def of(cls, error: float, tolerance: float) -> "StepControl":
-        """For a first march; :class:`~contactstudy.InvalidInput` for an error that steps alone cannot meet."""
+    def for_error(cls, error: float, tolerance: float) -> "StepControl":
+        """Return the control of a first march.
+
+        Parameters
+        ----------
+        error
+            Allowed relative L1 error of the pressure.
+        tolerance
+            Tolerance of the solver.
+
+        Raises
+        ------
+        InvalidInput
+            If the error is not between 0 and 1, or too close to the tolerance for steps to meet it.
+        """
         remedy = "give a relative error above 0 and below 1, such as 1e-3"
         if positive("evolve.error", error, remedy) >= 1:
             raise InvalidInput(f"evolve.error is {error!r}: {remedy}.")
@@ -126,17 +168,17 @@ class StepControl:
         return cls(error, SHARE * error)
 
     def accepts(self, added: float) -> bool:
-        """Whether a pair of steps that has ``added`` so much is good."""
+        """Return whether a pair of steps that has `added` this much to the error is short enough."""
         return added <= self.adds
 
     def factor(self, added: float) -> float:
-        """How much longer the next pair may be."""
+        """Return the factor on the length of the next pair, after one that has `added` this much to the error."""
         if added <= 0:
             return GROW
         longer: float = (self.adds / added) ** (1 / ORDER)
         return min(max(AIM * longer, SHRINK), GROW)
 
-    def stricter(self, found: float) -> "StepControl":
-        """After a march whose error was ``found``, above the one allowed."""
-        shorter = min(AIM * self.error / found, 0.7) ** (ORDER / (ORDER - 1))
+    def stricter(self, excessive_error: float) -> "StepControl":
+        """Return the control of the next march, after one whose error `found` is above the allowed one."""
+        shorter = min(AIM * self.error / excessive_error, 0.7) ** (ORDER / (ORDER - 1))
         return StepControl(self.error, self.adds * shorter)

@@ -1,4 +1,4 @@
-"""The pressure that rolls over a half-space, whatever its surface has become."""
+"""The half-space below a window that rolls with the contact: its plastic strain, and a step of its change."""
 
 from dataclasses import dataclass, replace
 from enum import Enum
@@ -11,7 +11,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.elasticity.eigenstrain.plane_strain import HalfLines, PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import Volume
 from contactstudy.evolution.march import LoweredContact, lowered, solved_or_unloaded, unloaded
-from contactstudy.evolution.plastic import larger, spread
+from contactstudy.evolution.plastic import embedded, enlarged
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.settle import ContactTangent, Settled, Tangent, settle
 from contactstudy.solvers.solution import Solution
@@ -20,84 +20,116 @@ from contactstudy.solvers.yielding_bodies import Hardening, YieldingBodies
 
 
 class RollingPressure(Enum):
-    """What pressure rolls over a half-space."""
+    """Choice of the pressure that rolls over a half-space."""
 
     SETTLED = "that of the contact, which plastic strain changes"
     ELASTIC = "that of the elastic contact, whatever yields, as Merwin & Johnson (1963) assume"
 
 
 class Contact(Protocol):
-    """A contact over a surface that is lowered."""
+    """A contact solved over a surface that may be lowered."""
 
     def __call__(self, lift: Array) -> Solution:
-        """Over a surface that is lowered by ``lift`` (x, y) [m]."""
+        """Return the contact over a surface lowered by `lift` (x, y) [m]."""
         ...
 
     def tangent(self, solution: Solution) -> Tangent | None:
-        """Its linearisation there; None for a pressure that does not change."""
+        """Return the linearised contact at `solution`; None if its pressure never changes."""
         ...
 
 
 class SettledContact(LoweredContact):
-    """One that is solved anew for every surface."""
+    """A contact that is solved anew for every lowered surface."""
 
     def tangent(self, solution: Solution) -> Tangent:
-        """Of the same cells in contact."""
+        """Return the linearised contact in which the same cells stay in contact."""
         return ContactTangent.of(solution, self.options.precision)
 
 
 @dataclass(frozen=True, eq=False)
 class FixedContact:
-    """The pressure of ``solution``, which stays as it is."""
+    """A contact whose pressure stays that of `solution`, whatever the surface."""
 
     solution: Solution
 
     def __call__(self, lift: Array) -> Solution:
-        """The same pressure."""
+        """Return the same pressure over a surface lowered by `lift` (x, y) [m]."""
         return replace(self.solution, problem=lowered(self.solution.problem, lift))
 
     def tangent(self, _: Solution) -> None:
-        """None: the pressure does not change."""
+        """Return None, since the pressure does not change."""
 
 
 def rolling_contact(problem: Problem, options: SolveOptions, kind: RollingPressure) -> Contact:
-    """Of ``problem``, which is elastic."""
+    """Return the contact that rolls, with the elastic `problem` as its first solution.
+
+    Parameters
+    ----------
+    problem
+        The contact with bodies that do not yield.
+    options
+        How the contact is solved.
+    kind
+        Whether plastic strain changes the pressure.
+    """
     elastic = solved_or_unloaded(options, problem)
     if kind is RollingPressure.ELASTIC:
         return FixedContact(elastic)
     return SettledContact(problem, options, elastic.pressure)
 
 
-def nothing(problem: Problem) -> FixedContact:
-    """No pressure at all."""
+def no_contact(problem: Problem) -> FixedContact:
+    """Return a contact without pressure, with the surfaces of `problem`."""
     return FixedContact(unloaded(problem))
 
 
 @dataclass(frozen=True, eq=False)
 class Profile:
-    """Plastic ``strain`` (component, layers) and ``equivalent`` plastic strain (layers,) that are the same along x."""
+    """Plastic strain over depth that is the same along x.
+
+    Attributes
+    ----------
+    strain
+        Plastic strain (component, layers), in the basis of the window's operator.
+    equivalent
+        Equivalent plastic strain (layers,).
+    """
 
     strain: Array
     equivalent: Array
 
     def deeper(self, layers: int) -> "Profile":
-        """With more layers that have not yielded."""
-        return Profile(padded(self.strain, layers), padded(self.equivalent, layers))
+        """Return the profile with `layers` layers in all; the added ones have not yielded."""
+        return Profile(
+            with_zero_layers(self.strain, layers), with_zero_layers(self.equivalent, layers)
+        )
 
 
-def padded(field: Array, layers: int) -> Array:
-    """A field (..., layers) with more layers of zeros."""
+def with_zero_layers(field: Array, layers: int) -> Array:
+    """Return a field (..., layers) with zeros appended up to `layers` layers."""
     shape = *field.shape[:-1], layers - field.shape[-1]
     return np.concatenate((field, np.zeros(shape)), axis=-1)
 
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """Plastic ``strain`` (component, layers, x, 1) and ``equivalent`` plastic strain (layers, x, 1) in a window.
+    """A half-space in plane strain over which a contact rolls, seen in a window that moves with the contact.
 
-    On the left of the window the half-space has the strain ``behind`` (component, layers) to infinity: a mean over
-    what was left there, since all of it as left last would make the strain swing from one width to the
-    next. On the right it is as it is ``ahead``.
+    Attributes
+    ----------
+    surroundings
+        Influence of the half-space outside the window.
+    hardening
+        Yield stress and hardening moduli [Pa].
+    strain
+        Plastic strain (component, layers, x, 1) in the window.
+    equivalent
+        Equivalent plastic strain (layers, x, 1) in the window.
+    behind
+        Plastic strain (component, layers) from the left edge of the window to infinity. It is a running mean of the
+        strain that left the window: with the last strain alone it would swing from one window to the next.
+    ahead
+        The half-space on the right of the window.
     """
 
     surroundings: HalfLines
@@ -109,7 +141,7 @@ class Track:
 
     @classmethod
     def fresh(cls, operator: PlaneStrainOperator, hardening: Hardening) -> "Track":
-        """One that has not yielded."""
+        """Return a track that has not yielded."""
         cells = operator.volume.shape
         strain, equivalent = np.zeros((len(operator.basis), *cells)), np.zeros(cells)
         profile = Profile(strain[:, :, 0, 0], equivalent[:, 0, 0])
@@ -117,66 +149,90 @@ class Track:
 
     @property
     def operator(self) -> PlaneStrainOperator:
-        """On plastic strain in the window."""
+        """Operator on plastic strain in the window."""
         return self.surroundings.operator
 
     @property
-    def left(self) -> Profile:
-        """What the window is about to leave behind."""
+    def rear(self) -> Profile:
+        """Profile at the left edge of the window, which leaves it in the next step."""
         return Profile(self.strain[:, :, 0, 0], self.equivalent[:, 0, 0])
 
     def rolled(self, share: float) -> "Track":
-        """With the half-space one cell further to the left, of which what is behind takes on a ``share``."""
+        """Return the track after the contact has rolled by one cell.
+
+        Parameters
+        ----------
+        share
+            Weight of the strain that leaves the window in the mean strain behind it.
+        """
         strain, equivalent = np.roll(self.strain, -1, axis=2), np.roll(self.equivalent, -1, axis=1)
         strain[:, :, -1, 0], equivalent[:, -1, 0] = self.ahead.strain, self.ahead.equivalent
-        behind = self.behind + share * (self.left.strain - self.behind)
+        behind = self.behind + share * (self.rear.strain - self.behind)
         return replace(self, strain=strain, equivalent=equivalent, behind=behind)
 
     def settled(self, contact: Contact, tolerance: float, length: float) -> tuple["Track", Settled]:
-        """After a step with a ``contact`` over a lowered surface; deeper, where it yields down to its last layer.
+        """Solve a step: the contact, and the plastic strain below it.
 
-        ``length`` [m] is that of the contact, which layers are made for.
+        Layers are added while the last one yields.
+
+        Parameters
+        ----------
+        contact
+            Solves the contact over a lowered surface.
+        tolerance
+            Largest relative residual.
+        length
+            Length of the contact [m], for which layers are made.
+
+        Returns
+        -------
+        tuple of Track and Settled
+            The track after the step, and the contact with its residual and work.
         """
         track = self
         while True:
-            operator, around = track.operator, track.surroundings
+            operator, surroundings = track.operator, track.surroundings
             bodies = YieldingBodies((operator,), (track.hardening,))
-            found = settle(
+            settled = settle(
                 bodies,
-                partial(_over, contact, around.lift(track.behind, track.ahead.strain)),
+                partial(
+                    _lowered_twice, contact, surroundings.lift(track.behind, track.ahead.strain)
+                ),
                 contact.tangent,
                 bodies.joined([track.strain]),
                 bodies.joined([track.equivalent]),
                 tolerance,
-                bodies.joined([around.stress(track.behind, track.ahead.strain)]),
+                bodies.joined([surroundings.stress(track.behind, track.ahead.strain)]),
             )
-            (flow,) = bodies.parted(found.flow)
+            (flow,) = bodies.parted(settled.flow)
             volume = operator.volume
             if not flow[-1].any():
                 break
-            deeper = larger(replace(volume, first=0, last=volume.grid.cells[0]), length, flow > 0)
-            track = track.deeper(deeper)
-        (strain,) = bodies.parted(found.strain)
-        return replace(track, strain=strain, equivalent=track.equivalent + flow), found
+            deeper_volume = enlarged(
+                replace(volume, first=0, last=volume.grid.cells[0]), length, flow > 0
+            )
+            track = track.deeper(deeper_volume)
+        (strain,) = bodies.parted(settled.strain)
+        return replace(track, strain=strain, equivalent=track.equivalent + flow), settled
 
     def deeper(self, volume: Volume) -> "Track":
-        """In a larger ``volume``, which has not yielded there."""
+        """Return the track in a larger `volume`, whose added layers have not yielded."""
         layers = volume.shape[0]
         return Track(
             HalfLines(PlaneStrainOperator(volume, self.operator.moduli)),
             self.hardening,
-            spread(self.strain, 0, volume),
-            spread(self.equivalent, 0, volume),
-            padded(self.behind, layers),
+            embedded(self.strain, 0, volume),
+            embedded(self.equivalent, 0, volume),
+            with_zero_layers(self.behind, layers),
             self.ahead.deeper(layers),
         )
 
     def residual_stress(self) -> Array:
-        """All stresses (6, layers, x, 1) [Pa] in the window, without pressure."""
+        """Return all stresses (6, layers, x, 1) [Pa] in the window without pressure, tension positive."""
         around = self.surroundings.tensor(self.behind, self.ahead.strain)
         return self.operator.tensor_of_strain(self.strain) + around
 
 
-def _over(contact: Contact, lowered: Array, lift: Array) -> Solution:
-    """A contact over a surface that is lowered twice."""
+def _lowered_twice(contact: Contact, lowered: Array, lift: Array) -> Solution:
+    """Return a contact over a surface lowered by the sum of two fields (x, y) [m]."""
     return contact(lowered + lift)

@@ -98,7 +98,7 @@ class Walk:
             self._save()
 
     def _approach(self, mark: Mark) -> "_Outcome":
-        if self.control is None or not self.march.kept:
+        if self.control is None or not self.march.all_memories:
             return self._one_step(mark)
         return self._pairs_of_steps(mark)
 
@@ -271,7 +271,7 @@ class Walk:
             solution = self.march.at_rest()
         shown = {
             name: field
-            for memory, state in zip(self.march.kept, self.main.states, strict=True)
+            for memory, state in zip(self.march.all_memories, self.main.states, strict=True)
             for name, field in memory.fields(state).items()
         }
         parts, warnings = self._grid_error(solution)
@@ -286,7 +286,7 @@ class Walk:
                 kept={} if self.march.joint is None else self.main.states[-1],
                 status=worst(self.statuses),
                 residual=solution.residual,
-                step_error=0.0 if not self.march.kept else inf,
+                step_error=0.0 if not self.march.all_memories else inf,
                 grid_error=parts.total,
                 grid_error_parts=parts,
                 warnings=warnings,

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.evolution.memory import weights
+from contactstudy.evolution.memory import delay_weights
 from tests.contactstudy.evolution.creeping import (
     LOAD,
     RIGID,
@@ -183,7 +183,7 @@ def test_a_period_may_be_counted_twice() -> None:
 
 @pytest.mark.parametrize("ratio", [0.0, 1e-12, 1e-4, 9.9e-4, 1.1e-3, 0.1, 1.0, 50.0, 1e9])
 def test_a_step_weighs_the_past_and_both_pressures_and_they_add_up(ratio: float) -> None:
-    kept, before, after = weights(ratio)
+    kept, before, after = delay_weights(ratio)
     assert min(kept, before, after) >= 0
     assert kept + before + after == pytest.approx(1, rel=1e-15)
     nodes, gauss = np.polynomial.legendre.leggauss(20)

@@ -5,7 +5,7 @@ import pytest
 
 from contactstudy.elasticity.coefficients import Displacement
 from contactstudy.elasticity.viscoelastic import Creep
-from contactstudy.evolution.memory import CreepMemory, Step, weights
+from contactstudy.evolution.memory import CreepMemory, Step, delay_weights
 
 STILL = Displacement(0.7)
 FLUID = CreepMemory(Creep(1.0, ((2.0, 0.5), (3.0, 4.0)), fluidity=0.7), STILL)
@@ -18,7 +18,7 @@ STATE = {
 }
 # Of 1.5 s: three times the one relaxation time and 3/8 of the other.
 STEP = Step(2.0, 3.5, (1.0, 3.0), 2.0)
-FAST, SLOW = weights(3.0), weights(0.375)
+FAST, SLOW = delay_weights(3.0), delay_weights(0.375)
 
 
 def test_a_body_has_a_field_for_each_term_and_a_fluid_one_more() -> None:
@@ -37,7 +37,7 @@ def test_the_past_strains_and_a_step_softens() -> None:
     np.testing.assert_allclose(found.strained[STILL], past, rtol=1e-14)
     softer = 2 * FAST[2] + 3 * SLOW[2] + 0.7 * 0.75
     assert found.compliance == {STILL: pytest.approx(softer)}
-    assert (found.gap, found.own) == (None, 0)
+    assert (found.gap, found.local_compliance) == (None, 0)
     solid = SOLID.contribution(STATE, BEFORE, STEP)
     assert solid.compliance == {STILL: pytest.approx(2 * FAST[2])}
 
@@ -66,4 +66,4 @@ def test_a_delayed_pressure_follows_its_equation() -> None:
 @pytest.mark.parametrize("ratio", [2e-4, 9.9e-4])
 def test_the_weights_of_a_short_step_are_their_series_to_its_fourth_term(ratio: float) -> None:
     exact = ratio / 2 - ratio**2 / 6 + ratio**3 / 24 - ratio**4 / 120
-    assert weights(ratio)[2] == pytest.approx(exact, rel=ratio**3)
+    assert delay_weights(ratio)[2] == pytest.approx(exact, rel=ratio**3)

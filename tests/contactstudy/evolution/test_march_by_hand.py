@@ -72,9 +72,9 @@ def problem(line_contact: LineContact) -> cs.Problem:
 
 def test_what_memories_add_adds_up(problem: cs.Problem, line_contact: LineContact) -> None:
     ((kind, weight),) = response(line_contact.scene.solids, problem.scales.length).items()
-    first = Contribution(gap=LIFT, compliance={kind: 0.5 * weight}, own=3e-18)
+    first = Contribution(gap=LIFT, compliance={kind: 0.5 * weight}, local_compliance=3e-18)
     second = Contribution(
-        gap=2 * LIFT, strained={kind: STRAIN}, compliance={kind: weight}, own=4e-18
+        gap=2 * LIFT, strained={kind: STRAIN}, compliance={kind: weight}, local_compliance=4e-18
     )
     third = Contribution(strained={kind: 2 * STRAIN})
     ours = march(problem, line_contact, first, second, third)
@@ -94,7 +94,9 @@ def test_what_memories_add_adds_up(problem: cs.Problem, line_contact: LineContac
 def test_a_cell_s_own_displacement_adds_to_an_operator_that_stays(
     problem: cs.Problem, line_contact: LineContact
 ) -> None:
-    found = march(problem, line_contact, Contribution(own=5e-16))._problem_at_end(begun(1), STEP)
+    found = march(problem, line_contact, Contribution(local_compliance=5e-16))._problem_at_end(
+        begun(1), STEP
+    )
     moved = problem.operator(PRESSURE) + 5e-16 * PRESSURE
     np.testing.assert_allclose(found.operator(PRESSURE), moved, rtol=1e-12)
     np.testing.assert_array_equal(found.undeformed_gap, problem.undeformed_gap)

@@ -13,7 +13,7 @@ from contactstudy.evolution.plastic import (
     PlasticMemory,
     YieldingBody,
     _meets_edge,
-    concluded,
+    step_solution,
 )
 from contactstudy.solvers.settle import Settled
 from contactstudy.solvers.yielding_bodies import Hardening
@@ -26,8 +26,8 @@ BODY = cs.ElasticPlasticHalfSpace(200.0, 0.25, 3.0, 20.0, 10.0)
 def test_bodies_that_yield_are_known_by_their_place(line_contact: LineContact) -> None:
     scene = replace(line_contact.scene, solids=(STEEL, BODY))
     known = YieldingBody(1, Moduli(200.0, 0.25), Hardening(3.0, 20.0, 10.0))
-    assert YieldingBody.all_of(scene) == (known,)
-    both = YieldingBody.all_of(replace(scene, solids=(BODY, BODY)))
+    assert YieldingBody.in_scene(scene) == (known,)
+    both = YieldingBody.in_scene(replace(scene, solids=(BODY, BODY)))
     assert [one.place for one in both] == [0, 1]
 
 
@@ -85,11 +85,11 @@ CONVERGED = contact(cs.Status.CONVERGED, 1e-10)
 
 
 def test_a_step_took_what_all_its_contacts_took() -> None:
-    found = concluded(settled(CONVERGED, CONVERGED, CONVERGED), 1e-8)
+    found = step_solution(settled(CONVERGED, CONVERGED, CONVERGED), 1e-8)
     assert (found.iterations, found.convolutions) == (12, 16.5)
     # the larger of the contact's and that of plastic strain
     assert (found.status, found.residual, found.note) == (cs.Status.CONVERGED, 1e-9, "contact.")
-    closer = concluded(settled(contact(cs.Status.CONVERGED, 3e-9)), 1e-8)
+    closer = step_solution(settled(contact(cs.Status.CONVERGED, 3e-9)), 1e-8)
     assert closer.residual == 3e-9
 
 
@@ -107,12 +107,12 @@ def test_a_step_took_what_all_its_contacts_took() -> None:
 def test_a_contact_had_been_asked_for_more_than_the_tolerance(
     status: cs.Status, residual: float, said: cs.Status
 ) -> None:
-    assert concluded(settled(contact(status, residual)), 1e-8).status is said
+    assert step_solution(settled(contact(status, residual)), 1e-8).status is said
 
 
 def test_plastic_strain_that_did_not_settle_is_said_with_how_far_it_came() -> None:
-    assert concluded(settled(CONVERGED, residual=1e-8), 1e-8).status is cs.Status.CONVERGED
+    assert step_solution(settled(CONVERGED, residual=1e-8), 1e-8).status is cs.Status.CONVERGED
     for residual, text in ((2e-8, "2.0e-08"), (np.nan, "nan")):
-        found = concluded(settled(CONVERGED, residual=residual), 1e-8)
+        found = step_solution(settled(CONVERGED, residual=residual), 1e-8)
         assert found.status is cs.Status.NOT_CONVERGED
         assert f"settled to {text} of the yield strain in 7 iterations" in found.note

@@ -12,7 +12,7 @@ import contactstudy as cs
 from contactstudy.elasticity.eigenstrain.volume import Volume
 from contactstudy.evolution import repeated_rolling as rolling
 from contactstudy.evolution.plastic import layers
-from contactstudy.evolution.repeated_rolling import LONGEST, _change, _Rolling
+from contactstudy.evolution.repeated_rolling import LONGEST, _Rolling, _strain_change
 from contactstudy.evolution.track import Profile
 from tests.contactstudy.evolution.test_roll_repeatedly import COARSE, EXACT, E, scene
 
@@ -36,7 +36,7 @@ class Road:
         return SimpleNamespace(volume=VOLUME)
 
     @property
-    def left(self) -> Profile:
+    def rear(self) -> Profile:
         return Profile(np.array([[self.strain(self.step)]]), np.zeros(1))
 
     @property
@@ -80,7 +80,7 @@ def test_a_pass_over_a_distance_takes_a_step_for_each_cell() -> None:
     assert found.status is cs.Status.STALLED
     # a mean over half of the window's four cells
     assert track.shares == (0.5, 0.5, 0.5)
-    assert found.left.strain == 0
+    assert found.profile.strain == 0
 
 
 @pytest.mark.parametrize(
@@ -128,10 +128,10 @@ def test_yield_at_the_edges_of_the_window_in_the_last_step_is_said(
 
 def test_a_change_is_the_largest_of_any_layer_to_one_that_may_be_deeper() -> None:
     one = np.array([[1.0, 2.0], [3.0, 4.0]])
-    assert _change(one, np.array([[1.5, 2.0, 0.25], [3.0, 3.25, 0.5]])) == 0.75
-    assert _change(one, one) == 0
-    assert _change(np.zeros((2, 1)), np.array([[0.0, 0.1], [0.2, -0.5]])) == 0.5
-    assert _change(np.zeros((2, 0)), np.zeros((2, 0))) == 0
+    assert _strain_change(one, np.array([[1.5, 2.0, 0.25], [3.0, 3.25, 0.5]])) == 0.75
+    assert _strain_change(one, one) == 0
+    assert _strain_change(np.zeros((2, 1)), np.array([[0.0, 0.1], [0.2, -0.5]])) == 0.5
+    assert _strain_change(np.zeros((2, 0)), np.zeros((2, 0))) == 0
 
 
 def asked(
@@ -144,7 +144,7 @@ def asked(
     @dataclass(frozen=True, eq=False)
     class Way:
         ahead: Any = "fresh"
-        left: Any = "left by none"
+        rear: Any = "left by none"
 
         def settled(self, *_: object) -> tuple[str, None]:
             return "lifted", None
@@ -156,7 +156,7 @@ def asked(
 
         def one_pass(self, track: Way, first: tuple[str, ...]) -> tuple[Way, str]:
             begun.append((track.ahead, first))
-            return replace(track, left=f"left by {len(begun)}"), f"pass {len(begun)}"
+            return replace(track, rear=f"left by {len(begun)}"), f"pass {len(begun)}"
 
     def rolls(*_: object, **more: Any) -> Rolls:
         known.update(more)

@@ -5,7 +5,7 @@ import pytest
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.evolution.steps import StepControl
 
-CONTROL = StepControl.of(1e-2, 1e-8)
+CONTROL = StepControl.for_error(1e-2, 1e-8)
 
 
 def test_a_pair_of_steps_may_add_half_of_the_error() -> None:
@@ -40,7 +40,7 @@ def test_a_march_that_missed_its_error_starts_again_with_shorter_steps() -> None
 
 
 def test_an_error_is_below_one_and_a_hundred_times_the_tolerance() -> None:
-    assert StepControl.of(1e-6, 1e-8).error == 1e-6
+    assert StepControl.for_error(1e-6, 1e-8).error == 1e-6
     for error, tolerance in ((0.99e-6, 1e-8), (1.0, 1e-8), (0.0, 1e-8)):
         with pytest.raises(InvalidInput, match=r"evolve\.error"):
-            StepControl.of(error, tolerance)
+            StepControl.for_error(error, tolerance)

@@ -12,7 +12,7 @@ from contactstudy.elasticity.eigenstrain.plane_strain import HalfLines, PlaneStr
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 from contactstudy.evolution import track as tracks
 from contactstudy.evolution.plastic import layers
-from contactstudy.evolution.track import Profile, Track, _over
+from contactstudy.evolution.track import Profile, Track, _lowered_twice
 from contactstudy.solvers.yielding_bodies import Hardening
 
 GRID = cs.Grid((6, 1), (6.0, 1.0))
@@ -105,7 +105,7 @@ def test_flow_in_the_last_layer_asks_for_more_across_the_whole_window(
 
 def test_a_contact_is_lowered_by_what_is_around_and_what_is_in_the_window() -> None:
     contact: Any = lambda lift: ("over", lift)  # noqa: E731 (a contact)
-    assert _over(contact, np.array(2.0), np.array(5.0)) == ("over", 7.0)
+    assert _lowered_twice(contact, np.array(2.0), np.array(5.0)) == ("over", 7.0)
 
 
 def test_residual_stress_is_of_the_window_and_what_is_around() -> None:

@@ -39,7 +39,7 @@ class Decaying:
     onsets: list[int] = field(default_factory=list)
     fails_from: float = np.inf
     second: float = 1.0
-    kept: Any = (SimpleNamespace(fields=lambda state: {"age": state}),)
+    all_memories: Any = (SimpleNamespace(fields=lambda state: {"age": state}),)
     memories: Any = ()
     is_first_order: bool = False
 

@@ -38,7 +38,7 @@ def test_a_step_wears_by_the_mean_load(
     worn, before, after = np.array([[0.5]]), np.array([[4.0]]), np.array([[7.0]])
     found = MEMORY.contribution({"worn_depth": worn}, before, step)
     assert found.gap == pytest.approx(0.5 + 4 * first)
-    assert found.own == pytest.approx(last)
+    assert found.local_compliance == pytest.approx(last)
     now = MEMORY.advance({"worn_depth": worn}, before, after, step)
     assert now["worn_depth"] == pytest.approx(0.5 + 4 * first + 7 * last)
 

@@ -6,11 +6,11 @@ import pytest
 import contactstudy as cs
 from contactstudy.elasticity.eigenstrain.volume import Volume
 from contactstudy.evolution.plastic import (
-    both,
+    embedded,
+    enlarged,
     first_volume,
-    larger,
     layers,
-    spread,
+    union,
 )
 
 # Cells of 1 m.
@@ -73,17 +73,17 @@ def test_a_volume_is_made_three_tenths_larger_where_it_flows_at_an_end() -> None
     volume = Volume(GRID, 10, 20, layers(GRID, 10.0, 5.0))
     flows = np.zeros(volume.shape, dtype=bool)
     flows[1, 4, 0] = True
-    assert larger(volume, 10.0, flows) == volume
+    assert enlarged(volume, 10.0, flows) == volume
     flows[2, 0, 1] = True
-    assert (larger(volume, 10.0, flows).first, larger(volume, 10.0, flows).last) == (7, 20)
+    assert (enlarged(volume, 10.0, flows).first, enlarged(volume, 10.0, flows).last) == (7, 20)
     flows[2, -1, 0] = True
-    assert (larger(volume, 10.0, flows).first, larger(volume, 10.0, flows).last) == (7, 23)
+    assert (enlarged(volume, 10.0, flows).first, enlarged(volume, 10.0, flows).last) == (7, 23)
     flows[-1, 5, 1] = True
-    assert larger(volume, 10.0, flows).edges == layers(GRID, 10.0, 1.3 * 6.0)
+    assert enlarged(volume, 10.0, flows).edges == layers(GRID, 10.0, 1.3 * 6.0)
     # within the grid
     at_ends = Volume(GRID, 1, 39, volume.edges)
-    assert (larger(at_ends, 10.0, np.ones(at_ends.shape, dtype=bool)).first) == 0
-    assert (larger(at_ends, 10.0, np.ones(at_ends.shape, dtype=bool)).last) == 40
+    assert (enlarged(at_ends, 10.0, np.ones(at_ends.shape, dtype=bool)).first) == 0
+    assert (enlarged(at_ends, 10.0, np.ones(at_ends.shape, dtype=bool)).last) == 40
 
 
 def test_two_volumes_are_held_by_one_and_a_field_keeps_its_cells_in_it() -> None:
@@ -91,11 +91,11 @@ def test_two_volumes_are_held_by_one_and_a_field_keeps_its_cells_in_it() -> None
         Volume(GRID, 10, 20, layers(GRID, 9.0, 2.0)),
         Volume(GRID, 12, 26, layers(GRID, 9.0, 6.0)),
     )
-    whole = both(flat, deep)
+    whole = union(flat, deep)
     assert (whole.first, whole.last, whole.edges) == (10, 26, deep.edges)
-    assert both(deep, flat) == whole
+    assert union(deep, flat) == whole
     field = 1 + np.arange(5 * 3 * 14 * 2, dtype=float).reshape(5, 3, 14, 2)
-    there = spread(field, 12, whole)
+    there = embedded(field, 12, whole)
     assert there.shape == (5, *whole.shape)
     assert there[:, :3, 2:16] == pytest.approx(field)
     assert there.sum() == field.sum()

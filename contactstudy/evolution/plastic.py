@@ -307,7 +307,7 @@ class PlasticMemory:
         return self.elastic.problem.scales.length
 
     def _tangent(self, solution: Solution) -> ContactTangent:
-        return ContactTangent.of(solution, self.precision)
+        return ContactTangent.from_solution(solution, self.precision)
 
     def _in_volumes(self, state: State) -> tuple[list[Array], list[Array]]:
         """Return strains and equivalent strains of `state` by body, after enlarging the present volumes to hold them."""

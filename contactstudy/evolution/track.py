@@ -43,7 +43,7 @@ class SettledContact(LoweredContact):
 
     def tangent(self, solution: Solution) -> Tangent:
         """Return the linearised contact in which the same cells stay in contact."""
-        return ContactTangent.of(solution, self.options.precision)
+        return ContactTangent.from_solution(solution, self.options.precision)
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,16 +10,29 @@ from contactstudy.problem.constraint import Constraint, Gap, Resultant, largest
 from contactstudy.problem.operator import Operator
 from contactstudy.problem.passes import Passes, passes_for
 
-# A gap is uncertain by so many roundings of the largest displacement: residuals stop falling at half of it.
+# A gap is uncertain by this number of roundings of the largest displacement: residuals stop falling at half of it.
 ROUNDINGS = 2.0
 
 
 @dataclass(frozen=True, eq=False)
 class BareProblem:
-    """Find p within ``constraint`` that meets ``resultant``, with ``p gap = 0`` and ``gap >= 0``.
+    """Dimensionless contact problem: find the pressure p within a constraint and with a given resultant.
 
-    Without dimensions, in the precision of ``undeformed_gap`` (x, y): what a solver sees. Cells at an upper
-    limit of the constraint have ``gap <= 0``.
+    It has ``gap = undeformed_gap + operator(p) - approach``, ``p gap = 0`` and ``gap >= 0``. Cells at an upper limit of
+    the constraint have ``gap <= 0``. This is what a :class:`~contactstudy.Solver` sees.
+
+    Parameters
+    ----------
+    undeformed_gap
+        Heights (x, y) in units of the gap scale; their precision is that of the iteration.
+    operator
+        Map from pressure to displacement, both (x, y) in units of their scales.
+    constraint
+        Limits of the pressure of each cell.
+    resultant
+        What the pressures of all cells carry together.
+    chosen_passes
+        Passes over fields; None chooses them by size and device.
     """
 
     undeformed_gap: Array
@@ -30,30 +43,30 @@ class BareProblem:
 
     @cached_property
     def passes(self) -> Passes:
-        """Passes over its fields; those of coarser grids are the same."""
+        """Passes over the fields of the problem, which coarser grids share."""
         return self.chosen_passes or passes_for(self.constraint, self.undeformed_gap.shape)
 
     def uniform(self) -> Array:
-        """The load spread evenly."""
+        """Return the uniform pressure (x, y) that meets the resultant."""
         gap = self.undeformed_gap
         return arrays().full_like(gap, self.resultant.uniform(prod(gap.shape)))
 
     def admit(self, trial: Array) -> Array:
-        """``trial`` cut off at the limits and made to carry the load, in place."""
+        """Cut a `trial` pressure off at the limits and scale it to meet the resultant, in place."""
         return self.resultant.admit(trial, self.constraint)
 
     def nearest(self, trial: Array) -> Array:
-        """The admissible pressure nearest to ``trial``, in place."""
+        """Replace a `trial` pressure by the nearest admissible one, in place."""
         return self.resultant.nearest(trial, self.constraint)
 
     def levelled(self, trial: Array, cells: Array) -> Array:
-        """``trial`` cut off at the limits and made to carry the load by a shift of ``cells``, in place."""
+        """Cut a `trial` pressure off at the limits and shift its `cells` to meet the resultant, in place."""
         return self.passes.levelled(trial, cells, self.resultant)
 
     def residual(self, pressure: Array, gap: Gap) -> float:
-        """The measure of :func:`~contactstudy.solve`: the largest of complementarity, penetration and load.
+        """Return the dimensionless residual: the largest of complementarity, penetration and error of the load.
 
-        ``gap`` is that under ``pressure``.
+        `gap` is the gap under `pressure`. See :func:`~contactstudy.solve`.
         """
         borne = total(pressure) if gap.load is None else gap.load
         measured = gap.measured
@@ -62,14 +75,17 @@ class BareProblem:
         return largest(measured, self.resultant.error(borne))
 
     def gap(self, pressure: Array, displacement: Array, into: Gap | None = None) -> Gap:
-        """The gap under ``pressure`` and the ``displacement`` it makes, ``into`` the field of another."""
+        """Return the gap under a `pressure` that makes this `displacement`, both (x, y).
+
+        `into` is a gap whose heights may be overwritten; None makes a new array.
+        """
         height = arrays().empty_like(pressure) if into is None else into.height
         return self.passes.gap(self.undeformed_gap, displacement, pressure, height)
 
     def rounding(self, displacement: Array, farthest: float | None = None) -> float:
-        """What rounding leaves uncertain of a gap under ``displacement``: no residual means less.
+        """Return the uncertainty of a gap under `displacement` by rounding; a residual below it means nothing.
 
-        ``farthest`` is the size of the largest, where it is known.
+        `farthest` is the size of the largest displacement, where it is known.
         """
         xp = arrays()
 
@@ -87,12 +103,15 @@ class BareProblem:
         tolerance: float,
         farthest: float | None = None,
     ) -> bool:
-        """Whether no iteration can improve on ``residual``, or none needs to."""
+        """Return whether no iteration can improve on `residual`, or none needs to.
+
+        It is below the `tolerance` or the :meth:`rounding` under `displacement`, or not finite.
+        """
         uncertain = self.rounding(displacement, farthest)
         return not max(tolerance, uncertain) < residual < inf
 
     def coarsened(self) -> "BareProblem | None":
-        """The same problem on blocks of cells, heights averaged; None where the grid does not halve."""
+        """Return the problem on blocks of cells with heights averaged, or None where the grid cannot be halved."""
         across, along = self.operator.blocks
         if across * along == 1:
             return None

@@ -14,12 +14,23 @@ from contactstudy.domain.fields import total as sum_of
 
 @dataclass(frozen=True, eq=False)
 class Gap:
-    """``height`` (x, y) of the gap, counted from the ``approach``, all in units of the gap scale.
+    """Gap between the bodies, in units of the gap scale.
 
-    The approach is such that cells whose pressure is at no limit have no mean height. It should be zero in these
-    cells, not below zero in cells without pressure, and not above zero in cells at an upper limit. A pass that has
-    found them along with the heights leaves here the ``measured`` violation of the constraint, the ``load`` (the sum of
-    the pressure) and the size of the ``farthest`` displacement.
+    The approach is such that the mean height over cells at no limit of the constraint is zero. The gap should be zero in
+    these cells, not below zero in cells without pressure, and not above zero in cells at an upper limit.
+
+    Parameters
+    ----------
+    height
+        Height (x, y) of the gap, counted from the approach.
+    approach
+        Approach of the bodies.
+    measured
+        Largest violation of the constraint, where a pass has found it along with the heights.
+    load
+        Sum of the pressure, where a pass has found it.
+    farthest
+        Size of the largest displacement, where a pass has found it.
     """
 
     height: Array
@@ -30,88 +41,94 @@ class Gap:
 
 
 def violation(pressure: Array, height: Array, free: Array) -> Array:
-    """How far cells that are not ``free`` violate a limit: penetration where p = 0, an open gap where they yield."""
+    """Return by how much cells (x, y) that are not `free` violate a limit: by penetration, or by an open gap.
+
+    Cells without pressure should not penetrate, and cells at the upper limit should not be open.
+    """
     xp = arrays()
     return xp.maximum(xp.where(pressure == 0, -height, height) * (1 - free), 0)
 
 
 def largest(*measures: float) -> float:
-    """The largest, or nan where any is nan: Python's own ``max`` forgets a nan that comes later."""
+    """Return the largest measure, or nan if one is nan; Python's own ``max`` forgets a nan that comes later."""
     return float(np.max(measures))
 
 
 class Constraint(Protocol):
-    """A convex set of pressures (x, y), cell by cell: cells at a limit are bound, the others free."""
+    """Convex set of pressures (x, y), cell by cell: cells at a limit are bound, the others are free."""
 
     def scaled(self, pressure: float) -> Self:
-        """The same set in another unit of pressure (times ``pressure``)."""
+        """Return the set of pressures of this one times `pressure`: the same set in another unit."""
         ...
 
-    def of(self, pressure: Array, unit: float) -> Array:
-        """The field of this set that ``pressure`` is in another ``unit``."""
+    def in_unit(self, pressure: Array, unit: float) -> Array:
+        """Return a `pressure` that is in this set in another unit, times `unit`, as a pressure of this set.
+
+        Cells at a limit there are at the limit here, to the last bit.
+        """
         ...
 
     def capacity(self, cells: int) -> float:
-        """The largest sum of the pressures of so many cells."""
+        """Return the largest sum of pressure that a number of `cells` can have."""
         ...
 
     def free(self, pressure: Array) -> Array:
-        """1 for cells at no limit, where the gap should be zero, and 0 for the others.
+        """Return 1 for cells (x, y) at no limit, where the gap should be zero, and 0 for the others.
 
         These are numbers, because a masked choice costs ten times a product on a rough contact.
         """
         ...
 
     def approach(self, pressure: Array, height: Array) -> float:
-        """The approach from the ``height`` of the gap where no cell of ``pressure`` is free."""
+        """Return the approach from the `height` of the gap (x, y) where no cell of `pressure` is free."""
         ...
 
     def cuts(self, trial: Array) -> bool:
-        """Whether ``trial`` is beyond a limit anywhere."""
+        """Return whether a `trial` pressure is beyond a limit in any cell."""
         ...
 
     def clip(self, trial: Array) -> Array:
-        """``trial`` cut off at the limits, in place."""
+        """Cut a `trial` pressure off at the limits, in place."""
         ...
 
     def carrying(self, trial: Array, total: float) -> Array:
-        """``trial`` cut off at the limits and scaled to the sum ``total``, in place."""
+        """Cut a `trial` pressure off at the limits and scale it to the sum `total`, in place."""
         ...
 
     def nearest(self, trial: Array, total: float) -> Array:
-        """The pressure of this set with the sum ``total`` that is nearest to ``trial``, in place."""
+        """Replace a `trial` pressure by the nearest one of this set that has the sum `total`, in place."""
         ...
 
     def levelled(self, trial: Array, cells: Array, total: float) -> Array:
-        """``trial`` cut off at the limits, its ``cells`` (1, others 0) shifted to the sum ``total``, in place.
+        """Cut a `trial` pressure off at the limits and shift its `cells` (1, others 0) to the sum `total`, in place.
 
-        Where these cells alone cannot, all cells carry it.
+        Where these cells alone cannot carry it, all cells do.
         """
         ...
 
-    def wrong(self, pressure: Array, height: Array) -> Array:
-        """1 for cells at a limit that should leave it by the ``height`` of their gap, and 0 for the others."""
+    def to_release(self, pressure: Array, height: Array) -> Array:
+        """Return 1 for cells at a limit that should leave it by the `height` of their gap, and 0 for the others."""
         ...
 
     def residual(self, pressure: Array, gap: Gap, borne: float) -> float:
-        """The larger of complementarity and penetration, in units of the gap scale.
+        """Return the larger of complementarity and penetration, in units of the gap scale.
 
-        ``borne`` is the sum of ``pressure``. See :func:`~contactstudy.solve`.
+        `borne` is the sum of `pressure`. See :func:`~contactstudy.solve`.
         """
         ...
 
 
 def shifted(trial: Array, total: float, most: float) -> Array:
-    """``trial`` shifted by the one height at which, cut off at 0 and ``most``, it sums to ``total``.
+    """Shift a `trial` pressure by one value such that, cut off at 0 and `most`, it has the sum `total`, in place.
 
-    In place. The sum is piecewise linear in the shift, with a bend where a cell begins to bear and where it
-    reaches ``most``. Source: Held, Wolfe & Crowder (1974), here with an upper limit.
+    The sum is piecewise linear in the shift, with a bend where a cell begins to bear and where it reaches `most`.
+    Source: Held, Wolfe & Crowder (1974), here with an upper limit.
     """
     xp = arrays()
     # counted from the highest cell, so that the numbers have the size of the load where it is borne
-    below = xp.astype(trial, xp.float64, copy=False)
-    below -= float(xp.max(below))
-    bends = xp.sort(xp.reshape(-below, (-1,)))
+    depths = xp.astype(trial, xp.float64, copy=False)
+    depths -= float(xp.max(depths))
+    bends = xp.sort(xp.reshape(-depths, (-1,)))
     cells = bends.shape[0]
     bearing = xp.arange(1, cells + 1, dtype=xp.float64)
     if most < inf:
@@ -123,60 +140,66 @@ def shifted(trial: Array, total: float, most: float) -> Array:
     borne *= bearing[:-1]
     borne = xp.cumulative_sum(borne)
     last = int(xp.searchsorted(borne, xp.full_like(bends[:1], total))[0])
-    rest, bear = total - (float(borne[last - 1]) if last else 0.0), max(float(bearing[last]), 1.0)
-    shift = float(bends[last]) + rest / bear
+    missing, count = (
+        total - (float(borne[last - 1]) if last else 0.0),
+        max(float(bearing[last]), 1.0),
+    )
+    shift = float(bends[last]) + missing / count
     del bends, bearing, borne
     # a second correction, for the rounding of a cumulative sum
-    shift += (total - float(xp.sum(xp.clip(below + shift, 0.0, most)))) / bear
-    below += shift
-    trial[...] = xp.astype(xp.clip(below, 0.0, most), trial.dtype, copy=False)
+    shift += (total - float(xp.sum(xp.clip(depths + shift, 0.0, most)))) / count
+    depths += shift
+    trial[...] = xp.astype(xp.clip(depths, 0.0, most), trial.dtype, copy=False)
     return trial
 
 
 @dataclass(frozen=True)
 class Compressive:
-    """``p >= 0``."""
+    """Constraint of an elastic contact without adhesion: ``p >= 0``."""
 
     def scaled(self, pressure: float) -> "Compressive":
-        """The same in any unit."""
+        """Return this set, which is the same in any unit."""
         return self
 
-    def of(self, pressure: Array, unit: float) -> Array:
-        """``pressure`` in this unit."""
+    def in_unit(self, pressure: Array, unit: float) -> Array:
+        """Return `pressure` times `unit`, in double precision."""
         return np.multiply(pressure, unit, dtype=np.float64)
 
     def capacity(self, cells: int) -> float:
-        """Infinite."""
+        """Return infinity: there is no upper limit."""
         return inf
 
     def free(self, pressure: Array) -> Array:
-        """Cells that bear pressure."""
+        """Return 1 for cells that bear pressure, and 0 for the others."""
         return arrays().astype(pressure > 0, pressure.dtype)
 
     def approach(self, pressure: Array, height: Array) -> float:
-        """None: pressure that carries a load has free cells."""
+        """Return nan: there is no approach without cells in contact, and pressure that carries a load has some."""
         return nan
 
     def cuts(self, trial: Array) -> bool:
-        """Whether there is tension."""
+        """Return whether a `trial` pressure has tension anywhere."""
         return bool(arrays().min(trial) < 0)
 
     def clip(self, trial: Array) -> Array:
-        """Tension is set to zero."""
+        """Set tension in a `trial` pressure to zero, in place."""
         return replaced(trial, lambda block: arrays().maximum(block, 0))
 
     def carrying(self, trial: Array, total: float) -> Array:
-        """Tension is set to zero, the rest scaled."""
+        """Set tension to zero and scale the pressure to the sum `total`, in place."""
         self.clip(trial)
         trial *= float(np.divide(total, sum_of(trial)))
         return trial
 
     def nearest(self, trial: Array, total: float) -> Array:
-        """Shifted, then cut off."""
+        """Shift a `trial` pressure, cut off at zero, to the sum `total`, in place."""
         return shifted(trial, total, inf)
 
     def levelled(self, trial: Array, cells: Array, total: float) -> Array:
-        """Shifted in Newton's steps, each of which cuts off more: the sum is convex in the shift."""
+        """Shift the `cells` of a `trial` pressure to the sum `total`, with tension set to zero, in place.
+
+        The shift is found in Newton's steps, each of which cuts off more: the sum is convex in the shift.
+        """
         xp = arrays()
         trial *= cells
         self.clip(trial)
@@ -184,24 +207,24 @@ class Compressive:
         borne = float(xp.sum(bearing))
         if bearing.shape[0] and float(xp.max(bearing)) > total:
             # numbers of this size would drown the load
-            where = cells > 0
-            trial[where] = shifted(trial[where], total, inf)
+            chosen = cells > 0
+            trial[chosen] = shifted(trial[chosen], total, inf)
             return trial
 
         def lowered(shift: float) -> tuple[float, float]:
-            rest = bearing[bearing > shift]
-            return float(xp.sum(rest)) - shift * rest.shape[0], rest.shape[0]
+            above = bearing[bearing > shift]
+            return float(xp.sum(above)) - shift * above.shape[0], above.shape[0]
 
         epsilon = float(xp.finfo(trial.dtype).eps)
         shift, factor = lowered_to(total, borne, bearing.shape[0], lowered, epsilon)
         return replaced(trial, lambda block: xp.maximum(block - shift, 0) * factor)
 
-    def wrong(self, pressure: Array, height: Array) -> Array:
-        """Cells that penetrate."""
+    def to_release(self, pressure: Array, height: Array) -> Array:
+        """Return 1 for cells without pressure that penetrate, and 0 for the others."""
         return arrays().astype((pressure == 0) & (height < 0), height.dtype)
 
     def residual(self, pressure: Array, gap: Gap, borne: float) -> float:
-        """Complementarity and penetration."""
+        """Return the larger of complementarity and penetration, in units of the gap scale."""
         xp = arrays()
 
         def measure(block: Array, height: Array) -> tuple[float, float]:
@@ -221,8 +244,8 @@ def lowered_to(
 ) -> tuple[float, float]:
     """Return the shift and the factor that make a pressure carry `load`.
 
-    The pressure carries `borne` in so many `bearing` cells; `lowered` tells the same of it after a shift. The factor
-    makes up for what no shift can, and is 1 within some roundings `epsilon`.
+    The pressure carries `borne` in a number of `bearing` cells; `lowered` returns both for a shift. The factor makes up
+    for what no shift can reach, and is 1 within some roundings `epsilon`.
     """
     shift, before = 0.0, -1.0
     while borne > load and bearing != before:
@@ -233,53 +256,53 @@ def lowered_to(
 
 @dataclass(frozen=True)
 class HardnessLimited:
-    """``0 <= p <= hardness``: perfectly plastic above the hardness.
+    """Constraint of a perfectly plastic contact: ``0 <= p <= hardness``.
 
-    Where p is at the hardness the bodies may overlap, by what the softer one gives way.
-    Source: Almqvist, Sahlin, Larsson & Glavatskih (2007), sect. 2.
+    Where the pressure is at the hardness the bodies may overlap, by what the softer one gives way. `hardness` is in the
+    unit of the pressure, above 0. Source: Almqvist, Sahlin, Larsson & Glavatskih (2007), sect. 2.
     """
 
     hardness: float
 
     def scaled(self, pressure: float) -> "HardnessLimited":
-        """The same in another unit."""
+        """Return the set with the hardness times `pressure`: the same set in another unit."""
         return HardnessLimited(float(self.hardness * pressure))
 
-    def of(self, pressure: Array, unit: float) -> Array:
-        """In this unit; what yielded there has the hardness to the last bit here."""
+    def in_unit(self, pressure: Array, unit: float) -> Array:
+        """Return `pressure` times `unit`; cells that yielded have this hardness to the last bit."""
         yielding = pressure >= self.scaled(1 / unit).hardness
         return np.where(yielding, self.hardness, np.multiply(pressure, unit, dtype=np.float64))
 
     def capacity(self, cells: int) -> float:
-        """The hardness in every cell."""
+        """Return the load of a number of `cells` at the hardness."""
         return self.hardness * cells
 
     def free(self, pressure: Array) -> Array:
-        """Cells that bear pressure below the hardness."""
+        """Return 1 for cells that bear pressure below the hardness, and 0 for the others."""
         return arrays().astype((pressure > 0) & (pressure < self.hardness), pressure.dtype)
 
     def approach(self, pressure: Array, height: Array) -> float:
-        """The least that leaves no gap open where all have yielded."""
+        """Return the smallest approach that leaves no gap open where all cells have yielded."""
         return float(arrays().max(height[pressure > 0]))
 
     def cuts(self, trial: Array) -> bool:
-        """Tension, or more than the hardness."""
+        """Return whether a `trial` pressure has tension or exceeds the hardness anywhere."""
         xp = arrays()
         return bool(xp.min(trial) < 0 or xp.max(trial) > self.hardness)
 
     def clip(self, trial: Array) -> Array:
-        """No tension, and nothing above the hardness."""
+        """Cut a `trial` pressure off at zero and at the hardness, in place."""
         return replaced(trial, lambda block: arrays().clip(block, 0.0, self.hardness))
 
     def carrying(self, trial: Array, total: float) -> Array:
-        """Scaled before it is cut off at the hardness, by the one factor that gives the sum ``total``."""
+        """Scale a `trial` pressure and cut it off at the hardness such that it has the sum `total`, in place."""
         xp = arrays()
         replaced(trial, lambda block: xp.maximum(block, 0))
         bearing = trial > 0
         count = int(xp.count_nonzero(bearing))
         if count * self.hardness <= total:
-            others = max(prod(trial.shape) - count, 1)
-            spread = min((total - self.hardness * count) / others, self.hardness)
+            unloaded = max(prod(trial.shape) - count, 1)
+            spread = min((total - self.hardness * count) / unloaded, self.hardness)
             trial[~bearing] = spread
             trial[bearing] = self.hardness
             return trial
@@ -292,35 +315,35 @@ class HardnessLimited:
         factor = total / float(xp.sum(borne))
         while True:
             yielding = borne * factor >= self.hardness
-            rest = total - self.hardness * int(xp.count_nonzero(yielding))
+            remaining = total - self.hardness * int(xp.count_nonzero(yielding))
             below = float(xp.sum(borne[~yielding]))
-            if not (below > 0 and rest / below > factor):
+            if not (below > 0 and remaining / below > factor):
                 break
-            factor = rest / below
+            factor = remaining / below
         return replaced(trial, lambda block: xp.minimum(block * factor, self.hardness))
 
     def nearest(self, trial: Array, total: float) -> Array:
-        """Shifted, then cut off."""
+        """Shift a `trial` pressure, cut off at zero and at the hardness, to the sum `total`, in place."""
         return shifted(trial, total, self.hardness)
 
     def levelled(self, trial: Array, cells: Array, total: float) -> Array:
-        """Shifted, if these cells can make up for the others."""
+        """Shift the `cells` of a `trial` pressure to the sum `total`, if they can make up for the others, in place."""
         xp = arrays()
         self.clip(trial)
         chosen = cells > 0
-        rest = total - float(xp.sum(trial[~chosen]))
-        if not 0 < rest < self.capacity(int(xp.count_nonzero(chosen))):
+        remaining = total - float(xp.sum(trial[~chosen]))
+        if not 0 < remaining < self.capacity(int(xp.count_nonzero(chosen))):
             return self.carrying(trial, total)
-        trial[chosen] = shifted(trial[chosen], rest, self.hardness)
+        trial[chosen] = shifted(trial[chosen], remaining, self.hardness)
         return trial
 
-    def wrong(self, pressure: Array, height: Array) -> Array:
-        """Cells that penetrate without pressure, and that are open at the hardness."""
-        left = violation(pressure, height, self.free(pressure))
-        return arrays().astype(left > 0, height.dtype)
+    def to_release(self, pressure: Array, height: Array) -> Array:
+        """Return 1 for cells that penetrate without pressure or are open at the hardness, and 0 for the others."""
+        violations = violation(pressure, height, self.free(pressure))
+        return arrays().astype(violations > 0, height.dtype)
 
     def residual(self, pressure: Array, gap: Gap, borne: float) -> float:
-        """Complementarity of the free cells, penetration, and gaps that yielding cells leave open."""
+        """Return the largest of complementarity in free cells, penetration, and open gaps of yielding cells."""
         xp = arrays()
         free = self.free(pressure)
         moment, of_free = inner(pressure, xp.abs(gap.height) * free), inner(pressure, free)
@@ -329,67 +352,73 @@ class HardnessLimited:
 
 
 class Resultant(Protocol):
-    """What closes the problem beside the conditions in each cell."""
+    """Condition on the pressures of all cells together, which closes the problem."""
 
     def scaled(self, pressure: float, cells: int = 1) -> Self:
-        """The same in another unit of pressure (times ``pressure``), on blocks of so many cells."""
+        """Return the same condition with pressure times `pressure`, on blocks of that number of `cells`."""
         ...
 
     def is_met_by(self, constraint: Constraint, cells: int) -> bool:
-        """Whether so many cells under ``constraint`` can meet it."""
+        """Return whether a number of `cells` under `constraint` can meet the condition."""
         ...
 
     def uniform(self, cells: int) -> float:
-        """The pressure that meets it if it is the same in so many cells."""
+        """Return the pressure that meets the condition if it is the same in that number of `cells`."""
         ...
 
     def admit(self, trial: Array, constraint: Constraint) -> Array:
-        """``trial`` cut off at the limits of ``constraint`` and made to meet this, in place."""
+        """Cut a `trial` pressure off at the limits of `constraint` and scale it to meet the condition, in place."""
         ...
 
     def nearest(self, trial: Array, constraint: Constraint) -> Array:
-        """The admissible pressure nearest to ``trial``, in place: a step against the gap, made so, is downhill."""
+        """Replace a `trial` pressure by the nearest admissible one, in place.
+
+        A step against the gap that ends there lowers the energy.
+        """
         ...
 
     def levelled(self, trial: Array, cells: Array, constraint: Constraint) -> Array:
-        """``trial`` cut off at the limits and made to meet this by a shift of ``cells``, in place."""
+        """Cut a `trial` pressure off at the limits and shift its `cells` to meet the condition, in place."""
         ...
 
     def error(self, borne: float) -> float:
-        """How far a pressure whose sum is ``borne`` is from meeting it, dimensionless."""
+        """Return how far a pressure with the sum `borne` is from meeting the condition, dimensionless."""
         ...
 
 
 @dataclass(frozen=True)
 class PrescribedLoad:
-    """``sum(p) = total``: the load over the area of a cell, in the unit of p."""
+    """Resultant of a given load: ``sum(p) = total``.
+
+    `total` is the load over the area of a cell, in the unit of p.
+    """
 
     total: float
 
     def scaled(self, pressure: float, cells: int = 1) -> "PrescribedLoad":
-        """In another unit, on larger cells."""
+        """Return the load with pressure times `pressure`, on blocks of that number of `cells`."""
         return PrescribedLoad(float(self.total * pressure / cells))
 
     def is_met_by(self, constraint: Constraint, cells: int) -> bool:
-        """Whether the cells can carry the load."""
+        """Return whether a number of `cells` under `constraint` can carry the load."""
         return constraint.capacity(cells) >= self.total
 
     def uniform(self, cells: int) -> float:
-        """The load spread evenly."""
+        """Return the pressure of the load spread evenly over a number of `cells`."""
         return self.total / cells
 
     def admit(self, trial: Array, constraint: Constraint) -> Array:
-        """Scaled to the load."""
+        """Scale a `trial` pressure within the limits of `constraint` to the load, in place."""
         return constraint.carrying(trial, self.total)
 
     def nearest(self, trial: Array, constraint: Constraint) -> Array:
-        """Shifted to the load."""
+        """Shift a `trial` pressure within the limits of `constraint` to the load, in place."""
         return constraint.nearest(trial, self.total)
 
     def levelled(self, trial: Array, cells: Array, constraint: Constraint) -> Array:
-        """Shifted to the load."""
+        """Shift the `cells` of a `trial` pressure within the limits of `constraint` to the load, in place."""
         return constraint.levelled(trial, cells, self.total)
 
     def error(self, borne: float) -> float:
-        """``|borne / total - 1|``."""
+        """Return the relative error of the load, ``|borne / total - 1|``."""
         return abs(borne / self.total - 1)

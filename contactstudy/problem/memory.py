@@ -16,44 +16,63 @@ FIELDS = 14
 PAIR, WITH_ROOM = 2, 4
 # Bytes that any machine has; to ask the system takes as long as a solve of some hundred cells.
 ALWAYS_THERE = 2**24
-# Of these, what a problem holds before it is solved: its gap and its spectrum, which is real and half as long.
+# Arrays of these that a problem holds before it is solved: its gap and its spectrum, which is real and half as long.
 GAP, SPECTRUM = 1, 0.5
 
 
 def solve_bytes(grid: Grid, paddings: Paddings) -> int:
-    """Bytes that a solve holds at the most."""
+    """Return the largest memory that a solve on `grid` holds at once [bytes]."""
     return 8 * (FIELDS * prod(grid.cells) + PAIR * prod(padded_cells(grid, paddings)))
 
 
 def refuse_too_large(grid: Grid, paddings: Paddings) -> None:
-    """Raise :class:`~contactstudy.InvalidInput` where this machine cannot hold the solve, before any array."""
+    """Refuse a solve that this machine cannot hold, before any array is made.
+
+    Raises
+    ------
+    InvalidInput
+        If the memory left is too small.
+    """
     _refuse(grid, solve_bytes(grid, paddings), "")
 
 
 def refuse_solve(problem: Problem, precision: Precision) -> None:
-    """The same for what a solve holds beside the ``problem``, which is there already."""
+    """Refuse a solve whose arrays, beside those of the `problem` itself, this machine cannot hold.
+
+    Raises
+    ------
+    InvalidInput
+        If the memory left is too small.
+    """
     fields = (FIELDS - GAP) * problem.undeformed_gap.size
     padded = (PAIR - SPECTRUM) * problem.operator.work
     _refuse(problem.grid, precision.bytes * (fields + padded), " more")
 
 
 def _refuse(grid: Grid, needed: float, more: str) -> None:
+    """Raise InvalidInput if this machine has no `needed` bytes left."""
     if needed <= ALWAYS_THERE:
         return
-    there = available_bytes()
-    if needed > there:
+    available = available_bytes()
+    if needed > available:
         raise InvalidInput(
             f"Grid.cells is {grid.cells!r}: a solve needs {needed / 1e9:.3g} GB{more} and this machine has "
-            f"{there / 1e9:.3g} GB left, give fewer cells."
+            f"{available / 1e9:.3g} GB left, give fewer cells."
         )
 
 
 def refuse_on(device: Device, operator: Convolution, precision: Precision) -> None:
-    """Raise :class:`~contactstudy.InvalidInput` where the ``device`` cannot hold a solve with this operator."""
+    """Refuse a solve with this `operator` that the `device` cannot hold.
+
+    Raises
+    ------
+    InvalidInput
+        If the memory left there is too small.
+    """
     numbers = FIELDS * prod(operator.cells) + WITH_ROOM * prod(operator.padded)
-    needed, there = numbers * precision.bytes, device.available_bytes
-    if needed > there:
+    needed, available = numbers * precision.bytes, device.available_bytes
+    if needed > available:
         raise InvalidInput(
-            f"solve.on is {device!r}: the solve needs {needed / 1e9:.3g} GB and it has {there / 1e9:.3g} GB "
+            f"solve.on is {device!r}: the solve needs {needed / 1e9:.3g} GB and it has {available / 1e9:.3g} GB "
             "left, give fewer cells or Cpu()."
         )

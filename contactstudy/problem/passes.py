@@ -37,28 +37,28 @@ FAR = 1e15
 
 
 class ArrayPasses:
-    """Passes by operations of the device's array library, in blocks of rows."""
+    """Passes over fields by operations of the device's array library, in blocks of rows."""
 
     def __init__(self, constraint: Constraint) -> None:
         self.constraint = constraint
 
     def preconditioner(self, undeformed_gap: Array) -> Precision | None:
-        """None: a preconditioner works in the precision of the problem, else every field would be converted."""
+        """Return None: a preconditioner works in the precision of the problem, or every field would be converted."""
         return None
 
     def gap(self, undeformed: Array, displacement: Array, pressure: Array, height: Array) -> Gap:
         """Return the gap, whose heights are written to `height`: zero on the mean of the free cells."""
-        free_of = self.constraint.free
 
-        def add(heights: Array, flat: Array, moved: Array, bearing: Array) -> tuple[float, float]:
-            free = free_of(bearing)
-            heights[...] = flat + moved
-            return inner(heights, free), float(arrays().sum(free))
+        def add(
+            height: Array, undeformed: Array, displacement: Array, pressure: Array
+        ) -> tuple[float, float]:
+            free = self.constraint.free(pressure)
+            height[...] = undeformed + displacement
+            return inner(height, free), float(arrays().sum(free))
 
         sums = in_blocks(add, height, undeformed, displacement, pressure)
         heights, cells = map(sum, zip(*sums, strict=True))
         approach = heights / cells if cells else self.constraint.approach(pressure, height)
-
         in_blocks(lambda block: block.__isub__(approach), height)
         return Gap(height, approach)
 
@@ -66,37 +66,39 @@ class ArrayPasses:
         """Return the cells that bear pressure and are at no limit (1, others 0), and their gap, in `real` numbers."""
         cells, unlevel = (arrays().empty(pressure.shape, dtype=real) for _ in range(2))
 
-        def some(free: Array, level: Array, bearing: Array, own: Array) -> None:
-            free[...] = self.constraint.free(bearing)
-            level[...] = own * free
+        def select(cells: Array, unlevel: Array, pressure: Array, height: Array) -> None:
+            cells[...] = self.constraint.free(pressure)
+            unlevel[...] = height * cells
 
-        in_blocks(some, cells, unlevel, pressure, height)
+        in_blocks(select, cells, unlevel, pressure, height)
         return cells, unlevel
 
     def joined(
         self, pressure: Array, height: Array, extended: Array, step_length: float, contact: Array
     ) -> Array:
-        """Return the `contact` with the cells at a limit that should leave it after a step; itself if there are none.
+        """Return the `contact` with the cells at a limit that should leave it after a step, or itself if there are none.
 
-        The step changes the gap everywhere by that share of the `extended` gap.
+        The step changes the gap everywhere by a share `step_length` of the `extended` gap.
         """
         cells = arrays().empty_like(contact)
 
-        def some(after: Array, before: Array, bearing: Array, own: Array, whole: Array) -> bool:
-            wrong = self.constraint.wrong(bearing, own - step_length * whole)
-            after[...] = before + wrong
-            return bool(arrays().any(wrong > 0))
+        def add(
+            cells: Array, contact: Array, pressure: Array, height: Array, extended: Array
+        ) -> bool:
+            released = self.constraint.to_release(pressure, height - step_length * extended)
+            cells[...] = contact + released
+            return bool(arrays().any(released > 0))
 
-        joined = any(in_blocks(some, cells, contact, pressure, height, extended))
+        joined = any(in_blocks(add, cells, contact, pressure, height, extended))
         return cells if joined else contact
 
     def product(self, height: Array, cells: Array, out: Array) -> Array:
-        """Write the gap of `cells`, which are 1, and 0 for others, into `out`."""
+        """Multiply the gap by `cells`, which are 1 or 0, into `out`."""
 
-        def some(own: Array, chosen: Array, product: Array) -> None:
-            product[...] = own * chosen
+        def multiply(height: Array, cells: Array, out: Array) -> None:
+            out[...] = height * cells
 
-        in_blocks(some, height, cells, out)
+        in_blocks(multiply, height, cells, out)
         return out
 
     def totals(self, cells: Array, closing: Array) -> tuple[float, ...]:
@@ -104,20 +106,21 @@ class ArrayPasses:
         return total(cells), total(closing)
 
     def products(self, *fields: Array) -> tuple[float, ...]:
-        """Return the sums that make a direction conjugate, of gap, closing pressure, cells, step and response.
+        """Return the sums that make a direction conjugate.
 
-        The number of cells, the sum of the closing pressure, and the products of gap and closing pressure, closing
-        pressure and response, cells and response, gap of the cells and step, cells and step.
+        The `fields` are gap, closing pressure, cells, step and response. The sums are the number of cells, the sum of
+        the closing pressure, and the products of gap and closing pressure, closing pressure and response, cells and
+        response, gap of the cells and step, cells and step.
         """
 
-        def some(
+        def sums_of(
             height: Array, closing: Array, cells: Array, step: Array, response: Array
         ) -> tuple[float, ...]:
             pairs = (height, closing), (closing, response), (cells, response)
             sums = (inner(*pair) for pair in (*pairs, (height * cells, step), (cells, step)))
             return total(cells), total(closing), *sums
 
-        return tuple(map(sum, zip(*in_blocks(some, *fields), strict=True)))
+        return tuple(map(sum, zip(*in_blocks(sums_of, *fields), strict=True)))
 
     def trial(
         self,
@@ -129,22 +132,25 @@ class ArrayPasses:
         step_length: float,
         step: Array,
     ) -> bool:
-        """Write the pressure one step ahead over the last `step`; whether a limit cuts it."""
+        """Write the pressure one step ahead over the last `step`, and return whether a limit cuts it.
 
-        def some(ahead: Array, against: Array, chosen: Array, bearing: Array) -> bool:
+        The direction is `level` less the `closing` pressure, plus `conjugate` times the last step, in the `cells`.
+        """
+
+        def take_step(step: Array, closing: Array, cells: Array, pressure: Array) -> bool:
             if conjugate:
-                ahead *= conjugate
-                ahead -= against
-                ahead += level
+                step *= conjugate
+                step -= closing
+                step += level
             else:
-                ahead[...] = level - against
-            ahead *= chosen
+                step[...] = level - closing
+            step *= cells
             if step_length != 1:
-                ahead *= step_length
-            ahead += bearing
-            return self.constraint.cuts(ahead)
+                step *= step_length
+            step += pressure
+            return self.constraint.cuts(step)
 
-        return any(in_blocks(some, step, closing, cells, pressure))
+        return any(in_blocks(take_step, step, closing, cells, pressure))
 
     def levelled(self, trial: Array, cells: Array, resultant: Resultant) -> Array:
         """Cut a trial pressure off at the limits and shift its `cells` to meet the `resultant`, in place."""
@@ -152,42 +158,41 @@ class ArrayPasses:
 
     def slope(self, trial: Array, pressure: Array, height: Array) -> float:
         """Return how fast the energy grows along the step to `trial`."""
-
         fields = trial, pressure, height
-        return sum(in_blocks(lambda there, here, gap: inner(gap, there - here), *fields))
+        return sum(in_blocks(lambda after, before, gap: inner(gap, after - before), *fields))
 
     def curvature(self, trial: Array, pressure: Array, ahead: Array, displacement: Array) -> float:
         """Return the work of the step to `trial` on the change of displacement that it makes."""
 
-        def some(there: Array, here: Array, after: Array, before: Array) -> float:
-            return inner(there - here, after - before)
+        def work(trial: Array, pressure: Array, ahead: Array, displacement: Array) -> float:
+            return inner(trial - pressure, ahead - displacement)
 
-        return sum(in_blocks(some, trial, pressure, ahead, displacement))
+        return sum(in_blocks(work, trial, pressure, ahead, displacement))
 
     def meets_a_limit(self, trial: Array, pressure: Array, factor: float) -> bool:
         """Return whether a cell is beyond a limit after `factor` steps."""
 
-        def some(there: Array, here: Array) -> bool:
-            return self.constraint.cuts(here + factor * (there - here))
+        def cuts(trial: Array, pressure: Array) -> bool:
+            return self.constraint.cuts(pressure + factor * (trial - pressure))
 
-        return any(in_blocks(some, trial, pressure))
+        return any(in_blocks(cuts, trial, pressure))
 
     def advance(
         self, trial: Array, pressure: Array, ahead: Array, displacement: Array, share: float
     ) -> None:
-        """Take a `share` of a step: `trial` and `ahead` become the pressure and displacement that it leads to.
+        """Take a `share` of a step: `trial` and `ahead` become the pressure and displacement that it leads to, in place.
 
-        The changes of both, from there back, are written over `pressure` and `displacement`.
+        The changes of both, old less new, are written over `pressure` and `displacement`.
         """
 
-        def some(back: Array, there: Array) -> None:
-            back -= there
+        def take_step(before: Array, after: Array) -> None:
+            before -= after
             if share != 1:
-                there += (1 - share) * back
-                back *= share
+                after += (1 - share) * before
+                before *= share
 
-        in_blocks(some, displacement, ahead)
-        in_blocks(some, pressure, trial)
+        in_blocks(take_step, displacement, ahead)
+        in_blocks(take_step, pressure, trial)
         if share != 1:
             self.constraint.clip(trial)
 
@@ -200,11 +205,14 @@ class CompiledPasses:
         self._limit = constraint.capacity(1)
 
     def preconditioner(self, undeformed_gap: Array) -> Precision | None:
-        """Single precision where heights allow it: passes then take half the time, and no more iterations."""
+        """Return single precision where the heights allow it, else None.
+
+        Passes then take half the time, and the solve no more iterations.
+        """
         return Precision.SINGLE if -FAR < float(undeformed_gap.max()) < FAR else None
 
     def gap(self, undeformed: Array, displacement: Array, pressure: Array, height: Array) -> Gap:
-        """As :meth:`ArrayPasses.gap`, with measures of the residual."""
+        """Return the gap, whose heights are written to `height`, with measures of its residual."""
         fields, limit = (undeformed, displacement, pressure), self._limit
         heights, cells = _rows(self._loops.level, *fields, limit, results=2).sum(axis=1).tolist()
         at_limits = self.constraint.approach
@@ -216,7 +224,7 @@ class CompiledPasses:
         return Gap(height, approach, measured, load, float(sums[4].max()))
 
     def contact(self, pressure: Array, height: Array, real: DTypeLike) -> tuple[Array, Array]:
-        """As :meth:`ArrayPasses.contact`."""
+        """Return the free cells that bear pressure (1, others 0), and their gap, in `real` numbers."""
         cells, unlevel = (np.empty(pressure.shape, dtype=real) for _ in range(2))
         _rows(self._loops.contact, pressure, height, self._limit, cells, unlevel)
         return cells, unlevel
@@ -224,22 +232,22 @@ class CompiledPasses:
     def joined(
         self, pressure: Array, height: Array, extended: Array, step_length: float, contact: Array
     ) -> Array:
-        """As :meth:`ArrayPasses.joined`."""
+        """Return the `contact` with the cells at a limit that should leave it after a step, or itself."""
         cells = np.empty_like(contact)
         fields = pressure, height, extended, step_length, self._limit, contact, cells
         return cells if _rows(self._loops.joined, *fields, results=1).any() else contact
 
     def product(self, height: Array, cells: Array, out: Array) -> Array:
-        """As :meth:`ArrayPasses.product`."""
+        """Multiply the gap by `cells`, which are 1 or 0, into `out`."""
         _rows(self._loops.product, height, cells, out)
         return out
 
     def totals(self, cells: Array, closing: Array) -> tuple[float, ...]:
-        """As :meth:`ArrayPasses.totals`."""
+        """Return the number of `cells`, and the sum of the pressure that would close them."""
         return tuple(_rows(self._loops.totals, cells, closing, results=2).sum(axis=1).tolist())
 
     def products(self, *fields: Array) -> tuple[float, ...]:
-        """As :meth:`ArrayPasses.products`."""
+        """Return the sums that make a direction conjugate, in the order of :meth:`ArrayPasses.products`."""
         return tuple(_rows(self._loops.products, *fields, results=7).sum(axis=1).tolist())
 
     def trial(
@@ -252,12 +260,12 @@ class CompiledPasses:
         step_length: float,
         step: Array,
     ) -> bool:
-        """As :meth:`ArrayPasses.trial`."""
+        """Write the pressure one step ahead over the last `step`, and return whether a limit cuts it."""
         fields = pressure, closing, cells, level, conjugate, step_length, self._limit, step
         return bool(_rows(self._loops.trial, *fields, results=1).any())
 
     def levelled(self, trial: Array, cells: Array, resultant: Resultant) -> Array:
-        """As :meth:`ArrayPasses.levelled`."""
+        """Cut a trial pressure off at the limits and shift its `cells` to meet the `resultant`, in place."""
         if self._limit < inf or not isinstance(resultant, PrescribedLoad):
             return resultant.levelled(trial, cells, self.constraint)
         load = resultant.total
@@ -277,23 +285,23 @@ class CompiledPasses:
         return trial
 
     def slope(self, trial: Array, pressure: Array, height: Array) -> float:
-        """As :meth:`ArrayPasses.slope`."""
+        """Return how fast the energy grows along the step to `trial`."""
         return float(_rows(self._loops.slope, trial, pressure, height, results=1).sum())
 
     def curvature(self, trial: Array, pressure: Array, ahead: Array, displacement: Array) -> float:
-        """As :meth:`ArrayPasses.curvature`."""
+        """Return the work of the step to `trial` on the change of displacement that it makes."""
         fields = trial, pressure, ahead, displacement
         return float(_rows(self._loops.curvature, *fields, results=1).sum())
 
     def meets_a_limit(self, trial: Array, pressure: Array, factor: float) -> bool:
-        """As :meth:`ArrayPasses.meets_a_limit`."""
+        """Return whether a cell is beyond a limit after `factor` steps."""
         fields = trial, pressure, factor, self._limit
         return bool(_rows(self._loops.beyond, *fields, results=1).any())
 
     def advance(
         self, trial: Array, pressure: Array, ahead: Array, displacement: Array, share: float
     ) -> None:
-        """As :meth:`ArrayPasses.advance`."""
+        """Take a `share` of a step, in place, as :meth:`ArrayPasses.advance` does."""
         _rows(self._loops.advance, trial, pressure, ahead, displacement, share, self._limit)
 
 
@@ -301,7 +309,7 @@ Passes = ArrayPasses | CompiledPasses
 
 
 def passes_for(constraint: Constraint, shape: tuple[int, ...]) -> Passes:
-    """Return the passes over fields of that `shape` (x, y): compiled ones where they are there and pay."""
+    """Return the passes over fields of that `shape` (x, y): compiled ones where numba is installed and they pay."""
     loops = compiled_loops(shape)
     if loops is not None and isinstance(constraint, Compressive | HardnessLimited):
         return CompiledPasses(constraint, loops)
@@ -309,10 +317,10 @@ def passes_for(constraint: Constraint, shape: tuple[int, ...]) -> Passes:
 
 
 def _rows(kernel: Callable[..., object], *arguments: Any, results: int = 0) -> Array:
-    """Return what a compiled `kernel` over fields (x, y), its first `arguments`, finds in each row, (`results`, x).
+    """Run a compiled `kernel` over fields (x, y), its first `arguments`, and return its results by row (`results`, x).
 
-    It gets a thread's part of each field, other arguments as they are, and last that part of an array
-    for its results, if it has any: one call for each thread.
+    The kernel is called once a thread. It gets the thread's part of each field, other arguments as they are, and last,
+    if it has `results`, that part of an array for them.
     """
     shape = arguments[0].shape
     values = np.empty((shape[0], results))
@@ -320,9 +328,9 @@ def _rows(kernel: Callable[..., object], *arguments: Any, results: int = 0) -> A
         kernel(*arguments, *([values] if results else []))
         return values.T
 
-    def some(rows: slice) -> None:
-        parts = [one[rows] if isinstance(one, np.ndarray) else one for one in arguments]
+    def run(rows: slice) -> None:
+        parts = [value[rows] if isinstance(value, np.ndarray) else value for value in arguments]
         kernel(*parts, *([values[rows]] if results else []))
 
-    in_parts(some, shape)
+    in_parts(run, shape)
     return values.T

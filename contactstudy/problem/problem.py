@@ -30,25 +30,28 @@ class Field:
 
 
 class Derived(Protocol):
-    """What follows from the pressure on one grid, found when it is called for."""
+    """Quantities that follow from the pressure on one grid, computed on request."""
 
     def fields(self, pressure: Array) -> Mapping[str, Field]:
-        """Fields by name, under ``pressure`` (x, y) [Pa]."""
+        """Return the fields by name, under `pressure` (x, y) [Pa]."""
         ...
 
 
 @runtime_checkable
 class Sheared(Protocol):
-    """What follows from shear on the surface as well."""
+    """Derived quantities that also depend on shear on the surface."""
 
     def under(self, shear: Array) -> Derived:
-        """The same under ``shear`` (component, x, y) [Pa] on the first body."""
+        """Return the quantities under `shear` (component, x, y) [Pa] on the first body."""
         ...
 
 
 @dataclass(frozen=True)
 class Scales:
-    """What the solver divides by, so that units do not change the answer: [m], [Pa], [m]."""
+    """Units that make a problem dimensionless, so that the choice of units does not change the answer.
+
+    They are a `length` [m], a `pressure` [Pa] and a `gap` [m]. The solver divides by them.
+    """
 
     length: float
     pressure: float
@@ -56,34 +59,34 @@ class Scales:
 
 
 class Source(Protocol):
-    """What a problem was made of, so that it can be made again on another grid of the same extent."""
+    """Origin of a problem, which can pose it again on another grid of the same extent."""
 
     @property
     def finest(self) -> tuple[float, float]:
-        """The shortest lengths (across, along) over which the heights change [m]; infinite if unknown."""
+        """Shortest lengths (across, along) over which the heights change [m]; infinite if unknown."""
         ...
 
     @property
     def names_scales(self) -> bool:
-        """Whether ``finest`` is known of every shape."""
+        """True if `finest` is known for every shape."""
         ...
 
     @property
     def ends_along(self) -> bool:
-        """Whether a body ends along the length, so that contact may reach the ends of the grid."""
+        """True if a body ends along the length, so that contact may reach the ends of the grid."""
         ...
 
     def gap(self, grid: Grid) -> Array:
-        """Undeformed gap [m], sampled anew on ``grid``; broadcasts to its cells."""
+        """Return the undeformed gap [m], sampled on `grid`; it broadcasts to the cells."""
         ...
 
     def problem(self, grid: Grid) -> "Problem":
-        """The same contact on ``grid``, with the same paddings."""
+        """Return the problem of this contact on `grid`, with the same paddings."""
         ...
 
 
 class FrictionLaw(Protocol):
-    """What adds shear to the pressure of a problem."""
+    """Law that adds shear to the pressure of a frictionless contact."""
 
     def solved(self, problem: "Problem", options: Any, start: Array | None, on: Device) -> Any:
         """Return the Solution of a frictionless `problem` with its shear, by SolveOptions, from a pressure [Pa]."""
@@ -92,16 +95,36 @@ class FrictionLaw(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Find p with ``gap = undeformed_gap + operator(p) - approach >= 0`` and ``p gap = 0``.
+    """Contact problem in SI units: find the pressure p with ``p gap = 0`` and ``gap >= 0``.
 
-    ``undeformed_gap`` (x, y) [m]; ``operator`` maps pressure [Pa] to displacement [m], both (x, y).
-    ``constraint`` limits the pressure of each cell; ``resultant`` is what all carry together. ``scales`` are
-    what the solver divides by. The rest is not for the solver: ``open_edges`` are the rows, counted
-    across, that contact should not reach, because the surface goes on beyond them, and ``open_ends`` those
-    counted along; ``source`` makes the problem again on another grid; ``paddings`` (across, along)
-    are those of the operator, where it has any; ``outputs`` are found from the solution when
-    it is labelled; ``description`` is what the problem was made from, such as a scene on a grid. ``friction``
-    adds shear to a solution.
+    It has ``gap = undeformed_gap + operator(p) - approach``. Fields are (x, y).
+
+    Parameters
+    ----------
+    grid
+        Cells and extent.
+    undeformed_gap
+        Gap between the unloaded bodies (x, y) [m].
+    operator
+        Map from pressure [Pa] to displacement [m].
+    constraint
+        Limits of the pressure of each cell.
+    resultant
+        What the pressures of all cells carry together.
+    scales
+        Units that the solver works in.
+    open_edges, open_ends
+        Rows, counted across and along, that contact should not reach, because the surface goes on beyond them.
+    source
+        Poses the problem again on another grid.
+    paddings
+        Paddings (across, along) of the operator, where it has any.
+    outputs
+        Quantities that are found from the solution when it is labelled.
+    description
+        What the problem was made from, such as a scene on a grid.
+    friction
+        Law that adds shear to a solution.
     """
 
     grid: Grid
@@ -120,14 +143,14 @@ class Problem:
 
     @property
     def datum(self) -> float:
-        """The undeformed gap at the highest point [m]; a bare problem counts heights from it.
+        """Undeformed gap at the highest point [m]; a bare problem counts heights from it.
 
         Large heights have large rounding errors, which should be far from where the bodies touch.
         """
         return float(self.undeformed_gap.min())
 
     def bare(self, precision: Precision = Precision.DOUBLE) -> BareProblem:
-        """This problem in its own scales, its highest point at zero, on the device in use."""
+        """Return this problem in its own scales, with its highest point at zero, on the device in use."""
         heights = (self.undeformed_gap - self.datum) / self.scales.gap
         return BareProblem(
             device().put(heights.astype(precision.real, copy=False)),

@@ -7,9 +7,22 @@ from contactstudy.domain.fields import Array
 
 @dataclass(frozen=True, eq=False)
 class Iterate:
-    """All dimensionless; ``convolutions`` in transform pairs of the full grid, also for smaller ones.
+    """State in which an iteration stopped, dimensionless.
 
-    ``note`` is a sentence about an unusual course of the iteration, or empty.
+    Parameters
+    ----------
+    pressure, displacement
+        Fields (x, y).
+    approach
+        Approach of the bodies, counted from the highest point of the undeformed gap.
+    residual
+        Largest of complementarity, penetration and error of the load.
+    iterations
+        Number of iterations.
+    convolutions
+        Number of transform pairs of the full grid; pairs of smaller grids count in proportion.
+    note
+        Sentence about an unusual course of the iteration, or empty.
     """
 
     pressure: Array
@@ -22,13 +35,13 @@ class Iterate:
 
 
 class Stall:
-    """Detects a stalled residual: no halving within the given number of iterations."""
+    """Detector of a stalled residual: one that is not halved within `patience` iterations."""
 
     def __init__(self, patience: int) -> None:
         self.patience, self.best, self.since = patience, float("inf"), 0
 
     def sees(self, residual: float) -> bool:
-        """Whether the iteration has stalled, with the next residual."""
+        """Take the next `residual` and return whether the iteration has stalled."""
         if residual < self.best / 2:
             self.best, self.since = residual, 0
         else:

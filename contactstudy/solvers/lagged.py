@@ -17,9 +17,18 @@ DEPTH, FINER = 6, 1e-3
 
 @dataclass(frozen=True, eq=False)
 class Settled:
-    """A ``solution`` whose gap holds the lagged part of its own pressure, but for a relative L1 ``change``.
+    """Solution whose gap holds the lagged part of its own pressure.
 
-    ``passes`` counts solves, ``iterations`` and ``convolutions`` are those of all.
+    Parameters
+    ----------
+    solution
+        The last solution.
+    change
+        Change of the pressure in the last pass, relative in L1.
+    passes
+        Number of solves.
+    iterations, convolutions
+        Sums over all solves.
     """
 
     solution: Solution
@@ -37,23 +46,39 @@ def solve_lagged(
     change: float = 1e-6,
     max_passes: int = 100,
 ) -> Settled:
-    """Solve ``problem`` with ``lagged(pressure)`` [m] added to its gap, until the pressure stays.
+    """Solve a problem with a displacement that follows from its own pressure and is lagged into the gap.
 
-    Each pass solves with the lagged part of a mixture of the pressures before, until a pass changes the pressure
-    by less than ``change`` in L1. Where nothing is ``lagged``, one solve is enough. Not reaching ``change`` in
-    ``max_passes`` is :attr:`~contactstudy.Status.ITERATION_LIMIT`.
-    Source of the mixing: Anderson (1965), in the form of Walker & Ni (2011), eq. 2.2.
+    Each pass solves with the lagged part of a mixture of the pressures before, until a pass changes the pressure by less
+    than `change`. Source of the mixing: Anderson (1965), in the form of Walker & Ni (2011), eq. 2.2.
+
+    Parameters
+    ----------
+    problem
+        The contact in SI units, without the lagged part.
+    lagged
+        Map from pressure (x, y) [Pa] to the displacement to add to the gap (x, y) [m]; None for one plain solve.
+    options
+        Method and tolerance of each solve.
+    change
+        Change of the pressure in a pass to stop at, relative in L1.
+    max_passes
+        Number of passes after which the status is :attr:`~contactstudy.Status.ITERATION_LIMIT`.
+
+    Returns
+    -------
+    Settled
+        The last solution and what it took.
     """
     mixed: list[Array] = []
     steps: list[Array] = []
     guess = np.zeros_like(problem.undeformed_gap)
     start: Array | None = None
-    found, passes, iterations, convolutions = np.inf, 0, 0, 0.0
+    last_change, passes, iterations, convolutions = np.inf, 0, 0, 0.0
     while True:
         gap = problem.undeformed_gap
         if lagged is not None and passes:
             gap = gap + lagged(guess)
-        coarse = 0.0 if lagged is None else min(FINER * found, 1e-4)
+        coarse = 0.0 if lagged is None else min(FINER * last_change, 1e-4)
         loose = replace(options, tolerance=max(options.tolerance, coarse))
         solution = loose.solved(replace(problem, undeformed_gap=gap), start)
         passes += 1
@@ -65,18 +90,18 @@ def solve_lagged(
         if not np.isfinite(solution.residual):
             return Settled(solution, np.inf, passes, iterations, convolutions)
         step = solution.pressure - guess
-        found = float(np.abs(step).sum() / solution.pressure.sum())
-        settled = found <= change and solution.residual <= options.tolerance
+        last_change = float(np.abs(step).sum() / solution.pressure.sum())
+        settled = last_change <= change and solution.residual <= options.tolerance
         if settled or passes == max_passes:
             if not settled:
                 solution = replace(solution, status=Status.ITERATION_LIMIT)
-            return Settled(solution, found, passes, iterations, convolutions)
+            return Settled(solution, last_change, passes, iterations, convolutions)
         mixed, steps = [*mixed[-DEPTH:], guess], [*steps[-DEPTH:], step]
         guess = _mixed(mixed, steps)
 
 
 def _mixed(guesses: list[Array], steps: list[Array]) -> Array:
-    """The combination of guesses whose step would be the smallest, one such step on."""
+    """Return the combination of guesses with the smallest step, moved by that step."""
     step = steps[-1]
     if len(steps) == 1:
         return guesses[-1] + step

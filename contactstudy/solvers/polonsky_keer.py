@@ -12,8 +12,12 @@ from contactstudy.solvers.iterate import Iterate, Stall
 class PolonskyKeer:
     """Conjugate gradients on the cells in contact, restarted when the contact gains a cell.
 
-    Two convolutions per iteration. ``patience`` is the number of iterations without a halving of the
-    residual after which it stops. Source: Polonsky & Keer (1999), Wear 231, sect. 3.
+    An iteration takes two convolutions. Source: Polonsky & Keer (1999), Wear 231, sect. 3.
+
+    Parameters
+    ----------
+    patience
+        Iterations without a halving of the residual after which the solver stops.
     """
 
     patience: int = 400
@@ -26,29 +30,29 @@ class PolonskyKeer:
         max_iterations: int,
         start: Array | None = None,
     ) -> Iterate:
-        """Iterate until ``problem.residual(pressure, gap) <= tolerance``."""
+        """Iterate until ``problem.residual(pressure, gap) <= tolerance``, the limit, or a stall."""
         xp, constraint = arrays(), problem.constraint
-        begin = problem.uniform() if start is None else xp.asarray(start, copy=True)
-        pressure = problem.admit(begin)
+        initial = problem.uniform() if start is None else xp.asarray(start, copy=True)
+        pressure = problem.admit(initial)
         direction = xp.zeros_like(pressure)
         previous, conjugate = 1.0, 0.0
         stall = Stall(self.patience)
-        own = problem.operator.own
+        compliance = problem.operator.own
         iteration = 0
         while True:
-            moved = problem.operator(pressure)
-            gap = problem.gap(pressure, moved)
-            left = problem.residual(pressure, gap)
-            done = problem.ends(left, moved, tolerance) or iteration == max_iterations
-            if done or stall.sees(left):
-                convolutions = 2.0 * iteration + 1
-                return Iterate(pressure, moved, gap.approach, left, iteration, convolutions)
+            displacement = problem.operator(pressure)
+            gap = problem.gap(pressure, displacement)
+            residual = problem.residual(pressure, gap)
+            ended = problem.ends(residual, displacement, tolerance)
+            if ended or iteration == max_iterations or stall.sees(residual):
+                work = 2.0 * iteration + 1
+                return Iterate(pressure, displacement, gap.approach, residual, iteration, work)
             iteration += 1
             free = constraint.free(pressure)
             contact_gap = gap.height * free
             steepness = inner(contact_gap, contact_gap)
-            kept = conjugate * steepness / previous if previous > 0 else 0.0
-            direction = contact_gap + kept * direction * free
+            share = conjugate * steepness / previous if previous > 0 else 0.0
+            direction = contact_gap + share * direction * free
             previous = steepness
             if inner(contact_gap, direction) <= 0:  # the contact has changed: conjugacy is lost
                 direction = contact_gap
@@ -56,13 +60,12 @@ class PolonskyKeer:
             response -= mean_over(free, response)
             curvature = inner(response, direction)
             # a single cell in contact is level with itself: the others then close their own gaps
-            step = inner(contact_gap, direction) / curvature if curvature > 0 else 1 / own
+            step = inner(contact_gap, direction) / curvature if curvature > 0 else 1 / compliance
             before, pressure = pressure, constraint.clip(pressure - step * direction)
             bound = 1 - constraint.free(pressure)
             trial = xp.maximum(pressure - step * gap.height * bound, 0)
             conjugate = 1.0 if xp.all(trial == pressure) else 0.0
             pressure = problem.admit(trial)
-            if (
-                inner(gap.height, pressure - before) >= 0
-            ):  # balancing the load has turned the step uphill
+            # balancing the load has turned the step uphill
+            if inner(gap.height, pressure - before) >= 0:
                 conjugate, pressure = 0.0, problem.nearest(before - step * gap.height)

@@ -15,7 +15,7 @@ from contactstudy.solvers.polonsky_keer import PolonskyKeer
 
 @dataclass(frozen=True)
 class Step:
-    """A step taken, the displacement it made, and their product."""
+    """Step of the pressure, the displacement it made, and their inner product `curvature`."""
 
     step: Array
     response: Array
@@ -31,11 +31,20 @@ def closing_pressure(
 ) -> tuple[Array, Array, bool, float]:
     """Return the pressure that would close the gap of the cells that will bear.
 
-    These cells are those that bear pressure, and those that would penetrate after a step that closes their gap and
-    takes the surroundings along. Judged by its gap before the step, a contact that is slightly too high over a wide
-    region would gather every cell there whose gap is small.
+    These cells are those that bear pressure, and those that would penetrate after a step that closes their gap and takes
+    the surroundings along. Judged by its gap before the step, a contact that is slightly too high over a wide region
+    would gather every cell there whose gap is small.
 
-    Returns the pressure (x, y), the cells (1, others 0), whether any joined, and how many cells were transformed.
+    Returns
+    -------
+    closing
+        The pressure (x, y).
+    cells
+        The cells that will bear (x, y): 1, others 0.
+    joined
+        Whether any cell joined those that bear.
+    work
+        Number of cells transformed.
     """
     passes = problem.passes
     contact, unlevel = passes.contact(pressure, gap.height, inverse.real)
@@ -63,10 +72,11 @@ def trial_along(
     conjugate_to: Step | None,
     step_length: float,
 ) -> tuple[Array, bool]:
-    """Return the pressure one step ahead, in place of the `last` one, and whether a limit cuts it.
+    """Return the pressure (x, y) one step ahead, and whether a limit cuts it.
 
     The direction is against `closing` and conjugate to a step of the same cells, if there is one, where that is
-    downhill. It is zero outside `cells`, and such that the load stays as it is.
+    downhill. It is zero outside `cells`, and such that the load stays as it is. The arrays of the `last` step are
+    overwritten.
     """
     passes = problem.passes
     level, conjugate = _direction(passes, gap.height, closing, cells, conjugate_to)
@@ -78,15 +88,15 @@ def trial_along(
 def _direction(
     passes: Passes, height: Array, closing: Array, cells: Array, last: Step | None
 ) -> tuple[float, float]:
-    """Return what to add to the direction against `closing`: a level, and a multiple of the last step."""
+    """Return what to add to the direction against `closing`: a constant, and a multiple of the last step."""
     if last is None or last.curvature <= 0:
         count, closed = passes.totals(cells, closing)
         return closed / count, 0.0
     sums = passes.products(height, closing, cells, last.step, last.response)
-    count, closed, downhill, along, across, ahead, shifted = sums
+    count, closed, downhill, along, across, uphill, shifted = sums
     level = closed / count
     conjugate = (along - level * across) / last.curvature
-    if conjugate * ahead < downhill:
+    if conjugate * uphill < downhill:
         return level - conjugate * shifted / count, conjugate
     return level, 0.0
 
@@ -102,18 +112,24 @@ SMALL = 1024
 
 @dataclass(frozen=True)
 class PreconditionedCG:
-    """One convolution and one preconditioning per iteration.
+    """Preconditioned conjugate gradients with a trial step and a start from coarser grids.
 
-    The direction is the preconditioned gap of the cells that bear pressure or will, those that are
-    expected to penetrate once the contact's own gap is closed; where the same cells bear as before, it is made
-    conjugate to the last step. A trial pressure one step ahead is made admissible first: tension is cut off,
-    and these cells are shifted to carry the load. Its convolution then shows the whole line from here to
-    there, on which the best point is known exactly; so every step lowers the energy. Coarser grids give the start,
-    down to ``coarse_tolerance``. Where the residual has not halved in ``patience`` iterations, Polonsky & Keer's
-    scheme goes on from there, and the solution's note says so.
+    An iteration takes one convolution and one preconditioning. The direction is the preconditioned gap of the cells that
+    bear pressure or will: those expected to penetrate once the contact's own gap is closed. Where the same cells bear as
+    before, it is made conjugate to the last step. A trial pressure one step ahead is made admissible first: tension is
+    cut off, and these cells are shifted to carry the load. Its convolution gives the energy along the whole step, on
+    which the best point is known exactly; so every step lowers the energy.
 
-    Source: active sets Hintermueller, Ito & Kunisch (2002), here with one step of the inner iteration to
-    each set; preconditioner Vollebregt (2014); conjugacy Hestenes & Stiefel (1952), eq. 3:1.
+    Source: active sets Hintermueller, Ito & Kunisch (2002), here with one step of the inner iteration to each set;
+    preconditioner Vollebregt (2014); conjugacy Hestenes & Stiefel (1952), eq. 3:1.
+
+    Parameters
+    ----------
+    coarse_tolerance
+        Residual at which coarser grids, which give the start, end.
+    patience
+        Iterations without a halving of the residual after which Polonsky & Keer's scheme goes on from there, and the
+        solution's note says so.
     """
 
     coarse_tolerance: float = 1e-3
@@ -127,25 +143,25 @@ class PreconditionedCG:
         max_iterations: int,
         start: Array | None = None,
     ) -> Iterate:
-        """Iterate until ``problem.residual(pressure, gap) <= tolerance``."""
+        """Iterate until ``problem.residual(pressure, gap) <= tolerance``, the limit, or a stall."""
         last = self._descend(problem, start, tolerance, max_iterations)
         ended = problem.ends(last.residual, last.displacement, tolerance)
         if ended or last.iterations == max_iterations:
             return last
-        rest = PolonskyKeer().iterate(
+        following = PolonskyKeer().iterate(
             problem,
             tolerance=tolerance,
             max_iterations=max_iterations - last.iterations,
             start=last.pressure,
         )
-        better = min(last, rest, key=lambda iterate: iterate.residual)
+        better = min(last, following, key=lambda iterate: iterate.residual)
         return Iterate(
             better.pressure,
             better.displacement,
             better.approach,
             better.residual,
-            last.iterations + rest.iterations,
-            last.convolutions + rest.convolutions,
+            last.iterations + following.iterations,
+            last.convolutions + following.convolutions,
             f"Preconditioned conjugate gradients stalled at a residual of {last.residual:.1e} after "
             f"{last.iterations} iterations; Polonsky & Keer's scheme went on from there.",
         )
@@ -153,7 +169,7 @@ class PreconditionedCG:
     def _begin(
         self, problem: BareProblem, start: Array | None, tolerance: float
     ) -> tuple[Array, float]:
-        """A pressure to begin with, the caller's own, and what it cost."""
+        """Return a new array with the pressure to begin with, and the convolutions it took."""
         if start is not None:
             return arrays().asarray(start, copy=True), 0.0
         shape = problem.undeformed_gap.shape
@@ -173,53 +189,58 @@ class PreconditionedCG:
         tolerance: float,
         max_iterations: int,
     ) -> Iterate:
+        """Return the state in which the iteration from `start`, or from coarser grids, ends or stalls."""
         operator, passes = problem.operator, problem.passes
         inverse = operator.approximate_inverse(passes.preconditioner(problem.undeformed_gap))
         pressure, work = self._begin(problem, start, tolerance)
         pressure = problem.admit(pressure)
-        moved = operator(pressure)
+        displacement = operator(pressure)
         work += 1
         gap: Gap | None = None
         last: Step | None = None
-        length = 1.0
+        step_length = 1.0
         cut = False
-        own = operator.own
+        compliance = operator.own
         stall = Stall(self.patience)
         iteration = 0
         while True:
-            gap = problem.gap(pressure, moved, gap)
-            left = problem.residual(pressure, gap)
-            done = problem.ends(left, moved, tolerance, gap.farthest) or iteration == max_iterations
-            if done or stall.sees(left):
-                return Iterate(pressure, moved, gap.approach, left, iteration, work)
+            gap = problem.gap(pressure, displacement, gap)
+            residual = problem.residual(pressure, gap)
+            ended = problem.ends(residual, displacement, tolerance, gap.farthest)
+            if ended or iteration == max_iterations or stall.sees(residual):
+                return Iterate(pressure, displacement, gap.approach, residual, iteration, work)
             iteration += 1
-            closing, cells, joined, cost = closing_pressure(problem, inverse, pressure, gap, length)
-            same = last if not (cut or joined) else None
-            trial, cut = trial_along(problem, pressure, gap, closing, cells, last, same, length)
+            closing, cells, joined, cost = closing_pressure(
+                problem, inverse, pressure, gap, step_length
+            )
+            conjugate_to = last if not (cut or joined) else None
+            trial, cut = trial_along(
+                problem, pressure, gap, closing, cells, last, conjugate_to, step_length
+            )
             work += 1 + cost / operator.work
             trial = problem.levelled(trial, cells)
             # or they would stand through the next convolution
-            del closing, cells, same
+            del closing, cells, conjugate_to
             last = None
             slope = passes.slope(trial, pressure, gap.height)
             if slope >= 0:
                 # balancing the load has turned the step uphill: that to the nearest pressure never is
-                cut, length = True, max(length / 4, SHORTEST)
-                trial[...] = pressure - gap.height / own
+                cut, step_length = True, max(step_length / 4, SHORTEST)
+                trial[...] = pressure - gap.height / compliance
                 trial = problem.nearest(trial)
                 slope = passes.slope(trial, pressure, gap.height)
-            ahead = operator(trial)
-            curvature = passes.curvature(trial, pressure, ahead, moved)
+            trial_displacement = operator(trial)
+            curvature = passes.curvature(trial, pressure, trial_displacement, displacement)
             best = -slope / curvature if curvature > 0 else 0.0
             if cut:
                 # zeros are left where tension was; beyond the whole they would turn to tension
-                taken = 1.0 if best > WHOLE else best
+                share = 1.0 if best > WHOLE else best
             else:
                 # nor beyond it to just where a cell meets a limit: rounding would say which of many did
                 meets = best > 1 and passes.meets_a_limit(trial, pressure, best)
-                taken = 1.0 if meets else best
-            passes.advance(trial, pressure, ahead, moved, taken)
-            last = Step(pressure, moved, curvature * taken**2)
-            pressure, moved = trial, ahead
-            del trial, ahead  # or they would stand beside the next ones
-            length = min(max(length * min(max(best, 0.3), 3.0), SHORTEST), LONGEST)
+                share = 1.0 if meets else best
+            passes.advance(trial, pressure, trial_displacement, displacement, share)
+            last = Step(pressure, displacement, curvature * share**2)
+            pressure, displacement = trial, trial_displacement
+            del trial, trial_displacement  # or they would stand beside the next ones
+            step_length = min(max(step_length * min(max(best, 0.3), 3.0), SHORTEST), LONGEST)

@@ -19,33 +19,34 @@ def conjugate_gradients(
     product: Callable[[Array], Array],
     precondition: Callable[[Array], Array],
     inner: Callable[[Array, Array], float],
-    wanted: Array,
+    right_side: Array,
     share: float,
-    most: int,
+    max_products: int,
 ) -> Array:
-    """What ``product`` maps to ``wanted``, in the product ``inner`` in which it is symmetric and not negative.
+    """Return an approximate x with ``product(x) = right_side``.
 
-    The residual falls to a ``share`` of the first, in the norm of the preconditioner, in at ``most`` so many products;
-    a direction without curvature ends it before. Source: Hestenes & Stiefel (1952), eq. 3:1.
+    Conjugate gradients for a map that is symmetric and not negative in the inner product `inner`. They stop when the
+    residual has fallen to a `share` of the first, in the norm of the preconditioner, after `max_products` products, or
+    at a direction without curvature. Source: Hestenes & Stiefel (1952), eq. 3:1.
     """
-    found, rest = np.zeros_like(wanted), wanted
-    closing = precondition(rest)
-    direction, size = closing, inner(rest, closing)
-    enough = share**2 * size
-    for _ in range(most):
-        if not size > enough:
+    solution, residual = np.zeros_like(right_side), right_side
+    closing = precondition(residual)
+    direction, size = closing, inner(residual, closing)
+    target = share**2 * size
+    for _ in range(max_products):
+        if not size > target:
             break
         response = product(direction)
         curvature = inner(direction, response)
         if not curvature > 0:
             break
         length = size / curvature
-        found = found + length * direction
-        rest = rest - length * response
-        closing = precondition(rest)
-        last, size = size, inner(rest, closing)
+        solution = solution + length * direction
+        residual = residual - length * response
+        closing = precondition(residual)
+        last, size = size, inner(residual, closing)
         direction = closing + (size / last) * direction
-    return found
+    return solution
 
 
 # A loose answer takes Newton's method no more iterations than an exact one.
@@ -55,9 +56,10 @@ LONGEST = 200
 
 @dataclass(frozen=True, eq=False)
 class ContactTangent:
-    """``-dp/dgap`` under a fixed load: ``Pi = K^-1 - K^-1 1 1^T K^-1 / (1^T K^-1 1)`` on the cells that bear.
+    """Derivative ``-dp/dgap`` of the pressure under a fixed load, on the cells that bear.
 
-    Found by conjugate gradients, preconditioned as the contact is.
+    It is ``Pi = K^-1 - K^-1 1 1^T K^-1 / (1^T K^-1 1)``, applied by conjugate gradients that are preconditioned as the
+    contact is. `cells` (x, y) is 1 for cells that bear and 0 for the others.
     """
 
     bare: BareProblem
@@ -65,34 +67,35 @@ class ContactTangent:
     cells: Array
 
     @classmethod
-    def of(cls, solution: Solution, precision: Precision) -> "ContactTangent":
-        """For the cells that bear in ``solution``."""
+    def from_solution(cls, solution: Solution, precision: Precision) -> "ContactTangent":
+        """Return the tangent for the cells that bear in `solution`, in this `precision`."""
         problem = solution.problem
         cells = (solution.pressure > 0).astype(precision.real)
         return cls(problem.bare(precision), problem.scales, cells)
 
     def __call__(self, gap: Array) -> Array:
-        """``Pi gap`` (x, y) [Pa] of a change of the gap (x, y) [m]."""
+        """Return the fall of the pressure ``Pi gap`` (x, y) [Pa] by a change of the gap (x, y) [m]."""
         count = total(self.cells)
         if count < 2:
             return np.zeros_like(gap)
         real = self.bare.undeformed_gap.dtype
-        rest = self._level(((gap / self.scales.gap) * self.cells).astype(real), count)
-        found = conjugate_gradients(
+        level_gap = self._level(((gap / self.scales.gap) * self.cells).astype(real), count)
+        pressure = conjugate_gradients(
             lambda field: self._level(self.bare.operator(field) * self.cells, count),
             lambda field: self._closing(field, count),
             inner,
-            rest,
+            level_gap,
             TOLERANCE,
             LONGEST,
         )
-        return np.asarray(found * self.scales.pressure, dtype=np.float64)
+        return np.asarray(pressure * self.scales.pressure, dtype=np.float64)
 
-    def _closing(self, rest: Array, count: float) -> Array:
-        return self._level(self._precondition(rest, self.cells) * self.cells, count)
+    def _closing(self, residual: Array, count: float) -> Array:
+        """Return the pressure that would close the gap `residual`, by the preconditioner."""
+        return self._level(self._precondition(residual, self.cells) * self.cells, count)
 
     def _level(self, field: Array, count: float) -> Array:
-        """Without its mean over the cells that bear."""
+        """Return `field` less its mean over the `count` cells that bear, and zero elsewhere."""
         return np.asarray((field - total(field) / count) * self.cells)
 
     @cached_property
@@ -115,10 +118,22 @@ PATIENCE = 12
 
 @dataclass(frozen=True, eq=False)
 class Settled:
-    """What a step ends with: the contact's ``solution``, plastic ``strain`` (C, cells), ``flow`` of equivalent strain.
+    """State at the end of a step in load.
 
-    ``residual`` is the largest error of plastic strain over Y / E; ``iterations`` are Newton's, and ``contacts``
-    all solutions of the contact, in order.
+    Parameters
+    ----------
+    solution
+        The last solution of the contact.
+    strain
+        Plastic strain (C, cells).
+    flow
+        Growth of the equivalent plastic strain in the step (cells,).
+    residual
+        Largest error of plastic strain, in units of yield stress over Young's modulus.
+    iterations
+        Number of Newton's iterations.
+    contacts
+        All solutions of the contact on the way, in order.
     """
 
     solution: Solution
@@ -131,7 +146,7 @@ class Settled:
 
 @dataclass(frozen=True, eq=False)
 class _Point:
-    """A plastic strain, the contact under it, and the return that its stress asks for."""
+    """A plastic strain, the contact under it, and the return to the yield surface that its stress asks for."""
 
     strain: Array
     solution: Solution
@@ -150,17 +165,37 @@ def settle(
     tolerance: float,
     around: Array | None = None,
 ) -> Settled:
-    """From the plastic strain ``before`` (C, cells) and ``equivalent`` (cells,) of the last step.
+    """Return pressure and plastic strain at the end of a step in load.
 
-    ``contact`` solves for the pressure over a surface that is lowered by a field (x, y) [m]; ``tangent`` is its
-    linearisation there, None for a given pressure. ``around`` (C, cells) [Pa] is stress by what is outside.
-    Backward Euler in load. The minimum of a convex energy, by a semismooth Newton method with conjugate gradients;
-    a step that neither lowers the energy (forward-backward envelope) nor halves the residual is shortened.
+    Backward Euler in load: the minimum of a convex energy, by a semismooth Newton method with conjugate gradients. A
+    step that neither lowers the energy (forward-backward envelope) nor halves the residual is shortened.
+
+    Parameters
+    ----------
+    bodies
+        Operators and yield laws of the bodies that yield.
+    contact
+        Solves for the pressure over a surface that is lowered by a field (x, y) [m].
+    tangent
+        Linearisation of `contact` at a solution; None for a given pressure.
+    before
+        Plastic strain (C, cells) at the end of the last step.
+    equivalent
+        Equivalent plastic strain (cells,) at the end of the last step.
+    tolerance
+        Largest error of plastic strain, in units of yield stress over Young's modulus.
+    around
+        Stress (C, cells) [Pa] by plastic strain outside the volume.
+
+    Returns
+    -------
+    Settled
+        The last state, also where the tolerance was not reached.
     """
     contacts: list[Solution] = []
     outer = np.zeros_like(before) if around is None else around
 
-    def at(strain: Array) -> _Point:
+    def evaluate(strain: Array) -> _Point:
         solution = contact(bodies.lift(strain))
         contacts.append(solution)
         relaxed = bodies.stress_of_strain(strain)
@@ -171,70 +206,74 @@ def settle(
         elastic = bodies.inner(strain, relaxed / 2 - outer) - _energy(solution, bodies.cell_area)
         squared = np.einsum("ck,ck->k", residual, residual)
         cost = bodies.law.dissipation(returned.strain, before, equivalent)
-        rest = bodies.law.twice_shear / 2 * squared + cost
-        energy = elastic + bodies.inner(stress, residual) + float((rest * bodies.volumes).sum())
+        density = bodies.law.twice_shear / 2 * squared + cost
+        energy = elastic + bodies.inner(stress, residual) + float((density * bodies.volumes).sum())
         return _Point(strain, solution, returned, residual, error, energy)
 
-    point = at(before)
-    best, since = point.error, 0
+    point = evaluate(before)
+    best, idle = point.error, 0
     iterations = 0
-    while tolerance < point.error and iterations < ITERATIONS and since < PATIENCE:
+    while tolerance < point.error and iterations < ITERATIONS and idle < PATIENCE:
         iterations += 1
         step = _newton_step(bodies, tangent(point.solution), point)
         share = 1.0
         while True:
-            ahead = at(point.strain + share * step)
-            if ahead.energy < point.energy or ahead.error < point.error / 2:
+            trial = evaluate(point.strain + share * step)
+            if trial.energy < point.energy or trial.error < point.error / 2:
                 break
             share /= 2
             if share < SMALLEST:
-                ahead = at(point.returned.strain)
+                trial = evaluate(point.returned.strain)
                 break
-        point = ahead
-        best, since = (point.error, 0) if point.error < best / 2 else (best, since + 1)
+        point = trial
+        best, idle = (point.error, 0) if point.error < best / 2 else (best, idle + 1)
     flow = ROOT * point.returned.amount
-    found = point.solution, point.returned.strain, flow, point.error
-    return Settled(*found, iterations, tuple(contacts))
+    return Settled(
+        point.solution, point.returned.strain, flow, point.error, iterations, tuple(contacts)
+    )
 
 
 def _energy(solution: Solution, cell_area: float) -> float:
-    """Of the contact [J]: ``1/2 p K p + p gap``."""
+    """Return the energy of the contact [J], ``1/2 p K p + p gap``."""
     heights = solution.problem.undeformed_gap + solution.displacement / 2
     return float(np.einsum("xy,xy->", solution.pressure, heights)) * cell_area
 
 
 def _newton_step(bodies: YieldingBodies, tangent: Tangent | None, point: _Point) -> Array:
-    """What takes the linearised return to the strain; cells that do not flow go back at once."""
+    """Return the step of the plastic strain (C, cells) that solves the linearised return.
+
+    Cells that do not flow take their whole residual at once.
+    """
     returned, residual = point.returned, point.residual
     flows = returned.flows
     step = np.where(flows, 0.0, -residual)
     if not flows.any():
         return step
     stiffness = returned.stiffness
-    wanted = -returned.inverse_tangent(residual)
+    right_side = -returned.inverse_tangent(residual)
     if step.any():
-        wanted -= _relaxed(bodies, tangent, step)
-    wanted *= flows
+        right_side -= _relaxed(bodies, tangent, step)
+    right_side *= flows
     inverse = np.linalg.inv(stiffness + bodies.self_blocks(flows))
 
-    def precondition(rest: Array) -> Array:
-        found = np.zeros_like(rest)
-        found[:, flows] = np.einsum("kij,jk->ik", inverse, rest[:, flows])
-        return found
+    def precondition(residual: Array) -> Array:
+        strain = np.zeros_like(residual)
+        strain[:, flows] = np.einsum("kij,jk->ik", inverse, residual[:, flows])
+        return strain
 
     def product(strain: Array) -> Array:
-        found = _relaxed(bodies, tangent, strain) * flows
-        found[:, flows] += np.einsum("kij,jk->ik", stiffness, strain[:, flows])
-        return found
+        stress = _relaxed(bodies, tangent, strain) * flows
+        stress[:, flows] += np.einsum("kij,jk->ik", stiffness, strain[:, flows])
+        return stress
 
     forcing = max(min(LOOSE, point.error**0.5), TIGHT)
     return step + conjugate_gradients(
-        product, precondition, bodies.inner, wanted, forcing, PRODUCTS
+        product, precondition, bodies.inner, right_side, forcing, PRODUCTS
     )
 
 
 def _relaxed(bodies: YieldingBodies, tangent: Tangent | None, strain: Array) -> Array:
-    """Stress that ``strain`` takes away, with what the pressure changes: ``(B + S Pi S^T) e``."""
+    """Return the stress (C, cells) [Pa] that `strain` relaxes, with the change of the pressure: ``(B + S Pi S^T) e``."""
     if tangent is None:
         return bodies.stress_of_strain(strain)
     change = tangent(bodies.lift(strain))

@@ -61,9 +61,18 @@ class Status(Enum):
 
 @dataclass(frozen=True, eq=False)
 class Traction:
-    """Shear on the first body: ``shear`` (component, x, y) [Pa] along x and y, ``stick`` (x, y) where it sticks.
+    """Shear on the first body.
 
-    ``method`` in words, and the ``passes`` it took.
+    Parameters
+    ----------
+    shear
+        Shear (component, x, y) [Pa] along x and y.
+    stick
+        Cells (x, y) that stick.
+    method
+        Method, in words.
+    passes
+        Number of passes or iterations it took.
     """
 
     shear: Array
@@ -74,13 +83,35 @@ class Traction:
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """Fields of shape (x, y): ``pressure`` [Pa], ``displacement`` [m], ``gap`` [m].
+    """Solved contact: fields (x, y) and a status.
 
-    ``gap = undeformed gap + displacement - approach`` holds to rounding, so in the contact ``gap``
-    shows what the solver left over. ``approach`` [m] is counted from the same datum as the
-    displacement. ``residual`` is dimensionless (see :func:`~contactstudy.solve`); ``convolutions``
-    counts transform pairs of the full grid, smaller ones in proportion. ``note`` is empty, or says how
-    the solver went on after a stall. ``traction`` is the shear of a scene with friction, None without.
+    ``gap = undeformed gap + displacement - approach`` holds to rounding, so that `gap` in the contact shows the
+    remaining error of the solver.
+
+    Parameters
+    ----------
+    problem
+        The problem that was solved.
+    pressure
+        Contact pressure [Pa].
+    displacement
+        Normal displacement of both bodies together [m].
+    gap
+        Gap between the deformed bodies [m].
+    approach
+        Approach of the bodies [m], counted from the same datum as the displacement.
+    status
+        Outcome of the solve, with cause and remedy.
+    iterations
+        Number of iterations.
+    convolutions
+        Number of transform pairs of the full grid; smaller ones count in proportion.
+    residual
+        Dimensionless residual, see :func:`~contactstudy.solve`.
+    note
+        Empty, or how the solver went on after a stall.
+    traction
+        Shear of a scene with friction; None without.
     """
 
     problem: Problem
@@ -99,13 +130,22 @@ class Solution:
     def shear(self) -> Array:
         """Shear on the first body (component, x, y) [Pa], along x and y.
 
-        Raises :class:`~contactstudy.NotDefined` without friction.
+        Raises
+        ------
+        NotDefined
+            If the scene has no friction.
         """
         return self._traction.shear
 
     @property
     def stick(self) -> NDArray[np.bool_]:
-        """Which cells (x, y) in contact stick; :class:`~contactstudy.NotDefined` without friction."""
+        """Cells (x, y) in contact that stick.
+
+        Raises
+        ------
+        NotDefined
+            If the scene has no friction.
+        """
         return self._traction.stick
 
     @property
@@ -127,11 +167,17 @@ class Solution:
         return str(presentation("Solution in a notebook")(self))
 
     def to_dataset(self, *, error: Any = None) -> "xr.Dataset":
-        """The fields, labelled: see :func:`~contactstudy.to_dataset`; ``error`` is an ErrorEstimate or None."""
+        """Return the fields as a labelled dataset, see :func:`~contactstudy.to_dataset`.
+
+        Parameters
+        ----------
+        error
+            An :class:`~contactstudy.ErrorEstimate` to store with the fields, or None.
+        """
         dataset: xr.Dataset = presentation("Solution.to_dataset")(self, error)
         return dataset
 
     def plot(self) -> "Figure":
-        """A picture of pressure, gap and stress, as a matplotlib figure."""
+        """Return a picture of pressure, gap and stress as a matplotlib figure."""
         figure: Figure = presentation("Solution.plot")(self.to_dataset())
         return figure

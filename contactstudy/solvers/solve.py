@@ -22,7 +22,7 @@ from contactstudy.solvers.solution import Solution, Status
 
 
 class Solver(Protocol):
-    """An iteration for the dimensionless problem."""
+    """Iteration that solves a dimensionless problem."""
 
     def iterate(
         self,
@@ -38,7 +38,7 @@ class Solver(Protocol):
 
 @dataclass(frozen=True)
 class SolveOptions:
-    """How closely a problem is solved, and by which method: all that an answer depends on beside the problem itself.
+    """Accuracy and method of a solve: all that an answer depends on beside the problem itself.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ class SolveOptions:
         start: Array | None = None,
         on: Device = Cpu(),  # noqa: B008 (a frozen value)
     ) -> Solution:
-        """Return the solution of `problem`.
+        """Return the solution of a problem.
 
         Parameters
         ----------
@@ -91,6 +91,16 @@ class SolveOptions:
             Pressure (x, y) [Pa] to begin with; None begins on coarser grids.
         on
             The device that the fields of the iteration are held on.
+
+        Returns
+        -------
+        Solution
+            Fields in SI units, and a status; a solve that did not converge returns too.
+
+        Raises
+        ------
+        InvalidInput
+            If the start is no pressure on the grid, or the device cannot hold or solve the problem.
         """
         if not isinstance(problem, Problem):
             raise InvalidInput(f"solve.problem is {problem!r}: give scene.problem(grid, padding).")
@@ -105,7 +115,7 @@ class SolveOptions:
         if isinstance(on, Cpu):
             refuse_solve(problem, self.precision)
         else:
-            _check_other(checked(on, "solve.on"), problem, self.precision)
+            _refuse_other_device(checked(on, "solve.on"), problem, self.precision)
         if start is not None:
             start = _admitted(start, problem, self.precision)
         with using(on), np.errstate(over="ignore", invalid="ignore", divide="ignore"):
@@ -123,7 +133,7 @@ class SolveOptions:
         approach = last.approach * scales.gap + problem.datum
         return Solution(
             problem=problem,
-            pressure=problem.constraint.of(pressure, scales.pressure),
+            pressure=problem.constraint.in_unit(pressure, scales.pressure),
             displacement=displacement,
             gap=problem.undeformed_gap + displacement - approach,
             approach=approach,
@@ -135,8 +145,8 @@ class SolveOptions:
         )
 
 
-def _check_other(on: Device, problem: Problem, precision: Precision) -> None:
-    """Refuse what a device other than a processor cannot solve."""
+def _refuse_other_device(on: Device, problem: Problem, precision: Precision) -> None:
+    """Raise InvalidInput for a problem that a device other than a processor cannot solve."""
     operator, constraint = problem.operator, problem.constraint
     if not isinstance(operator, Convolution) or not isinstance(
         constraint, Compressive | HardnessLimited
@@ -148,7 +158,7 @@ def _check_other(on: Device, problem: Problem, precision: Precision) -> None:
 
 
 def _finite_pressure(start: Array, problem: Problem) -> Array:
-    """``start``, if it is a pressure [Pa] on the grid of ``problem``."""
+    """Return `start` as an array of pressures [Pa] on the grid of `problem`, or raise InvalidInput."""
     shape = problem.undeformed_gap.shape
     try:
         pressure = np.asarray(start, dtype=np.float64)
@@ -156,16 +166,16 @@ def _finite_pressure(start: Array, problem: Problem) -> Array:
         raise InvalidInput("solve.start is no array of numbers: give a pressure in Pa.") from None
     if pressure.shape != shape:
         raise InvalidInput(f"solve.start has the shape {pressure.shape}: give it {shape}.")
-    for wrong, what in ((~np.isfinite(pressure), "not finite"), (pressure < 0, "below 0 Pa")):
-        if wrong.any():
+    for refused, what in ((~np.isfinite(pressure), "not finite"), (pressure < 0, "below 0 Pa")):
+        if refused.any():
             raise InvalidInput(
-                f"solve.start is {what} in {np.count_nonzero(wrong)} cells: give a pressure from 0 Pa on."
+                f"solve.start is {what} in {np.count_nonzero(refused)} cells: give a pressure from 0 Pa on."
             )
     return pressure
 
 
 def _admitted(pressure: Array, problem: Problem, precision: Precision) -> Array:
-    """A pressure [Pa] made admissible, in the problem's own unit."""
+    """Return a `pressure` [Pa] made admissible, dimensionless."""
     with np.errstate(over="ignore", under="ignore"):
         bare = np.asarray(pressure / problem.scales.pressure)
         borne = bare.sum()
@@ -181,7 +191,7 @@ def _admitted(pressure: Array, problem: Problem, precision: Precision) -> Array:
 
 
 def _without_pressure(problem: Problem) -> Solution:
-    """What there is to say when no admissible pressure carries the load: the bodies as they were."""
+    """Return the solution of a load that no admissible pressure carries: the bodies undeformed."""
     nothing = np.zeros_like(problem.undeformed_gap)
     return Solution(
         problem=problem,
@@ -197,7 +207,7 @@ def _without_pressure(problem: Problem) -> Solution:
 
 
 def _status(bare: BareProblem, last: Iterate, options: SolveOptions, problem: Problem) -> Status:
-    """Return how the iteration ended in `last`."""
+    """Return the status of an iteration that ended in `last`."""
     if not np.isfinite(last.residual):
         return Status.NOT_FINITE
     if last.residual > options.tolerance:
@@ -217,9 +227,14 @@ See = Callable[[float, Array], object]
 
 @dataclass(frozen=True)
 class Watched:
-    """``solver``, which calls ``see(residual, pressure)`` in every iteration on the grid itself, not on coarser ones.
+    """Solver that reports the residual of every iteration on the grid itself, not on coarser ones.
 
-    The pressure is in the unit ``problem.scales.pressure``; who keeps it makes a copy.
+    Parameters
+    ----------
+    see
+        Called with the residual and the pressure (x, y) in the unit `problem.scales.pressure`; the array changes later.
+    solver
+        The solver that iterates.
     """
 
     see: See = field(compare=False)
@@ -233,23 +248,23 @@ class Watched:
         max_iterations: int,
         start: Array | None = None,
     ) -> Iterate:
-        """As the solver does."""
-        seen = _Seen(
-            **{one.name: getattr(problem, one.name) for one in fields(BareProblem)}, see=self.see
+        """Iterate as the watched solver does, and report each residual."""
+        watched = _WatchedProblem(
+            **{part.name: getattr(problem, part.name) for part in fields(BareProblem)}, see=self.see
         )
         return self.solver.iterate(
-            seen, tolerance=tolerance, max_iterations=max_iterations, start=start
+            watched, tolerance=tolerance, max_iterations=max_iterations, start=start
         )
 
 
 @dataclass(frozen=True, eq=False)
-class _Seen(BareProblem):
-    """A problem that shows each residual."""
+class _WatchedProblem(BareProblem):
+    """Problem that reports each residual to `see`."""
 
     see: See = field(kw_only=True)
 
     def residual(self, pressure: Array, gap: Gap) -> float:
-        """Shown before it is returned."""
-        found = super().residual(pressure, gap)
-        self.see(found, device().take(pressure))
-        return found
+        """Return the dimensionless residual, once it has been reported."""
+        residual = super().residual(pressure, gap)
+        self.see(residual, device().take(pressure))
+        return residual

@@ -1,6 +1,6 @@
 """Von Mises plasticity with linear hardening, and the yielding volumes of both bodies as one list of cells."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -16,9 +16,10 @@ ROOT = (2 / 3) ** 0.5
 
 @dataclass(frozen=True, eq=False)
 class YieldLaw:
-    """Per cell (cells,) [Pa]: twice the shear modulus, yield stress, isotropic and kinematic hardening modulus.
+    """Von Mises' yield law with linear hardening, with one value per cell (cells,) [Pa].
 
-    Hardening moduli are stress over plastic strain in tension.
+    `twice_shear` is twice the shear modulus. Hardening moduli, `isotropic` and `kinematic`, are stress over plastic
+    strain in tension.
     """
 
     twice_shear: Array
@@ -28,12 +29,13 @@ class YieldLaw:
 
     @property
     def slope(self) -> Array:
-        """``2/3 (H_i + H_k)`` [Pa]: stress over plastic strain along the flow."""
+        """Stress over plastic strain along the flow, ``2/3 (H_i + H_k)`` (cells,) [Pa]."""
         return np.asarray(2 / 3 * (self.isotropic + self.kinematic))
 
     def returned(self, stress: Array, strain: Array, before: Array, equivalent: Array) -> "Return":
-        """The step from plastic strain ``before`` (C, cells) that ``stress`` at ``strain`` asks for.
+        """Return the plastic strain on the yield surface that `stress` at `strain` asks for.
 
+        `before` (C, cells) and `equivalent` (cells,) are the plastic strain and its equivalent at the start of the step.
         Radial return (Simo & Hughes 1998, box 3.1): the proximal step 1 / 2G of the energy.
         """
         trial = stress + self.twice_shear * (strain - before) - (2 / 3) * self.kinematic * before
@@ -45,18 +47,22 @@ class YieldLaw:
         return Return(self, before + amount * direction, direction, size, amount, flows)
 
     def dissipation(self, strain: Array, before: Array, equivalent: Array) -> Array:
-        """Per cell [Pa]: what the step to ``strain`` costs in work, with the energy of kinematic hardening."""
+        """Return the work that the step from `before` to `strain` dissipates, per volume (cells,) [Pa].
+
+        It includes the energy of kinematic hardening.
+        """
         squared = np.einsum("ck,ck->k", strain - before, strain - before)
         limit = ROOT * (self.yield_stress + self.isotropic * equivalent)
-        kept = self.kinematic / 3 * np.einsum("ck,ck->k", strain, strain)
-        return np.asarray(limit * np.sqrt(squared) + self.isotropic / 3 * squared + kept)
+        stored = self.kinematic / 3 * np.einsum("ck,ck->k", strain, strain)
+        return np.asarray(limit * np.sqrt(squared) + self.isotropic / 3 * squared + stored)
 
 
 @dataclass(frozen=True, eq=False)
 class Return:
-    """Plastic ``strain`` (C, cells) on the yield surface, the unit ``direction`` of flow, |trial stress| ``size`` [Pa].
+    """Result of a radial return.
 
-    ``amount`` of flow and whether a cell ``flows`` (cells,).
+    It has the plastic `strain` (C, cells) on the yield surface, the unit `direction` of flow (C, cells), the `size` of
+    the trial stress (cells,) [Pa], the `amount` of flow (cells,) and whether a cell `flows` (cells,).
     """
 
     law: YieldLaw
@@ -68,18 +74,21 @@ class Return:
 
     @property
     def _across(self) -> Array:
-        """|trial stress| over amount: the inverse tangent across the flow [Pa]; 0 where nothing flows."""
+        """Inverse tangent across the flow, trial stress over amount (cells,) [Pa]; 0 where nothing flows."""
         return np.asarray(self.size / np.where(self.flows, self.amount, np.inf))
 
     def inverse_tangent(self, strain: Array) -> Array:
-        """The inverse derivative of the return, times ``strain`` (C, cells); cells that do not flow give 0."""
+        """Return the inverse derivative of the return times `strain` (C, cells) [Pa]; 0 for cells that do not flow."""
         law, across = self.law, self._across
         along = np.einsum("ck,ck->k", self.direction, strain) * self.direction
         return np.asarray(along * (law.twice_shear + law.slope) + across * (strain - along))
 
     @property
     def stiffness(self) -> Array:
-        """The same without 2G, as matrices of the cells that flow (flowing cells, C, C) [Pa]: not negative."""
+        """Inverse derivative of the return less 2G, as matrices of the cells that flow (flowing cells, C, C) [Pa].
+
+        The matrices are not negative.
+        """
         flows, direction = self.flows, self.direction[:, self.flows]
         across = (self._across - self.law.twice_shear)[flows][:, None, None]
         along = self.law.slope[flows][:, None, None]
@@ -89,7 +98,7 @@ class Return:
 
 @dataclass(frozen=True)
 class Hardening:
-    """``yield_stress``, ``isotropic`` and ``kinematic`` hardening modulus of a body [Pa]."""
+    """Yield stress and moduli of isotropic and kinematic hardening of a body [Pa]."""
 
     yield_stress: float
     isotropic: float
@@ -98,7 +107,7 @@ class Hardening:
 
 @dataclass(frozen=True, eq=False)
 class YieldingBodies:
-    """The operators on plastic strain of one or two bodies, and how each hardens.
+    """Operators on plastic strain of one or two bodies, and how each hardens.
 
     Fields are (C, cells): the cells of the first body, then those of the second.
     """
@@ -108,75 +117,74 @@ class YieldingBodies:
 
     @cached_property
     def law(self) -> YieldLaw:
-        """Of every cell."""
+        """Yield law of all cells."""
         return YieldLaw(
-            self._per_cell([2 * one.moduli.shear for one in self.operators]),
-            self._per_cell([one.yield_stress for one in self.hardening]),
-            self._per_cell([one.isotropic for one in self.hardening]),
-            self._per_cell([one.kinematic for one in self.hardening]),
+            self._per_cell([2 * operator.moduli.shear for operator in self.operators]),
+            self._per_cell([body.yield_stress for body in self.hardening]),
+            self._per_cell([body.isotropic for body in self.hardening]),
+            self._per_cell([body.kinematic for body in self.hardening]),
         )
 
     @cached_property
     def unit(self) -> Array:
-        """Y / E of every cell."""
+        """Yield stress over Young's modulus (cells,)."""
         bodies = zip(self.operators, self.hardening, strict=True)
-        return self._per_cell([h.yield_stress / one.moduli.youngs_modulus for one, h in bodies])
+        return self._per_cell([h.yield_stress / o.moduli.youngs_modulus for o, h in bodies])
 
     @cached_property
     def volumes(self) -> Array:
-        """(cells,) [m^3]"""
+        """Volume of each cell (cells,) [m^3]."""
         return self.joined(
             [np.broadcast_to(o.volume.cell_volumes, o.volume.shape) for o in self.operators]
         )
 
     def self_blocks(self, cells: NDArray[np.bool_]) -> Array:
-        """Of the chosen ``cells`` on themselves (chosen cells, C, C) [Pa]."""
-        shapes = [one.volume.shape for one in self.operators]
+        """Return the stress that strain in each chosen cell takes from that cell itself (chosen cells, C, C) [Pa]."""
+        shapes = [operator.volume.shape for operator in self.operators]
         layers = np.repeat(
             range(sum(n for n, _, _ in shapes)), [nx * ny for n, nx, ny in shapes for _ in range(n)]
         )
-        blocks = np.concatenate([one.self_blocks for one in self.operators])
+        blocks = np.concatenate([operator.self_blocks for operator in self.operators])
         return np.asarray(blocks[layers[cells]])
 
     @property
     def cell_area(self) -> float:
-        """Of the surface grid [m^2]."""
+        """Area of a cell of the surface grid [m^2]."""
         return self.operators[0].volume.grid.cell_area
 
     def joined(self, fields: Sequence[Array]) -> Array:
-        """One field of the (..., layers, x, y) of each body."""
-        return np.concatenate([one.reshape(*one.shape[:-3], -1) for one in fields], axis=-1)
+        """Return the fields (..., layers, x, y) of all bodies as one field (..., cells)."""
+        return np.concatenate([field.reshape(*field.shape[:-3], -1) for field in fields], axis=-1)
 
     def parted(self, field: Array) -> list[Array]:
-        """The (..., layers, x, y) of each body."""
-        found, start = [], 0
-        for one in self.operators:
-            end = start + int(np.prod(one.volume.shape))
-            found.append(field[..., start:end].reshape(*field.shape[:-1], *one.volume.shape))
+        """Return the field (..., layers, x, y) of each body in one `field` (..., cells)."""
+        parts, start = [], 0
+        for operator in self.operators:
+            shape = operator.volume.shape
+            end = start + int(np.prod(shape))
+            parts.append(field[..., start:end].reshape(*field.shape[:-1], *shape))
             start = end
-        return found
+        return parts
 
     def stress_of_pressure(self, pressure: Array) -> Array:
-        """S p [Pa]."""
-        return self.joined([one.stress_of_pressure(pressure) for one in self.operators])
+        """Return the deviatoric stress S p (C, cells) [Pa] under `pressure` (x, y) [Pa]."""
+        return self.joined([o.stress_of_pressure(pressure) for o in self.operators])
 
     def stress_of_strain(self, strain: Array) -> Array:
-        """B e [Pa]."""
-        return self._mapped(lambda one, part: one.stress_of_strain(part), strain)
+        """Return the deviatoric stress B e (C, cells) [Pa] that plastic `strain` relaxes."""
+        parts = zip(self.operators, self.parted(strain), strict=True)
+        return self.joined([operator.stress_of_strain(part) for operator, part in parts])
 
     def lift(self, strain: Array) -> Array:
-        """``S^T e`` (x, y) [m] of all bodies together."""
+        """Return the surface displacement ``S^T e`` (x, y) [m] by plastic `strain`, of all bodies together."""
         parts = zip(self.operators, self.parted(strain), strict=True)
-        return np.asarray(sum(one.lift(part) for one, part in parts))
+        return np.asarray(sum(operator.lift(part) for operator, part in parts))
 
-    def inner(self, one: Array, other: Array) -> float:
-        """Sum over volume [m^3 times their units]."""
-        return float(np.einsum("ck,ck,k->", one, other, self.volumes))
-
-    def _mapped(self, of: Callable[[EigenstrainOperator, Array], Array], strain: Array) -> Array:
-        parts = zip(self.operators, self.parted(strain), strict=True)
-        return self.joined([of(one, part) for one, part in parts])
+    def inner(self, first: Array, second: Array) -> float:
+        """Return the inner product of two fields (C, cells), integrated over the volume [m^3 times their units]."""
+        return float(np.einsum("ck,ck,k->", first, second, self.volumes))
 
     def _per_cell(self, values: Sequence[float]) -> Array:
-        sizes = [int(np.prod(one.volume.shape)) for one in self.operators]
+        """Return the `values` of the bodies for every cell (cells,)."""
+        sizes = [int(np.prod(operator.volume.shape)) for operator in self.operators]
         return np.repeat(np.array(values, dtype=np.float64), sizes)

@@ -21,7 +21,7 @@ def test_cells_with_any_pressure_are_free_and_any_tension_is_cut_off() -> None:
     assert WHICH.clip(row(0.5, -2.0, 3.0)).tolist() == [[0.5, 0, 3]]
     assert WHICH.capacity(3) == inf
     assert isnan(WHICH.approach(row(0.0), row(1.0)))
-    assert WHICH.of(row(0.5, 3.0), 4.0).tolist() == [[2, 12]]
+    assert WHICH.in_unit(row(0.5, 3.0), 4.0).tolist() == [[2, 12]]
     assert WHICH.scaled(2.0) == WHICH
 
 
@@ -60,9 +60,9 @@ def test_a_load_is_not_drowned_by_numbers_far_above_it() -> None:
     assert found.tolist() == [[3, 0, 0, 0]]
 
 
-def test_cells_without_pressure_that_penetrate_are_wrong() -> None:
+def test_cells_without_pressure_that_penetrate_are_released() -> None:
     pressure, height = row(0.0, 0.0, 2.0, 0.0), row(-0.5, 0.5, -0.5, 0.0)
-    assert WHICH.wrong(pressure, height).tolist() == [[1, 0, 0, 0]]
+    assert WHICH.to_release(pressure, height).tolist() == [[1, 0, 0, 0]]
 
 
 @pytest.mark.parametrize(

@@ -25,7 +25,7 @@ def test_in_another_unit_what_yields_is_at_the_hardness_there() -> None:
     """A 49th of 4 Pa, which is no number: 49 times that is a little less."""
     there = WHICH.scaled(1 / 49).hardness
     assert there * 49 < 4
-    assert WHICH.of(row(there, 0.0625, 2.0), 49.0).tolist() == [[4, 3.0625, 4]]
+    assert WHICH.in_unit(row(there, 0.0625, 2.0), 49.0).tolist() == [[4, 3.0625, 4]]
 
 
 @pytest.mark.parametrize(
@@ -74,10 +74,10 @@ def test_the_chosen_cells_are_shifted_where_they_can_make_up_for_the_others(
     assert found == pytest.approx(row(*levelled), abs=1e-12)
 
 
-def test_cells_that_penetrate_or_yield_with_an_open_gap_are_wrong() -> None:
+def test_cells_that_penetrate_or_yield_with_an_open_gap_are_released() -> None:
     pressure = row(0.0, 0.0, 2.0, 2.0, 4.0, 4.0)
     height = row(-0.5, 0.5, -0.5, 0.5, -0.5, 0.5)
-    assert WHICH.wrong(pressure, height).tolist() == [[1, 0, 0, 0, 0, 1]]
+    assert WHICH.to_release(pressure, height).tolist() == [[1, 0, 0, 0, 0, 1]]
 
 
 @pytest.mark.parametrize(

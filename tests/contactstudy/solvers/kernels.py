@@ -33,7 +33,7 @@ def limited(most: float, kernels: Kernels | None = None) -> Any:
         clip=lambda trial: np.clip(trial, 0, most, out=trial),
         cuts=lambda trial: bool(trial.min() < 0 or trial.max() > most),
         free=lambda pressure: ((pressure > 0) & (pressure < most)) * 1.0,
-        wrong=lambda pressure, height: ((pressure == 0) & (height < 0)) * 1.0,
+        to_release=lambda pressure, height: ((pressure == 0) & (height < 0)) * 1.0,
     )
     given: Any = constraint
     passes = ArrayPasses(given) if kernels is None else CompiledPasses(given, kernels)

@@ -87,7 +87,7 @@ def test_it_is_the_inverse_of_the_dense_operator_under_a_fixed_load(solution: cs
     ones = np.ones(bears.sum())
     dense = inverse - np.outer(inverse @ ones, ones @ inverse) / (ones @ inverse @ ones)
     gap = 1e-8 * np.random.default_rng(0).standard_normal((24, 2))
-    found = ContactTangent.of(solution, cs.Precision.DOUBLE)(gap)
+    found = ContactTangent.from_solution(solution, cs.Precision.DOUBLE)(gap)
     wanted = dense @ gap.ravel()[bears]
     assert not found.ravel()[~bears].any()
     assert found.sum() == pytest.approx(0, abs=1e-9 * np.abs(found).sum())
@@ -102,14 +102,14 @@ def test_a_gap_that_opens_takes_pressure_away(solution: cs.Solution) -> None:
     problem = solution.problem
     other = replace(problem, undeformed_gap=problem.undeformed_gap + opened)
     change = cs.solve(other, tolerance=1e-13).pressure - solution.pressure
-    found = ContactTangent.of(solution, cs.Precision.DOUBLE)(opened)
+    found = ContactTangent.from_solution(solution, cs.Precision.DOUBLE)(opened)
     assert np.linalg.norm(change + found) < 0.05 * np.linalg.norm(found)
 
 
 def test_one_cell_cannot_change(solution: cs.Solution) -> None:
     alone = replace(solution, pressure=np.eye(24, 2) * np.eye(1, 2))
     assert (alone.pressure > 0).sum() == 1
-    assert not ContactTangent.of(alone, cs.Precision.DOUBLE)(np.ones((24, 2))).any()
+    assert not ContactTangent.from_solution(alone, cs.Precision.DOUBLE)(np.ones((24, 2))).any()
 
 
 GRID = cs.Grid((6, 1), (12.0, 3.0))

@@ -14,9 +14,9 @@ from contactstudy.solvers.friction import (
     CoulombDisks,
     FullSliding,
     Superposed,
-    _difference,
     _nearest,
-    _with,
+    _uneven_change,
+    _with_traction,
 )
 from contactstudy.solvers.solution import Traction
 
@@ -72,10 +72,10 @@ SLIDING = FullSliding(0.5, accumulated)  # type: ignore[arg-type]
 def test_a_gap_that_all_of_the_contact_shares_is_not_felt() -> None:
     change = field(9.0, 1, 3, 3.5, 4)
     # a mean of 2.875 in the contact
-    assert _difference(change, ONE) == 1.875
-    assert _difference(-change, ONE) == 1.875
-    assert _difference(change + 5, ONE) == 1.875
-    assert _difference(change, 0 * ONE) == 0
+    assert _uneven_change(change, ONE) == 1.875
+    assert _uneven_change(-change, ONE) == 1.875
+    assert _uneven_change(change + 5, ONE) == 1.875
+    assert _uneven_change(change, 0 * ONE) == 0
 
 
 def test_the_shear_of_a_pass_moves_the_gap_of_the_next_until_it_stays() -> None:
@@ -169,12 +169,14 @@ def test_the_worse_status_and_residual_count() -> None:
     traction = Traction(np.zeros((2, 5, 1)), np.zeros((5, 1), dtype=bool), "by hand", 1)
     good = Told(ONE)(PROBLEM, None)
     bad = replace(good, status=cs.Status.STALLED, residual=0.2)
-    assert _with(good, cs.Status.CONVERGED, 0.005, 1, 1.0, traction).residual == 0.01
-    found = _with(good, cs.Status.ITERATION_LIMIT, 0.3, 10, 20.0, traction)
+    assert _with_traction(good, cs.Status.CONVERGED, 0.005, 1, 1.0, traction).residual == 0.01
+    found = _with_traction(good, cs.Status.ITERATION_LIMIT, 0.3, 10, 20.0, traction)
     assert (found.status, found.residual) == (cs.Status.ITERATION_LIMIT, 0.3)
     assert (found.iterations, found.convolutions) == (13, 24.5)
     assert found.traction is traction
-    assert _with(bad, cs.Status.CONVERGED, 0.1, 1, 1.0, traction).status is cs.Status.STALLED
+    assert (
+        _with_traction(bad, cs.Status.CONVERGED, 0.1, 1, 1.0, traction).status is cs.Status.STALLED
+    )
 
 
 def stiff(factor: float) -> Any:

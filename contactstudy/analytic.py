@@ -196,7 +196,7 @@ class Westergaard:
 
     @property
     def half_width(self) -> float:
-        """Of a strip of contact [m]: ``(wavelength / pi) asin(sqrt(mean / p*))``, half a wave when closed."""
+        """Half-width of a strip of contact [m]: ``(wavelength / pi) asin(sqrt(mean / p*))``, half a wave when closed."""
         share = min(self.mean_pressure / self.closing_pressure, 1.0)
         return float(self.wavelength / np.pi * np.arcsin(np.sqrt(share)))
 

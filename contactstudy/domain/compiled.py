@@ -21,12 +21,12 @@ SUMS = {"reassoc", "nsz"}
 
 
 def exact(function: Pass) -> Pass:
-    """In the order that is written."""
+    """Compile a pass whose sums are taken in the order that is written."""
     return cast(Pass, njit(cache=True, nogil=True, error_model="numpy")(function))
 
 
 def summing(function: Pass) -> Pass:
-    """With sums in any order."""
+    """Compile a pass whose sums are taken in any order."""
     return cast(Pass, njit(cache=True, nogil=True, error_model="numpy", fastmath=SUMS)(function))
 
 
@@ -34,12 +34,12 @@ def summing(function: Pass) -> Pass:
 def level(
     undeformed: Array, displacement: Array, pressure: Array, most: float, found: Array
 ) -> None:
-    """Sum of the gap over cells that are free, and their number."""
+    """Write the sum of the gap over cells that are free, and their number, for each row."""
     for i in range(pressure.shape[0]):
         heights, cells = 0.0, 0.0
         for j in range(pressure.shape[1]):
-            own = pressure[i, j]
-            free = 1.0 if (own > 0) & (own < most) else 0.0
+            bearing = pressure[i, j]
+            free = 1.0 if (bearing > 0) & (bearing < most) else 0.0
             heights += (undeformed[i, j] + displacement[i, j]) * free
             cells += free
         found[i, 0], found[i, 1] = heights, cells
@@ -61,14 +61,14 @@ def measured(
         for j in range(columns):
             height[i, j] = undeformed[i, j] + displacement[i, j] - approach
         for j in range(columns):
-            own = pressure[i, j]
-            bound[j] = (1.0 if own >= most else 0.0) - (1.0 if own == 0 else 0.0)
+            bearing = pressure[i, j]
+            bound[j] = (1.0 if bearing >= most else 0.0) - (1.0 if bearing == 0 else 0.0)
         found[i, 0], found[i, 1], found[i, 2] = _of_free(pressure[i], height[i], bound)
         found[i, 3], found[i, 4] = 0.0, 0.0
         # column by column: the largest of a row is found one by one
         for j in range(columns):
-            left = bound[j] * height[i, j]
-            worst[j] = left if left > worst[j] else worst[j]
+            violation = bound[j] * height[i, j]
+            worst[j] = violation if violation > worst[j] else worst[j]
         for j in range(columns):
             size = abs(displacement[i, j])
             farthest[j] = size if size > farthest[j] else farthest[j]
@@ -88,11 +88,11 @@ def _of_free(pressure: Array, height: Array, bound: Array) -> Any:
 
 @exact
 def contact(pressure: Array, height: Array, most: float, cells: Array, unlevel: Array) -> None:
-    """Cells that bear pressure and are at no limit, and their gap."""
+    """Write the cells that bear pressure and are at no limit (1, others 0), and their gap."""
     for i in range(pressure.shape[0]):
         for j in range(pressure.shape[1]):
-            own = pressure[i, j]
-            cells[i, j] = 1.0 if (own > 0) & (own < most) else 0.0
+            bearing = pressure[i, j]
+            cells[i, j] = 1.0 if (bearing > 0) & (bearing < most) else 0.0
         for j in range(pressure.shape[1]):
             unlevel[i, j] = height[i, j] * cells[i, j]
 
@@ -102,14 +102,14 @@ def joined(
     pressure: Array, height: Array, whole: Array, length: float, most: float, contact: Array,
     cells: Array, found: Array,
 ) -> None:  # fmt: skip
-    """To the cells, those that will bear by the gap expected; how many."""
+    """Write the contact with the cells at a limit that should leave it by the gap expected; how many do, in each row."""
     for i in range(pressure.shape[0]):
         count = 0
         for j in range(pressure.shape[1]):
-            own, expected = pressure[i, j], height[i, j] - length * whole[i, j]
-            wrong = ((own == 0) & (expected < 0)) | ((own >= most) & (expected > 0))
-            count += 1 if wrong else 0
-            cells[i, j] = 1.0 if wrong else contact[i, j]
+            bearing, expected = pressure[i, j], height[i, j] - length * whole[i, j]
+            leaves = ((bearing == 0) & (expected < 0)) | ((bearing >= most) & (expected > 0))
+            count += 1 if leaves else 0
+            cells[i, j] = 1.0 if leaves else contact[i, j]
         found[i, 0] = count
 
 
@@ -123,7 +123,7 @@ def product(field: Array, cells: Array, out: Array) -> None:
 
 @summing
 def totals(cells: Array, closing: Array, found: Array) -> None:
-    """The sums that a direction needs that is conjugate to none."""
+    """Write the sums that a direction needs which is conjugate to no other, for each row."""
     for i in range(cells.shape[0]):
         count = closed = 0.0
         for j in range(cells.shape[1]):
@@ -136,20 +136,20 @@ def totals(cells: Array, closing: Array, found: Array) -> None:
 def products(
     gap: Array, closing: Array, cells: Array, step: Array, response: Array, found: Array
 ) -> None:
-    """The sums that a direction needs."""
+    """Write the sums that a conjugate direction needs, for each row."""
     for i in range(gap.shape[0]):
-        count = closed = downhill = along = over = ahead = kept = 0.0
+        count = closed = downhill = along = over = along_gap = shifted = 0.0
         for j in range(gap.shape[1]):
-            own, change = closing[i, j], step[i, j] * cells[i, j]
+            closes, change = closing[i, j], step[i, j] * cells[i, j]
             count += cells[i, j]
-            closed += own
-            downhill += gap[i, j] * own
-            along += own * response[i, j]
+            closed += closes
+            downhill += gap[i, j] * closes
+            along += closes * response[i, j]
             over += cells[i, j] * response[i, j]
-            ahead += gap[i, j] * change
-            kept += change
+            along_gap += gap[i, j] * change
+            shifted += change
         found[i, 0], found[i, 1], found[i, 2], found[i, 3] = count, closed, downhill, along
-        found[i, 4], found[i, 5], found[i, 6] = over, ahead, kept
+        found[i, 4], found[i, 5], found[i, 6] = over, along_gap, shifted
 
 
 @exact
@@ -164,9 +164,9 @@ def trial(
             way = gap_level - closing[i, j]
             if kept != 0:
                 way += kept * step[i, j]
-            ahead = way * cells[i, j] * length + pressure[i, j]
-            step[i, j] = ahead
-            cut += 1 if (ahead < 0) | (ahead > most) else 0
+            trial_pressure = way * cells[i, j] * length + pressure[i, j]
+            step[i, j] = trial_pressure
+            cut += 1 if (trial_pressure < 0) | (trial_pressure > most) else 0
         found[i, 0] = cut
 
 
@@ -180,8 +180,8 @@ def chosen(trial: Array, cells: Array, found: Array) -> None:
     most = np.zeros(columns)
     for i in range(trial.shape[0]):
         for j in range(columns):
-            kept = trial[i, j] * cells[i, j]
-            trial[i, j] = 0.0 if kept <= 0 else kept  # and nan stays
+            compressive = trial[i, j] * cells[i, j]
+            trial[i, j] = 0.0 if compressive <= 0 else compressive  # and nan stays
         found[i, 0], found[i, 1] = _left(trial[i], 0.0)
         found[i, 2] = 0.0
         for j in range(columns):
@@ -191,7 +191,7 @@ def chosen(trial: Array, cells: Array, found: Array) -> None:
 
 @exact
 def lowered(trial: Array, shift: float, found: Array) -> None:
-    """What is left of a pressure so much lower, and in how many cells."""
+    """Write the load left of a pressure lowered by a shift, and the number of cells that bear it, for each row."""
     for i in range(trial.shape[0]):
         found[i, 0], found[i, 1] = _left(trial[i], shift)
 
@@ -200,24 +200,24 @@ def lowered(trial: Array, shift: float, found: Array) -> None:
 def _left(pressure: Array, shift: float) -> Any:
     borne, cells = 0.0, 0.0
     for j in range(pressure.size):
-        rest = pressure[j] - shift
-        borne += 0.0 if rest <= 0 else rest
-        cells += 1.0 if rest > 0 else 0.0
+        lowered_pressure = pressure[j] - shift
+        borne += 0.0 if lowered_pressure <= 0 else lowered_pressure
+        cells += 1.0 if lowered_pressure > 0 else 0.0
     return borne, cells
 
 
 @exact
 def lower(trial: Array, shift: float, scale: float) -> None:
-    """The same in place, times a factor."""
+    """Lower a pressure by a shift, cut it off at zero and multiply it by a factor, in place."""
     for i in range(trial.shape[0]):
         for j in range(trial.shape[1]):
-            rest = trial[i, j] - shift
-            trial[i, j] = (0.0 if rest <= 0 else rest) * scale
+            lowered_pressure = trial[i, j] - shift
+            trial[i, j] = (0.0 if lowered_pressure <= 0 else lowered_pressure) * scale
 
 
 @summing
 def slope(trial: Array, pressure: Array, height: Array, found: Array) -> None:
-    """The work of the gap on the step to a trial."""
+    """Write the work of the gap on the step to a trial pressure, for each row."""
     for i in range(trial.shape[0]):
         work = 0.0
         for j in range(trial.shape[1]):
@@ -227,7 +227,7 @@ def slope(trial: Array, pressure: Array, height: Array, found: Array) -> None:
 
 @summing
 def curvature(trial: Array, pressure: Array, ahead: Array, moved: Array, found: Array) -> None:
-    """The work of a step on the displacement that it makes."""
+    """Write the work of a step on the displacement that it makes, for each row."""
     for i in range(trial.shape[0]):
         work = 0.0
         for j in range(trial.shape[1]):
@@ -237,12 +237,12 @@ def curvature(trial: Array, pressure: Array, ahead: Array, moved: Array, found: 
 
 @exact
 def beyond(trial: Array, pressure: Array, factor: float, most: float, found: Array) -> None:
-    """How many cells are beyond a limit so many steps ahead."""
+    """Write the number of cells in each row that are beyond a limit after a number of steps."""
     for i in range(trial.shape[0]):
         count = 0
         for j in range(trial.shape[1]):
-            ahead = pressure[i, j] + factor * (trial[i, j] - pressure[i, j])
-            count += 1 if (ahead < 0) | (ahead > most) else 0
+            trial_pressure = pressure[i, j] + factor * (trial[i, j] - pressure[i, j])
+            count += 1 if (trial_pressure < 0) | (trial_pressure > most) else 0
         found[i, 0] = count
 
 

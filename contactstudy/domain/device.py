@@ -86,7 +86,7 @@ class Precision(Enum):
         """``value``, or the precision of that name; :class:`~contactstudy.InvalidInput` for any other."""
         if isinstance(value, Precision):
             return value
-        names = {one.value: one for one in cls}
+        names = {member.value: member for member in cls}
         if value not in names:
             raise InvalidInput(f"precision is {value!r}: give 'single' or 'double'.")
         return names[value]
@@ -98,7 +98,7 @@ class Precision(Enum):
 
     @property
     def bytes(self) -> int:
-        """Of a number."""
+        """Size of a number [bytes]."""
         return np.dtype(self.real).itemsize
 
 
@@ -149,11 +149,11 @@ class Cpu:
         return available_bytes()
 
     def put(self, field: Numbers) -> Numbers:
-        """The same array."""
+        """Return the array as it is."""
         return field
 
     def take(self, field: Numbers) -> Numbers:
-        """The same array."""
+        """Return the array as it is."""
         return field
 
 
@@ -207,7 +207,7 @@ def arrays() -> Namespace:
 
 
 def threads() -> int:
-    """How many threads share the work on numpy's arrays."""
+    """Number of threads that share the work on numpy's arrays."""
     chosen = _DEVICE.get()
     return chosen.threads if isinstance(chosen, Cpu) else 1
 
@@ -250,18 +250,18 @@ class Gpu:
     @property
     def arrays(self) -> Namespace:
         """CuPy, with the names of the array API standard."""
-        found: Namespace = import_module("array_api_compat.cupy")
-        return found
+        namespace: Namespace = import_module("array_api_compat.cupy")
+        return namespace
 
     def put(self, field: Numbers) -> Numbers:
         """A copy of a numpy array there."""
-        found: Numbers = _cupy().asarray(field)
-        return found
+        array: Numbers = _cupy().asarray(field)
+        return array
 
     def take(self, field: Numbers) -> Numbers:
         """A copy as a numpy array."""
-        found: Numbers = _cupy().asnumpy(field)
-        return found
+        array: Numbers = _cupy().asnumpy(field)
+        return array
 
     @property
     def available_bytes(self) -> float:

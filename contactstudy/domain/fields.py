@@ -40,7 +40,7 @@ def in_blocks(work: Callable[..., T], *fields: Numbers) -> list[T]:
         return work(*(field[block, :] for field in fields))
 
     parts = _shared(lambda blocks: [some(block) for block in blocks], _blocks(rows, columns))
-    return [each for part in parts for each in part]
+    return [result for part in parts for result in part]
 
 
 def in_parts(work: Callable[[slice], object], shape: tuple[int, ...]) -> None:
@@ -51,11 +51,11 @@ def in_parts(work: Callable[[slice], object], shape: tuple[int, ...]) -> None:
     rows, columns = shape
     count = max(1, min(threads(), rows * columns // PART))
     size = max(2, -(-rows // count // 2) * 2)
-    first, *rest = (slice(begin, min(begin + size, rows)) for begin in range(0, rows, size))
-    others = [_pool(count - 1).submit(work, part) for part in rest]
+    first, *later = (slice(begin, min(begin + size, rows)) for begin in range(0, rows, size))
+    futures = [_pool(count - 1).submit(work, part) for part in later]
     work(first)
-    for other in others:
-        other.result()
+    for future in futures:
+        future.result()
 
 
 def replaced(field: Array, new: Callable[[Array], Array]) -> Array:
@@ -74,18 +74,20 @@ def _blocks(rows: int, columns: int) -> list[slice]:
 
 
 def _shared(work: Callable[[list[slice]], T], blocks: list[slice]) -> list[T]:
-    """What ``work`` makes of the part of the ``blocks`` that each thread has, in order."""
+    """Give each thread a part of the `blocks` to work on; return all results in order."""
     count = min(threads(), len(blocks))
     if count == 1:
         return [work(blocks)]
     size = -(-len(blocks) // count)
     parts = [blocks[begin : begin + size] for begin in range(0, len(blocks), size)]
-    others = [_pool(count - 1).submit(copy_context().run, _alone, work, part) for part in parts[1:]]
-    return [work(parts[0]), *(other.result() for other in others)]
+    futures = [
+        _pool(count - 1).submit(copy_context().run, _alone, work, part) for part in parts[1:]
+    ]
+    return [work(parts[0]), *(future.result() for future in futures)]
 
 
 def _alone(work: Callable[[list[slice]], T], blocks: list[slice]) -> T:
-    """In a thread of the pool, which takes no others, and warns of nothing as the solve does not."""
+    """Work in a thread of the pool, which takes no others, without floating-point warnings as in the solve."""
     with using(Cpu()), np.errstate(all="ignore"):
         return work(blocks)
 

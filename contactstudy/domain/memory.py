@@ -17,7 +17,9 @@ def _of_system() -> float:
     """Free memory and swap: of Linux by itself, of other systems by psutil where that is installed."""
     with suppress(OSError, ValueError, IndexError, KeyError):
         lines = Path("/proc/meminfo").read_text(encoding="utf-8").splitlines()
-        amounts = {name: rest.split() for name, _, rest in (line.partition(":") for line in lines)}
+        amounts = {
+            name: amount.split() for name, _, amount in (line.partition(":") for line in lines)
+        }
         return 1024 * sum(float(amounts[name][0]) for name in ("MemAvailable", "SwapFree"))
     with suppress(ImportError, OSError):
         psutil = import_module("psutil")
@@ -36,7 +38,7 @@ def _of_container() -> float:
 
 
 def _of_process() -> float:
-    """What is left of its address space, where the system limits that."""
+    """Return what the limit of the address space leaves, if the system sets one [bytes]."""
     with suppress(ImportError, OSError, ValueError, IndexError):
         resource = import_module("resource")
         soft, _ = resource.getrlimit(resource.RLIMIT_AS)

@@ -17,7 +17,7 @@ class Padding(Protocol):
 
     @property
     def wraps(self) -> bool:
-        """Whether the convolution along this axis is circular."""
+        """True if the convolution along this axis is circular."""
         ...
 
     @property
@@ -35,7 +35,7 @@ class Padding(Protocol):
 
 @dataclass(frozen=True)
 class ZeroPadding:
-    """No neighbours: the classical DC-FFT, not periodic (Liu, Wang & Liu 2000)."""
+    """The classical DC-FFT without neighbours: not periodic (Liu, Wang & Liu 2000)."""
 
     wraps: ClassVar[bool] = False
     window: ClassVar[range] = range(1)
@@ -58,7 +58,7 @@ class DuplicatedPadding:
     window: ClassVar[range] = range(-1, 1)
 
     def reach(self, period: float) -> float:
-        """One period, from any point."""
+        """Return one period, which is the reach from any point."""
         return period
 
 
@@ -109,7 +109,7 @@ class CircularSuperposition(_Counted):
 
 @dataclass(frozen=True)
 class ExactPeriodicity:
-    """All images, in closed form.
+    """The sum over infinitely many images, in closed form.
 
     The displacement under infinitely many loads is bounded only up to a rigid shift. Along one axis it
     is relative to a point at the scene's length scale (for a cylinder, the Hertz
@@ -135,7 +135,9 @@ def across_and_along(padding: Padding | Paddings) -> Paddings:
     Raises :class:`~contactstudy.InvalidInput` for what is neither.
     """
     both = padding if isinstance(padding, tuple) else (ZeroPadding(), padding)
-    if len(both) != 2 or any(isinstance(one, type) or not hasattr(one, "window") for one in both):
+    if len(both) != 2 or any(
+        isinstance(axis, type) or not hasattr(axis, "window") for axis in both
+    ):
         raise InvalidInput(
             f"padding is {padding!r}: give one for the length, such as ExactPeriodicity(), or a "
             "tuple of two, (across, along)."

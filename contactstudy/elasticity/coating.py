@@ -29,22 +29,22 @@ class CoatingDisplacement:
         return self
 
     def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
-        """One cell."""
-        rest = rest_cell(self.response, self.thickness, x, y, dx, dy)
-        return rest + self.response.contrast * image_cell(x, y, dx, dy, 2 * self.thickness)
+        """Coefficients of a single cell at offsets x and y."""
+        layer_rest = rest_cell(self.response, self.thickness, x, y, dx, dy)
+        return layer_rest + self.response.contrast * image_cell(x, y, dx, dy, 2 * self.thickness)
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
         """Infinitely many images along y."""
-        rest = rest_row(self.response, self.thickness, x, y, dx, dy, period)
+        layer_rest = rest_row(self.response, self.thickness, x, y, dx, dy, period)
         shift = 2 * dx * dy / period * np.log(self.datum)
         image = shift + image_row(x, y, dx, dy, period, 2 * self.thickness)
-        return np.asarray(rest + self.response.contrast * image)
+        return np.asarray(layer_rest + self.response.contrast * image)
 
     def lattice(
         self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
     ) -> Array:
         """Infinitely many images along both axes."""
         extent = width, period
-        rest = rest_lattice(self.response, self.thickness, x, y, dx, dy, *extent)
+        layer_rest = rest_lattice(self.response, self.thickness, x, y, dx, dy, *extent)
         image = image_lattice(x, y, dx, dy, *extent, 2 * self.thickness)
-        return np.asarray(rest + self.response.contrast * image)
+        return np.asarray(layer_rest + self.response.contrast * image)

@@ -25,11 +25,11 @@ class Coefficients(Protocol):
         ...
 
     def turned(self) -> "Coefficients":
-        """The same with the axes exchanged."""
+        """Return these coefficients with the axes exchanged."""
         ...
 
     def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
-        """One cell; x and y broadcast."""
+        """Coefficients of a single cell at offsets x and y, which broadcast."""
         ...
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
@@ -59,7 +59,7 @@ class Displacement:
         return self
 
     def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
-        """One cell."""
+        """Coefficients of a single cell at offsets x and y, which broadcast."""
         return boussinesq_cell(x, y, dx, dy)
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
@@ -129,11 +129,11 @@ def _summed(at: Callable[[Array], Array], axis: _Axis, parity: int) -> Array:
     assert window is not None
     total: Array | float = 0.0
     for period in range(max(window[-1], -window[0] - 1), -1, -1):
-        ahead, behind = period in window, -period - 1 in window
-        distances = np.arange(count + 1.0) if behind else np.arange(float(axis.known))
+        is_ahead, is_behind = period in window, -period - 1 in window
+        distances = np.arange(count + 1.0) if is_behind else np.arange(float(axis.known))
         block = at((period * count + distances) * axis.step)
-        if ahead:
+        if is_ahead:
             total = total + block[: axis.known]
-        if behind:
+        if is_behind:
             total = total + parity * block[: -axis.known - 1 : -1]
     return np.asarray(total)

@@ -55,12 +55,12 @@ class Convolution:
         """
         if not isinstance(device(), Cpu):
             return None
-        kept = self._kept.__dict__
-        if "waves" not in kept:
+        of_thread = self._kept.__dict__
+        if "waves" not in of_thread:
             waves = self.padded[0] * (self.padded[1] // 2 + 1)
-            kept["waves"] = np.empty(waves, dtype=np.result_type(self.spectrum, np.complex64))
+            of_thread["waves"] = np.empty(waves, dtype=np.result_type(self.spectrum, np.complex64))
         rows, columns = shape[0], shape[1] // 2 + 1
-        numbers = kept["waves"].view(np.result_type(real, np.complex64))
+        numbers = of_thread["waves"].view(np.result_type(real, np.complex64))
         room: Waves = numbers[: rows * columns].reshape(rows, columns)
         return room
 
@@ -114,8 +114,8 @@ class Convolution:
             spectrum = weighted[: px // 2, :] + weighted[px // 2 :, :]
         if along == 2:
             weighted = spectrum * put(np.cos(np.pi * np.arange(py // 2 + 1) / py) ** 2)
-            kept = py // 4 + 1
-            spectrum = weighted[:, :kept] + xp.flip(weighted, axis=1)[:, :kept]
+            columns = py // 4 + 1
+            spectrum = weighted[:, :columns] + xp.flip(weighted, axis=1)[:, :columns]
         cells = self.cells[0] // across, self.cells[1] // along
         spectrum = xp.astype(spectrum, self.spectrum.dtype, copy=False)
         return Convolution(spectrum, cells, (px // across, py // along))
@@ -169,12 +169,12 @@ def superposed(
 def antisymmetric(
     response: Mapping[Coefficients, float], grid: Grid, padding: Padding | Paddings
 ) -> Convolution:
-    """The same for coefficients that are odd along one axis: a map that no solver takes, to be lagged."""
+    """Return the operator of coefficients that are odd along one axis: a map that no solver takes, to be lagged."""
     paddings = across_and_along(padding)
     padded = padded_cells(grid, paddings)
     around = sum(
-        weight * spread(kernel(grid, paddings, one), padded, one.parity)
-        for one, weight in response.items()
+        weight * spread(kernel(grid, paddings, coefficients), padded, coefficients.parity)
+        for coefficients, weight in response.items()
     )
     return Convolution(fft.rfft2(around), grid.cells, padded)
 
@@ -186,7 +186,9 @@ def combined(operators: Iterable[tuple[float, Convolution]], own: float = 0.0) -
     """
     weighted = list(operators)
     first = weighted[0][1]
-    spectrum = sum((weight * one.spectrum for weight, one in weighted), start=np.zeros(()))
+    spectrum = sum(
+        (weight * operator.spectrum for weight, operator in weighted), start=np.zeros(())
+    )
     if own:
         spectrum = spectrum + own
     return replace(first, spectrum=spectrum)
@@ -195,8 +197,8 @@ def combined(operators: Iterable[tuple[float, Convolution]], own: float = 0.0) -
 def padded_cells(grid: Grid, paddings: Paddings) -> tuple[int, int]:
     """Points of the transform along either axis."""
     px, py = (
-        n if one.wraps else 2 * fft.next_fast_len(n, real=real)
-        for n, one, real in zip(grid.cells, paddings, (False, True), strict=True)
+        n if padding.wraps else 2 * fft.next_fast_len(n, real=real)
+        for n, padding, real in zip(grid.cells, paddings, (False, True), strict=True)
     )
     return px, py
 

@@ -39,7 +39,7 @@ class SurfaceField:
         return SurfaceField("".join(sorted(self.name.translate({120: 121, 121: 120}))), self.datum)
 
     def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
-        """One cell."""
+        """Coefficients of a single cell at offsets x and y."""
         if self.name == "yy":
             return self._of_all.cell(x, y, dx, dy) - self._other.cell(x, y, dx, dy)
         return 2 * np.pi * stress_cell(SURFACE[self.name], x, y, 0.0, dx, dy, 0.0)
@@ -60,8 +60,8 @@ class SurfaceField:
             if self.name == "yy" and period > width:
                 turned = y.reshape(-1, 1), x.reshape(1, -1)
                 return self.turned().lattice(*turned, dy, dx, period, width).T
-            other = self._other.lattice(x, y, *cell)
-            return np.asarray(self._of_all.lattice(x, y, *cell) - other)
+            field_yy = self._other.lattice(x, y, *cell)
+            return np.asarray(self._of_all.lattice(x, y, *cell) - field_yy)
         return 2 * np.pi * stress_cell_doubly_periodic(SURFACE[self.name], x, y, 0.0, *cell, 0.0)
 
     @property
@@ -119,11 +119,13 @@ class ShearResponse:
         x, y = (transformed(component, padded) for component in shear)
         across = self.xx.spectrum * x + self.xy.spectrum * y
         along = self.xy.spectrum * x + self.yy.spectrum * y
-        return np.stack([TRANSFORMS.backward(one, cells, padded) for one in (across, along)])
+        return np.stack(
+            [TRANSFORMS.backward(component, cells, padded) for component in (across, along)]
+        )
 
     @property
     def largest(self) -> float:
-        """No smaller than the largest displacement over shear, in the mean square, but for a rigid shift."""
+        """Upper bound of displacement over shear, in the mean square and without a rigid shift."""
         sums = np.maximum(np.abs(self.xx.spectrum), np.abs(self.yy.spectrum))
         return float((sums + np.abs(self.xy.spectrum)).max())
 
@@ -132,11 +134,11 @@ def shear_response(
     bodies: tuple[tuple[float, float], ...], grid: Grid, paddings: Paddings, datum: float
 ) -> ShearResponse:
     """The response of ``bodies``, each by its compliance (1 - nu^2) / E [1/Pa] and Poisson's ratio."""
-    whole = sum(compliance for compliance, _ in bodies) / np.pi
-    part = sum(compliance * nu / (1 - nu) for compliance, nu in bodies) / np.pi
+    compliance_sum = sum(compliance for compliance, _ in bodies) / np.pi
+    shear_part = sum(compliance * nu / (1 - nu) for compliance, nu in bodies) / np.pi
     spectra = {
-        name: correlated(one, grid, paddings).spectrum
-        for name, one in (
+        name: correlated(coefficients, grid, paddings).spectrum
+        for name, coefficients in (
             ("all", Displacement(datum)),
             ("xx", SurfaceField("xx", datum)),
             ("xy", SurfaceField("xy", datum)),
@@ -147,9 +149,9 @@ def shear_response(
         *(
             Correlated(spectrum, grid.cells, padded)
             for spectrum in (
-                whole * spectra["all"] + part * spectra["xx"],
-                (whole + part) * spectra["all"] - part * spectra["xx"],
-                part * spectra["xy"],
+                compliance_sum * spectra["all"] + shear_part * spectra["xx"],
+                (compliance_sum + shear_part) * spectra["all"] - shear_part * spectra["xx"],
+                shear_part * spectra["xy"],
             )
         )
     )

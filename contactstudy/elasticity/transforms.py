@@ -102,7 +102,7 @@ class Ducc:
         self._lock, self._widened = Lock(), False
 
     def _threads(self) -> int:
-        """Those of the device, made available the first time that it has more than one.
+        """Return the threads of the device, made available the first time that it has more than one.
 
         ducc0 else takes no more than ``OMP_NUM_THREADS`` allows, whatever a call asks for, and says nothing. While
         threads of its pool work, the pool must not change.
@@ -111,8 +111,8 @@ class Ducc:
         if count > 1 and not self._widened:
             with self._lock:
                 if not self._widened and hasattr(self._misc, "resize_thread_pool"):
-                    there = self._misc.thread_pool_size()
-                    self._misc.resize_thread_pool(max(os.cpu_count() or 1, there))
+                    pool_size = self._misc.thread_pool_size()
+                    self._misc.resize_thread_pool(max(os.cpu_count() or 1, pool_size))
                 self._widened = True
         return count
 
@@ -175,7 +175,7 @@ STANDARD = Standard()
 
 
 def transforms() -> Transforms:
-    """Those for arrays of the device."""
+    """Return the transforms for arrays of the device."""
     return TRANSFORMS if isinstance(device(), Cpu) else STANDARD
 
 

@@ -31,7 +31,7 @@ class Creep:
     fluidity: float = 0.0
 
     def __call__(self, time: float | Array) -> Array:
-        """Its value at ``time`` [s] from 0 on."""
+        """Return the creep at ``time`` [s] from 0 on."""
         time = np.asarray(time, dtype=np.float64)
         value = self.instantaneous + self.fluidity * time
         for size, duration in self.terms:
@@ -40,13 +40,13 @@ class Creep:
 
     @property
     def equilibrium(self) -> float:
-        """Its limit after infinite time; infinite for a fluid."""
+        """Limit after infinite time; infinite for a fluid."""
         if self.fluidity:
             return float("inf")
         return self.instantaneous + sum(size for size, _ in self.terms)
 
     def times(self, factor: float) -> "Creep":
-        """The same, ``factor`` times as large."""
+        """Return a creep ``factor`` times as large."""
         terms = tuple((factor * size, duration) for size, duration in self.terms)
         return Creep(factor * self.instantaneous, terms, factor * self.fluidity)
 
@@ -81,7 +81,7 @@ def creep(equilibrium: float, relaxation: tuple[tuple[float, float], ...]) -> Cr
 
 
 def _zeros(equilibrium: float, moduli: Array, rates: Array, low: Array, high: Array) -> Array:
-    """Where ``equilibrium + sum(E_i z / (z - 1 / tau_i))`` falls through zero, in each bracket, by halving."""
+    """Return where ``equilibrium + sum(E_i z / (z - 1 / tau_i))`` falls through zero, in each bracket, by bisection."""
     for _ in range(BISECTIONS):
         middle = np.sqrt(low) * np.sqrt(high)
         middle = np.clip(middle, np.nextafter(low, high), np.nextafter(high, low))
@@ -115,7 +115,7 @@ class Trailing:
 
     @property
     def parity(self) -> tuple[int, int]:
-        """That of the part along the axis of motion."""
+        """Parity of this part along the axis of motion, and 1 along the other."""
         return (self.sign, 1) if self.axis == 0 else (1, self.sign)
 
     def turned(self) -> "Trailing":
@@ -123,15 +123,15 @@ class Trailing:
         return replace(self, inner=self.inner.turned(), axis=1 - self.axis)
 
     def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
-        """One cell."""
+        """Coefficients of a single cell at offsets x and y."""
         if self.axis == 1:
             return self.turned().cell(y, x, dy, dx)
 
         def at(s: Array) -> Array:
             return self.inner.cell(s[:, None], np.ravel(y), dx, dy)
 
-        found = self._part(_free(at, np.ravel(x), dx, self.length))
-        return found if np.ndim(y) < 2 else found.T
+        parts = self._part(_free(at, np.ravel(x), dx, self.length))
+        return parts if np.ndim(y) < 2 else parts.T
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
         """Infinitely many images along y."""
@@ -160,8 +160,8 @@ class Trailing:
         return self._part(_closed(at, np.ravel(x), dx, width, self.length))
 
     def _part(self, both: tuple[Array, Array]) -> Array:
-        ahead, behind = both
-        return (ahead + self.sign * behind) / 2
+        trailing, leading = both
+        return (trailing + self.sign * leading) / 2
 
 
 def _free(at: Field, x: Array, step: float, length: float) -> tuple[Array, Array]:
@@ -169,35 +169,35 @@ def _free(at: Field, x: Array, step: float, length: float) -> tuple[Array, Array
     index = np.round(x / step).astype(int)
     last = max(int(index.max()), 1)
     onward, backward = _panels(at, last, step, length)
-    left = exp(-step / length)
+    decay = exp(-step / length)
     value = _beyond(at, last * step, step, length)
-    ahead = np.empty((last + 1, *value.shape))
-    ahead[last] = value
+    trailing = np.empty((last + 1, *value.shape))
+    trailing[last] = value
     for k in range(last - 1, -1, -1):
-        value = onward[k] + left * value
-        ahead[k] = value
-    behind = np.empty_like(ahead)
-    behind[0] = value
+        value = onward[k] + decay * value
+        trailing[k] = value
+    leading = np.empty_like(trailing)
+    leading[0] = value
     for k in range(last):
-        value = backward[k] + left * value
-        behind[k + 1] = value
-    return ahead[index], behind[index]
+        value = backward[k] + decay * value
+        leading[k + 1] = value
+    return trailing[index], leading[index]
 
 
 def _closed(at: Field, x: Array, step: float, period: float, length: float) -> tuple[Array, Array]:
-    """The same where ``at`` repeats after ``period``."""
+    """V at ``x`` and ``-x`` where ``at`` repeats after ``period``."""
     count = round(period / step)
     half = (count + 1) // 2
     onward, backward = _panels(at, half, step, length)
     panels = [onward[k] if k < half else backward[count - 1 - k] for k in range(count)]
-    left = exp(-step / length)
+    decay = exp(-step / length)
     value = np.zeros_like(panels[0])
     for k in range(count - 1, -1, -1):
-        value = panels[k] + left * value
+        value = panels[k] + decay * value
     value = value / -np.expm1(-period / length)
     around = np.empty((count, *value.shape))
     for k in range(count - 1, -1, -1):
-        value = panels[k] + left * value
+        value = panels[k] + decay * value
         around[k] = value
     index = np.round(x / step).astype(int) % count
     return around[index], around[-index % count]

@@ -381,7 +381,7 @@ def boussinesq_cell_doubly_periodic(
 
 
 def _further_rows(x: Array, y: Array, dx: float, dy: float, width: float, period: float) -> Array:
-    """All rows but those at 0 and at W, in units of ``dx dy / period``: no cell reaches the axis."""
+    """Sum over all rows but those at 0 and at W, in units of ``dx dy / period``: no cell reaches the axis."""
     x, y = paired(x, y)
     # beyond these, at more than FOURIER_END periods from any cell, nothing is left but logarithms
     rows = int(np.ceil(FOURIER_END * period / width)) + 1

@@ -95,7 +95,7 @@ def image_row(x: Array, y: Array, dx: float, dy: float, period: float, depth: fl
 
 
 def image_harmonics(x: Array, y: Array, dx: float, dy: float, period: float, depth: float) -> Array:
-    """What of the row varies along y, shape (x, y); both flat, x from 0 on and y up to half a period."""
+    """The part of a row that varies along y, shape (x, y); both flat, x from 0 on and y up to half a period."""
     result = np.zeros((x.size, y.size))
     if dy == period:
         return result
@@ -193,7 +193,7 @@ def _log_integral(x: Array, depth: float) -> Array:
 
 
 def _log_mean_periodic(x: Array, half: float, depth: float, width: float) -> Array:
-    """The same summed over periods, ``ln |2 sin(pi (x + i depth) / W)|^2``, without its mean over a period.
+    """The mean logarithm summed over periods, ``ln |2 sin(pi (x + i depth) / W)|^2``, without its mean over a period.
 
     x up to half the width (Johnson 1985, sect. 13.2).
     """
@@ -205,11 +205,11 @@ def _log_mean_periodic(x: Array, half: float, depth: float, width: float) -> Arr
     near = log_mean(x, half, depth) + log_mean(width - x, half, depth)
     near += log_mean(width + x, half, depth)
     # what is left of the sine is smooth: the next zeros lie two widths away
-    rest = np.zeros(x.shape)
+    smooth = np.zeros(x.shape)
     for node, weight in gauss(24):
         w = (x + node * half + 1j * depth) / width
-        rest += weight * 2 * np.log(np.abs(2 * np.sin(np.pi * w) / (w * (1 - w) * (1 + w))))
-    return np.asarray(near + rest - 6 * np.log(width) - 2 * np.pi * depth / width)
+        smooth += weight * 2 * np.log(np.abs(2 * np.sin(np.pi * w) / (w * (1 - w) * (1 + w))))
+    return np.asarray(near + smooth - 6 * np.log(width) - 2 * np.pi * depth / width)
 
 
 def _points(x: Array, half: float, depth: float) -> tuple[tuple[float, float], ...]:

@@ -64,10 +64,10 @@ def levels(values: Array) -> tuple[Array, NDArray[np.intp]]:
     """Values that differ by more than rounding, in order, and which of them each is."""
     order = np.argsort(values, kind="stable")
     ordered = values[order]
-    apart = np.diff(ordered, prepend=-np.inf) > 64 * np.finfo(np.float64).eps * ordered[-1]
+    is_new = np.diff(ordered, prepend=-np.inf) > 64 * np.finfo(np.float64).eps * ordered[-1]
     which = np.empty(values.size, dtype=np.intp)
-    which[order] = np.cumsum(apart) - 1
-    return ordered[apart], which
+    which[order] = np.cumsum(is_new) - 1
+    return ordered[is_new], which
 
 
 def quadrant(table: RestInSpace, x: Array, y: Array) -> Array:
@@ -80,7 +80,7 @@ def quadrant(table: RestInSpace, x: Array, y: Array) -> Array:
 def _along_edges(table: RestInSpace, aside: Array, ends: Array) -> Array:
     """``int_0^t edge(sqrt(d^2 + t'^2)) dt'`` for all distances d ``aside`` and all t in ``ends``, both in order."""
     scale = float(np.hypot(aside[0], 2.0))
-    marks, wanted = _marks(ends, scale)
+    marks, positions = _marks(ends, scale)
     middle, half = (marks[1:] + marks[:-1]) / 2, np.diff(marks) / 2
     away = (middle + 1j * scale) / half
     radius = np.log(np.abs(away + np.sqrt(away - 1) * np.sqrt(away + 1)))
@@ -96,7 +96,7 @@ def _along_edges(table: RestInSpace, aside: Array, ends: Array) -> Array:
             distance = np.sqrt(square + (aside[rows] ** 2)[:, None, None])
             pieces[rows, chosen] = (table.edge(distance) @ weights) * half[chosen]
     summed = np.concatenate([np.zeros((aside.size, 1)), np.cumsum(pieces, axis=1)], axis=1)
-    return np.asarray(summed[:, wanted])
+    return np.asarray(summed[:, positions])
 
 
 def _marks(ends: Array, scale: float) -> tuple[Array, NDArray[np.intp]]:
@@ -166,7 +166,7 @@ def harmonics(
     dy: float,
     period: float,
 ) -> Array:
-    """What of the row varies along y, shape (x, y): all but its mean over the period.
+    """The part of a row that varies along y, shape (x, y), without its mean over the period.
 
     A Fourier series where the layer is thick, and where it is thin a sum over images. x and y flat, x from
     0 on; both forms are exact.
@@ -214,7 +214,7 @@ class _Row:
         return groups
 
     def waves(self, farthest: float) -> float:
-        """What :meth:`series` costs, in evaluations of the response."""
+        """Cost of :meth:`series`, in evaluations of the response."""
         cost = 0.0
         for first, end, felt, across in self._groups(farthest):
             waves = (end - first) * LAST_WAVE / self.thickness * across / (2 * np.pi)
@@ -262,7 +262,7 @@ class _Row:
         return np.asarray(total + self._further(x, y))
 
     def _further(self, x: Array, y: Array) -> Array:
-        """All images but the nearest three: smooth on the scale of the period."""
+        """Sum over the images beyond the nearest three, which is smooth on the scale of the period."""
         period = self.period
         reach = max(float(x.max()), self.dx / 2)
         # singular where an image's edge is met, at least a period away
@@ -275,12 +275,12 @@ class _Row:
         values = self._tail(nodes_x, nodes_y, last)
         images = np.arange(2.0, last + 1)
         for block in np.array_split(images, max(1, images.size // 64)):
-            ahead = np.concatenate([-block, block])
-            away = (nodes_y + period * ahead[:, None]).ravel()
+            numbers = np.concatenate([-block, block])
+            away = (nodes_y + period * numbers[:, None]).ravel()
             cells = rest_cell(
                 self.response, self.thickness, nodes_x[:, None], away, self.dx, self.dy
             )
-            values += cells.reshape(count, ahead.size, nodes_y.size).sum(axis=1)
+            values += cells.reshape(count, numbers.size, nodes_y.size).sum(axis=1)
         across = _interpolation(nodes_x.size, x / reach)
         along = _interpolation(nodes_y.size, y / (period / 2))
         return np.asarray(across @ values @ along.T)

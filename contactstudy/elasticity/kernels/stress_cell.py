@@ -25,7 +25,7 @@ Field = Callable[[Array, Array, float, Array, float], Array]
 
 @dataclass(frozen=True)
 class Component:
-    """One component of the stress tensor.
+    """A component of the stress tensor.
 
     ``point`` is 2 pi times the stress under a unit force at the origin, ``corner`` its integral over x
     and y; ``plane`` is pi times the stress in plane strain, from the angle and the pole of
@@ -48,7 +48,7 @@ class Component:
 
 @dataclass(frozen=True, eq=False)
 class Strip:
-    """What a loaded strip, endless along y, is seen by (Johnson 1985, sect. 2.5(a)).
+    """The angles and distances under which a loaded strip, endless along y, is seen (Johnson 1985, sect. 2.5(a)).
 
     ``angle`` it subtends; ``pole = z / (a + i z) - z / (b + i z)``, its edges at offsets a and b. ``edges`` are
     its offset, the depth, its width and the period across, None for a strip by itself.
@@ -82,7 +82,7 @@ class Strip:
 
     @property
     def breadth(self) -> float:
-        """Its width; 0 with a period, where the mean is left out."""
+        """Width of the strip; 0 with a period, where the mean is left out."""
         _, _, dx, width = self.edges
         return dx if width is None else 0.0
 
@@ -216,7 +216,7 @@ def stress_cell(
 
 
 def sign(offset: Array, parity: int) -> Array | float:
-    """What a field of this parity takes from the sign of its offset."""
+    """Return the factor that a field of this parity takes from the sign of its offset."""
     return np.sign(offset) if parity < 0 else 1.0
 
 
@@ -239,8 +239,8 @@ def _points(
         return total
     for node, across in gauss(points):
         u = x + node * dx / 2
-        for other, along in gauss(points):
-            v = y + other * dy / 2
+        for node_along, along in gauss(points):
+            v = y + node_along * dy / 2
             total += across * along * field(u, v, z, np.sqrt(u * u + v * v + z * z), nu)
     return dx * dy * total
 

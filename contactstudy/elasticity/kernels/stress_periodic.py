@@ -170,9 +170,9 @@ def stress_cell_doubly_periodic(
 
     def row(x: Array, y: Array, m: int) -> Array:
         image = x + m * width
-        found = stress_cell_periodic(component, image, y, z, dx, dy, period, poisson_ratio)
+        stress = stress_cell_periodic(component, image, y, z, dx, dy, period, poisson_ratio)
         plane = plane_strain(component, strip(image, z, dx), poisson_ratio)
-        return np.asarray(found - plane * (dy / period))
+        return np.asarray(stress - plane * (dy / period))
 
     # smooth from the second row on, so interpolated
     u, from_x = _interpolation(np.abs(x.ravel()), width / 2, LATTICE_INTERPOLATED)
@@ -189,8 +189,8 @@ def stress_cell_doubly_periodic(
         total = total + row(x, y, m)
     strips = plane_strain(component, _strips(x, z, dx, width), poisson_ratio)
     confined = (1 - 2 * poisson_ratio) / (1 - poisson_ratio) * dx / width
-    held = {"xx": confined, "yy": poisson_ratio * confined}.get(component.name, 0.0)
-    return np.asarray(total + (strips + held) * (dy / period))
+    confinement = {"xx": confined, "yy": poisson_ratio * confined}.get(component.name, 0.0)
+    return np.asarray(total + (strips + confinement) * (dy / period))
 
 
 def _strips(x: Array, z: float, dx: float, width: float) -> Strip:

@@ -32,8 +32,8 @@ def _xx_point(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
 
 
 def _xx_corner(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
-    own = x * x * y / ((x * x + z * z) * r) + 2 * _asinh(y, x, z)
-    return np.asarray(own - (1 - 2 * nu) * y / (r + z))
+    compliant = x * x * y / ((x * x + z * z) * r) + 2 * _asinh(y, x, z)
+    return np.asarray(compliant - (1 - 2 * nu) * y / (r + z))
 
 
 def _yy_point(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
@@ -56,7 +56,7 @@ def _xy_corner(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
 
 
 def _incompressible(field: Field) -> Field:
-    """As for a Poisson's ratio of a half: under shear these do not depend on it."""
+    """Return the field for a Poisson's ratio of a half: under shear these do not depend on it."""
     return lambda x, y, z, r, nu: field(x, y, z, r, 0.5)
 
 

@@ -2,12 +2,21 @@
 
 import math
 from collections.abc import Iterable
+from dataclasses import fields
 from difflib import get_close_matches
+from functools import wraps
 from numbers import Integral, Real
+from typing import TypeVar
+
+Described = TypeVar("Described")
 
 
 class InvalidInput(ValueError):
     """A value that cannot be used; the message names the field, the value and the remedy."""
+
+
+class UnknownField(InvalidInput, TypeError):
+    """A keyword that a constructor does not have; the message names the most similar one."""
 
 
 class NotDefined(InvalidInput):
@@ -15,6 +24,24 @@ class NotDefined(InvalidInput):
 
     The values are admissible; the message says what the contact lacks.
     """
+
+
+def answers_typos(cls: type[Described]) -> type[Described]:
+    """Make the constructor of a dataclass answer an unknown keyword with the most similar field."""
+    construct = cls.__init__
+    known = [field.name for field in fields(cls) if field.init]  # type: ignore[arg-type]
+
+    @wraps(construct)
+    def __init__(self: Described, *values: object, **named: object) -> None:
+        for name in named:
+            if name not in known:
+                raise UnknownField(
+                    f"{cls.__name__}.{name} is not known: {suggestion(name, known)}."
+                )
+        construct(self, *values, **named)
+
+    cls.__init__ = __init__  # type: ignore[assignment]
+    return cls
 
 
 def finite(field: str, value: object, remedy: str) -> float:

@@ -4,13 +4,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, in_range, pair, whole
+from contactstudy.domain.checks import InvalidInput, answers_typos, in_range, pair, whole
 from contactstudy.domain.fields import Array
 from contactstudy.domain.units import Metres
 
 LONGEST = 1e9  # times as long as wide
 
 
+@answers_typos
 @dataclass(frozen=True)
 class Grid:
     """``cells = (nx, ny)`` over ``extent = (width, period)`` [m], centred on the origin.

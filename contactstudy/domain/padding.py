@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from math import inf
 from typing import ClassVar, Protocol
 
-from contactstudy.domain.checks import InvalidInput, set_fields, whole
+from contactstudy.domain.checks import InvalidInput, answers_typos, set_fields, whole
 
 
 class Padding(Protocol):
@@ -33,6 +33,7 @@ class Padding(Protocol):
         ...
 
 
+@answers_typos
 @dataclass(frozen=True)
 class ZeroPadding:
     """The classical DC-FFT without neighbours: not periodic (Liu, Wang & Liu 2000)."""
@@ -45,6 +46,7 @@ class ZeroPadding:
         return period / 2
 
 
+@answers_typos
 @dataclass(frozen=True)
 class DuplicatedPadding:
     """The padded half of the axis filled with a copy of the pressure (the paper's Figure 2b).
@@ -83,6 +85,7 @@ class _Counted:
         return (self.images + 0.5) * period
 
 
+@answers_typos
 @dataclass(frozen=True)
 class Superposition(_Counted):
     """Coefficients summed over ``images`` periods on each side (the paper's eq. 5), zero-padded.
@@ -95,6 +98,7 @@ class Superposition(_Counted):
     wraps: ClassVar[bool] = False
 
 
+@answers_typos
 @dataclass(frozen=True)
 class CircularSuperposition(_Counted):
     """The sum of :class:`Superposition`, but centred on the observer and circular.
@@ -107,6 +111,7 @@ class CircularSuperposition(_Counted):
     wraps: ClassVar[bool] = True
 
 
+@answers_typos
 @dataclass(frozen=True)
 class ExactPeriodicity:
     """The sum over infinitely many images, in closed form.

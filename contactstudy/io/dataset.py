@@ -111,7 +111,7 @@ def to_dataset(solution: Solution, error: ErrorEstimate | None = None) -> xr.Dat
     area = float(np.count_nonzero(solution.pressure) * grid.cell_area)
     numbers = {
         "approach": labelled((), solution.approach, "m", "approach of the bodies"),
-        "contact_area": labelled((), area, "m2", "area of the cells in contact"),
+        "contact_area": labelled((), area, "m2", "contact area"),
         "residual": labelled((), solution.residual, "1", "residual of the solver"),
         "iterations": labelled((), solution.iterations, "1", "solver iterations"),
         "convolutions": labelled(

@@ -127,6 +127,10 @@ class _Structure:
     def _tuple(self, value: object, wanted: Any) -> tuple[Any, ...]:
         """Return a list as a tuple, of any length or of one type for each entry."""
         first, *following = get_args(wanted)
+        if isinstance(value, Mapping):
+            raise InvalidInput(
+                "it is one table: write its name in double brackets, once for each entry."
+            )
         if not isinstance(value, list):
             raise InvalidInput(f"it is {value!r}: give a list.")
         if following != [...] and len(value) != 1 + len(following):

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
-from contactstudy.domain.checks import InvalidInput, finite, in_range, set_fields
+from contactstudy.domain.checks import InvalidInput, answers_typos, finite, in_range, set_fields
 from contactstudy.domain.units import Number, Pascals
 from contactstudy.elasticity.coefficients import Coefficients, Displacement
 
@@ -44,6 +44,7 @@ class Homogeneous(Body, Protocol):
         ...
 
 
+@answers_typos
 @dataclass(frozen=True)
 class HalfSpace:
     """Homogeneous, isotropic elastic half-space.

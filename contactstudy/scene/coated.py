@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, in_range, set_fields
+from contactstudy.domain.checks import InvalidInput, answers_typos, in_range, set_fields
 from contactstudy.domain.units import Metres
 from contactstudy.elasticity.coating import CoatingDisplacement
 from contactstudy.elasticity.coefficients import Coefficients, Displacement
@@ -19,6 +19,7 @@ LARGEST_RATIO = 1e4
 WAVE = 1.2
 
 
+@answers_typos
 @dataclass(frozen=True)
 class CoatedHalfSpace:
     """Layer of one material, bonded to a half-space of another; the bond neither slips nor opens.

@@ -6,7 +6,7 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, finite, in_range, set_fields
+from contactstudy.domain.checks import InvalidInput, answers_typos, finite, in_range, set_fields
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Paddings
@@ -87,6 +87,7 @@ class Friction(Protocol):
         ...
 
 
+@answers_typos
 @dataclass(frozen=True)
 class Sliding:
     """Full sliding: the first body is dragged along +x, shear is the coefficient times the pressure.
@@ -140,6 +141,7 @@ class Sliding:
         )
 
 
+@answers_typos
 @dataclass(frozen=True)
 class PartialSlip:
     """Partial slip under a tangential force that friction holds back.

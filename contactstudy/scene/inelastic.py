@@ -7,6 +7,7 @@ from functools import cached_property
 
 from contactstudy.domain.checks import (
     InvalidInput,
+    answers_typos,
     in_range,
     in_range_from_zero,
     set_fields,
@@ -23,6 +24,7 @@ from contactstudy.scene.bodies import (
 )
 
 
+@answers_typos
 @dataclass(frozen=True)
 class ViscoelasticHalfSpace:
     """Linear viscoelastic half-space with the relaxation modulus ``E(t) = E_inf + sum(E_i exp(-t / tau_i))``.
@@ -103,6 +105,7 @@ class ViscoelasticHalfSpace:
         return bool(self.relaxation)
 
 
+@answers_typos
 @dataclass(frozen=True)
 class ElasticPlasticHalfSpace:
     """Half-space that yields after von Mises, with linear hardening.

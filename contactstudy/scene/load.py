@@ -8,6 +8,7 @@ from typing import Protocol, runtime_checkable
 
 from contactstudy.domain.checks import (
     InvalidInput,
+    answers_typos,
     finite,
     in_range,
     in_range_from_zero,
@@ -16,6 +17,7 @@ from contactstudy.domain.checks import (
 from contactstudy.domain.units import Hertz, Metres, Newtons, NewtonsPerMetre, Radians, Seconds
 
 
+@answers_typos
 @dataclass(frozen=True)
 class LineLoad:
     """Constant normal load per length of the contact.
@@ -51,6 +53,7 @@ class LineLoad:
 ROUNDING = 1e-13
 
 
+@answers_typos
 @dataclass(frozen=True)
 class TotalLoad:
     """Constant normal load on the whole length of a roller.
@@ -136,6 +139,7 @@ class ChangingLoad(Protocol):
         ...
 
 
+@answers_typos
 @dataclass(frozen=True)
 class LoadHistory:
     """Load given at instants, linear between them and held after the last.
@@ -236,6 +240,7 @@ class LoadHistory:
         return (self.at(start) + self.before(end)) / 2
 
 
+@answers_typos
 @dataclass(frozen=True)
 class SineLoad:
     """Sinusoidal load ``mean_load + amplitude sin(2 pi frequency t + phase)`` from t = 0 on, cut off at zero.

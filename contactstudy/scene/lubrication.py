@@ -8,6 +8,7 @@ import numpy as np
 
 from contactstudy.domain.checks import (
     InvalidInput,
+    answers_typos,
     finite,
     in_range,
     in_range_from_zero,
@@ -50,6 +51,7 @@ class ViscosityLaw(Protocol):
         ...
 
 
+@answers_typos
 @dataclass(frozen=True)
 class Barus:
     """``eta = eta0 exp(alpha p)`` (Barus 1893): for comparison, since it exaggerates beyond some 0.5 GPa."""
@@ -59,6 +61,7 @@ class Barus:
         return coefficient * pressure, np.full_like(pressure, coefficient)
 
 
+@answers_typos
 @dataclass(frozen=True)
 class Roelands:
     """``ln(eta / eta0) = alpha p0 / z ((1 + p / p0)^z - 1)`` (Roelands 1966).
@@ -98,6 +101,7 @@ class DensityLaw(Protocol):
         ...
 
 
+@answers_typos
 @dataclass(frozen=True)
 class ConstantDensity:
     """An incompressible lubricant."""
@@ -107,6 +111,7 @@ class ConstantDensity:
         return np.ones_like(pressure), np.zeros_like(pressure)
 
 
+@answers_typos
 @dataclass(frozen=True)
 class DowsonHigginson:
     """``rho / rho0 = 1 + c p / (1 + d p)`` (Dowson & Higginson 1966), of mineral oil by default.
@@ -141,6 +146,7 @@ class ShearLaw(Protocol):
         ...
 
 
+@answers_typos
 @dataclass(frozen=True)
 class Newtonian:
     """A shear stress in proportion to the shear rate, without a limit."""
@@ -150,6 +156,7 @@ class Newtonian:
         return newtonian.copy()
 
 
+@answers_typos
 @dataclass(frozen=True)
 class Eyring:
     """``tau = tau0 asinh(eta rate / tau0)`` (Eyring 1936), with the Eyring stress ``reference`` tau0 [Pa]."""
@@ -165,6 +172,7 @@ class Eyring:
         return np.asarray(self.reference * np.arcsinh(newtonian / self.reference))
 
 
+@answers_typos
 @dataclass(frozen=True)
 class LimitingShear:
     """``tau = tau_L tanh(eta rate / tau_L)`` with ``tau_L = coefficient p`` (as Bair & Winer 1979 have it)."""
@@ -184,6 +192,7 @@ class LimitingShear:
         return np.asarray(limit * np.tanh(bounded))
 
 
+@answers_typos
 @dataclass(frozen=True)
 class Lubricant:
     """A lubricant at one temperature.
@@ -218,6 +227,7 @@ class Lubricant:
                 raise InvalidInput(f"Lubricant.{name} is {law!r}: give a law, such as {example}.")
 
 
+@answers_typos
 @dataclass(frozen=True)
 class Lubrication:
     """A contact flooded with ``lubricant``, whose surfaces move to larger x.

@@ -3,10 +3,17 @@
 from dataclasses import dataclass
 from math import inf
 
-from contactstudy.domain.checks import InvalidInput, in_range_from_zero, set_fields, whole
+from contactstudy.domain.checks import (
+    InvalidInput,
+    answers_typos,
+    in_range_from_zero,
+    set_fields,
+    whole,
+)
 from contactstudy.domain.units import MetresPerSecond, PerPascal
 
 
+@answers_typos
 @dataclass(frozen=True)
 class Rolling:
     """Steady rolling: the contact moves to larger x at a constant speed over both bodies.
@@ -32,6 +39,7 @@ class Rolling:
             set_fields(self, speed=speed)
 
 
+@answers_typos
 @dataclass(frozen=True)
 class Wear:
     """Sliding wear after Archard (1953), ``dw/ds = coefficient p``.

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Protocol, runtime_checkable
 import numpy as np
 
 from contactstudy.analytic import HertzLine
-from contactstudy.domain.checks import InvalidInput, in_range, set_fields
+from contactstudy.domain.checks import InvalidInput, answers_typos, in_range, set_fields
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Padding, Paddings, across_and_along
@@ -102,6 +102,7 @@ def ends_along(shapes: tuple[Shape, ...], grid: Grid) -> bool:
 PASSES = 12
 
 
+@answers_typos
 @dataclass(frozen=True)
 class Scene:
     """Line contact of two bodies, and the effects in it.

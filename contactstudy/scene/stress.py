@@ -6,7 +6,7 @@ from math import isinf
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, finite, set_fields, whole
+from contactstudy.domain.checks import InvalidInput, answers_typos, finite, set_fields, whole
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Paddings
@@ -25,6 +25,7 @@ from contactstudy.scene.bodies import Body, Homogeneous
 Z = {"axis": "Z", "positive": "down"}
 
 
+@answers_typos
 @dataclass(frozen=True)
 class SubsurfaceStress:
     """Stress below the surface of one body: all six components and von Mises' stress.

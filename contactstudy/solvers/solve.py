@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, positive, whole
+from contactstudy.domain.checks import InvalidInput, answers_typos, positive, whole
 from contactstudy.domain.device import Cpu, Device, Precision, checked, device, using
 from contactstudy.domain.fields import Array
 from contactstudy.domain.units import Number
@@ -36,6 +36,7 @@ class Solver(Protocol):
         ...
 
 
+@answers_typos
 @dataclass(frozen=True)
 class SolveOptions:
     """Accuracy and method of a solve: all that an answer depends on beside the problem itself.

@@ -6,6 +6,7 @@ import json
 import os
 import sys
 from dataclasses import asdict
+from math import inf
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
@@ -59,6 +60,8 @@ def plan(scene: Path, threads: int | None, device: str, as_json: bool) -> None: 
     )
     for warning in planned.warnings:
         click.echo(f"  warning: {warning}")
+    for note in _rollers(described.scene, planned.grid):
+        click.echo(f"  note: {note}")
     for number, shape in enumerate(described.scene.shapes):
         if isinstance(shape, cs.Roughness) and shape.extent is None and shape.rms:
             width, length = planned.grid.extent
@@ -145,6 +148,27 @@ def _announced(scene: Path, described: cs.SceneFile, on: cs.Cpu | cs.Gpu) -> cs.
             err=True,
         )
     return planned
+
+
+def _rollers(scene: cs.Scene, grid: cs.Grid) -> list[str]:
+    """Return whether a profiled roller needs a FiniteLength on a grid, a sentence for each."""
+    if any(isinstance(shape, cs.FiniteLength) for shape in scene.shapes):
+        return []
+    notes = []
+    for number, shape in enumerate(scene.shapes):
+        length = shape.detail.roller if hasattr(shape, "detail") else 0.0
+        if not 0 < length < inf:
+            continue
+        if length < grid.period * (1 - 1e-9):
+            notes.append(
+                f"shapes[{number}] is {length:.4g} m long on a grid {grid.period:.4g} m long, and stays at its end drop "
+                f"beyond its ends: add the shape FiniteLength(length={length:g}) if the roller ends there"
+            )
+        elif length <= grid.period * (1 + 1e-9):
+            notes.append(
+                f"shapes[{number}] ends where the grid ends, so that no FiniteLength is needed"
+            )
+    return notes
 
 
 def _surfaces(described: cs.SceneFile) -> list[str]:

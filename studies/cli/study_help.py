@@ -7,6 +7,7 @@ from studies.registry import load
 
 STUDY = "contactstudy.study"
 MOST_VALUES = 10  # of an axis
+OF_SCENES = ("vary", "figures")
 KINDS = {int: "COUNTS", float: "NUMBERS", str: "NAMES"}
 
 
@@ -20,8 +21,15 @@ class StudyCommand(click.Command):
         return super().parse_args(ctx, args)
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """The command's own options, then an option for every axis."""
-        super().format_options(ctx, formatter)
+        """Write the options of every run, those of a scene, and an option for every axis of the study given."""
+        rows: dict[bool, list[tuple[str, str]]] = {False: [], True: []}
+        for option in self.get_params(ctx):
+            if (row := option.get_help_record(ctx)) is not None:
+                rows[option.name in OF_SCENES].append(row)
+        for of_scenes, title in ((False, "Options"), (True, "Options of a scene in a .toml file")):
+            if rows[of_scenes]:
+                with formatter.section(title):
+                    formatter.write_dl(rows[of_scenes])
         name = ctx.meta.get(STUDY)
         if not isinstance(name, str):
             return

@@ -73,13 +73,17 @@ def measures(
         numbers = _of_quantities(rolling_quantities(result))
         return {**_of_solution(case.scene, result.solution), **numbers}
     measured = _of_solution(case.scene, result.solution)
-    approach = "approach of the bodies" + _counted(result.datum)
-    measured["approach"] = labelled((), result.solution.approach, "m", approach)
-    wall_time = "wall time of set-up and solve, beside other cases"
-    measured["wall_time"] = labelled((), result.seconds, "s", wall_time)
+    if result.datum is not None:
+        measured["approach"].attrs["description"] = (
+            f"counted from {result.datum:.4g} m beside the contact"
+        )
+    description = "wall time of set-up and solve, beside other cases"
+    measured["wall_time"] = labelled((), result.seconds, "s", "wall time", description=description)
     if result.solution.pressure.any():
-        long_name = "normal stiffness, d load / d approach"
-        measured["stiffness"] = labelled((), normal_stiffness(result.solution), "N m-2", long_name)
+        stiffness = normal_stiffness(result.solution)
+        measured["stiffness"] = labelled(
+            (), stiffness, "N m-2", "normal stiffness", description="d load / d approach"
+        )
     return measured
 
 
@@ -97,25 +101,24 @@ def _of_solution(scene: cs.Scene, solution: cs.Solution) -> dict[str, xr.Variabl
     perimeter = _perimeter(touching, grid, solution.problem.paddings)
     measured = {
         "load": labelled((), load, "N m-1", "load per length"),
-        "contact_area": labelled((), area, "m2", "area of the cells in contact"),
-        "contact_share": number(float(touching.mean()), "share of the grid in contact"),
+        "contact_area": labelled((), area, "m2", "contact area"),
+        "contact_share": number(float(touching.mean()), "share in contact"),
         "contact_perimeter": labelled(
-            (), perimeter, "m", "length of the cells' edges at which contact ends"
+            (),
+            perimeter,
+            "m",
+            "contact perimeter",
+            description="edges of cells at which contact ends",
         ),
         "peak_pressure": labelled((), float(pressure.max()), "Pa", "peak pressure"),
-        "mean_pressure": labelled((), mean, "Pa", "mean pressure of the cells in contact"),
-        "approach": labelled((), solution.approach, "m", "approach of the bodies"),
-        "mean_gap": labelled((), float(solution.gap.mean()), "m", "mean gap over the grid"),
+        "mean_pressure": labelled((), mean, "Pa", "mean pressure in contact"),
+        "approach": labelled((), solution.approach, "m", "approach"),
+        "mean_gap": labelled((), float(solution.gap.mean()), "m", "mean gap"),
     }
     if (hertz := scene.hertz) is not None:
         share = area / (2 * hertz.half_width * grid.period)
-        long_name = "contact area over that of Hertz's line contact"
-        measured["contact_area_over_hertz"] = number(share, long_name)
+        measured["contact_area_over_hertz"] = number(share, "contact area over Hertz's")
     return {**measured, **_von_mises(solution), **error_estimates(solution)}
-
-
-def _counted(datum: float | None) -> str:
-    return "" if datum is None else f", counted from {datum:.4g} m beside the contact"
 
 
 def _perimeter(touching: np.ndarray, grid: cs.Grid, paddings: cs.Paddings | None) -> float:
@@ -144,8 +147,13 @@ def _von_mises(solution: cs.Solution) -> Mapping[str, xr.Variable]:
         values, depths = fields["von_mises"].values, fields["z"].values
         level = int(np.unravel_index(values.argmax(), values.shape)[0])
         measured["von_mises_max"] = labelled(
-            (), float(values.max()), "Pa", "highest von Mises stress"
+            (), float(values.max()), "Pa", "largest von Mises stress"
         )
-        depth = "depth of the highest von Mises stress, of those named"
-        measured["von_mises_max_depth"] = labelled((), float(depths[level]), "m", depth)
+        measured["von_mises_max_depth"] = labelled(
+            (),
+            float(depths[level]),
+            "m",
+            "depth of the largest stress",
+            description="of the depths named",
+        )
     return measured

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import ndimage
 
-from contactstudy.domain.checks import InvalidInput, whole
+from contactstudy.domain.checks import InvalidInput, answers_typos, whole
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.scene.shapes.shape import Detail, Shape
@@ -23,6 +23,7 @@ class MovedGrid(Grid):
         return np.asarray(super().x - self.moved)
 
 
+@answers_typos
 @dataclass(frozen=True)
 class Carried:
     """A shape on the surface of a body, which moves with it to larger x: see :func:`~contactstudy.evolve_lubricated`.

@@ -7,13 +7,20 @@ from typing import Self
 import numpy as np
 
 from contactstudy.analytic import HertzLine
-from contactstudy.domain.checks import InvalidInput, in_range, in_range_from_zero, set_fields
+from contactstudy.domain.checks import (
+    InvalidInput,
+    answers_typos,
+    in_range,
+    in_range_from_zero,
+    set_fields,
+)
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Metres
 from contactstudy.scene.shapes.shape import Detail
 
 
+@answers_typos
 @dataclass(frozen=True)
 class Cylinder:
     """Parabolic cylinder about the length axis, ``x^2 / (2 R)``, as in Hertz's theory.
@@ -51,6 +58,7 @@ class Cylinder:
         return (grid.x**2 / (2 * self.radius))[:, None]
 
 
+@answers_typos
 @dataclass(frozen=True)
 class Sphere:
     """Paraboloid about the origin, ``(x^2 + y^2) / (2 R)``, as in Hertz's theory of a sphere.
@@ -91,6 +99,7 @@ class Sphere:
 HEIGHT = "give a height of 0 m or more"
 
 
+@answers_typos
 @dataclass(frozen=True)
 class Crown:
     """Parabolic crown along the length, ``y^2 / (2 R)``.
@@ -140,6 +149,7 @@ class Crown:
         return (grid.y**2 / (2 * self.radius))[None, :]
 
 
+@answers_typos
 @dataclass(frozen=True)
 class LundbergProfile:
     """Lundberg's logarithmic profile, ``-A ln(1 - (1 - exp(-d / A)) (2 y / L)^2)``.
@@ -267,6 +277,7 @@ class LundbergProfile:
         return np.where(inside, drop, self.end_drop)[None, :]
 
 
+@answers_typos
 @dataclass(frozen=True)
 class FiniteLength:
     """Roller that ends at ``|y| = length / 2``, with flat, sharp-edged faces.

@@ -7,6 +7,7 @@ from scipy import fft
 
 from contactstudy.domain.checks import (
     InvalidInput,
+    answers_typos,
     divides,
     finite,
     in_range,
@@ -26,6 +27,7 @@ HIGHEST = 4.0
 MOST_WAVES = 1e9
 
 
+@answers_typos
 @dataclass(frozen=True)
 class RmsSlope:
     """Roughness given by its slope.
@@ -48,6 +50,7 @@ class RmsSlope:
         return self.slope > 0
 
 
+@answers_typos
 @dataclass(frozen=True)
 class Ra:
     """Roughness given by its arithmetic mean height Ra (ISO 21920-2).
@@ -75,6 +78,7 @@ class Ra:
         return float(self.height * np.sqrt(np.pi / 2))
 
 
+@answers_typos
 @dataclass(frozen=True)
 class Roughness:
     """Gaussian surface with the spectral density ``k^(-2 (1 + H))`` between two wavelengths.

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from math import inf
 from typing import Protocol, runtime_checkable
 
+from contactstudy.domain.checks import answers_typos
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 
@@ -25,6 +26,7 @@ class Shape(Protocol):
         ...
 
 
+@answers_typos
 @dataclass(frozen=True)
 class Detail:
     """Length scales of a shape that decide which grid resolves it.

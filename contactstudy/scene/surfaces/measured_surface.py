@@ -9,7 +9,14 @@ from typing import Any, Self
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, divides, in_range, pair, set_fields
+from contactstudy.domain.checks import (
+    InvalidInput,
+    answers_typos,
+    divides,
+    in_range,
+    pair,
+    set_fields,
+)
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Metres
@@ -27,6 +34,7 @@ from contactstudy.scene.surfaces.preparation import (
 )
 
 
+@answers_typos
 @dataclass(frozen=True)
 class MeasuredSurface:
     """Measured surface.

@@ -7,10 +7,18 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from contactstudy.domain.checks import InvalidInput, pair, positive, set_fields, whole
+from contactstudy.domain.checks import (
+    InvalidInput,
+    answers_typos,
+    pair,
+    positive,
+    set_fields,
+    whole,
+)
 from contactstudy.domain.fields import Array
 
 
+@answers_typos
 @dataclass(frozen=True)
 class Window:
     """Rectangular window of a measured surface that is cut into equal ones.
@@ -72,6 +80,7 @@ class Missing(Protocol):
         ...
 
 
+@answers_typos
 @dataclass(frozen=True)
 class RefuseMissing:
     """Rule that refuses a surface with missing points."""
@@ -89,6 +98,7 @@ class RefuseMissing:
         return heights
 
 
+@answers_typos
 @dataclass(frozen=True)
 class HarmonicFill:
     """Rule that lays missing points on the membrane spanned by their neighbours (Laplace's equation).
@@ -203,6 +213,7 @@ class Seam(Protocol):
         ...
 
 
+@answers_typos
 @dataclass(frozen=True)
 class AsMeasured:
     """Unchanged surface: the step between its end and its beginning stays."""
@@ -217,6 +228,7 @@ class AsMeasured:
         return heights
 
 
+@answers_typos
 @dataclass(frozen=True)
 class Mirrored:
     """Surface followed by its mirror image: no step, twice the period, all heights unchanged."""
@@ -231,6 +243,7 @@ class Mirrored:
         return np.concatenate([heights, heights[:, ::-1]], axis=1)
 
 
+@answers_typos
 @dataclass(frozen=True)
 class Tapered:
     """Surface that falls to its mean at both ends as a cosine (Tukey's window; Harris 1978, Proc. IEEE 66, eq. 38).

@@ -382,3 +382,13 @@ def test_heights_in_a_table_are_read_from_beside_the_scene_and_written_back(tmp_
     )
     cs.write_scene(read, tmp_path / "again.toml")
     assert cs.read_scene(tmp_path / "again.toml").scene == read.scene
+
+
+def test_a_table_in_single_brackets_is_answered_with_double_ones(tmp_path: Path) -> None:
+    text = STEEL_ROLLER.replace("[[shapes]]", "[shapes]").replace(
+        'total = "2 kN"', "per_length = 1e5"
+    )
+    with pytest.raises(
+        cs.InvalidInput, match="shapes: it is one table: write its name in double brackets"
+    ):
+        described(text, tmp_path)

@@ -1,8 +1,15 @@
 """The entry point of the command."""
 
-import pytest
+import subprocess
+import sys
+from pathlib import Path
 
+import pytest
+from click.testing import CliRunner
+
+import contactstudy as cs
 from studies.cli import main as module
+from studies.cli.commands import cli
 
 
 def ended(raised: BaseException, monkeypatch: pytest.MonkeyPatch) -> SystemExit:
@@ -31,3 +38,37 @@ def test_a_package_that_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> 
     assert isinstance(code, str)
     assert code.startswith("contactstudy: ")
     assert "xarray" in code
+
+
+def test_the_package_is_the_command() -> None:
+    command = [sys.executable, "-m", "contactstudy", "--version"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert cs.__version__ in done.stdout
+
+
+def test_options_of_a_scene_stand_apart() -> None:
+    shown = CliRunner().invoke(cli, ["run", "--help"]).output
+    every, of_scenes = shown.split("Options of a scene in a .toml file:")
+    assert "--workers" in every
+    assert "--vary" in of_scenes
+    assert "--vary" not in every
+
+
+@pytest.mark.parametrize(
+    ("period", "sentence"),
+    [
+        ("10 mm", "no FiniteLength is needed"),
+        ("12.5 mm", "add the shape FiniteLength(length=0.01)"),
+    ],
+)
+def test_a_plan_says_whether_a_profiled_roller_needs_an_end(
+    period: str, sentence: str, tmp_path: Path
+) -> None:
+    example = Path(__file__).parents[3] / "examples" / "edge-stress.toml"
+    text = example.read_text(encoding="utf-8").replace(
+        '["0.6 mm", "10 mm"]', f'["0.6 mm", "{period}"]'
+    )
+    (tmp_path / "roller.toml").write_text(text, encoding="utf-8")
+    shown = CliRunner().invoke(cli, ["plan", str(tmp_path / "roller.toml")])
+    assert shown.exit_code == 0, shown.output
+    assert sentence in shown.output

@@ -12,7 +12,7 @@ from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions
 
 # Pressures that the next one is mixed of, and how much finer than the change in a pass each solve is.
-DEPTH, FINER = 6, 1e-3
+DEPTH, FINER = 8, 1e-3
 
 
 @dataclass(frozen=True, eq=False)

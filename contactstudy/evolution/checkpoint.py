@@ -1,4 +1,4 @@
-"""A march on disk: frames as they are found, and where to go on from."""
+"""Checkpoint of a march on disk: recorded frames, and the state to continue from."""
 
 import hashlib
 import json
@@ -21,23 +21,31 @@ from contactstudy.solvers.solution import Status
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """A folder with ``request.json``, ``frame_00000.npz`` and so on, and ``state.npz``.
+    """Folder of a march: ``request.json``, ``frame_00000.npz`` and so on, and ``state.npz``.
 
-    Each file is replaced at once and on the disk, so that a kill leaves the one before.
+    Each file is replaced in one step and written through to the disk, so that a killed march leaves the previous one.
     """
 
     folder: Path
 
     def open(self, request: str) -> None:
-        """Make the folder for ``request``, or check that it is the one's.
+        """Make the folder for a march, or check that it holds this march.
 
-        Raises :class:`~contactstudy.InvalidInput` where another march is in it.
+        Parameters
+        ----------
+        request
+            Text that identifies scene, grid and options.
+
+        Raises
+        ------
+        InvalidInput
+            If the folder holds another march or other files.
         """
         self.folder.mkdir(parents=True, exist_ok=True)
         path, digest = self.folder / "request.json", hashlib.sha256(request.encode()).hexdigest()
         if path.exists():
-            known = json.loads(path.read_text(encoding="utf-8"))
-            if known.get("sha256") != digest:
+            stored = json.loads(path.read_text(encoding="utf-8"))
+            if stored.get("sha256") != digest:
                 raise InvalidInput(
                     f"evolve.folder is {str(self.folder)!r}, which holds the march of another scene, grid or "
                     "request: give another folder."
@@ -53,8 +61,8 @@ class Checkpoint:
             )
 
     def write_frame(self, number: int, frame: Frame) -> None:
-        """One more frame."""
-        about = {
+        """Write the frame with index `number`."""
+        metadata = {
             "fields": {
                 name: [field.dimensions, field.units, field.long_name]
                 for name, field in frame.fields.items()
@@ -64,19 +72,19 @@ class Checkpoint:
             "warnings": frame.warnings,
         } | {name: getattr(frame, name) for name in NUMBERS}
         fields = {f"field_{name}": field.values for name, field in frame.fields.items()}
-        fields |= {f"kept_{name}": values for name, values in frame.kept.items()}
-        self._write(self._frame(number), about, pressure=frame.pressure, gap=frame.gap, **fields)
+        fields |= {f"kept_{name}": values for name, values in frame.joint_state.items()}
+        self._write(self._frame(number), metadata, pressure=frame.pressure, gap=frame.gap, **fields)
 
     def read_frame(self, number: int) -> Frame:
-        """The frame of that number."""
-        about, arrays = self._read(self._frame(number))
+        """Return the frame with index `number`."""
+        metadata, arrays = self._read(self._frame(number))
         fields = {
             name: Field(tuple(dimensions), arrays[f"field_{name}"], units, long_name)
-            for name, (dimensions, units, long_name) in about["fields"].items()
+            for name, (dimensions, units, long_name) in metadata["fields"].items()
         }
-        numbers = {name: about[name] for name in NUMBERS}
-        status = Status[about["status"]]
-        kept = {
+        numbers = {name: metadata[name] for name in NUMBERS}
+        status = Status[metadata["status"]]
+        joint_state = {
             name.removeprefix("kept_"): values
             for name, values in arrays.items()
             if name.startswith("kept_")
@@ -85,19 +93,27 @@ class Checkpoint:
             pressure=arrays["pressure"],
             gap=arrays["gap"],
             fields=fields,
-            kept=kept,
+            joint_state=joint_state,
             status=status,
-            grid_error_parts=ErrorParts(**about["grid_error_parts"]),
-            warnings=tuple(about["warnings"]),
+            grid_error_parts=ErrorParts(**metadata["grid_error_parts"]),
+            warnings=tuple(metadata["warnings"]),
             **numbers,
         )
 
     def write_state(self, progress: Mapping[str, Any], instants: Mapping[str, Instant]) -> None:
-        """Where the march is: numbers of its own, and its instants by name."""
-        about: dict[str, Any] = {"progress": dict(progress), "instants": {}}
+        """Write the state of the march.
+
+        Parameters
+        ----------
+        progress
+            Counts and flags of the march, as JSON holds them.
+        instants
+            The instants of main march and companion, by name.
+        """
+        metadata: dict[str, Any] = {"progress": dict(progress), "instants": {}}
         arrays = {}
         for name, instant in instants.items():
-            about["instants"][name] = [
+            metadata["instants"][name] = [
                 instant.time,
                 instant.load,
                 [list(state) for state in instant.states],
@@ -106,14 +122,14 @@ class Checkpoint:
             for number, state in enumerate(instant.states):
                 for key, field in state.items():
                     arrays[f"{name}_{number}_{key}"] = field
-        self._write(self.folder / "state.npz", about, **arrays)
+        self._write(self.folder / "state.npz", metadata, **arrays)
 
     def read_state(self) -> tuple[Mapping[str, Any], Mapping[str, Instant]] | None:
-        """What was written last; None before the first time."""
+        """Return the progress and the instants that were written last; None if there are none."""
         path = self.folder / "state.npz"
         if not path.exists():
             return None
-        about, arrays = self._read(path)
+        metadata, arrays = self._read(path)
         instants = {
             name: Instant(
                 time,
@@ -124,18 +140,21 @@ class Checkpoint:
                     for number, keys in enumerate(states)
                 ),
             )
-            for name, (time, load, states) in about["instants"].items()
+            for name, (time, load, states) in metadata["instants"].items()
         }
-        return about["progress"], instants
+        return metadata["progress"], instants
 
     def _frame(self, number: int) -> Path:
+        """Return the path of the frame with index `number`."""
         return self.folder / f"frame_{number:05d}.npz"
 
-    def _write(self, path: Path, about: Mapping[str, Any], **arrays: Array) -> None:
+    def _write(self, path: Path, metadata: Mapping[str, Any], **arrays: Array) -> None:
+        """Replace a file by one with `arrays` and with `metadata` as JSON."""
         with replacing(path) as partial, partial.open("wb") as file:
-            np.savez(file, about=np.array(json.dumps(about)), **arrays)  # type: ignore[arg-type]
+            np.savez(file, about=np.array(json.dumps(metadata)), **arrays)  # type: ignore[arg-type]
 
     def _read(self, path: Path) -> tuple[Any, dict[str, Array]]:
+        """Return metadata and arrays of a file."""
         with np.load(path) as file:
             arrays = {name: file[name] for name in file.files}
         return json.loads(str(arrays.pop("about"))), arrays

@@ -1,4 +1,4 @@
-"""A contact at one instant of its evolution, as it is recorded."""
+"""Results of a march in time: recorded frames, and the evolution that they make up."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -26,16 +26,46 @@ UNKNOWN = ErrorParts(0.0, inf, 0.0)
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """Fields of shape (x, y) at ``time`` [s] under ``load`` [N/m]: ``pressure`` [Pa], ``gap`` [m].
+    """A contact at one recorded instant.
 
-    ``fields`` are what memories show, such as the worn depth. ``step_error`` is the estimated relative L1
-    error of the pressure from the steps in time, ``grid_error`` that of the contact on this grid (see
-    :func:`~contactstudy.error_estimate`), with its parts by cause and ``warnings`` about what has no bound; both are
-    infinite where there is no estimate, and relative to the pressure of the largest load where bodies yield.
-    ``status`` is the worst of the steps since the frame before. ``steps``, ``iterations`` and
-    ``convolutions`` are counted since then, with those of rejected steps and of the companion march.
-    ``residual`` is that of the last solve. ``kept`` is what was found together with the pressure, such as plastic
-    strain, in arrays of its own.
+    Steps, iterations and convolutions are counted since the previous frame, with those of rejected steps and of the
+    companion march. Errors are relative L1 errors of the pressure, infinite where there is no estimate, and relative to
+    the pressure of the largest load where bodies yield.
+
+    Attributes
+    ----------
+    time
+        Time [s].
+    load
+        Load [N/m].
+    pressure
+        Pressure (x, y) [Pa].
+    gap
+        Gap (x, y) [m].
+    approach
+        Approach of the bodies [m].
+    fields
+        Fields (x, y) of the memories, such as the worn depth, by name.
+    status
+        The worst status of the steps since the previous frame.
+    residual
+        Residual of the last solve.
+    step_error
+        Estimated error by the steps in time.
+    grid_error
+        Estimated error of the contact on this grid, see :func:`~contactstudy.error_estimate`.
+    steps
+        Number of solves.
+    iterations
+        Number of iterations.
+    convolutions
+        Transform pairs of the full grid.
+    joint_state
+        State found together with the pressure, such as plastic strain, in arrays by name.
+    grid_error_parts
+        The error on this grid by cause.
+    warnings
+        A sentence for each error that has no bound.
     """
 
     time: float
@@ -51,24 +81,36 @@ class Frame:
     steps: int
     iterations: int
     convolutions: float
-    kept: Mapping[str, Array] = field(default_factory=dict)
+    joint_state: Mapping[str, Array] = field(default_factory=dict)
     grid_error_parts: ErrorParts = UNKNOWN
     warnings: tuple[str, ...] = ()
 
     @property
     def peak_pressure(self) -> float:
-        """[Pa]"""
+        """Peak pressure [Pa]."""
         return float(self.pressure.max())
 
 
 @dataclass(frozen=True, eq=False)
 class Evolution:
-    """The ``frames`` of a scene on ``grid``, in the order of time.
+    """Frames of a scene that was followed through time.
 
-    ``outputs`` are found from the pressures when they are labelled; ``description`` is the scene they
-    are of. ``rejected`` counts pairs of steps that were tried and found too long,
-    ``restarts`` marches that were given up since their steps added up to too large an error. ``joint`` says what
-    follows from what frames have ``kept``.
+    Attributes
+    ----------
+    grid
+        Grid of the fields.
+    frames
+        The recorded instants, in the order of time.
+    rejected
+        Pairs of steps that were tried and found too long.
+    restarts
+        Marches that were given up, since their steps added up to too large an error.
+    outputs
+        Fields that are derived from the pressure when a dataset is made.
+    description
+        The scene, grid and padding.
+    joint
+        Memory that derives fields from the frames' joint states; None if there is none.
     """
 
     grid: Grid
@@ -81,48 +123,48 @@ class Evolution:
 
     @property
     def times(self) -> Array:
-        """(time,) [s]"""
+        """Time (time,) [s] of each frame."""
         return np.array([frame.time for frame in self.frames])
 
     @property
     def loads(self) -> Array:
-        """(time,) [N/m]"""
+        """Load (time,) [N/m] of each frame."""
         return np.array([frame.load for frame in self.frames])
 
     @property
     def pressure(self) -> Array:
-        """(time, x, y) [Pa]"""
+        """Pressure (time, x, y) [Pa]."""
         return np.stack([frame.pressure for frame in self.frames])
 
     @property
     def gap(self) -> Array:
-        """(time, x, y) [m]"""
+        """Gap (time, x, y) [m]."""
         return np.stack([frame.gap for frame in self.frames])
 
     @property
     def peak_pressure(self) -> Array:
-        """(time,) [Pa]"""
+        """Peak pressure (time,) [Pa]."""
         return np.array([frame.peak_pressure for frame in self.frames])
 
     @property
     def contact_area(self) -> Array:
-        """(time,) [m^2] over the grid."""
+        """Area in contact (time,) [m^2] on the grid."""
         cells = [np.count_nonzero(frame.pressure) for frame in self.frames]
         return np.array(cells) * self.grid.cell_area
 
     @property
     def status(self) -> Status:
-        """The worst of all steps."""
+        """The worst status of all steps."""
         return worst([frame.status for frame in self.frames])
 
     @property
     def steps(self) -> int:
-        """Solves, with those of rejected steps and of the companion march."""
+        """Number of solves, with those of rejected steps and of the companion march."""
         return sum(frame.steps for frame in self.frames)
 
     @property
     def iterations(self) -> int:
-        """Of all steps."""
+        """Number of iterations of all steps."""
         return sum(frame.iterations for frame in self.frames)
 
     @property
@@ -132,26 +174,26 @@ class Evolution:
 
     @property
     def residual(self) -> float:
-        """The largest of the recorded solves."""
+        """The largest residual of the recorded solves."""
         return max(frame.residual for frame in self.frames)
 
     @property
     def step_error(self) -> float:
-        """The largest estimated relative L1 error of the pressure from the steps in time."""
+        """The largest estimated relative L1 error of the pressure by the steps in time."""
         return max(frame.step_error for frame in self.frames)
 
     @property
     def grid_error(self) -> float:
-        """The largest estimated relative L1 error of the pressure from the cells."""
+        """The largest estimated relative L1 error of the pressure by the grid."""
         return max(frame.grid_error for frame in self.frames)
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Each warning about an error of the frames once, in the order of time."""
+        """Warnings of all frames, each once, in the order of time."""
         return tuple(dict.fromkeys(warning for frame in self.frames for warning in frame.warnings))
 
     def summary(self) -> str:
-        """What was found, in a few lines."""
+        """Return status, work, final contact and estimated errors as a few lines of text."""
         first, last = self.frames[0], self.frames[-1]
         return "\n".join(
             (
@@ -169,6 +211,6 @@ class Evolution:
         )
 
     def to_dataset(self) -> "xr.Dataset":
-        """Fields over (time, x, y), numbers over (time,), with units, long names, and where they came from."""
+        """Return fields over (time, x, y) and numbers over (time,), with units, long names and provenance."""
         dataset: xr.Dataset = presentation("Evolution.to_dataset")(self)
         return dataset

@@ -1,4 +1,4 @@
-"""Which memories a scene asks for."""
+"""Follow a scene through time: its memories, its steps, and the entry point :func:`evolve`."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -33,27 +33,50 @@ from contactstudy.solvers.solve import SolveOptions, Solver
 
 
 def memories(scene: Scene, datum: float) -> tuple[Memory, ...]:
-    """Those of its bodies, then that of its wear; ``datum`` [m] as in a body's ``response``."""
-    found: list[Memory] = [
+    """Return the creep memory of each viscoelastic body, then the memory of wear, for what `scene` has of them.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    datum
+        Distance [m] at which the displacement of a body is zero, as in its ``response``.
+    """
+    scene_memories: list[Memory] = [
         CreepMemory(body.creep.times(1 / pi), Displacement(datum))
         for body in scene.solids
         if isinstance(body, ViscoelasticHalfSpace) and body.creeps
     ]
     if scene.wear is not None and scene.wear.rate > 0:
-        found.append(WearMemory(scene.wear.rate))
-    return tuple(found)
+        scene_memories.append(WearMemory(scene.wear.rate))
+    return tuple(scene_memories)
 
 
 def joint_memory(
     scene: Scene, problem: Problem, solved: Callable[[Problem], Solution], precision: Precision
 ) -> JointMemory | None:
-    """That of bodies that yield, from the elastic ``problem`` of the largest load; None without any.
+    """Return the memory of plastic strain of the bodies that yield; None if none yields.
 
-    Raises :class:`~contactstudy.InvalidInput` for a padding on which plastic strain has no operator.
+    Parameters
+    ----------
+    scene
+        The scene.
+    problem
+        The elastic contact under the largest load.
+    solved
+        Solves a problem.
+    precision
+        Precision of the contact's solver.
+
+    Raises
+    ------
+    InvalidInput
+        For a padding on which plastic strain has no operator.
     """
     if not any(getattr(body, "yields", False) for body in scene.solids):
         return None
-    # here, for those who name such a body
+
+    # imported only for scenes with such a body
     from contactstudy.evolution.plastic import PlasticMemory, YieldingBody
 
     paddings = problem.paddings
@@ -68,7 +91,7 @@ def joint_memory(
 
 
 class StepError(Enum):
-    """How the error of the steps in time is estimated."""
+    """Choice of how the error by the steps in time is estimated."""
 
     COMPANION = "by a second march with steps twice as long, which costs half as much again"
     NONE = "not at all: it is infinite"
@@ -90,25 +113,47 @@ def evolve(
     folder: str | PathLike[str] | None = None,
     progress: Callable[[float, float], None] | None = None,
 ) -> Evolution:
-    """Follow ``scene`` through time, from the start of its load.
+    """Follow `scene` through time, from the start of its load.
 
-    ``times`` [s] are the instants that are recorded, and steps end there and wherever the load or its rate
-    jumps. A time given twice is recorded before and after a jump of the load. With an ``error``, steps are
-    chosen so that the relative L1 error of the pressure that they cause is no larger; without ``times``, every
-    pair of them is recorded. A :class:`~contactstudy.LineLoad` is applied suddenly at 0 s, or at the first of
-    ``times`` if that is earlier.
+    The error by the steps is the difference of two marches, one with steps twice as long. It estimates the error of the
+    longer steps, so it is an upper estimate for the shorter ones, which are recorded. It is relative to the pressure at
+    the same instant. Where bodies yield, steps are of first order: the error is 1.5 times the difference, relative to
+    the pressure under the largest load, as is the error by the grid, and a load that jumps is applied by parts.
 
-    The step error is the difference of two marches, one with steps twice as long. It estimates the error of
-    the longer steps, so it is an upper estimate for the shorter ones, which are recorded. It is relative to the pressure
-    at its own instant. In a scene whose bodies yield, steps are of first order: the error is 1.5 times the difference,
-    relative to the pressure under the largest load, as the one by cells, and a load that jumps is applied by parts.
+    Parameters
+    ----------
+    scene
+        The scene. A :class:`~contactstudy.LineLoad` is applied suddenly at 0 s, or at the first of `times` if that is
+        earlier.
+    grid, padding
+        Cells and boundary conditions, as for :func:`~contactstudy.solve`.
+    times
+        Recorded instants [s], which do not decrease. Steps end there, and wherever the load or its rate jumps. A time
+        given twice is recorded before and after a jump of the load. None records every pair of steps.
+    error
+        Allowed relative L1 error of the pressure by the steps, which are chosen for it. None steps from one of `times`
+        to the next.
+    step_error
+        How the error by the steps is estimated.
+    scheme
+        How wear is stepped.
+    tolerance, max_iterations, solver, precision
+        How each contact is solved, see :func:`~contactstudy.solve`.
+    folder
+        Folder for frames and states. A march that was stopped continues from there.
+    progress
+        Called with the time reached and the last time [s].
 
-    ``scheme`` says how
-    wear is stepped; ``tolerance``, ``max_iterations``, ``solver`` and ``precision`` are those of
-    :func:`~contactstudy.solve`. With a ``folder``, frames and states are written there as they are found, and
-    a march that was stopped goes on from there. ``progress`` is called with the time reached and the last
-    time [s].
-    Raises :class:`~contactstudy.InvalidInput` where neither ``times`` nor ``error`` says what the steps are.
+    Returns
+    -------
+    Evolution
+        The recorded frames, with their estimated errors.
+
+    Raises
+    ------
+    InvalidInput
+        If both `times` and `error` are None, times decrease, the error is out of reach, the scene rolls steadily or has
+        friction, or the folder belongs to another march.
     """
     if times is None and error is None:
         raise InvalidInput("evolve.times and evolve.error are None: give one of them, or both.")
@@ -175,6 +220,7 @@ def evolve(
 
 
 def _load(scene: Scene, grid: Grid, times: ArrayLike | None) -> ChangingLoad:
+    """Return the load of `scene` over time; a constant load is applied suddenly."""
     if not isinstance(scene.load, ConstantLoad):
         return scene.load
     if times is None:
@@ -184,6 +230,6 @@ def _load(scene: Scene, grid: Grid, times: ArrayLike | None) -> ChangingLoad:
 
 
 def _sudden(scene: Scene, load: ChangingLoad) -> Scene:
-    """The elastic scene that ``scene`` is for a sudden load, under its largest."""
+    """Return the elastic scene under the largest load, which `scene` is for a sudden load."""
     solids = sudden(scene.solids)
     return replace(scene, load=LineLoad(load.largest), solids=solids, wear=None)

@@ -1,4 +1,4 @@
-"""A viscoelastic contact that moves steadily across: Scene -> SteadyRolling."""
+"""Steady rolling of a viscoelastic contact, in the frame of the contact."""
 
 from collections import Counter
 from collections.abc import Callable, Mapping
@@ -28,44 +28,50 @@ from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from contactstudy.solvers.solution import Solution
 from contactstudy.solvers.solve import SolveOptions, Solver
 
-# Fine cells in a cell, or as many as give this number, on which the delayed displacement under the pressure is found.
+# Fine cells a cell, and fine cells in all at most, on which the delayed displacement under the pressure is found.
 FINE, MOST = 8, 2**17
-# Error of the resistance at most: over its change from cells of twice the size, on which passes settle to the last, and
-# over the error of the pressure. Measured on smooth, wavy and rough cylinders against cells of an eighth.
+# Upper estimates of the resistance's error over its change from cells of twice the size, and over the pressure's error,
+# measured on smooth, wavy and rough cylinders against cells of an eighth; change at which passes end on coarse cells.
 CHANGED, LEAST, SETTLED = 2.0, 0.15, 1e-4
 
 
 @dataclass(frozen=True, eq=False)
 class SteadyRolling:
-    """What ``settled``: its :attr:`solution`, in the frame of the contact, and what moving it takes.
+    """A contact that rolls steadily, with its rolling resistance.
 
-    ``odd`` are the coefficients [m] and weights [1/Pa] of the displacement that is odd across; ``again`` solves the same
-    scene on another grid.
+    Attributes
+    ----------
+    settled
+        The contact in its own frame, with the number of passes.
+    odd
+        Coefficients [m] and weights [1/Pa] of the displacement that is odd across.
+    solve_on
+        Solves the same scene on another grid.
     """
 
     settled: Settled
     odd: Mapping[Coefficients, float]
-    again: "Callable[[Grid], SteadyRolling]"
+    solve_on: "Callable[[Grid], SteadyRolling]"
 
     @property
     def solution(self) -> Solution:
-        """Pressure, gap and status; the gap holds the part of the displacement that is odd across, too."""
+        """Pressure, gap and status; the gap includes the part of the displacement that is odd across."""
         return self.settled.solution
 
     @property
     def shift(self) -> float:
-        """How far the pressure's centroid is ahead of the axis [m]."""
+        """Distance [m] of the pressure's centroid ahead of the axis."""
         pressure = self.solution.pressure
         x = self.solution.problem.grid.x
         return float(x @ pressure.sum(axis=1) / pressure.sum())
 
     @cached_property
     def resistance(self) -> float:
-        """Force against the motion over load: the power lost in the bodies over speed and load.
+        """Force against the motion over the load: the power lost in the bodies over speed and load.
 
         A pressure that is constant in each cell does the work ``p (u(x + dx / 2) - u(x - dx / 2))`` in a length rolled,
-        of which only the displacement that is odd across loses any. It is found on finer cells. The moment of the
-        pressure, for a cylinder the shift over its radius, is the same in the limit, and further from it.
+        of which only the displacement that is odd across loses any. That displacement is computed on finer cells. The
+        moment of the pressure (for a cylinder, the shift over its radius) has the same limit and a larger error.
         """
         if not self.odd:
             return 0.0
@@ -77,16 +83,16 @@ class SteadyRolling:
         displacement = antisymmetric(self.odd, fine, problem.paddings)(
             np.repeat(pressure, times, axis=0)
         )
-        around = np.concatenate((displacement[:1], displacement, displacement[-1:]))
-        faces = (around[:-1:times] + around[1::times]) / 2
+        padded = np.concatenate((displacement[:1], displacement, displacement[-1:]))
+        faces = (padded[:-1:times] + padded[1::times]) / 2
         work = -(pressure * np.diff(faces, axis=0)).sum() / problem.grid.cell[0]
         return float(work / pressure.sum())
 
     @cached_property
     def coarse(self) -> "SteadyRolling | None":
-        """The same on cells of twice the size, for its difference; None where the scene has no such grid."""
+        """The same contact on cells of twice the size; None where the scene has no such grid."""
         try:
-            return self.again(halved(self.solution.problem.grid))
+            return self.solve_on(halved(self.solution.problem.grid))
         except InvalidInput:
             return None
 
@@ -94,8 +100,8 @@ class SteadyRolling:
     def resistance_error(self) -> float:
         """Upper estimate of the relative error of the resistance; infinite without a coarser grid to compare with.
 
-        It is the change from cells of twice the size, and a small share of the pressure's error in L1, since the change
-        may be small by chance.
+        It is the change from cells of twice the size, and a small share of the pressure's L1 error, since the change may
+        be small by chance.
         """
         if self.coarse is None or not np.isfinite(self.settled.change):
             return inf
@@ -105,7 +111,7 @@ class SteadyRolling:
         return CHANGED * change / abs(self.resistance) + LEAST * self.error_estimate().l1.total
 
     def error_estimate(self) -> ErrorEstimate:
-        """Estimate the errors of :attr:`solution`, where its own pressure does not tell them from :attr:`coarse`."""
+        """Estimate the errors of :attr:`solution`, with :attr:`coarse` where the pressure alone does not show them."""
         coarse = None if self.coarse is None else self.coarse.solution
         return error_estimate(self.solution, coarse=coarse)
 
@@ -122,13 +128,33 @@ def solve_rolling(
     solver: Solver = PreconditionedCG(),  # noqa: B008 (a frozen value)
     precision: Precision = Precision.DOUBLE,
 ) -> SteadyRolling:
-    """Solve ``scene`` moving at its ``rolling`` speed, in the frame of the contact.
+    """Solve `scene` moving at its ``rolling`` speed, in the frame of the contact.
 
-    The delayed displacement is a convolution with coefficients that trail behind the contact, infinitely far: no
-    wake is cut off. Their even part is in the operator, their odd part is lagged until the pressure changes by
-    less than ``change`` in L1 (see :func:`~contactstudy.solvers.lagged.solve_lagged`).
-    Raises :class:`~contactstudy.InvalidInput` for a scene without ``rolling``, or one with a load that
-    changes, with wear, or with a fluid.
+    The delayed displacement is a convolution with coefficients that trail behind the contact, infinitely far: no wake is
+    cut off. Their even part is in the operator, their odd part is lagged from pass to pass.
+
+    Parameters
+    ----------
+    scene
+        The scene, with a ``rolling`` speed and a constant load.
+    grid, padding
+        Cells and boundary conditions, as for :func:`~contactstudy.solve`.
+    tolerance, max_iterations, solver, precision
+        How each pass is solved, see :func:`~contactstudy.solve`.
+    change
+        Relative L1 change of the pressure below which passes end, see :func:`~contactstudy.solvers.lagged.solve_lagged`.
+    max_passes
+        Passes after which the solve ends without having settled.
+
+    Returns
+    -------
+    SteadyRolling
+        The contact and its rolling resistance.
+
+    Raises
+    ------
+    InvalidInput
+        If the scene has no ``rolling``, or has a load that changes, wear, friction or a fluid.
     """
     if scene.rolling is None:
         raise InvalidInput("Scene.rolling is None: give a Rolling(speed=...).")
@@ -137,11 +163,11 @@ def solve_rolling(
     if scene.wear is not None or not isinstance(scene.load, ConstantLoad):
         field = "Scene.load" if scene.wear is None else "Scene.wear"
         raise InvalidInput(f"{field} changes in time beside Scene.rolling: leave one of them out.")
-    still = replace(scene, solids=sudden(scene.solids), rolling=None)
-    problem = still.problem(grid, padding)
+    elastic = replace(scene, solids=sudden(scene.solids), rolling=None)
+    problem = elastic.problem(grid, padding)
     datum = problem.scales.length
     even, odd = _trailing(scene, datum)
-    weights = Counter(response(still.solids, datum))
+    weights = Counter(response(elastic.solids, datum))
     weights.update(even)
 
     def delayed(problem: Problem) -> Problem:
@@ -164,17 +190,17 @@ def solve_rolling(
         change=change,
         max_passes=max_passes,
     )
-    again = partial(
+    solve_on = partial(
         solve_rolling, scene, padding=padding, tolerance=SETTLED / 10, change=SETTLED, max_passes=max_passes,
         max_iterations=max_iterations, solver=solver, precision=precision,
     )  # fmt: skip
-    return SteadyRolling(settled, odd, again)
+    return SteadyRolling(settled, odd, solve_on)
 
 
 def _trailing(
     scene: Scene, datum: float
 ) -> tuple[Mapping[Coefficients, float], Mapping[Coefficients, float]]:
-    """The even and odd coefficients of what the bodies delay, with their weights [1/Pa]."""
+    """Return the even and the odd coefficients of the bodies' delayed displacements, with weights [1/Pa]."""
     assert scene.rolling is not None
     speed = scene.rolling.speed
     even: dict[Coefficients, float] = {}

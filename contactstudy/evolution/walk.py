@@ -1,4 +1,4 @@
-"""The way through time: main march and companion, from mark to mark."""
+"""The march through time: main march and companion, from mark to mark, with frames, errors and checkpoints."""
 
 from collections.abc import Callable
 from dataclasses import astuple, dataclass, replace
@@ -18,11 +18,11 @@ from contactstudy.evolution.march import Instant, March, worst
 from contactstudy.evolution.steps import FIRST, Mark, StepControl
 from contactstudy.solvers.solution import Solution, Status
 
-# Pairs of steps this short over the whole time are taken as they are.
+# A pair of steps shorter than this, over the duration of the march, is never rejected.
 SHORTEST = 1e-12
-# Parts of a jump of the load on whose path something depends: first and at the most, of the companion.
+# Parts of a jump of the load where a state depends on its path, in the companion: at first and at most.
 PARTS, MOST_PARTS = 4, 2**12
-# A step in which bodies start to yield is halved so often at the most.
+# Largest number of halvings of a step in which bodies start to yield.
 ONSET = 6
 # Errors of first order fall by 0.5 to 0.6 with every halving, so that a difference is up to 1.5 times too small.
 FIRST_ORDER = 1.5
@@ -32,12 +32,12 @@ WORN_FIRST_ORDER = 1 / (2**0.5 - 1)
 # Error of a march by the cells over that of its contact alone: of a memory, which has seen other pressures, and of
 # plastic strain, whose cells below the surface add to it. On 40 marches they were up to 1.1 and 3.6.
 REMEMBERED, YIELDED = 1.25, 4.0
-COUNTED = ("mark", "arrived", "found", "carried", "pair", "rejected", "restarts", "steps", "iterations",
+COUNTED = ("mark", "arrived", "step_error", "carried_error", "pair", "rejected", "restarts", "steps", "iterations",
            "convolutions")  # fmt: skip
 
 
 class _Outcome(Enum):
-    """How the way to a mark ended."""
+    """How the march to a mark ended."""
 
     REACHED = "the march is there"
     AGAIN = "the error grew too large: the march starts again with shorter steps"
@@ -46,7 +46,27 @@ class _Outcome(Enum):
 
 @dataclass(eq=False)
 class Walk:
-    """Where a march is: the only thing here that changes."""
+    """State of a march through time, and the methods that advance it.
+
+    Attributes
+    ----------
+    march
+        Steps of the scene.
+    marks
+        Instants at which steps end, in order.
+    control
+        Control of the step length; None steps from mark to mark.
+    companion
+        Whether a second march with steps twice as long estimates the error of the steps.
+    wraps
+        Whether the surface wraps across and along.
+    records_all
+        Whether every pair of steps is recorded.
+    checkpoint
+        Folder that frames and states are written to; None writes none.
+    progress
+        Called with the time reached and the last time [s]; None calls nothing.
+    """
 
     march: March
     marks: tuple[Mark, ...]
@@ -59,25 +79,28 @@ class Walk:
 
     def __post_init__(self) -> None:
         self.frames: list[Frame] = []
-        # frames whose error is known when the companion comes up to them
+
+        # frames whose step error is known once the companion reaches their time
         self.waiting: list[Frame] = []
         self.rejected = self.restarts = 0
         self._count()
         self._begin()
 
     def _begin(self) -> None:
+        """Return to the first mark, with a short pair of steps."""
         self.mark, self.arrived = 0, False
         self.main = self.behind = self.march.start(self.marks[0].time)
         self.solution: Solution | None = None
-        self.found = self.carried = 0.0
+        self.step_error = self.carried_error = 0.0
         self.pair = FIRST * (self.marks[-1].time - self.marks[0].time)
 
     def _count(self) -> None:
+        """Reset the counts of work since the last frame."""
         self.steps, self.iterations, self.convolutions = 0, 0, 0.0
         self.statuses: list[Status] = []
 
     def go(self) -> None:
-        """To the last mark, or to a step that has no solution."""
+        """March to the last mark, or to a step that has no solution."""
         while self.mark < len(self.marks):
             mark = self.marks[self.mark]
             if self.main.time < mark.time:
@@ -98,14 +121,15 @@ class Walk:
             self._save()
 
     def _approach(self, mark: Mark) -> "_Outcome":
+        """March to `mark`, which lies ahead."""
         if self.control is None or not self.march.all_memories:
             return self._one_step(mark)
         return self._pairs_of_steps(mark)
 
     def _one_step(self, mark: Mark) -> _Outcome:
-        """To ``mark`` at once; the companion takes every other step.
+        """March to `mark` in one step; the companion takes every other step.
 
-        A single step that has no other beside it is taken in halves, or the companion would be no different.
+        A last step without a partner for the companion is taken in halves, or both marches would be equal.
         """
         together = self.behind.time == self.main.time
         last = mark.breaks or mark is self.marks[-1] or mark.records == 2
@@ -119,22 +143,24 @@ class Walk:
             return _Outcome.NO_SOLUTION
         if self.companion and (last or not together):
             self.behind, _ = self._advance(self.behind, mark.time, mark.before)
-            self.found = self._difference(self.main, self.behind)
+            self.step_error = self._difference(self.main, self.behind)
             self._settle()
         elif not self.companion:
             self.behind = self.main
         return _Outcome.REACHED
 
     def _pairs_of_steps(self, mark: Mark) -> "_Outcome":
-        """To ``mark`` by pairs of steps, the companion by one step for each pair."""
+        """March to `mark` by pairs of steps; the companion takes one step for each pair."""
         control = self.control
         assert control is not None
         while self.main.time < mark.time:
-            rest = mark.time - self.main.time
-            pair = rest if self.pair >= rest * (1 - 1e-9) else min(self.pair, rest / 2)
-            whole = pair == rest
-            end = mark.time if whole else self.main.time + pair
-            load = mark.before if whole else self.march.load.at(end)
+            remaining = mark.time - self.main.time
+            pair = (
+                remaining if self.pair >= remaining * (1 - 1e-9) else min(self.pair, remaining / 2)
+            )
+            reaches_mark = pair == remaining
+            end = mark.time if reaches_mark else self.main.time + pair
+            load = mark.before if reaches_mark else self.march.load.at(end)
             half = self.main.time + pair / 2
             first, _ = self._advance(self.main, half, self.march.load.at(half), ONSET)
             second, solution = self._advance(first, end, load, ONSET)
@@ -148,12 +174,12 @@ class Walk:
                 self.pair = pair * min(control.factor(added), 0.5)
                 continue
             self.main, self.behind, self.solution = second, behind, solution
-            self.found = self._difference(second, behind)
-            if self.found > control.error:
-                self._start_again(control.stricter(self.found))
+            self.step_error = self._difference(second, behind)
+            if self.step_error > control.error:
+                self._start_again(control.stricter(self.step_error))
                 return _Outcome.AGAIN
-            # a mark that cuts a pair short says nothing of its length
-            self.pair = max(pair * control.factor(added), self.pair if whole else 0.0)
+            # a pair cut short by a mark is no measure of the allowed length
+            self.pair = max(pair * control.factor(added), self.pair if reaches_mark else 0.0)
             if self.records_all:
                 self._record()
             elif self.progress is not None:
@@ -162,21 +188,21 @@ class Walk:
         return _Outcome.REACHED
 
     def _added(self, main: Instant, behind: Instant) -> float:
-        """How far the difference of the two marches changes in a pair of steps, in L1 over the pressure."""
+        """Return how much a pair of steps changes the relative L1 difference of the two marches."""
         before, after = self.main.pressure - self.behind.pressure, main.pressure - behind.pressure
         return self._relative(after - before, main, self.main)
 
     def _start_again(self, control: StepControl) -> None:
-        """With shorter steps; what the march has cost is counted on."""
+        """Start the march again with shorter steps; the work done so far stays counted."""
         self.control, self.frames, self.waiting = control, [], []
         self.restarts += 1
         self._begin()
 
     def _jump(self, load: float) -> bool:
-        """Both marches to another load at once; False if there is no solution to go on from.
+        """Change the load of both marches at once; return False if there is no solution to go on from.
 
-        By parts where something depends on the path of the load: twice as many of them as the companion takes, and
-        as many as the error asks for.
+        Where a state depends on the path of the load, it changes by parts: twice as many as the companion's, and as many
+        as the allowed error asks for.
         """
         parts = 1 if self.march.joint is None else 2 * PARTS
         onset = ONSET if self.companion else 0
@@ -193,7 +219,7 @@ class Walk:
             exact = self.control is None or self.control.accepts(added)
             if self.march.joint is None or exact or parts >= MOST_PARTS:
                 self.main, self.behind = main, behind
-                self.found = self._difference(main, behind)
+                self.step_error = self._difference(main, behind)
                 break
             self.rejected += 1
             parts *= 2
@@ -203,9 +229,11 @@ class Walk:
     def _advance(
         self, instant: Instant, end: float, load: float, onset: int = 0
     ) -> tuple[Instant, Solution]:
+        """Advance one march to the time `end` [s] and the load `load` [N/m], and count the work."""
         return self._counted(*self.march.advance(instant, end, load, onset))
 
     def _counted(self, after: Instant, solutions: list[Solution]) -> tuple[Instant, Solution]:
+        """Count the work of `solutions`, and return the instant after them with the last of them."""
         for solution in solutions:
             self.steps += 1
             self.iterations += solution.iterations
@@ -214,58 +242,60 @@ class Walk:
         return after, solutions[-1]
 
     def _end(self, solution: Solution) -> None:
-        """The frame at which the march has to stop."""
-        self.solution, self.found = solution, inf
+        """Record the frame at which the march has to stop, without a bound of its error."""
+        self.solution, self.step_error = solution, inf
         self._record()
         self._settle()
 
-    def _difference(self, one: Instant, other: Instant) -> float:
-        """Of two pressures, in L1, over the first."""
-        return self._relative(one.pressure - other.pressure, one)
+    def _difference(self, main: Instant, companion: Instant) -> float:
+        """Return the L1 difference of two instants' pressures, relative to the first."""
+        return self._relative(main.pressure - companion.pressure, main)
 
     def _relative(self, difference: Array, *instants: Instant) -> float:
-        """In L1 over the largest pressure of ``instants``, with joint memories over that of the largest load.
+        """Return the L1 norm of a pressure difference, relative to the largest pressure of `instants`.
 
-        These are of first order, so that a difference of two marches is the error of the finer one, or a little less.
+        With a joint memory it is relative to the pressure of the largest load, and scaled up: its steps are of first
+        order, so that the difference of two marches is the error of the finer one, or a little less.
         """
-        size = float(np.abs(difference).sum())
+        norm = float(np.abs(difference).sum())
         if self.march.joint is not None:
-            return FIRST_ORDER * self._share(size)
+            return FIRST_ORDER * self._share(norm)
         if self.march.is_first_order:
-            size *= WORN_FIRST_ORDER
-        whole = max(float(instant.pressure.sum()) for instant in instants)
-        return size / whole if whole else 0.0
+            norm *= WORN_FIRST_ORDER
+        total = max(float(instant.pressure.sum()) for instant in instants)
+        return norm / total if total else 0.0
 
     def _grid_error(self, solution: Solution) -> tuple[ErrorParts, tuple[str, ...]]:
-        """Estimate the error of the contact of this instant, and give the reasons for what has no bound.
+        """Estimate the error by the grid of this instant's contact, and give the reasons for what has no bound.
 
-        It is relative to the same as the error by the steps.
+        It is relative to the same pressure as the error by the steps.
         """
         pressure = solution.pressure
         if not pressure.any() or not np.isfinite(solution.residual):
             return ErrorParts(0.0, 0.0, 0.0), ()
         try:
-            found = error_estimate(solution)
+            estimate = error_estimate(solution)
         except NotDefined as reason:
             return ErrorParts(0.0, inf, 0.0), (f"No bound: {reason}",)
         total = float(pressure.sum())
-        # what has crept or worn in error stays, so that an error of an earlier frame enters the later ones
-        self.carried = max(self.carried, found.l1.discretisation * total)
-        cells = found.l1.discretisation
+        # creep and wear keep the errors of earlier pressures, so that they enter later frames
+        self.carried_error = max(self.carried_error, estimate.l1.discretisation * total)
+        cells = estimate.l1.discretisation
         if self.march.joint is not None:
             cells *= YIELDED
         elif self.march.memories:
-            cells = REMEMBERED * self.carried / total
+            cells = REMEMBERED * self.carried_error / total
         share = 1.0 if self.march.joint is None else self._share(total)
-        parts = ErrorParts(found.l1.truncation, cells, found.l1.residual)
-        return ErrorParts(*(share * part for part in astuple(parts))), found.warnings
+        parts = ErrorParts(estimate.l1.truncation, cells, estimate.l1.residual)
+        return ErrorParts(*(share * part for part in astuple(parts))), estimate.warnings
 
     def _share(self, pressures: float) -> float:
-        """A sum of pressures over that of the largest load."""
+        """Return a sum of cell pressures [Pa] over that of the largest load."""
         grid = self.march.problem.grid
         return pressures * grid.cell_area / grid.period / self.march.load.largest
 
     def _record(self) -> None:
+        """Append a frame of the present contact to those that wait for their error."""
         solution = self.solution
         if solution is None:  # before the first load
             solution = self.march.at_rest()
@@ -283,7 +313,7 @@ class Walk:
                 gap=solution.gap,
                 approach=solution.approach,
                 fields=shown,
-                kept={} if self.march.joint is None else self.main.states[-1],
+                joint_state={} if self.march.joint is None else self.main.states[-1],
                 status=worst(self.statuses),
                 residual=solution.residual,
                 step_error=0.0 if not self.march.all_memories else inf,
@@ -302,16 +332,16 @@ class Walk:
             self._settle()
 
     def _settle(self) -> None:
-        """Give the frames that wait for it the error found."""
+        """Give the frames that wait for it the present step error, and write them to the checkpoint."""
         for frame in self.waiting:
-            known = replace(frame, step_error=self.found) if self.companion else frame
+            finished = replace(frame, step_error=self.step_error) if self.companion else frame
             if self.checkpoint is not None:
-                self.checkpoint.write_frame(len(self.frames), known)
-            self.frames.append(known)
+                self.checkpoint.write_frame(len(self.frames), finished)
+            self.frames.append(finished)
         self.waiting = []
 
     def _save(self) -> None:
-        """Where to go on from, as long as no frame waits for its error."""
+        """Write the state of the march to the checkpoint, unless a frame waits for its error."""
         if self.checkpoint is None or self.waiting or self.behind.time != self.main.time:
             return
         progress: dict[str, Any] = {name: getattr(self, name) for name in COUNTED}
@@ -322,7 +352,7 @@ class Walk:
         self.checkpoint.write_state(progress, {"main": self.main, "behind": self.behind})
 
     def restore(self) -> None:
-        """Go on from what was saved, if anything was."""
+        """Continue from the state in the checkpoint, if there is one."""
         assert self.checkpoint is not None
         saved = self.checkpoint.read_state()
         if saved is None:

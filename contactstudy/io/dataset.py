@@ -268,7 +268,8 @@ def _memories_over_time(evolution: "Evolution") -> dict[str, xr.Variable]:
         for name, field in frames[0].fields.items()
     }
     if evolution.joint is not None:
-        states, pressures = [frame.kept for frame in frames], [frame.pressure for frame in frames]
+        states = [frame.joint_state for frame in frames]
+        pressures = [frame.pressure for frame in frames]
         joint = evolution.joint.over_time(states, pressures)
         fields |= {name: _of_field(field) for name, field in joint.items()}
     return fields

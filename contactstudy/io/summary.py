@@ -145,7 +145,7 @@ def march_quantities(evolution: "Evolution") -> list[Quantity]:
     ]  # fmt: skip
     fields = dict(last.fields)
     if evolution.joint is not None:
-        states = [frame.kept for frame in evolution.frames]
+        states = [frame.joint_state for frame in evolution.frames]
         fields |= evolution.joint.over_time(states, list(evolution.pressure))
     if "worn_depth" in fields:
         worn = fields["worn_depth"].values

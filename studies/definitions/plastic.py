@@ -68,7 +68,7 @@ def measures(case: EvolutionCase, result: cs.Evolution) -> Mapping[str, xr.Varia
     peak = case.scene.load.largest * 2 / pi
     x = case.grid.x
     loaded, last = result.frames[-2:]
-    deep = last.kept["equivalent0"]
+    deep = last.joint_state["equivalent0"]
     yielded = np.flatnonzero((deep > 0).any(axis=(1, 2)))
     surface = last.fields["residual_displacement"].values[:, 0]
     answers = {
@@ -76,7 +76,7 @@ def measures(case: EvolutionCase, result: cs.Evolution) -> Mapping[str, xr.Varia
         "half_width": (_half_width(loaded.pressure, x), "half-width over Hertz's"),
         "dent": (_dent(surface, x) / STRAIN, f"dent below the surface at {FAR:g} a over a Y / E"),
         "plastic_depth": (
-            float(last.kept["edges0"][yielded[-1] + 1]) if yielded.size else 0.0,
+            float(last.joint_state["edges0"][yielded[-1] + 1]) if yielded.size else 0.0,
             "depth down to which it has yielded over Hertz's half-width",
         ),
         "plastic_strain": (
@@ -112,7 +112,9 @@ def measures(case: EvolutionCase, result: cs.Evolution) -> Mapping[str, xr.Varia
             "relative L1 difference of the pressures by a hardness and by plastic strain",
         ),
     }
-    layers = {"layers": (len(last.kept["edges0"]) - 1, "layers of the volume that may yield")}
+    layers = {
+        "layers": (len(last.joint_state["edges0"]) - 1, "layers of the volume that may yield")
+    }
     return {
         name: number(float(value), text)
         for name, (value, text) in (answers | errors | cap | layers).items()

@@ -278,7 +278,9 @@ def test_the_volume_grows_to_what_yields(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr(yielding_volume, "SHARE", 2.0)
     monkeypatch.setattr(yielding_volume, "ROOM", 0.0)
     tight = cs.evolve(scene, grid, EXACT, times=(0, 0.5, 1), tolerance=1e-7)
-    assert tight.frames[0].kept["strain0"].shape < tight.frames[-1].kept["strain0"].shape
+    assert (
+        tight.frames[0].joint_state["strain0"].shape < tight.frames[-1].joint_state["strain0"].shape
+    )
     np.testing.assert_allclose(
         tight.pressure, generous.pressure, atol=1e-5 * generous.pressure.max()
     )
@@ -365,7 +367,9 @@ def test_a_march_goes_on_in_the_volume_to_which_it_had_grown(
     with pytest.raises(KeyboardInterrupt):
         march(until=1.0, folder=tmp_path)
     resumed, whole = march(until=np.inf, folder=tmp_path), march(until=np.inf, folder=None)
-    assert whole.frames[0].kept["strain0"].shape < whole.frames[1].kept["strain0"].shape
+    assert (
+        whole.frames[0].joint_state["strain0"].shape < whole.frames[1].joint_state["strain0"].shape
+    )
     for one, other in zip(resumed.frames, whole.frames, strict=True):
         np.testing.assert_array_equal(one.pressure, other.pressure)
 

@@ -35,8 +35,8 @@ def test_the_row_of_yield_yields_on_a_quarter_of_the_cells() -> None:
     assert whole.grid.cells == (32, 1)
     half, full = whole.run(whole.prepare()).frames
     # Hertz's peak is 1.77 and 2.5 times the yield stress: first yield is at 1.794
-    assert not (half.kept["equivalent0"] > 0).any()
-    assert (full.kept["equivalent0"] > 0).any()
+    assert not (half.joint_state["equivalent0"] > 0).any()
+    assert (full.joint_state["equivalent0"] > 0).any()
     assert full.peak_pressure < P_H
 
 

@@ -151,7 +151,7 @@ def yielded(case: Any, pressure: np.ndarray) -> SimpleNamespace:
     last = frame(
         2.0,
         0 * pressure,
-        kept={"equivalent0": deep, "edges0": np.array([0.0, 0.5, 1.1, 1.8, 3.0])},
+        joint_state={"equivalent0": deep, "edges0": np.array([0.0, 0.5, 1.1, 1.8, 3.0])},
         fields={"residual_displacement": SimpleNamespace(values=surface[:, None])},
     )
     return SimpleNamespace(frames=[None, frame(1.0, pressure), last])
@@ -211,7 +211,7 @@ def test_an_elastic_body_has_yielded_nowhere_and_the_cap_is_of_the_same_load() -
         {"pressure": 3.0, "hardening": 0.0, "steps": 2, "grid": 48}
     )
     result = yielded(case, np.ones(48))
-    result.frames[-1].kept["equivalent0"][:] = 0.0
+    result.frames[-1].joint_state["equivalent0"][:] = 0.0
     found = load("plastic").measures(case, result)  # type: ignore[arg-type]
     assert float(found["plastic_depth"]) == float(found["plastic_strain"]) == 0.0
     # another hardening than that of the known contact

@@ -1,4 +1,4 @@
-"""A field of cell means on another grid of the same extent."""
+"""The same contact on coarser cells: its problem, its solution, and what changes from one grid to the other."""
 
 from dataclasses import dataclass
 
@@ -13,31 +13,47 @@ from contactstudy.solvers.solve import SolveOptions
 
 
 def on_cells(field: Array, cells: tuple[int, int]) -> Array:
-    """The means over ``cells`` of a ``field`` (x, y) that is constant in each of its own cells."""
+    """Return the means of a field over the cells of another grid of the same extent.
+
+    Parameters
+    ----------
+    field
+        Values (x, y), constant in each cell.
+    cells
+        Number of cells (across, along) of the other grid.
+    """
     for axis, count in enumerate(cells):
         along = np.moveaxis(field, axis, 0)
-        own = len(along)
-        if own == count:
+        given = len(along)
+        if given == count:
             continue
-        # the integral up to each border, linear inside a cell
+        # the integral up to each border of the new cells, which is linear inside a given cell
         sums = np.concatenate([np.zeros((1, along.shape[1])), np.cumsum(along, axis=0)])
-        border = np.arange(count + 1) * (own / count)
-        whole = np.minimum(border.astype(int), own - 1)
-        up_to = sums[whole] + (border - whole)[:, None] * along[whole]
-        field = np.moveaxis(np.diff(up_to, axis=0) * (count / own), 0, axis)
+        border = np.arange(count + 1) * (given / count)
+        full_cells = np.minimum(border.astype(int), given - 1)
+        integral = sums[full_cells] + (border - full_cells)[:, None] * along[full_cells]
+        field = np.moveaxis(np.diff(integral, axis=0) * (count / given), 0, axis)
     return field
 
 
-# The difference is wanted to two digits.
+# Tolerance of the coarse solution, whose difference needs two digits.
 TOLERANCE = 1e-4
 
 
 @dataclass(frozen=True)
 class Change:
-    """What of a solution changes from cells of twice the size to its own, relative.
+    """Relative changes of a solution from cells of twice the size to its own cells.
 
-    ``l1`` is the difference of the pressure as means over the coarse cells; ``peak_pressure`` by what share
-    the peak pressure grows; ``contact_area`` and ``mean_gap`` by what shares these differ.
+    Attributes
+    ----------
+    l1
+        Difference of the pressure, as means over the coarse cells, in L1.
+    peak_pressure
+        Growth of the peak pressure; negative if it falls.
+    contact_area
+        Difference of the contact area.
+    mean_gap
+        Difference of the mean gap.
     """
 
     l1: float
@@ -47,15 +63,15 @@ class Change:
 
 
 def halved(grid: Grid) -> Grid:
-    """``grid`` with half as many cells along each axis, rounded up."""
+    """Return a grid of the same extent with half as many cells along each axis, rounded up."""
     nx, ny = grid.cells
     return Grid((max(2, (nx + 1) // 2), (ny + 1) // 2), grid.extent)
 
 
 def coarser_problem(problem: Problem) -> Problem | None:
-    """``problem`` on cells of twice the size; None without a source, or where the source refuses.
+    """Return `problem` on cells of twice the size; None without a source, or where the source refuses such cells.
 
-    Heights that the source does not know of are averaged.
+    Heights that the source does not contain are averaged over the larger cells.
     """
     source = problem.source
     if source is None:
@@ -74,32 +90,32 @@ def coarser_problem(problem: Problem) -> Problem | None:
 
 
 def change(fine: Solution, coarse: Solution) -> Change:
-    """How ``fine`` differs from ``coarse``, the same contact on cells of twice the size."""
+    """Return the relative changes from `coarse`, the same contact on cells of twice the size, to `fine`."""
     means = on_cells(fine.pressure, coarse.pressure.shape)
-    highest = float(fine.pressure.max() / coarse.pressure.max()) - 1
-    areas = [float((one.pressure > 0).mean()) for one in (fine, coarse)]
-    gaps = [float(one.gap.mean()) for one in (fine, coarse)]
+    peak_growth = float(fine.pressure.max() / coarse.pressure.max()) - 1
+    areas = [float((solution.pressure > 0).mean()) for solution in (fine, coarse)]
+    gaps = [float(solution.gap.mean()) for solution in (fine, coarse)]
     return Change(
         float(np.abs(means - coarse.pressure).sum() / means.sum()),
-        highest,
+        peak_growth,
         abs(areas[1] / areas[0] - 1),
         abs(gaps[1] / gaps[0] - 1) if gaps[0] else 0.0,
     )
 
 
 def coarse_solution(problem: Problem) -> Solution | None:
-    """The solution on cells of twice the size, to the digits that its difference needs."""
+    """Return the solution on cells of twice the size, as accurate as its difference needs; None where there is none."""
     coarse = coarser_problem(problem)
     return None if coarse is None else SolveOptions(TOLERANCE).solved(coarse)
 
 
 def start_from(coarse: Solution, problem: Problem) -> Array:
-    """The pressure of ``coarse`` on the cells of ``problem``, for :func:`~contactstudy.solve` to start from."""
+    """Return the pressure (x, y) [Pa] of `coarse` on the cells of `problem`, for a solve to start from."""
     return on_cells(coarse.pressure, problem.grid.cells)
 
 
 def _unknown_to(source: Source, problem: Problem) -> Array | None:
-    """The heights in ``problem`` that its source does not have [m], or None."""
+    """Return the heights (x, y) [m] in `problem` that its source does not contain; None where there are none."""
     added = problem.undeformed_gap - source.gap(problem.grid)
-    known = np.abs(problem.undeformed_gap).max()
-    return added if np.abs(added).max() > 1e-9 * known else None
+    largest_gap = np.abs(problem.undeformed_gap).max()
+    return added if np.abs(added).max() > 1e-9 * largest_gap else None

@@ -1,4 +1,4 @@
-"""How a grid of constant-pressure cells renders the edge of a smooth contact: a law without parameters.
+"""Edges of a smooth contact on cells of constant pressure: their place, and their error, by a law without parameters.
 
 Beside a straight edge and many cells from any other, the cells see the half-plane's logarithm
 alone. In units of a cell, its coefficients ``K_j = -int ln|x| dx`` over cell j have the transform
@@ -31,11 +31,11 @@ TERMS, SAMPLES = 400, 4096
 
 @cache
 def modes(count: int) -> Array:
-    """Pressure of each mode in the cells 0, 1 ... inward from the edge, shape (count, MODES)."""
-    from scipy import fft  # as heavy as all else together
+    """Return the pressure of each mode in the first `count` cells inward from the edge, shape (count, MODES)."""
+    from scipy import fft  # imported late: as slow to import as everything else
 
     angle = np.pi * (np.arange(SAMPLES) + 0.5) / SAMPLES
-    # ln e(z) is half the cepstrum, and the other half belongs to 1 / z
+    # ln e(z) is half of the cepstrum; the other half belongs to 1 / z
     log = -fft.dct(_log_symbol(angle))[:TERMS] / (2 * SAMPLES)
     order = np.arange(TERMS)
     smooth = np.zeros(TERMS)
@@ -45,16 +45,16 @@ def modes(count: int) -> Array:
     steps = np.arange(1, count)
     root = np.cumprod(np.append(1.0, (steps - 1.5) / steps))
     mode = np.convolve(smooth, root)[:count]
-    found = []
+    columns = []
     for _ in range(MODES):
         mode = np.cumsum(mode)
-        found.append(mode)
-    return np.stack(found, axis=1)
+        columns.append(mode)
+    return np.stack(columns, axis=1)
 
 
 @cache
 def offset() -> float:
-    """Where d = 0 lies, in cells outward of the centre of the outermost touching cell."""
+    """Return the place of d = 0, in cells outward of the centre of the outermost touching cell."""
     slope = 0.0
     for node, weight in gauss(200):
         angle = np.pi * (node + 1) / 2
@@ -64,10 +64,10 @@ def offset() -> float:
 
 @cache
 def powers() -> Array:
-    """What the modes are far from the edge: coefficients of ``d^(q - 3/2)``, shape (MODES + 1, MODES).
+    """Return the coefficients of ``d^(q - 3/2)`` in each mode far from the edge, shape (MODES + 1, MODES), from q = 0.
 
-    From q = 0 on, and for the continuous pressure that the cells stand for, which beside their
-    centres differs by ``p'' / 24``. In ``s = -ln z`` mode k is ``s^(1/2) (1 - s^2 / 48) (2 sinh(s / 2))^-k
+    They are those of the continuous pressure that the cells stand for, which differs beside their
+    centres by ``p'' / 24``. In ``s = -ln z`` mode k is ``s^(1/2) (1 - s^2 / 48) (2 sinh(s / 2))^-k
     exp(s (k - 1) / 2)`` and more, of which ``s^(1/2 - q)`` gives ``d^(q - 3/2) / gamma(q - 1/2)``.
     """
     count = MODES + 1
@@ -85,14 +85,19 @@ def powers() -> Array:
 
 
 def edge_error(last: Array, inner: Array) -> Array:
-    """L1 pressure error at an edge, ``sum |p - true|``, from the last two cells beside it.
+    """Return the L1 pressure error at an edge, ``sum |p - true|``, from the two cells beside it.
 
-    Against the true pressure at the centres or its mean in the cells, whichever is larger.
+    The true pressure is taken at the centres or as its mean in the cells, whichever error is larger. The ratio of the
+    two cells tells where in its cell the edge of a smooth contact lies. The error jumps where the edge passes the centre
+    of a cell, so the largest error within ``LEAP`` of a cell to either side counts. Where a single cell touches, or
+    `last` is the higher, the law no longer holds, and the edge is taken to lie as far out as it can.
 
-    The ratio of ``last`` and ``inner`` tells where in its cell the edge of a smooth contact lies. The
-    error leaps where the edge passes the centre of a cell; so it is the largest within ``LEAP`` of a cell
-    to either side. Where a single cell touches (``inner`` is zero), or ``last`` is the higher, the law
-    has ended, and the edge is taken to lie as far out as it can.
+    Parameters
+    ----------
+    last
+        Pressure of the last touching cell at each edge.
+    inner
+        Pressure of the next cell inward; 0 where it does not touch.
     """
     ratio, error = _edge_errors()
     inner = np.maximum(inner, last / ratio[-1])
@@ -100,9 +105,16 @@ def edge_error(last: Array, inner: Array) -> Array:
 
 
 def edge_place(last: Array, inner: Array) -> Array:
-    """Where the edge lies, in cells outward of the last centre, from the last two cells beside it.
+    """Return the place of each edge, in cells outward of the centre of the last touching cell.
 
-    Where a single cell touches, half-way between as far in and as far out as it can.
+    Where a single cell touches, it is half-way between the innermost and the outermost place possible.
+
+    Parameters
+    ----------
+    last
+        Pressure of the last touching cell at each edge.
+    inner
+        Pressure of the next cell inward; 0 where it does not touch.
     """
     edge, _, outer, second = _edge_renderings()
     ratio = np.where(inner > 0, last / np.where(inner > 0, inner, 1), np.nan)
@@ -111,13 +123,13 @@ def edge_place(last: Array, inner: Array) -> Array:
 
 
 def worst_edge_error() -> float:
-    """The largest L1 error an edge can have, over cell^1.5, where the pressure is the root of the depth."""
+    """Return the largest L1 error of an edge over cell^1.5, where the pressure is the root of the distance from it."""
     return float(_edge_renderings()[1].max())
 
 
 @cache
 def _edge_errors() -> tuple[Array, Array]:
-    """Ratio of the last two cells' pressures, and L1 error over the inner one's, as the edge moves out."""
+    """Return the ratio of the last two cells, and the L1 error over the inner one, for edges from inside outwards."""
     edge, error, last, inner = _edge_renderings()
     near = np.abs(edge[:, None] - edge) <= LEAP
     return last / inner, np.where(near, error / inner, 0).max(axis=1)
@@ -125,31 +137,32 @@ def _edge_errors() -> tuple[Array, Array]:
 
 @cache
 def _edge_renderings() -> tuple[Array, Array, Array, Array]:
-    """Where the edge may lie, the L1 error there, and the last two cells, under the root of the depth."""
+    """Return places of the edge, their L1 errors, and the last two cells, for a pressure like the root of the depth."""
     amplitudes = powers()[1:3, :2]
     edge = np.linspace(*EDGE_RANGE, EDGE_STEPS)  # from the last centre
     shift = edge - offset()
     strength = np.linalg.solve(amplitudes, np.stack([shift / 2, np.ones_like(shift)]))
     cells = np.arange(EDGE_CELLS)[:, None]
-    found = modes(EDGE_CELLS)[:, :2] @ strength
-    error = np.abs(found - np.sqrt(np.maximum(cells + edge, 0))).sum(axis=0)
+    pressure = modes(EDGE_CELLS)[:, :2] @ strength
+    error = np.abs(pressure - np.sqrt(np.maximum(cells + edge, 0))).sum(axis=0)
     # the cell beyond the last may hold the edge too
     border = np.maximum(np.arange(-1, EDGE_CELLS + 1)[:, None] + edge - 0.5, 0)
     means = np.diff(border**1.5, axis=0) * (2 / 3)
-    against_means = np.abs(found - means[1:]).sum(axis=0) + means[0]
-    return edge, np.maximum(error, against_means), found[0], found[1]
+    error_of_means = np.abs(pressure - means[1:]).sum(axis=0) + means[0]
+    return edge, np.maximum(error, error_of_means), pressure[0], pressure[1]
 
 
 def _log_symbol(angle: Array) -> Array:
-    """``ln(|1 - z| K / pi)`` at ``z = exp(i angle)``, zero at one."""
+    """Return ``ln(|1 - z| K / pi)`` at ``z = exp(i angle)``, which is 0 at z = 1."""
     share = angle / (2 * np.pi)
-    from scipy.special import zeta  # likewise
+    from scipy.special import zeta  # imported late, as above
 
     alternating = sum((zeta(2, u / 2) - zeta(2, (u + 1) / 2)) / 4 for u in (share, 1 - share))
     return np.asarray(np.log(np.sin(angle / 2) ** 2 * alternating / np.pi**2))
 
 
 def _reciprocal(series: Array) -> Array:
+    """Return the power series of the reciprocal of a power series."""
     result = np.zeros_like(series)
     result[0] = 1 / series[0]
     for i in range(1, len(series)):
@@ -157,20 +170,31 @@ def _reciprocal(series: Array) -> Array:
     return result
 
 
-# The law is fitted to these cells. An edge is resolved where so many touch without a break, the next
-# rows end in the same cell, and the fit misses no pressure by more than this share of the largest.
+# Cells that the law is fitted to. An edge is resolved where RESOLVED cells touch without a break, the neighbouring
+# rows end in the same cell, and the fit misses no pressure by more than the share MISFIT of the largest.
 FITTED, RESOLVED, MISFIT = 6, 12, 1e-3
-# The law corrects the cells over one in so many of those that touch: from either edge, half of the half.
+# From either edge, the law corrects one in this many of the touching cells: half of the half.
 SHARE = 4
 
 
 @dataclass(frozen=True)
 class _Edges:
-    """The resolved edges on the side of growing x.
+    """Resolved edges on the side of growing x.
 
-    In each of ``rows`` the ``last`` cell that touches, how many are ``touching``, how many cells
-    ``outward`` of that one's centre the edge lies, and the pressure D cells inside it, ``sqrt(D) (A + B D + G
-    D^2)`` with ``shape`` (A, B, G), which the cells render with this ``strength`` of each mode.
+    Attributes
+    ----------
+    rows
+        Rows along the length with a resolved edge.
+    last
+        Last touching cell in each row.
+    touching
+        Number of cells that touch without a break, in each row.
+    outward
+        Place of the edge, in cells outward of the centre of the last touching cell.
+    shape
+        Coefficients (A, B, G) of the pressure ``sqrt(D) (A + B D + G D^2)`` at D cells inside the edge.
+    strength
+        Strength of each mode with which the cells show that pressure.
     """
 
     rows: NDArray[np.intp]
@@ -182,23 +206,29 @@ class _Edges:
 
 
 def half_widths(pressure: Array, x: Array) -> Array:
-    """Half the width of the contact in each row along the length, shape (length,) [unit of x].
+    """Return half the width of the contact in each row along the length, shape (y,) [unit of x].
 
-    ``pressure`` (x, y) as solved for, ``x`` (width,) equidistant. Where the edge is smooth,
-    straight over three rows and a dozen cells from any other, the cells beside it follow the law of
-    :mod:`~contactstudy.accuracy.contact_edge`, and the error falls like the cell cubed: on a smooth line contact
-    2e-7 of the half-width at 128 cells across 2.4 of them. Elsewhere the outer faces of the
-    touching cells count; zero where none touch.
+    Where the edge is smooth, straight over three rows and a dozen cells from any other edge, the cells beside it follow
+    the law of this module, and the error falls like the cell cubed: on a smooth line contact 2e-7 of the half-width at
+    128 cells across 2.4 of them. Elsewhere the outer faces of the touching cells count; the width is 0 where no cell
+    touches.
+
+    Parameters
+    ----------
+    pressure
+        Pressure (x, y) as solved for.
+    x
+        Cell centres (x,), equidistant.
     """
     return (_positions(pressure, x) + _positions(pressure[::-1], -x[::-1])) / 2
 
 
 def corrected_pressure(pressure: Array) -> Array:
-    """``pressure`` (x, y), with that of a continuous contact at the cell centres beside its edges.
+    """Return `pressure` (x, y), with that of a continuous contact at the cell centres beside its edges.
 
-    The cell that holds an edge is in error like the root of its size, whatever the solver does. Where
-    the edge is resolved (see :func:`half_widths`) the law tells that error, and what is left falls like
-    the cell to the power 3/2; elsewhere nothing changes. The load is no longer the sum over the cells.
+    The cell that holds an edge has an error like the root of its size, whatever the solver does. Where the edge is
+    resolved (see :func:`half_widths`) the law gives that error, and the remaining error falls like the cell to the power
+    3/2; elsewhere nothing changes. The load is no longer the sum over the cells.
     """
     corrected = pressure.copy()
     for given, result in ((pressure, corrected), (pressure[::-1], corrected[::-1])):
@@ -213,7 +243,7 @@ def corrected_pressure(pressure: Array) -> Array:
 
 
 def _positions(pressure: Array, x: Array) -> Array:
-    """Position of the edge on the side of growing x, in each row."""
+    """Return the position of the edge on the side of growing x, in each row."""
     last, step = _last(pressure), x[1] - x[0]
     position = np.where((pressure > 0).any(axis=0), x[last] + step / 2, 0.0)
     edges = _resolved(pressure)
@@ -222,10 +252,12 @@ def _positions(pressure: Array, x: Array) -> Array:
 
 
 def _last(pressure: Array) -> NDArray[np.intp]:
+    """Return the index of the last touching cell in each row."""
     return np.asarray(len(pressure) - 1 - np.argmax(pressure[::-1] > 0, axis=0))
 
 
 def _resolved(pressure: Array) -> _Edges:
+    """Return the edges on the side of growing x that the law can be fitted to."""
     last, count = _last(pressure), len(pressure)
     # cells that touch without a break, from the last inward
     inward = np.minimum(np.arange(count)[:, None], last)
@@ -236,17 +268,17 @@ def _resolved(pressure: Array) -> _Edges:
     rows = np.flatnonzero(straight & (touching >= RESOLVED))
     beside = pressure[last[rows] - np.arange(FITTED)[:, None], rows]
     strength = np.linalg.lstsq(modes(FITTED), beside, rcond=None)[0]
-    missed = np.abs(modes(FITTED) @ strength - beside).max(axis=0, initial=0)
-    kept = missed <= MISFIT * beside.max(axis=0, initial=0)
-    rows, strength = rows[kept], strength[:, kept]
+    misfit = np.abs(modes(FITTED) @ strength - beside).max(axis=0, initial=0)
+    fits = misfit <= MISFIT * beside.max(axis=0, initial=0)
+    rows, strength = rows[fits], strength[:, fits]
     outward, shape = _continuous(strength)
     return _Edges(rows, last[rows], touching[rows], outward, shape, strength)
 
 
 def _continuous(strength: Array) -> tuple[Array, Array]:
-    """The edge, in cells beyond the last centre, and (A, B, G) of the contact whose cells have these modes.
+    """Return the edge, in cells beyond the last centre, and the shape (A, B, G) of the contact behind a sum of modes.
 
-    Away from the edge both are one but for a multiple of ``(2 b d - d^2)^(-3/2)``, b = -A / (4 B), which
+    Away from the edge both are equal but for a multiple of ``(2 b d - d^2)^(-3/2)``, b = -A / (4 B), which
     carries no load: so their powers of d are compared, with ``D = d + shift`` and that multiple unknown.
     """
     singular, inverse, root, cubed, g = powers() @ strength

@@ -1,4 +1,4 @@
-"""What of a solution an error may be asked of."""
+"""Errors to expect of a smooth line contact before it is solved, by cause."""
 
 from dataclasses import dataclass
 from enum import Enum
@@ -11,7 +11,7 @@ from contactstudy.domain.padding import Padding
 
 
 class Metric(Enum):
-    """What of a solution is to be accurate."""
+    """Quantity of a solution that an error refers to."""
 
     PEAK_PRESSURE = "peak pressure"
     L1 = "pressure in L1"
@@ -19,7 +19,10 @@ class Metric(Enum):
 
 
 class Edges(Enum):
-    """Which pressure counts: as the cells have it, or :func:`~contactstudy.accuracy.contact_edge.corrected_pressure`."""
+    """Choice of the pressure whose error counts: as the cells have it, or corrected at the edges of the contact.
+
+    See :func:`~contactstudy.accuracy.contact_edge.corrected_pressure`.
+    """
 
     AS_SOLVED = "as solved"
     CORRECTED = "corrected"
@@ -29,8 +32,14 @@ class Edges(Enum):
 class ErrorParts:
     """Upper estimate of a relative error by cause.
 
-    ``truncation`` is that of the images left out, ``discretisation`` that of the cells, and ``residual`` that of
-    the solver having stopped.
+    Attributes
+    ----------
+    truncation
+        Error by the images that the padding leaves out.
+    discretisation
+        Error by the cells.
+    residual
+        Error by the solver's remaining residual.
     """
 
     truncation: float
@@ -48,51 +57,65 @@ class ErrorParts:
 PEAK = 1 / 8 - 1 / 24 + 1 / 16
 # Factors of (dx / a)^2 and (dx / a)^3.
 CORRECTED, HALF_WIDTH = 0.1, 0.05
-# The law of the edge needs so many cells in contact; with fewer nothing is corrected.
+# The least cells in contact for the law of the edge; with fewer, nothing is corrected.
 RESOLVED = 24
-# Errors over the tolerance of the preconditioned solver, where the tolerance tells which cells touch,
-# which takes one of at most SETTLED (dx / a)^1.5.
+# Errors over the tolerance of the preconditioned solver. They hold where the tolerance decides which cells touch: up to
+# SETTLED (dx / a)^1.5.
 PEAK_LEFT, L1_LEFT, CORRECTED_LEFT, HALF_WIDTH_LEFT = 8, 20, 80, 60
 SETTLED = 1e-3
 
 
 @dataclass(frozen=True)
 class Contact:
-    """A smooth line contact by its ``half_width`` [m]."""
+    """A smooth line contact with the half-width `half_width` [m]."""
 
     half_width: float
 
     def error(
         self, metric: Metric, edges: Edges, grid: Grid, padding: Padding, tolerance: float
     ) -> ErrorParts:
-        """Upper estimate of the relative error by cause; infinite where no law holds.
+        """Return an upper estimate of the relative error by cause; infinite where no law holds.
 
-        ``padding`` along the length. The half-width is that of :func:`~contactstudy.accuracy.contact_edge.half_widths`.
-        ``edges`` matter to the L1 error alone, as they leave the peak pressure as it is.
+        Parameters
+        ----------
+        metric
+            The quantity. The half-width is that of :func:`~contactstudy.accuracy.contact_edge.half_widths`.
+        edges
+            The pressure whose L1 error counts; the peak pressure is the same for both.
+        grid
+            The cells.
+        padding
+            Boundary condition along the length.
+        tolerance
+            Tolerance of the solver.
         """
         cell = grid.cell[0] / self.half_width
-        cut = expected_truncation(self.half_width, grid, padding)
+        truncation = expected_truncation(self.half_width, grid, padding)
         # where a window is centred on the domain the edge is not straight along the length
         resolved = 2 / cell >= RESOLVED and padding.wraps
         if metric is Metric.PEAK_PRESSURE:
-            parts = cut.peak_pressure, PEAK * cell**2, PEAK_LEFT
+            parts = truncation.peak_pressure, PEAK * cell**2, PEAK_LEFT
         elif metric is Metric.HALF_WIDTH:
-            parts = cut.half_width, HALF_WIDTH * cell**3 if resolved else cell, HALF_WIDTH_LEFT
+            parts = (
+                truncation.half_width,
+                HALF_WIDTH * cell**3 if resolved else cell,
+                HALF_WIDTH_LEFT,
+            )
         elif edges is Edges.CORRECTED and resolved:
-            parts = cut.l1, CORRECTED * cell**2, CORRECTED_LEFT
+            parts = truncation.l1, CORRECTED * cell**2, CORRECTED_LEFT
         else:
-            parts = cut.l1, smooth_l1(cell), L1_LEFT
-        left = parts[2] * tolerance if tolerance <= SETTLED * cell**1.5 else inf
-        return ErrorParts(parts[0], parts[1], left)
+            parts = truncation.l1, smooth_l1(cell), L1_LEFT
+        residual = parts[2] * tolerance if tolerance <= SETTLED * cell**1.5 else inf
+        return ErrorParts(parts[0], parts[1], residual)
 
 
-COARSEST = 1e100  # half-widths: beyond any cell whose square is a number
+COARSEST = 1e100  # half-widths: the square of a larger cell overflows
 
 
 def smooth_l1(cell: float) -> float:
-    """The L1 error of a smooth line contact at most, relative; ``cell`` in half-widths.
+    """Return the largest relative L1 error of a smooth line contact, for a cell of `cell` half-widths.
 
-    What correcting the edges would leave is there all the same.
+    It includes the part that remains after the edges are corrected.
     """
     if cell > COARSEST:
         return inf
@@ -100,5 +123,5 @@ def smooth_l1(cell: float) -> float:
 
 
 def l1_factor() -> float:
-    """The L1 error over (dx / a)^1.5: at both edges ``sqrt(2 d / a)`` of the peak, d inside them."""
+    """Return the L1 error over (dx / a)^1.5, from both edges, where the pressure is ``sqrt(2 d / a)`` of the peak."""
     return 2 * sqrt(2) * worst_edge_error() / (pi / 2)

@@ -1,4 +1,4 @@
-"""What the heights do inside the cells, which a pressure on the grid cannot show."""
+"""Heights inside the cells, which a pressure on the grid cannot show."""
 
 from dataclasses import dataclass
 from math import ceil, log, pi, prod
@@ -13,9 +13,9 @@ from contactstudy.problem.problem import Problem
 
 # Points in a cell, along one axis at a time: where the shapes name their scales, and where one does not.
 POINTS, DENSE = 4, 48
-# Lines that are looked at: all of so many, of more every fourth.
+# Number of lines up to which all are examined; of more, one in SPARSE.
 LINES, SPARSE = 64, 4
-# A feature over this share of a cell's area is to be found with the confidence asked for.
+# Share of a cell's area above which a feature is found with the requested confidence.
 FEATURE = 0.03
 # Steps of the two-dimensional sequence of lowest discrepancy whose points are added one by one:
 # Roberts (2018), "The unreasonable effectiveness of quasirandom sequences".
@@ -32,15 +32,25 @@ SMOOTH, FLATTEST = 0.82, 0.1
 
 @dataclass(frozen=True)
 class Subcell:
-    """``uncertain``: the share of the load whose cells hide heights; ``corner``: how sharp the edges are.
+    """Effect of the heights inside the cells on a contact.
 
     A cell hides what a cubic through the centres misses, by the pressure that would flatten it, at most
-    the highest there. A corner that points out of the body by a slope S raises the pressure by
-    ``E* S / (2 pi) ln 2`` each time the cell is halved, and so without limit; ``corner`` is the largest such
-    rise in the contact over the peak pressure. ``stands_out``: whether a shape that names no
-    scales stands out of a cell so far that it would carry all of the pressure there, and more. ``rise`` is by what
-    share of the peak pressure such a shape's features within a cell may raise it, and ``kink`` by what share it may
-    still rise on finer cells under a height ``|x|^n`` with n below 2.
+    the peak pressure there. A corner that points out of the body by a slope S raises the pressure by
+    ``E* S / (2 pi) ln 2`` each time the cell is halved, and so without limit.
+
+    Attributes
+    ----------
+    uncertain
+        Share of the load whose cells hide heights.
+    corner
+        Largest rise at a corner in the contact when the cells are halved, over the peak pressure.
+    stands_out
+        Whether a shape that names no scales stands out of a cell so far that it would carry more than the pressure
+        there.
+    rise
+        Share of the peak pressure by which such a shape's features within a cell may raise it.
+    kink
+        Share by which the peak pressure may still rise on finer cells under a height ``|x|^n`` with n below 2.
     """
 
     uncertain: float
@@ -51,10 +61,24 @@ class Subcell:
 
 
 def subcell(problem: Problem, pressure: Array, confidence: float) -> Subcell | None:
-    """Evaluate the heights inside the cells of ``problem`` where ``pressure`` (x, y) acts, and beside.
+    """Evaluate the heights inside the cells of `problem`, where pressure acts and in the cells beside.
 
-    Along lines through the cell centres, and of shapes that name no scales also at points off these lines, as many as
-    the ``confidence`` asks for. None where the heights are not known there.
+    They are evaluated along lines through the cell centres, and for shapes that name no scales also at points off these
+    lines.
+
+    Parameters
+    ----------
+    problem
+        The contact.
+    pressure
+        Pressure (x, y) [Pa].
+    confidence
+        Probability with which a feature over 3 % of a cell is found, which sets the number of points off the lines.
+
+    Returns
+    -------
+    Subcell or None
+        None where the heights are not known inside the cells.
     """
     source, grid = problem.source, problem.grid
     if source is None or problem.paddings is None:
@@ -105,13 +129,13 @@ def subcell(problem: Problem, pressure: Array, confidence: float) -> Subcell | N
     hides = np.minimum(hidden, beside)
     borne = pressure.sum()
     stands_out = bool((standing > beside)[beside > 0].any())
-    highest = float(pressure.max())
-    return Subcell(float(hides.sum() / borne), corner / highest, stands_out, rise, kink / highest)
+    peak = float(pressure.max())
+    return Subcell(float(hides.sum() / borne), corner / peak, stands_out, rise, kink / peak)
 
 
 @dataclass(frozen=True)
 class _Beside(Grid):
-    """Points that lie ``aside`` of the centres of a grid's cells, by shares of a cell along each axis."""
+    """A grid whose points lie beside the centres of the cells, by the shares `aside` (across, along) of a cell."""
 
     aside: tuple[float, float]
 
@@ -125,15 +149,13 @@ class _Beside(Grid):
 
 
 def _off_lines(problem: Problem, confidence: float) -> tuple[Array, Array, Array, Array]:
-    """Return what cubics through the centres miss off their lines [m], what stands out [m], its width and height.
+    """Return what cubics through the centres miss off their lines [m], what stands out [m], and its width in cells.
 
-    The width is that of a round bump ``exp(-r^2 / s^2)`` with as large a mean square in the cell, s in cells; the height
-    [m] leaves out what the centres show.
-
-    None of k random points in a cell hits a feature over the share q of it with the probability ``(1 - q)^k``; points of
-    low discrepancy leave smaller holes. Each point is looked at in all cells at once.
+    The width is that of a round bump ``exp(-r^2 / s^2)`` with as large a mean square in the cell. With the probability
+    ``(1 - q)^k`` none of k random points in a cell hits a feature over the share q of it; points of low discrepancy
+    leave smaller holes. Each point is examined in all cells at once.
     """
-    from scipy import ndimage  # as heavy as all else together
+    from scipy import ndimage  # imported late: as slow to import as everything else
 
     source, grid = problem.source, problem.grid
     assert source is not None
@@ -145,7 +167,7 @@ def _off_lines(problem: Problem, confidence: float) -> tuple[Array, Array, Array
         np.zeros(grid.cells),
         np.full(grid.cells, np.inf),
     )
-    if heights(grid).shape[1] == 1:  # one profile, which lines across have shown
+    if heights(grid).shape[1] == 1:  # a profile, which the lines across have examined
         return missed, missed, np.ones(grid.cells), missed
     wraps = [padding.wraps for padding in problem.paddings]
     beside = _extended(centres, wraps=wraps[0])
@@ -160,33 +182,35 @@ def _off_lines(problem: Problem, confidence: float) -> tuple[Array, Array, Array
         squares += (points - smooth) ** 2
         np.minimum(lowest, points, out=lowest)
     # above all centres about a cell: a step between two of them hides no height
-    mode = tuple("wrap" if closed else "nearest" for closed in wraps)
+    mode = tuple("wrap" if is_periodic else "nearest" for is_periodic in wraps)
     stands = np.maximum(ndimage.minimum_filter(centres, 3, mode=mode) - lowest, 0)
-    most = count * missed**2
-    share = np.divide(squares, most, out=np.ones(grid.cells), where=most > 0)
+    largest = count * missed**2
+    share = np.divide(squares, largest, out=np.ones(grid.cells), where=largest > 0)
     shown = np.zeros(grid.cells)
-    for axis, closed in enumerate(wraps):
-        padded = _extended(np.moveaxis(centres, axis, 0), wraps=closed)[1:-1]
+    for axis, is_periodic in enumerate(wraps):
+        padded = _extended(np.moveaxis(centres, axis, 0), wraps=is_periodic)[1:-1]
         np.maximum(shown, np.moveaxis(np.abs(np.diff(padded, n=2, axis=0)), 0, axis), out=shown)
     return missed, stands, np.sqrt(2 * share / pi), np.maximum(missed - SHOWN * shown, 0)
 
 
 def _cubic(extended: Array, place: float) -> Array:
-    """Return the cubics through four neighbouring centres, at a ``place`` in cells beside each of the inner ones.
+    """Return the cubics through four neighbouring points, at `place` cells from each centre.
 
-    ``extended`` (n + 4, ...) are the centres with two more at either end.
+    The points (n + 4, ...) are the centres, `extended` by two at either end.
     """
     count = len(extended) - 4
     nodes = range(-1, 3) if place > 0 else range(-2, 2)
     total = np.zeros((count, *extended.shape[1:]))
     for node in nodes:
-        weight = prod((place - other) / (node - other) for other in nodes if other != node)
+        weight = prod(
+            (place - neighbour) / (node - neighbour) for neighbour in nodes if neighbour != node
+        )
         total += weight * extended[2 + node : 2 + node + count]
     return total
 
 
 def _extended(centres: Array, *, wraps: bool) -> Array:
-    """Return ``centres`` (n, ...) with two more at either end: a closed axis goes on, else the last cubic does."""
+    """Return `centres` (n, ...) with two more at either end: those of a closed axis, or of the last cubic."""
     ends = ((2, 2), *(((0, 0),) * (centres.ndim - 1)))
     padded = np.pad(centres, ends, mode="wrap" if wraps else "edge")
     if not wraps:
@@ -198,7 +222,7 @@ def _extended(centres: Array, *, wraps: bool) -> Array:
 
 
 def _lines(cells: tuple[int, int], axis: int, points: int) -> tuple[int, int]:
-    """So many points in a cell along an axis; fewer lines beside each other where there are many."""
+    """Return the shape of a grid with `points` points a cell along `axis`, and fewer lines where there are many."""
     counts = list(cells)
     counts[axis] *= points
     counts[1 - axis] = min(cells[1 - axis], max(LINES, cells[1 - axis] // SPARSE))
@@ -206,35 +230,48 @@ def _lines(cells: tuple[int, int], axis: int, points: int) -> tuple[int, int]:
 
 
 def _with_neighbours(pressure: Array, problem: Problem) -> Array:
-    """The peak pressure of each cell and those beside it."""
+    """Return the largest pressure of each cell and its neighbours."""
     assert problem.paddings is not None
-    highest = pressure
+    largest = pressure
     for axis, padding in enumerate(problem.paddings):
         ends = [(0, 0), (0, 0)]
         ends[axis] = (1, 1)
-        around = np.pad(highest, ends, mode="wrap" if padding.wraps else "edge")
-        parts = (np.take(around, range(k, k + pressure.shape[axis]), axis) for k in range(3))
-        highest = np.maximum.reduce(list(parts))
-    return highest
+        padded = np.pad(largest, ends, mode="wrap" if padding.wraps else "edge")
+        parts = (np.take(padded, range(k, k + pressure.shape[axis]), axis) for k in range(3))
+        largest = np.maximum.reduce(list(parts))
+    return largest
 
 
 def _modulus(problem: Problem, axis: int) -> float:
-    """E* [Pa], from the displacement under a pressure that alternates: ``2 dx / (pi E*)`` of a half-space."""
+    """Return E* [Pa] from the displacement under an alternating pressure, ``2 dx / (pi E*)`` for a half-space."""
     nx, ny = problem.grid.cells
     signs = (-1.0) ** np.arange((nx, ny)[axis])
     wave = np.ascontiguousarray(np.broadcast_to(signs[:, None] if axis == 0 else signs, (nx, ny)))
-    moved = float((problem.operator(wave) * wave).mean())
-    return 2 * problem.grid.cell[axis] / (pi * moved)
+    displacement = float((problem.operator(wave) * wave).mean())
+    return 2 * problem.grid.cell[axis] / (pi * displacement)
 
 
 def _along(
     centres: Array, inside: Array, step: float, points: int, *, wraps: bool
 ) -> tuple[Array, Array, Array, Array]:
-    """Return what a cubic through ``centres`` misses in each cell [m], what stands out [m], its corner and its kink.
+    """Return what a cubic through the centres misses in each cell [m], what stands out [m], its corner and its kink.
 
     A height ``|x|^n`` has the share ``(w / W)^(n - 1)`` of the bend over a cell W within w about its apex, which tells
     n. The pressure there rises with the power n - 1 of the cell: all rises to come are that of a corner of the same bend
-    in a cell, over ``1 - 2^(1 - n)``. Both are given by their slopes.
+    in a cell, over ``1 - 2^(1 - n)``. Corner and kink are given as slopes.
+
+    Parameters
+    ----------
+    centres
+        Heights (n, ...) at the cell centres [m].
+    inside
+        Heights (n points, ...) inside the cells [m].
+    step
+        Width of a cell [m].
+    points
+        Number of points in a cell.
+    wraps
+        Whether the axis wraps.
     """
     count = len(centres)
     mode = "wrap" if wraps else "edge"
@@ -242,10 +279,8 @@ def _along(
     heights = inside.reshape(count, points, -1)
     missed = np.zeros_like(heights[:, 0])
     # above the centres of a cell and of both beside it: a step between two of them hides no height
-    highest = np.minimum.reduce(
-        [padded[1 : 1 + count], padded[2 : 2 + count], padded[3 : 3 + count]]
-    )
-    stands = np.maximum(highest - heights.min(axis=1), 0)
+    upper = np.minimum.reduce([padded[1 : 1 + count], padded[2 : 2 + count], padded[3 : 3 + count]])
+    stands = np.maximum(upper - heights.min(axis=1), 0)
     for point in range(points):
         place = (point + 0.5) / points - 0.5
         cubic = _cubic(padded, place)
@@ -256,12 +291,12 @@ def _along(
     if not wraps:
         bends[[0, -1]] = 0.0
     pairs = bends + np.roll(bends, -1, axis=0)
-    own = bends.reshape(count, points, -1).sum(axis=1)
-    three = own + np.roll(own, 1, axis=0) + np.roll(own, -1, axis=0)
+    cell_bend = bends.reshape(count, points, -1).sum(axis=1)
+    three_cells = cell_bend + np.roll(cell_bend, 1, axis=0) + np.roll(cell_bend, -1, axis=0)
     strongest = pairs.reshape(count, points, -1).max(axis=1)
     # what a smooth bend of these cells has between two points
-    smooth = (three - strongest) * (2 / (3 * points - 2))
-    corner = np.where(strongest > CORNER * three, strongest - smooth, 0.0)
+    smooth = (three_cells - strongest) * (2 / (3 * points - 2))
+    corner = np.where(strongest > CORNER * three_cells, strongest - smooth, 0.0)
     # the bend within half a cell to either side of each pair
     half = points // 2
     sums = np.cumsum(np.pad(bends, ((half, half), (0, 0)), mode=mode), axis=0)  # type: ignore[call-overload]
@@ -272,12 +307,12 @@ def _along(
     about = np.take_along_axis(around.reshape(count, points, -1), apex, axis=1)[:, 0]
     share = np.divide(strongest, about, out=np.ones_like(about), where=about > 0)
     power = np.maximum(np.log(np.maximum(share, 1 / points)) / log(2 / points), FLATTEST)
-    from scipy import ndimage  # as heavy as all else together
+    from scipy import ndimage  # imported late: as slow to import as everything else
 
     # an apex bends more than all about it; where a bend begins, half of the window is straight
     highest_pair = ndimage.maximum_filter1d(pairs, points + 1, axis=0, mode="nearest")
-    here = np.take_along_axis(highest_pair.reshape(count, points, -1), apex, axis=1)[:, 0]
-    is_apex = (strongest > 0) & (strongest >= here) & (power < SMOOTH)
+    window_peak = np.take_along_axis(highest_pair.reshape(count, points, -1), apex, axis=1)[:, 0]
+    is_apex = (strongest > 0) & (strongest >= window_peak) & (power < SMOOTH)
     if not wraps:
         is_apex[[0, -1]] = False
     kink = np.where(is_apex, about / (1 - 2**-power), 0.0)

@@ -13,7 +13,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.accuracy import estimate
 from contactstudy.accuracy.coarser import Change
-from contactstudy.accuracy.estimate import _all_alone, _spot
+from contactstudy.accuracy.estimate import _has_isolated_cells, _spot_width
 from contactstudy.accuracy.subcell import Subcell
 from tests.conftest import STEEL, LineContact
 
@@ -208,21 +208,21 @@ def test_the_spot_of_the_peak_pressure_is_counted_along_the_shorter_axis() -> No
     pressure = np.zeros((7, 6))
     pressure[1:5, 2] = 1, 2, 5, 1
     pressure[3, 2:5] = 5, 1, 1
-    assert _spot(pressure, (False, False)) == 3
+    assert _spot_width(pressure, (False, False)) == 3
     pressure[3, 1:6] = 1, 5, 1, 1, 1
-    assert _spot(pressure, (False, False)) == 4
+    assert _spot_width(pressure, (False, False)) == 4
     # over the seam of an axis that goes on, and up to the ends of one that does not
     along = np.array([[3.0, 1, 0, 0, 1, 1, 1]])
-    assert _spot(along, (False, True)) == 5
-    assert _spot(along, (False, False)) == 2
-    assert _spot(along[:, ::-1], (False, False)) == 2
+    assert _spot_width(along, (False, True)) == 5
+    assert _spot_width(along, (False, False)) == 2
+    assert _spot_width(along[:, ::-1], (False, False)) == 2
     # where all of it touches it has no end
-    assert _spot(np.ones((1, 6)), (False, True)) == 6
+    assert _spot_width(np.ones((1, 6)), (False, True)) == 6
 
 
 def test_cells_without_a_neighbour_along_an_axis_are_alone() -> None:
-    assert _all_alone(np.array([[1.0], [0.0], [1.0]]))
-    assert not _all_alone(np.array([[1.0], [1.0], [0.0]]))
+    assert _has_isolated_cells(np.array([[1.0], [0.0], [1.0]]))
+    assert not _has_isolated_cells(np.array([[1.0], [1.0], [0.0]]))
     # neighbours along one axis, none along the other
-    assert _all_alone(np.array([[1.0, 1.0], [0.0, 0.0], [1.0, 1.0]]))
-    assert not _all_alone(np.array([[1.0, 1.0], [1.0, 0.0]]))
+    assert _has_isolated_cells(np.array([[1.0, 1.0], [0.0, 0.0], [1.0, 1.0]]))
+    assert not _has_isolated_cells(np.array([[1.0, 1.0], [1.0, 0.0]]))

@@ -33,20 +33,29 @@ LONGEST = 4.0
 
 
 class ApproximateInverse:
-    """Division by a ``spectrum`` on the unpadded grid of so many ``cells``, as if it were periodic.
+    """Division by a spectrum on the unpadded grid, as if it were periodic: a preconditioner.
 
-    The mean over the grid is mapped to zero. ``room`` gives the work array of a transform. It works in ``real``
-    numbers of this type, if their digits span the range of the spectrum: a preconditioner needs few.
+    The mean over the grid is mapped to zero. Source: Vollebregt (2014), eq. 20, there on the padded grid and with zeros
+    outside the contact. The walk on spheres is that of Kyprianou, Osojnik & Shardlow (2018); the extension by one
+    smoothing is of this package.
 
-    Source: Vollebregt (2014), eq. 20, there on the padded grid and with zeros outside the contact. The walk on
-    spheres is that of Kyprianou, Osojnik & Shardlow (2018); the extension by one smoothing is of this package.
+    Parameters
+    ----------
+    spectrum
+        Spectrum of the operator at the waves of the unpadded grid (x, y // 2 + 1).
+    cells
+        Cells of the grid (across, along).
+    work_array
+        Returns the work array of a transform.
+    real
+        Type of the numbers to work in, if their digits span the range of the spectrum: a preconditioner needs few.
     """
 
     def __init__(
         self,
         spectrum: Array,
         cells: tuple[int, int],
-        room: Callable[[tuple[int, int], DTypeLike], Waves | None],
+        work_array: Callable[[tuple[int, int], DTypeLike], Waves | None],
         real: DTypeLike,
     ) -> None:
         xp = arrays()
@@ -55,15 +64,15 @@ class ApproximateInverse:
         if float(xp.max(inverse)) * float(xp.max(spectrum)) > WIDEST:
             real = spectrum.dtype
         self._inverse, self.real = xp.astype(inverse, real, copy=False), real
-        self._cells, self._room = cells, room
-        # of the shortest waves along either axis
+        self._cells, self._work_array = cells, work_array
+        # that of the shortest waves along either axis
         self._stiffest = max(float(inverse[cells[0] // 2, 0]), float(inverse[0, -1]))
         self._smoothing: tuple[float, Array] = 0.0, inverse
         self._coarser = self._on_blocks(spectrum)
 
     @property
     def work(self) -> float:
-        """Cells transformed from an extended displacement to its pressure."""
+        """Number of cells transformed from an extended displacement to its pressure."""
         return float(self._cells[0] * self._cells[1])
 
     def extension(self, contact: Array) -> "Extension | BlockExtension":
@@ -86,29 +95,31 @@ class ApproximateInverse:
         return extension.transposed(self.pressure(extension(displacement)))
 
     def _on_blocks(self, spectrum: Array) -> "ApproximateInverse | None":
-        """Return the same on blocks of 2 x 2 cells where they are nearly square, and many enough to be worth it."""
-        (nx, ny), kernels = self._cells, compiled_loops(self._cells)
-        if kernels is None or nx % 4 or ny % 4:
+        """Return the same map on blocks of 2 x 2 cells, or None where they are elongated or too few to pay."""
+        nx, ny = self._cells
+        if compiled_loops(self._cells) is None or nx % 4 or ny % 4:
             return None
         elongation = float(spectrum[0, -1]) / float(spectrum[nx // 2, 0])
         if not 1 / LONGEST < elongation < LONGEST:
             return None
         low = np.concatenate([spectrum[: nx // 4, :], spectrum[nx - nx // 4 :, :]])
         return ApproximateInverse(
-            low[:, : ny // 4 + 1].copy(), (nx // 2, ny // 2), self._room, self.real
+            low[:, : ny // 4 + 1].copy(), (nx // 2, ny // 2), self._work_array, self.real
         )
 
     def _smoothed(self, field: Array) -> Array:
+        """Return `field` convolved with the positive kernel that extends a displacement."""
         return self._filtered(field, self._smoothing[1])
 
     def _filtered(self, field: Array, factors: Array) -> Array:
-        return transforms().filtered(field, factors, self._room(self._cells, self.real))
+        """Return `field` with its waves multiplied by `factors`."""
+        return transforms().filtered(field, factors, self._work_array(self._cells, self.real))
 
 
 class Extension:
-    """A linear map from displacements of the cells in contact to displacements of all cells.
+    """Linear map from displacements of the cells in contact to displacements of all cells.
 
-    ``contact`` (x, y) is 1 in the contact and 0 elsewhere; ``smoothed`` is a symmetric map with a positive kernel.
+    `contact` (x, y) is 1 in the contact and 0 elsewhere; `smoothed` is a symmetric map with a positive kernel.
     """
 
     def __init__(self, contact: Array, smoothed: Callable[[Array], Array]) -> None:
@@ -117,42 +128,42 @@ class Extension:
         weights = smoothed(contact)
         least = ROUNDINGS * float(xp.finfo(contact.dtype).eps) * float(xp.max(weights))
 
-        def some(cells: Array, weight: Array) -> None:
-            weight[...] = (1 - cells) / xp.maximum(weight, least)
+        def invert(contact: Array, weights: Array) -> None:
+            weights[...] = (1 - contact) / xp.maximum(weights, least)
 
-        in_blocks(some, contact, weights)
+        in_blocks(invert, contact, weights)
         self._outside = weights
 
     @property
     def work(self) -> float:
-        """Cells transformed in one smoothing: a new extension, each use of it and of its transpose take one."""
+        """Number of cells transformed in one smoothing, which it takes to make, to use and to transpose this map."""
         return float(self._contact.shape[0] * self._contact.shape[1])
 
     def __call__(self, displacement: Array) -> Array:
         """Return a `displacement` (x, y), which is zero outside the contact, extended to all cells."""
         extended = self._smoothed(displacement)
 
-        def some(block: Array, outside: Array, own: Array) -> None:
-            block *= outside
-            block += own
+        def combine(extended: Array, outside: Array, displacement: Array) -> None:
+            extended *= outside
+            extended += displacement
 
-        in_blocks(some, extended, self._outside, displacement)
+        in_blocks(combine, extended, self._outside, displacement)
         return extended
 
     def transposed(self, pressure: Array) -> Array:
         """Gather a `pressure` (x, y) on all cells to those of the contact, in place: the transposed map."""
         gathered = self._smoothed(pressure * self._outside)
 
-        def some(block: Array, near: Array, contact: Array) -> None:
-            block += near
-            block *= contact
+        def combine(pressure: Array, gathered: Array, contact: Array) -> None:
+            pressure += gathered
+            pressure *= contact
 
-        in_blocks(some, pressure, gathered, self._contact)
+        in_blocks(combine, pressure, gathered, self._contact)
         return pressure
 
 
 class BlockExtension:
-    """An extension by way of blocks of 2 x 2 cells, whose means are extended and interpolated linearly.
+    """Extension by way of blocks of 2 x 2 cells, whose means are extended and interpolated linearly.
 
     A block belongs to the contact by the share of its cells that do. Blocks wrap round the grid.
     """
@@ -165,7 +176,7 @@ class BlockExtension:
 
     @property
     def work(self) -> float:
-        """Cells transformed in one smoothing: those of blocks."""
+        """Number of cells transformed in one smoothing, which is that of blocks."""
         return self._extension.work
 
     def __call__(self, displacement: Array) -> Array:
@@ -185,21 +196,23 @@ class BlockExtension:
         return pressure
 
     def _means(self, field: Array) -> Array:
+        """Return the means of `field` (x, y) over blocks of 2 x 2 cells."""
         means = self._blocks(field)
         self._in_parts(self._loops.block_means, field, means)
         return means
 
     def _blocks(self, field: Array) -> Array:
+        """Return an empty field of blocks of 2 x 2 cells."""
         return np.empty((field.shape[0] // 2, field.shape[1] // 2), dtype=field.dtype)
 
     def _in_parts(self, loop: Callable[..., None], *arguments: Any) -> None:
-        """Run a compiled loop over rows of blocks, some for each thread."""
+        """Run a compiled `loop` over rows of blocks, some for each thread."""
         rows, columns = self._contact.shape
         in_parts(lambda part: loop(*arguments, part.start, part.stop), (rows // 2, columns // 2))
 
 
 def hole_width(contact: Array) -> float:
-    """Mean number of cells between two cells of a `contact` (x, y) along a row or a column; at least 1/2."""
+    """Return the mean number of cells between two cells of a `contact` (x, y) along a row or column, at least 1/2."""
     xp, inside = arrays(), contact > 0
     ends = int(xp.count_nonzero(inside[1:, :] != inside[:-1, :]))
     ends += int(xp.count_nonzero(inside[:, 1:] != inside[:, :-1]))

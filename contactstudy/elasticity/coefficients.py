@@ -17,65 +17,74 @@ from contactstudy.elasticity.kernels.displacement import (
 
 
 class Coefficients(Protocol):
-    """The response to one loaded cell at offsets x and y: alone, in a row of images, in a lattice of images."""
+    """Influence coefficients: the response to one loaded cell at offsets x and y, alone or with its periodic images.
+
+    Methods take offsets and lengths in one unit and return one coefficient for each offset. `dx` and `dy` are the sides
+    of the cell, `width` and `period` the distances between images along x and y.
+    """
 
     @property
     def parity(self) -> tuple[int, int]:
-        """For each axis, 1 if even along it and -1 if odd."""
+        """Parity along each axis: 1 for coefficients that are even along it, -1 for odd ones."""
         ...
 
     def turned(self) -> "Coefficients":
-        """Return these coefficients with the axes exchanged."""
+        """Return the coefficients with the two axes exchanged."""
         ...
 
     def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
-        """Coefficients of a single cell at offsets x and y, which broadcast."""
+        """Return the response to one cell; x and y broadcast."""
         ...
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
-        """An infinite row of images along y; x is a column, y a row."""
+        """Return the response to an infinite row of images along y; x is a column, y a row."""
         ...
 
     def lattice(
         self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
     ) -> Array:
-        """An infinite lattice of images along both axes; x is a column, y a row."""
+        """Return the response to an infinite lattice of images along both axes; x is a column, y a row."""
         ...
 
 
 @dataclass(frozen=True)
 class Displacement:
-    """pi E* times the displacement [m] under unit pressure.
+    """Influence coefficients of the normal displacement of a half-space: pi E* times displacement over pressure [m].
 
-    ``datum`` [m]: the lateral distance from which displacement is counted, where an infinite row of images
-    leaves that open; with a lattice of images it is counted from its mean.
+    Parameters
+    ----------
+    datum
+        Lateral distance [m] from which displacement is counted, where an infinite row of images leaves that open; with a
+        lattice of images it is counted from its mean.
     """
 
     datum: float
     parity: ClassVar[tuple[int, int]] = (1, 1)
 
     def turned(self) -> "Displacement":
-        """Itself: the coefficients do not change when the axes are exchanged."""
+        """Return these coefficients, which do not change when the axes are exchanged."""
         return self
 
     def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
-        """Coefficients of a single cell at offsets x and y, which broadcast."""
+        """Return the response to one cell; x and y broadcast."""
         return boussinesq_cell(x, y, dx, dy)
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
-        """An infinite row of images along y."""
+        """Return the response to an infinite row of images along y; x is a column, y a row."""
         shift = 2 * dx * dy / period * np.log(self.datum)
         return np.asarray(shift + boussinesq_cell_periodic(x, y, dx, dy, period))
 
     def lattice(
         self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
     ) -> Array:
-        """An infinite lattice of images."""
+        """Return the response to an infinite lattice of images along both axes; x is a column, y a row."""
         return boussinesq_cell_doubly_periodic(x, y, dx, dy, width, period)
 
 
 @dataclass(frozen=True)
 class _Axis:
+    """Axis of a grid with its padding: number of cells, their size, and the period."""
+
     cells: int
     step: float
     period: float
@@ -83,16 +92,17 @@ class _Axis:
 
     @property
     def known(self) -> int:
-        """The number of offsets to evaluate: the others on a circle follow by symmetry."""
+        """Number of offsets to evaluate; on a circle the others follow by symmetry."""
         return self.cells // 2 + 1 if self.padding.wraps else self.cells
 
     @property
     def offsets(self) -> Array:
+        """Offsets to evaluate (offsets,) [m]."""
         return np.arange(float(self.known)) * self.step
 
 
 def kernel(grid: Grid, paddings: Paddings, coefficients: Coefficients) -> Array:
-    """``coefficients`` at offsets of 0, 1, 2 ... cells, summed over the images that the paddings include.
+    """Return `coefficients` (x, y) at offsets of 0, 1, 2 ... cells, summed over the images that the paddings include.
 
     An axis of n cells that wraps has ``n // 2 + 1`` offsets, any other axis n.
     """
@@ -102,6 +112,7 @@ def kernel(grid: Grid, paddings: Paddings, coefficients: Coefficients) -> Array:
 
 
 def _kernel(across: _Axis, along: _Axis, coefficients: Coefficients) -> Array:
+    """Return the `coefficients` (across, along) at the offsets of both axes, images included."""
     cell = across.step, along.step
     if across.padding.window is None:
         if along.padding.window is not None:
@@ -119,11 +130,11 @@ def _kernel(across: _Axis, along: _Axis, coefficients: Coefficients) -> Array:
 
 
 def _summed(at: Callable[[Array], Array], axis: _Axis, parity: int) -> Array:
-    """The sum of ``at(d + m L)`` over the periods m of the axis's window, for its known offsets d.
+    """Return the sum of ``at(d + m L)`` over the periods m of the axis's window, for its known offsets d.
 
-    ``at`` is even or odd, and takes distances along its first axis. The offsets of one period therefore serve
-    two images: the one ahead and, reversed, the next one behind. Far images are added first, so that
-    small terms are summed before large ones.
+    `at` is even or odd, and takes distances along its first axis. The offsets of one period therefore serve two images:
+    the one ahead and, reversed, the next one behind. Far images are added first, so that small terms are summed before
+    large ones.
     """
     window, count = axis.padding.window, axis.cells
     assert window is not None

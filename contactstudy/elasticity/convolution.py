@@ -24,11 +24,20 @@ COARSEST = 32
 
 @dataclass(frozen=True, eq=False)
 class Convolution:
-    """The linear operator ``displacement = K * pressure`` on one grid.
+    """Linear map from pressure to displacement on one grid, ``displacement = K * pressure``.
 
-    Call it with a pressure of shape (x, y) [Pa] to get the displacement [m] of the same
-    shape. It is symmetric, and positive definite except for a rigid shift. Only the rows that hold
-    pressure are transformed along y, and only the rows that are wanted are transformed back.
+    Call it with a pressure (x, y) [Pa] to get the displacement (x, y) [m]. It is symmetric, and positive definite except
+    for a rigid shift. Only the rows that hold pressure are transformed along y, and only the rows that are wanted are
+    transformed back.
+
+    Parameters
+    ----------
+    spectrum
+        Transform of the influence coefficients on the padded grid (px, py // 2 + 1) [m/Pa].
+    cells
+        Cells of the grid (across, along).
+    padded
+        Points (px, py) of the transforms.
     """
 
     spectrum: Array
@@ -36,49 +45,58 @@ class Convolution:
     padded: tuple[int, int]
 
     def __call__(self, pressure: Array) -> Array:
-        """Displacement [m] under ``pressure`` [Pa], both (x, y)."""
+        """Return the displacement (x, y) [m] under a `pressure` (x, y) [Pa].
+
+        Raises
+        ------
+        InvalidInput
+            If the pressure does not have the shape of the grid.
+        """
         if pressure.shape != self.cells:
             raise InvalidInput(f"pressure has the shape {pressure.shape}: give it {self.cells}.")
         pair = transforms()
-        waves = pair.forward(pressure, self.padded, self.room(self.padded, self.spectrum.dtype))
+        waves = pair.forward(
+            pressure, self.padded, self.work_array(self.padded, self.spectrum.dtype)
+        )
         scale(waves, self.spectrum)
         return pair.backward(waves, self.cells, self.padded)
 
     @cached_property
-    def _kept(self) -> local:
+    def _work_arrays(self) -> local:
+        """Work arrays, one for each thread."""
         return local()
 
-    def room(self, shape: tuple[int, int], real: DTypeLike) -> Waves | None:
-        """The work array of this thread; allocating a large array costs as much as a transform.
+    def work_array(self, shape: tuple[int, int], real: DTypeLike) -> Waves | None:
+        """Return the work array of this thread for waves of a field `shape` (px, py) of `real` numbers.
 
-        For waves of a field (px, py) of ``real`` numbers. None where a library keeps the memory it has had itself.
+        Allocating a large array costs as much as a transform. None on a device whose library reuses memory itself.
         """
         if not isinstance(device(), Cpu):
             return None
-        of_thread = self._kept.__dict__
+        of_thread = self._work_arrays.__dict__
         if "waves" not in of_thread:
             waves = self.padded[0] * (self.padded[1] // 2 + 1)
             of_thread["waves"] = np.empty(waves, dtype=np.result_type(self.spectrum, np.complex64))
         rows, columns = shape[0], shape[1] // 2 + 1
         numbers = of_thread["waves"].view(np.result_type(real, np.complex64))
-        room: Waves = numbers[: rows * columns].reshape(rows, columns)
-        return room
+        work_array: Waves = numbers[: rows * columns].reshape(rows, columns)
+        return work_array
 
     def __getstate__(self) -> dict[str, object]:
-        """Without the work arrays."""
-        return {name: value for name, value in self.__dict__.items() if name != "_kept"}
+        """Return the fields of this object without the work arrays, for a pickle or a copy."""
+        return {name: value for name, value in self.__dict__.items() if name != "_work_arrays"}
 
     @property
     def work(self) -> float:
-        """Cells of the padded grid."""
+        """Number of cells of the padded grid."""
         return float(self.padded[0] * self.padded[1])
 
     @property
     def own(self) -> float:
-        """Displacement of a cell under its own unit pressure, relative to the mean over the padded grid.
+        """Displacement of a cell under its own unit pressure, relative to the mean over the padded grid [m/Pa].
 
-        It is the mean of the spectrum without its first entry, the rigid shift. With infinitely many images that
-        entry may have any sign, and in a cell far wider than the datum it would make the sum negative.
+        It is the mean of the spectrum without its first entry, the rigid shift. With infinitely many images that entry
+        may have any sign, and in a cell far wider than the datum it would make the sum negative.
         """
         xp, py = arrays(), self.padded[1]
         stored_once = xp.sum(self.spectrum[:, 0])
@@ -88,13 +106,13 @@ class Convolution:
         return float(total / self.work)
 
     def scaled(self, factor: float, precision: Precision) -> "Convolution":
-        """This operator times ``factor``, in ``precision``, on the device in use."""
+        """Return this operator times `factor`, in `precision`, on the device in use."""
         spectrum = np.multiply(self.spectrum, factor, dtype=self.spectrum.dtype)
         return replace(self, spectrum=device().put(spectrum.astype(precision.real, copy=False)))
 
     @property
     def blocks(self) -> tuple[int, int]:
-        """2 for an axis that can be halved and still has ``COARSEST`` cells, else 1."""
+        """Number of cells (across, along) that are merged: 2 along an axis that can be halved, else 1."""
         across, along = (
             2 if cells % 2 == 0 and padded % 2 == 0 and cells >= 2 * COARSEST else 1
             for cells, padded in zip(self.cells, self.padded, strict=True)
@@ -102,10 +120,10 @@ class Convolution:
         return across, along
 
     def coarsened(self) -> "Convolution":
-        """The mean displacement of blocks of cells under a pressure constant in each.
+        """Return the operator on larger cells: mean displacement of blocks of cells under a pressure constant in each.
 
-        A Galerkin coarsening: in the spectrum, the two averages multiply by ``cos(pi k / n)^2``, and the larger
-        cells fold the upper half of the frequencies onto the lower.
+        A Galerkin coarsening: in the spectrum, the two averages multiply by ``cos(pi k / n)^2``, and the larger cells
+        fold the upper half of the frequencies onto the lower.
         """
         spectrum, (px, py), (across, along) = self.spectrum, self.padded, self.blocks
         xp, put = arrays(), device().put
@@ -121,23 +139,43 @@ class Convolution:
         return Convolution(spectrum, cells, (px // across, py // along))
 
     def approximate_inverse(self, precision: Precision | None = None) -> ApproximateInverse:
-        """Division by the spectrum on the unpadded grid, as if it were periodic: for the cells of a contact.
+        """Return a preconditioner: division by the spectrum on the unpadded grid, as if it were periodic.
 
-        In the operator's own precision, unless another ``precision`` is asked for and can hold the spectrum's range.
+        It works in the operator's own precision, unless another `precision` is given and can hold the spectrum's range.
         """
         spectrum = sampled(self.spectrum, self.cells, self.padded)
         real = spectrum.dtype if precision is None else precision.real
-        return ApproximateInverse(spectrum, self.cells, self.room, real)
+        return ApproximateInverse(spectrum, self.cells, self.work_array, real)
 
 
 def convolution(
     contact_modulus: float, grid: Grid, padding: Padding | Paddings, datum: float
 ) -> Convolution:
-    """The operator of two half-spaces on ``grid``.
+    """Return the operator of two half-spaces in contact.
 
-    ``contact_modulus`` E* [Pa]; ``padding`` along the length, or (across, along); ``datum`` [m] is where
-    displacement is counted from in a padding that leaves it open. An axis that wraps is circular, one
-    that does not is padded to twice its cells, which makes it linear (Liu, Wang & Liu 2000).
+    An axis that wraps is circular; one that does not is padded to twice its cells, which makes it linear (Liu, Wang &
+    Liu 2000).
+
+    Parameters
+    ----------
+    contact_modulus
+        E* [Pa].
+    grid
+        Cells and extent.
+    padding
+        Padding along the length, or (across, along).
+    datum
+        Distance from the axis [m] at which displacement is zero, in a padding that leaves that open.
+
+    Returns
+    -------
+    Convolution
+        Map from pressure (x, y) [Pa] to displacement (x, y) [m].
+
+    Raises
+    ------
+    InvalidInput
+        If the datum is not above 0 m, or the padding is none.
     """
     datum = positive("datum", datum, "give a distance above 0 m")
     return superposed({Displacement(datum): 1 / (np.pi * contact_modulus)}, grid, padding)
@@ -146,9 +184,21 @@ def convolution(
 def superposed(
     response: Mapping[Coefficients, float], grid: Grid, padding: Padding | Paddings
 ) -> Convolution:
-    """The operator on ``grid`` whose influence coefficients are the sum of those in ``response``, weighted.
+    """Return the operator whose influence coefficients are a weighted sum.
 
-    ``response`` gives the weight [1/Pa] of each kind of coefficients [m], which are even along both axes.
+    Parameters
+    ----------
+    response
+        Weight [1/Pa] of each kind of coefficients [m], which are even along both axes.
+    grid
+        Cells and extent.
+    padding
+        Padding along the length, or (across, along).
+
+    Returns
+    -------
+    Convolution
+        Map from pressure (x, y) [Pa] to displacement (x, y) [m].
     """
     paddings = across_and_along(padding)
     padded = padded_cells(grid, paddings)
@@ -169,7 +219,10 @@ def superposed(
 def antisymmetric(
     response: Mapping[Coefficients, float], grid: Grid, padding: Padding | Paddings
 ) -> Convolution:
-    """Return the operator of coefficients that are odd along one axis: a map that no solver takes, to be lagged."""
+    """Return the convolution with a weighted sum of coefficients that are odd along one axis.
+
+    It is no operator for a solver: its displacement is to be lagged. Arguments are those of :func:`superposed`.
+    """
     paddings = across_and_along(padding)
     padded = padded_cells(grid, paddings)
     around = sum(
@@ -180,7 +233,7 @@ def antisymmetric(
 
 
 def combined(operators: Iterable[tuple[float, Convolution]], own: float = 0.0) -> Convolution:
-    """The sum of ``operators`` on one grid, each times its weight, and ``own`` [m/Pa] times the pressure itself.
+    """Return the sum of `operators` on one grid, each times its weight, and `own` [m/Pa] times the pressure itself.
 
     A constant in the spectrum is that multiple of the pressure, also on coarser grids.
     """
@@ -195,7 +248,7 @@ def combined(operators: Iterable[tuple[float, Convolution]], own: float = 0.0) -
 
 
 def padded_cells(grid: Grid, paddings: Paddings) -> tuple[int, int]:
-    """Points of the transform along either axis."""
+    """Return the number of points (px, py) of the transforms on `grid`."""
     px, py = (
         n if padding.wraps else 2 * fft.next_fast_len(n, real=real)
         for n, padding, real in zip(grid.cells, paddings, (False, True), strict=True)
@@ -204,7 +257,7 @@ def padded_cells(grid: Grid, paddings: Paddings) -> tuple[int, int]:
 
 
 def spread(coefficients: Array, padded: tuple[int, int], parity: tuple[int, int]) -> Array:
-    """Coefficients of known offsets at every point of the padded grid, mirrored by their parity."""
+    """Return coefficients of known offsets at every point of the padded grid, mirrored by their parity."""
     around = coefficients[np.ix_(*map(_around, coefficients.shape, padded))]
     for axis, even in enumerate(parity):
         if even < 0:  # odd: zero at the origin and half-way round, where both sides meet
@@ -216,6 +269,9 @@ def spread(coefficients: Array, padded: tuple[int, int], parity: tuple[int, int]
 
 
 def _around(known: int, padded: int) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
-    """Offset of each point of a padded axis from zero; entries that no pair of cells uses repeat the last one."""
+    """Return the offset of each point of a padded axis from zero, at most ``known - 1``.
+
+    Points that no pair of cells uses repeat the last known offset.
+    """
     index = np.arange(padded)
     return np.minimum(np.minimum(index, padded - index), known - 1)

@@ -20,9 +20,15 @@ from contactstudy.elasticity.transforms import TRANSFORMS, Waves
 
 @dataclass(frozen=True)
 class SurfaceField:
-    """A field of :data:`~contactstudy.elasticity.kernels.traction.SURFACE` integrated over a cell, or "yy".
+    """Influence coefficients of a field on the surface under shear, integrated over a cell.
 
-    ``datum`` [m] as in :class:`~contactstudy.elasticity.coefficients.Displacement`, for "yy".
+    Parameters
+    ----------
+    name
+        Name of the field in :data:`~contactstudy.elasticity.kernels.traction.SURFACE`, or "yy".
+    datum
+        Distance [m] from which displacement is counted, for "yy", as in
+        :class:`~contactstudy.elasticity.coefficients.Displacement`.
     """
 
     name: str
@@ -30,83 +36,85 @@ class SurfaceField:
 
     @property
     def parity(self) -> tuple[int, int]:
-        """Odd along each axis that the name has once."""
+        """Parity along each axis: odd along an axis that the name has once."""
         even_x, even_y = (-1 if self.name.count(axis) % 2 else 1 for axis in "xy")
         return even_x, even_y
 
     def turned(self) -> "SurfaceField":
-        """With x and y exchanged."""
+        """Return the field with x and y exchanged."""
         return SurfaceField("".join(sorted(self.name.translate({120: 121, 121: 120}))), self.datum)
 
     def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
-        """Coefficients of a single cell at offsets x and y."""
+        """Return the field of one cell; x and y broadcast."""
         if self.name == "yy":
-            return self._of_all.cell(x, y, dx, dy) - self._other.cell(x, y, dx, dy)
+            return self._inverse_distance.cell(x, y, dx, dy) - self._complement.cell(x, y, dx, dy)
         return 2 * np.pi * stress_cell(SURFACE[self.name], x, y, 0.0, dx, dy, 0.0)
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
-        """Infinitely many images along y."""
+        """Return the field of an infinite row of images along y; x is a column, y a row."""
         cell = dx, dy, period
         if self.name == "yy":
-            return self._of_all.row(x, y, *cell) - self._other.row(x, y, *cell)
+            return self._inverse_distance.row(x, y, *cell) - self._complement.row(x, y, *cell)
         return 2 * np.pi * stress_cell_periodic(SURFACE[self.name], x, y, 0.0, *cell, 0.0)
 
     def lattice(
         self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
     ) -> Array:
-        """Infinitely many images along both axes."""
+        """Return the field of an infinite lattice of images along both axes; x is a column, y a row."""
         cell = dx, dy, width, period
         if self.name == "yy" or (self.name == "xx" and period > width):
             if self.name == "yy" and period > width:
                 turned = y.reshape(-1, 1), x.reshape(1, -1)
                 return self.turned().lattice(*turned, dy, dx, period, width).T
-            field_yy = self._other.lattice(x, y, *cell)
-            return np.asarray(self._of_all.lattice(x, y, *cell) - field_yy)
+            field_yy = self._complement.lattice(x, y, *cell)
+            return np.asarray(self._inverse_distance.lattice(x, y, *cell) - field_yy)
         return 2 * np.pi * stress_cell_doubly_periodic(SURFACE[self.name], x, y, 0.0, *cell, 0.0)
 
     @property
-    def _of_all(self) -> Displacement:
+    def _inverse_distance(self) -> Displacement:
+        """Coefficients of 1 / r, the sum of the fields xx and yy."""
         return Displacement(self.datum)
 
     @property
-    def _other(self) -> "SurfaceField":
+    def _complement(self) -> "SurfaceField":
+        """Field that, with this one, adds up to 1 / r."""
         return SurfaceField("yy" if self.name == "xx" else "xx", self.datum)
 
 
 @dataclass(frozen=True, eq=False)
 class Correlated:
-    """A convolution with coefficients of any parity; fields (x, y)."""
+    """Convolution of fields (x, y) with coefficients of any parity, by their `spectrum` on the padded grid."""
 
     spectrum: Waves
     cells: tuple[int, int]
     padded: tuple[int, int]
 
     def __call__(self, field: Array) -> Array:
-        """The field convolved."""
+        """Return `field` (x, y) convolved with the coefficients."""
         waves = transformed(field, self.padded)
         waves *= self.spectrum
         return TRANSFORMS.backward(waves, self.cells, self.padded)
 
 
 def correlated(coefficients: Coefficients, grid: Grid, paddings: Paddings) -> Correlated:
-    """The convolution with ``coefficients`` on ``grid``."""
+    """Return the convolution with `coefficients` on `grid`."""
     padded = padded_cells(grid, paddings)
     around = spread(kernel(grid, paddings, coefficients), padded, coefficients.parity)
     return Correlated(transformed(around, padded), grid.cells, padded)
 
 
 def transformed(field: Array, padded: tuple[int, int]) -> Waves:
-    """Waves of ``field`` in an array of their own."""
-    room = np.empty((padded[0], padded[1] // 2 + 1), dtype=np.complex128)
-    return TRANSFORMS.forward(field, padded, room)
+    """Return the waves of `field`, padded with zeros, in a new array."""
+    work = np.empty((padded[0], padded[1] // 2 + 1), dtype=np.complex128)
+    return TRANSFORMS.forward(field, padded, work)
 
 
 @dataclass(frozen=True, eq=False)
 class ShearResponse:
     """Displacement along the surface [m] under shear [Pa], both (component, x, y): symmetric and positive.
 
-    ``u_x = (c / pi) sum of [1 / r + n x^2 / r^3] q_x + n (x y / r^3) q_y`` over bodies, c their compliance and
-    ``n = nu / (1 - nu)``. Source: Johnson (1985), eqs. 3.75a, b.
+    ``u_x = (c / pi) sum of [1 / r + n x^2 / r^3] q_x + n (x y / r^3) q_y`` over bodies, c their compliance and ``n = nu
+    / (1 - nu)``. Source: Johnson (1985), eqs. 3.75a, b.
     """
 
     xx: Correlated
@@ -114,18 +122,16 @@ class ShearResponse:
     xy: Correlated
 
     def __call__(self, shear: Array) -> Array:
-        """Four transforms of the padded grid."""
+        """Return the displacement [m] under `shear` [Pa], both (component, x, y), by four transforms."""
         padded, cells = self.xx.padded, self.xx.cells
         x, y = (transformed(component, padded) for component in shear)
         across = self.xx.spectrum * x + self.xy.spectrum * y
         along = self.xy.spectrum * x + self.yy.spectrum * y
-        return np.stack(
-            [TRANSFORMS.backward(component, cells, padded) for component in (across, along)]
-        )
+        return np.stack([TRANSFORMS.backward(waves, cells, padded) for waves in (across, along)])
 
     @property
     def largest(self) -> float:
-        """Upper bound of displacement over shear, in the mean square and without a rigid shift."""
+        """Upper bound of displacement over shear in the root mean square [m/Pa], apart from a rigid shift."""
         sums = np.maximum(np.abs(self.xx.spectrum), np.abs(self.yy.spectrum))
         return float((sums + np.abs(self.xy.spectrum)).max())
 
@@ -133,7 +139,7 @@ class ShearResponse:
 def shear_response(
     bodies: tuple[tuple[float, float], ...], grid: Grid, paddings: Paddings, datum: float
 ) -> ShearResponse:
-    """The response of ``bodies``, each by its compliance (1 - nu^2) / E [1/Pa] and Poisson's ratio."""
+    """Return the response of `bodies`, each given by its compliance (1 - nu^2) / E [1/Pa] and Poisson's ratio."""
     compliance_sum = sum(compliance for compliance, _ in bodies) / np.pi
     shear_part = sum(compliance * nu / (1 - nu) for compliance, nu in bodies) / np.pi
     spectra = {

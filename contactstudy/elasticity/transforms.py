@@ -24,18 +24,18 @@ Waves = NDArray[np.complexfloating[Any, Any]]
 
 
 class Transforms(Protocol):
-    """A pair of transforms; both may overwrite ``work``, an array for the waves, where the library takes one."""
+    """Pair of transforms; both may overwrite `work`, an array for the waves, where the library takes one."""
 
     def forward(self, field: Array, padded: tuple[int, int], work: Waves | None) -> Waves:
-        """Waves (px, py // 2 + 1) of ``field`` (nx, ny), padded with zeros."""
+        """Return the waves (px, py // 2 + 1) of `field` (nx, ny), padded with zeros."""
         ...
 
     def backward(self, waves: Waves, cells: tuple[int, int], padded: tuple[int, int]) -> Array:
-        """The first (nx, ny) cells of the field with these ``waves``, which are lost."""
+        """Return the first (nx, ny) cells of the field with these `waves`, which are overwritten."""
         ...
 
     def filtered(self, field: Array, factors: Array, work: Waves | None) -> Array:
-        """Return ``field`` (nx, ny), periodic along both axes, with its waves multiplied by ``factors``."""
+        """Return `field` (nx, ny), periodic along both axes, with its waves multiplied by `factors`."""
         ...
 
 
@@ -51,7 +51,7 @@ class _InTwoSteps(ABC):
         """Return the first cells of the field with these waves."""
 
     def filtered(self, field: Array, factors: Array, work: Waves | None) -> Array:
-        """Multiply the waves of a periodic field by `factors`."""
+        """Return a periodic `field` with its waves multiplied by `factors`."""
         cells = field.shape[0], field.shape[1]
         waves = self.forward(field, cells, work)
         scale(waves, factors)
@@ -59,16 +59,16 @@ class _InTwoSteps(ABC):
 
 
 class Standard(_InTwoSteps):
-    """The transforms of the device's array library."""
+    """Transforms by the device's array library."""
 
     def forward(self, field: Array, padded: tuple[int, int], work: Waves | None) -> Waves:
-        """Along y on the rows that hold pressure, then along x."""
+        """Return the waves of `field`: along y on the rows that hold pressure, then along x."""
         fft = arrays().fft
         waves: Waves = fft.fft(fft.rfft(field, n=padded[1], axis=1), n=padded[0], axis=0)
         return waves
 
     def backward(self, waves: Waves, cells: tuple[int, int], padded: tuple[int, int]) -> Array:
-        """Along x, then along y on the rows that are wanted."""
+        """Return the field of `waves`: along x, then along y on the rows that are wanted."""
         fft = arrays().fft
         rows = fft.ifft(waves, axis=0)[: cells[0], :]
         field: Array = fft.irfft(rows, n=padded[1], axis=1)[:, : cells[1]]
@@ -76,16 +76,16 @@ class Standard(_InTwoSteps):
 
 
 class SciPy(_InTwoSteps):
-    """scipy.fft, on the threads of the device."""
+    """Transforms by scipy.fft, on the threads of the device."""
 
     def forward(self, field: Array, padded: tuple[int, int], work: Waves | None) -> Waves:
-        """Along y on the rows that hold pressure, then along x."""
+        """Return the waves of `field`: along y on the rows that hold pressure, then along x."""
         workers = threads()
         rows = fft.rfft(field, padded[1], axis=1, workers=workers)
         return np.asarray(fft.fft(rows, padded[0], axis=0, overwrite_x=True, workers=workers))
 
     def backward(self, waves: Waves, cells: tuple[int, int], padded: tuple[int, int]) -> Array:
-        """Along x, then along y on the rows that are wanted."""
+        """Return the field of `waves`: along x, then along y on the rows that are wanted."""
         workers = threads()
         rows = fft.ifft(waves, axis=0, overwrite_x=True, workers=workers)[: cells[0]]
         field = fft.irfft(rows, padded[1], axis=1, overwrite_x=True, workers=workers)
@@ -93,7 +93,7 @@ class SciPy(_InTwoSteps):
 
 
 class Ducc:
-    """ducc0.fft, on the threads of the device, into the work array."""
+    """Transforms by ducc0.fft, on the threads of the device, into the work array."""
 
     def __init__(self) -> None:
         # no stubs, and not there for everybody
@@ -102,10 +102,10 @@ class Ducc:
         self._lock, self._widened = Lock(), False
 
     def _threads(self) -> int:
-        """Return the threads of the device, made available the first time that it has more than one.
+        """Return the threads of the device, and widen ducc0's pool the first time that there are more than one.
 
-        ducc0 else takes no more than ``OMP_NUM_THREADS`` allows, whatever a call asks for, and says nothing. While
-        threads of its pool work, the pool must not change.
+        ducc0 takes no more than ``OMP_NUM_THREADS`` allows, whatever a call asks for, and says nothing. While threads of
+        its pool work, the pool must not change.
         """
         count = threads()
         if count > 1 and not self._widened:
@@ -117,7 +117,7 @@ class Ducc:
         return count
 
     def forward(self, field: Array, padded: tuple[int, int], work: Waves | None) -> Waves:
-        """Along y on the rows that hold pressure, then along x."""
+        """Return the waves of `field`: along y on the rows that hold pressure, then along x."""
         nx, ny = field.shape
         if work is None:
             work = np.empty((padded[0], padded[1] // 2 + 1), dtype=np.result_type(field, 1j))
@@ -134,7 +134,7 @@ class Ducc:
         return work
 
     def backward(self, waves: Waves, cells: tuple[int, int], padded: tuple[int, int]) -> Array:
-        """Along x, then along y on the rows that are wanted."""
+        """Return the field of `waves`: along x, then along y on the rows that are wanted."""
         self._fft.c2c(waves, axes=(0,), forward=False, inorm=2, out=waves, nthreads=self._threads())
         rows = waves[: cells[0]]
         if padded[1] == 1:
@@ -154,7 +154,7 @@ class Ducc:
         return np.ascontiguousarray(field[:, : cells[1]])
 
     def filtered(self, field: Array, factors: Array, work: Waves | None) -> Array:
-        """Multiply the waves of a periodic field by `factors`, by one call each way."""
+        """Return a periodic `field` with its waves multiplied by `factors`, by one call each way."""
         count = self._threads()
         work = self._fft.r2c(field, axes=(0, 1), out=work, nthreads=count)
         scale(work, factors)
@@ -175,11 +175,10 @@ STANDARD = Standard()
 
 
 def transforms() -> Transforms:
-    """Return the transforms for arrays of the device."""
+    """Return the transforms for arrays of the device in use."""
     return TRANSFORMS if isinstance(device(), Cpu) else STANDARD
 
 
 def scale(waves: Waves, factors: Array) -> None:
     """Multiply `waves` by `factors`, one for each wave, in place."""
-
-    in_blocks(lambda block, its_factors: block.__imul__(its_factors), waves, factors)
+    in_blocks(lambda waves, factors: waves.__imul__(factors), waves, factors)

@@ -20,10 +20,16 @@ BISECTIONS = 80
 
 @dataclass(frozen=True)
 class Creep:
-    """``instantaneous + fluidity t + sum(J_i (1 - exp(-t / lambda_i)))``, the answer to a unit step.
+    """Creep function, the answer to a unit step: ``instantaneous + fluidity t + sum(J_i (1 - exp(-t / lambda_i)))``.
 
-    ``instantaneous`` and every ``J_i`` in one unit, ``fluidity`` in that unit per second; ``terms`` are pairs
-    (J_i, lambda_i [s]).
+    Parameters
+    ----------
+    instantaneous
+        Value at time zero.
+    terms
+        Pairs (J_i, lambda_i [s]), J_i in the unit of `instantaneous`.
+    fluidity
+        Rate of flow after infinite time, in that unit per second.
     """
 
     instantaneous: float
@@ -31,7 +37,7 @@ class Creep:
     fluidity: float = 0.0
 
     def __call__(self, time: float | Array) -> Array:
-        """Return the creep at ``time`` [s] from 0 on."""
+        """Return the value at a `time` [s] from 0 on."""
         time = np.asarray(time, dtype=np.float64)
         value = self.instantaneous + self.fluidity * time
         for size, duration in self.terms:
@@ -46,18 +52,29 @@ class Creep:
         return self.instantaneous + sum(size for size, _ in self.terms)
 
     def times(self, factor: float) -> "Creep":
-        """Return a creep ``factor`` times as large."""
+        """Return this creep function times `factor`."""
         terms = tuple((factor * size, duration) for size, duration in self.terms)
         return Creep(factor * self.instantaneous, terms, factor * self.fluidity)
 
 
 def creep(equilibrium: float, relaxation: tuple[tuple[float, float], ...]) -> Creep:
-    """The creep of a body whose modulus relaxes as ``equilibrium + sum(E_i exp(-t / tau_i))``.
+    """Return the creep of a body whose modulus relaxes as ``equilibrium + sum(E_i exp(-t / tau_i))``.
 
-    ``relaxation`` are pairs (E_i > 0, tau_i > 0 [s]); without an ``equilibrium`` modulus the body is a Maxwell
-    fluid. The rates 1 / lambda_i are the zeros of ``E(s) = equilibrium + sum(E_i s / (s + 1 / tau_i))``, which lie one
-    between each pair of neighbouring rates 1 / tau_i, so each is bracketed.
-    Source: Park & Schapery (1999), Int. J. Solids Struct. 36, eqs. 13 to 23.
+    The rates 1 / lambda_i are the zeros of ``E(s) = equilibrium + sum(E_i s / (s + 1 / tau_i))``, which lie one between
+    each pair of neighbouring rates 1 / tau_i, so each is bracketed. Source: Park & Schapery (1999), Int. J. Solids
+    Struct. 36, eqs. 13 to 23.
+
+    Parameters
+    ----------
+    equilibrium
+        Modulus after infinite time [Pa]; 0 for a Maxwell fluid.
+    relaxation
+        Pairs (E_i > 0 [Pa], tau_i > 0 [s]).
+
+    Returns
+    -------
+    Creep
+        Creep function [1/Pa].
     """
     merged: dict[float, float] = {}
     for modulus, time in relaxation:
@@ -81,7 +98,10 @@ def creep(equilibrium: float, relaxation: tuple[tuple[float, float], ...]) -> Cr
 
 
 def _zeros(equilibrium: float, moduli: Array, rates: Array, low: Array, high: Array) -> Array:
-    """Return where ``equilibrium + sum(E_i z / (z - 1 / tau_i))`` falls through zero, in each bracket, by bisection."""
+    """Return where ``equilibrium + sum(E_i z / (z - 1 / tau_i))`` falls through zero in each bracket, by bisection.
+
+    `rates` are 1 / tau_i; `low` and `high` are the ends of the brackets.
+    """
     for _ in range(BISECTIONS):
         middle = np.sqrt(low) * np.sqrt(high)
         middle = np.clip(middle, np.nextafter(low, high), np.nextafter(high, low))
@@ -102,10 +122,22 @@ Field = Callable[[Array], Array]
 
 @dataclass(frozen=True)
 class Trailing:
-    """A part of ``V(x) = int_0^inf exp(-t / length) / length K(x + t) dt`` with K those of ``inner``.
+    """Influence coefficients of a displacement that lags behind a moving pressure.
 
-    The displacement that follows a pressure which moves to larger x (axis 0) at a speed v, in a body that takes
-    the time ``length / v`` for it. ``sign``: 1 for the part that is even in x, -1 for the odd one.
+    They are a part of ``V(x) = int_0^inf exp(-t / length) / length K(x + t) dt`` with K those of `inner`: the
+    displacement that follows a pressure which moves to larger x at a speed v, in a body that takes the time ``length /
+    v`` for it.
+
+    Parameters
+    ----------
+    inner
+        Coefficients K.
+    length
+        Distance travelled in the time that the body takes.
+    sign
+        1 for the part that is even along the axis of motion, -1 for the odd one.
+    axis
+        Axis of motion, 0 for x and 1 for y.
     """
 
     inner: Coefficients
@@ -115,15 +147,15 @@ class Trailing:
 
     @property
     def parity(self) -> tuple[int, int]:
-        """Parity of this part along the axis of motion, and 1 along the other."""
+        """Parity along each axis: that of the part along the axis of motion, else 1."""
         return (self.sign, 1) if self.axis == 0 else (1, self.sign)
 
     def turned(self) -> "Trailing":
-        """Moving along the other axis."""
+        """Return the coefficients of motion along the other axis."""
         return replace(self, inner=self.inner.turned(), axis=1 - self.axis)
 
     def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
-        """Coefficients of a single cell at offsets x and y."""
+        """Return the response to one cell; x and y broadcast."""
         if self.axis == 1:
             return self.turned().cell(y, x, dy, dx)
 
@@ -134,7 +166,7 @@ class Trailing:
         return parts if np.ndim(y) < 2 else parts.T
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
-        """Infinitely many images along y."""
+        """Return the response to an infinite row of images along y; x is a column, y a row."""
         if self.axis == 1:
 
             def beside(s: Array) -> Array:
@@ -150,7 +182,7 @@ class Trailing:
     def lattice(
         self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
     ) -> Array:
-        """Infinitely many images along both axes."""
+        """Return the response to an infinite lattice of images along both axes; x is a column, y a row."""
         if self.axis == 1:
             return self.turned().lattice(y.T, x.T, dy, dx, period, width).T
 
@@ -160,12 +192,13 @@ class Trailing:
         return self._part(_closed(at, np.ravel(x), dx, width, self.length))
 
     def _part(self, both: tuple[Array, Array]) -> Array:
+        """Return the even or odd part of V, from its values at x and at -x."""
         trailing, leading = both
         return (trailing + self.sign * leading) / 2
 
 
 def _free(at: Field, x: Array, step: float, length: float) -> tuple[Array, Array]:
-    """V at ``x`` and ``-x``, multiples of ``step`` from 0 on; ``at`` is even and goes on for ever."""
+    """Return V at `x` and at ``-x``, multiples of `step` from 0 on; `at` is even and not periodic."""
     index = np.round(x / step).astype(int)
     last = max(int(index.max()), 1)
     onward, backward = _panels(at, last, step, length)
@@ -185,7 +218,7 @@ def _free(at: Field, x: Array, step: float, length: float) -> tuple[Array, Array
 
 
 def _closed(at: Field, x: Array, step: float, period: float, length: float) -> tuple[Array, Array]:
-    """V at ``x`` and ``-x`` where ``at`` repeats after ``period``."""
+    """Return V at `x` and at ``-x``, multiples of `step`; `at` is even and repeats after `period`."""
     count = round(period / step)
     half = (count + 1) // 2
     onward, backward = _panels(at, half, step, length)
@@ -204,7 +237,10 @@ def _closed(at: Field, x: Array, step: float, period: float, length: float) -> t
 
 
 def _panels(at: Field, count: int, step: float, length: float) -> tuple[Array, Array]:
-    """Integrals over each of ``count`` panels, weighted from its near end on, and from its far end backwards."""
+    """Return integrals over each of `count` panels of size `step`.
+
+    They are weighted from the panel's near end on, and from its far end backwards.
+    """
     halves = np.concatenate([[0.0], np.sort(0.5 - 0.5 ** np.arange(2.0, HALVINGS + 2)), [0.5]])
     edges = step * np.concatenate([halves, 1 - halves[-2::-1]])
     first = [_integral(at, 0.0, edges, length, sign) for sign in (1, -1)]
@@ -223,7 +259,10 @@ def _panels(at: Field, count: int, step: float, length: float) -> tuple[Array, A
 
 
 def _integral(at: Field, start: float, edges: Array, length: float, sign: int) -> Array:
-    """Over the panels between ``edges``, weighted from the first of them on (1) or from the last backwards (-1)."""
+    """Return the integral of `at` over panels between `edges`, from `start` on.
+
+    It is weighted from the first panel on (`sign` 1) or from the last backwards (-1).
+    """
     total: Array | float = 0.0
     for near, far in pairwise(edges):
         nodes, weights = _rule(far - near, length)
@@ -236,7 +275,7 @@ def _integral(at: Field, start: float, edges: Array, length: float, sign: int) -
 
 
 def _beyond(at: Field, start: float, step: float, length: float) -> Array:
-    """V at ``start``, by panels that grow with their distance."""
+    """Return V at `start`, by panels that grow with their distance."""
     reach = FORGOTTEN * length
     edges = [0.0, step]
     while edges[-1] < reach:
@@ -245,10 +284,10 @@ def _beyond(at: Field, start: float, step: float, length: float) -> Array:
 
 
 def _rule(size: float, length: float) -> tuple[Array, Array]:
-    """Points in a panel from 0 to 1 and weights for ``int f(t) exp(-t / length) / length dt`` over ``size``.
+    """Return points in a panel from 0 to 1 and weights for ``int f(t) exp(-t / length) / length dt`` over `size`.
 
-    Exact for polynomials of degree ``POINTS - 1`` at any ratio: moments of Legendre's polynomials under an
-    exponential are modified spherical Bessel functions (DLMF 10.54.2).
+    Exact for polynomials of degree ``POINTS - 1`` at any ratio: moments of Legendre's polynomials under an exponential
+    are modified spherical Bessel functions (DLMF 10.54.2).
     """
     nodes, gauss = np.polynomial.legendre.leggauss(POINTS)
     half = max(size / (2 * length), 1e-12)

@@ -164,7 +164,9 @@ def transform_seconds(operator: cs.Operator, precision: cs.Precision, on: Device
         field = on.put(np.zeros(scaled.cells, dtype=precision.real))
         for _ in range(3):
             before = clock()
-            waves = pair.forward(field, scaled.padded, scaled.room(scaled.padded, precision.real))
+            waves = pair.forward(
+                field, scaled.padded, scaled.work_array(scaled.padded, precision.real)
+            )
             float(
                 pair.backward(waves, scaled.cells, scaled.padded)[0, 0]
             )  # done, also on another device

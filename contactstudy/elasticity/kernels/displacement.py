@@ -24,14 +24,26 @@ NEAR_POINTS, FAR_POINTS = 8, 4
 
 
 def boussinesq_cell(x: ArrayLike, y: ArrayLike, dx: ArrayLike, dy: ArrayLike) -> Array:
-    """Integral of 1/r over a ``dx * dy`` cell whose centre is ``(x, y)`` away; all arguments broadcast.
+    """Return the integral of 1/r over a rectangular cell: ``pi E*`` times displacement over pressure.
 
-    Lengths in one common unit, the result in that unit. Relative error below 1e-13 at any distance up
-    to 1e150 cells and for ``dx / dy`` from 1e-3 to 1e3; even in ``x`` and ``y`` to the last bit.
+    The relative error is below 1e-13 at any distance up to 1e150 cells and for ``dx / dy`` from 1e-3 to 1e3. The result
+    is even in `x` and `y` to the last bit.
 
-    Source: Love (1929). His difference of four corner terms loses ``(r / dx)^2`` units in the last
-    place; here it is taken edge by edge near the cell, then as Gauss points (in the direction of the
-    larger offset) of lines in closed form, all of one sign, and far away as multipoles.
+    Source: Love (1929). His difference of four corner terms loses ``(r / dx)^2`` units in the last place; here it is
+    taken edge by edge near the cell, then as Gauss points (in the direction of the larger offset) of lines in closed
+    form, all of one sign, and far away as multipoles.
+
+    Parameters
+    ----------
+    x, y
+        Offsets from the centre of the cell.
+    dx, dy
+        Sides of the cell.
+
+    Returns
+    -------
+    Array
+        The integral. All arguments broadcast; lengths are in one unit, and the result is in that unit.
     """
     x, y, dx, dy = (np.abs(np.asarray(a, dtype=np.float64)) for a in (x, y, dx, dy))
     half_x, half_y = dx / 2, dy / 2
@@ -53,9 +65,9 @@ def boussinesq_cell(x: ArrayLike, y: ArrayLike, dx: ArrayLike, dy: ArrayLike) ->
 
 
 def multipoles(c: Array, q: Array, e: Array) -> Array:
-    """Mean of ``1 / |r - s|`` over the points s of a cell, in the unit of its half-diagonal d.
+    """Return the mean of ``1 / |r - s|`` over the points s of a cell, in the unit of its half-diagonal d.
 
-    ``c = cos 2 theta`` for the direction of r, ``q = (d / r)^2``, ``e = (dx^2 - dy^2) / (dx^2 + dy^2)``:
+    ``c = cos 2 theta`` for the direction of r, ``q = (d / r)^2``, ``e = (dx^2 - dy^2) / (dx^2 + dy^2)``. It is
     ``sqrt(q)`` times the sum of ``q^k < (s / d)^2k P_2k(cos(r, s)) >``.
     """
     ee = e * e
@@ -83,7 +95,7 @@ def multipoles(c: Array, q: Array, e: Array) -> Array:
 
 
 def _close(x: Array, y: Array, half_x: Array, half_y: Array) -> Array:
-    """The cell seen from near by, or along a side so long that it is not seen as a point."""
+    """Return the integral of 1/r over cells that are too near, or too long, to be seen as points."""
     across, along = x / half_x, y / half_y
     steps = np.maximum(across, along)
     near, far = steps < 2 * NEAR, steps >= 2 * FAR
@@ -98,7 +110,7 @@ def _close(x: Array, y: Array, half_x: Array, half_y: Array) -> Array:
 
 
 def line(x: Array, y: Array, half: Array) -> Array:
-    """Integral of 1/r along a segment of half-length ``half``, ``x`` aside and ``y`` along its axis."""
+    """Return the integral of 1/r along a segment of half-length `half`, at `x` aside and `y` along its axis."""
     # Seen from outside the first form cancels, from inside the second.
     within = y < 2 * half
     result = np.empty(x.shape)
@@ -112,7 +124,7 @@ def line(x: Array, y: Array, half: Array) -> Array:
 
 
 def _edges(x: Array, y: Array, half_x: Array, half_y: Array) -> Array:
-    """The four edges of the cell, each times its distance (divergence theorem on ``(x, y) / r``)."""
+    """Return the integral of 1/r over a cell by its four edges (divergence theorem on ``(x, y) / r``)."""
     total = np.zeros(x.shape)
     for u, v, half_u, half_v in ((x, y, half_x, half_y), (y, x, half_y, half_x)):
         for outward in (1, -1):
@@ -124,7 +136,7 @@ def _edges(x: Array, y: Array, half_x: Array, half_y: Array) -> Array:
 
 
 def _lines(x: Array, y: Array, half_x: Array, half_y: Array, points: int) -> Array:
-    """Gauss points across the cell, each a line along it."""
+    """Return the integral of 1/r over a cell by Gauss `points` across it, each a line along it."""
     total = np.zeros(x.shape)
     for node, weight in gauss(points):
         total += weight * line(x + node * half_x, y, half_y)
@@ -133,7 +145,7 @@ def _lines(x: Array, y: Array, half_x: Array, half_y: Array, points: int) -> Arr
 
 @cache
 def gauss(points: int) -> tuple[tuple[float, float], ...]:
-    """Gauss-Legendre nodes on (-1, 1) with weights that add up to one."""
+    """Return Gauss-Legendre nodes on (-1, 1) with weights that add up to one."""
     nodes, weights = leggauss(points)
     return tuple(zip(nodes.tolist(), (weights / 2).tolist(), strict=True))
 
@@ -155,17 +167,28 @@ STRIPS, STRIPS_END = 15, 7.2
 def boussinesq_cell_periodic(
     x: ArrayLike, y: ArrayLike, dx: ArrayLike, dy: ArrayLike, period: ArrayLike
 ) -> Array:
-    """The cell of :func:`~contactstudy.kernels.boussinesq_cell` repeated infinitely with ``period`` along y.
+    """Return the integral of 1/r over a cell repeated infinitely along y, less its divergent rigid shift.
 
-    All arguments broadcast.
+    ``S = lim_M [ sum_{|m| <= M} I(x, y + m L) - (2 dx dy / L) ln((2 M + 1) L) ]`` with I that of
+    :func:`~contactstudy.kernels.boussinesq_cell`. Its mean over a period is ``-(2 dx dy / L) mean ln |x|``. The error is
+    below 1e-13 of ``max(|S|, dx dy / period)``; the result is even in `x` and `y`.
 
-    ``S = lim_M [ sum_{|m| <= M} I(x, y + m L) - (2 dx dy / L) ln((2 M + 1) L) ]``: the divergent rigid
-    shift is taken off, so that the mean over a period is ``-(2 dx dy / L) mean ln |x|``. Lengths in one
-    common unit, the result in that unit. Needs ``dy <= period``. Error below 1e-13 of
-    ``max(|S|, dx dy / period)``; even in ``x`` and ``y``.
+    Source: near the axis, images summed one by one, and all further ones as multipoles, whose sums are zeta functions;
+    Fourier series in Bessel functions K0 (Lekner 1991, eq. for a line of charges) away from it.
 
-    Source: near the axis, images summed one by one, and all further ones as multipoles, whose sums are
-    zeta functions; Fourier series in Bessel functions K0 (Lekner 1991, eq. for a line of charges) away from it.
+    Parameters
+    ----------
+    x, y
+        Offsets from the centre of a cell.
+    dx, dy
+        Sides of the cell, ``dy <= period``.
+    period
+        Distance L between images along y.
+
+    Returns
+    -------
+    Array
+        The sum S. All arguments broadcast; lengths are in one unit, and the result is in that unit.
     """
     arguments = [np.asarray(a, dtype=np.float64) for a in (x, y, dx, dy, period)]
     x, y, *cell = arguments
@@ -182,7 +205,7 @@ def boussinesq_cell_periodic(
 
 
 def _repeated(x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
-    """S for one kind of cell."""
+    """Return the periodic sum S for one size of cell."""
     shape = np.broadcast_shapes(x.shape, y.shape)
     # Exact, where a rounded y / period would move the observer by many of its smallest cells.
     x, y = np.abs(x), np.fmod(np.abs(y), period)
@@ -198,9 +221,9 @@ def _repeated(x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
 
 
 def paired(x: Array, y: Array) -> tuple[Array, Array]:
-    """A column and a row if the axes of x all come before those of y, else both flat.
+    """Return x as a column and y as a row if the axes of x all come before those of y, else both flat.
 
-    In the first case, what depends on one is found only once.
+    What depends on one of them is then computed only once.
     """
     shape = np.broadcast_shapes(x.shape, y.shape)
     last_x = max((k + len(shape) - x.ndim for k, n in enumerate(x.shape) if n != 1), default=-1)
@@ -214,7 +237,7 @@ def paired(x: Array, y: Array) -> tuple[Array, Array]:
 
 
 def _mean_over_cell(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> Array:
-    """S in units of ``dx dy / period``; x and y both flat, or a column and a row."""
+    """Return S in units of ``dx dy / period``; x and y are both flat, or a column and a row."""
     result = np.empty(np.broadcast_shapes(x.shape, y.shape))
     inner = (x - half_x).reshape(len(x)) / period
     beyond = inner >= FOURIER_END
@@ -233,12 +256,12 @@ def _mean_over_cell(x: Array, y: Array, half_x: Array, half_y: float, period: fl
 
 
 def _share(lengths: Array, rows: NDArray[np.bool_]) -> Array:
-    """The lengths that belong to some rows of x: their own, or the same for all."""
+    """Return the `lengths` that belong to some `rows` of x, which are one each or the same for all."""
     return lengths[rows] if len(lengths) == len(rows) else lengths
 
 
 def _images(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> Array:
-    """The nearest images one by one, and what all further ones make together."""
+    """Return S near the axis: the nearest images one by one, and all further ones together as multipoles."""
     across, along = (float(np.fmax.reduce(a, axis=None, initial=0.0)) for a in (x + half_x, y))
     reach = np.hypot(across, along + half_y) / period
     images = max(1, int(np.ceil(reach / REACH)) - 1)
@@ -256,7 +279,7 @@ def _images(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> 
 
 
 def _even_powers(x: Array, half: Array, images: int, terms: int) -> Array:
-    """``x^0, x^2, x^4, ...`` averaged over a segment about each x, shape (x, terms), lengths in periods."""
+    """Return ``x^0, x^2, x^4, ...`` averaged over a segment about each x, shape (x, terms), lengths in periods."""
     # no end of a cell comes nearer to the further images than this
     points = points_within(images / float(half.max()))
     return np.asarray(
@@ -269,7 +292,7 @@ def _even_powers(x: Array, half: Array, images: int, terms: int) -> Array:
 
 @cache
 def further_images(images: int, terms: int) -> Array:
-    """Coefficients of ``x^2k y^2n`` in the sum of 1 / r over all images but the nearest, shape (k, n).
+    """Return the coefficients (k, n) of ``x^2k y^2n`` in the sum of 1 / r over all images except the nearest.
 
     Two that are m away on either side make ``2 sum_l r^2l P_2l(y / r) / m^(2l + 1)``, with l = k + n.
     """
@@ -281,22 +304,25 @@ def further_images(images: int, terms: int) -> Array:
 
 
 def points_within(away: float) -> tuple[tuple[float, float], ...]:
-    """Gauss points over a segment that leave ROUNDING of what is singular ``away`` half-lengths off."""
+    """Return Gauss points on a segment for a field that is singular `away` half-lengths from its middle.
+
+    Their error is `ROUNDING`.
+    """
     # They leave rho^-2n, of what is analytic in the Bernstein ellipse of cosh ln rho = away.
     return gauss(1 + int(np.log(ROUNDING) / (-2 * np.arccosh(away))))
 
 
 def combined(across: Array, along: Array, shape: tuple[int, ...]) -> Array:
-    """Sum of products of what depends on x, shape (x, terms), with what depends on y, (terms, y).
+    """Return the sum over terms of `across` (x, terms) times `along` (terms, y).
 
-    ``shape`` is that of the offsets as :func:`paired`.
+    `shape` is that of the offsets as :func:`paired` returns them.
     """
     both = product(across, along) if len(shape) == 2 else (across * along.T).sum(axis=1)
     return np.asarray(both)
 
 
 def _fourier(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> Array:
-    """The plane-strain logarithm and the harmonics of the period, which decay like exp(-2 pi j x)."""
+    """Return S away from the axis: the plane-strain logarithm and harmonics, which decay like exp(-2 pi j x / L)."""
     across = harmonics_across(x, half_x, period)
     along = harmonics_along(y, half_y, period, across.shape[1])
     total = combined(across, along, np.broadcast_shapes(x.shape, y.shape))
@@ -305,7 +331,7 @@ def _fourier(x: Array, y: Array, half_x: Array, half_y: float, period: float) ->
 
 
 def harmonics_across(x: Array, half_x: Array | float, period: float) -> Array:
-    """``4 K0(2 pi j x / L)`` averaged over a segment about each x, shape (x, j = 1, 2 ...)."""
+    """Return ``4 K0(2 pi j x / L)`` averaged over a segment about each x, shape (x, j = 1, 2 ...)."""
     # further from the axis, so many fewer
     inner = float(np.fmin.reduce((x - half_x) / period, axis=None, initial=FOURIER_END))
     wave = 2 * np.pi / period * np.arange(1, int(np.ceil(FOURIER_TERMS * HANDOVER / inner)) + 1)
@@ -316,19 +342,19 @@ def harmonics_across(x: Array, half_x: Array | float, period: float) -> Array:
 
 
 def harmonics_along(y: Array, half_y: float, period: float, count: int) -> Array:
-    """``cos(2 pi j y / L)`` averaged over a segment about each y, shape (j = 1, 2 ... count, y)."""
+    """Return ``cos(2 pi j y / L)`` averaged over a segment about each y, shape (j = 1, 2 ... count, y)."""
     j = np.arange(1, count + 1)[:, None]
     waves = np.cos(2 * np.pi / period * j * y.ravel())
     return np.asarray(waves * np.sinc(2 * j * half_y / period))
 
 
 def _logarithm(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> Array:
-    """``-2 ln |x|``, averaged over a cell that does not reach the axis."""
+    """Return S far from the axis: ``-2 ln |x|``, averaged over a cell that does not reach the axis."""
     return -2 * _log_mean(x, half_x) * np.ones_like(y)
 
 
 def _log_mean(x: Array, half: Array) -> Array:
-    """Mean of ``ln |x|`` over a segment of half-length ``half`` whose centre is ``x >= 0`` away."""
+    """Return the mean of ``ln |x|`` over a segment of half-length `half` whose centre is ``x >= 0`` away."""
     x, half = np.broadcast_arrays(x, half)
     mean = np.empty(x.shape)
     aside = x >= half
@@ -342,7 +368,7 @@ def _log_mean(x: Array, half: Array) -> Array:
 
 
 def _strips(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> Array:
-    """A cell wider than the period: strips of fixed distance from the axis, and the two flanks."""
+    """Return S for a cell wider than the period, cut into strips at fixed distances from the axis and two flanks."""
     marks = np.linspace(-STRIPS_END, STRIPS_END, STRIPS + 1) * period
     total = np.zeros(np.broadcast_shapes(x.shape, y.shape))
     for start, end in pairwise((-np.inf, *marks.tolist(), np.inf)):
@@ -357,14 +383,25 @@ def _strips(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> 
 def boussinesq_cell_doubly_periodic(
     x: ArrayLike, y: ArrayLike, dx: float, dy: float, width: float, period: float
 ) -> Array:
-    """The cell repeated with ``width`` along x and ``period`` along y; x and y broadcast.
+    """Return the integral of 1/r over a cell repeated along x and y, less its mean over both periods.
 
-    Counted from its mean over both periods. Needs ``dx <= width`` and ``dy <= period``. Error below
-    1e-13 of ``max(|S|, dx dy / min(width, period))``.
+    The error is below 1e-13 of ``max(|S|, dx dy / min(width, period))``. Source: the rows of
+    :func:`~contactstudy.kernels.boussinesq_cell_periodic`, whose harmonics die out within a few of their periods and
+    whose logarithms together are that of a periodic line load, ``-2 ln |2 sin(pi x / W)|`` (Johnson 1985, sect. 13.2).
 
-    Source: the rows of :func:`~contactstudy.kernels.boussinesq_cell_periodic`, whose harmonics die
-    out within a few of their periods and whose logarithms together are that of a periodic line load,
-    ``-2 ln |2 sin(pi x / W)|`` (Johnson 1985, sect. 13.2).
+    Parameters
+    ----------
+    x, y
+        Offsets from the centre of a cell, which broadcast.
+    dx, dy
+        Sides of the cell, ``dx <= width`` and ``dy <= period``.
+    width, period
+        Distances between images along x and y.
+
+    Returns
+    -------
+    Array
+        The sum S. Lengths are in one unit, and the result is in that unit.
     """
     x = np.asarray(x, dtype=np.float64)
     y = np.asarray(y, dtype=np.float64)
@@ -381,7 +418,10 @@ def boussinesq_cell_doubly_periodic(
 
 
 def _further_rows(x: Array, y: Array, dx: float, dy: float, width: float, period: float) -> Array:
-    """Sum over all rows but those at 0 and at W, in units of ``dx dy / period``: no cell reaches the axis."""
+    """Return the sum over all rows except those at 0 and at W, in units of ``dx dy / period``.
+
+    No cell of these rows reaches the axis.
+    """
     x, y = paired(x, y)
     # beyond these, at more than FOURIER_END periods from any cell, nothing is left but logarithms
     rows = int(np.ceil(FOURIER_END * period / width)) + 1

@@ -25,12 +25,24 @@ Field = Callable[[Array, Array, float, Array, float], Array]
 
 @dataclass(frozen=True)
 class Component:
-    """A component of the stress tensor.
+    """Kernel of one component of the stress tensor.
 
-    ``point`` is 2 pi times the stress under a unit force at the origin, ``corner`` its integral over x
-    and y; ``plane`` is pi times the stress in plane strain, from the angle and the pole of
-    :class:`Strip`. ``parity`` is 1 for what is even across and along, -1 for what is odd; ``turned``
-    names the component with the axes exchanged, among those of its ``family``, by default ``COMPONENTS``.
+    Parameters
+    ----------
+    name
+        Name of the component, such as "xx".
+    parity
+        1 for a field that is even across and along, -1 for one that is odd.
+    point
+        2 pi times the stress under a unit force at the origin.
+    corner
+        Integral of `point` over x and y.
+    plane
+        pi times the stress in plane strain, from the angle and the pole of a :class:`Strip`.
+    turned
+        Name of the component with the axes exchanged.
+    family
+        Components among which `turned` is looked up, by default ``COMPONENTS``.
     """
 
     name: str
@@ -42,16 +54,22 @@ class Component:
     family: "Mapping[str, Component] | None" = field(default=None, compare=False, repr=False)
 
     def exchanged(self) -> "Component":
-        """The component with the axes exchanged."""
+        """Return the component with the axes exchanged."""
         return (COMPONENTS if self.family is None else self.family)[self.turned]
 
 
 @dataclass(frozen=True, eq=False)
 class Strip:
-    """The angles and distances under which a loaded strip, endless along y, is seen (Johnson 1985, sect. 2.5(a)).
+    """Loaded strip, endless along y, as seen from a point (Johnson 1985, sect. 2.5(a)).
 
-    ``angle`` it subtends; ``pole = z / (a + i z) - z / (b + i z)``, its edges at offsets a and b. ``edges`` are
-    its offset, the depth, its width and the period across, None for a strip by itself.
+    Parameters
+    ----------
+    angle
+        Angle that it subtends.
+    pole
+        ``z / (a + i z) - z / (b + i z)``, its edges at offsets a and b.
+    edges
+        Offset of its middle, the depth, its width, and the period across, None for a strip by itself.
     """
 
     angle: Array
@@ -60,7 +78,7 @@ class Strip:
 
     @property
     def logarithm(self) -> Array:
-        """``ln |a + i z| - ln |b + i z|``; of strips with a period, that of ``2 sin(pi (a + i z) / W)``."""
+        """``ln |a + i z| - ln |b + i z|``; with a period, that of ``2 sin(pi (a + i z) / W)``."""
         x, z, dx, width = self.edges
         if width is None:
             return np.asarray(np.log1p(2 * x * dx / ((x - dx / 2) ** 2 + z * z)) / 2)
@@ -71,7 +89,7 @@ class Strip:
 
     @property
     def sides(self) -> Array:
-        """``|a| - |b|``, the integral of the sign of the offset; with a period, of a sawtooth without mean."""
+        """Integral of the sign of the offset, ``|a| - |b|``; with a period, of a sawtooth without mean."""
         x, _, dx, width = self.edges
         ends = [x + side * dx / 2 for side in (1, -1)]
         if width is None:
@@ -88,22 +106,22 @@ class Strip:
 
 
 def _angle(x: Array, y: Array, z: float, r: Array) -> Array:
-    """Minus the solid angle of a quadrant: integral of ``-z / r^3``."""
+    """Return the integral of ``-z / r^3``: minus the solid angle of a quadrant."""
     return np.asarray(-np.arctan2(x * y, z * r))
 
 
 def _arch(x: Array, y: Array, z: float, r: Array) -> Array:
-    """Integral of ``-z (d/dx)^2 (1/r)``."""
+    """Return the integral of ``-z (d/dx)^2 (1/r)``."""
     return np.asarray(z * x * y / ((x * x + z * z) * r))
 
 
 def _bulge(x: Array, y: Array, z: float, r: Array) -> Array:
-    """Integral of ``(d/dx)^2 ln(r + z)``, its two arctangents as one that does not cancel."""
+    """Return the integral of ``(d/dx)^2 ln(r + z)``, its two arctangents as one that does not cancel."""
     return np.arctan2(x * y * (x * x + y * y) / (r + z), x * x * r + z * y * y)
 
 
 def _bulge_point(x: Array, y: Array, z: float, r: Array) -> Array:
-    """``(d/dx)^2 ln(r + z)``."""
+    """Return ``(d/dx)^2 ln(r + z)``."""
     return np.asarray((1 - x * x * (2 * r + z) / (r * r * (r + z))) / (r * (r + z)))
 
 
@@ -193,11 +211,23 @@ def stress_cell(
     dy: float,
     poisson_ratio: float,
 ) -> Array:
-    """Stress at depth ``z`` under unit pressure on a ``dx * dy`` cell whose centre is ``(x, y)`` away.
+    """Return a component of stress over pressure below a rectangular cell.
 
-    x and y broadcast; lengths in one common unit, ``z`` from 0 on (0 not on the edge of the cell).
-    Error below 1e-12 of the largest component at that distance for ``dx / dy`` from 0.1 to 10, and beyond
-    in proportion to it; even or odd in x and y to the last bit.
+    The error is below 1e-12 of the largest component at that distance for ``dx / dy`` from 0.1 to 10, and beyond in
+    proportion to it. The result is even or odd in x and y to the last bit.
+
+    Parameters
+    ----------
+    component
+        Component to compute.
+    x, y
+        Offsets from the centre of the cell, which broadcast.
+    z
+        Depth from 0 on, not 0 on the edge of the cell.
+    dx, dy
+        Sides of the cell, all lengths in one unit.
+    poisson_ratio
+        Poisson's ratio of the half-space.
     """
     offsets = (np.asarray(a, dtype=np.float64) for a in (x, y))
     across, along = np.broadcast_arrays(*offsets)
@@ -216,13 +246,14 @@ def stress_cell(
 
 
 def sign(offset: Array, parity: int) -> Array | float:
-    """Return the factor that a field of this parity takes from the sign of its offset."""
+    """Return the sign of a field with this `parity` on the side of `offset`."""
     return np.sign(offset) if parity < 0 else 1.0
 
 
 def _corners(
     field: Field, x: Array, y: Array, z: float, dx: float, dy: float, poisson_ratio: float
 ) -> Array:
+    """Return the integral of a field over a cell, as the difference of its `corner` field at the four corners."""
     total = np.zeros(x.shape)
     for side in (1, -1):
         for end in (1, -1):
@@ -234,6 +265,7 @@ def _corners(
 def _points(
     field: Field, x: Array, y: Array, z: float, dx: float, dy: float, nu: float, points: int
 ) -> Array:
+    """Return the integral of a field over a cell, by Gauss `points` along either side."""
     total = np.zeros(x.shape)
     if not x.size:
         return total
@@ -246,7 +278,7 @@ def _points(
 
 
 def strip(x: Array, z: float, dx: float) -> Strip:
-    """A strip of width ``dx`` whose middle is ``x`` away."""
+    """Return a strip of width `dx` whose middle is `x` away, at depth `z`."""
     # by the product of both distances, where their difference would cancel
     product = (x - dx / 2) * (x + dx / 2) - z * z + 2j * z * x
     angle = np.arctan2(z * dx, np.real(product) + 2 * z * z)

@@ -40,14 +40,27 @@ def stress_cell_periodic(
     period: float,
     poisson_ratio: float,
 ) -> Array:
-    """The cell of :func:`~contactstudy.elasticity.kernels.stress_cell.stress_cell` repeated infinitely along y.
+    """Return a component of stress over pressure (x, y) below a cell repeated infinitely along y.
 
-    Every x with every y, shape (x, y); ``dy <= period``. Error below 1e-12 of the largest component, of
-    one cell or of the row, whichever is larger.
+    The error is below 1e-12 of the largest component, of one cell or of the row, whichever is larger. The nearest images
+    are summed one by one. The others are 1/m^2 times a smooth function of 1/m, and summed by Gauss's rule for such sums
+    (Monien 2010, Math. Comp. 79), whose nodes are positions between the images. Far from the axis, the row is a strip in
+    plane strain.
 
-    The nearest images are summed one by one. The others are 1/m^2 times a smooth function of 1/m, and
-    summed by Gauss's rule for such sums (Monien 2010, Math. Comp. 79), whose nodes are positions
-    between the images. Far from the axis, the row is a strip in plane strain.
+    Parameters
+    ----------
+    component
+        Component to compute.
+    x, y
+        Offsets from the centre of a cell: every x with every y.
+    z
+        Depth from 0 on.
+    dx, dy
+        Sides of the cell, ``dy <= period``; all lengths in one unit.
+    period
+        Distance between images along y.
+    poisson_ratio
+        Poisson's ratio of the half-space.
     """
     x = np.asarray(x, dtype=np.float64).reshape(-1, 1)
     y = np.asarray(y, dtype=np.float64).reshape(1, -1)
@@ -71,7 +84,7 @@ def stress_cell_periodic(
 
 
 def plane_strain(component: Component, seen: Strip, poisson_ratio: float) -> Array:
-    """Stress under unit pressure on a strip."""
+    """Return a component of stress under unit pressure on a strip."""
     return np.asarray(component.plane(seen, poisson_ratio) / np.pi + 0 * seen.angle)
 
 
@@ -85,7 +98,10 @@ def _far_images(
     periods: int,
     poisson_ratio: float,
 ) -> Array:
-    """Images from ``2 periods`` on, seen from within ``periods`` of the axis: smooth, so interpolated."""
+    """Return the sum over images from ``2 periods`` on, seen from within `periods` of the axis.
+
+    It is smooth there, and so interpolated.
+    """
     ends = periods * period, period / 2
     (u, from_x), (v, from_y) = (
         _interpolation(np.abs(a.ravel()), end, count)
@@ -103,7 +119,7 @@ def _far_images(
 
 
 def _interpolation(at: Array, end: float, count: int) -> tuple[Array, Array]:
-    """Chebyshev's points between 0 and ``end``, and what takes values there to values ``at``."""
+    """Return `count` Chebyshev points between 0 and `end`, and the matrix from values there to values `at`."""
     points = np.cos(np.pi * (np.arange(count) + 0.5) / count)
     basis = chebvander(points, count - 1)
     # the polynomials are orthogonal over their points
@@ -115,7 +131,7 @@ def _interpolation(at: Array, end: float, count: int) -> tuple[Array, Array]:
 
 @cache
 def _tail(start: int) -> tuple[Array, Array]:
-    """Positions and weights with ``sum over m >= start of f(m)`` for f(m) = m^-2 polynomial(1/m)."""
+    """Return positions and weights with ``sum over m >= start of f(m)`` for f(m) = m^-2 polynomial(1/m)."""
     end = start + TAIL_IMAGES
     m = np.arange(start, end, dtype=np.float64)
     # the sum from there on is an integral but for 1 / (12 end^3)
@@ -149,14 +165,27 @@ def stress_cell_doubly_periodic(
     period: float,
     poisson_ratio: float,
 ) -> Array:
-    """The cell repeated with ``width`` along x and ``period`` along y; every x with every y.
+    """Return a component of stress over pressure (x, y) below a cell repeated along x and y.
 
-    Periodic displacement, along both axes: the mean strain along the surface is zero, and so the mean
-    of xx and yy is ``-nu / (1 - nu)`` of the mean pressure. Without this, it would hang on the order of
-    summation. Error below 1e-12 of the largest component.
+    The displacement is periodic along both axes: the mean strain along the surface is zero, and so the mean of xx and yy
+    is ``-nu / (1 - nu)`` of the mean pressure. Without this, it would hang on the order of summation. The error is below
+    1e-12 of the largest component. Each row of :func:`stress_cell_periodic` less its strip dies out within a few
+    periods; the strips have a closed form together.
 
-    Each row of :func:`stress_cell_periodic` less its strip dies out within a few periods; the strips
-    have a closed form together.
+    Parameters
+    ----------
+    component
+        Component to compute.
+    x, y
+        Offsets from the centre of a cell: every x with every y.
+    z
+        Depth from 0 on.
+    dx, dy
+        Sides of the cell, all lengths in one unit.
+    width, period
+        Distances between images along x and y.
+    poisson_ratio
+        Poisson's ratio of the half-space.
     """
     x = np.asarray(x, dtype=np.float64).reshape(-1, 1)
     y = np.asarray(y, dtype=np.float64).reshape(1, -1)
@@ -194,7 +223,7 @@ def stress_cell_doubly_periodic(
 
 
 def _strips(x: Array, z: float, dx: float, width: float) -> Strip:
-    """Strips repeated with ``width``: 1/x becomes (pi/W) cot(pi x/W) (Johnson 1985, sect. 13.2)."""
+    """Return strips repeated with `width`: 1/x becomes (pi/W) cot(pi x/W) (Johnson 1985, sect. 13.2)."""
     # beyond this the harmonics have long underflowed, and cosh would not hold them
     depth = min(2 * np.pi * z / width, 100.0)
     twice, cell = 2 * np.pi * x / width, np.pi * dx / width

@@ -63,9 +63,9 @@ class Comparison:
             f"approach: {'+' * (self.approach > 0)}{readable(self.approach, 'm')}",
             f"largest difference: {readable(self.largest, 'Pa')} at x = {x}, y = {y}",
         ]
-        more = len(self.differing) - SHOWN
+        omitted = len(self.differing) - SHOWN
         lines += [f"scenes differ in {text}" for text in self.differing[:SHOWN]]
-        return "\n".join(lines + [f"... and in {more} more keys"] * (more > 0))
+        return "\n".join(lines + [f"... and in {omitted} more keys"] * (omitted > 0))
 
     def plot(self) -> "Figure":
         """Draw the difference as a map, and both pressures across the place where it is largest."""

@@ -155,7 +155,7 @@ def _measured(posed: PosedScene) -> dict[str, str]:
 def _status(status: Status) -> xr.Variable:
     """Return how a solve ended as a CF flag, with the sentence as its comment."""
     flag = flags(
-        (), list(Status).index(status), [each.name for each in Status], "how the solver ended"
+        (), list(Status).index(status), [member.name for member in Status], "how the solver ended"
     )
     flag.attrs = {"units": "1", **flag.attrs, "comment": str(status)}
     return flag

@@ -162,12 +162,12 @@ class ProfileFile:
     def shape(self, _folder: Path, surroundings: Surroundings) -> LundbergProfile:
         """Return the profile; one for a load needs the curvature and the modulus of the scene."""
         drops = self.amplitude, self.end_drop
-        given = [
+        ways = [
             drops != (None, None),
             self.for_load is not None,
             self.iso_16281_diameter is not None,
         ]
-        if sum(given) != 1 or (given[0] and None in drops):
+        if sum(ways) != 1 or (ways[0] and None in drops):
             raise InvalidInput(
                 "LundbergProfile is not described by one way: give amplitude and end_drop, for_load (the load per "
                 "length that it spreads evenly), or iso_16281_diameter."

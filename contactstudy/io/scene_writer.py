@@ -19,10 +19,21 @@ if TYPE_CHECKING:
 
 
 def write_scene(described: "Scene | SceneFile", path: str | PathLike[str]) -> None:
-    """Write a scene, or all that a scene file says, to the TOML file ``path``.
+    """Write a scene, or all that a scene file says, to a TOML file.
 
     The heights of a measured surface that was not read from a file are written beside it, as netCDF.
-    Raises :class:`~contactstudy.InvalidInput` for a shape or body that no file can hold.
+
+    Parameters
+    ----------
+    described
+        A scene, or the result of :func:`~contactstudy.read_scene`.
+    path
+        File to write.
+
+    Raises
+    ------
+    InvalidInput
+        For a shape or a body that no file can hold, or a file that cannot be written.
     """
     path = Path(path)
     if not path.parent.is_dir():
@@ -32,13 +43,13 @@ def write_scene(described: "Scene | SceneFile", path: str | PathLike[str]) -> No
     if isinstance(described, Scene):
         text = scene_text(described, beside=path)
     else:
-        others = {"grid": described.grid, **_paddings(described.padding)}
+        placing = {"grid": described.grid, **_paddings(described.padding)}
         settings = {
             "plan": described.plan_settings,
             "solve": described.settings,
             "evolve": described.time_steps,
         }
-        text = _text(described.scene, others | settings, path)
+        text = _text(described.scene, placing | settings, path)
     try:
         path.write_text(text, encoding="utf-8")
     except OSError as error:
@@ -54,10 +65,10 @@ def scene_text(
     padding: Padding | Paddings | None = None,
     beside: Path | None = None,
 ) -> str:
-    """The TOML of ``scene``, with ``grid`` and ``padding`` if they are given.
+    """Return the TOML of `scene`, with its grid and padding if they are given.
 
-    Heights that are in no file are written ``beside`` a path; without one, their digest stands for them.
-    Raises :class:`~contactstudy.InvalidInput` as :func:`write_scene` does.
+    Heights that are in no file are written `beside` a path; without one, their digest stands for them. Raises
+    :class:`~contactstudy.InvalidInput` for a shape or a body that no file can hold.
     """
     return _text(scene, {"grid": grid, **_paddings(padding)}, beside)
 
@@ -82,13 +93,13 @@ def _text(scene: Scene, others: Mapping[str, object], beside: Path | None) -> st
 
 
 def _fields(value: Any, name: str) -> dict[str, Any]:
-    """The fields of a dataclass that are not at their default; measured surfaces are for the caller."""
+    """Return the fields of a dataclass that are not at their default, less the shapes of a scene."""
     return {
-        one.name: _plain(getattr(value, one.name), f"{name}.{one.name}")
-        for one in fields(value)
-        if one.init
-        and not _is_default(one, getattr(value, one.name))
-        and (name, one.name) != ("Scene", "shapes")
+        member.name: _plain(getattr(value, member.name), f"{name}.{member.name}")
+        for member in fields(value)
+        if member.init
+        and not _is_default(member, getattr(value, member.name))
+        and (name, member.name) != ("Scene", "shapes")
     }
 
 
@@ -99,13 +110,13 @@ def _is_default(field: Field[Any], value: object) -> bool:
 
 
 def _plain(value: object, name: str) -> Any:
-    """``value`` as TOML has it: tables with their kind, lists, texts, numbers."""
+    """Return a value as TOML has it: tables with their kind, lists, texts, numbers."""
     if isinstance(value, Enum):
         return value.name.lower()
     if is_dataclass(value) and type(value).__module__.startswith("contactstudy."):
         return {"kind": type(value).__name__} | _fields(value, name)
     if isinstance(value, tuple | list):
-        return [_plain(one, f"{name}[{number}]") for number, one in enumerate(value)]
+        return [_plain(entry, f"{name}[{number}]") for number, entry in enumerate(value)]
     if isinstance(value, bool | int | float | str):
         return value
     raise InvalidInput(
@@ -114,7 +125,7 @@ def _plain(value: object, name: str) -> Any:
 
 
 def _measured(surface: MeasuredSurface, number: int, beside: Path | None) -> dict[str, Any]:
-    """A measured surface by its file."""
+    """Return a measured surface as a table that names its file."""
     table: dict[str, Any] = {"kind": "MeasuredSurface"}
     if surface.file is not None:
         table["file"] = surface.file

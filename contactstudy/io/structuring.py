@@ -40,16 +40,16 @@ def quantity(field: str, value: object, unit: Unit) -> float:
             return float(value)
         except OverflowError:
             raise InvalidInput(f"{field} is beyond any float: {remedy}.") from None
-    found = NUMBER.fullmatch(value) if isinstance(value, str) else None
-    if found is None or (found[2] and not SYMBOLS.fullmatch(found[2])):
+    match = NUMBER.fullmatch(value) if isinstance(value, str) else None
+    if match is None or (match[2] and not SYMBOLS.fullmatch(match[2])):
         raise InvalidInput(f"{field} is {value!r}: {remedy}.")
-    if not found[2] and found[1].endswith("inf"):  # infinite in any unit
-        return float(found[1])
+    if not match[2] and match[1].endswith("inf"):  # infinite in any unit
+        return float(match[1])
     pint = import_for("a unit", "pint")  # heavier than all else here
     registry = _registry()
     try:
         read = registry.Quantity(
-            Decimal(found[1]), registry.parse_units(found[2].replace("·", "*"))
+            Decimal(match[1]), registry.parse_units(match[2].replace("·", "*"))
         )
         return float(read.to(unit.symbol).magnitude)
     except (

@@ -96,7 +96,7 @@ def quantities(
     edge = errors.get("area", nan) if one_line else grid.cell[0] / (half_width or nan)
     total = float(pressure.sum() * grid.cell_area)
     peak = _largest(pressure, {"x": grid.x, "y": grid.y})
-    found = [
+    numbers = [
         Quantity("peak_pressure", "peak pressure", *peak[:1], "Pa", errors.get("peak", nan), peak[1]),
         Quantity("mean_pressure", "mean pressure", total / area if area else 0.0, "Pa", errors.get("area", nan)),
         Quantity("half_width", "half-width, outermost", half_width, "m", edge if estimate else nan),
@@ -111,10 +111,10 @@ def quantities(
         stress, place = _largest(
             von_mises.values, {axis: von_mises[axis].values for axis in von_mises.dims}
         )
-        found.append(
+        numbers.append(
             Quantity("von_mises_max", "largest von Mises stress", stress, "Pa", nan, place)
         )
-    return found
+    return numbers
 
 
 def rolling_quantities(rolling: "SteadyRolling") -> list[Quantity]:

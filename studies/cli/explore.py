@@ -65,79 +65,94 @@ def page_of(dataset: "xr.Dataset", name: str) -> str:
     return page.replace("<head>", f"<head>\n{title}{STYLE}", 1)
 
 
+# What is drawn, in Vega's expressions: `xaxis`, `variable`, `colour`, `logx` and `logy` are the reader's choices.
+X = "(texts[xaxis] ? datum['no. ' + xaxis] : (logx ? log(datum[xaxis]) / LN10 : datum[xaxis]))"
+Y = "(logy ? log(datum[variable]) / LN10 : datum[variable])"
+X_LABEL = "(texts[xaxis] ? texts[xaxis][datum.value] : format(logx ? pow(10, datum.value) : datum.value, '.3~g'))"
+Y_LABEL = "format(logy ? pow(10, datum.value) : datum.value, '.3~g')"
+COLOUR = "colour == 'none' ? 'all' : toString(datum[colour])"
+
+
 def study_chart(altair: Any, dataset: "xr.Dataset") -> Any:
     """Return a chart of any variable over any axis, coloured by another, with a slider for each axis left."""
     axes = [str(axis) for axis in dataset["case_status"].dims]
     table, variables = _points(dataset, axes)
-    texts = {
-        axis: [str(v) for v in dataset[axis].values]
-        for axis in axes
-        if dataset[axis].dtype.kind not in "if"
-    }
-    labels = {name: _label(dataset, name) for name in [*axes, *variables]}
-    first = next(
-        (name for name in ("peak_pressure", "largest_pressure") if name in variables), variables[0]
-    )
-    colour = axes[1] if len(axes) > 1 else "none"
-    logarithmic = _spans_decades(table[axes[0]])
-    params = [
-        _choice(altair, "xaxis", "x axis ", axes, axes[0]),
-        _choice(altair, "variable", "variable ", variables, first),
-        _choice(altair, "colour", "colour ", ["none", *axes], colour),
-        altair.param(
-            "logx", bind=altair.binding_checkbox(name="logarithmic x "), value=logarithmic
-        ),
-        altair.param("logy", bind=altair.binding_checkbox(name="logarithmic y "), value=False),
-        altair.param("texts", value=texts),
-        altair.param("labels", value=labels),
-    ]
-    shown = ["true"]
-    for number, axis in enumerate(axes if len(axes) > 1 else []):
-        last = dataset.sizes[axis] - 1
-        slider = altair.binding_range(min=0, max=last, step=1, name=f"{labels[axis]}: value no. ")
-        params.append(altair.param(f"at{number}", bind=slider, value=last // 2))
-        shown.append(
-            f"(xaxis == '{axis}' || colour == '{axis}' || datum['no. {axis}'] == at{number})"
-        )
-    values = {axis: [_plain(v) for v in dataset[axis].values] for axis in axes}
+    sliders = _sliders(altair, dataset, axes)
+    chosen = [f"(xaxis == '{axis}' || colour == '{axis}')" for axis in sliders]
+    at_slider = [f"datum['no. {axis}'] == at{number}" for number, axis in enumerate(sliders)]
+    shown = [f"({free} || {at})" for free, at in zip(chosen, at_slider, strict=True)]
     fixed = "".join(
-        f" + ((xaxis == '{axis}' || colour == '{axis}') ? '' : ', {labels[axis]} = ' + values['{axis}'][at{number}])"
-        for number, axis in enumerate(axes if len(axes) > 1 else [])
+        f" + ({free} ? '' : ', ' + labels['{axis}'] + ' = ' + values['{axis}'][at{number}])"
+        for number, (axis, free) in enumerate(zip(sliders, chosen, strict=True))
     )
-    params.append(altair.param("values", value=values))
-    x = "(texts[xaxis] ? datum['no. ' + xaxis] : (logx ? log(datum[xaxis]) / LN10 : datum[xaxis]))"
-    y = "(logy ? log(datum[variable]) / LN10 : datum[variable])"
-    readings = "(texts[xaxis] ? texts[xaxis][datum.value] : format(logx ? pow(10, datum.value) : datum.value, '.3~g'))"
-    tooltip = [altair.Tooltip(f"{axis}:N") for axis in axes] + [
-        altair.Tooltip("v:Q", title="value", format=".4~g"),
-        altair.Tooltip("case:N", title="case"),
-    ]
-    number_y = "format(logy ? pow(10, datum.value) : datum.value, '.3~g')"
     scale = altair.Scale(zero=False)
+    legend = altair.Legend(orient="bottom", columns=3)
     points = (
         altair.Chart(table)
-        .transform_filter(" && ".join(shown))
-        .transform_calculate(
-            x=x, y=y, v="datum[variable]", c="colour == 'none' ? 'all' : toString(datum[colour])"
-        )
+        .transform_filter(" && ".join(shown) or "true")
+        .transform_calculate(x=X, y=Y, v="datum[variable]", c=COLOUR)
         .transform_filter("isValid(datum.v) && isFinite(datum.y) && isFinite(datum.x)")
         .encode(
-            x=altair.X("x:Q", title=None, scale=scale, axis=altair.Axis(labelExpr=readings)),
-            y=altair.Y("y:Q", title=None, scale=scale, axis=altair.Axis(labelExpr=number_y)),
-            color=altair.Color(
-                "c:N", sort=None, title=None, legend=altair.Legend(orient="bottom", columns=3)
-            ),
-            tooltip=tooltip,
+            x=altair.X("x:Q", title=None, scale=scale, axis=altair.Axis(labelExpr=X_LABEL)),
+            y=altair.Y("y:Q", title=None, scale=scale, axis=altair.Axis(labelExpr=Y_LABEL)),
+            color=altair.Color("c:N", sort=None, title=None, legend=legend),
+            tooltip=[
+                *(altair.Tooltip(f"{axis}:N") for axis in axes),
+                altair.Tooltip("v:Q", title="value", format=".4~g"),
+                altair.Tooltip("case:N", title="case"),
+            ],
         )
     )
     heading = altair.expr(f"labels[variable] + ' over ' + labels[xaxis]{fixed}")
     return (
         altair.layer(points.mark_line(), points.mark_point(filled=True, size=60))
-        .add_params(*params)
+        .add_params(*_choices(altair, dataset, axes, variables, table), *sliders.values())
         .properties(
             width="container", height=360, title=altair.Title(heading, anchor="start", limit=2000)
         )
     )
+
+
+def _choices(
+    altair: Any,
+    dataset: "xr.Dataset",
+    axes: list[str],
+    variables: list[str],
+    table: "pd.DataFrame",
+) -> list[Any]:
+    """Return what the reader chooses, and the texts that the chart looks up."""
+    texts = {
+        axis: [str(value) for value in dataset[axis].values]
+        for axis in axes
+        if dataset[axis].dtype.kind not in "if"
+    }
+    first = next(
+        (name for name in ("peak_pressure", "largest_pressure") if name in variables), variables[0]
+    )
+    box = altair.binding_checkbox
+    return [
+        _choice(altair, "xaxis", "x axis ", axes, axes[0]),
+        _choice(altair, "variable", "variable ", variables, first),
+        _choice(altair, "colour", "colour ", ["none", *axes], axes[1] if axes[1:] else "none"),
+        altair.param("logx", bind=box(name="logarithmic x "), value=_spans_decades(table[axes[0]])),
+        altair.param("logy", bind=box(name="logarithmic y "), value=False),
+        altair.param("texts", value=texts),
+        altair.param("labels", value={name: _label(dataset, name) for name in [*axes, *variables]}),
+        altair.param(
+            "values", value={axis: [_plain(v) for v in dataset[axis].values] for axis in axes}
+        ),
+    ]
+
+
+def _sliders(altair: Any, dataset: "xr.Dataset", axes: list[str]) -> dict[str, Any]:
+    """Return a slider for each axis; a single axis needs none."""
+    sliders = {}
+    for number, axis in enumerate(axes if len(axes) > 1 else []):
+        last = dataset.sizes[axis] - 1
+        name = f"{_label(dataset, axis)}: value no. "
+        binding = altair.binding_range(min=0, max=last, step=1, name=name)
+        sliders[axis] = altair.param(f"at{number}", bind=binding, value=last // 2)
+    return sliders
 
 
 def _points(dataset: "xr.Dataset", axes: list[str]) -> "tuple[pd.DataFrame, list[str]]":
@@ -170,26 +185,19 @@ def _points(dataset: "xr.Dataset", axes: list[str]) -> "tuple[pd.DataFrame, list
     return table, variables
 
 
+# Fields of a contact that a page shows, with the factor to the unit in brackets.
+FIELDS = {"pressure": ("pressure [MPa]", 1e-6), "gap": ("gap [µm]", 1e6)}
+
+
 def contact_chart(altair: Any, dataset: "xr.Dataset") -> Any:
     """Return a map of a contact, and the cross-section at the place that the pointer was last over."""
-    factors = [
-        max(1, int(np.ceil(np.sqrt(dataset.sizes["x"] * dataset.sizes["y"] / MOST_CELLS))))
-    ] * 2
-    factors[1] = min(factors[1], dataset.sizes["y"])
-    coarse = (
-        dataset[["pressure", "gap"]].coarsen(x=factors[0], y=factors[1], boundary="trim").mean()
-    )
-    table = (
-        coarse.drop_vars([n for n in coarse.coords if n not in ("x", "y")])
-        .to_dataframe()
-        .reset_index()
-    )
-    table = table.astype(float)
-    table["x"], table["y"] = (table[axis] * 1e3 for axis in ("x", "y"))
-    table["pressure"], table["gap"] = table["pressure"] / 1e6, table["gap"] * 1e6
-    table = table.map(lambda value: float(f"{value:.5g}"))
-    labels = {"pressure": "pressure [MPa]", "gap": "gap [µm]"}
-    field = _choice(altair, "field", "field ", list(labels), "pressure")
+    table, steps = _cells(dataset)
+    labels = {name: label for name, (label, _) in FIELDS.items()}
+    choices = [
+        _choice(altair, "field", "field ", list(labels), "pressure"),
+        altair.param("labels", value=labels),
+    ]
+    tooltip = [altair.Tooltip(f"{name}:Q", format=".4~g") for name in ("x", "y", *labels)]
     section = (
         altair.Chart(table)
         .transform_calculate(v="datum[field]")
@@ -197,25 +205,21 @@ def contact_chart(altair: Any, dataset: "xr.Dataset") -> Any:
         .encode(
             x=altair.X("x:Q", title="across [mm]"),
             y=altair.Y("v:Q", title=None),
-            tooltip=[
-                altair.Tooltip(name, format=".4~g")
-                for name in ("x:Q", "y:Q", "pressure:Q", "gap:Q")
-            ],
+            tooltip=tooltip,
         )
         .properties(width=NARROW, height=220)
     )
-    names = altair.param("labels", value=labels)
-    if coarse.sizes["y"] == 1:
-        heading = altair.Title(altair.expr("labels[field]"), anchor="start")
-        return section.add_params(field, names).properties(title=heading)
-    middle = float(table["y"].iloc[coarse.sizes["y"] // 2])
+    heading = altair.Title(altair.expr("labels[field]"), anchor="start")
+    places = np.unique(table["y"])
+    if len(places) == 1:
+        return section.add_params(*choices).properties(title=heading)
+    middle = float(places[len(places) // 2])
     pointer = altair.selection_point(
         "at", on="pointerover", fields=["y"], value=middle, empty=False
     )
-    steps = [float(np.diff(coarse[axis].values[:2])[0]) * 1e3 for axis in ("x", "y")]
     cells = (
         altair.Chart(table)
-        .transform_calculate(
+        .transform_calculate(  # to beyond the next cell, so that no seams show
             v="datum[field]", x2=f"datum.x + {1.04 * steps[0]}", y2=f"datum.y + {1.04 * steps[1]}"
         )
         .mark_rect()
@@ -230,27 +234,31 @@ def contact_chart(altair: Any, dataset: "xr.Dataset") -> Any:
                 scale=altair.Scale(scheme="viridis"),
                 legend=altair.Legend(orient="bottom"),
             ),
-            tooltip=[
-                altair.Tooltip(name, format=".4~g")
-                for name in ("x:Q", "y:Q", "pressure:Q", "gap:Q")
-            ],
+            tooltip=tooltip,
         )
-        .properties(
-            width=NARROW,
-            height=260,
-            title=altair.Title(altair.expr("labels[field]"), anchor="start"),
-        )
+        .properties(width=NARROW, height=260, title=heading)
         .add_params(pointer)
     )
-    heading = altair.Title(
-        altair.expr(
-            "labels[field] + ' across at y = ' + (at.y ? format(at.y[0], '.3~g') + ' mm' : '')"
-        ),
-        anchor="start",
+    at = "labels[field] + ' across at y = ' + (at.y ? format(at.y[0], '.3~g') + ' mm' : '')"
+    below = section.transform_filter(pointer).properties(
+        title=altair.Title(altair.expr(at), anchor="start")
     )
-    return altair.vconcat(
-        cells, section.transform_filter(pointer).properties(title=heading)
-    ).add_params(field, names)
+    return altair.vconcat(cells, below).add_params(*choices)
+
+
+def _cells(dataset: "xr.Dataset") -> "tuple[pd.DataFrame, list[float]]":
+    """Return a row for each cell, or block of cells of a fine contact, and the sides of a cell [mm]."""
+    cells_in_block = dataset.sizes["x"] * dataset.sizes["y"] / MOST_CELLS
+    block = max(1, int(np.ceil(np.sqrt(cells_in_block))))
+    coarse = dataset[list(FIELDS)]
+    coarse = coarse.coarsen(x=block, y=min(block, dataset.sizes["y"]), boundary="trim").mean()
+    for name, (_, factor) in FIELDS.items():
+        coarse[name] = coarse[name] * factor
+    coarse = coarse.assign_coords({axis: coarse[axis] * 1e3 for axis in ("x", "y")})
+    labels = [name for name in coarse.coords if name not in ("x", "y")]
+    table = coarse.drop_vars(labels).to_dataframe().reset_index().astype(float)
+    steps = [float(np.diff(coarse[axis].values[:2]).sum()) for axis in ("x", "y")]
+    return table.map(lambda value: float(f"{value:.5g}")), steps
 
 
 def _choice(altair: Any, name: str, label: str, options: list[str], value: str) -> Any:

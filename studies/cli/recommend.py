@@ -88,12 +88,12 @@ def recommendation(
         contact = contact_of(described.scene, length, limits)
     stored = out / "pareto.nc"
     costs = CostModel(stored_timings(read(stored) if stored.is_file() else None, cpu()))
-    found = recommend(contact, limits, costs)
+    recommended = recommend(contact, limits, costs)
     if as_json:
-        click.echo(json.dumps(_fields(found, scene, costs)))
+        click.echo(json.dumps(_fields(recommended, scene, costs)))
         return
     name = str(scene) if scene else f"smooth line contact, period {period:g} half-widths"
-    for line in _report_lines(found, name, scene, costs):
+    for line in _report_lines(recommended, name, scene, costs):
         click.echo(line)
 
 

@@ -207,7 +207,7 @@ def _print(
     from contactstudy.io.summary import as_text
 
     if as_json:
-        found = {
+        report = {
             "scene": str(scene),
             "status": outcome.status.name,
             "seconds": seconds,
@@ -215,7 +215,7 @@ def _print(
             "notes": outcome.notes,
             "files": [str(path) for path in files],
         }
-        click.echo(json.dumps(found))
+        click.echo(json.dumps(report))
         return
     click.echo(f"{scene}:")
     click.echo(as_text(outcome.numbers))

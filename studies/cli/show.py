@@ -73,13 +73,13 @@ def show(
 
         name = str(dataset.attrs.get("study", file.stem))
         drawing = load_drawing(name) if name in BUILT_IN else default_drawing(figures)
-        drawn = {f"{file.stem}-{one.name}": one.figure for one in drawing.figure(dataset)}
+        drawn = {f"{file.stem}-{name.name}": name.figure for name in drawing.figure(dataset)}
     else:
         raise InvalidInput(
             f"{str(file)!r} is neither a solution nor a study: give a file that contactstudy solve or run wrote."
         )
     for stem, figure in drawn.items():
-        for suffix in (one for one in chosen if one != "vtk"):
+        for suffix in (name for name in chosen if name != "vtk"):
             with replacing(folder / f"{stem}.{suffix}") as partial:
                 figure.savefig(partial, format=suffix)
             click.echo(f"wrote {folder / stem}.{suffix}")
@@ -172,13 +172,13 @@ def compare(first: Path, second: Path, out: Path | None) -> None:
 
     a, b = read_any(first), read_any(second)
     if "pressure" in a and "pressure" in b:
-        found = cs.compare(a, b)
-        for line in str(found).splitlines():
+        comparison = cs.compare(a, b)
+        for line in str(comparison).splitlines():
             click.echo(line)
         if out is not None:
             name = f"{first.stem}-{second.stem}.png"
             with replacing(open_folder(out) / name) as partial:
-                found.plot().savefig(partial)
+                comparison.plot().savefig(partial)
             click.echo(f"wrote {out / name}")
     elif "case_status" in a and "case_status" in b:
         for line in changes(a, b):

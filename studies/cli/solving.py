@@ -89,17 +89,17 @@ def still(
     from contactstudy.solvers.solve import Watched
 
     begin = None if start is None else pressure_in(start)
-    with progress(str(scene), described.settings.tolerance) as seen:
-        options = replace(described.settings, solver=Watched(seen.see, described.settings.solver))
+    with progress(str(scene), described.settings.tolerance) as watch:
+        options = replace(described.settings, solver=Watched(watch.see, described.settings.solver))
         problem = described.problem(planned)
         try:
             solution = options.solved(problem, begin, on)
         except KeyboardInterrupt:
-            if seen.pressure is None:
+            if watch.pressure is None:
                 raise
-            path = _keep_stopped(seen, problem, folder / f"{scene.stem}.stopped.nc")
+            path = _keep_stopped(watch, problem, folder / f"{scene.stem}.stopped.nc")
             click.echo(
-                f"contactstudy: stopped at a residual of {seen.residual:.1e} after {seen.iterations} iterations; "
+                f"contactstudy: stopped at a residual of {watch.residual:.1e} after {watch.iterations} iterations; "
                 f"go on with contactstudy solve {scene} --start {path}",
                 err=True,
             )

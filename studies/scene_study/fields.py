@@ -103,7 +103,7 @@ def _example(document: Document) -> str:
 
 def _at(document: Document, path: Path) -> Field:
     value: Any = document
-    wanted: Any = Document
+    kind: Any = Document
     for depth, part in enumerate(path):
         before = ".".join(path[:depth])
         if value is None or isinstance(value, str):
@@ -120,7 +120,7 @@ def _at(document: Document, path: Path) -> Field:
                     f"Field {'.'.join(path)!r} has {part!r} for an entry of {before}: give one of "
                     f"{listed or 'none, for there are none'}."
                 )
-            wanted = _entry(wanted, int(part))
+            kind = _entry(kind, int(part))
             value = value[int(part)]
         elif is_dataclass(value):
             names = _names(value)
@@ -129,14 +129,14 @@ def _at(document: Document, path: Path) -> Field:
                     f"Field {'.'.join(path)!r} is not in the scene: {before + ' has no ' if before else ''}"
                     f"{part!r}, {suggestion(part, names)}."
                 )
-            kind: type = MeasuredFile if _is_of_file(value, part) else type(value)
-            wanted = get_type_hints(kind, include_extras=True)[part]
+            owner: type = MeasuredFile if _is_of_file(value, part) else type(value)
+            kind = get_type_hints(owner, include_extras=True)[part]
             value = None if _is_of_file(value, part) else getattr(value, part)
         else:
             raise InvalidInput(
                 f"Field {'.'.join(path)!r} goes beyond {before}, which is {value!r}: give {before}."
             )
-    return Field(path, wanted)
+    return Field(path, kind)
 
 
 def _is_of_file(value: object, part: str) -> bool:

@@ -127,11 +127,11 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
     fits = (
         len(periods) == 1
         or measured
-        or all(": give" not in one.period_check(period) for one in needs)
+        or all(": give" not in need.period_check(period) for need in needs)
     )
     if not fits:
-        each = f"no period suits all of {_counted(points)}, so that each has a grid of its own"
-        return planned, [each, *notes]
+        separate = f"no period suits all of {_counted(points)}, so that each has a grid of its own"
+        return planned, [separate, *notes]
     cells = (
         halvable(width / min(grid.cell[0] for grid in planned)),
         max(1, *(halvable(period / grid.cell[1]) if grid.cells[1] > 1 else 1 for grid in planned)),
@@ -158,8 +158,8 @@ def _planned(points: Sequence[SceneFile], needs: Sequence[Needs]) -> list[cs.Gri
     if len(points) <= PLANNED:
         return [_grid_of_plan(point) for point in points]
     by_width = sorted(range(len(points)), key=lambda number: needs[number].half_width)
-    some = by_width[:: len(points) // (PLANNED - 1)] + by_width[-1:]
-    plans = {number: _grid_of_plan(points[number]) for number in some}
+    chosen = by_width[:: len(points) // (PLANNED - 1)] + by_width[-1:]
+    plans = {number: _grid_of_plan(points[number]) for number in chosen}
     cells = [min(grid.cell[axis] for grid in plans.values()) for axis in (0, 1)]
     width = max(grid.extent[0] for grid in plans.values())
     grids = []

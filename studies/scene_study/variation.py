@@ -170,8 +170,8 @@ def together(varied: Sequence[Variation]) -> Variation:
     The axis has the name and the values of the first field. Raises :class:`~contactstudy.InvalidInput` unless all
     have equally many values.
     """
-    counts = [len(each.axis.values) for each in varied]
-    names = [each.field.name for each in varied]
+    counts = [len(part.axis.values) for part in varied]
+    names = [part.field.name for part in varied]
     if len(set(counts)) > 1:
         raise InvalidInput(
             f"vary has {', '.join(map(str, counts))} values of {', '.join(names)}, which change together: give "
@@ -180,12 +180,12 @@ def together(varied: Sequence[Variation]) -> Variation:
     axis = varied[0].axis
     changes = tuple(
         (field, dict(zip(axis.values, values.values(), strict=True)))
-        for each in varied
-        for field, values in each.changes
+        for part in varied
+        for field, values in part.changes
     )
     labels = "; ".join(
-        f"{each.field.name} = {', '.join(str(value) for value in each.axis.values)}"
-        for each in varied[1:]
+        f"{part.field.name} = {', '.join(str(value) for value in part.axis.values)}"
+        for part in varied[1:]
     )
     return Variation(axis, changes, (f"along {axis.name}: {labels}",))
 
@@ -260,15 +260,15 @@ def _made(field: Field, raw: object) -> Any:
         return raw  # from Python, where it is what it is; the scene checks it
     if isinstance(raw, tuple):
         raw = list(raw)
-    wanted = without_none(field.wanted)
+    kind = without_none(field.wanted)
     try:
-        return structured({"value": raw}, _Holder.of(wanted), KINDS, field.name).value
+        return structured({"value": raw}, _Holder.of(kind), KINDS, field.name).value
     except InvalidInput as error:
         sentence = str(error).replace(f"{field.name}: value: ", f"{field.name}: ")
         if field.name == "load" and not isinstance(raw, dict):
             sentence = f"load: it is {raw!r}: vary load.per_length, or give tables with a kind."
-        if is_dataclass(wanted) and not isinstance(raw, dict):
-            names = [member.name for member in fields(wanted)]
+        if is_dataclass(kind) and not isinstance(raw, dict):
+            names = [member.name for member in fields(kind)]
             sentence = (
                 f"{field.name}: it is {raw!r}: give a field of it, "
                 f"{' or '.join(f'{field.name}.{name}' for name in names)}."
@@ -442,6 +442,7 @@ def _with_surface(document: Document, path: tuple[str, ...], new: Any) -> Docume
     else:
         surface = shape.turned() if (new is Turn.QUARTER) != shape.is_turned else shape
     shapes = tuple(
-        surface if place == number else each for place, each in enumerate(document.shapes)
+        surface if place == number else shape_there
+        for place, shape_there in enumerate(document.shapes)
     )
     return replace(document, shapes=shapes)

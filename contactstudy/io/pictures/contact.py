@@ -22,7 +22,7 @@ STRESS: dict[str, Any] = {"color": "#D55E00"}
 
 
 def picture(solved: xr.Dataset) -> Figure:
-    """``solved``, as :func:`~contactstudy.to_dataset` labels it; nothing else is needed."""
+    """Draw a contact as :func:`~contactstudy.to_dataset` labels it: pressure, cross-sections, gap and stress."""
     lined = solved.sizes["y"] == 1
     stressed = "von_mises" in solved
     drawn = [_across, _gap] if lined else [_map, _along, _across, _gap]
@@ -33,13 +33,13 @@ def picture(solved: xr.Dataset) -> Figure:
             draw(ax, solved)
         add_legend(figure)
         if "warnings" in solved.attrs:
-            said = fill(str(solved.attrs["warnings"]), WARNING_WIDTH * min(len(drawn), 2))
-            figure.suptitle(f"warning: {said}", color=STRESS["color"], fontsize="small")
+            warning = fill(str(solved.attrs["warnings"]), WARNING_WIDTH * min(len(drawn), 2))
+            figure.suptitle(f"warning: {warning}", color=STRESS["color"], fontsize="small")
     return figure
 
 
 def scaled(values: xr.DataArray, units: tuple[tuple[float, str], ...]) -> tuple[float, str]:
-    """The largest unit below the largest value."""
+    """Return the size and the name of the largest unit that is no larger than the largest value."""
     largest = float(np.abs(values).max())
     fitting = [(size, name) for size, name in units if largest >= size] or [units[0]]
     return fitting[-1]
@@ -120,7 +120,7 @@ def _stress(ax: Axes, solved: xr.Dataset) -> None:
 
 
 def compare_picture(found: Comparison) -> Figure:
-    """The difference as a map, where there is a length, and both pressures across its largest place."""
+    """Draw the difference of two contacts as a map, and both pressures across its largest place."""
     fields = found.difference
     size, pascals = scaled(fields["a"], PRESSURES)
     width, metres = scaled(fields["x"], LENGTHS)
@@ -139,10 +139,10 @@ def compare_picture(found: Comparison) -> Figure:
             )
             axes[0].grid(visible=False)
             figure.colorbar(mesh, ax=axes[0])
-        there = fields.sel(y=found.at[1], method="nearest")
+        section = fields.sel(y=found.at[1], method="nearest")
         x = fields["x"] / width
-        axes[-1].plot(x, there["a"] / size, label="a", color="#0072B2")
-        axes[-1].plot(x, there["b"] / size, label="b", color="#D55E00", linestyle="--")
+        axes[-1].plot(x, section["a"] / size, label="a", color="#0072B2")
+        axes[-1].plot(x, section["b"] / size, label="b", color="#D55E00", linestyle="--")
         axes[-1].set(
             xlabel=f"across [{metres}]",
             ylabel=f"pressure [{pascals}]",

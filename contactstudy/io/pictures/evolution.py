@@ -17,11 +17,13 @@ PROFILES = 6
 
 
 def evolution_picture(evolved: xr.Dataset) -> Figure:
-    """``evolved``, as ``Evolution.to_dataset`` labels it; nothing else is needed."""
+    """Draw a march as ``Evolution.to_dataset`` labels it: profiles, a map over time, numbers and errors."""
     worn = "worn_depth" in evolved
     drawn = [_profiles, _map, _numbers, _errors] + [_worn] * worn
     if "residual_displacement" in evolved:
-        bodies = [str(one) for one in evolved if str(one).startswith("equivalent_plastic")]
+        bodies = [
+            str(variable) for variable in evolved if str(variable).startswith("equivalent_plastic")
+        ]
         drawn += [_dent, *(partial(_plastic, name=name) for name in bodies)]
     with mpl.rc_context(SETTINGS):
         figure, axes = panels(len(drawn), columns=2, width=4.6, height=3.4)
@@ -31,15 +33,15 @@ def evolution_picture(evolved: xr.Dataset) -> Figure:
 
 
 def _lines(ax: Axes, evolved: xr.Dataset, name: str, scale: tuple[float, str]) -> None:
-    """``name`` across the middle of the length at some instants, the later the brighter."""
+    """Draw a variable across the middle of the length at some instants, later ones brighter."""
     middle = evolved[name].isel(y=evolved.sizes["y"] // 2)
     length, metres = scaled(evolved["x"], LENGTHS)
     chosen = np.unique(np.linspace(0, evolved.sizes["time"] - 1, PROFILES).round().astype(int))
     colors: Any = mpl.colormaps["viridis"](np.linspace(0, 0.9, len(chosen)))
     for number, color in zip(chosen, colors, strict=True):
-        one = middle.isel(time=number)
-        label = f"{float(one['time']):.3g} s"
-        ax.plot(evolved["x"] / length, one / scale[0], color=color, label=label)
+        instant = middle.isel(time=number)
+        label = f"{float(instant['time']):.3g} s"
+        ax.plot(evolved["x"] / length, instant / scale[0], color=color, label=label)
     ax.set(xlabel=f"across [{metres}]", ylabel=f"{evolved[name].attrs['long_name']} [{scale[1]}]")
     ax.legend()
 
@@ -58,9 +60,9 @@ def _dent(ax: Axes, evolved: xr.Dataset) -> None:
 
 
 def _plastic(ax: Axes, evolved: xr.Dataset, name: str) -> None:
-    """Equivalent plastic strain below the middle of the length at the last instant."""
+    """Draw the equivalent plastic strain below the middle of the length at the last instant."""
     strain = evolved[name].isel(time=-1, y=evolved.sizes["y"] // 2)
-    depth = next(str(one) for one in strain.dims if str(one).startswith("z"))
+    depth = next(str(dimension) for dimension in strain.dims if str(dimension).startswith("z"))
     length, metres = scaled(evolved["x"], LENGTHS)
     across, down = evolved["x"] / length, evolved[depth] / length
     mesh = ax.pcolormesh(
@@ -77,19 +79,19 @@ def _plastic(ax: Axes, evolved: xr.Dataset, name: str) -> None:
 
 
 def _map(ax: Axes, evolved: xr.Dataset) -> None:
-    """The mean pressure along the length over time and width."""
+    """Draw the mean pressure along the length over time and width."""
     pressure = evolved["pressure"].mean("y")
     size, pascals = scaled(pressure, PRESSURES)
     length, metres = scaled(evolved["x"], LENGTHS)
     # an instant given twice is a jump: the map has room for one
     time = evolved["time"].values
-    kept = np.append(np.diff(time) > 0, [True])
+    distinct = np.append(np.diff(time) > 0, [True])
     mesh = ax.pcolormesh(
-        time[kept],
+        time[distinct],
         evolved["x"] / length,
-        (pressure / size).values[kept].T,
+        (pressure / size).values[distinct].T,
         cmap="viridis",
-        shading="nearest" if kept.sum() > 1 else "auto",
+        shading="nearest" if distinct.sum() > 1 else "auto",
         rasterized=True,
     )
     ax.set(xlabel="time [s]", ylabel=f"across [{metres}]", title=f"mean pressure [{pascals}]")
@@ -97,7 +99,7 @@ def _map(ax: Axes, evolved: xr.Dataset) -> None:
 
 
 def _numbers(ax: Axes, evolved: xr.Dataset) -> None:
-    """Load, peak pressure and contact area over their largest values."""
+    """Draw load, peak pressure and contact area over their largest values."""
     for name, color in (
         ("load", "#595959"),
         ("peak_pressure", "#0072B2"),
@@ -114,7 +116,7 @@ def _numbers(ax: Axes, evolved: xr.Dataset) -> None:
 
 
 def _errors(ax: Axes, evolved: xr.Dataset) -> None:
-    """The errors by the steps and by the cells, where they are known and not zero."""
+    """Draw the errors by the steps and by the cells, where they are known and not zero."""
     for name, color in (("step_error", "#D55E00"), ("grid_error", "#0072B2")):
         values = evolved[name].values
         shown = np.isfinite(values) & (values > 0)

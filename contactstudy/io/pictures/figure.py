@@ -29,7 +29,7 @@ LAW_STYLE: dict[str, Any] = {"color": "black", "linestyle": ":", "linewidth": 1.
 def panels(
     count: int, *, columns: int = 3, width: float = 3.4, height: float = 3.2, share: Share = "none"
 ) -> tuple[Figure, list[Axes]]:
-    """A figure with ``count`` panels; ``share="y"`` gives all of them one scale of it."""
+    """Return a figure with `count` panels, and the panels; ``share="y"`` gives all of them one scale of it."""
     columns = min(columns, count)
     rows = -(-count // columns)
     # not pyplot's: no figure stays open
@@ -47,7 +47,7 @@ def panels(
 
 
 def add_legend(figure: Figure) -> None:
-    """One legend for all panels, outside them; tick labels at decades only."""
+    """Add one legend for all panels, outside them, and label logarithmic axes at decades only."""
     entries: dict[str, Any] = {}
     for ax in figure.axes:
         for axis in (ax.xaxis, ax.yaxis):

@@ -328,8 +328,8 @@ class FiniteLength:
         step = grid.cell[1]
         share = np.clip((np.abs(grid.y) - self.length / 2) / step + 0.5, 0.0, 1.0)
         # a cell that is more than half on the roller is on it, and leaves the rest of its share to the next cell out
-        left = np.where(beyond, 0.0, share)
+        lower_end = np.where(beyond, 0.0, share)
         share = np.where(beyond, share, 0.0)
-        share[1:] += np.where(grid.y[:-1] > 0, left[:-1], 0.0)
-        share[:-1] += np.where(grid.y[1:] < 0, left[1:], 0.0)
+        share[1:] += np.where(grid.y[:-1] > 0, lower_end[:-1], 0.0)
+        share[:-1] += np.where(grid.y[1:] < 0, lower_end[1:], 0.0)
         return (self.length * share)[None, :]

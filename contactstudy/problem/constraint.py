@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import inf, nan, prod
+from math import inf, isnan, nan, prod
 from typing import Protocol, Self
 
 import numpy as np
@@ -51,7 +51,7 @@ def violation(pressure: Array, height: Array, free: Array) -> Array:
 
 def largest(*measures: float) -> float:
     """Return the largest measure, or nan if one is nan; Python's own ``max`` forgets a nan that comes later."""
-    return float(np.max(measures))
+    return nan if any(map(isnan, measures)) else float(max(measures))
 
 
 class Constraint(Protocol):

@@ -93,7 +93,7 @@ CHAPTERS = {
             "Lubrication: films over load, viscosity and cells",
             (Part("lubrication", {"grid": "100,200"}),),
         ),
-        Chapter("trust", "Trust: bounds beside true errors", (Part("accuracy"),)),
+        Chapter("trust", "Trust: error bounds beside true errors", (Part("accuracy"),)),
         Chapter(
             "cost",
             "Cost: solvers, grids, effects and coefficients",

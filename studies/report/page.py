@@ -22,7 +22,6 @@ from studies.model.outcome import CaseStatus
 from studies.model.study import Study
 from studies.registry import BUILT_IN, load_drawing
 from studies.report.chapters import CHAPTERS, MAIN, Chapter, Part, single
-from studies.report.drawings import trust
 from studies.report.style import marked, plain
 from studies.store.netcdf import read
 
@@ -38,7 +37,7 @@ NOTHING_TO_DRAW = Drawing(
 
 @dataclass(frozen=True, eq=False)
 class Section:
-    """The part of a page that shows a study; ``data`` names the netCDF files behind it."""
+    """The part of a page that shows a study."""
 
     name: str
     title: str
@@ -46,7 +45,6 @@ class Section:
     findings: Sequence[Finding]
     figures: Sequence[Mapping[str, str]]
     tables: Sequence[Table]
-    data: Sequence[str]
 
     @property
     def answers(self) -> Sequence[Finding]:
@@ -107,37 +105,7 @@ def section(
         findings=drawing.findings(dataset),
         figures=[_embedded(figure, part.name, out, formats) for figure in figures],
         tables=drawing.tables(dataset),
-        data=[part.name],
     )
-
-
-def write_page(
-    chapter: Chapter,
-    sections: Sequence[Section],
-    attributes: Mapping[str, Mapping[str, object]],
-    out: Path,
-) -> Path:
-    """Write a chapter's page with the ``attributes`` of its netCDF files as provenance; return its path."""
-    environment = Environment(
-        loader=PackageLoader("studies.report", "."),
-        autoescape=select_autoescape(),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters.update(marked=marked, plain=plain)
-    page = environment.get_template("page.html").render(
-        chapter=chapter,
-        main=MAIN,
-        main_is_there=(out / MAIN.page).is_file(),
-        sections=_with_claims_beside_the_paper(sections),
-        provenance=attributes,
-        others=_others(chapter, out),
-    )
-    path = out / chapter.page
-    with replacing(path) as partial:
-        partial.write_text(page, encoding="utf-8")
-    return path
 
 
 def make(
@@ -167,28 +135,40 @@ def make(
             )
             drawn.append(artist.submit(section, part, dataset, out, formats))
         sections = [future.result() for future in drawn]
-    return finish(chapter, sections, datasets, out, formats)
+    return write_page(chapter, sections, datasets, out)
 
 
 def write(chapter: Chapter, out: Path, formats: Sequence[str] = FORMATS) -> Path:
     """Draw a chapter from the netCDF files of its studies and write its page; return its path."""
     datasets = {part.name: stored(part.study(), out) for part in chapter.parts}
     sections = [section(part, datasets[part.name], out, formats) for part in chapter.parts]
-    return finish(chapter, sections, datasets, out, formats)
+    return write_page(chapter, sections, datasets, out)
 
 
-def finish(
-    chapter: Chapter,
-    sections: Sequence[Section],
-    datasets: Mapping[str, xr.Dataset],
-    out: Path,
-    formats: Sequence[str] = FORMATS,
+def write_page(
+    chapter: Chapter, sections: Sequence[Section], datasets: Mapping[str, xr.Dataset], out: Path
 ) -> Path:
-    """Write the page of a chapter whose studies are drawn; the chapter of trust also compares all estimates."""
-    if chapter.name == "trust":
-        sections = [*sections, *_estimates(out, formats)]
-    attributes = {name: dataset.attrs for name, dataset in datasets.items()}
-    return write_page(chapter, sections, attributes, out)
+    """Write the page of a chapter whose studies are drawn, with the provenance of their files; return its path."""
+    environment = Environment(
+        loader=PackageLoader("studies.report", "."),
+        autoescape=select_autoescape(),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters.update(marked=marked, plain=plain)
+    page = environment.get_template("page.html").render(
+        chapter=chapter,
+        main=MAIN,
+        main_is_there=(out / MAIN.page).is_file(),
+        sections=_with_claims_beside_the_paper(sections),
+        provenance={name: dataset.attrs for name, dataset in datasets.items()},
+        others=_others(chapter, out),
+    )
+    path = out / chapter.page
+    with replacing(path) as partial:
+        partial.write_text(page, encoding="utf-8")
+    return path
 
 
 def write_stored(out: Path, done: Iterable[Chapter] = ()) -> Sequence[Path]:
@@ -257,28 +237,6 @@ def _embedded(
         "width": f"{100 * one.figure.get_figwidth():.0f}",
         "height": f"{100 * one.figure.get_figheight():.0f}",
     }
-
-
-def _estimates(out: Path, formats: Sequence[str]) -> Sequence[Section]:
-    """Return the section on the error estimates of all sweeps that are stored."""
-    files = {name: out / f"{name}.nc" for name in BUILT_IN}
-    sweeps = trust.sweeps_with_estimates(
-        {name: read(file) for name, file in files.items() if file.is_file()}
-    )
-    if not sweeps:
-        return ()
-    name = "estimate_validation"
-    return [
-        Section(
-            name=name,
-            title="Error estimates beside true errors",
-            swept="",
-            findings=[trust.estimates_finding(sweeps)],
-            figures=[_embedded(trust.estimates_figure(sweeps), name, out, formats)],
-            tables=[trust.estimates_table(sweeps)],
-            data=list(sweeps),
-        )
-    ]
 
 
 def _is_claim(finding: Finding) -> bool:

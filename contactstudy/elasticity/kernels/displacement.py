@@ -372,10 +372,10 @@ def _strips(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> 
     marks = np.linspace(-STRIPS_END, STRIPS_END, STRIPS + 1) * period
     total = np.zeros(np.broadcast_shapes(x.shape, y.shape))
     for start, end in pairwise((-np.inf, *marks.tolist(), np.inf)):
-        left, right = np.maximum(x - half_x, start), np.minimum(x + half_x, end)
-        rows = (left < right).reshape(len(x))
+        low, high = np.maximum(x - half_x, start), np.minimum(x + half_x, end)
+        rows = (low < high).reshape(len(x))
         if rows.any():
-            middle, half = np.abs(left + right)[rows] / 2, (right - left)[rows] / 2
+            middle, half = np.abs(low + high)[rows] / 2, (high - low)[rows] / 2
             total[rows] += _mean_over_cell(middle, _share(y, rows), half, half_y, period) * half
     return total / half_x
 

@@ -29,10 +29,18 @@ STRIPS, STRIPS_END = 15, 7.2
 
 
 def image_cell(x: ArrayLike, y: ArrayLike, dx: float, dy: float, depth: float) -> Array:
-    """Integral of ``1 / sqrt(r^2 + depth^2)`` over a ``dx * dy`` cell ``(x, y)`` away; x and y broadcast.
+    """Return the integral of ``1 / sqrt(r^2 + depth^2)`` over a rectangular cell: the cell seen from a depth.
 
-    Lengths in one common unit, the result in that unit, ``depth`` above zero. Error below 1e-14 of the
-    result at the origin, or of its own beyond the cell.
+    The error is below 1e-14 of the result at the origin, or of its own beyond the cell.
+
+    Parameters
+    ----------
+    x, y
+        Offsets from the centre of the cell, which broadcast.
+    dx, dy
+        Sides of the cell; lengths are in one unit, and the result is in that unit.
+    depth
+        Distance below the surface, above zero.
     """
     x, y = np.broadcast_arrays(*(np.abs(np.asarray(a, dtype=np.float64)) for a in (x, y)))
     half_x, half_y = dx / 2, dy / 2
@@ -52,7 +60,7 @@ def image_cell(x: ArrayLike, y: ArrayLike, dx: float, dy: float, depth: float) -
 
 
 def _lines(x: Array, y: Array, half_x: float, half_y: float, depth: float, points: int) -> Array:
-    """Gauss points across the cell, each a line along it."""
+    """Return the integral over a cell by Gauss `points` across it, each a line along it."""
     total = np.zeros(x.shape)
     for node, weight in gauss(points):
         aside = np.hypot(x + node * half_x, depth)
@@ -61,7 +69,10 @@ def _lines(x: Array, y: Array, half_x: float, half_y: float, depth: float, point
 
 
 def _corners(x: Array, y: Array, half_x: float, half_y: float, depth: float) -> Array:
-    """The four edges: ``(x, y) / (r + depth)``, r the distance from the image, has this divergence."""
+    """Return the integral over a cell by its four edges.
+
+    ``(x, y) / (r + depth)``, r the distance from the image, has this divergence.
+    """
     total = np.zeros(x.shape)
     for u, v, half_u, half_v in ((x, y, half_x, half_y), (y, x, half_y, half_x)):
         for outward in (1, -1):
@@ -71,22 +82,20 @@ def _corners(x: Array, y: Array, half_x: float, half_y: float, depth: float) -> 
             for end in (1, -1):
                 w = v + end * half_v
                 square = distance**2 + w**2
-                seen = np.sqrt(square + depth**2)
+                r = np.sqrt(square + depth**2)
                 # atan(w / d) - atan(depth w / (d r)), as one angle
                 angle = np.arctan2(
-                    distance * w * square / (seen + depth), distance**2 * seen + depth * w**2
+                    distance * w * square / (r + depth), distance**2 * r + depth * w**2
                 )
                 total -= outward * end * depth * angle
     return total
 
 
 def image_row(x: Array, y: Array, dx: float, dy: float, period: float, depth: float) -> Array:
-    """:func:`image_cell` repeated with ``period`` along y; x a column and y a row.
+    """Return :func:`image_cell` repeated with `period` along y, less its divergent shift; x is a column and y a row.
 
-    Without the divergent rigid shift, as in :func:`~contactstudy.kernels.boussinesq_cell_periodic`:
-    the mean over a period is ``-(dx dy / L) mean ln(x^2 + depth^2)``.
-
-    Source: there, with the distance from the axis in place of x.
+    The mean over a period is ``-(dx dy / L) mean ln(x^2 + depth^2)``. Source: that of
+    :func:`~contactstudy.kernels.boussinesq_cell_periodic`, with the distance from the axis in place of x.
     """
     across, along = np.abs(x).ravel(), np.fmod(np.abs(y.ravel()), period)
     along = np.minimum(along, period - along)
@@ -95,7 +104,10 @@ def image_row(x: Array, y: Array, dx: float, dy: float, period: float, depth: fl
 
 
 def image_harmonics(x: Array, y: Array, dx: float, dy: float, period: float, depth: float) -> Array:
-    """The part of a row that varies along y, shape (x, y); both flat, x from 0 on and y up to half a period."""
+    """Return the part of :func:`image_row` that varies along y (x, y).
+
+    `x` and `y` are flat, x from 0 on and y up to half a period.
+    """
     result = np.zeros((x.size, y.size))
     if dy == period:
         return result
@@ -105,10 +117,10 @@ def image_harmonics(x: Array, y: Array, dx: float, dy: float, period: float, dep
         marks = np.linspace(-STRIPS_END, STRIPS_END, STRIPS + 1) * period
         for row in np.flatnonzero(felt):
             for start, end in pairwise(marks.tolist()):
-                left, right = max(x[row] - dx / 2, start), min(x[row] + dx / 2, end)
-                if left < right:
-                    middle = np.array([abs(left + right) / 2])
-                    result[row] += image_harmonics(middle, y, right - left, dy, period, depth)[0]
+                low, high = max(x[row] - dx / 2, start), min(x[row] + dx / 2, end)
+                if low < high:
+                    middle = np.array([abs(low + high) / 2])
+                    result[row] += image_harmonics(middle, y, high - low, dy, period, depth)[0]
         return result
     forms: dict[Callable[..., Array], NDArray[np.bool_]] = {
         _fourier: felt & (inner >= HANDOVER),
@@ -121,6 +133,7 @@ def image_harmonics(x: Array, y: Array, dx: float, dy: float, period: float, dep
 
 
 def _fourier(x: Array, y: Array, dx: float, dy: float, period: float, depth: float) -> Array:
+    """Return the part that varies along y, by its harmonics, away from the axis."""
     inner = float(np.hypot(np.maximum(x - dx / 2, 0), depth).min()) / period
     count = int(np.ceil(FOURIER_TERMS * HANDOVER / inner))
     wave = 2 * np.pi / period * np.arange(1, count + 1)
@@ -132,7 +145,7 @@ def _fourier(x: Array, y: Array, dx: float, dy: float, period: float, depth: flo
 
 
 def _images(x: Array, y: Array, dx: float, dy: float, period: float, depth: float) -> Array:
-    """The nearest images one by one, and what all further ones make together."""
+    """Return the part that varies along y near the axis: images one by one, and further ones as multipoles."""
     farthest = float(np.hypot(x + dx / 2, depth).max())
     reach = float(np.hypot(farthest, y.max(initial=0.0) + dy / 2)) / period
     images = max(1, int(np.ceil(reach / REACH)) - 1)
@@ -148,7 +161,7 @@ def _images(x: Array, y: Array, dx: float, dy: float, period: float, depth: floa
 
 
 def _even_powers(x: Array, half: float, depth: float, period: float, terms: int) -> Array:
-    """``((x^2 + depth^2) / L^2)^k`` averaged over segments about each x, shape (x, k)."""
+    """Return ``((x^2 + depth^2) / L^2)^k`` averaged over segments about each x, shape (x, k)."""
     total = np.zeros((x.size, terms))
     for node, weight in gauss(terms):
         square = ((x + node * half) ** 2 + depth**2) / period**2
@@ -159,7 +172,7 @@ def _even_powers(x: Array, half: float, depth: float, period: float, terms: int)
 def image_lattice(
     x: Array, y: Array, dx: float, dy: float, width: float, period: float, depth: float
 ) -> Array:
-    """:func:`image_cell` repeated along both axes, counted from its mean; x a column and y a row."""
+    """Return :func:`image_cell` repeated along both axes, counted from its mean; x is a column and y a row."""
     if period > width:
         turned = y.reshape(-1, 1), x.reshape(1, -1)
         return image_lattice(*turned, dy, dx, period, width, depth).T
@@ -174,7 +187,7 @@ def image_lattice(
 
 
 def log_mean(x: Array, half: float, depth: float) -> Array:
-    """Mean of ``ln(x^2 + depth^2)`` over segments of half-length ``half`` about each x."""
+    """Return the mean of ``ln(x^2 + depth^2)`` over segments of half-length `half` about each x."""
     result = np.empty(x.shape)
     near = np.hypot(x, depth) < 3 * half
     if not near.all():
@@ -189,13 +202,14 @@ def log_mean(x: Array, half: float, depth: float) -> Array:
 
 
 def _log_integral(x: Array, depth: float) -> Array:
+    """Return the integral of ``ln(x^2 + depth^2)`` over x from 0."""
     return np.asarray(x * np.log(x * x + depth**2) - 2 * x + 2 * depth * np.arctan(x / depth))
 
 
 def _log_mean_periodic(x: Array, half: float, depth: float, width: float) -> Array:
-    """The mean logarithm summed over periods, ``ln |2 sin(pi (x + i depth) / W)|^2``, without its mean over a period.
+    """Return the mean of ``ln |2 sin(pi (x + i depth) / W)|^2`` over segments of half-length `half` about each x.
 
-    x up to half the width (Johnson 1985, sect. 13.2).
+    Its mean over a period W is left out; x is up to half of it (Johnson 1985, sect. 13.2).
     """
     waves = int(np.ceil(-np.log(ROUNDING) / (2 * np.pi * depth / width)))
     if waves <= 200:
@@ -213,7 +227,7 @@ def _log_mean_periodic(x: Array, half: float, depth: float, width: float) -> Arr
 
 
 def _points(x: Array, half: float, depth: float) -> tuple[tuple[float, float], ...]:
-    """Gauss points over segments, of what is singular at ``+-i depth`` from the axis."""
+    """Return Gauss points on segments for a field that is singular at ``+-i depth`` from the axis."""
     away = (x + 1j * depth) / half
     radius = np.abs(away + np.sqrt(away - 1) * np.sqrt(away + 1)).min()
     return gauss(1 + int(np.log(ROUNDING) / (-2 * np.log(radius))))

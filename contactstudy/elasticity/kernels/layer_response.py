@@ -26,13 +26,18 @@ SERIES_END = 1.0
 class LayerResponse:
     """Displacement of a layer on a half-space under a wave of pressure, over that of the layer's own half-space.
 
-    With k the wave number times the thickness, the quotient is ``1 + D(k)`` with
-    ``D = d0 exp(-2 k) + R(k)``; ``d0`` is ``contrast``, and ``R`` is ``rest``, which is zero at k = 0 and
-    decays like ``k^2 exp(-2 k)``. ``shear_ratio`` is the layer's shear modulus over the substrate's,
-    from 0 (a rigid substrate) on.
+    With k the wave number times the thickness, the quotient is ``1 + D(k)`` with ``D = d0 exp(-2 k) + R(k)``; d0 is
+    `contrast`, and R is `rest`, which is zero at k = 0 and decays like ``k^2 exp(-2 k)``.
 
-    Source: plane strain of a bonded layer under normal pressure, without shear on its surface
-    (Burmister 1945; Johnson 1985, sect. 5.8), which holds for every direction of the wave.
+    Source: plane strain of a bonded layer under normal pressure, without shear on its surface (Burmister 1945; Johnson
+    1985, sect. 5.8), which holds for every direction of the wave.
+
+    Parameters
+    ----------
+    shear_ratio
+        Shear modulus of the layer over that of the substrate, from 0 (a rigid substrate) on.
+    coating_poisson_ratio, substrate_poisson_ratio
+        Poisson's ratios.
     """
 
     shear_ratio: float
@@ -41,7 +46,7 @@ class LayerResponse:
 
     @cached_property
     def _mismatch(self) -> tuple[float, float, float, float]:
-        """lambda and kappa, and what each leaves of one."""
+        """Mismatch of the materials: lambda, kappa, ``1 - lambda`` and ``1 - kappa``."""
         m, nu1, nu2 = (
             self.shear_ratio,
             self.coating_poisson_ratio,
@@ -53,29 +58,29 @@ class LayerResponse:
 
     @property
     def contrast(self) -> float:
-        """d0: the layer's plane-strain modulus over the substrate's, less one."""
+        """Plane-strain modulus of the layer over that of the substrate, less one: d0."""
         ratio = (1 - self.substrate_poisson_ratio) / (1 - self.coating_poisson_ratio)
         return self.shear_ratio * ratio - 1
 
     @property
     def slope(self) -> float:
-        """R'(0)."""
+        """Derivative R'(0)."""
         lam, kap, one_lam, one_kap = self._mismatch
         cross = lam * one_kap + kap * one_lam
         return (4 * kap + 2 * (2 * lam * kap - self.contrast * cross)) / (one_lam * one_kap)
 
     @property
     def nearest_pole(self) -> float:
-        """R has no singularity nearer to k = 0 than this."""
+        """Lower bound of the distance of singularities of R from k = 0."""
         return 0.2 / max(self.shear_ratio, 1.0)
 
     @property
     def first_pole(self) -> float:
-        """R has no pole in the right half-plane nearer to the real axis than this."""
+        """Lower bound of the distance of poles of R in the right half-plane from the real axis."""
         return 0.85 * min(1.0, self.shear_ratio ** (-1 / 3) if self.shear_ratio else 1.0)
 
     def rest(self, k: Numbers) -> Numbers:
-        """R(k), written so that nothing cancels for small k or for very unlike materials."""
+        """Return R(k), written so that nothing cancels for small k or for very unlike materials."""
         lam, kap, one_lam, one_kap = self._mismatch
         cross = lam * one_kap + kap * one_lam
         t, u = np.exp(-2 * k), -np.expm1(-2 * k)
@@ -90,7 +95,7 @@ class LayerResponse:
         return np.asarray(t * above / (one_lam * one_kap + u * cross + kap * bent))
 
     def taylor(self) -> tuple[float, float, float]:
-        """Coefficients of k^2, k^4 and k^6 in R, which its far field decays by."""
+        """Return the coefficients of k^2, k^4 and k^6 in R, which give its far field in space."""
         around = 0.5 * self.nearest_pole
         turn = np.exp(2j * np.pi * np.arange(64) / 64)
         series = np.real(np.fft.fft(self.rest(around * turn))) / 64
@@ -99,7 +104,7 @@ class LayerResponse:
 
 
 def _sinh_square_less_square(k: Numbers) -> Numbers:
-    """``sinh(k)^2 - k^2`` for small k: ``sum (2 k)^(2 n) / (2 (2 n)!)`` from n = 2 on."""
+    """Return ``sinh(k)^2 - k^2`` for small k: ``sum (2 k)^(2 n) / (2 (2 n)!)`` from n = 2 on."""
     square = 4 * k * k
     term = square * square / 48
     total = term.copy()
@@ -121,7 +126,10 @@ LOST = 42.0
 
 
 class RestInSpace:
-    """``edge`` and ``strip`` of one :class:`LayerResponse`, distances in thicknesses."""
+    """The function R of a layer in space: tables of `edge` and `strip`, with distances in thicknesses.
+
+    The tables are filled as they are used.
+    """
 
     def __init__(self, response: LayerResponse) -> None:
         self.response = response
@@ -129,22 +137,26 @@ class RestInSpace:
         self._strip: dict[int, Array] = {}
 
     def edge(self, s: Array) -> Array:
-        """``(1 / s) int R(k) J1(k s) / k dk``: the radial field whose divergence is ``int R(k) J0(k s) dk``."""
+        """Return ``(1 / s) int R(k) J1(k s) / k dk``: the radial field whose divergence is ``int R(k) J0(k s) dk``."""
         return self._interpolated(s, self._edge, self._edge_at)
 
     def strip(self, s: Array) -> Array:
-        """``int R(k) sin(k s) / k^2 dk``: the integral from 0 to s of ``int R(k) cos(k s) / k dk``; odd."""
+        """Return ``int R(k) sin(k s) / k^2 dk``, which is odd in s.
+
+        It is the integral from 0 to s of ``int R(k) cos(k s) / k dk``.
+        """
         return np.asarray(s * self._interpolated(np.abs(s), self._strip, self._strip_at))
 
     @cached_property
     def taylor(self) -> tuple[float, float, float]:
-        """:meth:`LayerResponse.taylor`."""
+        """Coefficients of k^2, k^4 and k^6 in R, from :meth:`LayerResponse.taylor`."""
         return self.response.taylor()
 
     def _interpolated(
         self, s: Array, pieces: dict[int, Array], exact: Callable[[Array], Array]
     ) -> Array:
         # frexp: s in [2^(e-1), 2^e)
+        """Return a tabulated function at `s`; `pieces` it lacks are made from its `exact` values."""
         piece = np.maximum(np.frexp(s)[1], 0)
         result = np.empty(s.shape)
         for number in np.unique(piece).tolist():
@@ -159,6 +171,7 @@ class RestInSpace:
         return result
 
     def _edge_at(self, s: Array) -> Array:
+        """Return `edge` at distances `s` in order, by quadrature over k."""
         response = self.response
         if s[0] >= LOST / response.first_pole:
             # along the imaginary axis, where J1 decays as K1; what is cut off is below rounding
@@ -171,6 +184,7 @@ class RestInSpace:
         return np.asarray(j1(np.multiply.outer(s, k)) @ share / s)
 
     def _strip_at(self, s: Array) -> Array:
+        """Return `strip` over `s` at distances `s` in order, by quadrature over k."""
         response = self.response
         if s[0] >= LOST / response.first_pole:
             tau, weight = self._imaginary(float(s[0]))
@@ -182,7 +196,7 @@ class RestInSpace:
         return np.asarray(np.sinc(np.multiply.outer(s, k) / np.pi) @ share)
 
     def _real(self, s: float) -> tuple[Array, Array]:
-        """Gauss points for integrals over k of what oscillates with ``k s``."""
+        """Return Gauss points and weights for integrals over k of a field that oscillates with ``k s``."""
         longest = min(0.5, 4 * np.pi / max(s, 1.0))
         ends = [0.0, min(self.response.nearest_pole, longest)]
         while ends[-1] < LAST_WAVE:
@@ -190,7 +204,7 @@ class RestInSpace:
         return _composite(np.array(ends))
 
     def _imaginary(self, s: float) -> tuple[Array, Array]:
-        """Gauss points for integrals over tau of what decays like ``exp(-s tau)``."""
+        """Return Gauss points and weights for integrals over tau of a field that decays like ``exp(-s tau)``."""
         end = min(self.response.first_pole, LOST / s)
         start = 1e-3 * min(self.response.nearest_pole, 1 / s)
         count = int(np.ceil(np.log2(end / start)))
@@ -199,11 +213,12 @@ class RestInSpace:
 
 @lru_cache(maxsize=32)
 def rest_in_space(response: LayerResponse) -> RestInSpace:
-    """The tables of one pair of materials, filled as they are used."""
+    """Return the tables of one pair of materials."""
     return RestInSpace(response)
 
 
 def _composite(ends: Array) -> tuple[Array, Array]:
+    """Return Gauss points and weights on pieces between `ends`."""
     nodes, weights = leggauss(POINTS)
     middle, half = (ends[1:] + ends[:-1]) / 2, np.diff(ends) / 2
     return (middle[:, None] + half[:, None] * nodes).ravel(), (half[:, None] * weights).ravel()

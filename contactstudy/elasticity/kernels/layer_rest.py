@@ -27,13 +27,22 @@ AT_ONCE = 1 << 20
 def rest_cell(
     response: LayerResponse, thickness: float, x: Array, y: Array, dx: float, dy: float
 ) -> Array:
-    """Integral of ``g(r / h) / h``, ``g(s) = int R(k) J0(k s) dk``, over a cell ``(x, y)`` away; x and y broadcast.
+    """Return the integral of ``g(r / h) / h`` over a rectangular cell, with ``g(s) = int R(k) J0(k s) dk``.
 
-    Lengths in one common unit, the result in that unit, for any thickness h. What depends on x and on y
-    alone is found once for each of their values, so x and y should be few or form a grid.
+    What depends on x and on y alone is computed once for each of their values, so x and y should be few or form a grid.
+    Source: the radial field with this divergence, integrated along the four edges of the cell, each by Gauss points on
+    pieces that grow with their distance from the observer.
 
-    Source: the radial field with this divergence, integrated along the four edges of the cell, each by
-    Gauss points on pieces that grow with their distance from the observer.
+    Parameters
+    ----------
+    response
+        Answer of the layer to a wave of pressure, which gives R.
+    thickness
+        Thickness h of the layer.
+    x, y
+        Offsets from the centre of the cell, which broadcast.
+    dx, dy
+        Sides of the cell; lengths are in one unit, and the result is in that unit.
     """
     x, y = (np.asarray(a, dtype=np.float64) for a in (x, y))
     shape = np.broadcast_shapes(x.shape, y.shape)
@@ -47,7 +56,7 @@ def rest_cell(
 
 
 class _Edges:
-    """The two edges of each cell along one axis, equal ones once."""
+    """The two edges of each cell along one axis, with equal ones listed once in `levels`."""
 
     def __init__(self, centres: Array, size: float) -> None:
         ends = np.concatenate([centres + size / 2, centres - size / 2])
@@ -55,13 +64,13 @@ class _Edges:
         self._sign = np.sign(ends)
 
     def difference(self, values: Array) -> Array:
-        """An odd function of the edges, given at ``levels`` along the first axis, between each two edges."""
+        """Return the difference of an odd function, given at `levels` (levels, ...), between both edges of each cell."""
         upper, lower = np.split(values[self._which] * self._sign[:, None], 2)
         return np.asarray(upper - lower)
 
 
 def levels(values: Array) -> tuple[Array, NDArray[np.intp]]:
-    """Values that differ by more than rounding, in order, and which of them each is."""
+    """Return the values that differ by more than rounding, in order, and the index among them of each value."""
     order = np.argsort(values, kind="stable")
     ordered = values[order]
     is_new = np.diff(ordered, prepend=-np.inf) > 64 * np.finfo(np.float64).eps * ordered[-1]
@@ -71,14 +80,17 @@ def levels(values: Array) -> tuple[Array, NDArray[np.intp]]:
 
 
 def quadrant(table: RestInSpace, x: Array, y: Array) -> Array:
-    """Integral of ``g`` over rectangles from the observer to each (x, y), both from 0 on in thicknesses."""
+    """Return the integral of ``g`` over rectangles from the observer to each (x, y), both from 0 on in thicknesses."""
     across = x[:, None] * _along_edges(table, x, y)
     along = y[:, None] * _along_edges(table, y, x)
     return np.asarray(across + along.T)
 
 
 def _along_edges(table: RestInSpace, aside: Array, ends: Array) -> Array:
-    """``int_0^t edge(sqrt(d^2 + t'^2)) dt'`` for all distances d ``aside`` and all t in ``ends``, both in order."""
+    """Return ``int_0^t edge(sqrt(d^2 + t'^2)) dt'`` for all distances d `aside` and all t in `ends` (aside, ends).
+
+    Both are in order.
+    """
     scale = float(np.hypot(aside[0], 2.0))
     marks, positions = _marks(ends, scale)
     middle, half = (marks[1:] + marks[:-1]) / 2, np.diff(marks) / 2
@@ -100,9 +112,9 @@ def _along_edges(table: RestInSpace, aside: Array, ends: Array) -> Array:
 
 
 def _marks(ends: Array, scale: float) -> tuple[Array, NDArray[np.intp]]:
-    """Ends of pieces from zero on, among them all of ``ends``, and where these are.
+    """Return ends of pieces from zero on, among them all of `ends`, and the indices of these.
 
-    None is longer than its distance from the observer, or than ``scale`` next to it.
+    No piece is longer than its distance from the observer, or than `scale` next to it.
     """
     farthest = max(float(ends[-1]), scale)
     growing = scale * 2.0 ** np.arange(np.ceil(np.log2(farthest / scale)))
@@ -116,6 +128,7 @@ def _marks(ends: Array, scale: float) -> tuple[Array, NDArray[np.intp]]:
 
 @cache
 def _gauss(points: int) -> tuple[Array, Array]:
+    """Return Gauss-Legendre nodes on (-1, 1) and their weights."""
     nodes, weights = leggauss(points)
     return nodes, weights
 
@@ -140,10 +153,10 @@ def rest_row(
     dy: float,
     period: float,
 ) -> Array:
-    """:func:`~contactstudy.elasticity.kernels.layer_rest.rest_cell` repeated with ``period`` along y.
+    """Return :func:`rest_cell` repeated with `period` along y; x is a column and y a row, of any sign.
 
-    x a column and y a row, of any sign. The rest is short-ranged, so that nothing diverges. What does
-    not vary along the length is :func:`rest_strip`; what does is :func:`harmonics`.
+    The rest is short-ranged, so that nothing diverges. The part that does not vary along the length is
+    :func:`rest_strip`; the part that does is :func:`harmonics`.
     """
     across, along = np.abs(x).ravel(), y.ravel()
     mean = rest_strip(response, thickness, across, dx) * (dy / period)
@@ -151,7 +164,7 @@ def rest_row(
 
 
 def rest_strip(response: LayerResponse, thickness: float, x: Array, dx: float) -> Array:
-    """The rest under a strip of width ``dx`` endless along y: an integral of one function of one distance."""
+    """Return the rest under a strip of width `dx`, endless along y: an integral of a function of one distance."""
     table = rest_in_space(response)
     upper, lower = ((x + side * dx / 2) / thickness for side in (1, -1))
     return np.asarray(2 * thickness * (table.strip(upper) - table.strip(lower)))
@@ -166,10 +179,10 @@ def harmonics(
     dy: float,
     period: float,
 ) -> Array:
-    """The part of a row that varies along y, shape (x, y), without its mean over the period.
+    """Return the part of :func:`rest_row` that varies along y (x, y): all but its mean over the period.
 
-    A Fourier series where the layer is thick, and where it is thin a sum over images. x and y flat, x from
-    0 on; both forms are exact.
+    It is a Fourier series where the layer is thick, and a sum over images where it is thin; both are exact. `x` and `y`
+    are flat, x from 0 on.
     """
     result = np.zeros((x.size, y.size))
     near = np.flatnonzero(x - dx / 2 < END * period)
@@ -178,9 +191,9 @@ def harmonics(
     if dx > 2 * END * period:  # beyond that, a cell adds nothing that varies
         end = END * period
         for n in near.tolist():
-            left, right = max(x[n] - dx / 2, -end), min(x[n] + dx / 2, end)
-            middle = np.array([abs(left + right) / 2])
-            result[n] = harmonics(response, thickness, middle, y, right - left, dy, period)[0]
+            low, high = max(x[n] - dx / 2, -end), min(x[n] + dx / 2, end)
+            middle = np.array([abs(low + high) / 2])
+            result[n] = harmonics(response, thickness, middle, y, high - low, dy, period)[0]
         return result
     row = _Row(response, thickness, dx, dy, period)
     form = row.series if row.waves(float(x[near].max())) <= MOST_WAVES else row.images
@@ -190,6 +203,8 @@ def harmonics(
 
 @dataclass(frozen=True)
 class _Row:
+    """Row of images of a cell of sides `dx` and `dy` with a `period` along y."""
+
     response: LayerResponse
     thickness: float
     dx: float
@@ -198,11 +213,15 @@ class _Row:
 
     @property
     def _count(self) -> int:
-        """Harmonics along the length that the rest holds."""
+        """Number of harmonics along the length that the rest holds."""
         return int(LAST_WAVE / self.thickness * self.period / (2 * np.pi))
 
     def _groups(self, farthest: float) -> list[tuple[int, int, float, float]]:
-        """Harmonics from a first to a last, how far across they are felt, and the period across to sum with."""
+        """Return groups of harmonics.
+
+        A group is its first and last harmonic, the last exclusive, how far across they are felt, and the period across
+        to sum with.
+        """
         groups, first = [], 1
         while first <= self._count:
             decay = DECAY * self.period / (2 * np.pi * first)
@@ -214,7 +233,7 @@ class _Row:
         return groups
 
     def waves(self, farthest: float) -> float:
-        """Cost of :meth:`series`, in evaluations of the response."""
+        """Return the cost of :meth:`series` up to a distance `farthest`, in evaluations of the response."""
         cost = 0.0
         for first, end, felt, across in self._groups(farthest):
             waves = (end - first) * LAST_WAVE / self.thickness * across / (2 * np.pi)
@@ -222,10 +241,11 @@ class _Row:
         return cost
 
     def series(self, x: Array, y: Array) -> Array:
-        """Harmonics along y, each an integral over the waves across by the trapezoidal rule.
+        """Return the varying part (x, y) by harmonics along y.
 
-        The integrand is analytic within the harmonic's own wave number of the real axis, so that the rule,
-        which repeats the coefficients across, leaves nothing once the repeats have decayed.
+        Each is an integral over waves across by the trapezoidal rule. The integrand is analytic within the harmonic's
+        own wave number of the real axis, so that the rule, which repeats the coefficients across, leaves nothing once
+        the repeats have decayed.
         """
         total = np.zeros((x.size, y.size))
         for first, end, felt, across in self._groups(float(x.max(initial=0.0))):
@@ -250,7 +270,7 @@ class _Row:
         return total * (self.dx * self.dy / self.period)
 
     def images(self, x: Array, y: Array) -> Array:
-        """The three nearest images cell by cell, further ones on Chebyshev points; less the mean."""
+        """Return the varying part (x, y) by images: the three nearest cell by cell, further ones on Chebyshev points."""
         cell = self.dx, self.dy
         y = np.abs(y - self.period * np.round(y / self.period))
         near = y + self.period * np.arange(-1.0, 2)[:, None]
@@ -262,7 +282,7 @@ class _Row:
         return np.asarray(total + self._further(x, y))
 
     def _further(self, x: Array, y: Array) -> Array:
-        """Sum over the images beyond the nearest three, which is smooth on the scale of the period."""
+        """Return the sum over all images except the nearest three, which is smooth on the scale of the period."""
         period = self.period
         reach = max(float(x.max()), self.dx / 2)
         # singular where an image's edge is met, at least a period away
@@ -286,7 +306,10 @@ class _Row:
         return np.asarray(across @ values @ along.T)
 
     def _tail(self, x: Array, y: Array, last: int) -> Array:
-        """Images beyond the ``last``, where it is ``-r2 h^2 / r^3 + 9 r4 h^4 / r^5 - 225 r6 h^6 / r^7``."""
+        """Return the sum over images beyond the `last`, by their far field.
+
+        It is ``-r2 h^2 / r^3 + 9 r4 h^4 / r^5 - 225 r6 h^6 / r^7``, with r2, r4, r6 the coefficients of R.
+        """
         second, fourth, sixth = rest_in_space(self.response).taylor
         h, period = self.thickness, self.period
         powers = (3, -second * h**2), (5, 9 * fourth * h**4), (7, -225 * sixth * h**6)
@@ -305,7 +328,7 @@ class _Row:
 
 
 def _interpolation(count: int, points: Array) -> Array:
-    """Matrix from values at first-kind Chebyshev points to values at ``points``, shape (points, count)."""
+    """Return the matrix from values at first-kind Chebyshev points to values at `points`, shape (points, count)."""
     nodes = chebyshev.chebvander(chebyshev.chebpts1(count), count - 1)
     norm = np.full(count, 2.0 / count)
     norm[0] /= 2
@@ -326,10 +349,10 @@ def rest_lattice(
     width: float,
     period: float,
 ) -> Array:
-    """The rest repeated with ``width`` along x and ``period`` along y, counted from its mean.
+    """Return :func:`rest_cell` repeated with `width` along x and `period` along y, counted from its mean.
 
-    x a column and y a row. A Fourier series where the layer is thick. Where it is thin, rows of the shorter
-    period: what varies along these dies out within a few of their periods, and what does not is
+    x is a column and y a row. It is a Fourier series where the layer is thick. Where it is thin, it is summed over rows
+    of the shorter period: what varies along these dies out within a few of their periods, and what does not is
     :func:`rest_strips`.
     """
     largest = LAST_WAVE / thickness / (2 * np.pi)
@@ -357,6 +380,7 @@ def _series(
     periods: tuple[float, float],
     waves: tuple[int, int],
 ) -> Array:
+    """Return the rest of a lattice (x, y) by its Fourier series over that many `waves` of both axes."""
     q, fields = [], []
     for offset, size, period, count in zip((x, y), cell, periods, waves, strict=True):
         q.append(2 * np.pi / period * np.arange(count + 1))
@@ -373,7 +397,10 @@ def _series(
 def rest_strips(
     response: LayerResponse, thickness: float, x: Array, dx: float, width: float
 ) -> Array:
-    """Strips of width ``dx``, endless along y, repeated with ``width`` along x and counted from their mean."""
+    """Return the rest under strips of width `dx`, endless along y and repeated with `width` along x.
+
+    It is counted from its mean.
+    """
     waves = int(LAST_WAVE / thickness * width / (2 * np.pi))
     if waves <= MOST_ACROSS:
         q = 2 * np.pi / width * np.arange(1, waves + 1)

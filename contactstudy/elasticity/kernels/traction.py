@@ -11,56 +11,64 @@ from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, Component, F
 
 
 def _swapped(field: Field) -> Field:
+    """Return `field` with x and y exchanged."""
     return lambda x, y, z, r, nu: field(y, x, z, r, nu)
 
 
 def _asinh(y: Array, x: Array, z: float) -> Array:
-    """Integral of 1/r along y."""
+    """Return the integral of 1/r along y."""
     return np.asarray(np.arcsinh(y / np.sqrt(x * x + z * z)))
 
 
 def _harmonic_point(x: Array, y: Array, z: float, r: Array) -> Array:
-    """``-(d/dx)(d/dy)^2 (z ln(r + z) - r)``."""
+    """Return ``-(d/dx)(d/dy)^2 (z ln(r + z) - r)``."""
     s = r + z
     return np.asarray((-1 + y * y / (r * r) + 2 * y * y / (r * s)) * x / (r * s * s))
 
 
 def _xx_point(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
+    """Return 2 pi times the stress xx under a unit force along x at the origin."""
     s = r + z
     third = (-3 + x * x / (r * r) + 2 * x * x / (r * s)) * x / (r * s * s)
     return np.asarray((1 - 2 * nu) * (x / r**3 + third) - 3 * x**3 / r**5)
 
 
 def _xx_corner(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
+    """Return the integral over x and y of 2 pi times the stress xx under a unit force along x."""
     compliant = x * x * y / ((x * x + z * z) * r) + 2 * _asinh(y, x, z)
     return np.asarray(compliant - (1 - 2 * nu) * y / (r + z))
 
 
 def _yy_point(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
+    """Return 2 pi times the stress yy under a unit force along x at the origin."""
     lateral = x / r**3 + _harmonic_point(x, y, z, r)
     return np.asarray((1 - 2 * nu) * lateral - 3 * x * y * y / r**5)
 
 
 def _yy_corner(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
+    """Return the integral over x and y of 2 pi times the stress yy under a unit force along x."""
     line = _asinh(y, x, z)
     return np.asarray(line - y / r - (1 - 2 * nu) * (line - y / (r + z)))
 
 
 def _xy_point(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
+    """Return 2 pi times the stress xy under a unit force along x at the origin."""
     lateral = _harmonic_point(y, x, z, r)
     return np.asarray((1 - 2 * nu) * lateral - 3 * x * x * y / r**5)
 
 
 def _xy_corner(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
+    """Return the integral over x and y of 2 pi times the stress xy under a unit force along x."""
     return np.asarray(_asinh(x, y, z) - x / r + (1 - 2 * nu) * x / (r + z))
 
 
 def _incompressible(field: Field) -> Field:
-    """Return the field for a Poisson's ratio of a half: under shear these do not depend on it."""
+    """Return `field` for a Poisson's ratio of a half: fields that do not depend on it under shear."""
     return lambda x, y, z, r, nu: field(x, y, z, r, 0.5)
 
 
 def _zero(strip: Strip, nu: float) -> float:
+    """Return zero: the stress that is not there in plane strain."""
     return 0.0
 
 
@@ -107,12 +115,12 @@ for _name, _parity, _point, _corner, _plane, _other in (
 
 
 def _half_log(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
-    """Integral of ``x / r^2`` over x and y, but for what has no difference of corners."""
+    """Return the integral of ``x / r^2`` over x and y, up to terms whose differences over corners vanish."""
     return np.asarray(y * np.log(r) + np.abs(x) * np.arctan2(y, np.abs(x)))
 
 
 def _moment(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
-    """Integral of ``x^2 / r^3``."""
+    """Return the integral of ``x^2 / r^3`` over x and y."""
     return np.asarray(y * np.arcsinh(x / np.where(y == 0, 1.0, np.abs(y))))
 
 

@@ -1,4 +1,4 @@
-"""Grid that a lubricated scene calls for, and what it will cost."""
+"""Grid that a lubricated scene needs, and its cost."""
 
 from dataclasses import dataclass
 from math import prod
@@ -9,8 +9,8 @@ from contactstudy.lubrication.solve_lubricated import PER_WAVE, film_grid
 from contactstudy.planning.grid_requirements import Needs
 from contactstudy.scene.scene import Scene
 
-# Seconds of a direct step a row of cells cubed, and steps of all nested grids; seconds a cell of a film that varies
-# along its length: on one core, with a roughness of 0.3 of the film.
+# Seconds of a direct step over the cube of the cells across, and steps on all nested grids; seconds a cell for a film
+# that varies along its length, with a roughness of 0.3 of the film. All on one core.
 DIRECT, STEPS, PER_CELL = 6e-11, 12, 5e-5
 # Numbers held a cell, mostly the basis of the Krylov space, and matrices (x, x) of the Fourier stage.
 FIELDS, MATRICES = 180, 50
@@ -18,7 +18,21 @@ FIELDS, MATRICES = 180, 50
 
 @dataclass(frozen=True)
 class FilmNeeds:
-    """Grid of a film, with the seconds and bytes of a solve, and sentences on why and on what is not known."""
+    """Grid of a film, and what a solve on it costs.
+
+    Attributes
+    ----------
+    grid
+        The grid.
+    seconds
+        Seconds of a solve on one core.
+    bytes
+        Bytes that a solve holds at most.
+    reasons
+        A sentence for each choice.
+    warnings
+        A sentence for each unknown error.
+    """
 
     grid: Grid
     seconds: float
@@ -30,7 +44,21 @@ class FilmNeeds:
 def film_needs(
     scene: Scene, needs: Needs, error: float, period: float | None, grid: Grid | None
 ) -> FilmNeeds:
-    """Return what a lubricated scene needs for a relative error of central and smallest film."""
+    """Return the grid that a lubricated scene needs, and its cost.
+
+    Parameters
+    ----------
+    scene
+        The lubricated scene.
+    needs
+        Needs of its surfaces.
+    error
+        Relative error of the central and the smallest film thickness.
+    period
+        Length of the grid [m]; chosen if None.
+    grid
+        Grid to keep; chosen if None.
+    """
     scales = lubricated_scales(scene)
     warnings = (
         []

@@ -1,4 +1,4 @@
-"""What a scene asks of a grid: how wide, how long, how fine."""
+"""Requirements of a scene on its grid: width, length, cells, padding, and the error to expect of them."""
 
 from dataclasses import dataclass
 from fractions import Fraction
@@ -15,12 +15,12 @@ from contactstudy.domain.padding import ExactPeriodicity, Padding, Paddings, Zer
 from contactstudy.scene.bodies import Layered
 from contactstudy.scene.shapes.shape import Detail
 
-# Relative L1 error of the pressure of a rough contact over (cell / finest wavelength)^1.5, times its contact
-# area's share to a power: fitted to 9 %, 30 % and 80 % in contact.
+# Relative L1 error of the pressure of a rough contact over (cell / finest wavelength)^RATE: ROUGH times the share of the
+# area in contact to the power AREA_POWER, fitted to 9 %, 30 % and 80 % in contact.
 ROUGH, AREA_POWER, RATE = 0.35, -0.65, 1.5
-# Where nothing stands out of the surface, the contact ends at a half-width; some room beyond it.
+# Width of the grid over that of the contact.
 ROOM = 1.2
-# A period should hold so many of the longest wavelength, so that one surface stands for others.
+# Longest wavelengths that a period should hold, so that one surface represents others.
 WAVES = 4
 COARSEST = 32
 # Cells along a roller from which small solutions find how many it needs.
@@ -31,7 +31,21 @@ THIN = 0.1
 
 @dataclass(frozen=True)
 class Needs:
-    """What a scene asks of a grid."""
+    """Properties of a scene that determine its grid.
+
+    Attributes
+    ----------
+    hertz
+        Hertz's contact of the mean load.
+    details
+        Wavelengths and heights of each shape.
+    hardness
+        Largest pressure of the softer body [Pa].
+    coats
+        Coated bodies.
+    shear
+        A sentence on friction; empty where it changes nothing.
+    """
 
     hertz: HertzLine
     details: tuple[Detail, ...]
@@ -42,7 +56,7 @@ class Needs:
     @property
     def points(self) -> tuple[float, float] | None:
         """Spacing (across, along) of the points of a measured surface [m]; None without one."""
-        return next((d.spacing for d in self.details if d.spacing is not None), None)
+        return next((detail.spacing for detail in self.details if detail.spacing is not None), None)
 
     def grid_of_points(self, period: float | None) -> Grid:
         """Return a grid whose cells are the points of a measured surface, as wide as the contact may become."""
@@ -57,10 +71,10 @@ class Needs:
 
     @property
     def finest(self) -> tuple[float, float]:
-        """The shortest wavelengths (across, along) of all shapes [m]."""
+        """The shortest wavelengths (across, along) of all shapes [m]; infinite where there are none."""
         return (
-            min((d.finest[0] for d in self.details), default=inf),
-            min((d.finest[1] for d in self.details), default=inf),
+            min((detail.finest[0] for detail in self.details), default=inf),
+            min((detail.finest[1] for detail in self.details), default=inf),
         )
 
     @property
@@ -70,13 +84,13 @@ class Needs:
 
     @property
     def smooth(self) -> bool:
-        """Whether this is Hertz's contact: nothing stands out of the cylinder, ends it, coats it or drags it aside."""
+        """Whether this is Hertz's contact: no heights on the cylinder, no end, no coat, no friction."""
         return not (self.rough or self.roller or self.height or self.coats or self.shear)
 
     @property
     def roller(self) -> float:
-        """The shortest length of a roller that a shape names; infinite where one has no length, 0 for none."""
-        return min((d.roller for d in self.details if d.roller), default=0.0)
+        """The shortest length of a roller that a shape names [m]; infinite if one has no length, 0 without rollers."""
+        return min((detail.roller for detail in self.details if detail.roller), default=0.0)
 
     @property
     def varies(self) -> bool:
@@ -86,40 +100,43 @@ class Needs:
     @property
     def height(self) -> float:
         """The largest height of all shapes together [m]."""
-        return sum(d.height for d in self.details)
+        return sum(detail.height for detail in self.details)
 
     @property
     def longest(self) -> float:
         """The longest wavelength along the length [m]."""
-        return max((d.longest for d in self.details), default=0.0)
+        return max((detail.longest for detail in self.details), default=0.0)
 
     @property
     def widest(self) -> float:
         """The width over which all shapes are known [m]."""
-        return min((d.widest for d in self.details), default=inf)
+        return min((detail.widest for detail in self.details), default=inf)
 
     @property
     def half_width(self) -> float:
-        """Where Hertz's gap is as wide as the highest stands out, or what a hardness needs for the load."""
+        """Expected half-width of the contact [m].
+
+        It is where Hertz's gap equals the largest height, or the width that carries the load at the hardness.
+        """
         hertz = self.hertz
         scale = hertz.half_width**2 / (2 * hertz.radius)
         reach = 1.0
         if self.height > 0:
-            far = 2 + sqrt(2 * self.height / scale)
+            bracket = 2 + sqrt(2 * self.height / scale)
 
             def open_by(t: float) -> float:
                 return scale * (t * sqrt((t - 1) * (t + 1)) - acosh(t)) - self.height
 
-            from scipy.optimize import brentq  # as heavy as all else together
+            from scipy.optimize import brentq  # imported late: as slow as everything else
 
-            reach = float(brentq(open_by, 1.0, far))
+            reach = float(brentq(open_by, 1.0, bracket))
         crowned = 1.5 if self.roller else 1.0  # the middle or the ends bear more than the mean
         bearing = hertz.load_per_length / (2 * self.hardness)
         return max(hertz.half_width * reach * crowned, bearing)
 
     def coefficient(self) -> float:
-        """The error law's, of the finest wavelength."""
-        slope = sqrt(sum(d.slope**2 for d in self.details))
+        """Return the factor of the error law of rough contacts, the error at cells of one finest wavelength."""
+        slope = sqrt(sum(detail.slope**2 for detail in self.details))
         if slope == 0:
             return ROUGH
         # the mean pressure over the rms slope tells the share in contact (Persson 2001)
@@ -127,7 +144,7 @@ class Needs:
         return float(ROUGH * max(erf(sqrt(2) * mean / slope), 1e-3) ** AREA_POWER)
 
     def error(self, cell: tuple[float, float]) -> float:
-        """Relative L1 error of the pressure to expect of a cell (dx, dy) [m]."""
+        """Return the relative L1 error of the pressure to expect of a cell (dx, dy) [m]."""
         smooth = smooth_l1(cell[0] / self.hertz.half_width)
         steps = (size / wave for size, wave in zip(cell, self.finest, strict=True))
         return float(smooth + self.coefficient() * max(steps) ** RATE)
@@ -141,26 +158,47 @@ class Needs:
         return total * rough[0] / sum(rough), total * rough[1] / sum(rough)
 
     def grid(self, error: float, period: float | None) -> Grid:
-        """The coarsest grid that keeps to ``error``."""
+        """Return the coarsest grid whose expected error is `error`.
+
+        Parameters
+        ----------
+        error
+            Relative L1 error of the pressure.
+        period
+            Length of the grid [m]; chosen if None.
+        """
         width = min(2 * ROOM * self.half_width, self.widest)
         length = self.length(period, width)
-        # as if each source of error stood alone, then both brought down to the error asked for
+        # the cells for each source of error alone, then both are reduced to the requested error
         step = self.hertz.half_width / l1_factor() ** (1 / RATE)
         share = self.coefficient() ** (-1 / RATE)
         across = min(step, self.finest[0] * share)
         along = self.finest[1] * share
-        down = 1.0
+        reduction = 1.0
         for _ in range(4):  # the smooth part's second term falls faster than the rate
-            expected = self.error((across * down, along * down))
-            if not 0 < expected < inf:  # beyond any grid: what it takes is said by whoever makes it
+            expected = self.error((across * reduction, along * reduction))
+            if not 0 < expected < inf:  # no grid is fine enough: the caller reports it
                 break
-            down *= (error / expected) ** (1 / RATE)
+            reduction *= (error / expected) ** (1 / RATE)
         least = ALONG if self.roller else COARSEST
-        cells = halvable(length / (along * down), least) if self.varies else 1
-        return Grid((halvable(width / (across * down)), cells), (width, length))
+        cells = halvable(length / (along * reduction), least) if self.varies else 1
+        return Grid((halvable(width / (across * reduction)), cells), (width, length))
 
     def length(self, period: float | None, width: float) -> float:
-        """Return the length of the grid [m]: ``period`` if given, else a roller's own or that of what repeats."""
+        """Return the length of the grid [m]: the period if given, else that of the roller or of the repeating shapes.
+
+        Parameters
+        ----------
+        period
+            Length [m]; chosen if None.
+        width
+            Width of the grid [m], for a length that nothing else determines.
+
+        Raises
+        ------
+        InvalidInput
+            If the period is not above 0, a roller has no length, or the shapes share no period.
+        """
         if period is not None:
             return positive("plan.period", period, "give a period above 0 m")
         if self.roller == inf:
@@ -171,21 +209,25 @@ class Needs:
             return self.roller
         if not self.varies:
             return width
-        repeats = {d.repeat for d in self.details if d.repeat}
-        unit = _common(repeats) if repeats else max(self.longest, width) / WAVES
+        repeats = {detail.repeat for detail in self.details if detail.repeat}
+        unit = _common_period(repeats) if repeats else max(self.longest, width) / WAVES
         return unit * max(1, int(np.ceil(WAVES * self.longest / unit * (1 - 1e-12))))
 
     def padding(self) -> Padding | Paddings:
-        """Free where a roller ends, else all images."""
+        """Return the boundary conditions: open on both axes where a roller ends, else periodic with all images."""
         return (ZeroPadding(), ZeroPadding()) if self.roller else ExactPeriodicity()
 
     def period_check(self, period: float) -> str:
-        """How ``period`` [m] suits the scene, in a sentence."""
+        """Return a sentence on how `period` [m] suits the scene."""
         if self.roller:
             return f"The length is free, from end to end {period:.4g} m."
         if not self.varies:
             return "Nothing varies along the length, so any period gives the same pressure."
-        broken = [d.repeat for d in self.details if d.repeat and _parts(period, d.repeat) is None]
+        broken = [
+            detail.repeat
+            for detail in self.details
+            if detail.repeat and _whole_parts(period, detail.repeat) is None
+        ]
         if broken:
             return (
                 f"The period {period:.4g} m is no whole number of {broken[0]:.4g} m, after which a shape "
@@ -200,14 +242,22 @@ class Needs:
         return f"The period {period:.4g} m holds what repeats along it a whole number of times."
 
     def reasons(self, grid: Grid, error: float) -> tuple[str, ...]:
-        """Why the width, the cells, the dimension and the padding, a sentence each."""
+        """Return a sentence each on the width, the cells, the dimension, the padding and the coats of `grid`.
+
+        Parameters
+        ----------
+        grid
+            The grid.
+        error
+            Relative L1 error of the pressure to expect on it.
+        """
         a = self.hertz.half_width
         width = (
             f"width {grid.extent[0]:.4g} m: the contact is expected to end within "
             f"{self.half_width / a:.3g} half-widths of Hertz (a = {a:.4g} m) from the axis."
         )
         cell = f"{grid.cells[0]} x {grid.cells[1]} cells: {a / grid.cell[0]:.3g} in a half-width"
-        cell += f", {_in_waves(grid, self.finest):.3g} in the finest wavelength" * self.rough
+        cell += f", {_cells_per_wave(grid, self.finest):.3g} in the finest wavelength" * self.rough
         cell += f", for an error of {error:.1g}."
         if not self.varies:
             dimension = (
@@ -230,64 +280,69 @@ class Needs:
         return width, cell, dimension, padding, *coats, *filter(None, (self.shear,))
 
     def _coat(self, coat: Layered, grid: Grid) -> str:
-        """What a coat does to the plan."""
-        own, below = 1 / coat.compliance, coat.substrate.compliance
-        base = f"{1 / below:.3g} Pa" if below else "infinite, a rigid substrate"
-        felt = 1 / coat.compliance_at(self.hertz.half_width)
+        """Return a sentence on what a coat does to the plan."""
+        coating, substrate_compliance = 1 / coat.compliance, coat.substrate.compliance
+        substrate = (
+            f"{1 / substrate_compliance:.3g} Pa"
+            if substrate_compliance
+            else "infinite, a rigid substrate"
+        )
+        modulus = 1 / coat.compliance_at(self.hertz.half_width)
         return (
             f"coat {coat.thickness:.4g} m: {coat.thickness / self.hertz.half_width:.3g} half-widths and "
             f"{coat.thickness / grid.cell[0]:.3g} cells across thick. Its coefficients are exact at any thickness; "
-            f"a smooth contact feels a modulus of about {felt:.3g} Pa, between {own:.3g} Pa of the coating and "
-            f"{base}. Width and error are those of small solutions with the coat."
+            f"a smooth contact feels a modulus of about {modulus:.3g} Pa, between {coating:.3g} Pa of the coating and "
+            f"{substrate}. Width and error are those of small solutions with the coat."
         )
 
     def warnings(self, grid: Grid) -> tuple[str, ...]:
-        """What is wrong with ``grid``, a sentence each."""
-        said = []
+        """Return a sentence for each fault of `grid`."""
+        messages = []
         for coat in self.coats:
             stiffer = coat.substrate.compliance / coat.compliance
             if stiffer > STIFF_COAT and grid.cell[0] > coat.thickness / IN_COAT:
-                said.append(
+                messages.append(
                     f"Grid.cells[0] is {grid.cells[0]}: {coat.thickness / grid.cell[0]:.2g} cells in a coat "
                     f"{stiffer:.3g} times as stiff as its substrate, where little is known of the error, give "
                     f"{int(np.ceil(IN_COAT * grid.extent[0] / coat.thickness))} for a bound."
                 )
         hertz = self.hertz
         if hertz.half_width > THIN * hertz.radius:
-            said.append(
+            messages.append(
                 f"The half-width of Hertz is {hertz.half_width:.3g} m on a radius of {hertz.radius:.3g} m, too "
                 "large a share for half-spaces: give loads and radii in N/m and m, and "
                 "HalfSpace.youngs_modulus in Pa (steel has 210e9)."
             )
         for axis, (cell, wave) in enumerate(zip(grid.cell, self.finest, strict=True)):
             if cell > wave / 2:
-                said.append(
+                messages.append(
                     f"Grid.cells[{axis}] is {grid.cells[axis]}: its cells of {cell:.4g} m do not show the "
                     f"finest wavelength, {wave:.4g} m, give {int(np.ceil(2 * grid.extent[axis] / wave))} "
                     "or more."
                 )
         if self.varies and ": give" in (check := self.period_check(grid.period)):
-            said.append(check)
-        return tuple(said)
+            messages.append(check)
+        return tuple(messages)
 
 
-def _in_waves(grid: Grid, finest: tuple[float, float]) -> float:
+def _cells_per_wave(grid: Grid, finest: tuple[float, float]) -> float:
+    """Return the number of cells in the finest wavelength, along the axis with the fewest."""
     return min(wave / cell for wave, cell in zip(finest, grid.cell, strict=True))
 
 
-def _parts(whole: float, part: float) -> int | None:
-    """How many times ``part`` goes into ``whole``, if that is a whole number."""
-    times = round(whole / part)
-    return times if times and abs(whole / part - times) <= 1e-9 * times else None
+def _whole_parts(total: float, part: float) -> int | None:
+    """Return how often `part` goes into `total`, if that is a whole number; else None."""
+    count = round(total / part)
+    return count if count and abs(total / part - count) <= 1e-9 * count else None
 
 
-def _common(lengths: set[float]) -> float:
-    """The shortest length that is a whole number of each."""
+def _common_period(lengths: set[float]) -> float:
+    """Return the shortest length that is a whole multiple of each of `lengths`."""
     first = max(lengths)
     ratios = [Fraction(first / length).limit_denominator(64) for length in lengths]
     multiple = lcm(*(ratio.denominator for ratio in ratios))
     common = first * multiple
-    if any(_parts(common, length) is None for length in lengths):
+    if any(_whole_parts(common, length) is None for length in lengths):
         raise InvalidInput(
             f"Scene.shapes repeat after {sorted(lengths)} m, which share no period: "
             "give wavelengths and pitches in ratios of small whole numbers."
@@ -296,6 +351,6 @@ def _common(lengths: set[float]) -> float:
 
 
 def halvable(count: float, least: int = COARSEST) -> int:
-    """Return at least ``count`` cells, and at least ``least``, that halve again and again down to a coarse grid's."""
+    """Return a number of cells that can be halved repeatedly down to a coarse grid, at least `count` and `least`."""
     step = 2 ** max(0, int(log2(max(count, COARSEST) / COARSEST)))
     return int(np.ceil(max(count, least) / step * (1 - 1e-12)) * step)

@@ -1,4 +1,4 @@
-"""What bodies that yield ask of a grid and of its steps, and what they cost."""
+"""Requirements of scenes that change in time, roll or yield: grid, number of steps and cost."""
 
 from dataclasses import dataclass, replace
 from math import inf, log10, pi, prod, sqrt
@@ -20,17 +20,24 @@ WIDTH, WIDER, DEPTH = 0.62, 0.07, 1.2
 # The error by equal steps is at most STEPS (r / 3)^3 over their number; solves of a march, with its companion and what
 # is rejected, are FIRST and SOLVES for each step. An error by cells is r / 3 to the power CELLS times the elastic one.
 STEPS, FIRST, SOLVES, CELLS = 0.09, 18, 2.5, 1.5
-# A step costs so many elastic solves, or so many for each layer where strain varies along the length; and its fields
-# are so many of those of the plastic strain, or more there. Measured on rough cylinders of 48^2 to 128^2 cells.
+# A step costs CONTACTS elastic solves, or CONTACTS_OF_LAYER for each layer where strain varies along the length, and
+# holds FIELDS or FIELDS_ALONG fields of the plastic strain. Measured on rough cylinders of 48^2 to 128^2 cells.
 CONTACTS, CONTACTS_OF_LAYER, FIELDS, FIELDS_ALONG = 120, 9, 24, 36
 MARGIN = 1.25
 
 
 @dataclass(frozen=True)
 class Yielding:
-    """``ratio`` of Hertz's peak pressure to the lowest yield stress, at Hertz's ``half_width`` [m].
+    """Expected extent and cost of yielding.
 
-    ``bodies`` is how many yield.
+    Attributes
+    ----------
+    ratio
+        Hertz's peak pressure over the lowest yield stress.
+    half_width
+        Hertz's half-width [m].
+    bodies
+        Number of bodies that yield.
     """
 
     ratio: float
@@ -39,25 +46,25 @@ class Yielding:
 
     @property
     def reach(self) -> float:
-        """How far the plastic zone reaches across [m]."""
+        """Distance [m] across from the axis to the end of the plastic zone."""
         return self.half_width * MARGIN * (WIDTH + WIDER * self.ratio**2)
 
     @property
     def cells_error(self) -> float:
-        """The error by cells over that of an elastic contact."""
+        """Error by the cells over that of an elastic contact."""
         return float(max(1.0, self.ratio / 3) ** CELLS)
 
     def contacts(self, grid: Grid) -> int:
-        """Elastic solves that a step costs on ``grid``."""
+        """Return the elastic solves that a step costs on `grid`."""
         count, _, along = self.volume(grid).shape
         return CONTACTS if along == 1 else CONTACTS_OF_LAYER * count
 
     def steps(self, error: float) -> int:
-        """Solves of a march with steps for ``error``, with those that estimate it."""
+        """Return the solves of a march whose steps cause the relative error `error`, with those that estimate it."""
         return round(FIRST + SOLVES * STEPS * (self.ratio / 3) ** 3 / error)
 
     def volume(self, grid: Grid) -> Volume:
-        """Where it yields, on ``grid``."""
+        """Return the cells of `grid` expected to yield."""
         half = min(self.reach, grid.extent[0] / 2)
         across = round(half / grid.cell[0])
         middle = grid.cells[0] // 2
@@ -66,17 +73,17 @@ class Yielding:
         return Volume(grid, max(middle - across, 0), min(middle + across, grid.cells[0]), edges)
 
     def bytes(self, grid: Grid) -> int:
-        """What operators and fields take, beside one solve."""
+        """Return the bytes of operators and fields on `grid`, in addition to one solve."""
         volume = self.volume(grid)
         count, across, along = volume.shape
         if along == 1:
-            kept = (across + 1) * (3 * count) ** 2 + FIELDS * 3 * prod(volume.shape)
+            numbers = (across + 1) * (3 * count) ** 2 + FIELDS * 3 * prod(volume.shape)
         else:
-            kept = FIELDS_ALONG * 5 * prod(volume.shape)
-        return 8 * self.bodies * kept
+            numbers = FIELDS_ALONG * 5 * prod(volume.shape)
+        return 8 * self.bodies * numbers
 
     def reason(self, grid: Grid) -> str:
-        """What is chosen for it, in a sentence."""
+        """Return a sentence on the layers chosen for yielding on `grid`."""
         volume = self.volume(grid)
         count, across, _ = volume.shape
         return (
@@ -87,7 +94,10 @@ class Yielding:
 
 
 def yielding(scene: Scene) -> Yielding | None:
-    """Of the largest load of ``scene``; None where nothing yields, or no curvature says how wide the contact is."""
+    """Return the expected yielding under the largest load of `scene`.
+
+    None where nothing yields, or no curvature says how wide the contact is.
+    """
     limits = [
         float(getattr(body, "yield_stress", 0.0))
         for body in scene.solids
@@ -98,28 +108,41 @@ def yielding(scene: Scene) -> Yielding | None:
     return Yielding(scene.hertz.peak_pressure / min(limits), scene.hertz.half_width, len(limits))
 
 
-# Solves of a march, with its companion and what is rejected, for an error of 1: of a held load, by the power CREEP_RATE
-# and for each decade of relaxation times; of wear, which is of first order, by the number of times the contact
-# doubles its width. Measured on a cylinder; within a factor of some three.
+# Solves of a march for an error of 1, with its companion and rejected steps: of a held load, for each decade of
+# relaxation times; of wear, for each time that the contact doubles its width; and the power of 1 / error with which each
+# grows. Measured on a cylinder; within a factor of about three.
 CREEP, CREEP_RATE = 7.0, 0.37
 WEAR, WEAR_RATE = 1.2, 1.0
-# Passes of a steadily rolling contact; as many as these times the ratio of its compliances to 1e-6.
+# Passes of a steadily rolling contact to 1e-6, over 1 + the ratio of its compliances.
 PASSES = 8
 
 
 # A contact under a smaller share of the largest load than this is not planned for: cells grow with its root.
 LEAST_LOAD = 0.1
-# Instants at which a load is looked at.
+# Number of instants at which a load is evaluated.
 INSTANTS = 2000
 
 
 @dataclass(frozen=True)
 class Extremes:
-    """What the narrowest and the widest contact of a scene in time ask of a plan.
+    """Requirements of the narrowest and the widest contact of a scene in time.
 
-    ``narrow`` is the scene of the smallest load that is planned for, before anything has crept or worn, which needs the
-    finest cells. ``width`` [m] holds the widest contact. ``steps`` are solves, ``fields`` what is kept between them
-    beside one solve, ``reasons`` and ``warnings`` a sentence each. ``plastic`` is what bodies that yield ask.
+    Attributes
+    ----------
+    narrow
+        Scene of the smallest load that is planned for, before creep and wear, which needs the finest cells.
+    width
+        Width [m] that holds the widest contact.
+    steps
+        Number of solves.
+    fields
+        Fields held between solves, in addition to one solve.
+    reasons
+        A sentence for each choice.
+    warnings
+        A sentence for each fault.
+    plastic
+        Expected yielding; None without any.
     """
 
     narrow: Scene
@@ -132,24 +155,36 @@ class Extremes:
 
 
 def extremes(scene: Scene, error: float, end: float | None = None) -> Extremes:
-    """Return those of ``scene`` up to ``end`` [s], or the end of its load, marched with steps for ``error``."""
+    """Return the requirements of a scene in time.
+
+    Parameters
+    ----------
+    scene
+        The scene, which changes in time or rolls.
+    error
+        Relative L1 error of the pressure by the steps.
+    end
+        Last time [s]; None ends where the load does.
+    """
     load = LineLoad(scene.load.largest)
-    still = replace(scene, load=load, solids=sudden(scene.solids), wear=None, rolling=None)
-    bodies = [b for b in scene.solids if isinstance(b, ViscoelasticHalfSpace) and b.creeps]
+    elastic = replace(scene, load=load, solids=sudden(scene.solids), wear=None, rolling=None)
+    bodies = [
+        body for body in scene.solids if isinstance(body, ViscoelasticHalfSpace) and body.creeps
+    ]
     start = getattr(scene.load, "start", 0.0)
     last = end if end is not None else getattr(scene.load, "end", start)
     duration = max(last - start, 0.0)
     softest = sum(_softest(body, duration) for body in scene.solids)
-    hertz = still.hertz
+    hertz = elastic.hertz
     half_width = 0.0
     if hertz is not None:
         half_width = sqrt(4 * load.per_length * hertz.radius * softest / pi)
     fields = 2 * sum(len(body.creep.terms) + bool(body.creep.fluidity) for body in bodies) + 8
     if scene.rolling is not None:
-        ratio = softest * still.contact_modulus
+        ratio = softest * elastic.contact_modulus
         passes = round(PASSES * (1 + ratio))
         reason = f"rolling: some {passes} passes until the lagged part settles."
-        return Extremes(still, 2 * ROOM * half_width * 1.5, passes, 4 * PASSES, (reason,))
+        return Extremes(elastic, 2 * ROOM * half_width * 1.5, passes, 4 * PASSES, (reason,))
     steps = 1.0
     plastic = yielding(scene)
     if plastic is not None:
@@ -160,8 +195,8 @@ def extremes(scene: Scene, error: float, end: float | None = None) -> Extremes:
         decades = 1 + log10(max(times) / min(times))
         steps += CREEP * decades * error**-CREEP_RATE
     if scene.wear is not None and hertz is not None and duration:
-        worn = 1.5 * hertz.radius * scene.wear.rate * load.per_length * duration
-        wider = float(np.cbrt(half_width**3 + worn))
+        worn_area = 1.5 * hertz.radius * scene.wear.rate * load.per_length * duration
+        wider = float(np.cbrt(half_width**3 + worn_area))
         steps += WEAR * (1 + log10(wider / half_width) / log10(2)) * error**-WEAR_RATE
         half_width = wider
     least, warnings = _smallest_load(scene.load, last)
@@ -176,7 +211,7 @@ def extremes(scene: Scene, error: float, end: float | None = None) -> Extremes:
             f"load: the cells are those that the smallest load asks for, {least:.4g} N/m."
         )
     return Extremes(
-        replace(still, load=LineLoad(least)),
+        replace(elastic, load=LineLoad(least)),
         2 * ROOM * half_width,
         round(steps),
         fields,
@@ -196,15 +231,15 @@ def _smallest_load(load: ConstantLoad | ChangingLoad, end: float) -> tuple[float
     if loads.min() >= least:
         return least, ()
     after = times[np.argmax(loads >= least)]
-    again = bool((loads[times > after] < least).any())
+    returns = bool((loads[times > after] < least).any())
     return least, (
-        f"The load is below {least:.3g} N/m {'at times' if again else f'until {after:.3g} s'}, where the contact is "
+        f"The load is below {least:.3g} N/m {'at times' if returns else f'until {after:.3g} s'}, where the contact is "
         "so narrow that the error by the cells is larger than planned: give a finer grid, or a larger first load.",
     )
 
 
 def _softest(body: Body, end: float) -> float:
-    """The largest compliance [1/Pa] of ``body``, of a fluid that at the ``end`` [s]."""
+    """Return the largest compliance [1/Pa] of `body` up to the time `end` [s]."""
     if not isinstance(body, ViscoelasticHalfSpace):
         return body.compliance
     relaxed = body.creep.equilibrium

@@ -1,4 +1,4 @@
-"""Which grid and padding a scene calls for, and what that will cost, found by small solutions before anything runs."""
+"""Plans: the grid and padding that a scene needs, with error and cost, found by small solutions beforehand."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -28,9 +28,9 @@ from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions
 
-# The error that a plan keeps to if none is asked for.
+# Relative L1 error of the pressure that is planned where none is requested.
 DEFAULT_ERROR = 1e-3
-# Relative error of the film of a lubricated scene that is planned where none is asked for.
+# Relative error of the film of a lubricated scene that is planned where none is requested.
 FILM_ERROR = 1e-2
 # Cells of a small solution at most, in one and in two dimensions, more of them where the surface is finer; and the
 # tolerance that it is solved to.
@@ -41,14 +41,14 @@ SLOWEST, USUAL, FASTEST = 0.5, 1.0, 1.5
 BOUND = 1.5
 # A solution on fewer cells along an axis shows nothing, and a roller is planned with no fewer than the second.
 FEWEST, ROLLER = 8, 16
-# Small solutions show a grid that is too narrow or too coarse; each round mends it, a width by such a factor.
+# Rounds in which small solutions correct the grid, and the factor on a width that is too narrow.
 ROUNDS, WIDER = 6, 1.5
-# A grid with so many times the cells that are needed is made coarser, and a width so many times that of the contact
+# A grid with this many times the cells that are needed is made coarser, and a width this many times that of the contact
 # and its room is made narrower.
 WASTE = 1.25
-# Cells along an axis are extrapolated by no more than such a factor at once.
+# Largest factor by which the cells along an axis are extrapolated at once.
 FURTHEST = 16.0
-# The share of the error asked for that the cells may take; the solver takes the rest.
+# Share of the requested error for the cells; the remainder is for the solver.
 ALMOST = 0.95
 # The law of rough contacts, a mean over surfaces, is multiplied by this where small solutions do not show the surface.
 TRUSTED = 2.0
@@ -58,12 +58,26 @@ SHARE = 0.8
 
 @dataclass(frozen=True)
 class GridForecast:
-    """The error and the cost to expect of a solve on ``grid``.
+    """Error and cost to expect of a solve on a grid.
 
-    ``errors`` are the shares (across, along) of the relative L1 error of the pressure, infinite if they are not known.
-    They fall with the cell along their axis to the powers ``rates``. ``fewest`` are the cells along each axis that show
-    the surface at all. ``cut_off`` says that the contact outgrows the grid; ``contact_width`` [m] is that about the
-    axis within which all contact lies. ``message`` names what no grid mends, such as an infinite pressure, or is empty.
+    Attributes
+    ----------
+    grid
+        The grid.
+    errors
+        Shares (across, along) of the relative L1 error of the pressure; infinite if they are not known.
+    rates
+        Powers of the cell along each axis with which they fall.
+    fewest
+        Least cells along each axis that show the surface at all.
+    cut_off
+        Whether the contact outgrows the grid.
+    message
+        A fault that no grid corrects, such as an infinite pressure; empty without one.
+    seconds
+        Seconds of a solve on one thread.
+    contact_width
+        Width [m] about the axis that holds the contact.
     """
 
     grid: Grid
@@ -81,15 +95,17 @@ class GridForecast:
         return sum(self.errors)
 
     def error_of(self, cell: tuple[float, float]) -> float:
-        """Relative L1 error of the pressure to expect of another ``cell`` (dx, dy) [m]."""
+        """Return the relative L1 error of the pressure to expect of another cell (dx, dy) [m]."""
         parts = zip(self.errors, self.rates, cell, self.grid.cell, strict=True)
-        return float(sum(error * (size / own) ** rate for error, rate, size, own in parts if error))
+        return float(
+            sum(error * (size / present) ** rate for error, rate, size, present in parts if error)
+        )
 
     def grid_for(self, error: float) -> Grid:
-        """Return the grid of fewest cells and the same extent that keeps to ``error``.
+        """Return the grid of fewest cells and the same extent whose expected error is `error`.
 
         With errors ``e_x n_x^-r_x + e_y n_y^-r_y``, the product of both counts is least where ``r_x`` times the error
-        across equals ``r_y`` times that along. An axis at its fewest cells leaves the rest of the error to the other.
+        across equals ``r_y`` times that along. An axis at its fewest cells leaves the remaining error to the other.
         """
         (across, along), (rate_x, rate_y) = self.errors, self.rates
         if self.grid.cells[1] == 1 or not along:
@@ -99,45 +115,55 @@ class GridForecast:
         return self._with(self._count(0, error - along * (self.grid.cells[1] / ny) ** rate_y), ny)
 
     def _count(self, axis: int, error: float) -> float:
-        """Cells along an axis for a share of the error."""
+        """Return the cells along an axis for the share `error` of the error."""
         count, share, rate = self.grid.cells[axis], self.errors[axis], self.rates[axis]
-        wanted = count * (share / error) ** (1 / rate) if error > 0 else inf
-        return max(min(wanted, FURTHEST * count), self.fewest[axis])
+        needed = count * (share / error) ** (1 / rate) if error > 0 else inf
+        return max(min(needed, FURTHEST * count), self.fewest[axis])
 
     def _with(self, across: float, along: float) -> Grid:
+        """Return a grid of at least these cells and the same extent."""
         ny = 1 if self.grid.cells[1] == 1 else halvable(along, self.fewest[1])
         return Grid((halvable(across, self.fewest[0]), ny), self.grid.extent)
 
 
 def forecast(scene: Scene, needs: Needs, grid: Grid) -> GridForecast:
-    """Solve ``scene`` on a coarse grid of the extent of ``grid`` and on coarser ones, and extrapolate to ``grid``.
+    """Return the error and the cost to expect of `grid`, extrapolated from solutions on coarser grids.
 
-    The error's estimate on the coarse grid is shared between the axes in proportion to the changes of the pressure
+    The estimated error of the finest of them is shared between the axes in proportion to the changes of the pressure
     when the cells are halved along one axis alone, which also show the rates.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    needs
+        Its requirements.
+    grid
+        The grid.
     """
     padding = needs.padding()
     fewest = _fewest(needs, grid)
     small = _coarse(grid, fewest)
-    # to the default tolerance, since it shows what a solve costs
-    fine, timing = timed(lambda one: scene.problem(one, padding), small, 10.0**-DIGITS)
+    # to the default tolerance, so that its time shows the cost of a solve
+    fine, timing = timed(lambda grid: scene.problem(grid, padding), small, 10.0**-DIGITS)
     estimate = error_estimate(fine)
     sharp = next((warning for warning in estimate.warnings if SHARP_EDGE in warning), "")
     error = estimate.l1.discretisation / BOUND
     changes, rates = [0.0, 0.0], [USUAL, USUAL]
     for axis in range(2 if error < inf else 0):
-        seen = [fine]
-        while len(seen) < 3 and small.cells[axis] >= FEWEST * 2 ** len(seen):
+        solutions = [fine]
+        while len(solutions) < 3 and small.cells[axis] >= FEWEST * 2 ** len(solutions):
             halved = list(small.cells)
-            halved[axis] = ceil(halved[axis] / 2 ** len(seen))
+            halved[axis] = ceil(halved[axis] / 2 ** len(solutions))
             coarser = Grid((halved[0], halved[1]), small.extent)
-            seen.append(SolveOptions(TOLERANCE).solved(scene.problem(coarser, padding)))
-        steps = [change(one, other).l1 for one, other in pairwise(seen)]
+            solutions.append(SolveOptions(TOLERANCE).solved(scene.problem(coarser, padding)))
+        steps = [change(fine, coarse).l1 for fine, coarse in pairwise(solutions)]
         changes[axis] = steps[0] if steps else 0.0
-        shown = small.cells[axis] >= 4 * fewest[axis] or not needs.rough
-        if len(steps) > 1 and min(steps) > 0 and shown:
+        is_resolved = small.cells[axis] >= 4 * fewest[axis] or not needs.rough
+        if len(steps) > 1 and min(steps) > 0 and is_resolved:
             rates[axis] = float(np.clip(log2(steps[1] / steps[0]), SLOWEST, FASTEST))
     shares = np.array(changes) / sum(changes) if sum(changes) else np.array([1.0, 0.0])
-    known = GridForecast(
+    coarse_forecast = GridForecast(
         small,
         (error, 0.0) if error == inf else (error * shares[0], error * shares[1]),
         (rates[0], rates[1]),
@@ -147,11 +173,11 @@ def forecast(scene: Scene, needs: Needs, grid: Grid) -> GridForecast:
         CostModel((timing,)).seconds(grid, padding, timing.convolutions),
         _contact_width(fine),
     )
-    parts = zip(known.errors, known.rates, grid.cell, small.cell, strict=True)
+    parts = zip(coarse_forecast.errors, coarse_forecast.rates, grid.cell, small.cell, strict=True)
     across, along = (
-        part * (size / own) ** rate if part else 0.0 for part, rate, size, own in parts
+        part * (size / coarse) ** rate if part else 0.0 for part, rate, size, coarse in parts
     )
-    return replace(known, grid=grid, errors=(across, along))
+    return replace(coarse_forecast, grid=grid, errors=(across, along))
 
 
 def _fewest(needs: Needs, grid: Grid) -> tuple[int, int]:
@@ -165,30 +191,40 @@ def _fewest(needs: Needs, grid: Grid) -> tuple[int, int]:
 
 
 def _coarse(grid: Grid, fewest: tuple[int, int]) -> Grid:
-    """Return ``grid`` with few enough cells to be solved quickly, if so few show the surface."""
-    most = LINE if grid.cells[1] == 1 else PLANE
+    """Return `grid` with few enough cells to be solved quickly, if so few show the surface."""
+    max_cells = LINE if grid.cells[1] == 1 else PLANE
     counts = [float(count) for count in grid.cells]
-    # both axes alike, and what one of them cannot give the other does
+    # both axes alike; then each makes up for cells that the other cannot lose
     for axis, power in ((0, 0.5 if grid.cells[1] > 1 else 1.0), (1, 1.0), (0, 1.0)):
-        too_many = max(prod(counts) / most, 1.0)
-        counts[axis] = max(counts[axis] / too_many**power, min(fewest[axis], counts[axis]))
+        excess = max(prod(counts) / max_cells, 1.0)
+        counts[axis] = max(counts[axis] / excess**power, min(fewest[axis], counts[axis]))
     shrink = sqrt(max(prod(counts) / MOST, 1.0))
     across, along = (
-        max(ceil(count / shrink), min(2, own))
-        for count, own in zip(counts, grid.cells, strict=True)
+        max(ceil(count / shrink), min(2, given))
+        for count, given in zip(counts, grid.cells, strict=True)
     )
     return Grid((max(across, min(FEWEST, grid.cells[0])), along), grid.extent)
 
 
 def _contact_width(solution: Solution) -> float:
-    """Width about the axis within which all cells in contact lie [m]."""
+    """Return the width [m] about the axis within which all cells in contact lie."""
     grid = solution.problem.grid
     touching = np.abs(grid.x[solution.pressure.any(axis=1)])
     return float(2 * touching.max(initial=0.0)) + grid.cell[0]
 
 
 def expected(scene: Scene, needs: Needs, grid: Grid) -> GridForecast:
-    """Return what to expect of ``grid``: by the law of a smooth contact, else by small solutions."""
+    """Return the error and the cost to expect of `grid`: by the law of a smooth contact, else by small solutions.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    needs
+        Its requirements.
+    grid
+        The grid.
+    """
     padding = needs.padding()
     if needs.smooth and scene.hardness > needs.hertz.peak_pressure:
         seconds = CostModel().seconds(grid, padding, SMOOTH_CONVOLUTIONS)
@@ -204,80 +240,93 @@ def expected(scene: Scene, needs: Needs, grid: Grid) -> GridForecast:
         )
     fewest = _fewest(needs, grid)
     try:
-        seen = forecast(scene, needs, grid)
+        result = forecast(scene, needs, grid)
     except InvalidInput as error:  # such as a period that is no whole number of a shape's
         rates = RATE, RATE
         return GridForecast(
             grid, (inf, 0.0), rates, fewest, cut_off=False, message=str(error), seconds=inf
         )
-    if seen.error == inf and not seen.cut_off:
+    if result.error == inf and not result.cut_off:
         across, along = needs.errors(grid.cell)
-        return replace(seen, errors=(TRUSTED * across, TRUSTED * along), rates=(RATE, RATE))
-    return seen
+        return replace(result, errors=(TRUSTED * across, TRUSTED * along), rates=(RATE, RATE))
+    return result
 
 
 def reaching(
     scene: Scene, needs: Needs, error: float, period: float | None, limit: float
 ) -> GridForecast:
-    """Return what to expect of the cheapest grid that keeps to ``error``, or comes as near as ``limit`` bytes allow.
+    """Return the forecast of the cheapest grid whose error is `error`, or of the nearest within the memory.
 
-    ``period`` [m] is chosen if none is given.
+    Parameters
+    ----------
+    scene
+        The scene.
+    needs
+        Its requirements.
+    error
+        Relative L1 error of the pressure.
+    period
+        Length of the grid [m]; chosen if None.
+    limit
+        Bytes that a solve may hold.
     """
     grid = needs.grid(error, period)
     padding, target = needs.padding(), ALMOST * error
     best = None
     for _ in range(ROUNDS):
-        seen = expected(scene, needs, affordable(grid, padding, limit))
-        width = seen.grid.extent[0]
-        if seen.cut_off:
-            best = seen
+        current = expected(scene, needs, affordable(grid, padding, limit))
+        width = current.grid.extent[0]
+        if current.cut_off:
+            best = current
             if width >= needs.widest:
                 break
-            grid = _as_wide(seen.grid, min(WIDER * width, needs.widest))
+            grid = _as_wide(current.grid, min(WIDER * width, needs.widest))
             continue
-        if best is None or best.cut_off or _better(seen, best, error):
-            best = seen
-        if seen.error == inf:
+        if best is None or best.cut_off or _is_better(current, best, error):
+            best = current
+        if current.error == inf:
             break
-        if needs.roller and ROOM * WASTE * seen.contact_width < width:
-            grid = _as_wide(seen.grid, ROOM * seen.contact_width)
-            seen = replace(seen, grid=grid, contact_width=inf)
+        if needs.roller and ROOM * WASTE * current.contact_width < width:
+            grid = _as_wide(current.grid, ROOM * current.contact_width)
+            current = replace(current, grid=grid, contact_width=inf)
             best = None
-        grid = _fitting(seen, target, padding, limit)
-        more = prod(grid.cells) / prod(seen.grid.cells)
-        stays = grid == seen.grid or (seen.error <= error and more >= 1 / WASTE)
-        if best is not None and stays:
+        grid = _fitting(current, target, padding, limit)
+        growth = prod(grid.cells) / prod(current.grid.cells)
+        is_final = grid == current.grid or (current.error <= error and growth >= 1 / WASTE)
+        if best is not None and is_final:
             break
     assert best is not None
     return best
 
 
-def _better(one: GridForecast, other: GridForecast, error: float) -> bool:
-    """Whether ``one`` keeps to ``error`` with fewer cells than ``other``, or is more accurate where neither does."""
-    if (one.error <= error) != (other.error <= error):
-        return one.error <= error
-    if one.error <= error:
-        return prod(one.grid.cells) < prod(other.grid.cells)
-    return one.error < other.error
+def _is_better(candidate: GridForecast, best: GridForecast, error: float) -> bool:
+    """Return whether `candidate` keeps to `error` with fewer cells than `best`, or is more accurate if neither does."""
+    if (candidate.error <= error) != (best.error <= error):
+        return candidate.error <= error
+    if candidate.error <= error:
+        return prod(candidate.grid.cells) < prod(best.grid.cells)
+    return candidate.error < best.error
 
 
 def _as_wide(grid: Grid, width: float) -> Grid:
-    """Return a grid of cells of the same size over another width [m]."""
+    """Return a grid with cells of the same size over the width `width` [m]."""
     across = halvable(grid.cells[0] * width / grid.extent[0])
     return Grid((across, grid.cells[1]), (width, grid.period))
 
 
-def _fitting(seen: GridForecast, error: float, padding: Padding | Paddings, limit: float) -> Grid:
-    """Return the grid for ``error``, or for the least error of which a solve holds within ``limit`` bytes."""
-    grid = seen.grid_for(error)
+def _fitting(
+    current: GridForecast, error: float, padding: Padding | Paddings, limit: float
+) -> Grid:
+    """Return the grid for `error`, or for the least error whose solve holds within `limit` bytes."""
+    grid = current.grid_for(error)
     while memory(grid, padding) > limit and error < 1:
         error *= WASTE
-        grid = seen.grid_for(error)
+        grid = current.grid_for(error)
     return affordable(grid, padding, limit)
 
 
 def affordable(grid: Grid, padding: Padding | Paddings, bytes_at_most: float) -> Grid:
-    """Return ``grid``, or the finest of its extent and elongation that a solve holds in so many bytes."""
+    """Return `grid`, or the finest of the same extent and elongation whose solve holds within `bytes_at_most`."""
     needed = memory(grid, padding)
     while needed > bytes_at_most:
         shrink = (bytes_at_most / needed) ** (1 if grid.cells[1] == 1 else 0.5) * 0.99
@@ -289,14 +338,34 @@ def affordable(grid: Grid, padding: Padding | Paddings, bytes_at_most: float) ->
 
 @dataclass(frozen=True)
 class Plan:
-    """A ``grid`` and a ``padding`` for ``scene.problem(plan.grid, plan.padding)``, and what to expect of them.
+    """A grid and a padding for a scene, and what to expect of them.
 
-    ``dimension`` is 1 if nothing varies along the length, else 2. ``error`` is the relative L1 error of the pressure to
-    expect: of a smooth contact by a law, else as small solutions on coarse grids show it. ``seconds`` are those of a
-    solve ``on`` that device, from what ran just now, and ``bytes`` those that it holds at the most. ``period_check``
-    says how the period suits the scene, ``reasons`` a sentence for each choice, and ``warnings`` what is wrong with a
-    grid that was given, or why the error asked for is out of reach and which one is not. ``steps`` are the solves of a
-    scene that changes in time or rolls.
+    Solve the plan with ``scene.problem(plan.grid, plan.padding)``.
+
+    Attributes
+    ----------
+    grid
+        The grid.
+    padding
+        The boundary conditions.
+    dimension
+        1 if nothing varies along the length, else 2.
+    error
+        Relative L1 error of the pressure to expect: of a smooth contact by a law, else from small solutions.
+    seconds
+        Seconds of a solve, or of all steps, from solves timed just now.
+    bytes
+        Bytes that a solve holds at most.
+    period_check
+        A sentence on how the period suits the scene.
+    reasons
+        A sentence for each choice.
+    warnings
+        A sentence for each fault of a grid that was given, and on a requested error that is out of reach.
+    steps
+        Number of solves of a scene that changes in time or rolls.
+    on
+        Device that the seconds are for.
     """
 
     grid: Grid
@@ -363,39 +432,46 @@ def plan(
     if own_points:
         grid = needs.grid_of_points(period)
     if grid is None:
-        asked = error or DEFAULT_ERROR
-        seen = reaching(scene, needs, asked, period, limit)
-        grid = seen.grid
+        requested_error = error or DEFAULT_ERROR
+        grid_forecast = reaching(scene, needs, requested_error, period, limit)
+        grid = grid_forecast.grid
     else:
-        asked = inf
-        seen = expected(scene, needs, affordable(grid, padding, limit))
-    reached = seen.error_of(grid.cell)
+        requested_error = inf
+        grid_forecast = expected(scene, needs, affordable(grid, padding, limit))
+    expected_error = grid_forecast.error_of(grid.cell)
     return Plan(
         grid=grid,
         padding=padding,
         dimension=1 if grid.cells[1] == 1 else 2,
-        error=reached,
-        seconds=seen.seconds / times_faster(grid, padding, on),
+        error=expected_error,
+        seconds=grid_forecast.seconds / times_faster(grid, padding, on),
         bytes=memory(grid, padding),
         period_check=needs.period_check(grid.period),
-        reasons=(*needs.reasons(grid, reached), *_reasons(seen, own_points=own_points)),
-        warnings=(*needs.warnings(grid), *_warnings(needs, seen, grid, limit, error=asked)),
+        reasons=(
+            *needs.reasons(grid, expected_error),
+            *_reasons(grid_forecast, own_points=own_points),
+        ),
+        warnings=(
+            *needs.warnings(grid),
+            *_warnings(needs, grid_forecast, grid, limit, error=requested_error),
+        ),
         on=on,
     )
 
 
-def _reasons(seen: GridForecast, *, own_points: bool) -> Iterator[str]:
-    """Why there are so many cells along each axis, a sentence each."""
+def _reasons(expectation: GridForecast, *, own_points: bool) -> Iterator[str]:
+    """Yield a sentence for each choice of cells along an axis."""
     if own_points:
         yield (
             "points: the measured surface is solved on its own points; give an error for cells that resolve what is "
             "interpolated between them."
         )
-    across, along = seen.errors
-    if seen.grid.cells[1] > 1 and 0 < seen.error < inf:
+    across, along = expectation.errors
+    if expectation.grid.cells[1] > 1 and 0 < expectation.error < inf:
         yield (
-            f"axes: of the error expected, {across / seen.error:.0%} falls with the cells across to the power "
-            f"{seen.rates[0]:.2g}, {along / seen.error:.0%} with those along to the power {seen.rates[1]:.2g}."
+            f"axes: of the error expected, {across / expectation.error:.0%} falls with the cells across to the power "
+            f"{expectation.rates[0]:.2g}, {along / expectation.error:.0%} with those along to the power "
+            f"{expectation.rates[1]:.2g}."
         )
 
 
@@ -403,44 +479,45 @@ def _plan_in_time(
     scene: Scene, error: float, period: float | None, grid: Grid | None, end: float | None
 ) -> Plan:
     """Plan a scene that changes in time: wide enough for its widest contact, fine enough for its narrowest."""
-    # here, for those whose scene changes in time
+
+    # imported only for scenes that change in time
     from contactstudy.planning.in_time import extremes as extremes_of
 
     extremes = extremes_of(scene, error, end)
     plastic = extremes.plastic
-    coarser = plastic.cells_error if plastic else 1.0
-    cells = error / coarser
+    error_factor = plastic.cells_error if plastic else 1.0
+    cells_error = error / error_factor
     if grid is not None:
-        found = plan(extremes.narrow, error=cells, period=period, grid=grid)
+        narrow_plan = plan(extremes.narrow, error=cells_error, period=period, grid=grid)
     else:
-        narrow = plan(extremes.narrow, error=cells, period=period)
+        narrow = plan(extremes.narrow, error=cells_error, period=period)
         width = max(narrow.grid.extent[0], extremes.width)
-        found = plan(extremes.narrow, error=cells, grid=_as_wide(narrow.grid, width))
-    # a warm start takes no coarser grids and fewer iterations
-    found = replace(
-        found,
-        seconds=found.seconds * extremes.steps,
-        bytes=found.bytes + 8 * extremes.fields * prod(found.grid.cells),
-        reasons=(*found.reasons, *extremes.reasons),
-        warnings=(*found.warnings, *extremes.warnings),
+        narrow_plan = plan(extremes.narrow, error=cells_error, grid=_as_wide(narrow.grid, width))
+    # a step starts from the last one: without coarser grids, with fewer iterations
+    narrow_plan = replace(
+        narrow_plan,
+        seconds=narrow_plan.seconds * extremes.steps,
+        bytes=narrow_plan.bytes + 8 * extremes.fields * prod(narrow_plan.grid.cells),
+        reasons=(*narrow_plan.reasons, *extremes.reasons),
+        warnings=(*narrow_plan.warnings, *extremes.warnings),
         steps=extremes.steps,
     )
     if plastic is None:
-        return found
+        return narrow_plan
     return replace(
-        found,
-        error=found.error * coarser,
-        seconds=found.seconds * plastic.contacts(found.grid),
-        bytes=found.bytes + plastic.bytes(found.grid),
-        reasons=(*found.reasons, plastic.reason(found.grid)),
+        narrow_plan,
+        error=narrow_plan.error * error_factor,
+        seconds=narrow_plan.seconds * plastic.contacts(narrow_plan.grid),
+        bytes=narrow_plan.bytes + plastic.bytes(narrow_plan.grid),
+        reasons=(*narrow_plan.reasons, plastic.reason(narrow_plan.grid)),
     )
 
 
 def _warnings(
-    needs: Needs, seen: GridForecast, grid: Grid, limit: float, *, error: float
+    needs: Needs, grid_forecast: GridForecast, grid: Grid, limit: float, *, error: float
 ) -> Iterator[str]:
-    """What stands between the grid and the ``error`` asked for, a sentence each."""
-    if seen.cut_off:
+    """Yield a sentence for each reason why the grid does not reach the requested `error`."""
+    if grid_forecast.cut_off:
         remedy = "give a width of "
         width = WIDER * grid.extent[0]
         if width > needs.widest:
@@ -455,25 +532,26 @@ def _warnings(
             f"Grid.cells is {grid.cells}: a solve needs {needed / 1e9:.3g} GB, and this machine has "
             f"{limit / SHARE / 1e9:.3g} GB, give fewer cells."
         )
-    reached = seen.error_of(grid.cell)
-    if error < reached < inf:
-        better = seen.grid_for(error)
-        bytes_of_better = memory(better, needs.padding())
-        why = (
-            f"that takes {better.cells[0]} x {better.cells[1]} cells and {bytes_of_better / 1e9:.3g} GB, and this "
+    expected_error = grid_forecast.error_of(grid.cell)
+    if error < expected_error < inf:
+        finer = grid_forecast.grid_for(error)
+        bytes_of_finer = memory(finer, needs.padding())
+        reason = (
+            f"that takes {finer.cells[0]} x {finer.cells[1]} cells and {bytes_of_finer / 1e9:.3g} GB, and this "
             f"machine has {limit / SHARE / 1e9:.3g} GB"
-            if bytes_of_better > limit
+            if bytes_of_finer > limit
             else "the error of this surface falls slowly"
         )
-        yield f"plan.error is {error:.2g}: this grid reaches {reached:.2g}; {why}."
-    if seen.message:
-        yield seen.message
+        yield f"plan.error is {error:.2g}: this grid reaches {expected_error:.2g}; {reason}."
+    if grid_forecast.message:
+        yield grid_forecast.message
 
 
 def _plan_of_film(
     scene: Scene, needs: Needs, error: float, period: float | None, grid: Grid | None
 ) -> Plan:
-    from contactstudy.planning.film_needs import film_needs  # a dry scene imports nothing of films
+    """Plan a lubricated scene."""
+    from contactstudy.planning.film_needs import film_needs  # imported only for lubricated scenes
 
     film = film_needs(scene, needs, error, period, grid)
     smooth = film.grid.cells[1] == 1
@@ -491,7 +569,15 @@ def _plan_of_film(
 
 
 def needs_of(scene: Scene) -> Needs:
-    """What ``scene`` asks of a grid; :class:`~contactstudy.InvalidInput` as for :func:`plan`."""
+    """Return the properties of `scene` that determine its grid.
+
+    Raises
+    ------
+    InvalidInput
+        If a shape does not say how fine it is.
+    NotDefined
+        If no shape is curved, so that the contact has no width of its own.
+    """
     if scene.hertz is None:
         raise NotDefined(
             "Scene.shapes have no curvature, so that the contact has no width of its own: "
@@ -508,7 +594,7 @@ def needs_of(scene: Scene) -> Needs:
     needs = Needs(scene.hertz, details, scene.hardness, coats)
     if scene.friction is None:
         return needs
-    said = scene.friction.said(
+    shear = scene.friction.said(
         scene, varies=needs.varies, paddings=across_and_along(needs.padding())
     )
-    return replace(needs, shear=said)
+    return replace(needs, shear=shear)

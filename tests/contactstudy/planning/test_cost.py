@@ -8,7 +8,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.domain.device import threads
 from contactstudy.planning import cost
-from contactstudy.planning.cost import CALLS, CostModel, Timing, memory, padded, times_faster
+from contactstudy.planning.cost import CALLS, CostModel, Timing, memory, padded_points, times_faster
 
 EXACT = cs.ExactPeriodicity()
 
@@ -122,7 +122,7 @@ def test_points_are_those_of_the_operator(
     cells: tuple[int, int], padding: cs.Padding | tuple[cs.Padding, cs.Padding]
 ) -> None:
     grid = cs.Grid(cells, (1.0, 1.0))
-    assert padded(grid, padding) == cs.convolution(1.0, grid, padding, 1.0).work
+    assert padded_points(grid, padding) == cs.convolution(1.0, grid, padding, 1.0).work
 
 
 def test_memory_counts_the_padded_grid() -> None:

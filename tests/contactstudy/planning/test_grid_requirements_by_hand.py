@@ -10,7 +10,13 @@ import pytest
 import contactstudy as cs
 from contactstudy.accuracy.expected_error import smooth_l1
 from contactstudy.analytic import HertzLine
-from contactstudy.planning.grid_requirements import Needs, _common, _in_waves, _parts, halvable
+from contactstudy.planning.grid_requirements import (
+    Needs,
+    _cells_per_wave,
+    _common_period,
+    _whole_parts,
+    halvable,
+)
 from contactstudy.scene.shapes.shape import Detail
 
 # Half-width 2 m, peak pressure 100 Pa; beside the contact the gap grows by 0.2 m times a function of x / a.
@@ -220,26 +226,26 @@ def test_a_wave_needs_two_cells_along_each_axis() -> None:
     assert "give 32 or more" in said
     (said,) = waves.warnings(cs.Grid((32, 31), (8.0, 4.0)))
     assert said.startswith("Grid.cells[1] is 31")
-    assert _in_waves(cs.Grid((64, 32), (8.0, 4.0)), (0.5, 0.25)) == 2
-    assert _in_waves(cs.Grid((32, 64), (8.0, 4.0)), (0.5, 0.25)) == 2
+    assert _cells_per_wave(cs.Grid((64, 32), (8.0, 4.0)), (0.5, 0.25)) == 2
+    assert _cells_per_wave(cs.Grid((32, 64), (8.0, 4.0)), (0.5, 0.25)) == 2
     odd = replace(waves, details=(replace(WAVES, repeat=0.3),))
     assert ": give a multiple" in odd.warnings(cs.Grid((32, 64), (8.0, 4.0)))[0]
 
 
 def test_a_part_goes_a_whole_number_of_times_to_a_billionth() -> None:
-    assert _parts(6.0, 2.0) == 3
-    assert _parts(1000 + 0.5e-6, 1.0) == 1000
+    assert _whole_parts(6.0, 2.0) == 3
+    assert _whole_parts(1000 + 0.5e-6, 1.0) == 1000
     for whole, part in ((1000 + 1.5e-6, 1.0), (1000 - 1.5e-6, 1.0), (0.3, 1.0), (5.0, 2.0)):
-        assert _parts(whole, part) is None
+        assert _whole_parts(whole, part) is None
 
 
 def test_lengths_share_the_shortest_that_is_a_whole_number_of_each() -> None:
-    assert _common({0.5, 0.75}) == 1.5
-    assert _common({2.0, 3.0, 5.0}) == 30
+    assert _common_period({0.5, 0.75}) == 1.5
+    assert _common_period({2.0, 3.0, 5.0}) == 30
     # ratios of numbers up to 64
-    assert _common({1.0, 65 / 64}) == 65
+    assert _common_period({1.0, 65 / 64}) == 65
     with pytest.raises(cs.InvalidInput, match="share no period"):
-        _common({1.0, 66 / 65})
+        _common_period({1.0, 66 / 65})
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ from contactstudy.planning.cost import (
     Timing,
     convolutions_to,
     log_work,
-    padded,
+    padded_points,
 )
 from contactstudy.solvers.solve import SolveOptions
 from studies.advice.recommendation import (
@@ -122,7 +122,7 @@ def test_a_surface_narrower_than_its_contact_has_no_recommendation() -> None:
 def model_times(case: Case) -> tuple[float, float]:
     assert not isinstance(case.padding, tuple)
     images = 1 if case.padding.window is None else len(case.padding.window)
-    points = padded(case.grid, case.padding)
+    points = padded_points(case.grid, case.padding)
     convolutions = convolutions_to(case.options.tolerance, SMOOTH_CONVOLUTIONS)
     return 1e-8 * images * exp(log_work(np.prod(case.grid.cells))), 1e-8 * convolutions * exp(
         log_work(points)

@@ -17,7 +17,7 @@ from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from time import sleep
-from typing import Any
+from typing import Any, BinaryIO
 
 from contactstudy.domain.checks import InvalidInput
 
@@ -32,7 +32,10 @@ ALWAYS = sum(getattr(os, name, 0) for name in ("O_BINARY", "O_CLOEXEC", "O_NOFOL
 LOCKED_BYTE = 2**30
 POLL = 0.1  # seconds between two tries of a lock on Windows
 UNSUPPORTED = frozenset({errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP, errno.EINVAL})
-SEAL = b"contactstudy "  # start of a sealed file; the digest of the rest and a line feed follow
+SEAL = (
+    b"\ncontactstudy "  # at the end of a sealed file, before the digits of a digest of its content
+)
+DIGEST = 32
 
 
 def open_descriptor(path: Path, flags: int) -> int:
@@ -89,17 +92,47 @@ def remove_partial_files(folder: Path) -> None:
                 path.unlink(missing_ok=True)
 
 
+def seal(path: Path) -> None:
+    """Append a checksum of its content to the file at ``path``; readers of netCDF do not look beyond its end."""
+    with path.open("r+b") as file:
+        digest = _digest(file, path.stat().st_size)
+        file.seek(0, os.SEEK_END)
+        file.write(SEAL + digest)
+
+
+def is_damaged(path: Path) -> bool:
+    """Return whether the content of a sealed file differs from what was sealed; not so for a file without a seal."""
+    size = path.stat().st_size - len(SEAL) - DIGEST
+    if size < 0:
+        return False
+    with path.open("rb") as file:
+        file.seek(size)
+        mark, digest = file.read(len(SEAL)), file.read()
+        file.seek(0)
+        return mark == SEAL and digest != _digest(file, size)
+
+
 def write_sealed(path: Path, content: bytes) -> None:
     """Write ``content`` under a checksum, in the place of ``path`` and on the disk when this returns."""
     with replacing(path) as partial:
-        partial.write_bytes(SEAL + _digest(content) + b"\n" + content)
+        partial.write_bytes(content)
+        seal(partial)
 
 
 def read_sealed(path: Path) -> bytes | None:
     """Return what :func:`write_sealed` wrote, or None where the file is damaged; raises OSError without a file."""
     raw = path.read_bytes()
-    head, _, content = raw.partition(b"\n")
-    return content if head == SEAL + _digest(content) else None
+    content, mark = raw[: -len(SEAL) - DIGEST], raw[-len(SEAL) - DIGEST : -DIGEST]
+    return content if mark == SEAL and not is_damaged(path) else None
+
+
+def _digest(file: BinaryIO, size: int) -> bytes:
+    """Return the digest of the next ``size`` bytes of a file."""
+    digest = hashlib.blake2b(digest_size=DIGEST // 2)
+    while size and (part := file.read(min(size, ROOM))):
+        digest.update(part)
+        size -= len(part)
+    return digest.hexdigest().encode()
 
 
 def set_aside(path: Path) -> Path:
@@ -107,10 +140,6 @@ def set_aside(path: Path) -> Path:
     damaged = path.with_name(f"{path.name}.damaged")
     path.replace(damaged)
     return damaged
-
-
-def _digest(content: bytes) -> bytes:
-    return hashlib.blake2b(content, digest_size=16).hexdigest().encode()
 
 
 def is_alive(process: int) -> bool:

@@ -1,3 +1,21 @@
-"""The version of this program."""
+"""The version of this program, and a hash of its code."""
+
+import hashlib
+from functools import cache
+from pathlib import Path
 
 VERSION = "0.1.0"
+# folders of the core that cannot change a number
+NOT_NUMERICAL = ("io", "planning")
+
+
+@cache
+def source_hash(core: Path = Path(__file__).parents[1]) -> str:
+    """Return a hash of the modules in the package ``core`` that can change a number."""
+    digest = hashlib.sha256()
+    for path in sorted(core.rglob("*.py")):
+        name = path.relative_to(core)
+        if name.parts[0] not in NOT_NUMERICAL:
+            source = path.read_bytes()
+            digest.update(f"{name} {len(source)} ".encode() + source)
+    return digest.hexdigest()[:12]

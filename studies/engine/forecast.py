@@ -17,9 +17,9 @@ import numpy as np
 
 from contactstudy import InvalidInput
 from contactstudy.domain.fields import Array
+from contactstudy.domain.identity import DEFAULTS, Tree, text
 from contactstudy.planning.cost import PowerLaw, log_work
 from studies.model.outcome import CaseStatus
-from studies.store.identity import DEFAULTS, Tree, text
 from studies.store.journal import Journal
 from studies.store.records import Contents
 

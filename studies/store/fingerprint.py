@@ -14,14 +14,13 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from types import ModuleType
 
-import contactstudy
 from contactstudy import InvalidInput
+from contactstudy.domain.identity import canonical, text
+from contactstudy.domain.version import VERSION, source_hash
 from studies.model.study import NOT_NUMBERS, Study
-from studies.store.identity import canonical, text
 
-# Libraries that the numbers of a case depend on, and the folders of the core that cannot change a number.
+# Libraries that the numbers of a case depend on.
 LIBRARIES = ("numpy", "scipy", "ducc0")
-NOT_NUMERICAL = ("io", "planning")
 # Parts of this package that make numbers; the others say how they are computed, kept and shown.
 NUMERICAL = ("definitions", "model", "reference", "scene_study")
 OF_CASES = "cases of "
@@ -32,8 +31,7 @@ INSTALLED = ("site-packages", "dist-packages")
 @cache
 def versions() -> dict[str, str]:
     """Return the version of the core and of the libraries it computes with, and a hash of the core's code."""
-    core = Path(contactstudy.__file__).parent
-    known = {"contactstudy": contactstudy.__version__, "source": source_fingerprint(core)}
+    known = {"contactstudy": VERSION, "source": source_hash()}
     for name in LIBRARIES:
         if importlib.util.find_spec(name):
             try:
@@ -41,13 +39,6 @@ def versions() -> dict[str, str]:
             except PackageNotFoundError:
                 known[name] = "unknown"
     return known
-
-
-def source_fingerprint(core: Path) -> str:
-    """Return a hash of the modules in the package ``core`` that can change a number."""
-    paths = sorted(path.relative_to(core) for path in core.rglob("*.py"))
-    numerical = [path for path in paths if path.parts[0] not in NOT_NUMERICAL]
-    return _hash(*(part for path in numerical for part in (str(path), (core / path).read_bytes())))
 
 
 def study_fingerprint(study: Study, kinds: Iterable[type]) -> dict[str, str]:

@@ -12,7 +12,8 @@ from typing import Literal
 import xarray as xr
 
 from contactstudy import InvalidInput
-from contactstudy.domain.files import reason, replacing, set_aside
+from contactstudy.domain.files import is_damaged, reason, replacing, seal, set_aside
+from studies.model.plain_text import one_line
 
 
 def open_folder(path: Path) -> Path:
@@ -50,6 +51,7 @@ def write(dataset: xr.Dataset, path: Path, groups: Iterable[tuple[str, xr.Datase
                 group.to_netcdf(
                     partial, engine="netcdf4", group=name, mode="a", encoding=_encoding(group)
                 )
+            seal(partial)
     except (OSError, RuntimeError) as error:  # the latter is the netCDF library's
         raise InvalidInput(
             f"Study file {_shortened(path)} cannot be written ({reason(error, path)}): what was stored is kept; "
@@ -77,7 +79,7 @@ def check_kind(
     if not path.is_file():
         return
     try:
-        with interrupts_deferred(), xr.load_dataset(path, engine="netcdf4") as dataset:
+        with interrupts_deferred(), _opened(path) as dataset:
             present = (
                 "study"
                 if "case_status" in dataset
@@ -94,16 +96,23 @@ def check_kind(
         )
 
 
+def _opened(path: Path) -> xr.Dataset:
+    """Load the Dataset in ``path``; raises any error for a damaged file."""
+    if is_damaged(path):  # which HDF5 may read as other numbers, or try to read for ever
+        raise ValueError("its checksum is not that of its content")
+    return xr.load_dataset(path, engine="netcdf4")
+
+
 def read(path: Path, what: str = "Study file", remedy: str = "run the study first") -> xr.Dataset:
     """Return the Dataset in ``path``, in memory; raises :class:`~contactstudy.InvalidInput` without one."""
     try:
         with interrupts_deferred():
-            return xr.load_dataset(path, engine="netcdf4")
+            return _opened(path)
     except Exception as error:  # noqa: BLE001 (libraries raise anything for a damaged file)
         if isinstance(error, OSError | RuntimeError) and str(error):
             why = reason(error)
         else:
-            why = f"it is damaged: {type(error).__name__}"
+            why = f"it is damaged: {type(error).__name__}: {one_line(error, 100)}"
         raise InvalidInput(f"{what} {_shortened(path)} cannot be read ({why}): {remedy}.") from None
 
 

@@ -10,10 +10,10 @@ import xarray as xr
 
 from contactstudy import InvalidInput
 from contactstudy.domain.files import read_at
+from contactstudy.domain.identity import Tree, differences, text
 from studies.model.outcome import CaseStatus, Failure, Outcome, Sample
 from studies.model.plain_text import is_storable, name_problem
 from studies.store.fingerprint import agree
-from studies.store.identity import Tree, differences, text
 from studies.store.journal_lines import VariableTypes, decoded
 
 FORMAT = 2

@@ -4,12 +4,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from contactstudy import InvalidInput
+from contactstudy.domain.identity import Memory, canonical, key
 from studies.model.case import Computation
 from studies.model.outcome import RESERVED_NAMES
 from studies.model.plain_text import one_line
 from studies.model.study import Point, Study
 from studies.store.fingerprint import disagreements, study_fingerprint, versions
-from studies.store.identity import Memory, canonical, key
 from studies.store.records import CaseIdentity, Contents
 
 

@@ -14,10 +14,10 @@ import xarray as xr
 
 from contactstudy import InvalidInput
 from contactstudy.domain.files import read_sealed, reason, set_aside, write_sealed
+from contactstudy.domain.identity import key
 from studies.model.outcome import CaseStatus, Outcome
 from studies.model.plain_text import one_line
 from studies.model.study import Study
-from studies.store.identity import key
 from studies.store.journal import Journal
 from studies.store.journal_lines import VariableTypes
 from studies.store.netcdf import read, write

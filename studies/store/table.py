@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from contactstudy.domain.identity import Memory, canonical, key
 from contactstudy.io.dataset import flags
 from studies.model.axis import Axis, Value
 from studies.model.outcome import CaseStatus, Failure, Outcome, Sample, timing_variables
 from studies.model.study import Study
-from studies.store.identity import Memory, canonical, key
 from studies.store.records import CaseIdentity, Contents
 from studies.store.request import Request, point_text
 

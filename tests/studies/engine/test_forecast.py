@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from contactstudy.domain.identity import canonical
 from studies.engine.forecast import (
     Estimate,
     Forecast,
@@ -25,7 +26,6 @@ from studies.engine.run import estimate_cost, run
 from studies.engine.workers.channel import REQUEST, SETUP
 from studies.reference.line_contact import scene_at
 from studies.registry import load
-from studies.store.identity import canonical
 from studies.store.journal import Journal
 from studies.store.provenance import machine
 from tests.studies.conftest import quiet

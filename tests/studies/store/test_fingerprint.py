@@ -11,10 +11,11 @@ import pytest
 
 import contactstudy
 from contactstudy import InvalidInput
+from contactstudy.domain.version import source_hash
 from studies.engine.options import RunOptions
 from studies.engine.run import run
 from studies.registry import load
-from studies.store.fingerprint import agree, source_fingerprint
+from studies.store.fingerprint import agree
 from studies.store.request import Request
 from tests.studies.conftest import quiet
 
@@ -237,7 +238,7 @@ def test_another_class_at_a_new_value_computes_nothing_anew(tmp_path: Path) -> N
 
 def test_a_fingerprint_has_the_twelve_digits_that_stored_cases_go_by(tmp_path: Path) -> None:
     (tmp_path / "kernel.py").write_text("A = 1", encoding="utf-8")
-    assert re.fullmatch("[0-9a-f]{12}", source_fingerprint(tmp_path))
+    assert re.fullmatch("[0-9a-f]{12}", source_hash(tmp_path))
 
 
 @pytest.mark.parametrize(
@@ -249,7 +250,8 @@ def test_only_core_code_that_can_change_a_number_counts(
 ) -> None:
     core = tmp_path / "core"
     shutil.copytree(Path(contactstudy.__file__).parent, core)
-    before = source_fingerprint(core)
+    before = source_hash(core)
+    source_hash.cache_clear()
     with (core / path).open("a", encoding="utf-8") as file:
         file.write("EXTRA = 1\n")
-    assert ("same" if source_fingerprint(core) == before else "other") == effect
+    assert ("same" if source_hash(core) == before else "other") == effect

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 import contactstudy as cs
 from contactstudy import InvalidInput
+from contactstudy.domain.identity import Memory, canonical, differences, key
 from studies.reference.line_contact import scene_at
-from studies.store.identity import Memory, canonical, differences, key
 
 CASE = scene_at({"padding": "superposed", "images": 2, "period": 0.3, "grid": 16})
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from contactstudy import InvalidInput
+from contactstudy.domain.checks import InvalidInput
 
 Tree = Any  # what JSON can hold
 

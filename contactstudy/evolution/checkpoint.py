@@ -1,64 +1,97 @@
 """Checkpoint of a march on disk: recorded frames, and the state to continue from."""
 
-import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
+from io import BytesIO
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 
 from contactstudy.accuracy.expected_error import ErrorParts
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
-from contactstudy.domain.files import replacing
+from contactstudy.domain.files import (
+    locked,
+    read_sealed,
+    remove_partial_files,
+    write_sealed,
+)
+from contactstudy.domain.identity import canonical, key
+from contactstudy.domain.version import VERSION, source_hash
 from contactstudy.evolution.evolution import Frame
 from contactstudy.evolution.march import Instant
 from contactstudy.problem.problem import Field
 from contactstudy.solvers.solution import Status
 
 
-@dataclass(frozen=True)
+@dataclass
 class Checkpoint:
-    """Folder of a march: ``request.json``, ``frame_00000.npz`` and so on, and ``state.npz``.
+    """A folder with ``request.json``, ``frame_00000.npz`` and so on, and ``state.npz``, for one march at a time.
 
-    Each file is replaced in one step and written through to the disk, so that a killed march leaves the previous one.
+    Each file is sealed and replaced at once, so that a kill leaves the one before, and damage shows. Each names the
+    request that it belongs to.
     """
 
     folder: Path
+    request: str = ""
 
-    def open(self, request: str) -> None:
-        """Make the folder for a march, or check that it holds this march.
+    @contextmanager
+    def open(self, request: object) -> Iterator[None]:
+        """Make the folder for ``request``, or check that it belongs to it, and keep other processes out of it.
 
-        Parameters
-        ----------
-        request
-            Text that identifies scene, grid and options.
-
-        Raises
-        ------
-        InvalidInput
-            If the folder holds another march or other files.
+        Raises :class:`~contactstudy.InvalidInput` where the march in it is another, of another version of this
+        program, in another process, or damaged.
         """
         self.folder.mkdir(parents=True, exist_ok=True)
-        path, digest = self.folder / "request.json", hashlib.sha256(request.encode()).hexdigest()
-        if path.exists():
-            stored = json.loads(path.read_text(encoding="utf-8"))
-            if stored.get("sha256") != digest:
-                raise InvalidInput(
-                    f"evolve.folder is {str(self.folder)!r}, which holds the march of another scene, grid or "
-                    "request: give another folder."
-                )
-            return
-        if any(self.folder.iterdir()):
+        tree = {"request": canonical(request), "version": VERSION, "source": source_hash()}
+        self.request = key(tree)
+
+        def refuse(holder: str) -> None:
             raise InvalidInput(
-                f"evolve.folder is {str(self.folder)!r}, which holds other files: give an empty folder."
+                f"evolve.folder is {str(self.folder)!r}; {holder}: run again when it has ended, or give another folder."
             )
-        with replacing(path) as partial:
-            partial.write_text(
-                json.dumps({"sha256": digest, "request": request}, indent=1), "utf-8"
+
+        with locked(self.folder / ".march.lock", refuse):
+            remove_partial_files(self.folder)
+            path = self.folder / "request.json"
+            if path.exists():
+                self._check(tree)
+            elif any(not entry.name.startswith(".") for entry in self.folder.iterdir()):
+                raise InvalidInput(
+                    f"evolve.folder is {str(self.folder)!r}, which holds other files: give an empty folder."
+                )
+            else:
+                write_sealed(path, json.dumps(tree, indent=1).encode())
+            yield
+
+    def _check(self, tree: Mapping[str, Any]) -> None:
+        """Raise :class:`~contactstudy.InvalidInput` where the folder is not of this request."""
+        with self._blamed():
+            content = read_sealed(self.folder / "request.json")
+            known = json.loads(content or b"")
+            before = [known[name] for name in tree]
+        what = "a march of another version of this program"
+        if before[0] != tree["request"]:
+            what = "the march of another scene, grid or request"
+        if before != list(tree.values()):
+            raise InvalidInput(
+                f"evolve.folder is {str(self.folder)!r}, which holds {what}: give another folder."
             )
+
+    @contextmanager
+    def _blamed(self) -> Iterator[None]:
+        """Raise what goes wrong with a file as a sentence that names the folder."""
+        try:
+            yield
+        except (OSError, LookupError, TypeError, ValueError, EOFError, BadZipFile) as error:
+            raise InvalidInput(
+                f"evolve.folder is {str(self.folder)!r}, which is damaged ({type(error).__name__}): remove it, or give "
+                "another folder."
+            ) from None
 
     def write_frame(self, number: int, frame: Frame) -> None:
         """Write the frame with index `number`."""
@@ -120,8 +153,8 @@ class Checkpoint:
             ]
             arrays[f"{name}_pressure"] = instant.pressure
             for number, state in enumerate(instant.states):
-                for key, field in state.items():
-                    arrays[f"{name}_{number}_{key}"] = field
+                for part, field in state.items():
+                    arrays[f"{name}_{number}_{part}"] = field
         self._write(self.folder / "state.npz", metadata, **arrays)
 
     def read_state(self) -> tuple[Mapping[str, Any], Mapping[str, Instant]] | None:
@@ -148,16 +181,19 @@ class Checkpoint:
         """Return the path of the frame with index `number`."""
         return self.folder / f"frame_{number:05d}.npz"
 
-    def _write(self, path: Path, metadata: Mapping[str, Any], **arrays: Array) -> None:
-        """Replace a file by one with `arrays` and with `metadata` as JSON."""
-        with replacing(path) as partial, partial.open("wb") as file:
-            np.savez(file, about=np.array(json.dumps(metadata)), **arrays)  # type: ignore[arg-type]
+    def _write(self, path: Path, about: Mapping[str, Any], **arrays: Array) -> None:
+        owned = {"request": self.request, "file": path.name, "about": about}
+        content = BytesIO()
+        np.savez(content, about=np.array(json.dumps(owned)), **arrays)  # type: ignore[arg-type]
+        write_sealed(path, content.getvalue())
 
     def _read(self, path: Path) -> tuple[Any, dict[str, Array]]:
-        """Return metadata and arrays of a file."""
-        with np.load(path) as file:
+        with self._blamed(), np.load(BytesIO(read_sealed(path) or b"")) as file:
             arrays = {name: file[name] for name in file.files}
-        return json.loads(str(arrays.pop("about"))), arrays
+            owned = json.loads(str(arrays.pop("about")))
+            if (owned["request"], owned["file"]) != (self.request, path.name):
+                raise ValueError("a file of another march")
+            return owned["about"], arrays
 
 
 NUMBERS = ("time", "load", "approach", "residual", "step_error", "grid_error", "steps", "iterations",

@@ -192,22 +192,13 @@ def evolve(
         checkpoint=checkpoint,
         progress=progress,
     )
-    if checkpoint is not None:
-        checkpoint.open(
-            repr(
-                (
-                    scene,
-                    grid,
-                    padding,
-                    None if times is None else list(np.asarray(times, float)),
-                    error,
-                    step_error,
-                    options,
-                )
-            )
-        )
-        walk.restore()
-    walk.go()
+    if checkpoint is None:
+        walk.go()
+    else:
+        instants = None if times is None else tuple(np.asarray(times, float).ravel().tolist())
+        with checkpoint.open((scene, grid, padding, instants, error, step_error, scheme, options)):
+            walk.restore()
+            walk.go()
     return Evolution(
         grid,
         tuple(walk.frames),

@@ -1,5 +1,6 @@
 """The loop over steps: loads, errors, checkpoints, labels."""
 
+import random
 from dataclasses import replace
 from inspect import signature
 from itertools import pairwise
@@ -10,6 +11,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.domain.fields import Array
+from contactstudy.evolution import checkpoint
 from contactstudy.evolution.evolve import _load
 from contactstudy.evolution.memory import Contribution, Step
 from contactstudy.scene.load import SuddenLoad
@@ -110,6 +112,61 @@ def test_a_folder_holds_one_march(tmp_path: Path) -> None:
     cs.evolve(scene, GRID, EXACT, times=[0.0, 1.0], folder=tmp_path)
     with pytest.raises(cs.InvalidInput, match=r"^evolve\.folder is .*: give another folder\.$"):
         cs.evolve(scene, GRID, EXACT, times=[0.0, 2.0], folder=tmp_path)
+
+
+def test_a_folder_is_of_one_version_and_of_one_process(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene = rolling_cylinder(SOLID)
+    seen: list[str] = []
+
+    def second(time: float, end: float) -> None:
+        with pytest.raises(cs.InvalidInput, match=r"waiting for process .*: run again when it has"):
+            cs.evolve(scene, GRID, EXACT, times=[0.0, 1.0], folder=tmp_path)
+        seen.append("second")
+
+    cs.evolve(scene, GRID, EXACT, times=[0.0, 1.0], folder=tmp_path, progress=second)
+    assert seen
+    monkeypatch.setattr(checkpoint, "source_hash", lambda: "other")
+    with pytest.raises(cs.InvalidInput, match="a march of another version of this program"):
+        cs.evolve(scene, GRID, EXACT, times=[0.0, 1.0], folder=tmp_path)
+
+
+def test_what_a_kill_left_half_written_is_no_other_file(tmp_path: Path) -> None:
+    (tmp_path / f".request.json.{2**22 + 1}.partial.json").write_text("x")
+    cs.evolve(rolling_cylinder(SOLID), GRID, EXACT, times=[0.0, 1.0], folder=tmp_path)
+    assert not list(tmp_path.glob(".*"))
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_damaged_folder_gives_the_right_march_or_a_sentence(tmp_path: Path, seed: int) -> None:
+    """A flipped bit, a cut, a hole, a lost file, or one in the place of another."""
+    scene, times = rolling_cylinder(SOLID, wear=cs.Wear(0.1, 1.0)), [0.0, 0.5, 1.0]
+    whole = cs.evolve(scene, GRID, EXACT, times=times, folder=tmp_path)
+    rng = random.Random(seed)
+    files = sorted(tmp_path.iterdir())
+    damaged, other = rng.sample(files, 2)
+    raw = bytearray(damaged.read_bytes())
+    at = rng.randrange(len(raw))
+    match seed % 5:
+        case 0:
+            raw[at] ^= 1 << rng.randrange(8)
+        case 1:
+            del raw[at:]
+        case 2:
+            raw[at : at + 50] = bytes(50)
+        case 3:
+            raw[:] = other.read_bytes()
+    damaged.write_bytes(raw)
+    if seed % 5 == 4:
+        damaged.unlink()
+    said = str(tmp_path)
+    try:
+        again = cs.evolve(scene, GRID, EXACT, times=times, folder=tmp_path)
+        np.testing.assert_array_equal(again.pressure, whole.pressure)
+    except cs.InvalidInput as refused:
+        said = str(refused)
+    assert str(tmp_path) in said
 
 
 def test_a_dataset_names_all_that_was_found() -> None:

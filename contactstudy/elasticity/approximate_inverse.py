@@ -67,7 +67,8 @@ class ApproximateInverse:
         self._cells, self._work_array = cells, work_array
         # that of the shortest waves along either axis
         self._stiffest = max(float(inverse[cells[0] // 2, 0]), float(inverse[0, -1]))
-        self._smoothing: tuple[float, Array] = 0.0, inverse
+        # the range of the smoothing in cells, and its spectrum
+        self._smoothing: tuple[float, Array] = 0.0, self._inverse
         self._coarser = self._on_blocks(spectrum)
 
     @property

@@ -52,14 +52,16 @@ def closing_pressure(
     work = inverse.work + 3 * extension.work  # made, used, and gathered by
     extended = extension(unlevel)
     cells = passes.joined(pressure, gap.height, extended, step_length, contact)
-    if cells is not contact:
-        del extension  # or it would stand beside that of more cells
+    joined = cells is not contact
+    del contact
+    if joined:
+        del extension, extended  # or they would stand beside those of more cells
         extension = inverse.extension(cells)
         extended = extension(passes.product(gap.height, cells, unlevel))
         work += 2 * extension.work
     del unlevel
     closing = extension.transposed(inverse.pressure(extended))
-    return closing, cells, cells is not contact, work
+    return closing, cells, joined, work
 
 
 def trial_along(

@@ -1,4 +1,4 @@
-"""The cheapest setting that meets an error, a memory and a time, and what else would."""
+"""Recommendations: the cheapest setting that meets an error, a memory and a time, and the runner-up."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -21,20 +21,32 @@ from contactstudy.planning.grid_requirements import ROOM, Needs
 from contactstudy.planning.plan import SHARE, GridForecast, needs_of, reaching
 from studies.reference.line_contact import COUNTS_IMAGES, LINE, PADDINGS, padding_at
 
-# What is tried: cells across that halve again and again, images, and tolerances.
+# Candidates: cells across that can be halved repeatedly, images, and tolerances.
 ACROSS = tuple(part * 2**k for k in range(16) for part in (32, 40, 48, 56))
 IMAGES = (1, 2, 3, 4, 6, 8, 12, 20, 30, 50, 80, 120, 200)
 TOLERANCES = tuple(10.0**-k for k in range(4, 12))
 LARGEST = 2**26  # cells
 # From this tolerance on the solver knows which cells of a rough contact touch.
 SETTLED = 1e-5
-# Of the error asked for, what the cells of a rough contact may take; the rest is left to the images.
+# Shares of the requested error for the cells of a rough contact; the remainder is for the images.
 SHARES = (0.95, 0.8, 0.5, 2.0, 5.0, 20.0, 100.0)
 
 
 @dataclass(frozen=True)
 class Limits:
-    """What is asked: a relative ``error`` of a ``metric`` with at most so many bytes and seconds."""
+    """Requested accuracy and cost.
+
+    Attributes
+    ----------
+    error
+        Relative error.
+    metric
+        Quantity that the error refers to.
+    memory
+        Largest number of bytes.
+    seconds
+        Longest time [s] on one thread.
+    """
 
     error: float
     metric: Metric = Metric.L1
@@ -53,7 +65,21 @@ class Limits:
 
 @dataclass(frozen=True)
 class Setting:
-    """A way to solve, and what to expect of it: ``error`` by cause, ``seconds`` on one thread, ``bytes``."""
+    """A way to solve a contact, and what to expect of it.
+
+    Attributes
+    ----------
+    mode
+        Name of the padding, see :func:`mode_of`.
+    padding, grid, tolerance, edges
+        The setting.
+    error
+        Expected relative error by cause.
+    seconds
+        Expected seconds on one thread.
+    bytes
+        Bytes that a solve holds at most.
+    """
 
     mode: str
     padding: cs.Padding | Paddings
@@ -67,10 +93,21 @@ class Setting:
 
 @dataclass(frozen=True)
 class Recommendation:
-    """The ``best`` setting, whether it ``meets`` what was asked, and the ``runner_up`` of another mode.
+    """The best setting within limits, and the best of another mode.
 
-    Where none meets it, the best is the one with the least error of those within memory and time, or
-    where even these are out of reach (``affordable`` is false) the quickest.
+    Attributes
+    ----------
+    limits
+        The requested accuracy and cost.
+    best
+        The cheapest setting that meets the error; if none does, the one with the least error within memory and time, or
+        if there is none either, the quickest.
+    runner_up
+        The best setting of another mode; None without one.
+    meets
+        Whether the best setting keeps to all limits.
+    affordable
+        Whether any setting keeps to memory and time.
     """
 
     limits: Limits
@@ -82,10 +119,24 @@ class Recommendation:
 
 @dataclass(frozen=True)
 class SmoothContact:
-    """A smooth line contact of ``half_width`` [m], over one ``period`` [m] of its length.
+    """A smooth line contact, and the settings to choose from.
 
-    ``modes`` are those to choose from; without "line" as where something varies along the length. As
-    many cells lie along a period as across.
+    Attributes
+    ----------
+    half_width
+        Half-width of the contact [m].
+    period
+        Length of the grid [m].
+    modes
+        Names of paddings; without "line", settings that also hold where something varies along the length.
+    across
+        Numbers of cells across; as many lie along a period.
+    images
+        Numbers of images.
+    tolerances
+        Tolerances of the solver, from the largest.
+    convolutions
+        Transform pairs of a solve to the default tolerance.
     """
 
     half_width: float
@@ -97,7 +148,7 @@ class SmoothContact:
     convolutions: float = field(default=SMOOTH_CONVOLUTIONS, init=False)
 
     def ways(self, limits: Limits) -> Iterator[tuple[cs.Grid, cs.Padding, Edges]]:
-        """Every grid, padding and treatment of the edges."""
+        """Yield every grid, padding and treatment of the edges."""
         extent = 2 * ROOM * self.half_width, self.period
         treatments = tuple(Edges) if limits.metric is Metric.L1 else (Edges.AS_SOLVED,)
         for mode in self.modes:
@@ -116,7 +167,7 @@ class SmoothContact:
         edges: Edges,
         tolerance: float,
     ) -> ErrorParts:
-        """The expected error, at most."""
+        """Return an upper estimate of the error of a setting, by cause."""
         assert not isinstance(padding, tuple)
         contact = Contact(self.half_width)
         return contact.error(limits.metric, edges, grid, padding, tolerance)
@@ -124,7 +175,19 @@ class SmoothContact:
 
 @dataclass(frozen=True)
 class RoughContact:
-    """A contact with roughness, a roller's ends or a hardness: what its scene asks of a grid, and its plan."""
+    """A contact with roughness, a roller's ends or a hardness, and the settings to choose from.
+
+    Attributes
+    ----------
+    needs
+        Properties of its scene that determine the grid.
+    planned
+        The planned grid, with the error and the cost to expect.
+    tolerances
+        Tolerances of the solver, from the largest.
+    convolutions
+        Transform pairs of a solve to the default tolerance.
+    """
 
     needs: Needs
     planned: GridForecast
@@ -132,14 +195,14 @@ class RoughContact:
     convolutions: float = field(default=ROUGH_CONVOLUTIONS, init=False)
 
     def ways(self, limits: Limits) -> Iterator[tuple[cs.Grid, cs.Padding | Paddings, Edges]]:
-        """The grid of the plan and some coarser and finer, with every padding that fits."""
+        """Yield the planned grid and some coarser and finer ones, with every padding that fits."""
         grids = [self.planned.grid]
         if 0 < self.planned.error < inf:
-            others = (self.planned.grid_for(limits.error * share) for share in SHARES)
-            # a coarser grid than the plan's would have been the plan's, if it met the error
+            other_grids = (self.planned.grid_for(limits.error * share) for share in SHARES)
+            # the plan has the coarsest grid that meets the error: a coarser one is tried only if it is expected not to
             grids += [
                 grid
-                for grid in others
+                for grid in other_grids
                 if grid.cells[0] > self.planned.grid.cells[0]
                 or self.planned.error_of(grid.cell) > limits.error
             ]
@@ -159,34 +222,48 @@ class RoughContact:
         edges: Edges,
         tolerance: float,
     ) -> ErrorParts:
-        """The error to expect, in L1."""
-        cut = 0.0
+        """Return the expected L1 error of a setting, by cause."""
+        truncation = 0.0
         if not isinstance(padding, tuple):
-            cut = expected_truncation(self.needs.half_width, grid, padding).l1
-        left = L1_LEFT * tolerance if tolerance <= SETTLED else inf
-        return ErrorParts(cut, self.planned.error_of(grid.cell), left)
+            truncation = expected_truncation(self.needs.half_width, grid, padding).l1
+        residual = L1_LEFT * tolerance if tolerance <= SETTLED else inf
+        return ErrorParts(truncation, self.planned.error_of(grid.cell), residual)
 
 
 def contact_of(
     scene: cs.Scene, period: float | None, limits: Limits
 ) -> SmoothContact | RoughContact:
-    """What a recommendation must know of ``scene``; ``period`` [m] is chosen where none is given.
+    """Return what a recommendation must know of a scene's contact.
 
-    One that is not smooth is planned for the error of ``limits``, so that both give the same grid. Raises
-    :class:`~contactstudy.InvalidInput` where no plan can be made of the scene (see :func:`~contactstudy.plan`),
-    and for a rough one unless the metric is L1.
+    Parameters
+    ----------
+    scene
+        The scene. One that is not smooth is planned for the error of `limits`, so that plan and recommendation have the
+        same grid.
+    period
+        Length of the grid [m]; chosen if None.
+    limits
+        The requested accuracy and cost.
+
+    Raises
+    ------
+    InvalidInput
+        If no plan can be made of the scene, see :func:`~contactstudy.plan`, or it is not smooth and the metric is not
+        L1.
+    NotDefined
+        If no grid has a known error.
     """
     needs = needs_of(scene)
     if needs.smooth and scene.hardness > needs.hertz.peak_pressure:
-        a = needs.hertz.half_width
-        return SmoothContact(a, period or 2 * ROOM * a)
+        half_width = needs.hertz.half_width
+        return SmoothContact(half_width, period or 2 * ROOM * half_width)
     if limits.metric is not Metric.L1:
         raise cs.InvalidInput(
             f"metric is {limits.metric.name.lower()!r}: give l1, the only error with a law where a contact is "
             "not smooth."
         )
-    most = min(limits.memory, SHARE * available_bytes())
-    planned = reaching(scene, needs, limits.error, period, most)
+    max_bytes = min(limits.memory, SHARE * available_bytes())
+    planned = reaching(scene, needs, limits.error, period, max_bytes)
     if planned.error == inf:
         raise cs.NotDefined(
             f"Scene has no grid whose error can be said: {_obstacle(needs, planned)}"
@@ -195,7 +272,7 @@ def contact_of(
 
 
 def _obstacle(needs: Needs, planned: GridForecast) -> str:
-    """Why no error can be said, in a sentence."""
+    """Return a sentence on why no error is known."""
     if planned.cut_off:
         return (
             f"the contact outgrows the measured surface, which is {needs.widest:.4g} m wide; give a smaller "
@@ -209,30 +286,36 @@ def _obstacle(needs: Needs, planned: GridForecast) -> str:
 def recommend(
     contact: SmoothContact | RoughContact, limits: Limits, costs: CostModel
 ) -> Recommendation:
-    """The cheapest setting for ``contact`` within ``limits``, by expected errors and seconds."""
+    """Return the cheapest setting for `contact` within `limits`, by expected errors and seconds."""
     return choose(list(candidates(contact, limits, costs)), limits)
 
 
-def choose(found: list[Setting], limits: Limits) -> Recommendation:
-    """The cheapest of the settings ``found`` within ``limits``."""
-    within = [s for s in found if s.bytes <= limits.memory and s.seconds <= limits.seconds]
-    meeting = [s for s in within if s.error.total <= limits.error]
+def choose(settings: list[Setting], limits: Limits) -> Recommendation:
+    """Return the cheapest of `settings` within `limits`, with the runner-up."""
+    within = [
+        setting
+        for setting in settings
+        if setting.bytes <= limits.memory and setting.seconds <= limits.seconds
+    ]
+    meeting = [setting for setting in within if setting.error.total <= limits.error]
     if meeting:
-        ranked = sorted(meeting, key=lambda s: (s.seconds, s.error.total))
+        ranked = sorted(meeting, key=lambda setting: (setting.seconds, setting.error.total))
     elif within:
-        # to two digits, since the last of them is not worth every price
-        ranked = sorted(within, key=lambda s: (float(f"{s.error.total:.1e}"), s.seconds))
+        # to two digits, since more are not worth any price
+        ranked = sorted(
+            within, key=lambda setting: (float(f"{setting.error.total:.1e}"), setting.seconds)
+        )
     else:
-        ranked = sorted(found, key=lambda s: (s.seconds, s.error.total))
+        ranked = sorted(settings, key=lambda setting: (setting.seconds, setting.error.total))
     best = ranked[0]
-    others = (setting for setting in ranked if setting.mode != best.mode)
-    return Recommendation(limits, best, next(others, None), bool(meeting), bool(within))
+    other_modes = (setting for setting in ranked if setting.mode != best.mode)
+    return Recommendation(limits, best, next(other_modes, None), bool(meeting), bool(within))
 
 
 def candidates(
     contact: SmoothContact | RoughContact, limits: Limits, costs: CostModel
 ) -> Iterator[Setting]:
-    """Every way with the largest tolerance that keeps it to the error, or else the smallest."""
+    """Yield every setting, with the largest tolerance that keeps to the error, or else the smallest."""
     for grid, padding, edges in contact.ways(limits):
         if prod(grid.cells) > LARGEST:
             continue

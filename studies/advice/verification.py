@@ -1,4 +1,4 @@
-"""Whether recommendations keep what they promise, on stored settings alone."""
+"""Verification of recommendations on stored settings."""
 
 from dataclasses import dataclass
 
@@ -24,9 +24,15 @@ WHAT = {
 class Verification:
     """Recommendations among stored settings, one for each target, metric, period and choice of modes.
 
-    Their stored ``error`` over the error asked for, and their stored time over that of the quickest setting
-    that meets it: ``slower`` of those whose error is expected to, ``slower_than_luck`` of all, those whose
-    edge happened to fall well in its cell among them.
+    Attributes
+    ----------
+    error
+        Stored error over the requested error.
+    slower
+        Stored time over that of the quickest setting that is expected to meet the error.
+    slower_than_luck
+        Stored time over that of the quickest setting that meets it, also by chance, where the edge of the contact falls
+        well in its cell.
     """
 
     error: Array
@@ -35,58 +41,61 @@ class Verification:
 
 
 def verify(dataset: xr.Dataset) -> Verification:
-    """Recommend from a stored ``pareto``, at each period by the times of the other periods alone."""
+    """Recommend settings from a stored ``pareto`` sweep, at each period by the times of the other periods alone."""
     rows = []
     for period in dataset["period"].values.tolist():
-        others = dataset.drop_sel(period=period) if dataset.sizes["period"] > 1 else dataset
-        costs = CostModel(stored_timings(others, str(dataset.attrs.get("cpu"))))
+        other_periods = dataset.drop_sel(period=period) if dataset.sizes["period"] > 1 else dataset
+        costs = CostModel(stored_timings(other_periods, str(dataset.attrs.get("cpu"))))
         modes = tuple(str(name) for name in dataset["padding"].values)
-        for chosen in (modes, tuple(name for name in modes if name != LINE)):
+        for chosen_modes in (modes, tuple(name for name in modes if name != LINE)):
             contact = SmoothContact(
                 HERTZ.half_width,
                 period * HERTZ.half_width,
-                chosen,
+                chosen_modes,
                 tuple(dataset["grid"].values.tolist()),
                 tuple(dataset["images"].values.tolist()),
                 tuple(sorted(dataset["solver_tolerance"].values.tolist(), reverse=True)),
             )
-            here = dataset.sel(period=period, padding=list(chosen))
+            at_period = dataset.sel(period=period, padding=list(chosen_modes))
             for metric in Metric:
                 names = STORED_ERRORS[WHAT[metric]]
-                every = settings(here, *names)
-                own = {Edges.AS_SOLVED: names[0], Edges.CORRECTED: names[-1]}
-                treated = {edges: settings(here, name) for edges, name in own.items()}
+                stored = settings(at_period, *names)
+                error_names = {Edges.AS_SOLVED: names[0], Edges.CORRECTED: names[-1]}
+                by_edges = {edges: settings(at_period, name) for edges, name in error_names.items()}
                 for target in TARGETS.tolist():
                     limits = Limits(target, metric)
-                    found = list(candidates(contact, limits, costs))
-                    recommended = choose(found, limits)
+                    settings_found = list(candidates(contact, limits, costs))
+                    recommended = choose(settings_found, limits)
                     if recommended.meets:
                         best = recommended.best
-                        foreseen = [one for one in found if one.error.total <= target]
+                        expected = [
+                            setting for setting in settings_found if setting.error.total <= target
+                        ]
                         error = float(
-                            treated[best.edges].error[_places(treated[best.edges], best)][0]
+                            by_edges[best.edges].error[_places(by_edges[best.edges], best)][0]
                         )
-                        rows.append((error / target, *_slower(every, best, foreseen, target)))
-    errors, slower, lucky = np.array(rows).reshape(-1, 3).T
-    return Verification(errors, slower, lucky)
+                        rows.append((error / target, *_slower(stored, best, expected, target)))
+    errors, slower, by_luck = np.array(rows).reshape(-1, 3).T
+    return Verification(errors, slower, by_luck)
 
 
 def _slower(
-    every: Settings, best: Setting, foreseen: list[Setting], target: float
+    stored: Settings, best: Setting, expected: list[Setting], target: float
 ) -> tuple[float, float]:
-    cost = float(every.cost[_places(every, best)][0])
-    quickest = min(every.cost[_places(every, one)].min() for one in foreseen)
-    lucky = every.cheapest(target)
-    return cost / float(quickest), np.nan if lucky is None else cost / float(every.cost[lucky])
+    """Return the time of `best` over that of the quickest expected setting, and over that of the quickest of all."""
+    cost = float(stored.cost[_places(stored, best)][0])
+    quickest = min(stored.cost[_places(stored, setting)].min() for setting in expected)
+    by_luck = stored.cheapest(target)
+    return cost / float(quickest), np.nan if by_luck is None else cost / float(stored.cost[by_luck])
 
 
-def _places(every: Settings, setting: Setting) -> np.ndarray:
-    """Where a setting is among those stored."""
-    axes = every.axes
-    there = (axes["padding"] == setting.mode) & (axes["grid"] == setting.grid.cells[0])
-    there &= (axes["solver"] == "preconditioned_cg") & (
+def _places(stored: Settings, setting: Setting) -> np.ndarray:
+    """Return the indices of a setting among those stored."""
+    axes = stored.axes
+    matches = (axes["padding"] == setting.mode) & (axes["grid"] == setting.grid.cells[0])
+    matches &= (axes["solver"] == "preconditioned_cg") & (
         axes["solver_tolerance"] == setting.tolerance
     )
     if setting.mode in COUNTS_IMAGES:
-        there &= axes["images"] == getattr(setting.padding, "images", 0)
-    return np.flatnonzero(there)
+        matches &= axes["images"] == getattr(setting.padding, "images", 0)
+    return np.flatnonzero(matches)

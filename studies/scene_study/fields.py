@@ -1,4 +1,4 @@
-"""The fields of a scene file by their paths, such as ``shapes.1.rms``: their types, and other values for them."""
+"""Fields of a scene file by their paths, such as ``shapes.1.rms``: their types, and other values for them."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
@@ -12,7 +12,7 @@ from contactstudy.io.scene_file import Document, MeasuredFile, SceneFile
 
 Path = tuple[str, ...]
 
-# Short names for what is varied most.
+# Short names of fields that are often varied.
 SHORT: Mapping[str, str] = {
     "n": "padding.images",
     "images": "padding.images",
@@ -23,26 +23,34 @@ SHORT: Mapping[str, str] = {
     "precision": "solve.precision",
     "max_iterations": "solve.max_iterations",
 }
-# Of a measured surface, what a file says and the surface itself has made use of.
+# Keys of a measured surface in a file, which the surface has used and no longer holds.
 OF_FILE = ("file", "turn", "window")
 
 
 @dataclass(frozen=True)
 class Field:
-    """Field of a scene file by its path, and the type that stands there."""
+    """Field of a scene file.
+
+    Attributes
+    ----------
+    path
+        Keys and indices that lead to the field.
+    annotation
+        Type of its value, with its unit.
+    """
 
     path: Path
-    wanted: Any
+    annotation: Any
 
     @property
     def name(self) -> str:
-        """Path as a person writes it."""
+        """Path as written in a command, such as ``shapes.1.rms``."""
         return ".".join(self.path)
 
     @property
     def unit(self) -> str:
         """Symbol of the SI unit, empty without one."""
-        for candidate in (self.wanted, *get_args(self.wanted)):
+        for candidate in (self.annotation, *get_args(self.annotation)):
             for note in getattr(candidate, "__metadata__", ()):
                 if isinstance(note, Unit):
                     return note.symbol
@@ -50,8 +58,8 @@ class Field:
 
     @property
     def is_whole(self) -> bool:
-        """True for a field of whole numbers."""
-        return self.wanted is int
+        """Whether the field holds whole numbers."""
+        return self.annotation is int
 
 
 def document_of(described: SceneFile) -> Document:
@@ -69,10 +77,19 @@ def document_of(described: SceneFile) -> Document:
 
 
 def find(document: Document, name: str) -> Field:
-    """Return the field that a person calls `name`.
+    """Return the field with the name `name`.
 
-    A path, a short name such as ``tolerance``, or the name of a field that one shape alone has. Raises
-    :class:`~contactstudy.InvalidInput` for a name that is no field, with those that there are.
+    Parameters
+    ----------
+    document
+        The scene file.
+    name
+        A path, a short name such as ``tolerance``, or the name of a field that one shape alone has.
+
+    Raises
+    ------
+    InvalidInput
+        For a name that is no field; its message lists those that there are.
     """
     if name in SHORT and not (name == "period" and document.grid is not None):
         return _at(document, tuple(SHORT[name].split(".")))
@@ -98,10 +115,12 @@ def find(document: Document, name: str) -> Field:
 
 
 def _example(document: Document) -> str:
+    """Return the name of a field of the first shape, for a message."""
     return _names(document.shapes[0])[0] if document.shapes else "radius"
 
 
 def _at(document: Document, path: Path) -> Field:
+    """Return the field at a path; raise InvalidInput where the path leads nowhere."""
     value: Any = document
     kind: Any = Document
     for depth, part in enumerate(path):
@@ -140,27 +159,32 @@ def _at(document: Document, path: Path) -> Field:
 
 
 def _is_of_file(value: object, part: str) -> bool:
+    """Return whether a key of a measured surface stands in its file only."""
     return isinstance(value, MeasuredSurface) and part in OF_FILE
 
 
 def _names(value: Any) -> list[str]:
+    """Return the names of the fields of a dataclass."""
     names = [member.name for member in fields(value) if member.init]
     if isinstance(value, MeasuredSurface):
         return [*OF_FILE, "missing", "trend", "seam", "extent"]
     return names
 
 
-def _entry(wanted: Any, number: int) -> Any:
+def _entry(annotation: Any, number: int) -> Any:
     """Return the type of one entry of a tuple, which may be one of several types."""
-    for option in (wanted, *(get_args(wanted) if get_origin(wanted) in (Union, UnionType) else ())):
+    for option in (
+        annotation,
+        *(get_args(annotation) if get_origin(annotation) in (Union, UnionType) else ()),
+    ):
         if get_origin(option) is tuple:
             entries = get_args(option)
             return entries[0] if entries[-1] is ... else entries[number]
-    return wanted
+    return annotation
 
 
 def replaced(value: Any, path: Sequence[str], new: object) -> Any:
-    """Return `value` with `new` at `path`."""
+    """Return `value` with `new` at `path`, as a copy."""
     if not path:
         return new
     first, below = path[0], path[1:]
@@ -173,14 +197,14 @@ def replaced(value: Any, path: Sequence[str], new: object) -> Any:
     return replace(value, **{first: replaced(getattr(value, first), below, new)})
 
 
-def without_none(wanted: Any) -> Any:
-    """Return a type without the None that leaves it open."""
-    if get_origin(wanted) in (Union, UnionType):
-        options = tuple(option for option in get_args(wanted) if option is not NoneType)
+def without_none(annotation: Any) -> Any:
+    """Return a type without the None of an optional field."""
+    if get_origin(annotation) in (Union, UnionType):
+        options = tuple(option for option in get_args(annotation) if option is not NoneType)
         return options[0] if len(options) == 1 else Union[options]  # noqa: UP007 (made at run time)
-    return wanted
+    return annotation
 
 
-def is_number(wanted: Any) -> bool:
+def is_number(annotation: Any) -> bool:
     """Return whether a field is a number with a unit."""
-    return get_origin(wanted) is Annotated
+    return get_origin(annotation) is Annotated

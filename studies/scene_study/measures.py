@@ -19,11 +19,11 @@ MOST = 60
 
 
 def normal_stiffness(solution: cs.Solution) -> float:
-    """Return d load / d approach [N/m per m of length] of the contact as it stands: its cells stay the same.
+    """Return the normal stiffness d load / d approach [N/m per m of length], with the cells in contact fixed.
 
-    It is that of the increment of the pressure that carries a unit of load and moves all cells in contact alike, found
-    by projected conjugate gradients (Hestenes & Stiefel 1952), which do not see the rigid shift of the
-    operator. Cells that yield carry no more. nan where no cell can.
+    It follows from the pressure increment that carries a unit of load and moves all cells in contact alike, found
+    by projected conjugate gradients (Hestenes & Stiefel 1952), in which a rigid shift of the operator has no effect.
+    Cells at the hardness carry no increment. The result is nan where no cell can.
     """
     problem = solution.problem
     free = problem.constraint.free(solution.pressure) > 0
@@ -34,28 +34,30 @@ def normal_stiffness(solution: cs.Solution) -> float:
     operator = problem.operator
     precondition = operator.approximate_inverse()
 
-    def moved(pressure: Array) -> Array:
+    def displaced(pressure: Array) -> Array:
         return np.asarray(np.where(free, operator(pressure), 0.0))
 
     def level(field: Array) -> Array:
         return np.asarray(np.where(free, field - field[free].sum() / count, 0.0))
 
     pressure = np.where(free, 1 / count, 0.0)
-    displacement = moved(pressure)
+    displacement = displaced(pressure)
     residual = -level(displacement)
-    first = np.abs(displacement - displacement.sum() / count)[free].mean()
+    first_deviation = np.abs(displacement - displacement.sum() / count)[free].mean()
     direction: Array | None = None
     size = 0.0
     for _ in range(MOST):
-        if count < 2 or np.abs(residual).sum() / count <= RESIDUAL * first:
+        if count < 2 or np.abs(residual).sum() / count <= RESIDUAL * first_deviation:
             break
-        closing = level(precondition(residual, cells))
-        before, size = size, inner(residual, closing)
-        direction = closing if direction is None else closing + direction * (size / before)
-        response = moved(direction)
-        length = size / inner(direction, response)
-        pressure += length * direction
-        displacement += length * response
+        correction = level(precondition(residual, cells))
+        previous_size, size = size, inner(residual, correction)
+        direction = (
+            correction if direction is None else correction + direction * (size / previous_size)
+        )
+        response = displaced(direction)
+        step_length = size / inner(direction, response)
+        pressure += step_length * direction
+        displacement += step_length * response
         residual = -level(displacement)
     # the energy of a unit of load [m per unit of summed pressure]
     compliance = inner(pressure, displacement)
@@ -88,7 +90,11 @@ def measures(
 
 
 def _of_quantities(numbers: Sequence[Quantity]) -> dict[str, xr.Variable]:
-    return {q.name: labelled((), q.value, q.units, q.long_name) for q in numbers}
+    """Return labelled variables of quantities, by name."""
+    return {
+        quantity.name: labelled((), quantity.value, quantity.units, quantity.long_name)
+        for quantity in numbers
+    }
 
 
 def _of_solution(scene: cs.Scene, solution: cs.Solution) -> dict[str, xr.Variable]:
@@ -122,7 +128,7 @@ def _of_solution(scene: cs.Scene, solution: cs.Solution) -> dict[str, xr.Variabl
 
 
 def _perimeter(touching: np.ndarray, grid: cs.Grid, paddings: cs.Paddings | None) -> float:
-    """Edges between cells in and out of contact [m], round the ends of an axis that is periodic."""
+    """Return the length [m] of the edges between cells in and out of contact, across the ends of a periodic axis too."""
     total = 0.0
     for axis in (0, 1):
         edge = grid.cell[1 - axis]
@@ -134,6 +140,7 @@ def _perimeter(touching: np.ndarray, grid: cs.Grid, paddings: cs.Paddings | None
 
 
 def _repeats(padding: cs.Padding) -> bool:
+    """Return whether an axis repeats."""
     return padding.window is None or len(padding.window) > 1
 
 

@@ -1,4 +1,4 @@
-"""A contact of a sweep: set up once for all loads, and started from its neighbours' pressures."""
+"""Cases of a sweep over a scene: set up once for all loads, and started from the pressures of their neighbours."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -15,18 +15,25 @@ from contactstudy.io.scene_file import TimeSteps
 from contactstudy.scene.scene import under_load
 from studies.model.case import Case, EvolutionCase
 
-# Of the pressure that would close a cell's gap alone, how much stands for the gap in a forecast of the
-# pressure: cells about to touch are foreseen to do so. From 0.05 to 0.5 the iterations differ by 2 %.
+# Share of the pressure that would close a cell's gap alone, which is subtracted for the gap when pressures are
+# extrapolated, so that cells about to touch are included. From 0.05 to 0.5 the iterations differ by 2 %.
 SEED = 0.2
-# Loads are extrapolated no farther than so many times the step between the two before.
+# Largest step of an extrapolation over the step between the two loads before.
 FAR = 2.0
 
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """Solution, the wall time [s] of set-up and solve, and the distance [m] from which its approach counts.
+    """A solution with its cost.
 
-    ``datum`` is None where the padding leaves nothing open.
+    Attributes
+    ----------
+    solution
+        The solution.
+    seconds
+        Wall time [s] of set-up and solve.
+    datum
+        Distance [m] beside the contact from which the approach counts; None where the padding fixes it.
     """
 
     solution: cs.Solution
@@ -36,7 +43,7 @@ class Solved:
 
 @dataclass(frozen=True)
 class SceneCase(Case):
-    """A :class:`~studies.model.case.Case` that its process sets up and starts from the last ones of its kind.
+    """A :class:`~studies.model.case.Case` that is started from the last solutions of its kind in the same process.
 
     Cases that differ in their load alone share heights and coefficients. The start changes the solution
     within its tolerance only, so that a case may be computed alone, in any order and process. The
@@ -45,13 +52,13 @@ class SceneCase(Case):
     """
 
     def prepare(self) -> Any:
-        """Return the problem, from the last one if that differs in its load alone."""
+        """Return the problem and the seconds of its set-up; the last problem if only the load differs."""
         start = perf_counter()
         problem = under_load(_LAST.problem_like(self), self.load)
         return problem, perf_counter() - start
 
     def run(self, prepared: Any) -> Any:
-        """Solve, beginning with the pressures at the loads before."""
+        """Solve the problem, starting from the pressures at the previous loads."""
         problem, seconds = prepared
         start = perf_counter()
         start_pressure = _LAST.pressure_for(problem, self.load.per_length)
@@ -71,13 +78,13 @@ class SceneCase(Case):
 
     @property
     def load(self) -> cs.LineLoad | cs.TotalLoad:
-        """Load, which does not change with time."""
+        """Load of the scene, which does not change with time."""
         assert isinstance(self.scene.load, cs.LineLoad | cs.TotalLoad)  # another is marched
         return self.scene.load
 
     @property
     def datum(self) -> float | None:
-        """Distance from which the approach counts [m]: half the grid's width; None if finitely many images fix it."""
+        """Distance [m] from which the approach counts: half the grid's width; None if finitely many images fix it."""
         across, along = (
             self.padding if isinstance(self.padding, tuple) else (cs.ZeroPadding(), self.padding)
         )
@@ -87,7 +94,7 @@ class SceneCase(Case):
 
 @dataclass(frozen=True)
 class RolledScene:
-    """Scene that rolls steadily, as a computation of a sweep."""
+    """A scene that rolls steadily, as a computation of a sweep."""
 
     scene: cs.Scene
     grid: cs.Grid
@@ -113,7 +120,7 @@ class RolledScene:
 
 @dataclass(frozen=True)
 class MarchedScene:
-    """Scene that changes in time, as a computation of a sweep."""
+    """A scene that changes in time, as a computation of a sweep."""
 
     scene: cs.Scene
     grid: cs.Grid
@@ -151,7 +158,7 @@ def _fields(dataset: xr.Dataset) -> Mapping[str, xr.Variable]:
 
 
 class _Last:
-    """Latest solved cases of this process: those of one kind, at two loads."""
+    """The last problem of this process, and its solutions at up to two loads."""
 
     def __init__(self) -> None:
         self.kind: object = None
@@ -159,6 +166,7 @@ class _Last:
         self.solved: list[tuple[float, Array, Array]] = []
 
     def problem_like(self, case: SceneCase) -> cs.Problem:
+        """Return the problem of a case but for its load, which is the last one where possible."""
         kind = (replace(case.scene, load=_at_half_width(case)), case.grid, case.padding)
         if self.problem is None or kind != self.kind:
             self.kind, self.problem, self.solved = None, None, []
@@ -167,23 +175,24 @@ class _Last:
         return self.problem
 
     def add(self, load: float, solution: cs.Solution) -> None:
+        """Keep a solution at the load `load` [N/m]."""
         self.solved = [*self.solved[-1:], (load, solution.pressure, solution.gap)]
 
     def pressure_for(self, problem: cs.Problem, load: float) -> Array | None:
-        """Return a pressure to begin with, extrapolated in the logarithm of the load; None after no solve."""
+        """Return a pressure (x, y) [Pa] to start from, extrapolated in the logarithm of the load; None at first."""
         if not self.solved:
             return None
         latest, pressure, gap = self.solved[-1]
         scaled: Array = pressure * (load / latest)
         if len(self.solved) < 2 or load == latest or self.solved[0][0] == latest:
             return scaled
-        before, its_pressure, its_gap = self.solved[0]
-        step = log(load / latest) / log(latest / before)
+        previous, previous_pressure, previous_gap = self.solved[0]
+        step = log(load / latest) / log(latest / previous)
         if abs(step) > FAR:
             return scaled
         seed = SEED / problem.operator.own
         last = pressure - seed * gap
-        start = last + (last - (its_pressure - seed * its_gap)) * step
+        start = last + (last - (previous_pressure - seed * previous_gap)) * step
         np.maximum(start, 0, out=start)
         return start if start.any() else scaled
 

@@ -1,4 +1,4 @@
-"""A study of a scene: the fields varied, the cases, and the grids that the points share."""
+"""A study of a scene: its fields that vary, its cases, and the grids that they share."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -28,7 +28,7 @@ from studies.scene_study.variation import Variation, together, variation
 
 @dataclass(frozen=True)
 class Posed:
-    """Scene on the grid and with the padding that it is solved on."""
+    """A scene with the grid and the padding that it is solved with."""
 
     scene: cs.Scene
     grid: cs.Grid
@@ -40,8 +40,12 @@ def posed(points: Sequence[SceneFile]) -> tuple[list[Posed], tuple[str, ...]]:
 
     Points whose file says the same of the grid and of the plan share a grid: the width of the widest, the
     cells of the finest. Random surfaces without an extent get that of the widest grid, so that each is
-    the same surface at all points. Raises :class:`~contactstudy.InvalidInput` where a surface does not
-    fit its grid.
+    the same surface at all points.
+
+    Raises
+    ------
+    InvalidInput
+        If a surface does not fit its grid.
     """
     groups: dict[object, list[int]] = {}
     for number, point in enumerate(points):
@@ -65,6 +69,7 @@ def posed(points: Sequence[SceneFile]) -> tuple[list[Posed], tuple[str, ...]]:
 
 
 def _on(point: SceneFile, grid: cs.Grid, extent: tuple[float, float] | None) -> Posed:
+    """Return one point on its grid, with random surfaces of the common extent."""
     shapes = tuple(
         replace(shape, extent=extent)
         if isinstance(shape, Roughness) and shape.extent is None and extent is not None
@@ -78,7 +83,7 @@ def _on(point: SceneFile, grid: cs.Grid, extent: tuple[float, float] | None) -> 
 
 
 def _check(name: str, shape: object, grid: cs.Grid) -> None:
-    """Raise :class:`~contactstudy.InvalidInput` if `grid` cannot hold a surface that has a size of its own."""
+    """Raise InvalidInput if `grid` cannot hold a surface that has a size."""
     if isinstance(shape, Roughness) and shape.extent is not None and shape.rms:
         divides(f"{name}.extent[1]", shape.extent[1], grid.period)
     if not isinstance(shape, MeasuredSurface) or shape.extent is None:
@@ -122,7 +127,7 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
             "the grid takes: where contact reaches its edge, the outcome says so"
         )
         width = narrowest
-    # of a longer measured surface a grid shows the middle
+    # a grid shows the middle of a longer measured surface
     period = min(periods) if measured else max(periods)
     fits = (
         len(periods) == 1
@@ -149,12 +154,12 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
     return [grid] * len(points), [shared, *notes]
 
 
-# Points of a sweep that are planned, from the narrowest contact to the widest; the others take their cells.
+# Largest number of points that are planned; the others take the finest cells of these.
 PLANNED = 8
 
 
 def _planned(points: Sequence[SceneFile], needs: Sequence[Needs]) -> list[cs.Grid]:
-    """Return a grid for each point: those of plans, or of many points the finest cells of the plans of some."""
+    """Return a grid for each point: its plan's, or for many points, with the finest cells of the plans of some."""
     if len(points) <= PLANNED:
         return [_grid_of_plan(point) for point in points]
     by_width = sorted(range(len(points)), key=lambda number: needs[number].half_width)
@@ -172,18 +177,19 @@ def _planned(points: Sequence[SceneFile], needs: Sequence[Needs]) -> list[cs.Gri
 
 
 def _grid_of_plan(point: SceneFile) -> cs.Grid:
+    """Return the grid that is planned for a point."""
     settings = point.plan_settings
     return cs.plan(point.scene, error=settings.error, period=settings.period).grid
 
 
 def _fitting(grid: cs.Grid, point: SceneFile) -> cs.Grid:
-    """Return `grid`, or the finest of its extent that the machine holds."""
+    """Return `grid`, or the finest grid of its extent that the machine's memory holds."""
     padding = point.padding or needs_of(point.scene).padding()
     return affordable(grid, padding, SHARE * available_bytes())
 
 
 def _extent(grids: Sequence[cs.Grid]) -> tuple[tuple[float, float] | None, list[str]]:
-    """Return the extent of random surfaces that name none, None if the periods differ, and a note on it."""
+    """Return the extent of random surfaces that name none, and a note on it; None where the periods differ."""
     width, period = max(grid.extent[0] for grid in grids), min(grid.period for grid in grids)
     if any(abs(grid.period / period - round(grid.period / period)) > 1e-9 for grid in grids):
         differ = (
@@ -197,10 +203,12 @@ def _extent(grids: Sequence[cs.Grid]) -> tuple[tuple[float, float] | None, list[
 
 
 def _size_text(grid: cs.Grid) -> str:
+    """Return the cells and the extent of a grid in words."""
     return f"{grid.cells[0]} x {grid.cells[1]} cells over {grid.extent[0]:.4g} m x {grid.extent[1]:.4g} m"
 
 
 def _counted(points: Sequence[SceneFile]) -> str:
+    """Return the number of points in words."""
     return f"{len(points)} points" if len(points) > 1 else "1 point"
 
 
@@ -285,7 +293,7 @@ def _variation(described: SceneFile, group: Mapping[str, object], folder: Path) 
 
 
 def _text(scene: object, described: SceneFile) -> str:
-    """Return the scene as TOML, as its file has it."""
+    """Return the scene as TOML: the text of its file, if it has one."""
     if isinstance(scene, str | PathLike):
         return Path(scene).read_text(encoding="utf-8")
     try:
@@ -311,6 +319,7 @@ class _SceneAt:
 
 
 def _read(scene: Scene | SceneFile | str | PathLike[str]) -> tuple[SceneFile, Path]:
+    """Return the scene file, and the folder at which its paths start."""
     if isinstance(scene, Scene):
         return SceneFile(scene), Path()
     if isinstance(scene, SceneFile):
@@ -331,12 +340,13 @@ def _file_at(described: SceneFile, axes: list[Variation], point: tuple[Value, ..
 
 
 def _rank(varied: Variation) -> int:
+    """Return the position of a field in the order in which fields are applied."""
     last = varied.field.path[-1]
     return ORDER.index(last) if last in ORDER else len(ORDER)
 
 
 def _case(placed: Posed, file: SceneFile) -> Computation:
-    """Return the computation of a scene: a film, a contact that rolls or changes in time, or one that does neither."""
+    """Return the computation of a scene: a film, a contact that rolls or changes in time, or a single solve."""
     contact = placed.scene, placed.grid, placed.padding
     if placed.scene.lubrication is not None:
         return FilmCase(*contact, file.settings)

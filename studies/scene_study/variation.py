@@ -33,8 +33,21 @@ def parse_values(field: str, text: str, *, whole: bool) -> list[object]:
     """Return the values in a text as a scene file could hold them: numbers, texts, lists, tables.
 
     ``50:400:8 N/mm`` is eight values from 50 to 400 N/mm, ``50:400:8:log N/mm`` in equal ratios, and for a field of
-    `whole` numbers ``0:10`` all from 0 to 10. A unit after the last of several numbers is that of all. Raises
-    :class:`~contactstudy.InvalidInput` for anything else.
+    whole numbers ``0:10`` all from 0 to 10. A unit after the last of several numbers applies to all of them.
+
+    Parameters
+    ----------
+    field
+        Name of the field, for messages.
+    text
+        Values, separated by commas.
+    whole
+        Whether the field holds whole numbers.
+
+    Raises
+    ------
+    InvalidInput
+        For a text that is none of these.
     """
     parts = [part.strip() for part in _split(field, text)]
     if not all(parts) or not parts:
@@ -64,6 +77,7 @@ def _split(field: str, text: str) -> Iterator[str]:
 
 
 def _expanded(field: str, part: str, whole: bool) -> list[object]:  # noqa: FBT001 (passed on)
+    """Return the values of one part of a text: a value, or all values of a range."""
     if part[0] in OPEN + "\"'":
         try:
             return [tomllib.loads(f"value = {part}")["value"]]
@@ -93,6 +107,7 @@ def _expanded(field: str, part: str, whole: bool) -> list[object]:  # noqa: FBT0
 
 
 def _plain(part: str) -> object:
+    """Return a text as a boolean or a number, if it is one."""
     if part in ("true", "false"):
         return part == "true"
     for kind in (int, float):
@@ -118,20 +133,20 @@ def _with_shared_unit(field: str, text: str, values: list[object]) -> list[objec
 
 
 SURFACES, WINDOWS = "surfaces", "windows"
-# What a whole path is called on an axis; others by their words, joined.
+# Long names of axes by path; other axes have the words of their path.
 LONG_NAMES = {"load.per_length": "load per length"}
 
 
 @dataclass(frozen=True, eq=False)
 class Variation:
-    """Axis of a study, and what stands at fields of the scene file for each of its values.
+    """Axis of a study, with the values of fields of the scene file along it.
 
     Parameters
     ----------
     axis
         Name, values and unit.
     changes
-        Fields, and for each value of the axis what stands there; several fields change together.
+        Fields, and for each value of the axis the value of the field; several fields change together.
     notes
         Sentences on the axis.
     """
@@ -147,11 +162,11 @@ class Variation:
 
     @property
     def is_load(self) -> bool:
-        """True for the load, along which contacts are neighbours."""
+        """Whether the axis is the load, along which neighbouring contacts are alike."""
         return self.field.path[0] == "load"
 
     def apply(self, document: Document, value: Value) -> Document:
-        """Return `document` with the fields as they are at `value`."""
+        """Return `document` with the values of the fields at `value` of the axis."""
         for field, values in self.changes:
             path, new = field.path, values[value]
             try:
@@ -165,10 +180,14 @@ class Variation:
 
 
 def together(varied: Sequence[Variation]) -> Variation:
-    """Return one axis along which several fields change, the first value of each first.
+    """Return one axis along which several fields change, from the first value of each.
 
-    The axis has the name and the values of the first field. Raises :class:`~contactstudy.InvalidInput` unless all
-    have equally many values.
+    The axis has the name and the values of the first field.
+
+    Raises
+    ------
+    InvalidInput
+        Unless all have equally many values.
     """
     counts = [len(part.axis.values) for part in varied]
     names = [part.field.name for part in varied]
@@ -244,6 +263,7 @@ def variation(
 
 
 def _listed(name: str, given: object) -> list[object]:
+    """Return the values of a sequence as a list."""
     if isinstance(given, Mapping) or not isinstance(given, Iterable):
         raise InvalidInput(
             f"vary[{name!r}] is {given!r}: give a list of values, or a text with commas."
@@ -257,10 +277,10 @@ def _listed(name: str, given: object) -> list[object]:
 def _made(field: Field, raw: object) -> Any:
     """Return a value as the type that stands at `field`."""
     if is_dataclass(raw) or (isinstance(raw, tuple) and raw and is_dataclass(raw[0])):
-        return raw  # from Python, where it is what it is; the scene checks it
+        return raw  # already made in Python; the scene checks it
     if isinstance(raw, tuple):
         raw = list(raw)
-    kind = without_none(field.wanted)
+    kind = without_none(field.annotation)
     try:
         return structured({"value": raw}, _Holder.of(kind), KINDS, field.name).value
     except InvalidInput as error:
@@ -280,10 +300,10 @@ class _Holder:
     """Maker of dataclasses with one field of a type that is known at run time."""
 
     @staticmethod
-    def of(wanted: Any) -> Any:
+    def of(annotation: Any) -> Any:
         from dataclasses import make_dataclass
 
-        return make_dataclass("Value", [("value", wanted)], frozen=True)
+        return make_dataclass("Value", [("value", annotation)], frozen=True)
 
 
 def _label(made: Any, raw: object) -> Value:
@@ -298,10 +318,12 @@ def _label(made: Any, raw: object) -> Value:
 
 
 def _snapped(value: Value) -> float:
+    """Return a number rounded to 15 digits, so that equal values from different sums have one label."""
     return float(f"{float(value):.15g}")
 
 
 def _axis(document: Document, field: Field, values: tuple[Value, ...]) -> Axis:
+    """Return the axis of a field, with its long name and unit."""
     units = field.unit.replace("N/m", "N m-1") or "1"
     return Axis(
         "_".join(field.path), values, LONG_NAMES.get(field.name, _long_name(document, field)), units
@@ -309,6 +331,7 @@ def _axis(document: Document, field: Field, values: tuple[Value, ...]) -> Axis:
 
 
 def _long_name(document: Document, field: Field) -> str:
+    """Return the long name of a field, such as "rms of Roughness"."""
     owner: Any = document
     for part in field.path[:-1]:
         if is_dataclass(owner) and hasattr(owner, part):
@@ -320,13 +343,14 @@ def _long_name(document: Document, field: Field) -> str:
         len(path) > 2 and path[-1].isdigit() and path[-2] != "shapes"
     ):  # an entry of a list of numbers
         return f"{path[-2].replace('_', ' ')} {path[-1]} of {path[-3]}"
-    last = path[-1].replace("_", " ")
+    name = path[-1].replace("_", " ")
     if field.path[0] == "shapes" and len(field.path) > 2:
-        return f"{last} of {type(document.shapes[int(field.path[1])]).__name__}"
-    return f"{last} of {field.path[-2]}" if len(field.path) > 1 else last
+        return f"{name} of {type(document.shapes[int(field.path[1])]).__name__}"
+    return f"{name} of {field.path[-2]}" if len(field.path) > 1 else name
 
 
 def _only_surface(document: Document, what: str) -> str:
+    """Return the index of the only measured surface of the scene, as text."""
     places = [
         str(number)
         for number, shape in enumerate(document.shapes)
@@ -343,16 +367,16 @@ def _only_surface(document: Document, what: str) -> str:
 def _surfaces(
     document: Document, given: object, folder: Path, field: Field | None = None
 ) -> Variation:
-    """Return measured surfaces as an axis: files by name or pattern, topographies, arrays with sizes."""
+    """Return an axis of measured surfaces: files by name or pattern, topographies, or arrays with sizes."""
     field = field or Field(("shapes", _only_surface(document, "surfaces"), "file"), str)
-    surface_now = document.shapes[int(field.path[1])]
-    assert isinstance(surface_now, MeasuredSurface)
+    present = document.shapes[int(field.path[1])]
+    assert isinstance(present, MeasuredSurface)
     items = given.split(",") if isinstance(given, str) else given
     if not isinstance(items, Iterable):
         items = [items]
     values: dict[Value, Any] = {}
     for number, item in enumerate(_found(items, folder)):
-        surface = _surface(item, surface_now)
+        surface = _surface(item, present)
         name = Path(item).name if isinstance(item, str | Path) else getattr(item, "name", None)
         name = str(name or (Path(surface.file).name if surface.file else f"surface {number}"))
         if name in values:
@@ -365,10 +389,11 @@ def _surfaces(
 
 
 def _found(items: Iterable[Any], folder: Path) -> list[Any]:
+    """Return surfaces with the files that patterns match, and with the entries of containers."""
     items_found: list[Any] = []
     for item in items:
         if not isinstance(item, str | Path):
-            # a container of SurfaceTopography's has several
+            # containers of the package SurfaceTopography hold several
             items_found += (
                 list(item)
                 if hasattr(item, "__iter__")
@@ -378,7 +403,7 @@ def _found(items: Iterable[Any], folder: Path) -> list[Any]:
             )
             continue
         pattern = str(item).strip()
-        # as the shell has it, then beside the scene
+        # relative to the working directory, then to the scene
         places = [Path(pattern), folder / pattern]
         if has_magic(pattern):
             # not Path.glob, which has no absolute patterns
@@ -394,20 +419,20 @@ def _found(items: Iterable[Any], folder: Path) -> list[Any]:
     return items_found
 
 
-def _surface(item: Any, surface_now: MeasuredSurface) -> MeasuredSurface:
+def _surface(item: Any, present: MeasuredSurface) -> MeasuredSurface:
     """Return a surface prepared like the one that the scene has."""
     if isinstance(item, MeasuredSurface):
         return item
     if isinstance(item, str | Path):
         surface = MeasuredSurface.read(
-            item, missing=surface_now.missing, trend=surface_now.trend, seam=surface_now.seam
+            item, missing=present.missing, trend=present.trend, seam=present.seam
         )
     else:
         surface = MeasuredSurface(
-            item, missing=surface_now.missing, trend=surface_now.trend, seam=surface_now.seam
+            item, missing=present.missing, trend=present.trend, seam=present.seam
         )
-    surface = surface if surface_now.window is None else surface.cut(surface_now.window)
-    return surface.turned() if surface_now.is_turned else surface
+    surface = surface if present.window is None else surface.cut(present.window)
+    return surface.turned() if present.is_turned else surface
 
 
 def _windows(document: Document, given: object) -> Variation:

@@ -35,7 +35,8 @@ def explore(file: Path, out: Path | None) -> None:
     from contactstudy.domain.files import replacing
     from studies.store.netcdf import open_folder, read_any
 
-    path = open_folder(out or file.parent) / f"{file.stem}.html"
+    # not FILE.html, which may be a chapter of the report
+    path = open_folder(out or file.parent) / f"{file.stem}-explore.html"
     page = page_of(read_any(file), file.stem)
     with replacing(path) as partial:
         partial.write_text(page, encoding="utf-8")

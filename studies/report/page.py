@@ -161,6 +161,7 @@ def write_page(
         chapter=chapter,
         main=MAIN,
         main_is_there=(out / MAIN.page).is_file(),
+        explored={path.name for path in out.glob("*-explore.html")},
         sections=_with_claims_beside_the_paper(sections),
         provenance={name: dataset.attrs for name, dataset in datasets.items()},
         others=_others(chapter, out),

@@ -101,7 +101,7 @@ def test_the_command_writes_a_page_beside_the_file(study: xr.Dataset, tmp_path: 
     study.to_netcdf(tmp_path / "study.nc")
     result = CliRunner().invoke(cli, ["explore", str(tmp_path / "study.nc")])
     assert result.exit_code == 0, result.output
-    assert "<title>study: two modes</title>" in (tmp_path / "study.html").read_text(
+    assert "<title>study: two modes</title>" in (tmp_path / "study-explore.html").read_text(
         encoding="utf-8"
     )
 

@@ -229,8 +229,11 @@ def test_a_study_slots_in_with_what_it_says(out: Path, monkeypatch: pytest.Monke
         tables=lambda dataset: (Table("cases", ("case", "error"), (("hard", "1 %"),)),),
     )
     monkeypatch.setattr(report, "load_drawing", lambda name: drawing)
+    (out / "period-explore.html").write_text("", encoding="utf-8")
     text = report.write(single("period"), out).read_text(encoding="utf-8")
-    (out / "period.html").unlink()
+    for page in ("period.html", "period-explore.html"):
+        (out / page).unlink()
+    assert '<a href="period-explore.html">Look into period</a>' in text
     assert '<h2 id="period">Accuracy against the period length</h2>' in text
     assert text.count("A &lt; B") == 2  # in the summary, and in its section
     assert re.findall(r'<dt class="question">(.*?)</dt>', text) == ["Which is it?"]

@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike
 
-from contactstudy.domain.device import Precision, arrays, threads
+from contactstudy.domain.device import Cpu, Precision, arrays, device, threads
 from contactstudy.domain.fields import (
+    LARGE,
     PART,
     Array,
     compiled_loops,
@@ -43,8 +44,10 @@ class ArrayPasses:
         self.constraint = constraint
 
     def preconditioner(self, undeformed_gap: Array) -> Precision | None:
-        """Return None: a preconditioner works in the precision of the problem, or every field would be converted."""
-        return None
+        """Return the precision to precondition in: single on large fields whose heights allow it, else None."""
+        rows, columns = undeformed_gap.shape
+        large = rows * columns >= LARGE and isinstance(device(), Cpu)
+        return _single(undeformed_gap) if large else None
 
     def gap(self, undeformed: Array, displacement: Array, pressure: Array, height: Array) -> Gap:
         """Return the gap, whose heights are written to `height`: zero on the mean of the free cells."""
@@ -205,11 +208,8 @@ class CompiledPasses:
         self._limit = constraint.capacity(1)
 
     def preconditioner(self, undeformed_gap: Array) -> Precision | None:
-        """Return single precision where the heights allow it, else None.
-
-        Passes then take half the time, and the solve no more iterations.
-        """
-        return Precision.SINGLE if -FAR < float(undeformed_gap.max()) < FAR else None
+        """Return the precision to precondition in: single where heights allow it, else None."""
+        return _single(undeformed_gap)
 
     def gap(self, undeformed: Array, displacement: Array, pressure: Array, height: Array) -> Gap:
         """Return the gap, whose heights are written to `height`, with measures of its residual."""
@@ -303,6 +303,11 @@ class CompiledPasses:
     ) -> None:
         """Take a `share` of a step, in place, as :meth:`ArrayPasses.advance` does."""
         _rows(self._loops.advance, trial, pressure, ahead, displacement, share, self._limit)
+
+
+def _single(undeformed_gap: Array) -> Precision | None:
+    """Return single precision, which takes half the time and no more iterations, unless heights are beyond it."""
+    return Precision.SINGLE if -FAR < float(undeformed_gap.max()) < FAR else None
 
 
 Passes = ArrayPasses | CompiledPasses

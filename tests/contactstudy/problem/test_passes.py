@@ -93,14 +93,17 @@ def test_compiled_loops_are_asked_with_the_limit_of_a_cell() -> None:
     assert passes.joined(BEARING, HEIGHT, AHEAD, 0.5, CONTACT) is not CONTACT
 
 
-def test_compiled_loops_precondition_in_single_precision_where_heights_allow_it() -> None:
-    heights = np.array([[0.0, 1.0]])
-    assert ArrayPasses(cs.Compressive()).preconditioner(heights) is None
-    passes = CompiledPasses(cs.Compressive(), Kernels())
-    assert passes.preconditioner(heights) is cs.Precision.SINGLE
-    assert passes.preconditioner(np.array([[-3 * FAR, 0.9 * FAR]])) is cs.Precision.SINGLE
-    for far in ((0.0, FAR), (-2 * FAR, -FAR), (0.0, np.nan)):
-        assert passes.preconditioner(np.array([far])) is None
+def test_large_fields_are_preconditioned_in_single_precision_where_heights_allow_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    small, given = np.array([[0.0, 1.0]]), ArrayPasses(cs.Compressive())
+    assert given.preconditioner(small) is None
+    monkeypatch.setattr("contactstudy.problem.passes.LARGE", 2)
+    for passes in (given, CompiledPasses(cs.Compressive(), Kernels())):
+        assert passes.preconditioner(small) is cs.Precision.SINGLE
+        assert passes.preconditioner(np.array([[-3 * FAR, 0.9 * FAR]])) is cs.Precision.SINGLE
+        for far in ((0.0, FAR), (-2 * FAR, -FAR), (0.0, np.nan)):
+            assert passes.preconditioner(np.array([far])) is None
 
 
 def test_a_trial_is_levelled_by_the_sums_of_all_rows() -> None:

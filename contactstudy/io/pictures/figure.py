@@ -1,5 +1,6 @@
 """Figures with panels, in one style."""
 
+from math import ceil, log10
 from typing import Any, Literal
 
 from matplotlib.axes import Axes
@@ -47,17 +48,16 @@ def panels(
 
 
 def add_legend(figure: Figure) -> None:
-    """Add one legend for all panels, outside them, and label logarithmic axes at decades only."""
+    """Add one legend for all panels, outside them; label logarithmic axes at decades only, where two are shown."""
     entries: dict[str, Any] = {}
     for ax in figure.axes:
         for axis in (ax.xaxis, ax.yaxis):
             if axis.get_scale() == "log":
-                axis.set_minor_formatter(NullFormatter())
                 low, high = axis.get_view_interval()
-                if (
-                    high < 1.001 * low
-                ):  # one value, and its law within rounding of it: no picture of that
+                if high < 1.001 * low:  # one value, and its law within rounding of it
                     axis.set_view_interval(low / 2, 2 * high, ignore=True)
+                if high >= 10 ** (ceil(log10(low)) + 1):  # else one decade is labelled, or none
+                    axis.set_minor_formatter(NullFormatter())
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
             entries.setdefault(label, handle)
     if not entries:

@@ -52,3 +52,16 @@ def test_a_legend_has_as_many_columns_as_the_figure_holds() -> None:
     empty, _ = panels(1)
     add_legend(empty)
     assert not empty.legends
+
+
+@pytest.mark.parametrize(("values", "at_least"), [((3.0, 8.0), 2), ((1.0, 200.0), 0)])
+def test_a_logarithmic_axis_within_a_decade_has_labels_between(
+    values: tuple[float, float], at_least: int
+) -> None:
+    figure, (ax,) = panels(1)
+    ax.loglog(values, values)
+    add_legend(figure)
+    figure.canvas.draw()
+    texts = [text.get_text() for text in ax.get_xticklabels(minor=True) if text.get_text()]
+    assert bool(texts) == bool(at_least)
+    assert len(texts) >= at_least

@@ -17,7 +17,14 @@ GAUSS, PANELS, BISECTIONS = 10, 16, 60
 class HertzLine:
     """Hertz's (1881) contact of parallel cylinders, in plane strain (Johnson 1985, sect. 4.2(c)).
 
-    ``load_per_length`` W [N/m], ``radius`` R [m] with 1/R = 1/R1 + 1/R2, ``contact_modulus`` E* [Pa].
+    Parameters
+    ----------
+    load_per_length
+        W [N/m].
+    radius
+        R [m], with 1/R = 1/R1 + 1/R2.
+    contact_modulus
+        E* [Pa].
     """
 
     load_per_length: float
@@ -31,21 +38,24 @@ class HertzLine:
 
     @property
     def half_width(self) -> float:
-        """``a = sqrt(4 W R / (pi E*))`` [m]."""
+        """Half-width of the contact [m], ``a = sqrt(4 W R / (pi E*))``."""
         return float(np.sqrt(4 * self.load_per_length * self.radius / np.pi / self.contact_modulus))
 
     @property
     def peak_pressure(self) -> float:
-        """``p_H = 2 W / (pi a)`` [Pa]."""
+        """Peak pressure [Pa], ``p_H = 2 W / (pi a)``."""
         return 2 * self.load_per_length / (np.pi * self.half_width)
 
     def pressure(self, x: ArrayLike) -> Array:
-        """``p_H sqrt(1 - x^2 / a^2)`` [Pa] at ``x`` [m] from the axis, zero outside the contact."""
+        """Return the pressure [Pa] at `x` [m] from the axis, ``p_H sqrt(1 - x^2 / a^2)``, zero outside the contact."""
         t = np.asarray(x, dtype=np.float64) / self.half_width
         return self.peak_pressure * np.sqrt(np.clip((1 - t) * (1 + t), 0, None))
 
     def displacement(self, x: ArrayLike, datum: float) -> Array:
-        """Displacement [m] at ``x``, relative to the point where W on the axis alone gives none, ``datum`` [m]."""
+        """Return the displacement [m] at `x` [m] from the axis.
+
+        It is relative to the point at the distance `datum` [m], where W on the axis alone gives none.
+        """
         t = np.abs(np.asarray(x, dtype=np.float64)) / self.half_width
         out = np.maximum(t, 1)
         beyond = out * np.sqrt((out - 1) * (out + 1)) - np.arccosh(out)
@@ -54,7 +64,7 @@ class HertzLine:
         return np.asarray(scale * (rigid - t**2 + beyond))
 
     def stress(self, x: ArrayLike, depth: ArrayLike) -> Array:
-        """Stress xx, zz and xz [Pa] at ``x`` and ``depth`` [m], tension positive, z into the body.
+        """Return the stress xx, zz and xz (3, ...) [Pa] at `x` and `depth` [m], tension positive, z into the body.
 
         Source: McEwen (1949), by way of Johnson (1985), eqs. 4.49.
         """
@@ -72,8 +82,20 @@ class HertzLine:
 class LeeRadok:
     """Lee & Radok's (1960) line contact under a load that is applied suddenly and held, in plane strain.
 
-    ``load_per_length`` W [N/m], ``radius`` R [m]. The bodies together relax as ``E*(t) = equilibrium +
-    sum(E_i exp(-t / tau_i))`` [Pa], with ``relaxation`` the pairs (E_i, tau_i [s]), and creep as ``creep(t)`` [1/Pa].
+    The bodies together relax as ``E*(t) = equilibrium + sum(E_i exp(-t / tau_i))``.
+
+    Parameters
+    ----------
+    load_per_length
+        W [N/m].
+    radius
+        R [m].
+    equilibrium
+        Contact modulus after infinite time [Pa].
+    relaxation
+        Pairs (E_i [Pa], tau_i [s]).
+    creep
+        Creep function of the bodies together [1/Pa], of time [s].
     """
 
     load_per_length: float
@@ -83,38 +105,41 @@ class LeeRadok:
     creep: Callable[[Array], Array]
 
     def half_width(self, time: ArrayLike) -> Array:
-        """``a = sqrt(4 W R creep(t) / pi)`` [m]."""
+        """Return the half-width of the contact [m] at a `time` [s], ``a = sqrt(4 W R creep(t) / pi)``."""
         creep = self.creep(np.asarray(time, dtype=np.float64))
         return np.asarray(np.sqrt(4 * self.load_per_length * self.radius * creep / np.pi))
 
     def pressure(self, x: ArrayLike, time: float) -> Array:
-        """``1 / (2 R) int E*(t - s) d sqrt(a(s)^2 - x^2)`` [Pa] at ``x`` [m] and one ``time`` [s]."""
+        """Return the pressure [Pa] at `x` [m] from the axis and one `time` [s].
+
+        It is ``1 / (2 R) int E*(t - s) d sqrt(a(s)^2 - x^2)`` over the time s in contact.
+        """
         x = np.abs(np.asarray(x, dtype=np.float64))
         inside = x < self.half_width(time)
-        place = np.where(inside, x, 0.0)[..., None]
+        inside_x = np.where(inside, x, 0.0)[..., None]
         # by parts; in the root of the time in contact the integrand has no root, and panels that shrink
         # towards both ends see times of relaxation much shorter than the whole
         nodes, weights = _graded()
-        joined = self._joined(place, time)
-        span = np.sqrt(time - joined)
+        contact_time = self._time_of_contact(inside_x, time)
+        span = np.sqrt(time - contact_time)
         root = span * nodes
-        since = joined + root**2
-        ago = span**2 * (1 - nodes) * (1 + nodes)
-        slope = sum(e / tau * np.exp(-ago / tau) for e, tau in self.relaxation)
-        depth = np.sqrt(np.maximum(self.half_width(since) ** 2 - place**2, 0))
+        instants = contact_time + root**2
+        elapsed = span**2 * (1 - nodes) * (1 + nodes)
+        slope = sum(e / tau * np.exp(-elapsed / tau) for e, tau in self.relaxation)
+        depth = np.sqrt(np.maximum(self.half_width(instants) ** 2 - inside_x**2, 0))
         relaxed = (depth * slope * 2 * root * weights * span).sum(axis=-1)
-        now = np.sqrt(self.half_width(time) ** 2 - place[..., 0] ** 2)
-        sudden = self.equilibrium + sum(e for e, _ in self.relaxation)
-        return np.where(inside, (sudden * now - relaxed) / (2 * self.radius), 0.0)
+        present_depth = np.sqrt(self.half_width(time) ** 2 - inside_x[..., 0] ** 2)
+        instantaneous = self.equilibrium + sum(e for e, _ in self.relaxation)
+        return np.where(inside, (instantaneous * present_depth - relaxed) / (2 * self.radius), 0.0)
 
-    def _joined(self, x: Array, time: float) -> Array:
-        """When the contact reached ``x``, by halving down to rounding."""
+    def _time_of_contact(self, x: Array, time: float) -> Array:
+        """Return the time [s] at which the contact reached `x`, by bisection down to rounding."""
         low = np.zeros_like(x)
         high = np.where(x > self.half_width(0.0), time, 0.0)
         for _ in range(BISECTIONS):
             middle = (low + high) / 2
-            before = self.half_width(middle) < x
-            low, high = np.where(before, middle, low), np.where(before, high, middle)
+            is_outside = self.half_width(middle) < x
+            low, high = np.where(is_outside, middle, low), np.where(is_outside, high, middle)
         return high
 
 
@@ -122,7 +147,14 @@ class LeeRadok:
 class HertzPoint:
     """Hertz's (1881) contact of a sphere on a flat (Johnson 1985, sect. 4.2(a)).
 
-    ``load`` P [N], ``radius`` R [m], ``contact_modulus`` E* [Pa].
+    Parameters
+    ----------
+    load
+        P [N].
+    radius
+        R [m].
+    contact_modulus
+        E* [Pa].
     """
 
     load: float
@@ -134,26 +166,26 @@ class HertzPoint:
 
     @property
     def contact_radius(self) -> float:
-        """``a = (3 P R / (4 E*))^(1/3)`` [m]."""
+        """Radius of the contact [m], ``a = (3 P R / (4 E*))^(1/3)``."""
         return float(np.cbrt(0.75 * self.load * self.radius / self.contact_modulus))
 
     @property
     def peak_pressure(self) -> float:
-        """``p0 = 3 P / (2 pi a^2)`` [Pa]."""
+        """Peak pressure [Pa], ``p0 = 3 P / (2 pi a^2)``."""
         return 1.5 * self.load / (np.pi * self.contact_radius**2)
 
     @property
     def approach(self) -> float:
-        """``a^2 / R`` [m], also the displacement at the centre."""
+        """Approach of the bodies [m], ``a^2 / R``, which is also the displacement at the centre."""
         return self.contact_radius**2 / self.radius
 
     def pressure(self, r: ArrayLike) -> Array:
-        """``p0 sqrt(1 - r^2 / a^2)`` [Pa] at ``r`` [m] from the centre, zero outside the contact."""
+        """Return the pressure [Pa] at `r` [m] from the centre, ``p0 sqrt(1 - r^2 / a^2)``, zero outside the contact."""
         t = np.asarray(r, dtype=np.float64) / self.contact_radius
         return self.peak_pressure * np.sqrt(np.clip((1 - t) * (1 + t), 0, None))
 
     def displacement(self, r: ArrayLike) -> Array:
-        """Displacement [m] at ``r`` from the centre, zero at infinity (Johnson 1985, eqs. 3.41, 3.42)."""
+        """Return the displacement [m] at `r` [m] from the centre, zero at infinity (Johnson 1985, eqs. 3.41, 3.42)."""
         t = np.abs(np.asarray(r, dtype=np.float64)) / self.contact_radius
         inside = 1 - t**2 / 2
         out = np.maximum(t, 1)
@@ -161,7 +193,7 @@ class HertzPoint:
         return self.approach * np.where(t <= 1, inside, outside / np.pi)
 
     def axis_stress(self, depth: ArrayLike, poisson_ratio: float) -> Array:
-        """Stress rr (equal to the hoop stress) and zz [Pa] at ``depth`` [m] > 0 below the centre.
+        """Return the stress rr, equal to the hoop stress, and zz (2, ...) [Pa] at `depth` [m] > 0 below the centre.
 
         Source: Huber (1904), by way of Johnson (1985), eqs. 3.45.
         """
@@ -175,7 +207,18 @@ class HertzPoint:
 class Westergaard:
     """Westergaard's (1939) contact of a wavy surface with a flat, in plane strain (Johnson 1985, sect. 13.2).
 
-    ``mean_pressure`` [Pa]; heights ``amplitude cos(2 pi x / wavelength)`` [m]; ``contact_modulus`` E* [Pa].
+    The heights are ``amplitude cos(2 pi x / wavelength)``.
+
+    Parameters
+    ----------
+    mean_pressure
+        Mean pressure [Pa].
+    amplitude
+        Amplitude of the heights [m].
+    wavelength
+        Wavelength [m].
+    contact_modulus
+        E* [Pa].
     """
 
     mean_pressure: float
@@ -191,23 +234,27 @@ class Westergaard:
 
     @property
     def closing_pressure(self) -> float:
-        """Mean pressure ``p* = pi E* amplitude / wavelength`` [Pa] from which on no gap is left."""
+        """Mean pressure [Pa] from which on no gap is left, ``p* = pi E* amplitude / wavelength``."""
         return np.pi * self.contact_modulus * self.amplitude / self.wavelength
 
     @property
     def half_width(self) -> float:
-        """Half-width of a strip of contact [m]: ``(wavelength / pi) asin(sqrt(mean / p*))``, half a wave when closed."""
+        """Half-width of a strip of contact [m], ``(wavelength / pi) asin(sqrt(mean / p*))``; half a wave when closed."""
         share = min(self.mean_pressure / self.closing_pressure, 1.0)
         return float(self.wavelength / np.pi * np.arcsin(np.sqrt(share)))
 
     @property
     def peak_pressure(self) -> float:
-        """``2 sqrt(mean p*)``, or ``mean + p*`` when closed [Pa]."""
+        """Peak pressure [Pa], ``2 sqrt(mean p*)``, or ``mean + p*`` when closed."""
         mean, closing = self.mean_pressure, self.closing_pressure
         return mean + closing if mean >= closing else 2 * float(np.sqrt(mean * closing))
 
     def pressure(self, x: ArrayLike) -> Array:
-        """``2 p* cos(t) sqrt(mean / p* - sin(t)^2)``, ``t = pi x / wavelength`` [Pa], ``x`` from a crest."""
+        """Return the pressure [Pa] at `x` [m] from a crest.
+
+        It is ``2 p* cos(t) sqrt(mean / p* - sin(t)^2)`` with ``t = pi x / wavelength``, and ``mean + p* cos(2 t)`` when
+        closed.
+        """
         mean, closing = self.mean_pressure, self.closing_pressure
         angle = np.pi * np.asarray(x, dtype=np.float64) / self.wavelength
         if mean >= closing:
@@ -217,7 +264,7 @@ class Westergaard:
 
 
 def _graded() -> tuple[Array, Array]:
-    """Gauss points and weights from 0 to 1, in panels that halve towards both ends."""
+    """Return Gauss points and weights from 0 to 1, in panels that halve towards both ends."""
     halves = 0.5 ** np.arange(PANELS, 0, -1.0)
     edges = np.concatenate([[0.0], halves, 1 - halves[-2::-1], [1.0]])
     points, gauss = np.polynomial.legendre.leggauss(GAUSS)
@@ -226,34 +273,90 @@ def _graded() -> tuple[Array, Array]:
 
 
 def _keep_positive(instance: object, function: str, **fields: str) -> None:
-    for name, what in fields.items():
-        value = positive(f"{function}.{name}", getattr(instance, name), f"give a {what} above 0")
+    """Replace `fields` of an instance by finite floats above 0, or raise InvalidInput."""
+    for name, quantity in fields.items():
+        value = positive(
+            f"{function}.{name}", getattr(instance, name), f"give a {quantity} above 0"
+        )
         set_fields(instance, **{name: value})
 
 
 def hertz_line(load_per_length: float, radius: float, contact_modulus: float) -> HertzLine:
-    """The Hertz line contact under W [N/m], for R [m] and E* [Pa]."""
+    """Return Hertz's line contact.
+
+    Parameters
+    ----------
+    load_per_length
+        W [N/m].
+    radius
+        R [m], with 1/R = 1/R1 + 1/R2.
+    contact_modulus
+        E* [Pa].
+
+    Raises
+    ------
+    InvalidInput
+        If a value is not above 0.
+    """
     return HertzLine(load_per_length, radius, contact_modulus)
 
 
 def hertz_point(load: float, radius: float, contact_modulus: float) -> HertzPoint:
-    """The Hertz point contact under P [N], for R [m] and E* [Pa]."""
+    """Return Hertz's contact of a sphere on a flat.
+
+    Parameters
+    ----------
+    load
+        P [N].
+    radius
+        R [m].
+    contact_modulus
+        E* [Pa].
+
+    Raises
+    ------
+    InvalidInput
+        If a value is not above 0.
+    """
     return HertzPoint(load, radius, contact_modulus)
 
 
 def westergaard(
     mean_pressure: float, amplitude: float, wavelength: float, contact_modulus: float
 ) -> Westergaard:
-    """The wavy contact under a mean pressure [Pa], for heights [m], a wavelength [m] and E* [Pa]."""
+    """Return Westergaard's contact of a wavy surface with a flat.
+
+    Parameters
+    ----------
+    mean_pressure
+        Mean pressure [Pa].
+    amplitude
+        Amplitude of the heights [m].
+    wavelength
+        Wavelength [m].
+    contact_modulus
+        E* [Pa].
+
+    Raises
+    ------
+    InvalidInput
+        If a value is not above 0.
+    """
     return Westergaard(mean_pressure, amplitude, wavelength, contact_modulus)
 
 
 def moes_film(load_parameter: float, viscosity_parameter: float) -> float:
     """Return the film of a lubricated line contact where its pressure is flat, ``(h / R) (eta0 u_s / (E' R))^(-1/2)``.
 
-    ``load_parameter`` M = W / (E' R) (eta0 u_s / (E' R))^(-1/2), ``viscosity_parameter`` L = alpha E' (eta0 u_s /
-    (E' R))^(1/4), with E' = 2 E* and the sum u_s of the surface speeds. Fitted between four asymptotes: rigid or
-    elastic bodies, an isoviscous or a Barus lubricant. Source: Moes (1992), Venner & Lubrecht (2000).
+    E' = 2 E*, and u_s is the sum of the surface speeds. Fitted between four asymptotes: rigid or elastic bodies, an
+    isoviscous or a Barus lubricant. Source: Moes (1992), Venner & Lubrecht (2000).
+
+    Parameters
+    ----------
+    load_parameter
+        ``M = W / (E' R) (eta0 u_s / (E' R))^(-1/2)``.
+    viscosity_parameter
+        ``L = alpha E' (eta0 u_s / (E' R))^(1/4)``.
     """
     rigid = 3 / load_parameter
     elastic = 2.621 * load_parameter**-0.2
@@ -268,10 +371,16 @@ def moes_film(load_parameter: float, viscosity_parameter: float) -> float:
 
 
 def truncation_error(half_width: ArrayLike, reach: ArrayLike) -> Array:
-    """Relative error ``a^2 / (8 D^2)`` of the peak pressure of a line contact whose images reach only to D.
+    """Return the relative error ``a^2 / (8 D^2)`` of the peak pressure of a line contact whose images reach only to D.
 
-    ``half_width`` a and ``reach`` D to each side, one unit. Images beyond D would have lowered the
-    cylinder's curvature by the factor ``1 + a^2 / (4 D^2)``: leading term of the logarithmic
-    potential's remainder, within 10 % from D = 3 a on.
+    Images beyond D would have lowered the cylinder's curvature by the factor ``1 + a^2 / (4 D^2)``: leading term of the
+    logarithmic potential's remainder, within 10 % from D = 3 a on.
+
+    Parameters
+    ----------
+    half_width
+        Half-width a of the contact.
+    reach
+        Distance D to each side, in the same unit.
     """
     return np.asarray(np.asarray(half_width) ** 2 / (8 * np.asarray(reach) ** 2))

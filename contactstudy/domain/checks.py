@@ -12,15 +12,15 @@ Described = TypeVar("Described")
 
 
 class InvalidInput(ValueError):
-    """A value that cannot be used; the message names the field, the value and the remedy."""
+    """Error for a value that cannot be used; the message names the field, the value and the remedy."""
 
 
 class UnknownField(InvalidInput, TypeError):
-    """A keyword that a constructor does not have; the message names the most similar one."""
+    """Error for a keyword that a constructor does not have; the message names the most similar one."""
 
 
 class NotDefined(InvalidInput):
-    """A question that has no answer for this contact, such as a Hertz half-width of a flat body.
+    """Error for a question that has no answer for this contact, such as the Hertz half-width of a flat body.
 
     The values are admissible; the message says what the contact lacks.
     """
@@ -29,14 +29,14 @@ class NotDefined(InvalidInput):
 def answers_typos(cls: type[Described]) -> type[Described]:
     """Make the constructor of a dataclass answer an unknown keyword with the most similar field."""
     construct = cls.__init__
-    known = [field.name for field in fields(cls) if field.init]  # type: ignore[arg-type]
+    names = [field.name for field in fields(cls) if field.init]  # type: ignore[arg-type]
 
     @wraps(construct)
     def __init__(self: Described, *values: object, **named: object) -> None:
         for name in named:
-            if name not in known:
+            if name not in names:
                 raise UnknownField(
-                    f"{cls.__name__}.{name} is not known: {suggestion(name, known)}."
+                    f"{cls.__name__}.{name} is not known: {suggestion(name, names)}."
                 )
         construct(self, *values, **named)
 
@@ -45,7 +45,7 @@ def answers_typos(cls: type[Described]) -> type[Described]:
 
 
 def finite(field: str, value: object, remedy: str) -> float:
-    """``value`` as a finite float, or :class:`InvalidInput`."""
+    """Return `value` as a finite float, or raise :class:`InvalidInput` with `field` and `remedy`."""
     if isinstance(value, bool) or not isinstance(value, Real):
         raise InvalidInput(f"{field} is {value!r}: {remedy}.")
     try:
@@ -58,7 +58,7 @@ def finite(field: str, value: object, remedy: str) -> float:
 
 
 def positive(field: str, value: object, remedy: str) -> float:
-    """``value`` as a finite float above zero, or :class:`InvalidInput`."""
+    """Return `value` as a finite float above zero, or raise :class:`InvalidInput` with `field` and `remedy`."""
     number = finite(field, value, remedy)
     if number <= 0:
         raise InvalidInput(f"{field} is {value!r}: {remedy}.")
@@ -71,7 +71,7 @@ LEAST, MOST = 1e-60, 1e60
 
 
 def in_range(field: str, value: object, remedy: str) -> float:
-    """``value`` as a float above zero within the limits of a computation, or :class:`InvalidInput`."""
+    """Return `value` as a float above zero within the limits of a computation, or raise :class:`InvalidInput`."""
     number = positive(field, value, remedy)
     if not LEAST <= number <= MOST:
         raise InvalidInput(f"{field} is {value!r}: {remedy}, between {LEAST:g} and {MOST:g}.")
@@ -79,7 +79,7 @@ def in_range(field: str, value: object, remedy: str) -> float:
 
 
 def non_negative(field: str, value: object, remedy: str) -> float:
-    """``value`` as a finite float not below zero, or :class:`InvalidInput`."""
+    """Return `value` as a finite float not below zero, or raise :class:`InvalidInput` with `field` and `remedy`."""
     number = finite(field, value, remedy)
     if number < 0:
         raise InvalidInput(f"{field} is {value!r}: {remedy}.")
@@ -87,7 +87,7 @@ def non_negative(field: str, value: object, remedy: str) -> float:
 
 
 def in_range_or_zero(field: str, value: object, remedy: str) -> float:
-    """``value`` as a float that is zero or of a size within the limits, or :class:`InvalidInput`."""
+    """Return `value` as a float that is zero or of a size within the limits, or raise :class:`InvalidInput`."""
     number = finite(field, value, remedy)
     if number and not LEAST <= abs(number) <= MOST:
         raise InvalidInput(
@@ -97,19 +97,19 @@ def in_range_or_zero(field: str, value: object, remedy: str) -> float:
 
 
 def in_range_from_zero(field: str, value: object, remedy: str) -> float:
-    """``value`` as a float of zero, or positive and within the limits, or :class:`InvalidInput`."""
+    """Return `value` as a float that is zero, or positive and within the limits, or raise :class:`InvalidInput`."""
     return in_range_or_zero(field, non_negative(field, value, remedy), remedy)
 
 
 def whole(field: str, value: object, at_least: int, remedy: str) -> int:
-    """``value`` as an int not below ``at_least``, or :class:`InvalidInput`."""
+    """Return `value` as an int not below `at_least`, or raise :class:`InvalidInput` with `field` and `remedy`."""
     if isinstance(value, bool) or not isinstance(value, Integral) or int(value) < at_least:
         raise InvalidInput(f"{field} is {value!r}: {remedy}.")
     return int(value)
 
 
 def pair(field: str, value: object, remedy: str) -> tuple[object, object]:
-    """``value`` as a tuple of two, or :class:`InvalidInput`."""
+    """Return `value` as a tuple of two, or raise :class:`InvalidInput` with `field` and `remedy`."""
     both = sequence(field, value, remedy)
     if len(both) != 2:
         raise InvalidInput(f"{field} is {value!r}: {remedy}.")
@@ -117,7 +117,7 @@ def pair(field: str, value: object, remedy: str) -> tuple[object, object]:
 
 
 def divides(field: str, length: float, period: float) -> int:
-    """The ratio ``period / length``, which must be a whole number, or :class:`InvalidInput`."""
+    """Return ``period / length``, which must be a whole number, or raise :class:`InvalidInput`."""
     times = period / length
     if abs(times - round(times)) > 1e-9 * max(times, 1):
         raise InvalidInput(
@@ -128,7 +128,7 @@ def divides(field: str, length: float, period: float) -> int:
 
 
 def sequence(field: str, value: object, remedy: str) -> tuple[object, ...]:
-    """The entries of a tuple, a list or a flat numpy array, or :class:`InvalidInput`."""
+    """Return the entries of a tuple, a list or a flat numpy array, or raise :class:`InvalidInput`."""
     if isinstance(value, tuple | list):
         return tuple(value)
     if getattr(value, "ndim", None) == 1 and hasattr(value, "tolist"):
@@ -137,13 +137,13 @@ def sequence(field: str, value: object, remedy: str) -> tuple[object, ...]:
 
 
 def set_fields(instance: object, **values: object) -> None:
-    """Checked values in place of those given to a frozen dataclass, in its ``__post_init__``."""
+    """Replace values of a frozen dataclass by checked ones, in its ``__post_init__``."""
     for name, value in values.items():
         object.__setattr__(instance, name, value)
 
 
 def suggestion(name: str, known: Iterable[str]) -> str:
-    """A suggestion for an unknown ``name``: the most similar known one, or the list of all."""
+    """Return a suggestion for an unknown `name`: the most similar `known` one, or the list of all."""
     choices = list(known)
     close = get_close_matches(name, choices, n=1)
     return f"did you mean {close[0]!r}" if close else "choose from " + ", ".join(choices)

@@ -1,9 +1,9 @@
 """Passes over fields compiled by numba (extra ``fast``): each reads and writes its fields once.
 
 They do what array operations do elsewhere in several passes. Fields (x, y) are C-contiguous: others would be compiled
-for anew. ``found`` (x, results) takes what a pass finds in each row, so that sums do not depend on who works on which
-rows. ``most`` is the upper limit of the pressure, infinite where there is none. Results differ by rounding from those
-of array operations.
+for anew. ``results`` (x, results) takes what a pass finds in each row, so that sums do not depend on the number of
+threads. ``limit`` is the upper limit of the pressure, infinite where there is none. Results differ by rounding from
+those of array operations.
 """
 
 from collections.abc import Callable
@@ -32,28 +32,28 @@ def summing(function: Pass) -> Pass:
 
 @summing
 def level(
-    undeformed: Array, displacement: Array, pressure: Array, most: float, found: Array
+    undeformed: Array, displacement: Array, pressure: Array, limit: float, results: Array
 ) -> None:
-    """Write the sum of the gap over cells that are free, and their number, for each row."""
+    """Write for each row the sum of the gap over free cells, and their number."""
     for i in range(pressure.shape[0]):
         heights, cells = 0.0, 0.0
         for j in range(pressure.shape[1]):
             bearing = pressure[i, j]
-            free = 1.0 if (bearing > 0) & (bearing < most) else 0.0
+            free = 1.0 if (bearing > 0) & (bearing < limit) else 0.0
             heights += (undeformed[i, j] + displacement[i, j]) * free
             cells += free
-        found[i, 0], found[i, 1] = heights, cells
+        results[i, 0], results[i, 1] = heights, cells
 
 
 @exact
 def measured(
-    undeformed: Array, displacement: Array, pressure: Array, approach: float, most: float,
-    height: Array, found: Array,
+    undeformed: Array, displacement: Array, pressure: Array, approach: float, limit: float,
+    height: Array, results: Array,
 ) -> None:  # fmt: skip
-    """The gap, counted from the approach.
+    """Write the `height` of the gap, counted from the approach, and what the residual is made of.
 
-    The load, the moment of the gap and the load of free cells; and, of all rows in the first, the largest violation of
-    the others, and the largest displacement.
+    Each row gets the load, the moment of the gap and the load of free cells; the first row also gets, of all rows, the
+    largest violation of other cells, and the largest displacement.
     """
     columns = height.shape[1]
     bound, worst, farthest = np.empty(columns), np.zeros(columns), np.zeros(columns)
@@ -62,9 +62,11 @@ def measured(
             height[i, j] = undeformed[i, j] + displacement[i, j] - approach
         for j in range(columns):
             bearing = pressure[i, j]
-            bound[j] = (1.0 if bearing >= most else 0.0) - (1.0 if bearing == 0 else 0.0)
-        found[i, 0], found[i, 1], found[i, 2] = _of_free(pressure[i], height[i], bound)
-        found[i, 3], found[i, 4] = 0.0, 0.0
+            bound[j] = (1.0 if bearing >= limit else 0.0) - (1.0 if bearing == 0 else 0.0)
+        results[i, 0], results[i, 1], results[i, 2] = _load_and_moment(
+            pressure[i], height[i], bound
+        )
+        results[i, 3], results[i, 4] = 0.0, 0.0
         # column by column: the largest of a row is found one by one
         for j in range(columns):
             violation = bound[j] * height[i, j]
@@ -72,11 +74,12 @@ def measured(
         for j in range(columns):
             size = abs(displacement[i, j])
             farthest[j] = size if size > farthest[j] else farthest[j]
-    found[0, 3], found[0, 4] = worst.max(), farthest.max()
+    results[0, 3], results[0, 4] = worst.max(), farthest.max()
 
 
 @summing
-def _of_free(pressure: Array, height: Array, bound: Array) -> Any:
+def _load_and_moment(pressure: Array, height: Array, bound: Array) -> Any:
+    """Return the load of a row, the moment of the gap over its free cells, and their load."""
     borne, moment, free_borne = 0.0, 0.0, 0.0
     for j in range(pressure.size):
         free = 1.0 - abs(bound[j])
@@ -87,30 +90,33 @@ def _of_free(pressure: Array, height: Array, bound: Array) -> Any:
 
 
 @exact
-def contact(pressure: Array, height: Array, most: float, cells: Array, unlevel: Array) -> None:
+def contact(pressure: Array, height: Array, limit: float, cells: Array, unlevel: Array) -> None:
     """Write the cells that bear pressure and are at no limit (1, others 0), and their gap."""
     for i in range(pressure.shape[0]):
         for j in range(pressure.shape[1]):
             bearing = pressure[i, j]
-            cells[i, j] = 1.0 if (bearing > 0) & (bearing < most) else 0.0
+            cells[i, j] = 1.0 if (bearing > 0) & (bearing < limit) else 0.0
         for j in range(pressure.shape[1]):
             unlevel[i, j] = height[i, j] * cells[i, j]
 
 
 @exact
 def joined(
-    pressure: Array, height: Array, whole: Array, length: float, most: float, contact: Array,
-    cells: Array, found: Array,
+    pressure: Array, height: Array, extended: Array, step_length: float, limit: float, contact: Array,
+    cells: Array, results: Array,
 ) -> None:  # fmt: skip
-    """Write the contact with the cells at a limit that should leave it by the gap expected; how many do, in each row."""
+    """Write the contact with the cells at a limit that should leave it after a step, and for each row their number.
+
+    The step changes the gap everywhere by a share `step_length` of the `extended` gap.
+    """
     for i in range(pressure.shape[0]):
         count = 0
         for j in range(pressure.shape[1]):
-            bearing, expected = pressure[i, j], height[i, j] - length * whole[i, j]
-            leaves = ((bearing == 0) & (expected < 0)) | ((bearing >= most) & (expected > 0))
+            bearing, expected = pressure[i, j], height[i, j] - step_length * extended[i, j]
+            leaves = ((bearing == 0) & (expected < 0)) | ((bearing >= limit) & (expected > 0))
             count += 1 if leaves else 0
             cells[i, j] = 1.0 if leaves else contact[i, j]
-        found[i, 0] = count
+        results[i, 0] = count
 
 
 @exact
@@ -122,21 +128,25 @@ def product(field: Array, cells: Array, out: Array) -> None:
 
 
 @summing
-def totals(cells: Array, closing: Array, found: Array) -> None:
-    """Write the sums that a direction needs which is conjugate to no other, for each row."""
+def totals(cells: Array, closing: Array, results: Array) -> None:
+    """Write for each row the number of `cells`, and the sum of the pressure that would close them."""
     for i in range(cells.shape[0]):
         count = closed = 0.0
         for j in range(cells.shape[1]):
             count += cells[i, j]
             closed += closing[i, j]
-        found[i, 0], found[i, 1] = count, closed
+        results[i, 0], results[i, 1] = count, closed
 
 
 @summing
 def products(
-    gap: Array, closing: Array, cells: Array, step: Array, response: Array, found: Array
+    gap: Array, closing: Array, cells: Array, step: Array, response: Array, results: Array
 ) -> None:
-    """Write the sums that a conjugate direction needs, for each row."""
+    """Write for each row the sums that make a direction conjugate.
+
+    These are the number of cells, the sum of the closing pressure, and the products of gap and closing pressure, closing
+    pressure and response, cells and response, gap of the cells and step, cells and step.
+    """
     for i in range(gap.shape[0]):
         count = closed = downhill = along = over = along_gap = shifted = 0.0
         for j in range(gap.shape[1]):
@@ -148,56 +158,61 @@ def products(
             over += cells[i, j] * response[i, j]
             along_gap += gap[i, j] * change
             shifted += change
-        found[i, 0], found[i, 1], found[i, 2], found[i, 3] = count, closed, downhill, along
-        found[i, 4], found[i, 5], found[i, 6] = over, along_gap, shifted
+        results[i, 0], results[i, 1], results[i, 2], results[i, 3] = count, closed, downhill, along
+        results[i, 4], results[i, 5], results[i, 6] = over, along_gap, shifted
 
 
 @exact
 def trial(
-    pressure: Array, closing: Array, cells: Array, gap_level: float, kept: float, length: float,
-    most: float, step: Array, found: Array,
+    pressure: Array, closing: Array, cells: Array, level: float, conjugate: float, step_length: float,
+    limit: float, step: Array, results: Array,
 ) -> None:  # fmt: skip
-    """The pressure so far along the direction, in place of the last step, and in how many cells beyond a limit."""
+    """Write the pressure one step ahead over the last `step`, and for each row the number of cells beyond a limit.
+
+    The direction is `level` less the `closing` pressure, plus `conjugate` times the last step, in the `cells`.
+    """
     for i in range(pressure.shape[0]):
         cut = 0
         for j in range(pressure.shape[1]):
-            way = gap_level - closing[i, j]
-            if kept != 0:
-                way += kept * step[i, j]
-            trial_pressure = way * cells[i, j] * length + pressure[i, j]
+            direction = level - closing[i, j]
+            if conjugate != 0:
+                direction += conjugate * step[i, j]
+            trial_pressure = direction * cells[i, j] * step_length + pressure[i, j]
             step[i, j] = trial_pressure
-            cut += 1 if (trial_pressure < 0) | (trial_pressure > most) else 0
-        found[i, 0] = cut
+            cut += 1 if (trial_pressure < 0) | (trial_pressure > limit) else 0
+        results[i, 0] = cut
 
 
 @exact
-def chosen(trial: Array, cells: Array, found: Array) -> None:
-    """Tension and what is not chosen cut off, in place.
+def chosen(trial: Array, cells: Array, results: Array) -> None:
+    """Set tension and the pressure outside the `cells` to zero, in place.
 
-    The load, in how many cells, and, of all rows in the first, the largest that is left.
+    Each row gets its load and the number of cells that bear it; the first row also gets the largest pressure of all
+    rows.
     """
     columns = trial.shape[1]
-    most = np.zeros(columns)
+    largest = np.zeros(columns)
     for i in range(trial.shape[0]):
         for j in range(columns):
             compressive = trial[i, j] * cells[i, j]
             trial[i, j] = 0.0 if compressive <= 0 else compressive  # and nan stays
-        found[i, 0], found[i, 1] = _left(trial[i], 0.0)
-        found[i, 2] = 0.0
+        results[i, 0], results[i, 1] = _load_above(trial[i], 0.0)
+        results[i, 2] = 0.0
         for j in range(columns):
-            most[j] = trial[i, j] if trial[i, j] > most[j] else most[j]
-    found[0, 2] = most.max()
+            largest[j] = trial[i, j] if trial[i, j] > largest[j] else largest[j]
+    results[0, 2] = largest.max()
 
 
 @exact
-def lowered(trial: Array, shift: float, found: Array) -> None:
-    """Write the load left of a pressure lowered by a shift, and the number of cells that bear it, for each row."""
+def lowered(trial: Array, shift: float, results: Array) -> None:
+    """Write for each row the load left of a pressure lowered by a shift, and the number of cells that bear it."""
     for i in range(trial.shape[0]):
-        found[i, 0], found[i, 1] = _left(trial[i], shift)
+        results[i, 0], results[i, 1] = _load_above(trial[i], shift)
 
 
 @summing
-def _left(pressure: Array, shift: float) -> Any:
+def _load_above(pressure: Array, shift: float) -> Any:
+    """Return the load left of a row of pressures lowered by a shift, and the number of cells that bear it."""
     borne, cells = 0.0, 0.0
     for j in range(pressure.size):
         lowered_pressure = pressure[j] - shift
@@ -216,87 +231,105 @@ def lower(trial: Array, shift: float, scale: float) -> None:
 
 
 @summing
-def slope(trial: Array, pressure: Array, height: Array, found: Array) -> None:
-    """Write the work of the gap on the step to a trial pressure, for each row."""
+def slope(trial: Array, pressure: Array, height: Array, results: Array) -> None:
+    """Write for each row the work of the gap on the step to a trial pressure."""
     for i in range(trial.shape[0]):
         work = 0.0
         for j in range(trial.shape[1]):
             work += height[i, j] * (trial[i, j] - pressure[i, j])
-        found[i, 0] = work
+        results[i, 0] = work
 
 
 @summing
-def curvature(trial: Array, pressure: Array, ahead: Array, moved: Array, found: Array) -> None:
-    """Write the work of a step on the displacement that it makes, for each row."""
+def curvature(
+    trial: Array, pressure: Array, trial_displacement: Array, displacement: Array, results: Array
+) -> None:
+    """Write for each row the work of a step on the displacement that it makes."""
     for i in range(trial.shape[0]):
         work = 0.0
         for j in range(trial.shape[1]):
-            work += (trial[i, j] - pressure[i, j]) * (ahead[i, j] - moved[i, j])
-        found[i, 0] = work
+            work += (trial[i, j] - pressure[i, j]) * (trial_displacement[i, j] - displacement[i, j])
+        results[i, 0] = work
 
 
 @exact
-def beyond(trial: Array, pressure: Array, factor: float, most: float, found: Array) -> None:
-    """Write the number of cells in each row that are beyond a limit after a number of steps."""
+def beyond(trial: Array, pressure: Array, factor: float, limit: float, results: Array) -> None:
+    """Write for each row the number of cells that are beyond a limit after `factor` steps."""
     for i in range(trial.shape[0]):
         count = 0
         for j in range(trial.shape[1]):
             trial_pressure = pressure[i, j] + factor * (trial[i, j] - pressure[i, j])
-            count += 1 if (trial_pressure < 0) | (trial_pressure > most) else 0
-        found[i, 0] = count
+            count += 1 if (trial_pressure < 0) | (trial_pressure > limit) else 0
+        results[i, 0] = count
 
 
 @exact
 def advance(
-    trial: Array, pressure: Array, ahead: Array, moved: Array, taken: float, most: float
+    trial: Array,
+    pressure: Array,
+    trial_displacement: Array,
+    displacement: Array,
+    share: float,
+    limit: float,
 ) -> None:
-    """Take a share of a step: the pressure and the displacement there, and the way back in place of those before."""
+    """Take a `share` of a step: the trial fields become the pressure and displacement that it leads to, in place.
+
+    The changes of both, old less new, are written over `pressure` and `displacement`.
+    """
     for i in range(trial.shape[0]):
         for j in range(trial.shape[1]):
             pressure[i, j] -= trial[i, j]
-            moved[i, j] -= ahead[i, j]
-        if taken != 1:
+            displacement[i, j] -= trial_displacement[i, j]
+        if share != 1:
             for j in range(trial.shape[1]):
-                after = trial[i, j] + (1 - taken) * pressure[i, j]
+                after = trial[i, j] + (1 - share) * pressure[i, j]
                 after = 0.0 if after < 0 else after
-                trial[i, j] = most if after > most else after
-                ahead[i, j] += (1 - taken) * moved[i, j]
-                pressure[i, j] *= taken
-                moved[i, j] *= taken
+                trial[i, j] = limit if after > limit else after
+                trial_displacement[i, j] += (1 - share) * displacement[i, j]
+                pressure[i, j] *= share
+                displacement[i, j] *= share
 
 
 @exact
-def block_means(parts: Array, out: Array, begin: int, end: int) -> None:
-    """Write the means of parts over blocks of 2 x 2."""
+def block_means(field: Array, means: Array, begin: int, end: int) -> None:
+    """Write the means of a field over blocks of 2 x 2 cells, for the blocks of rows `begin` to `end`."""
     for k in range(begin, end):
-        line = parts[2 * k] + parts[2 * k + 1]
-        for m in range(out.shape[1]):
-            out[k, m] = (line[2 * m] + line[2 * m + 1]) / 4
+        line = field[2 * k] + field[2 * k + 1]
+        for m in range(means.shape[1]):
+            means[k, m] = (line[2 * m] + line[2 * m + 1]) / 4
 
 
 @exact
 def block_means_transposed(
-    blocks: Array, block_weight: Array, weight: Array, pressure: Array, begin: int, end: int
+    blocks: Array, block_contact: Array, contact: Array, pressure: Array, begin: int, end: int
 ) -> None:
-    """Add to the pressure of parts their share in that of their weighted blocks, and weight it, in place."""
+    """Add to the pressure of each cell in contact its share in the pressure of its block, in place.
+
+    `contact` is 1 in the contact and 0 elsewhere, where the pressure is set to zero; `block_contact` are its means.
+    """
     columns = blocks.shape[1]
     line = np.empty(2 * columns, dtype=pressure.dtype)
     for k in range(begin, end):
         for m in range(columns):
-            share = blocks[k, m] / (4 * block_weight[k, m]) if block_weight[k, m] > 0 else 0.0
+            share = blocks[k, m] / (4 * block_contact[k, m]) if block_contact[k, m] > 0 else 0.0
             line[2 * m] = share
             line[2 * m + 1] = share
         for i in (2 * k, 2 * k + 1):
             for j in range(2 * columns):
-                pressure[i, j] = (pressure[i, j] + line[j]) * weight[i, j]
+                pressure[i, j] = (pressure[i, j] + line[j]) * contact[i, j]
 
 
 @exact
-def filled(blocks: Array, weight: Array, held: Array, out: Array, begin: int, end: int) -> None:
-    """Write the held displacement and what parts lack of weight from blocks, linear between their middles."""
+def filled(
+    blocks: Array, contact: Array, displacement: Array, extended: Array, begin: int, end: int
+) -> None:
+    """Write the displacement of the contact, and elsewhere that of blocks, linear between their middles.
+
+    `contact` is 1 in the contact and 0 elsewhere; `displacement` is zero outside it.
+    """
     rows, columns = blocks.shape
-    near = np.empty(columns + 2, dtype=held.dtype)  # one more at either end, once round
-    line = np.empty(2 * columns, dtype=held.dtype)
+    near = np.empty(columns + 2, dtype=displacement.dtype)  # one more at either end, once round
+    line = np.empty(2 * columns, dtype=displacement.dtype)
     for i in range(2 * begin, 2 * end):
         k = i // 2
         far = (k + (1 if i % 2 else rows - 1)) % rows
@@ -308,21 +341,21 @@ def filled(blocks: Array, weight: Array, held: Array, out: Array, begin: int, en
             line[2 * m] = most + 0.25 * near[m]
             line[2 * m + 1] = most + 0.25 * near[m + 2]
         for j in range(2 * columns):
-            out[i, j] = line[j] * (1 - weight[i, j]) + held[i, j]
+            extended[i, j] = line[j] * (1 - contact[i, j]) + displacement[i, j]
 
 
 @exact
-def filled_transposed(pressure: Array, weight: Array, blocks: Array, begin: int, end: int) -> None:
-    """Write what parts give to blocks: the transpose of :func:`filled`."""
+def filled_transposed(pressure: Array, contact: Array, blocks: Array, begin: int, end: int) -> None:
+    """Gather the pressure outside the contact to blocks: the transpose of :func:`filled`."""
     rows, columns = blocks.shape
     line = np.zeros(2 * columns + 2, dtype=pressure.dtype)  # one more at either end, once round
     for k in range(begin, end):
         for j in range(2 * columns):
-            line[j + 1] = 0.75 * ((1 - weight[2 * k, j]) * pressure[2 * k, j])
+            line[j + 1] = 0.75 * ((1 - contact[2 * k, j]) * pressure[2 * k, j])
         for part, share in ((1, 0.75), (2, 0.25), (-1, 0.25)):
             i = (2 * k + part) % (2 * rows)
             for j in range(2 * columns):
-                line[j + 1] += share * ((1 - weight[i, j]) * pressure[i, j])
+                line[j + 1] += share * ((1 - contact[i, j]) * pressure[i, j])
         line[0], line[2 * columns + 1] = line[2 * columns], line[1]
         for m in range(columns):
             most = 0.75 * (line[2 * m + 1] + line[2 * m + 2])

@@ -21,7 +21,7 @@ Scalar = Any
 
 
 class Transforms(Protocol):
-    """The extension for Fourier transforms."""
+    """Extension of the array API standard for Fourier transforms."""
 
     def rfft(self, x: Field, /, *, n: int, axis: int) -> Field: ...
     def irfft(self, x: Field, /, *, n: int, axis: int) -> Field: ...
@@ -32,7 +32,7 @@ class Transforms(Protocol):
 # The standard says what each does: https://data-apis.org/array-api/2024.12
 # ruff: noqa: D102
 class Namespace(Protocol):
-    """Part of the array API standard, version 2024.12; numpy itself follows it."""
+    """Part of the array API standard, version 2024.12, that a solve uses; numpy follows it."""
 
     float64: Any
 
@@ -72,10 +72,10 @@ class Namespace(Protocol):
 
 
 class Precision(Enum):
-    """Single or double precision; the residual cannot fall far below the rounding of either.
+    """Floating-point precision of a solve.
 
-    SINGLE has about 7 digits and takes half the memory; DOUBLE has about 16. Influence coefficients are computed in
-    double precision for both, and rounded once.
+    SINGLE has about 7 digits and takes half the memory; DOUBLE has about 16. The residual cannot fall far below the
+    rounding of either. Influence coefficients are computed in double precision for both, and rounded once.
     """
 
     SINGLE = "single"
@@ -83,7 +83,18 @@ class Precision(Enum):
 
     @classmethod
     def named(cls, value: "Precision | str") -> "Precision":
-        """``value``, or the precision of that name; :class:`~contactstudy.InvalidInput` for any other."""
+        """Return the precision of a name.
+
+        Parameters
+        ----------
+        value
+            "single", "double", or a precision, which is returned as it is.
+
+        Raises
+        ------
+        InvalidInput
+            If there is no such precision.
+        """
         if isinstance(value, Precision):
             return value
         names = {member.value: member for member in cls}
@@ -93,7 +104,7 @@ class Precision(Enum):
 
     @property
     def real(self) -> DTypeLike:
-        """The type of fields."""
+        """Type of the numbers in fields."""
         return np.float32 if self is Precision.SINGLE else np.float64
 
     @property
@@ -107,30 +118,41 @@ Numbers = NDArray[Any]
 
 @runtime_checkable
 class Device(Protocol):
-    """An array library that follows the array API standard, and the way to its arrays and back."""
+    """Array library that follows the array API standard, and the way to its arrays and back."""
 
     @property
     def arrays(self) -> Namespace:
-        """The functions of the library."""
+        """Functions of the library."""
         ...
 
     @property
     def available_bytes(self) -> float:
-        """Memory that it has left [bytes]."""
+        """Memory left on the device [bytes]."""
         ...
 
     def put(self, field: Numbers) -> Numbers:
-        """A numpy array there."""
+        """Return a numpy array as an array of the library."""
         ...
 
     def take(self, field: Numbers) -> Numbers:
-        """An array of the library as a numpy array here."""
+        """Return an array of the library as a numpy array."""
         ...
 
 
 @dataclass(frozen=True)
 class Cpu:
-    """So many ``threads`` of this machine's processor. An answer does not depend on their number."""
+    """Processor of this machine.
+
+    Parameters
+    ----------
+    threads
+        Number of threads that share the work, from 1 on. An answer does not depend on it.
+
+    Raises
+    ------
+    InvalidInput
+        If the number of threads is no whole number from 1 on.
+    """
 
     threads: int = 1
 
@@ -140,12 +162,12 @@ class Cpu:
 
     @property
     def arrays(self) -> Namespace:
-        """numpy."""
+        """Functions of numpy."""
         return _NUMPY
 
     @property
     def available_bytes(self) -> float:
-        """Memory of this machine."""
+        """Memory left on this machine [bytes]."""
         return available_bytes()
 
     def put(self, field: Numbers) -> Numbers:
@@ -159,24 +181,24 @@ class Cpu:
 
 @dataclass(frozen=True)
 class Library:
-    """Any library of the array API standard (2024.12) whose arrays are on this machine's processor.
+    """Library of the array API standard (2024.12) whose arrays are on this machine's processor.
 
-    ``arrays`` is its namespace. Its arrays can be changed in place, and slices of them are views.
+    `arrays` is its namespace. Its arrays can be changed in place, and slices of them are views.
     """
 
     arrays: Namespace
 
     @property
     def available_bytes(self) -> float:
-        """Memory of this machine."""
+        """Memory left on this machine [bytes]."""
         return available_bytes()
 
     def put(self, field: Numbers) -> Numbers:
-        """A copy of a numpy array."""
+        """Return a copy of a numpy array as an array of the library."""
         return cast(Numbers, self.arrays.asarray(field, copy=True))
 
     def take(self, field: Numbers) -> Numbers:
-        """A copy as a numpy array."""
+        """Return a copy of an array of the library as a numpy array."""
         return np.array(np.from_dlpack(field))
 
 
@@ -186,7 +208,7 @@ _DEVICE: ContextVar[Device] = ContextVar("device", default=ONE_THREAD)
 
 
 def checked(chosen: Device, field: str) -> Device:
-    """``chosen``, if it is a device; else :class:`~contactstudy.InvalidInput`."""
+    """Return `chosen` if it is a device, else raise InvalidInput that names the `field`."""
     if isinstance(
         chosen, Cpu
     ):  # to see whether it has all of a device's properties takes as long as a small solve
@@ -197,24 +219,24 @@ def checked(chosen: Device, field: str) -> Device:
 
 
 def device() -> Device:
-    """The device that the solve around this call was given."""
+    """Return the device that the solve around this call was given."""
     return _DEVICE.get()
 
 
 def arrays() -> Namespace:
-    """The functions of its array library."""
+    """Return the functions of the array library of the device in use."""
     return _DEVICE.get().arrays
 
 
 def threads() -> int:
-    """Number of threads that share the work on numpy's arrays."""
+    """Return the number of threads that share the work on numpy's arrays."""
     chosen = _DEVICE.get()
     return chosen.threads if isinstance(chosen, Cpu) else 1
 
 
 @contextmanager
 def using(chosen: Device) -> Iterator[None]:
-    """Work on the ``chosen`` device."""
+    """Use the `chosen` device inside a ``with`` block."""
     token = _DEVICE.set(checked(chosen, "solve.on"))
     try:
         yield
@@ -224,11 +246,15 @@ def using(chosen: Device) -> Iterator[None]:
 
 @dataclass(frozen=True)
 class Gpu:
-    """The graphics processor of this machine, through CuPy (extra ``gpu``).
+    """Graphics processor of this machine, through CuPy (extra ``gpu``).
 
     Influence coefficients are computed on the processor in double precision and moved once; a solution's fields are
-    numpy arrays. Of several graphics processors it is CuPy's current one. Raises
-    :class:`~contactstudy.InvalidInput` where there is none, or no CuPy.
+    numpy arrays. Of several graphics processors it is CuPy's current one.
+
+    Raises
+    ------
+    InvalidInput
+        If there is no graphics processor, or no CuPy.
     """
 
     def __post_init__(self) -> None:
@@ -249,23 +275,23 @@ class Gpu:
 
     @property
     def arrays(self) -> Namespace:
-        """CuPy, with the names of the array API standard."""
+        """Functions of CuPy, with the names of the array API standard."""
         namespace: Namespace = import_module("array_api_compat.cupy")
         return namespace
 
     def put(self, field: Numbers) -> Numbers:
-        """A copy of a numpy array there."""
+        """Return a numpy array copied to the graphics processor."""
         array: Numbers = _cupy().asarray(field)
         return array
 
     def take(self, field: Numbers) -> Numbers:
-        """A copy as a numpy array."""
+        """Return an array of the graphics processor as a numpy array."""
         array: Numbers = _cupy().asnumpy(field)
         return array
 
     @property
     def available_bytes(self) -> float:
-        """Memory there that is free, or that CuPy keeps for the next arrays."""
+        """Memory that is free on the graphics processor, or that CuPy keeps for the next arrays [bytes]."""
         free, _ = _cupy().cuda.runtime.memGetInfo()
         return float(free + _cupy().get_default_memory_pool().free_bytes())
 

@@ -27,7 +27,7 @@ PART = 2**18
 
 
 def in_blocks(work: Callable[..., T], *fields: Numbers) -> list[T]:
-    """Return what `work` makes of the same block of rows of all `fields` (x, y), for every block in order.
+    """Call `work` on the same block of rows of all `fields` (x, y), for every block, and return the results in order.
 
     Blocks do not depend on the number of threads, so that sums over blocks do not either. Fields that fit into one
     block, and those on a device that is no :class:`Cpu`, are worked on as they are.
@@ -36,17 +36,17 @@ def in_blocks(work: Callable[..., T], *fields: Numbers) -> list[T]:
     if rows * columns <= BLOCK or not isinstance(device(), Cpu):
         return [work(*fields)]
 
-    def some(block: slice) -> T:
-        return work(*(field[block, :] for field in fields))
+    def in_turn(blocks: list[slice]) -> list[T]:
+        return [work(*(field[block, :] for field in fields)) for block in blocks]
 
-    parts = _shared(lambda blocks: [some(block) for block in blocks], _blocks(rows, columns))
-    return [result for part in parts for result in part]
+    return [result for part in _shared(in_turn, _blocks(rows, columns)) for result in part]
 
 
 def in_parts(work: Callable[[slice], object], shape: tuple[int, ...]) -> None:
-    """Have each thread ``work`` on one part of the rows of a field with that shape, an even number of rows but the last.
+    """Call `work` on one part of the rows of a field of that `shape` in each thread.
 
-    For compiled passes: in other threads there is no device in use.
+    Every part but the last has an even number of rows. This is for compiled passes: in other threads there is no device
+    in use.
     """
     rows, columns = shape
     count = max(1, min(threads(), rows * columns // PART))
@@ -59,22 +59,23 @@ def in_parts(work: Callable[[slice], object], shape: tuple[int, ...]) -> None:
 
 
 def replaced(field: Array, new: Callable[[Array], Array]) -> Array:
-    """Return `field` (x, y), every block of it in place by what is `new` for it."""
+    """Replace every block of `field` (x, y) by what `new` returns for it, in place, and return the field."""
 
-    def some(block: Array) -> None:
+    def replace(block: Array) -> None:
         block[...] = new(block)
 
-    in_blocks(some, field)
+    in_blocks(replace, field)
     return field
 
 
 def _blocks(rows: int, columns: int) -> list[slice]:
+    """Return the rows of each block of a field, an even number but in the last."""
     step = max(2, BLOCK // columns // 2 * 2)
     return [slice(begin, min(begin + step, rows)) for begin in range(0, rows, step)]
 
 
 def _shared(work: Callable[[list[slice]], T], blocks: list[slice]) -> list[T]:
-    """Give each thread a part of the `blocks` to work on; return all results in order."""
+    """Give each thread a part of the `blocks` to work on, and return all results in order."""
     count = min(threads(), len(blocks))
     if count == 1:
         return [work(blocks)]
@@ -87,13 +88,16 @@ def _shared(work: Callable[[list[slice]], T], blocks: list[slice]) -> list[T]:
 
 
 def _alone(work: Callable[[list[slice]], T], blocks: list[slice]) -> T:
-    """Work in a thread of the pool, which takes no others, without floating-point warnings as in the solve."""
+    """Call `work` on `blocks` in a thread of the pool.
+
+    It uses no further threads and gives no floating-point warnings, like the solve itself.
+    """
     with using(Cpu()), np.errstate(all="ignore"):
         return work(blocks)
 
 
 def compiled_loops(shape: tuple[int, ...]) -> Any:
-    """Return the module of compiled loops for fields of that `shape` (x, y); None where there are none or none pay."""
+    """Return the module of compiled loops for fields of that `shape` (x, y), or None where none are there or pay."""
     rows, columns = shape
     pays = rows * columns >= LARGE and columns >= NARROWEST
     return _loops() if pays and isinstance(device(), Cpu) else None
@@ -101,6 +105,7 @@ def compiled_loops(shape: tuple[int, ...]) -> Any:
 
 @cache
 def _loops() -> Any:
+    """Return the module of compiled loops, or None where numba is missing or does not work."""
     if find_spec("numba") is None:
         return None
     # either of a numba for another numpy, or without a folder to keep what is compiled
@@ -111,6 +116,7 @@ def _loops() -> Any:
 
 @cache
 def _pool(threads: int) -> ThreadPoolExecutor:
+    """Return the pool with that number of threads."""
     return ThreadPoolExecutor(threads, thread_name_prefix="contactstudy")
 
 
@@ -122,10 +128,10 @@ SMALL = 1024
 
 
 def inner(a: Array, b: Array) -> float:
-    """Sum of ``a b`` over fields (x, y).
+    """Return the sum of ``a b`` over two fields (x, y).
 
-    Row by row: BLAS would start threads for a whole large field, and on a busy machine they
-    cost a hundred times what they save.
+    It is taken row by row: BLAS would start threads for a whole large field, and on a busy machine they cost a hundred
+    times what they save.
     """
     return sum(in_blocks(_inner, a, b))
 
@@ -138,15 +144,18 @@ def _inner(a: Array, b: Array) -> float:
 
 
 def total(field: Array) -> float:
-    """Sum over a field (x, y)."""
+    """Return the sum over a field (x, y)."""
     return sum(in_blocks(lambda block: float(arrays().sum(block)), field))
 
 
 def mean_over(cells: Array, field: Array) -> float:
-    """Mean of ``field`` over the cells where ``cells`` is 1; it is 0 elsewhere."""
+    """Return the mean of `field` over the cells where `cells` is 1; it is 0 elsewhere."""
     return inner(field, cells) / total(cells)
 
 
 def product(a: Array, b: Array) -> Array:
-    """The matrix product of numpy arrays, row by row for the same reason."""
+    """Return the matrix product of two numpy arrays, row by row.
+
+    BLAS would start threads for it, and on a busy machine they cost a hundred times what they save.
+    """
     return np.asarray(np.matmul(a[:, None], b)[:, 0])

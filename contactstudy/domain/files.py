@@ -153,7 +153,7 @@ def is_alive(process: int) -> bool:
 
 
 def reason(error: Exception, path: Path | None = None) -> str:
-    """Say why a file could not be written, in the system's words; ``path`` tells whether there is no room."""
+    """Return in the system's words why a file could not be written; `path` tells whether there is no room."""
     if isinstance(error, OSError) and error.errno == errno.ELOOP:
         return "it is a symbolic link, which is not followed"
     if path is not None:
@@ -265,10 +265,10 @@ def lock_descriptor(descriptor: int, *, wait: bool) -> None:
 def _is_at(descriptor: int, path: Path) -> bool:
     """Return whether the open file is the one at ``path``."""
     try:
-        there, here = path.lstat(), os.fstat(descriptor)
+        at_path, opened = path.lstat(), os.fstat(descriptor)
     except OSError:
         return False
-    return (there.st_ino, there.st_dev) == (here.st_ino, here.st_dev)
+    return (at_path.st_ino, at_path.st_dev) == (opened.st_ino, opened.st_dev)
 
 
 def _sign(descriptor: int) -> None:
@@ -282,7 +282,7 @@ def _sign(descriptor: int) -> None:
 
 
 def _signature(descriptor: int) -> dict[str, object] | None:
-    """Read who signed the open file; None for a file that has only just been made."""
+    """Return who signed the open file; None for a file that has only just been made."""
     try:
         signed = json.loads(read_at(descriptor, 1000, 0))
         return {
@@ -295,7 +295,7 @@ def _signature(descriptor: int) -> dict[str, object] | None:
 
 
 def _in_words(signature: dict[str, object] | None) -> str:
-    """Name the process that signed a lock."""
+    """Return the name of the process that signed a lock."""
     if signature is None:
         return "another process"
     return f"process {signature['pid']} on {signature['host']} (since {signature['since']})"

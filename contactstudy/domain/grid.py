@@ -14,12 +14,22 @@ LONGEST = 1e9  # times as long as wide
 @answers_typos
 @dataclass(frozen=True)
 class Grid:
-    """``cells = (nx, ny)`` over ``extent = (width, period)`` [m], centred on the origin.
+    """Grid of equal rectangular cells, centred on the origin.
 
-    x runs across the contact, y along it. Fields are constant in a cell and have the shape (nx, ny);
-    ``ny = 1`` is plane strain. Raises :class:`~contactstudy.InvalidInput` for fewer than two cells
-    across, none along, an extent that is not a positive length, or cells a billion times as long as wide
-    or as wide as long: influence coefficients of such cells would be lost in rounding.
+    x runs across the contact, y along it. Fields are constant in a cell and have the shape (nx, ny).
+
+    Parameters
+    ----------
+    cells
+        Number of cells (nx, ny), across and along; ``ny = 1`` is plane strain.
+    extent
+        Width and period (across, along) [m].
+
+    Raises
+    ------
+    InvalidInput
+        If there are fewer than two cells across or none along, if the extent is no positive length, or if cells are a
+        billion times as long as wide or as wide as long: their influence coefficients would be lost in rounding.
     """
 
     cells: tuple[int, int]
@@ -47,12 +57,12 @@ class Grid:
 
     @property
     def cell(self) -> tuple[float, float]:
-        """Cell sizes (dx, dy) [m]."""
+        """Sides of a cell (dx, dy) [m]."""
         return self.extent[0] / self.cells[0], self.extent[1] / self.cells[1]
 
     @property
     def cell_area(self) -> float:
-        """dx dy [m^2]."""
+        """Area of a cell, dx dy [m^2]."""
         return self.cell[0] * self.cell[1]
 
     @property
@@ -72,4 +82,5 @@ class Grid:
 
 
 def _centres(count: int, step: float) -> Array:
+    """Return the centres of `count` cells of size `step`, antisymmetric to the last bit."""
     return np.asarray((2 * np.arange(count) - (count - 1)) * (step / 2))

@@ -22,7 +22,7 @@ DEFAULTS = "="
 
 @dataclass(eq=False)
 class Memory:
-    """What was met in the cases of one request: dataclasses that they share, and classes by their names."""
+    """Record of the cases of one request: dataclasses that they share, and classes by their names."""
 
     records: dict[int, tuple[object, Tree]] = field(default_factory=dict)
     kinds: dict[str, type] = field(default_factory=dict)

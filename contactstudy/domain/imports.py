@@ -35,13 +35,16 @@ PRESENTATIONS = {
 
 
 class MissingPackageError(ModuleNotFoundError):
-    """A package that is not installed, in one sentence: what needs it, and what to install."""
+    """Error for a package that is not installed; one sentence says what needs it and what to install."""
 
 
 def import_for(use: str, module: str) -> Any:
-    """``module``, imported for ``use``.
+    """Return a module, imported for a `use`.
 
-    Raises :class:`MissingPackageError` where a package is not installed.
+    Raises
+    ------
+    MissingPackageError
+        If a package is not installed.
     """
     try:
         return import_module(module)
@@ -57,7 +60,10 @@ def presentation(method: str) -> Callable[..., Any]:
 
 
 def missing_package(use: str, missing: ModuleNotFoundError) -> ModuleNotFoundError:
-    """``missing`` in a sentence that names the ``use``; as it is where it has one, or is a module of this program."""
+    """Return the error `missing` as a sentence that names the `use`.
+
+    It is returned as it is where it has a sentence, or is about a module of this program.
+    """
     package = (missing.name or "").partition(".")[0]
     if package in ("", *OWN) or isinstance(missing, MissingPackageError):
         return missing
@@ -70,7 +76,10 @@ def missing_package(use: str, missing: ModuleNotFoundError) -> ModuleNotFoundErr
 def names_on_first_use(
     package: str, file: str
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]:
-    """``__getattr__``, ``__dir__`` and ``__all__`` of ``package``, from the imports of the stub beside its ``file``."""
+    """Return ``__getattr__``, ``__dir__`` and ``__all__`` of a `package` whose names are imported on first use.
+
+    The names are those that the stub beside its `file` imports.
+    """
     stub = ast.parse(Path(file).with_suffix(".pyi").read_text(encoding="utf-8"))
     places: dict[str, tuple[str, str]] = {}
     for statement in stub.body:
@@ -82,8 +91,8 @@ def names_on_first_use(
         if name not in places:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
         use, (module, attribute) = f"{package}.{name}", places[name]
-        found = import_for(use, use if module == package else module)
-        value = found if module == package else getattr(found, attribute)
+        source = import_for(use, use if module == package else module)
+        value = source if module == package else getattr(source, attribute)
         setattr(sys.modules[package], name, value)
         return value
 

@@ -9,12 +9,15 @@ CGROUP = Path("/sys/fs/cgroup")
 
 
 def available_bytes() -> float:
-    """Memory that this process may still take [bytes]; infinite where the system does not say."""
+    """Return the memory that this process may still take [bytes]; infinite where the system does not say."""
     return max(min(_of_system(), _of_container(), _of_process()), 0.0)
 
 
 def _of_system() -> float:
-    """Free memory and swap: of Linux by itself, of other systems by psutil where that is installed."""
+    """Return free memory and swap [bytes].
+
+    Linux tells them itself; on other systems psutil does, where it is installed.
+    """
     with suppress(OSError, ValueError, IndexError, KeyError):
         lines = Path("/proc/meminfo").read_text(encoding="utf-8").splitlines()
         amounts = {
@@ -28,6 +31,7 @@ def _of_system() -> float:
 
 
 def _of_container() -> float:
+    """Return the memory left in a container [bytes]; infinite where there is no limit."""
     with suppress(OSError, ValueError):
         limit, used = (
             float((CGROUP / f"memory.{name}").read_text(encoding="utf-8"))

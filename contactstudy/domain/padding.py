@@ -13,7 +13,7 @@ from contactstudy.domain.checks import InvalidInput, answers_typos, set_fields, 
 
 
 class Padding(Protocol):
-    """A representation of one direction."""
+    """Representation of one axis: which images of the pressure act on a point, and whether the axis is a circle."""
 
     @property
     def wraps(self) -> bool:
@@ -22,38 +22,37 @@ class Padding(Protocol):
 
     @property
     def window(self) -> range | None:
-        """The periods whose pressure acts on a point, relative to its own (0); None for all of them.
+        """Periods whose pressure acts on a point, relative to its own (0); None for all of them.
 
         The image in period m is at the offset ``d + m L``, with d >= 0 the offset in period 0.
         """
         ...
 
     def reach(self, period: float) -> float:
-        """The distance to each side within which pressure acts on a point in the middle; unit of ``period``."""
+        """Return the distance to each side whose pressure acts on a point in the middle, in the unit of `period`."""
         ...
 
 
 @answers_typos
 @dataclass(frozen=True)
 class ZeroPadding:
-    """The classical DC-FFT without neighbours: not periodic (Liu, Wang & Liu 2000)."""
+    """Padding with zeros, the classical DC-FFT: no images, not periodic (Liu, Wang & Liu 2000)."""
 
     wraps: ClassVar[bool] = False
     window: ClassVar[range] = range(1)
 
     def reach(self, period: float) -> float:
-        """Half a period: the domain itself."""
+        """Return half a period, which is the domain itself."""
         return period / 2
 
 
 @answers_typos
 @dataclass(frozen=True)
 class DuplicatedPadding:
-    """The padded half of the axis filled with a copy of the pressure (the paper's Figure 2b).
+    """Padding with a copy of the pressure in the padded half of the axis (Liu, Wang & Liu 2000).
 
-    The pressure within one period to either side then acts on every point. The doubled
-    transform of the paper equals a circular one with the folded coefficients
-    ``K(d) + K(d - L)``, which is used here.
+    The pressure within one period to either side then acts on every point. The doubled transform equals a circular one
+    with the folded coefficients ``K(d) + K(d - L)``, which is used here.
     """
 
     wraps: ClassVar[bool] = True
@@ -66,7 +65,7 @@ class DuplicatedPadding:
 
 @dataclass(frozen=True)
 class _Counted:
-    """A number of images on each side; the subclass defines what they are counted from."""
+    """Padding with a number of images on each side; the subclass defines what they are counted from."""
 
     images: int
 
@@ -77,22 +76,26 @@ class _Counted:
 
     @property
     def window(self) -> range:
-        """``images`` periods on each side."""
+        """Periods whose pressure acts on a point: `images` on each side."""
         return range(-self.images, self.images + 1)
 
     def reach(self, period: float) -> float:
-        """Half a period and ``images`` more."""
+        """Return half a period and `images` more."""
         return (self.images + 0.5) * period
 
 
 @answers_typos
 @dataclass(frozen=True)
 class Superposition(_Counted):
-    """Coefficients summed over ``images`` periods on each side (the paper's eq. 5), zero-padded.
+    """Padding with zeros, and coefficients summed over images on each side.
 
-    The window of images is centred on the domain and not on the observer, so that points near the
-    ends of the domain see more pressure on one side. ``images`` is a whole number from 0 on;
-    0 is :class:`ZeroPadding`.
+    The window of images is centred on the domain and not on the observer, so that points near the ends of the domain see
+    more pressure on one side.
+
+    Parameters
+    ----------
+    images
+        Number of periods on each side, from 0 on; 0 is :class:`ZeroPadding`.
     """
 
     wraps: ClassVar[bool] = False
@@ -101,11 +104,16 @@ class Superposition(_Counted):
 @answers_typos
 @dataclass(frozen=True)
 class CircularSuperposition(_Counted):
-    """The sum of :class:`Superposition`, but centred on the observer and circular.
+    """Circular axis with coefficients summed over images on each side of the observer.
 
-    The pressure within ``images + 1/2`` periods to either side acts on every point, so a uniform contact
-    stays uniform, with a transform of half the size. ``images`` is a whole number from 0 on. This is how
-    semi-periodic contacts are computed in ContactMechanics (with 10 images) and slippy.
+    The pressure within ``images + 1/2`` periods to either side acts on every point, so a uniform contact stays uniform,
+    with a transform of half the size of :class:`Superposition`. This is how semi-periodic contacts are computed in
+    ContactMechanics (with 10 images) and slippy.
+
+    Parameters
+    ----------
+    images
+        Number of periods on each side, from 0 on.
     """
 
     wraps: ClassVar[bool] = True
@@ -114,19 +122,18 @@ class CircularSuperposition(_Counted):
 @answers_typos
 @dataclass(frozen=True)
 class ExactPeriodicity:
-    """The sum over infinitely many images, in closed form.
+    """Circular axis with the sum over infinitely many images, in closed form.
 
-    The displacement under infinitely many loads is bounded only up to a rigid shift. Along one axis it
-    is relative to a point at the scene's length scale (for a cylinder, the Hertz
-    half-width) from the axis, under the mean line load concentrated on the axis; along both axes it is
-    relative to its mean.
+    The displacement under infinitely many loads is bounded only up to a rigid shift. Along one axis it is relative to a
+    point at the scene's length scale (for a cylinder, the Hertz half-width) from the axis, under the mean line load
+    concentrated on the axis; along both axes it is relative to its mean.
     """
 
     wraps: ClassVar[bool] = True
     window: ClassVar[None] = None
 
     def reach(self, period: float) -> float:
-        """Infinite."""
+        """Return infinity."""
         return inf
 
 
@@ -135,9 +142,17 @@ Paddings = tuple[Padding, Padding]
 
 
 def across_and_along(padding: Padding | Paddings) -> Paddings:
-    """The paddings of both axes; one given alone is that of y, and x is free.
+    """Return the paddings of both axes, (across, along).
 
-    Raises :class:`~contactstudy.InvalidInput` for what is neither.
+    Parameters
+    ----------
+    padding
+        Padding of the length, with a free width, or a tuple of two.
+
+    Raises
+    ------
+    InvalidInput
+        If it is neither.
     """
     both = padding if isinstance(padding, tuple) else (ZeroPadding(), padding)
     if len(both) != 2 or any(

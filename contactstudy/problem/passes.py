@@ -135,7 +135,7 @@ class ArrayPasses:
         step_length: float,
         step: Array,
     ) -> bool:
-        """Write the pressure one step ahead over the last `step`, and return whether a limit cuts it.
+        """Write the pressure one step trial_displacement over the last `step`, and return whether a limit cuts it.
 
         The direction is `level` less the `closing` pressure, plus `conjugate` times the last step, in the `cells`.
         """
@@ -164,13 +164,17 @@ class ArrayPasses:
         fields = trial, pressure, height
         return sum(in_blocks(lambda after, before, gap: inner(gap, after - before), *fields))
 
-    def curvature(self, trial: Array, pressure: Array, ahead: Array, displacement: Array) -> float:
+    def curvature(
+        self, trial: Array, pressure: Array, trial_displacement: Array, displacement: Array
+    ) -> float:
         """Return the work of the step to `trial` on the change of displacement that it makes."""
 
-        def work(trial: Array, pressure: Array, ahead: Array, displacement: Array) -> float:
-            return inner(trial - pressure, ahead - displacement)
+        def work(
+            trial: Array, pressure: Array, trial_displacement: Array, displacement: Array
+        ) -> float:
+            return inner(trial - pressure, trial_displacement - displacement)
 
-        return sum(in_blocks(work, trial, pressure, ahead, displacement))
+        return sum(in_blocks(work, trial, pressure, trial_displacement, displacement))
 
     def meets_a_limit(self, trial: Array, pressure: Array, factor: float) -> bool:
         """Return whether a cell is beyond a limit after `factor` steps."""
@@ -181,9 +185,14 @@ class ArrayPasses:
         return any(in_blocks(cuts, trial, pressure))
 
     def advance(
-        self, trial: Array, pressure: Array, ahead: Array, displacement: Array, share: float
+        self,
+        trial: Array,
+        pressure: Array,
+        trial_displacement: Array,
+        displacement: Array,
+        share: float,
     ) -> None:
-        """Take a `share` of a step: `trial` and `ahead` become the pressure and displacement that it leads to, in place.
+        """Take a `share` of a step: the trial fields become the pressure and displacement that it leads to, in place.
 
         The changes of both, old less new, are written over `pressure` and `displacement`.
         """
@@ -194,7 +203,7 @@ class ArrayPasses:
                 after += (1 - share) * before
                 before *= share
 
-        in_blocks(take_step, displacement, ahead)
+        in_blocks(take_step, displacement, trial_displacement)
         in_blocks(take_step, pressure, trial)
         if share != 1:
             self.constraint.clip(trial)
@@ -260,7 +269,7 @@ class CompiledPasses:
         step_length: float,
         step: Array,
     ) -> bool:
-        """Write the pressure one step ahead over the last `step`, and return whether a limit cuts it."""
+        """Write the pressure one step trial_displacement over the last `step`, and return whether a limit cuts it."""
         fields = pressure, closing, cells, level, conjugate, step_length, self._limit, step
         return bool(_rows(self._loops.trial, *fields, results=1).any())
 
@@ -288,9 +297,11 @@ class CompiledPasses:
         """Return how fast the energy grows along the step to `trial`."""
         return float(_rows(self._loops.slope, trial, pressure, height, results=1).sum())
 
-    def curvature(self, trial: Array, pressure: Array, ahead: Array, displacement: Array) -> float:
+    def curvature(
+        self, trial: Array, pressure: Array, trial_displacement: Array, displacement: Array
+    ) -> float:
         """Return the work of the step to `trial` on the change of displacement that it makes."""
-        fields = trial, pressure, ahead, displacement
+        fields = trial, pressure, trial_displacement, displacement
         return float(_rows(self._loops.curvature, *fields, results=1).sum())
 
     def meets_a_limit(self, trial: Array, pressure: Array, factor: float) -> bool:
@@ -299,10 +310,23 @@ class CompiledPasses:
         return bool(_rows(self._loops.beyond, *fields, results=1).any())
 
     def advance(
-        self, trial: Array, pressure: Array, ahead: Array, displacement: Array, share: float
+        self,
+        trial: Array,
+        pressure: Array,
+        trial_displacement: Array,
+        displacement: Array,
+        share: float,
     ) -> None:
         """Take a `share` of a step, in place, as :meth:`ArrayPasses.advance` does."""
-        _rows(self._loops.advance, trial, pressure, ahead, displacement, share, self._limit)
+        _rows(
+            self._loops.advance,
+            trial,
+            pressure,
+            trial_displacement,
+            displacement,
+            share,
+            self._limit,
+        )
 
 
 def _single(undeformed_gap: Array) -> Precision | None:

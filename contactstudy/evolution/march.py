@@ -130,8 +130,8 @@ class March:
 
     @property
     def is_first_order(self) -> bool:
-        """Whether the error of a step falls only in proportion to its duration."""
-        return len(self.scheme.stages) == 1 and any(one.has_stages for one in self.memories)
+        """True if the error of a step falls only in proportion to its duration."""
+        return len(self.scheme.stages) == 1 and any(memory.has_stages for memory in self.memories)
 
     def start(self, time: float) -> Instant:
         """Return the instant before the first load, at `time` [s]."""
@@ -364,12 +364,12 @@ class StepSource:
 
     @property
     def names_scales(self) -> bool:
-        """Whether ``finest`` is known for every shape."""
+        """True if ``finest`` is known for every shape."""
         return self.source.names_scales
 
     @property
     def ends_along(self) -> bool:
-        """Whether a body ends along the length."""
+        """True if a body ends along the length."""
         return self.source.ends_along
 
     def gap(self, grid: Grid) -> Array:

@@ -50,7 +50,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Contribution:
-    """What a memory adds to the problem at the end of a step.
+    """Contribution of a memory to the problem at the end of a step.
 
     Attributes
     ----------
@@ -78,7 +78,7 @@ class AnyMemory(Protocol):
 
     @property
     def has_stages(self) -> bool:
-        """Whether the stages of a :class:`~contactstudy.evolution.steps.Scheme` make a step more accurate."""
+        """True if the stages of a :class:`~contactstudy.evolution.steps.Scheme` make a step more accurate."""
         ...
 
     def start(self, shape: tuple[int, int]) -> State:

@@ -375,8 +375,8 @@ def _embedded_state(state: State, body: YieldingBody, volume: Volume) -> tuple[A
 
 def _meets_edge(volume: Volume, yielded: NDArray[np.bool_]) -> bool:
     """Return whether plastic strain (layers, x, y) reaches the edges of the grid across."""
-    left = volume.first == 0 and yielded[:, 0].any()
-    return bool(left or (volume.last == volume.grid.cells[0] and yielded[:, -1].any()))
+    at_start = volume.first == 0 and yielded[:, 0].any()
+    return bool(at_start or (volume.last == volume.grid.cells[0] and yielded[:, -1].any()))
 
 
 def step_solution(settled: Settled, tolerance: float) -> Solution:

@@ -43,7 +43,7 @@ XX, YY, XZ = 0, 1, 4
 
 @dataclass(frozen=True, eq=False)
 class RollingPass:
-    """One pass of a contact over a half-space.
+    """A pass of a contact over a half-space.
 
     Attributes
     ----------
@@ -150,7 +150,7 @@ class RepeatedRolling:
     @property
     def peak_pressure(self) -> Array:
         """Peak pressure (pass,) [Pa] at the end of each pass."""
-        return np.array([one.solution.pressure.max() for one in self.passes])
+        return np.array([each_pass.solution.pressure.max() for each_pass in self.passes])
 
     @property
     def shaken_down(self) -> int | None:
@@ -162,7 +162,7 @@ class RepeatedRolling:
     @property
     def status(self) -> Status:
         """The worst status of all passes."""
-        return worst([one.status for one in self.passes])
+        return worst([each_pass.status for each_pass in self.passes])
 
     def summary(self) -> str:
         """Return status, work, shakedown and residual stress as a few lines of text."""

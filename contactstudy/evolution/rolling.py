@@ -90,7 +90,7 @@ class SteadyRolling:
 
     @cached_property
     def coarse(self) -> "SteadyRolling | None":
-        """The same contact on cells of twice the size; None where the scene has no such grid."""
+        """This contact on cells of twice the size; None where the scene has no such grid."""
         try:
             return self.solve_on(halved(self.solution.problem.grid))
         except InvalidInput:

@@ -61,7 +61,7 @@ class Mark:
 
     @property
     def jumps(self) -> bool:
-        """Whether the load jumps at this instant."""
+        """True if the load jumps at this instant."""
         return self.before != self.after
 
 

@@ -37,7 +37,7 @@ COUNTED = ("mark", "arrived", "step_error", "carried_error", "pair", "rejected",
 
 
 class _Outcome(Enum):
-    """How the march to a mark ended."""
+    """Outcome of the march to a mark."""
 
     REACHED = "the march is there"
     AGAIN = "the error grew too large: the march starts again with shorter steps"

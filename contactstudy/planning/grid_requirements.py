@@ -79,12 +79,12 @@ class Needs:
 
     @property
     def rough(self) -> bool:
-        """Whether any shape has wavelengths."""
+        """True if any shape has wavelengths."""
         return min(self.finest) < inf
 
     @property
     def smooth(self) -> bool:
-        """Whether this is Hertz's contact: no heights on the cylinder, no end, no coat, no friction."""
+        """True for Hertz's contact: no heights on the cylinder, no end, no coat, no friction."""
         return not (self.rough or self.roller or self.height or self.coats or self.shear)
 
     @property
@@ -94,7 +94,7 @@ class Needs:
 
     @property
     def varies(self) -> bool:
-        """Whether anything varies along the length."""
+        """True if anything varies along the length."""
         return self.finest[1] < inf or self.roller > 0
 
     @property

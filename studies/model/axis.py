@@ -1,4 +1,4 @@
-"""The axes of a study: their values, and how a person writes them."""
+"""Axes of a study: their values, and how a user writes them."""
 
 import math
 import re
@@ -14,9 +14,9 @@ from contactstudy.domain.memory import available_bytes
 from studies.model.plain_text import is_storable, name_problem, one_line
 
 Value = str | int | float
-ROUNDING = 1e-12  # of the span of an axis and of a number: less is no other number
-MOST_POINTS = 1_000_000  # of a study, for which nobody is asked
-POINT_BYTES = 500  # of memory for a point, at the least
+ROUNDING = 1e-12  # difference, over an axis' span and a number, below which two numbers are equal
+MOST_POINTS = 1_000_000  # points of a study above which a user must confirm
+POINT_BYTES = 500  # least memory for a point
 
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 # first:last, first:last:count or first:last:count:log
@@ -30,7 +30,13 @@ FORMS = {
 
 
 def one_of(field: str, value: object, known: Iterable[str]) -> str:
-    """``value``, if it is one of the names ``known``; else :class:`~contactstudy.InvalidInput`."""
+    """Return `value` if it is one of the names `known`.
+
+    Raises
+    ------
+    InvalidInput
+        For any other value, with the field `field` and the nearest name.
+    """
     choices = list(known)
     if value not in choices:
         raise InvalidInput(f"{field} is {value!r}: {suggestion(str(value), choices)}.")
@@ -39,10 +45,31 @@ def one_of(field: str, value: object, known: Iterable[str]) -> str:
 
 @dataclass(frozen=True)
 class Axis:
-    """Values of one parameter, all of one type, and what labels them in a Dataset.
+    """Values of one parameter, all of one type, with the labels of a Dataset's coordinate.
 
-    Of numbers that differ by less than 1e-12 of the axis' span and of themselves, as 0.3 and 3 * 0.1 do beside 1, the
-    first stands for the others; ``merged`` counts those. Any other difference makes another value.
+    Numbers that differ by rounding alone, by less than 1e-12 of the axis' span and of themselves, count as one value,
+    such as 0.3 and 3 * 0.1.
+
+    Parameters
+    ----------
+    name
+        Name of the coordinate.
+    values
+        Names, or numbers.
+    long_name
+        Description for people.
+    units
+        Unit of the numbers.
+
+    Attributes
+    ----------
+    merged
+        Number of values that were merged into another one.
+
+    Raises
+    ------
+    InvalidInput
+        For a name or text that netCDF cannot hold, values of several types, or one that is not finite or stands twice.
     """
 
     name: str
@@ -60,13 +87,15 @@ class Axis:
                     f"Axis {self.name!r} has the {part} {one_line(repr(text), 60)}: give text without control "
                     "characters."
                 )
-        given: object = self.values
-        if isinstance(given, str) or not isinstance(given, Iterable):
+        raw: object = self.values
+        if isinstance(raw, str) or not isinstance(raw, Iterable):
             raise InvalidInput(
                 f"Axis {self.name!r} has values {one_line(repr(self.values), 60)}: give a tuple of them."
             )
         # numpy's scalars become Python's, and one number with a fraction makes all of them such
-        values = tuple(v.item() if isinstance(v, np.generic) else v for v in self.values)
+        values = tuple(
+            value.item() if isinstance(value, np.generic) else value for value in self.values
+        )
         kinds = {type(value) for value in values}
         if not (kinds == {str} or (kinds and kinds <= {int, float})):
             raise InvalidInput(
@@ -90,6 +119,7 @@ class Axis:
         object.__setattr__(self, "merged", len(values) - len(distinct))
 
     def _finite(self, value: Value) -> float:
+        """Return `value` as a finite float."""
         try:
             number = float(value)
         except OverflowError:
@@ -102,14 +132,23 @@ class Axis:
 
     @property
     def kind(self) -> type:
-        """int, float or str, by the first value."""
+        """Type of the values: int, float or str."""
         return type(self.values[0])
 
     def override(self, values: str | Iterable[Value], *, most: int | None = MOST_POINTS) -> "Axis":
-        """This axis with other values, as text (``"0:10"``, ``"0.6,2.4"``) or as numbers or names.
+        """Return this axis with other values.
 
-        Raises :class:`~contactstudy.InvalidInput` for what is not of the axis's kind, and for more than
-        ``most`` values, which are counted before they are made.
+        Parameters
+        ----------
+        values
+            Text such as ``"0:10"`` or ``"0.6,2.4"``, or numbers or names.
+        most
+            Largest number of values, which are counted before they are made; None allows any.
+
+        Raises
+        ------
+        InvalidInput
+            For values that are not of the axis's type, and for too many.
         """
         parts = list(_split(values, self.kind)) if isinstance(values, str) else [values]
         count = sum(len(part) if isinstance(part, Sized) else 0 for part in parts)
@@ -124,7 +163,7 @@ class Axis:
         return Axis(self.name, tuple(parsed), self.long_name, self.units)
 
     def beside(self, stored: Iterable[Value]) -> "Axis":
-        """Return this axis with ``stored`` values in place of those that differ from one by rounding alone."""
+        """Return this axis with `stored` values in place of those that differ from them by rounding alone."""
         if self.kind is not float:
             return self
         first = [value for value in stored if isinstance(value, float)]
@@ -135,6 +174,7 @@ class Axis:
         return axis
 
     def _convert(self, value: Value) -> Value:
+        """Return a value as the type of this axis."""
         try:
             if isinstance(value, bool) or (self.kind is str and not isinstance(value, str)):
                 raise TypeError
@@ -148,7 +188,7 @@ class Axis:
 
 
 def check_count(name: str, count: int, what: str, most: int | None) -> None:
-    """Refuses more than ``most``, and what no memory of this machine could hold."""
+    """Raise InvalidInput for more than `most` values, or more than this machine's memory can hold."""
     if most is not None and count > most:
         raise InvalidInput(
             f"{name} has {count} {what}, more than {most}: give fewer, or --yes if you mean it."
@@ -161,6 +201,7 @@ def check_count(name: str, count: int, what: str, most: int | None) -> None:
 
 
 def _shortened(value: object) -> str:
+    """Return the representation of a value in one line of at most 60 characters."""
     try:
         return one_line(repr(value), 60)
     except ValueError:  # a whole number too long to be written
@@ -172,33 +213,43 @@ def _without_rounding(values: Sequence[Value]) -> list[Value]:
     numbers = [float(value) for value in values]
     span = max(numbers) - min(numbers)
     groups: list[list[int]] = []
-    for place in sorted(range(len(numbers)), key=numbers.__getitem__):
-        last = groups[-1][-1] if groups else place
-        size = max(abs(numbers[place]), abs(numbers[last]))
-        if groups and numbers[place] - numbers[last] <= ROUNDING * min(span, size):
-            groups[-1].append(place)
+    for position in sorted(range(len(numbers)), key=numbers.__getitem__):
+        last = groups[-1][-1] if groups else position
+        size = max(abs(numbers[position]), abs(numbers[last]))
+        if groups and numbers[position] - numbers[last] <= ROUNDING * min(span, size):
+            groups[-1].append(position)
         else:
-            groups.append([place])
-    first = {place: min(group) for group in groups for place in group}
-    return [values[first[place]] for place in range(len(values))]
+            groups.append([position])
+    first = {position: min(group) for group in groups for position in group}
+    return [values[first[position]] for position in range(len(values))]
 
 
 def _split(text: str, kind: type) -> Iterator[Sequence[str] | Sequence[float]]:
-    """Yield the values of each part between commas; a part that is no range stays as it is."""
+    """Yield the values of each part between commas; a part that is not a range stays as text."""
     for part in text.split(","):
-        found = RANGE.fullmatch(part.strip()) if kind is not str else None
-        values = None if found is None else values_between(*found.groups(""), whole=kind is int)
+        match = RANGE.fullmatch(part.strip()) if kind is not str else None
+        values = None if match is None else values_between(*match.groups(""), whole=kind is int)
         yield (part.strip(),) if values is None else values
 
 
 def values_between(
     first: str, last: str, count: str, spacing: str, *, whole: bool
 ) -> Sequence[float] | None:
-    """Return the values of a range that a person writes as ``first:last:count`` or ``first:last:count:log``.
+    """Return the values of a range, both ends included; None for text that is not a range.
 
-    Both ends belong to it. Without a count they are all whole numbers between them. Returns None for what is no
-    range: one that does not rise, has fewer than two values, a logarithmic one from zero, or one of whole numbers
-    between numbers with a fraction.
+    Without a count they are all whole numbers between the ends. A range rises and has at least two values; a logarithmic
+    one begins above 0, and one of whole numbers has whole ends.
+
+    Parameters
+    ----------
+    first, last
+        Ends, as text.
+    count
+        Number of values, as text; empty for whole numbers.
+    spacing
+        "log" for equal ratios, else empty.
+    whole
+        Whether the values are whole numbers.
     """
     low, high = float(first), float(last)
     if whole and not (low.is_integer() and high.is_integer()):
@@ -219,5 +270,5 @@ def values_between(
         if not spacing and np.abs(spaced - rounded).max() > 1e-9 * high:
             return None
         return [int(value) for value in np.unique(rounded)]
-    # to twelve digits, so that the number that was meant comes out: 3e-07 and not 3.0000000000000004e-07
+    # rounded to twelve digits, so that 3e-07 is not 3.0000000000000004e-07
     return [float(f"{value:.12g}") for value in spaced]

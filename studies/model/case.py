@@ -1,4 +1,4 @@
-"""One computation of a study: a value that says what to compute, and how exactly."""
+"""Computations of a study: values that say what to compute, and how accurately."""
 
 from collections.abc import Hashable, Mapping
 from dataclasses import asdict, dataclass, field
@@ -12,14 +12,14 @@ from contactstudy.io.dataset import flags
 
 
 class Computation(Hashable, Protocol):
-    """What a study computes at a point.
+    """Protocol of the computation at a point of a study.
 
-    Two points with equal computations share one. The two steps are timed apart, as ``setup_time``
+    Points with equal computations share one. The two steps are timed separately, as ``setup_time``
     and ``solve_time``.
     """
 
     def prepare(self) -> Any:
-        """Return the set-up."""
+        """Return what :meth:`run` needs, such as a problem."""
         ...
 
     def run(self, prepared: Any) -> Any:
@@ -27,13 +27,25 @@ class Computation(Hashable, Protocol):
         ...
 
     def record(self, result: Any) -> Mapping[str, xr.Variable]:
-        """What is kept of every result, whatever else a study measures of it."""
+        """Return the variables stored of every result, in addition to a study's own measures."""
         ...
 
 
 @dataclass(frozen=True)
 class Case:
-    """A contact to solve: a scene on a grid with a padding, and the solver's settings."""
+    """A contact to solve.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    grid
+        Cells.
+    padding
+        Boundary conditions.
+    options
+        Solver and its tolerance.
+    """
 
     scene: cs.Scene
     grid: cs.Grid
@@ -41,15 +53,15 @@ class Case:
     options: cs.SolveOptions = field(default_factory=cs.SolveOptions)
 
     def prepare(self) -> cs.Problem:
-        """Influence coefficients, transforms, gap."""
+        """Return the problem, with influence coefficients, their transforms and the gap."""
         return self.scene.problem(self.grid, self.padding)
 
     def run(self, prepared: cs.Problem) -> cs.Solution:
-        """The solve proper."""
+        """Return the solution of the problem."""
         return self.options.solved(prepared)
 
     def record(self, result: cs.Solution) -> Mapping[str, xr.Variable]:
-        """The solver's own numbers, and its status as CF flags."""
+        """Return the numbers of the solver, and its status as CF flags."""
         return {
             "solver_status": solver_status(result.status, "how the solver ended"),
             "iterations": number(result.iterations, "solver iterations"),
@@ -58,16 +70,29 @@ class Case:
         }
 
     def fields(self, result: cs.Solution) -> Mapping[str, xr.Variable]:
-        """Pressure and gap over the grid, for those who ask for fields."""
+        """Return pressure [Pa] and gap [m] over the grid."""
         dataset = cs.to_dataset(result)
         return {name: dataset[name].variable for name in ("x", "y", "pressure", "gap")}
 
 
 @dataclass(frozen=True)
 class EvolutionCase:
-    """A contact that changes in time: a scene marched through ``times`` [s].
+    """A contact that changes in time.
 
-    With an ``error``, steps between the times are chosen to meet it.
+    Parameters
+    ----------
+    scene, grid, padding
+        The contact.
+    times
+        Recorded times [s].
+    error
+        Relative error by the steps in time; None steps from one recorded time to the next.
+    scheme
+        Name of a :class:`~contactstudy.Scheme`.
+    step_error
+        Name of a :class:`~contactstudy.StepError`.
+    tolerance
+        Tolerance of the solver.
     """
 
     scene: cs.Scene
@@ -83,7 +108,7 @@ class EvolutionCase:
         """Do nothing: a march sets itself up."""
 
     def run(self, prepared: object = None) -> cs.Evolution:
-        """March through the times."""
+        """Return the march through the times."""
         return cs.evolve(
             self.scene,
             self.grid,
@@ -96,7 +121,7 @@ class EvolutionCase:
         )
 
     def record(self, result: cs.Evolution) -> Mapping[str, xr.Variable]:
-        """Return the solver's numbers over all steps."""
+        """Return the numbers of the solver over all steps, and the worst status as CF flags."""
         return {
             "solver_status": solver_status(result.status, "how the worst step ended"),
             "iterations": number(result.iterations, "solver iterations of all steps"),
@@ -108,7 +133,17 @@ class EvolutionCase:
 
 @dataclass(frozen=True)
 class Operator:
-    """A convolution to set up, and to apply once."""
+    """A convolution that is set up, then applied once.
+
+    Parameters
+    ----------
+    contact_modulus
+        Contact modulus E* [Pa].
+    grid, padding
+        Cells and boundary conditions.
+    datum
+        Distance [m] at which the displacement is zero.
+    """
 
     contact_modulus: float
     grid: cs.Grid
@@ -116,38 +151,41 @@ class Operator:
     datum: float
 
     def prepare(self) -> cs.Convolution:
-        """Influence coefficients and their transform."""
+        """Return the convolution, with its influence coefficients and their transform."""
         return cs.convolution(self.contact_modulus, self.grid, self.padding, self.datum)
 
     def run(self, prepared: cs.Convolution) -> cs.Convolution:
-        """One transform pair."""
+        """Apply the convolution to a uniform pressure, and return it."""
         prepared(np.ones(self.grid.cells))
         return prepared
 
     def record(self, result: cs.Convolution) -> Mapping[str, xr.Variable]:
-        """The size of what is transformed."""
+        """Return the number of cells that are transformed."""
         return {"padded_cells": number(int(np.prod(result.padded)), "cells of the padded grid")}
 
 
 def solver_status(status: cs.Status, long_name: str) -> xr.Variable:
-    """The status of a solution as a CF flag."""
+    """Return the status of a solution as a CF flag."""
     statuses = list(cs.Status)
-    meanings = [one.name.lower() for one in statuses]
+    meanings = [each.name.lower() for each in statuses]
     return flags((), np.asarray(statuses.index(status)), meanings, long_name)
 
 
 def number(value: float, long_name: str) -> xr.Variable:
-    """A dimensionless number with its name."""
+    """Return a dimensionless number as a variable with the long name `long_name`."""
     return xr.Variable((), value, {"units": "1", "long_name": long_name})
 
 
 def contact_share(pressure: np.ndarray) -> xr.Variable:
-    """Of the cells of a grid, how many bear ``pressure`` (x, y)."""
+    """Return the share of the cells that bear pressure (x, y)."""
     return number(float((pressure > 0).mean()), "share of cells in contact")
 
 
 def error_estimates(solution: cs.Solution) -> Mapping[str, xr.Variable]:
-    """``<metric>_estimate`` and its parts ``<metric>_estimate_<cause>``, for the peak pressure and L1."""
+    """Return the estimated errors of the peak pressure and the pressure in L1, in all and by cause.
+
+    They have the names ``<metric>_estimate`` and ``<metric>_estimate_<cause>``.
+    """
     estimate = cs.error_estimate(solution)
     metrics = {
         "peak_pressure": ("peak pressure", estimate.peak_pressure),
@@ -155,8 +193,8 @@ def error_estimates(solution: cs.Solution) -> Mapping[str, xr.Variable]:
     }
     measured: dict[str, xr.Variable] = {}
     for name, (what, parts) in metrics.items():
-        said = f"estimated relative error of the {what}"
-        measured[f"{name}_estimate"] = number(parts.total, said)
+        description = f"estimated relative error of the {what}"
+        measured[f"{name}_estimate"] = number(parts.total, description)
         for cause, part in asdict(parts).items():
-            measured[f"{name}_estimate_{cause}"] = number(part, f"{said}, by {cause}")
+            measured[f"{name}_estimate_{cause}"] = number(part, f"{description}, by {cause}")
     return measured

@@ -1,4 +1,4 @@
-"""How a study is drawn: captioned figures, findings and tables, all read from its stored Dataset."""
+"""Drawing of a study: captioned figures, findings and tables, all made from its stored Dataset."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Row = tuple[str, ...]
 
 @dataclass(frozen=True)
 class Finding:
-    """A claim in a few words, what was measured, and the reader's question that this answers, if one does."""
+    """A claim, the measurement behind it, and the question of the reader that it answers, if any."""
 
     claim: str
     measured: str
@@ -28,7 +28,17 @@ class Finding:
 
 @dataclass(frozen=True)
 class Table:
-    """A head, rows of text, and a caption; a column whose every cell starts with a number is one of numbers."""
+    """A table of texts with a caption.
+
+    Attributes
+    ----------
+    caption
+        Text below the table.
+    head
+        Names of the columns.
+    rows
+        Cells of each row.
+    """
 
     caption: str
     head: Row
@@ -36,7 +46,7 @@ class Table:
 
     @property
     def kinds(self) -> Row:
-        """``number`` or ``text`` for each column."""
+        """Type of each column: ``number`` if each of its cells starts with a number, else ``text``."""
         columns = zip(*self.rows, strict=True) if self.rows else [()] * len(self.head)
         return tuple(
             "number" if all(cell.lstrip("-−<> ")[:1].isdigit() for cell in column) else "text"
@@ -46,7 +56,7 @@ class Table:
 
 @dataclass(frozen=True, eq=False)
 class CaptionedFigure:
-    """A figure with its file name and the caption that goes under it."""
+    """A figure with its file name and its caption."""
 
     name: str
     figure: Figure
@@ -61,16 +71,20 @@ class CaptionedFigure:
 
 
 def nothing(dataset: xr.Dataset) -> tuple[()]:
-    """Return nothing: the findings, or the tables, of a drawing that has none."""
+    """Return an empty tuple, for a drawing without findings or tables."""
     return ()
 
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """What the report shows of a study; each function reads the stored Dataset and never solves.
+    """Figures, findings and tables of a study, as functions of its stored Dataset that never solve.
 
-    ``axes`` are those that the functions know by name; of any other axis they are given one value. Without
-    ``axes`` they are given all.
+    Attributes
+    ----------
+    figure, findings, tables
+        Functions of the Dataset.
+    axes
+        Axes that the functions know by name; of any other axis they get the first value. Empty passes all axes.
     """
 
     figure: Callable[[xr.Dataset], Sequence[CaptionedFigure]]
@@ -79,37 +93,42 @@ class Drawing:
     axes: tuple[str, ...] = ()
 
     def reduced(self) -> Drawing:
-        """Return this drawing for datasets with further axes: captions and findings name the value chosen."""
+        """Return this drawing for datasets with further axes, with the chosen values in captions and findings."""
 
         def figures(dataset: xr.Dataset) -> Sequence[CaptionedFigure]:
             part, words = at_known_axes(dataset, self.axes)
             drawn = self.figure(part)
             if not words:
                 return drawn
-            return tuple(replace(one, caption=f"{one.caption} Shown at {words}.") for one in drawn)
+            return tuple(
+                replace(item, caption=f"{item.caption} Shown at {words}.") for item in drawn
+            )
 
         def findings(dataset: xr.Dataset) -> Sequence[Finding]:
             part, words = at_known_axes(dataset, self.axes)
             drawn = self.findings(part)
             if not words:
                 return drawn
-            return tuple(replace(one, measured=f"{one.measured} (At {words}.)") for one in drawn)
+            return tuple(replace(item, measured=f"{item.measured} (At {words}.)") for item in drawn)
 
         def tables(dataset: xr.Dataset) -> Sequence[Table]:
             part, words = at_known_axes(dataset, self.axes)
             drawn = self.tables(part)
             if not words:
                 return drawn
-            return tuple(replace(one, caption=f"{one.caption} Shown at {words}.") for one in drawn)
+            return tuple(
+                replace(item, caption=f"{item.caption} Shown at {words}.") for item in drawn
+            )
 
         return Drawing(figures, findings, tables) if self.axes else self
 
 
 def at_known_axes(dataset: xr.Dataset, known: Sequence[str]) -> tuple[xr.Dataset, str]:
-    """Return the dataset at the first value of every axis that is not ``known``, and words that say which."""
+    """Return the dataset at the first value of every axis that is not in `known`, with words that name these values."""
     axes = dataset["case_status"].dims if "case_status" in dataset else ()
-    other = [str(name) for name in axes if name not in known]
+    unknown = [str(name) for name in axes if name not in known]
     words = ", ".join(
-        f"{name} = {dataset[name].values[0]} (the first of {dataset.sizes[name]})" for name in other
+        f"{name} = {dataset[name].values[0]} (the first of {dataset.sizes[name]})"
+        for name in unknown
     )
-    return dataset.isel(dict.fromkeys(other, 0), drop=True), words
+    return dataset.isel(dict.fromkeys(unknown, 0), drop=True), words

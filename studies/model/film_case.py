@@ -1,4 +1,4 @@
-"""A lubricated contact of a sweep, and the quantities recorded of it."""
+"""Lubricated contacts of a sweep, and the quantities recorded of them."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
@@ -16,7 +16,7 @@ from studies.model.case import Case, number
 
 @dataclass(frozen=True, eq=False)
 class SolvedFilm:
-    """A lubricated ``contact``, and the wall time [s] that it took."""
+    """A lubricated contact, and the wall time [s] of its solution."""
 
     contact: cs.LubricatedContact
     seconds: float
@@ -60,22 +60,24 @@ class FilmCase(Case):
 
 
 def film_measures(case: FilmCase, solved: SolvedFilm) -> Mapping[str, xr.Variable]:
-    """Return film, friction, power loss, parameters of Moes, shares of a thin film, wall time and error estimates."""
+    """Return film, friction, power loss, Moes' parameters, shares of a thin film, wall time and estimated errors."""
     contact = solved.contact
-    found = {
-        one.name: xr.Variable((), one.value, {"units": one.units, "long_name": one.long_name})
-        for one in film_quantities(contact)
+    measured = {
+        quantity.name: xr.Variable(
+            (), quantity.value, {"units": quantity.units, "long_name": quantity.long_name}
+        )
+        for quantity in film_quantities(contact)
     }
     scales = contact.scales
     expected = scales.expected_film * scales.film
     area, load = contact.thinner_than(expected / 2)
-    half = "film below half of that of Moes' formula"
-    found["moes_film"] = xr.Variable(
+    thin_film = "film below half of that of Moes' formula"
+    measured["moes_film"] = xr.Variable(
         (), expected, {"units": "m", "long_name": "film by the formula of Moes"}
     )
-    found["thin_area"] = number(area, f"share of Hertz's area with a {half}")
-    found["thin_load"] = number(load, f"share of the load on a {half}")
-    found["wall_time"] = xr.Variable(
+    measured["thin_area"] = number(area, f"share of Hertz's area with a {thin_film}")
+    measured["thin_load"] = number(load, f"share of the load on a {thin_film}")
+    measured["wall_time"] = xr.Variable(
         (), solved.seconds, {"units": "s", "long_name": "wall time, beside other cases"}
     )
     estimate = asdict(cs.film_error(contact)) if contact.is_smooth else {}
@@ -83,5 +85,5 @@ def film_measures(case: FilmCase, solved: SolvedFilm) -> Mapping[str, xr.Variabl
         parts = estimate.get(metric)
         total = sum(parts.values()) if parts else nan
         name = f"estimated relative error of the {metric.replace('_', ' ')}"
-        found[f"{metric}_estimate"] = number(total, name)
-    return found
+        measured[f"{metric}_estimate"] = number(total, name)
+    return measured

@@ -1,4 +1,4 @@
-"""Checks of measured values, at the time they are measured: netCDF and xarray give back what goes in."""
+"""Checks of measured values, so that netCDF and xarray return what was stored."""
 
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
@@ -23,50 +23,60 @@ TIME_UNITS = frozenset(
 )
 LARGEST_RESULT = (
     2**25
-)  # bytes of all that is measured of a case: a table of a thousand such takes 34 GB
+)  # bytes of all variables of a case: a table of a thousand such cases takes 34 GB
 LARGEST_WHOLE = 2**53  # beyond it a whole number is changed where another case has no value
 
 
 class NotANumberError(ArithmeticError):
-    """A measure that is nan."""
+    """Raised for a measured value that is nan."""
 
 
 def measured_variables(
-    measured: object, taken: Iterable[str], source: str = "measures"
+    measured: object, reserved: Iterable[str], source: str = "measures"
 ) -> dict[str, xr.Variable]:
-    """What ``source`` returned as variables that netCDF holds as they are.
+    """Return the mapping that a function of a study returned as variables that netCDF stores unchanged.
 
-    ``taken``: names that a variable or a dimension may not have. Raises
-    :class:`~contactstudy.InvalidInput` for what netCDF cannot hold, and :class:`NotANumberError` for nan.
+    Parameters
+    ----------
+    measured
+        The mapping of names to numbers, text or variables.
+    reserved
+        Names that no variable and no dimension may have.
+    source
+        Name of the function, for messages.
+
+    Raises
+    ------
+    InvalidInput
+        For a value that netCDF cannot store.
+    NotANumberError
+        For a value that is nan.
     """
     if not isinstance(measured, Mapping):
         raise InvalidInput(
             f"{source} returns {_short(measured)}: return named values, such as {{'peak': 1.0}}."
         )
-    taken = frozenset(taken)
-    found = {name: _variable(name, value, source, taken) for name, value in measured.items()}
+    reserved = frozenset(reserved)
+    variables = {name: _variable(name, value, source, reserved) for name, value in measured.items()}
     sizes: dict[str, int] = {}
-    for name, variable in found.items():
+    for name, variable in variables.items():
         for dim, size in variable.sizes.items():
             if sizes.setdefault(str(dim), size) != size:
                 raise InvalidInput(
                     f"{source} gives {name!r} with {size} values along {dim!r} and another variable with "
                     f"{sizes[str(dim)]}: give dimensions of different sizes different names."
                 )
-    for name, variable in found.items():
+    for name, variable in variables.items():
         if name in sizes and variable.dims != (name,):
             raise InvalidInput(
                 f"{source} gives {name!r} as a variable and as a dimension: only a coordinate, with that "
                 "one dimension, has the name of a dimension."
             )
-    return found
+    return variables
 
 
 def check_size(variables: Mapping[str, xr.Variable]) -> None:
-    """Refuse more numbers of one case than a table of many cases can hold.
-
-    Raises :class:`~contactstudy.InvalidInput` with the size.
-    """
+    """Raise InvalidInput, with the size, for more bytes of one case than a table of many cases can hold."""
     size = sum(variable.nbytes for variable in variables.values())
     if size > LARGEST_RESULT:
         raise InvalidInput(
@@ -76,6 +86,7 @@ def check_size(variables: Mapping[str, xr.Variable]) -> None:
 
 
 def _variable(name: object, value: object, source: str, taken: frozenset[str]) -> xr.Variable:
+    """Return one value as a variable; raise InvalidInput where netCDF cannot store it."""
     if problem := name_problem(name):
         raise InvalidInput(f"{source} gives a variable {_short(name)}: {problem}.")
     assert isinstance(name, str)
@@ -103,7 +114,7 @@ def _variable(name: object, value: object, source: str, taken: frozenset[str]) -
     if len(set(value.dims)) < len(value.dims):
         raise refuse(value.dims, "each dimension has a name of its own")
     values = _values(name, np.asarray(value.values), refuse)
-    attributes = {key: _attribute(name, key, one, source) for key, one in value.attrs.items()}
+    attributes = {key: _attribute(name, key, entry, source) for key, entry in value.attrs.items()}
     return xr.Variable(value.dims, values, attributes)
 
 
@@ -111,6 +122,7 @@ Refuse = Callable[[object, str], InvalidInput]
 
 
 def _check_scalar(value: Any, refuse: Refuse) -> None:
+    """Raise the error of `refuse` for text or a whole number that netCDF cannot store."""
     if isinstance(value, str) and not is_storable(value):
         raise refuse(value, "give text without control characters and lone surrogates")
     if isinstance(value, int) and abs(value) > LARGEST_WHOLE:
@@ -118,18 +130,19 @@ def _check_scalar(value: Any, refuse: Refuse) -> None:
 
 
 def _values(name: str, values: np.ndarray, refuse: Refuse) -> np.ndarray:
+    """Return the values of a variable in a type that netCDF stores unchanged."""
     kind = values.dtype.kind
     if kind == "O":
-        odd = [one for one in values.flat if not isinstance(one, str)]
-        if odd:
-            raise refuse(odd[0], "give numbers or text")
-        for one in values.flat:
-            _check_scalar(one, refuse)
+        other_types = [entry for entry in values.flat if not isinstance(entry, str)]
+        if other_types:
+            raise refuse(other_types[0], "give numbers or text")
+        for entry in values.flat:
+            _check_scalar(entry, refuse)
         values = np.asarray(values.tolist(), dtype=str) if values.size else values.astype(str)
         kind = "U"
     if kind == "U":
-        for one in values.flat:
-            _check_scalar(str(one), refuse)
+        for entry in values.flat:
+            _check_scalar(str(entry), refuse)
         # numpy drops the NUL at the end of a text, but keeps the length of a lone one
         if values.ndim == 0 and values.dtype.itemsize != 4 * max(len(str(values)), 1):
             raise refuse(str(values), "give text without NUL")
@@ -150,6 +163,7 @@ def _values(name: str, values: np.ndarray, refuse: Refuse) -> np.ndarray:
 
 
 def _attribute(variable: str, name: object, value: object, source: str) -> Any:
+    """Return the value of an attribute in a type that netCDF stores unchanged."""
     where = f"{source} gives {variable!r} the attribute {_short(name)}"
     if problem := name_problem(name):
         raise InvalidInput(f"{where}: {problem}.")
@@ -178,18 +192,19 @@ def _attribute(variable: str, name: object, value: object, source: str) -> Any:
         except ValueError:
             array = np.asarray(None)
         is_number = array.dtype.kind in "iuf" and array.dtype.itemsize <= 8
-        is_text = array.dtype.kind == "U" and all(is_storable(str(one)) for one in array.flat)
+        is_text = array.dtype.kind == "U" and all(is_storable(str(entry)) for entry in array.flat)
         if array.size and array.ndim <= 1 and is_number and array.dtype != np.float16:
             return array.astype(array.dtype.newbyteorder("="))[()]
         texts = isinstance(value, np.ndarray | np.generic) or all(
-            isinstance(one, str) for one in value
+            isinstance(entry, str) for entry in value
         )
         if array.size and array.ndim == 1 and is_text and texts:
-            return [str(one) for one in array]
+            return [str(entry) for entry in array]
     raise InvalidInput(f"{where} as {_short(value)}: give a number, text or a row of numbers.")
 
 
 def _short(value: object) -> str:
+    """Return the representation of any object in one line of at most 60 characters."""
     try:
         shown = repr(value)
     except Exception:  # noqa: BLE001 (any object may come here)

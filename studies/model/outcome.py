@@ -1,4 +1,4 @@
-"""Outcomes of computations, and samples of their times, as variables that a Dataset can hold."""
+"""Outcomes of computations, and their times, as variables of a Dataset."""
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -14,7 +14,7 @@ from studies.model.study import Measures
 
 
 class CaseStatus(IntEnum):
-    """Whether a computation gave its numbers."""
+    """Status of a computation."""
 
     NOT_RUN = 0
     OK = 1
@@ -24,7 +24,7 @@ class CaseStatus(IntEnum):
     SKIPPED = 5
 
 
-# what the store says of every case itself; and what xarray's ``sel`` takes for its own, not for an axis
+# variables that the store adds to every case; and keywords of xarray's ``sel``, which no axis may have
 RESERVED_NAMES = frozenset(
     {"case_status", "case_key", "error", "error_type", "error_stage", "contended", "repeat"}
     | {"tolerance", "method", "drop"}
@@ -38,7 +38,7 @@ RESERVED_NAMES = frozenset(
 
 @dataclass(frozen=True)
 class Failure:
-    """The error's type and sentence, and whether it came with the setup, the solve or the measure."""
+    """Error of a case: its type, a sentence, and its stage (setup, solve or measure)."""
 
     kind: str
     sentence: str
@@ -47,10 +47,22 @@ class Failure:
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """The variables of one computation, or the failure for which there are none.
+    """Variables of one computation, or its failure.
 
-    ``fields`` are those of the contact, where they were asked for; ``seconds`` and ``cpu`` what it all
-    took, of wall and of CPU time [s].
+    Attributes
+    ----------
+    case_status
+        Status of the computation.
+    variables
+        Measured variables, by name.
+    failure
+        The failure, if there are no variables.
+    seconds
+        Wall time of the whole computation [s].
+    fields
+        Fields of the contact, where they are stored.
+    cpu
+        CPU time of the whole computation [s].
     """
 
     case_status: CaseStatus
@@ -62,39 +74,39 @@ class Outcome:
 
     @property
     def error(self) -> str:
-        """The failure in a sentence, or nothing."""
+        """Sentence on the failure; empty without one."""
         return self.failure.sentence if self.failure else ""
 
 
 class Stored(Protocol):
-    """A case that is stored, or a computation that has ended."""
+    """Protocol of a stored case, or of a computation that has ended."""
 
     @property
     def case_status(self) -> CaseStatus:
-        """What became of it."""
+        """Status of the computation."""
         ...
 
     def variable(self, name: str) -> xr.Variable | None:
-        """What was measured under this name, if there is something."""
+        """Return the measured variable with the name `name`; None if there is none."""
         ...
 
     @property
     def error(self) -> str:
-        """The failure in a sentence, or nothing."""
+        """Sentence on the failure; empty without one."""
         ...
 
 
-def summary_messages(found: Iterable[Stored]) -> Iterator[str]:
-    """How many cases failed, and how many solves ended otherwise than by converging."""
+def summary_messages(outcomes: Iterable[Stored]) -> Iterator[str]:
+    """Yield sentences on how many cases failed, and how many solves did not converge."""
     cases = failed = solves = 0
     ended: Counter[str] = Counter()
     first = ""
-    for one in found:
+    for outcome in outcomes:
         cases += 1
-        if one.case_status in (CaseStatus.FAILED, CaseStatus.TIMEOUT, CaseStatus.KILLED):
+        if outcome.case_status in (CaseStatus.FAILED, CaseStatus.TIMEOUT, CaseStatus.KILLED):
             failed += 1
-            first = first or one.error
-        elif (status := one.variable("solver_status")) is not None and status.ndim == 0:
+            first = first or outcome.error
+        elif (status := outcome.variable("solver_status")) is not None and status.ndim == 0:
             solves += 1
             if number := int(status.values.item()):
                 ended[str(status.attrs["flag_meanings"]).split()[number].upper()] += 1
@@ -106,18 +118,27 @@ def summary_messages(found: Iterable[Stored]) -> Iterator[str]:
 
 @runtime_checkable
 class HasFields(Protocol):
-    """A computation whose result has fields to keep."""
+    """Protocol of a computation whose result has fields to store."""
 
     def fields(self, result: Any) -> Mapping[str, xr.Variable]:
-        """The fields, with their coordinates."""
+        """Return the fields with their coordinates."""
         ...
 
 
 @dataclass(frozen=True, eq=False)
 class Work:
-    """What is done with every case: ``measures``, whether ``fields`` are kept, the ``time_limit`` [s].
+    """Instructions for every case of a run.
 
-    ``axes``: the names of the study's axes, which no measured variable may have.
+    Attributes
+    ----------
+    measures
+        Function of case and result that returns the measured variables.
+    keeps_fields
+        Whether fields are stored.
+    time_limit
+        Longest time of a case [s]; None without a limit.
+    axes
+        Names of the study's axes, which no measured variable may have.
     """
 
     measures: Measures
@@ -137,9 +158,18 @@ SPREAD = 1.1
 
 @dataclass(frozen=True)
 class Sample:
-    """One timed run of a case [s]: wall and CPU time of set-up and solve, and the threads of the case.
+    """Times of one timed run of a case.
 
-    ``pace``: what a fixed piece of work took beside it, the longer of before and after.
+    Attributes
+    ----------
+    setup, solve
+        Wall time of set-up and solve [s].
+    setup_cpu, solve_cpu
+        CPU time of set-up and solve [s].
+    threads
+        Threads of the case.
+    pace
+        Wall time [s] of a fixed piece of work beside the run, the longer of before and after.
     """
 
     setup: float
@@ -151,10 +181,17 @@ class Sample:
 
 
 def is_contended(samples: Sequence[Sample], pace: float = np.inf) -> bool:
-    """Whether the least time may be too long by a tenth.
+    """Return whether the least time may be more than 10 % too long.
 
-    CPU time lacks, no repeat confirms it, or the processor was then slower than at its best, when
-    the fixed piece of work took ``pace`` [s].
+    It may if its CPU time is shorter than its wall time, no other run confirms it, or the processor was slower than at
+    its best.
+
+    Parameters
+    ----------
+    samples
+        Timed runs of one case.
+    pace
+        Least time [s] of the fixed piece of work on this machine.
     """
     wall = np.array([sample.setup + sample.solve for sample in samples])
     cpu = np.array([sample.setup_cpu + sample.solve_cpu for sample in samples])
@@ -174,27 +211,34 @@ PARTS = {
 def timing_variables(
     names: tuple[str, ...], index: np.ndarray, samples: Sequence[Sequence[Sample]]
 ) -> Mapping[str, xr.Variable]:
-    """Least, median and CPU time of each case, every sample along ``repeat``, and whether it can be trusted.
+    """Return least, median and CPU time of each case, every sample along ``repeat``, and whether it can be trusted.
 
-    ``samples`` of distinct cases; ``index`` says which of them is at each point.
+    Parameters
+    ----------
+    names
+        Names of the study's axes.
+    index
+        Number of the case at each point.
+    samples
+        Timed runs of each case.
     """
     data = {}
-    repeats = max((len(one) for one in samples), default=0)
+    repeats = max((len(runs) for runs in samples), default=0)
 
     def seconds(attribute: str) -> np.ndarray:
-        rows = [[getattr(s, attribute) for s in one] for one in samples]
+        rows = [[getattr(sample, attribute) for sample in runs] for runs in samples]
         filled = [row + [np.nan] * (repeats - len(row)) for row in rows]
         return np.array(filled, dtype=float).reshape(len(samples), repeats)
 
-    def variable(values: np.ndarray, what: str, *more: str) -> xr.Variable:
-        return xr.Variable(names + more, values[index], {"units": "s", "long_name": what})
+    def variable(values: np.ndarray, what: str, *further_dims: str) -> xr.Variable:
+        return xr.Variable(names + further_dims, values[index], {"units": "s", "long_name": what})
 
     for part, what in PARTS.items():
         wall, cpu = seconds(part), seconds(f"{part}_cpu")
         least, middle, least_cpu = np.full((3, len(samples)), np.nan)
-        for row, one in enumerate(samples):
-            if one:
-                chosen = wall[row, : len(one)]
+        for row, runs in enumerate(samples):
+            if runs:
+                chosen = wall[row, : len(runs)]
                 least[row], middle[row] = chosen.min(), np.median(chosen)
                 least_cpu[row] = cpu[row, chosen.argmin()]
         name = f"{part}_time"
@@ -205,9 +249,9 @@ def timing_variables(
         )
         if repeats:
             data[f"{name}_all"] = variable(wall, f"wall time {what}, every repeat", "repeat")
-    pace = min((sample.pace for one in samples for sample in one), default=np.inf)
+    pace = min((sample.pace for runs in samples for sample in runs), default=np.inf)
     marks = [
-        int(is_contended(one, pace)) if one else CONTENDED.index("not_timed") for one in samples
+        int(is_contended(runs, pace)) if runs else CONTENDED.index("not_timed") for runs in samples
     ]
     what = "whether something else may have slowed the timing down by a tenth"
     data["contended"] = flags(names, np.array(marks, dtype=np.int8)[index], CONTENDED, what)

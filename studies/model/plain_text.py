@@ -8,13 +8,13 @@ from functools import cache, lru_cache
 from pathlib import Path
 from typing import SupportsInt
 
-LONGEST = 2000  # characters of an error, a title or the like
-# but for tab and line feed; and what stands for a byte that is no text
+LONGEST = 2000  # characters of an error or a title
+# control characters without tab and line feed, and lone surrogates
 _CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff]")
 
 
 def one_line(text: object, longest: int = LONGEST) -> str:
-    """``text`` as one line of at most ``longest`` characters; what cannot be stored or shown is escaped."""
+    """Return `text` in one line of at most `longest` characters, with control characters escaped."""
     try:
         raw = str(text)
     except Exception as error:  # noqa: BLE001 (an error whose own __str__ raises)
@@ -25,13 +25,13 @@ def one_line(text: object, longest: int = LONGEST) -> str:
 
 
 def is_storable(text: str) -> bool:
-    """Whether ``text`` comes back from netCDF as it went in, and does nothing to a terminal."""
+    """Return whether netCDF returns `text` unchanged, and a terminal shows it as text."""
     return _CONTROL.search(text) is None
 
 
 @lru_cache(4096)
 def name_problem(name: object) -> str:
-    """Why netCDF cannot hold a variable, dimension or attribute called ``name``; empty if it can."""
+    """Return why netCDF cannot hold a variable, dimension or attribute with the name `name`; empty if it can."""
     if not isinstance(name, str):
         return "a name is text"
     if not name:
@@ -50,24 +50,37 @@ def name_problem(name: object) -> str:
 
 
 def thread_count(threads: SupportsInt) -> str:
-    """So many threads, in words."""
+    """Return a number of threads in words."""
     return f"{int(threads)} thread{'s' if int(threads) > 1 else ''}"
 
 
 def place_of(error: BaseException, *others: str) -> str:
-    """`` in function (file, line n)``: the innermost place that is no library's, nor in the files ``others``.
+    """Return the innermost place of an error outside libraries, as `` in function (file, line n)``.
 
-    Nothing where there is none.
+    Parameters
+    ----------
+    error
+        The error.
+    others
+        Files that count as libraries.
+
+    Returns
+    -------
+    str
+        Empty where there is no such place.
     """
     frames = traceback.extract_tb(error.__traceback__, limit=-50)
-    own = [frame for frame in frames if not frame.filename.startswith((*_libraries(), *others))]
-    if not own:
+    own_frames = [
+        frame for frame in frames if not frame.filename.startswith((*_libraries(), *others))
+    ]
+    if not own_frames:
         return ""
-    place = own[-1]
+    place = own_frames[-1]
     return one_line(f" in {place.name} ({Path(place.filename).name}, line {place.lineno})", 300)
 
 
 @cache
 def _libraries() -> tuple[str, ...]:
+    """Return the folders of installed libraries."""
     paths = sysconfig.get_paths()
     return paths["stdlib"], paths["purelib"], paths["platlib"], "<"

@@ -1,4 +1,4 @@
-"""What a study computes: its axes, the computation at each point, and what is measured there."""
+"""Studies: their axes, the computation at each point, and what is measured there."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Point = Mapping[str, Value]
 Measures = Callable[[Any, Any], "Mapping[str, xr.Variable]"]
 
 
-# what a study file says that cannot change a number of a case
+# names in a study file that cannot change a number of a case
 NOT_NUMBERS = frozenset({"points", "times", "files", "figure", "findings", "tables"})
 
 
@@ -80,17 +80,30 @@ class Study:
 
     @property
     def size(self) -> int:
-        """The number of its points."""
+        """Number of points."""
         return prod(len(axis.values) for axis in self.points)
 
     def check_size(self, most: int | None) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` for more points than ``most``, or than memory holds."""
+        """Raise InvalidInput for more than `most` points, or more than memory holds."""
         check_count(f"Study {self.name!r}", self.size, "points", most)
 
     def override(
         self, axes: Mapping[str, str | Iterable[Value]], *, most: int | None = MOST_POINTS
     ) -> Study:
-        """Return this study over other values of some of its axes, ``most`` of each at the most."""
+        """Return this study with other values of some axes.
+
+        Parameters
+        ----------
+        axes
+            Values by name of the axis, as for :meth:`~studies.model.axis.Axis.override`.
+        most
+            Largest number of values of an axis; None allows any.
+
+        Raises
+        ------
+        InvalidInput
+            For an axis or a value that the study does not have.
+        """
         known = {axis.name: axis for axis in self.points}
         for name in axes:
             if name not in known:
@@ -104,7 +117,7 @@ class Study:
         return replace(self, points=changed)
 
     def visits(self) -> Iterator[tuple[Point, Computation]]:
-        """Give every point with its case, in the order of the axes (last one fastest)."""
+        """Yield every point with its case, in the order of the axes (last one fastest)."""
         names = [axis.name for axis in self.points]
         for values in product(*(axis.values for axis in self.points)):
             point = dict(zip(names, values, strict=True))

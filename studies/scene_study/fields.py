@@ -58,7 +58,7 @@ class Field:
 
     @property
     def is_whole(self) -> bool:
-        """Whether the field holds whole numbers."""
+        """True if the field holds whole numbers."""
         return self.annotation is int
 
 

@@ -162,7 +162,7 @@ class Variation:
 
     @property
     def is_load(self) -> bool:
-        """Whether the axis is the load, along which neighbouring contacts are alike."""
+        """True if the axis is the load, along which neighbouring contacts are alike."""
         return self.field.path[0] == "load"
 
     def apply(self, document: Document, value: Value) -> Document:

@@ -12,6 +12,7 @@ import xarray as xr
 
 from contactstudy.accuracy.estimate import ErrorEstimate
 from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.padding import across_and_along
 from contactstudy.domain.version import VERSION
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
 from contactstudy.io.scene_writer import scene_text
@@ -392,6 +393,13 @@ def film_dataset(contact: "LubricatedContact") -> xr.Dataset:
         attrs=_attributes("lubricated line contact")
         | {"scene": scene_attribute(PosedScene(contact.scene, grid, contact.padding))},
     )
+    for output in contact.scene.outputs:
+        derived = output.of(contact.scene.solids, grid, across_and_along(contact.padding))
+        if isinstance(derived, Sheared):
+            # friction across, as the film drags the first body back
+            derived = derived.under(np.stack((-contact.shear, np.zeros_like(contact.shear))))
+        for name, field in derived.fields(contact.pressure).items():
+            dataset[name] = _of_field(field)
     if contact.error is None:
         return dataset
     estimates = asdict(contact.error)

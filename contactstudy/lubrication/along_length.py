@@ -13,7 +13,8 @@ from importlib import import_module
 import numpy as np
 from scipy import fft
 from scipy.linalg import solve_banded
-from scipy.sparse.linalg import LinearOperator, gmres
+from scipy.sparse import csc_matrix
+from scipy.sparse.linalg import LinearOperator, SuperLU, gmres, splu
 
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.convolution import Convolution
@@ -24,8 +25,10 @@ from contactstudy.lubrication.pseudo_time import FilmStep
 REACHED, MISSED, BASIS, RESTARTS = 1e-2, 0.1, 120, 4
 # Waves along the length that the Fourier stage knows.
 WAVES = 33
-# What the line stage has of elasticity: this share of the coefficients of the film, and this part of a cell's width.
+# What the local stage has of elasticity: this share of the coefficients of the film, and this part of a cell's width; by
+# lines, and by factors for cells so many times as long as wide, which lines along the length do not couple.
 FILM_SHARE, OWN_SHARE = 0.01, 0.03
+FILM_SHARE_LONG, OWN_SHARE_LONG, LONG_CELL = 0.05, 0.1, 2.0
 # The Fourier stage is made anew where GMRES takes so many times as many iterations, and more, than after it was last.
 SLOWER, MORE, FOURFOLD, LONG_STEP = 1.5, 5, 4.0, 3.0
 
@@ -64,9 +67,13 @@ class KrylovStep:
         right = np.append(
             -(linear.residual + linear.change(pressure, void, 0.0)).ravel(), flow * missing
         )
-        self._renew(linear, free)
+        try:
+            self._renew(linear, free)
+            lines = local_stage(linear, cavitated)
+        except (np.linalg.LinAlgError, RuntimeError):  # singular, as scipy has it
+            return FilmStep(pressure, void, 0.0, solved=False)
         assert self.fourier is not None
-        fourier, lines = self.fourier, LineStage.of(linear, cavitated)
+        fourier = self.fourier
 
         def preconditioned(values: Array) -> Array:
             cells = values[:-1].reshape(shape)
@@ -192,25 +199,63 @@ class LineStage:
     @classmethod
     def of(cls, linear: Linearised, cavitated: Mask) -> "LineStage":
         """Take from each cell the coefficients of its unknown, the void fraction where it is cavitated."""
-        fixed = linear.equation.fixed
-        zero = np.zeros(fixed.shape)
-
-        def coefficient(offset: tuple[int, int]) -> Array:
-            pressure = linear.pressure.get(offset, zero) + FILM_SHARE * linear.film.get(
-                offset, zero
-            )
-            if offset == (0, 0):
-                pressure = pressure + OWN_SHARE * linear.equation.cell[0]
-            unknown = np.where(
-                neighbour(cavitated, offset), linear.void.get(offset, zero), pressure
-            )
-            return np.where(fixed | neighbour(fixed, offset), offset == (0, 0), unknown)
-
-        return cls(*(coefficient(offset) for offset in ((0, 0), (0, -1), (0, 1), (-1, 0), (-2, 0))))
+        offsets = (0, 0), (0, -1), (0, 1), (-1, 0), (-2, 0)
+        return cls(
+            *(_coefficient(linear, cavitated, offset, FILM_SHARE, OWN_SHARE) for offset in offsets)
+        )
 
     def solve(self, right: Array) -> Array:
         """Return the solution of one sweep downstream."""
         return sweeper()(self.own, self.before, self.behind, self.upstream, self.further, right)
+
+
+@dataclass(frozen=True, eq=False)
+class FactorStage:
+    """Sparse factors of the local coefficients, for cells that are long along the length."""
+
+    factors: SuperLU
+
+    @classmethod
+    def of(cls, linear: Linearised, cavitated: Mask) -> "FactorStage":
+        """Factorise the coefficients of all neighbours."""
+        index = np.arange(cavitated.size).reshape(cavitated.shape)
+        rows, columns, values = [], [], []
+        for offset in ((0, 0), (0, -1), (0, 1), (1, 0), (-1, 0), (-2, 0)):
+            coefficient = _coefficient(linear, cavitated, offset, FILM_SHARE_LONG, OWN_SHARE_LONG)
+            inside = neighbour(np.ones_like(cavitated), offset)
+            rows.append(index[inside])
+            columns.append(neighbour(index, offset)[inside])
+            values.append(coefficient[inside])
+        places = np.concatenate(rows), np.concatenate(columns)
+        size = cavitated.size
+        return cls(splu(csc_matrix((np.concatenate(values), places), shape=(size, size))))
+
+    def solve(self, right: Array) -> Array:
+        """Return the solution by the factors."""
+        return np.asarray(self.factors.solve(right.ravel()).reshape(right.shape))
+
+
+def local_stage(linear: Linearised, cavitated: Mask) -> LineStage | FactorStage:
+    """Return lines along the length, or sparse factors where cells are too long for lines to couple them."""
+    dx, dy = linear.equation.cell
+    return (FactorStage if dy > LONG_CELL * dx else LineStage).of(linear, cavitated)
+
+
+def _coefficient(
+    linear: Linearised,
+    cavitated: Mask,
+    offset: tuple[int, int],
+    film_share: float,
+    own_share: float,
+) -> Array:
+    """Return the coefficient of the unknown of the neighbour at ``offset``, with a remainder of elasticity."""
+    fixed = linear.equation.fixed
+    zero = np.zeros(fixed.shape)
+    pressure = linear.pressure.get(offset, zero) + film_share * linear.film.get(offset, zero)
+    if offset == (0, 0):
+        pressure = pressure + own_share * linear.equation.cell[0]
+    unknown = np.where(neighbour(cavitated, offset), linear.void.get(offset, zero), pressure)
+    return np.where(fixed | neighbour(fixed, offset), offset == (0, 0), unknown)
 
 
 @cache

@@ -19,9 +19,13 @@ from contactstudy.lubrication.pseudo_time import FilmIteration
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import response
 from contactstudy.scene.scene import Scene
+from contactstudy.solvers.solve import SolveOptions
 
 # An outlet reaches so many half-widths, or further by so many times sqrt(2 H).
 OUTLET, OUTLET_GROWTH = 1.5, 2.5
+# Heights over a^2 / R that vary along the length by this much are no roughness on a line contact.
+# More than EDGE is the end of a roller.
+CROWNED, EDGE = 0.5, 300.0
 # Grids are halved down to so many cells: across in plane strain, across and along else. Rows divide by LEVELS.
 COARSEST, COARSEST_ROUGH, COARSEST_ALONG, LEVELS = 200, 48, 16, 8
 
@@ -59,6 +63,11 @@ class PosedFilm:
     operator_on: Callable[[Grid], Convolution]
     problem: Problem
 
+    @property
+    def is_crowned(self) -> bool:
+        """Whether the bodies part along the length by as much as Hertz's contact is flattened."""
+        return bool(np.ptp(self.equation.gap, axis=1).max() > CROWNED)
+
     def at(self, resistance: float) -> "PosedFilm":
         """Return the same at another speed, to which the resistance is proportional."""
         return replace(self, equation=replace(self.equation, resistance=resistance))
@@ -78,7 +87,7 @@ class PosedFilm:
         least = COARSEST if ny == 1 else COARSEST_ROUGH
         across = 2 if nx % 2 == 0 and nx >= 2 * least else 1
         along = 2 if ny % 2 == 0 and ny >= 2 * COARSEST_ALONG else 1
-        if across * along == 1:
+        if across * along == 1 and not self.is_crowned:
             along = ny
         if across * along == 1:
             return None
@@ -105,6 +114,12 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
             "length, give one for the length that wraps, such as ExactPeriodicity()."
         )
     problem = replace(scene, lubrication=None, outputs=()).problem(grid, paddings)
+    opening = float(np.ptp(problem.undeformed_gap, axis=1).max())
+    if opening > EDGE * scales.film:
+        raise InvalidInput(
+            f"Scene.shapes open the gap by {opening:.3g} m along the length, as a roller's sharp end does: a film ends "
+            "there in a way that is not known, give a Crown or a LundbergProfile, and a longer period."
+        )
     hertz = scales.hertz
     outlet = max(OUTLET, 1 + OUTLET_GROWTH * sqrt(2 * scales.expected_film)) * hertz.half_width
     rows = min(LEVELS * ceil(np.count_nonzero(grid.x < outlet) / LEVELS), grid.cells[0])
@@ -172,15 +187,27 @@ def _halved(values: Array, axis: int, ends: Literal["edge", "wrap"]) -> Array:
 
 
 def hertz_start(posed: PosedFilm) -> Film:
-    """Return Hertz's pressure, and a separation at which the smallest film is that of Moes."""
+    """Return Hertz's pressure, that of the dry contact under a crown, and the separation of the film of Moes."""
     equation = posed.equation
-    hertz = np.sqrt(np.clip(1 - posed.x**2, 0, None))
-    pressure = np.repeat(hertz[:, None], equation.gap.shape[1], axis=1)
+    if posed.is_crowned:
+        pressure = _dry_pressure(posed)
+    else:
+        hertz = np.sqrt(np.clip(1 - posed.x**2, 0, None))
+        pressure = np.repeat(hertz[:, None], equation.gap.shape[1], axis=1)
     pressure[equation.fixed] = 0
     pressure *= equation.load / (pressure.sum() * equation.cell[0] / pressure.shape[1])
     void = np.zeros_like(pressure)
     below = (equation.gap + equation.deflection(pressure)).min()
     return equation.film_of(pressure, void, posed.scales.expected_film - below)
+
+
+def _dry_pressure(posed: PosedFilm) -> Array:
+    """Return the pressure of the dry contact over p_H, averaged over the cells of a coarser grid."""
+    (nx, ny), fine = posed.upstream.cells, posed.problem.grid
+    across = round(posed.upstream.cell[0] / fine.cell[0])
+    dry = SolveOptions(tolerance=1e-4).solved(posed.problem).pressure[: nx * across]
+    blocks = dry.reshape(nx, across, ny, fine.cells[1] // ny)
+    return np.asarray(blocks.mean(axis=(1, 3)) / posed.scales.hertz.peak_pressure)
 
 
 def restart(posed: PosedFilm, contact: LubricatedContact) -> Film:

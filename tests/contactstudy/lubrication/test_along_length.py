@@ -1,9 +1,11 @@
 """Films that vary along the length, against plane strain and against themselves on other paths."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy import ndimage
 
 import contactstudy as cs
 from contactstudy.lubrication import along_length
@@ -111,3 +113,34 @@ def test_without_the_compiler_the_film_is_the_same(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(along_length, "sweeper", lambda: along_length.sweep_by_arrays)
     without = cs.solve_lubricated(scene, grid(64, 4.0, 16))
     assert without.film == pytest.approx(with_it.film, rel=1e-6)
+
+
+def test_a_crowned_roller_has_its_film_in_the_middle_and_none_beyond_its_ends() -> None:
+    shape = cs.Crown.of_drop(1.5e-6, length=20 * A)
+    contact = cs.solve_lubricated(by_moes(20, 5, shape), grid(64, 4.0, 32, period=40.0))
+    assert contact.status is not cs.FilmStatus.NOT_CONVERGED
+    assert contact.flux_spread < 1e-6
+    assert contact.pressure[32, 16] > 10 * contact.pressure[32, 0]
+    assert contact.film[32, 0] > 3 * contact.film[32, 16]
+
+
+def test_a_roller_that_ends_in_an_edge_is_refused_with_the_reason() -> None:
+    ended = by_moes(20, 5, cs.FiniteLength(20 * A))
+    with pytest.raises(cs.InvalidInput, match="a roller's sharp end"):
+        cs.solve_lubricated(ended, grid(64, 4.0, 32, period=40.0))
+
+
+def test_a_texture_and_a_measured_surface_carry_a_film(tmp_path: Path) -> None:
+    depth = 0.4 * film_scale(by_moes(20, 5))
+    rng = np.random.default_rng(5)
+    smooth = ndimage.gaussian_filter(rng.normal(size=(96, 32)), 4, mode="wrap")
+    heights = 0.2 * depth * smooth / smooth.std()
+    np.save(tmp_path / "heights.npy", heights)
+    measured = cs.MeasuredSurface.read(
+        tmp_path / "heights.npy", extent=(8 * A, A), unit="m", seam=cs.AsMeasured()
+    )
+    for shape in (cs.Texture(cs.Dimple(depth, 0.3 * A), pitch=(A, A)), measured):
+        contact = cs.solve_lubricated(by_moes(20, 5, shape), grid(96, 4.0, 32))
+        assert contact.status is not cs.FilmStatus.NOT_CONVERGED
+        assert contact.flux_spread < 1e-6
+        assert np.ptp(contact.film[48]) > 0

@@ -56,3 +56,18 @@ def test_a_dataset_has_the_film_its_errors_and_the_scene() -> None:
     assert float(dataset["central_film"]) == contact.central_film
     assert dataset["central_film_error_estimate"].dims == ("cause",)
     assert "[lubrication.lubricant]" in dataset.attrs["scene"]
+
+
+def test_stress_below_the_surface_takes_pressure_and_friction() -> None:
+    stress = cs.SubsurfaceStress(depths=(2e-5,))
+    scene = replace(by_moes(20, 5, shear=cs.LimitingShear(0.1)), outputs=(stress,))
+    assert scene.lubrication is not None
+    still = replace(scene, lubrication=replace(scene.lubrication, slide_roll_ratio=0.0))
+    dragged, plain = (
+        cs.solve_lubricated(one, grid(100, 4.5)).to_dataset() for one in (scene, still)
+    )
+    assert dragged["von_mises"].dims == ("z", "x", "y")
+    change = float((dragged["stress"] - plain["stress"]).sel(component="xz").sum())
+    # shear that enters at the surface passes through every depth of a wide strip; z points into the body, and the stress
+    # on a surface that faces -z is that on the film, against the body's motion
+    assert change == pytest.approx(float(dragged["shear"].sum()), rel=0.1)

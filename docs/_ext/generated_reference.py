@@ -61,14 +61,14 @@ ARRAYS = (
 )
 INNER = (
     "accuracy.coarser.coarse_solution",
-    "accuracy.discretisation.discretisation",
     "accuracy.contact_edge.edge_error",
+    "accuracy.discretisation.discretisation",
     "accuracy.truncation.truncation",
     "domain.device.Device",
     "domain.device.Namespace",
-    "elasticity.viscoelastic.Creep",
     "elasticity.tangential.Correlated",
     "elasticity.tangential.ShearResponse",
+    "elasticity.viscoelastic.Creep",
     "evolution.evolution.Frame",
     "evolution.memory.JointMemory",
     "io.scene_file.PlanSettings",
@@ -82,16 +82,16 @@ INNER = (
     "scene.friction.Friction",
     "scene.load.ChangingLoad",
     "scene.scene.PosedScene",
-    "scene.shapes.texture.Profile",
     "scene.scene.ShapesSource",
+    "scene.shapes.texture.Profile",
     "scene.stress.StressBelow",
     "scene.surfaces.preparation.Missing",
     "scene.surfaces.preparation.Seam",
+    "solvers.friction.CoulombDisks",
+    "solvers.friction.FullSliding",
+    "solvers.friction.Superposed",
     "solvers.lagged.Settled",
     "solvers.lagged.solve_lagged",
-    "solvers.partial_slip.CoulombDisks",
-    "solvers.partial_slip.Superposed",
-    "solvers.sliding.FullSliding",
     "solvers.solution.Traction",
 )
 
@@ -224,6 +224,9 @@ def keys() -> str:
         "## Top level",
         "",
         *_table(Document),
+        "",
+        "A solid may name its `material`, whose constants stand beside the keys given there: see [materials](materials.md). "
+        "A table `vary` holds the fields and values of a sweep, `[[vary]]` groups of fields that change together.",
     ]
     done: set[type] = set()
     plain = [one for hint in get_type_hints(Document).values() for one in _plain(hint)]

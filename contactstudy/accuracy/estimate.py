@@ -8,6 +8,7 @@ import numpy as np
 from contactstudy.accuracy.coarser import Change, change, coarse_solution
 from contactstudy.accuracy.discretisation import contact_area, discretisation
 from contactstudy.accuracy.expected_error import ErrorParts
+from contactstudy.accuracy.plausibility import implausible
 from contactstudy.accuracy.subcell import Subcell, subcell
 from contactstudy.accuracy.truncation import truncation
 from contactstudy.domain.checks import InvalidInput, NotDefined
@@ -153,7 +154,7 @@ def error_estimate(
         ErrorParts(l1_truncation, cells.l1, l1_residual),
         ErrorParts(l1_truncation, cells.contact_area, l1_residual),
         ErrorParts(GAP_IMAGES * l1_truncation, cells.mean_gap, l1_residual),
-        cells.warnings,
+        (*filter(None, (implausible(solution),)), *cells.warnings),
     )
 
 

@@ -153,7 +153,8 @@ class _Structure:
             elif option is not NoneType:
                 plain.append(option)
         if not kinds or (plain and not isinstance(value, Mapping)):
-            return self.converter.structure(value, plain[0])
+            option = str if isinstance(value, str) and str in plain else plain[0]
+            return self.converter.structure(value, option)
         if isinstance(value, str):
             value = {"kind": value}
         if not isinstance(value, Mapping):

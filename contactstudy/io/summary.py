@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 from io import BytesIO
-from math import isfinite, nan
+from math import inf, isfinite, nan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -114,7 +114,24 @@ def quantities(
         numbers.append(
             Quantity("von_mises_max", "largest von Mises stress", stress, "Pa", nan, place)
         )
+        if (strength := _yield_strength(solution)) < inf and stress:
+            numbers.append(
+                Quantity("safety_factor", "yield strength over von Mises", strength / stress, "1")
+            )
     return numbers
+
+
+def _yield_strength(solution: Solution) -> float:
+    """Return the yield strength [Pa] of the body whose stress is an output; infinite if it is not known."""
+    posed = solution.problem.description
+    if not isinstance(posed, PosedScene):
+        return inf
+    bodies = (
+        posed.scene.solids[output.solid]
+        for output in posed.scene.outputs
+        if hasattr(output, "solid")
+    )
+    return min((float(getattr(body, "yield_strength", inf)) for body in bodies), default=inf)
 
 
 def rolling_quantities(rolling: "SteadyRolling") -> list[Quantity]:

@@ -55,6 +55,9 @@ class HalfSpace:
         Young's modulus [Pa], above zero; ``math.inf`` is a rigid body.
     poisson_ratio
         Poisson's ratio, above -1 and up to 0.5 (incompressible).
+    yield_strength
+        Tensile stress [Pa] at which the material yields, infinite if it is not known. The body stays elastic: it is what
+        the largest von Mises stress is compared with.
 
     Raises
     ------
@@ -64,6 +67,7 @@ class HalfSpace:
 
     youngs_modulus: Pascals
     poisson_ratio: Number
+    yield_strength: Pascals = math.inf
 
     def __post_init__(self) -> None:
         remedy = "give a modulus above 0 Pa, or inf for a rigid body"
@@ -72,6 +76,10 @@ class HalfSpace:
             set_fields(self, youngs_modulus=modulus)
         ratio = poisson_ratio("HalfSpace.poisson_ratio", self.poisson_ratio)
         set_fields(self, poisson_ratio=ratio)
+        if self.yield_strength != math.inf:
+            remedy = "give a stress above 0 Pa, or inf if it is not known"
+            strength = in_range("HalfSpace.yield_strength", self.yield_strength, remedy)
+            set_fields(self, yield_strength=strength)
 
     @property
     def compliance(self) -> float:

@@ -1,6 +1,6 @@
 """Subsurface stress under the pressure of a contact, at the depths asked for."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from math import isinf
 
@@ -23,6 +23,10 @@ from contactstudy.problem.problem import Field
 from contactstudy.scene.bodies import Body, Homogeneous
 
 Z = {"axis": "Z", "positive": "down"}
+# Depths that are chosen, and the factors between them: first, and beside the best of these.
+AUTO, COARSE_STEP, FINE_STEP = "auto", 1.35, 1.1
+# Numbers that all chosen depths may fill.
+MOST = 2**25
 
 
 @answers_typos
@@ -37,7 +41,8 @@ class SubsurfaceStress:
     Parameters
     ----------
     depths
-        One or more depths [m] below the surface of the body, from zero on.
+        One or more depths [m] below the surface of the body, from zero on; ``"auto"`` chooses those that show the
+        largest von Mises stress to 1 %, which takes some twenty of them.
     solid
         Index (0 or 1) of the body in ``Scene.solids``.
 
@@ -47,16 +52,16 @@ class SubsurfaceStress:
         For other depths or indices; in a scene where that body is rigid, coated, or either body yields.
     """
 
-    depths: tuple[Metres, ...]
+    depths: tuple[Metres, ...] | str = AUTO
     solid: int = 0
 
     def __post_init__(self) -> None:
-        remedy = "give a tuple of depths [m], such as (1e-4, 2e-4)"
-        if not isinstance(self.depths, tuple | list) or not self.depths:
+        remedy = 'give a tuple of depths [m], such as (1e-4, 2e-4), or "auto"'
+        if self.depths != AUTO and (not isinstance(self.depths, tuple | list) or not self.depths):
             raise InvalidInput(f"SubsurfaceStress.depths is {self.depths!r}: {remedy}.")
         remedy = "give a depth from 0 m on"
         depths = []
-        for number, depth in enumerate(self.depths):
+        for number, depth in enumerate(self.depths if self.depths != AUTO else ()):
             field = f"SubsurfaceStress.depths[{number}]"
             depths.append(finite(field, depth, remedy))
             if depths[-1] < 0:
@@ -65,7 +70,7 @@ class SubsurfaceStress:
         solid = whole("SubsurfaceStress.solid", self.solid, 0, remedy)
         if solid > 1:
             raise InvalidInput(f"SubsurfaceStress.solid is {self.solid!r}: {remedy}.")
-        set_fields(self, depths=tuple(depths), solid=solid)
+        set_fields(self, depths=tuple(depths) or AUTO, solid=solid)
 
     def check(self, solids: tuple[Body, ...]) -> None:
         """Raise :class:`~contactstudy.InvalidInput` for a rigid body, one that is no half-space, or one that yields."""
@@ -89,7 +94,8 @@ class SubsurfaceStress:
         """Return the stress of these bodies on `grid`."""
         body = solids[self.solid]
         assert isinstance(body, Homogeneous)
-        return StressBelow(grid, paddings, body.poisson_ratio, self.depths, 1 - 2 * self.solid)
+        depths = () if isinstance(self.depths, str) else self.depths
+        return StressBelow(grid, paddings, body.poisson_ratio, depths, 1 - 2 * self.solid)
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +112,7 @@ class StressBelow:
     poisson_ratio
         Poisson's ratio of the body.
     depths
-        Depths [m].
+        Depths [m]; if there are none, those that show the largest von Mises stress.
     side
         1 for the first body, -1 for the second.
     shear
@@ -157,8 +163,35 @@ class StressBelow:
                 stress[number, level] = TRANSFORMS.backward(waves, self.grid.cells, padded)
         return stress
 
+    def telling_depths(self, pressure: Array) -> tuple[float, ...]:
+        """Return depths [m] from the surface to below the contact, one of them at the largest von Mises stress to 1 %.
+
+        Beside its largest value the stress is flat, so that steps of a third in depth find the right neighbours, and
+        steps of a tenth between these its largest value. On a large grid that depth alone is returned.
+        """
+        rows = np.flatnonzero(pressure.any(axis=1))
+        cell = min(self.grid.cell)
+        contact = (rows[-1] - rows[0] + 1) * self.grid.cell[0] if rows.size else cell
+        largest: dict[float, float] = {}
+
+        def look(depths: Iterable[float]) -> float:
+            for depth in depths:
+                stress = replace(self, depths=(float(depth),))(pressure)
+                largest[float(depth)] = float(von_mises(stress).max())
+            return max(largest, key=largest.__getitem__)
+
+        deepest = max(contact, 2 * cell)
+        count = 2 + int(np.ceil(np.log(2 * deepest / cell) / np.log(COARSE_STEP)))
+        best = look([0.0, *np.geomspace(cell / 2, deepest, count)])
+        if best > 0:
+            best = look(best * FINE_STEP ** np.array([-2.0, -1.0, 1.0, 2.0]))
+        size = (len(COMPONENTS) + 1) * len(largest) * pressure.size
+        return tuple(sorted(largest)) if size <= MOST else (best,)
+
     def fields(self, pressure: Array) -> Mapping[str, Field]:
         """Return ``stress``, ``von_mises`` and their coordinates ``component`` and ``z``."""
+        if not self.depths:
+            return replace(self, depths=self.telling_depths(pressure)).fields(pressure)
         stress = self(pressure)
         dimensions = ("component", "z", "x", "y")
         names = np.array(list(COMPONENTS))

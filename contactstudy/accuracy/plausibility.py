@@ -1,0 +1,73 @@
+"""Whether a solution can be meant: numbers that no contact of half-spaces has, and the unit that was likely mistaken."""
+
+from math import inf, sqrt
+
+import numpy as np
+
+from contactstudy.scene.scene import PosedScene
+from contactstudy.solvers.solution import Solution
+
+# Beyond these a contact is not one of elastic half-spaces: peak pressure over E*, over the hardness or the lowest yield
+# strength, slope of the heights, approach over the radius, and width of the grid over that of the contact.
+PRESSURE, STRENGTH, SLOPE, APPROACH, WIDE = 0.1, 3.0, 1.0, 1.0, 1e3
+# A modulus below this [Pa] is softer than any gel: that of a metal or a polymer was given in GPa or MPa.
+SOFT = 1e3
+
+
+def implausible(solution: Solution) -> str:
+    """Return one sentence about numbers that cannot be meant, with the unit that was likely mistaken; else ``""``."""
+    posed = solution.problem.description
+    if not isinstance(posed, PosedScene) or not np.isfinite(solution.pressure).all():
+        return ""
+    scene, grid, pressure = posed.scene, posed.grid, solution.pressure
+    peak, modulus, hertz = float(pressure.max()), scene.contact_modulus, scene.hertz
+    strength = min([scene.hardness, *(_strength(body) for body in scene.solids)])
+    slope = _slope(solution)
+    width = float(np.count_nonzero(pressure.any(axis=1)) * grid.cell[0])
+    hints = {
+        "heights": "are heights given in µm as if they were m?",
+        "modulus": "is a modulus given in GPa or MPa as if it were Pa?",
+        "extent": "is a length of the grid or the load given in another unit, such as mm or N/mm?",
+        "load": "is the load or a radius given in another unit, such as N/mm or mm?",
+    }
+    facts, hint = [], ""
+    if slope > SLOPE:
+        facts.append(f"the heights have slopes of {slope:.2g}")
+        hint = "heights"
+    if peak > PRESSURE * modulus:
+        facts.append(f"the peak pressure is {peak / modulus:.2g} times the contact modulus E*")
+        hint = hint or ("modulus" if modulus < SOFT else "load")
+    if peak > STRENGTH * strength:
+        facts.append(f"the peak pressure is {peak / strength:.2g} times the strength of a body")
+        hint = hint or "load"
+    if hertz is not None and abs(solution.approach) > APPROACH * hertz.radius:
+        facts.append(
+            f"the approach is {abs(solution.approach) / hertz.radius:.2g} times the radius"
+        )
+        hint = hint or "load"
+    if 0 < width < grid.extent[0] / WIDE:
+        facts.append(f"the grid is {grid.extent[0] / width:.2g} times as wide as the contact")
+        hint = hint or "extent"
+    return f"This can hardly be meant: {', '.join(facts)}; {hints[hint]}" if facts else ""
+
+
+def _strength(body: object) -> float:
+    """Lowest stress [Pa] at which a body yields; infinite if it says none."""
+    given = (getattr(body, name, inf) for name in ("yield_strength", "yield_stress"))
+    return min(float(one) for one in given)
+
+
+def _slope(solution: Solution) -> float:
+    """Return the slope of the heights: its median over the grid, or its rms where neighbouring cells touch."""
+    gap, touching = solution.problem.undeformed_gap, solution.pressure > 0
+    largest = 0.0
+    for axis, step in enumerate(solution.problem.grid.cell):
+        if gap.shape[axis] < 3:
+            continue
+        slopes = np.abs(np.diff(gap, axis=axis)) / step
+        both = np.take(touching, range(1, gap.shape[axis]), axis) & np.take(
+            touching, range(gap.shape[axis] - 1), axis
+        )
+        within = sqrt(float((slopes[both] ** 2).mean())) if both.any() else 0.0
+        largest = max(largest, float(np.median(slopes)), within)
+    return largest

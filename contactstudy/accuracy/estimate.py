@@ -154,7 +154,7 @@ def error_estimate(
         ErrorParts(l1_truncation, cells.l1, l1_residual),
         ErrorParts(l1_truncation, cells.contact_area, l1_residual),
         ErrorParts(GAP_IMAGES * l1_truncation, cells.mean_gap, l1_residual),
-        (*filter(None, (implausible(solution),)), *cells.warnings),
+        (*cells.warnings, *filter(None, (implausible(solution),))),
     )
 
 

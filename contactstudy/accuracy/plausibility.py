@@ -30,13 +30,13 @@ def implausible(solution: Solution) -> str:
         "extent": "is a length of the grid or the load given in another unit, such as mm or N/mm?",
         "load": "is the load or a radius given in another unit, such as N/mm or mm?",
     }
-    facts, hint = [], ""
+    facts, hint = [], "modulus" if modulus < SOFT else ""
     if slope > SLOPE:
         facts.append(f"the heights have slopes of {slope:.2g}")
-        hint = "heights"
+        hint = hint or "heights"
     if peak > PRESSURE * modulus:
         facts.append(f"the peak pressure is {peak / modulus:.2g} times the contact modulus E*")
-        hint = hint or ("modulus" if modulus < SOFT else "load")
+        hint = hint or "load"
     if peak > STRENGTH * strength:
         facts.append(f"the peak pressure is {peak / strength:.2g} times the strength of a body")
         hint = hint or "load"

@@ -14,7 +14,7 @@ import contactstudy as cs
 steel = cs.HalfSpace(youngs_modulus=210e9, poisson_ratio=0.3)
 rigid = cs.HalfSpace(youngs_modulus=np.inf, poisson_ratio=0.0)
 wavelength, amplitude = 1e-4, 1e-7
-wave = cs.Waviness(amplitude=-amplitude, across=wavelength)  # the crest is where the gap is least
+wave = cs.Waviness(amplitude=amplitude, across=wavelength)  # a crest lies at the origin
 grid = cs.Grid(cells=(512, 1), extent=(wavelength, wavelength))
 periodic = (cs.ExactPeriodicity(), cs.ExactPeriodicity())
 

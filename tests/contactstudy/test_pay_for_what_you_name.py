@@ -163,7 +163,9 @@ HEAVY = (
 
 def test_a_plain_scene_imports_nothing_that_it_does_not_name() -> None:
     code = (
-        f"import sys, contactstudy as cs\nsteel = {STEEL!r}\n".replace("HalfSpace", "cs.HalfSpace")
+        f"import sys; from math import inf; import contactstudy as cs\nsteel = {STEEL!r}\n".replace(
+            "HalfSpace", "cs.HalfSpace"
+        )
         + "scene = cs.Scene(cs.LineLoad(1e5), (steel, steel), (cs.Cylinder(0.01),))\n"
         "grid = cs.Grid((64, 32), (2.5e-4, 1e-4))\n"
         "assert cs.solve(scene.problem(grid, cs.ExactPeriodicity())).status is cs.Status.CONVERGED\n"
@@ -175,7 +177,9 @@ def test_a_plain_scene_imports_nothing_that_it_does_not_name() -> None:
 
 def test_a_march_of_bodies_that_do_not_yield_imports_no_plastic_strain() -> None:
     code = (
-        f"import sys, contactstudy as cs\nsteel = {STEEL!r}\n".replace("HalfSpace", "cs.HalfSpace")
+        f"import sys; from math import inf; import contactstudy as cs\nsteel = {STEEL!r}\n".replace(
+            "HalfSpace", "cs.HalfSpace"
+        )
         + "wear = cs.Wear(1e-15, 1.0)\n"
         "scene = cs.Scene(cs.LineLoad(1e5), (steel, steel), (cs.Cylinder(0.01),), wear=wear)\n"
         "cs.evolve(scene, cs.Grid((64, 1), (2.5e-4, 1e-4)), cs.ExactPeriodicity(), times=(0, 1))\n"
@@ -187,7 +191,7 @@ def test_a_march_of_bodies_that_do_not_yield_imports_no_plastic_strain() -> None
 
 def test_a_body_that_yields_in_plane_strain_imports_no_waves_along_the_length() -> None:
     code = (
-        "import sys, contactstudy as cs\n"
+        "import sys; from math import inf; import contactstudy as cs\n"
         "body = cs.ElasticPlasticHalfSpace(210e9, 0.3, 1e9, 2e9)\n"
         "shapes = (cs.Cylinder(0.01),)\n"
         "scene = cs.Scene(cs.LineLoad(5e5), (body, cs.HalfSpace(float('inf'), 0.3)), shapes)\n"

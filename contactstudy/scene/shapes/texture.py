@@ -258,6 +258,9 @@ def _is_profile(name: str, profile: object) -> None:
 class Waviness:
     """Plane wave of height, ``amplitude cos(2 pi (x / across + y / along) + phase)``.
 
+    Heights count out of the body, as those of a :class:`~contactstudy.MeasuredSurface`: with an amplitude above zero and
+    no phase a crest, which touches first, lies at the origin.
+
     Parameters
     ----------
     amplitude
@@ -308,8 +311,8 @@ class Waviness:
         )
 
     def gap(self, grid: Grid) -> Array:
-        """Return the wave at the cell centres [m], of shape (x, y), or (nx, 1) without waves along."""
+        """Return the depth below the mean at the cell centres [m], of shape (x, y), or (nx, 1) without waves along."""
         divides("Waviness.along", self.along, grid.period)
         y = grid.y if self.amplitude and self.along < inf else np.zeros(1)
         angle = 2 * np.pi * (grid.x[:, None] / self.across + y / self.along) + self.phase
-        return np.asarray(self.amplitude * np.cos(angle))
+        return np.asarray(-self.amplitude * np.cos(angle))

@@ -90,7 +90,7 @@ def waves() -> Iterator[AccuracyCase]:
             wavy = cs.Scene(
                 cs.LineLoad(wave.mean_pressure * length),
                 STEEL,
-                (cs.Waviness(-height, across=length),),
+                (cs.Waviness(height, across=length),),
             )
             grid = cs.Grid((cells, 1), (length, length))
             yield AccuracyCase("near full contact", wavy, grid, (EXACT, EXACT), truth)
@@ -194,8 +194,7 @@ def _wave(wave: Westergaard) -> Pressure:
 
 
 def _flat(mean: float, share: float, across: float, along: float) -> Pressure:
-    # heights count out of the body, so that pressure is highest where they are lowest
-    return lambda x, y: mean * (1 - share * np.cos(across * x + along * y))
+    return lambda x, y: mean * (1 + share * np.cos(across * x + along * y))
 
 
 def _strip(half: float, pressure: float) -> Pressure:

@@ -54,7 +54,7 @@ def wavy_surfaces(line_contact: LineContact) -> Iterator[tuple[float, float]]:
             closing = math.pi * MODULUS * height / length
             wave = cs.analytic.westergaard(share * closing, height, length, MODULUS)
             load = cs.LineLoad(wave.mean_pressure * length)
-            shapes = (cs.Waviness(-height, across=length),)
+            shapes = (cs.Waviness(height, across=length),)
             grid = cs.Grid(cells=(cells, 1), extent=(length, length))
             problem = cs.Scene(load, (STEEL, STEEL), shapes).problem(grid, (EXACT, EXACT))
             true = wave.pressure(grid.x)[:, None]

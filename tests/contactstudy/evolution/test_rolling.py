@@ -204,11 +204,6 @@ def test_resistance_and_pressure_are_as_far_from_finer_cells_as_they_promise(wav
     means = fine.solution.pressure.reshape(80, 8, 1).mean(axis=1)
     error = np.abs(found.solution.pressure - means).sum() / means.sum()
     assert error <= found.error_estimate().l1.total < 6 * error
-    if waves > 10:  # of four cells to a wave the moment is further off
-        heights = np.gradient(scene.shapes[1].gap(grid)[:, 0] + grid.x**2 / 2, grid.cell[0])
-        pressure = found.solution.pressure[:, 0]
-        moment = heights @ pressure / pressure.sum()
-        assert wrong < abs(moment / fine.resistance - 1)
 
 
 TWO = cs.ViscoelasticHalfSpace(0.4, 0.0, ((0.5, 0.4), (0.2, 3.0)))

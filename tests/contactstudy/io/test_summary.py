@@ -155,6 +155,25 @@ def test_a_march_gives_its_worn_volume_and_largest_pressure() -> None:
     assert dataset["worn_volume"].attrs["units"] == "m3"
 
 
+def test_a_yield_strength_gives_a_safety_factor() -> None:
+    steel, strong = cs.HalfSpace(210e9, 0.3), cs.HalfSpace(210e9, 0.3, yield_strength=2e9)
+    for body in (steel, strong):
+        scene = cs.Scene(
+            cs.LineLoad(1e5),
+            (body, steel),
+            (cs.Cylinder(0.01),),
+            outputs=(cs.SubsurfaceStress((6e-5,)),),
+        )
+        grid = cs.Grid((64, 1), (3e-4, 1e-3))
+        solution = cs.solve(scene.problem(grid, cs.ExactPeriodicity()))
+        dataset = cs.to_dataset(solution)
+        numbers = {one.name: one.value for one in quantities(solution, None, dataset["von_mises"])}
+        if body is steel:
+            assert "safety_factor" not in numbers
+        else:
+            assert numbers["safety_factor"] == pytest.approx(2e9 / numbers["von_mises_max"])
+
+
 def test_rolling_gives_its_resistance_and_shift() -> None:
     rubber = cs.ViscoelasticHalfSpace(1e6, 0.5, ((2e6, 0.01),))
     rigid = cs.HalfSpace(inf, 0.3)

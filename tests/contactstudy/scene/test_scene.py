@@ -92,7 +92,7 @@ def test_waves_must_fit_the_period(line_contact: LineContact) -> None:
     grid = cs.Grid(cells=(8, 8), extent=(1e-3, 1e-3))
     wave = cs.Waviness(amplitude=1e-6, across=3e-4, along=2.5e-4, phase=0.3)
     x, y = grid.x[:, None], grid.y
-    expected = 1e-6 * np.cos(2 * np.pi * (x / 3e-4 + y / 2.5e-4) + 0.3)
+    expected = -1e-6 * np.cos(2 * np.pi * (x / 3e-4 + y / 2.5e-4) + 0.3)
     np.testing.assert_allclose(wave.gap(grid), expected, rtol=0, atol=1e-20)
     with pytest.raises(cs.InvalidInput, match=r"^Waviness\.along is 0\.0003: give a length"):
         replace(wave, along=3e-4).gap(grid)

@@ -300,3 +300,30 @@ def test_two_outputs_of_one_kind_are_refused() -> None:
     asked = tuple(cs.SubsurfaceStress(depths=(d,)) for d in (1e-4, 2e-4))
     with pytest.raises(cs.InvalidInput, match=r"^Scene\.outputs\[1\] is .*: give one"):
         cs.Scene(load=cs.LineLoad(1.0), solids=(STEEL, STEEL), outputs=asked)
+
+
+# --- depths that are chosen ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("cells", [(40, 1), (150, 1), (32, 16)])
+def test_chosen_depths_show_the_largest_stress_to_one_per_cent(
+    cells: tuple[int, int], line_contact: LineContact
+) -> None:
+    """Below a line contact 0.55751 of the peak pressure, 0.704 half-widths down (Poisson's ratio 0.3)."""
+    scene = replace(line_contact.scene, outputs=(cs.SubsurfaceStress(),))
+    grid = line_contact.grid(cells, 1.2, width=2.6)
+    solution = cs.solve(scene.problem(grid, cs.ExactPeriodicity()))
+    found = solution.problem.outputs[0].fields(solution.pressure)
+    values, depths = found["von_mises"].values, found["z"].values
+    level = np.unravel_index(values.argmax(), values.shape)[0]
+    hertz = line_contact.hertz
+    assert values.max() / hertz.peak_pressure == pytest.approx(0.55751, rel=1e-2)
+    assert depths[level] / hertz.half_width == pytest.approx(0.704, rel=0.1)
+    assert depths[0] == 0
+    assert (np.diff(depths) > 0).all()
+
+
+def test_depths_are_numbers_or_auto() -> None:
+    assert cs.SubsurfaceStress("auto") == cs.SubsurfaceStress()
+    with pytest.raises(cs.InvalidInput, match='or "auto"'):
+        cs.SubsurfaceStress("deep")

@@ -16,13 +16,13 @@ WAVE = cs.Waviness(amplitude=1e-6, across=3e-4, along=2.5e-4, phase=0.3)
 def test_a_wave_across_is_one_profile_along_the_length() -> None:
     wave = replace(WAVE, along=np.inf)
     assert wave.gap(GRID).shape == (16, 1)
-    expected = 1e-6 * np.cos(2 * np.pi * GRID.x / 3e-4 + 0.3)
+    expected = -1e-6 * np.cos(2 * np.pi * GRID.x / 3e-4 + 0.3)
     np.testing.assert_allclose(wave.gap(GRID)[:, 0], expected, rtol=0, atol=1e-20)
 
 
 def test_a_wave_along_is_the_same_all_across() -> None:
     gap = replace(WAVE, across=np.inf).gap(GRID)
-    expected = 1e-6 * np.cos(2 * np.pi * GRID.y / 2.5e-4 + 0.3)
+    expected = -1e-6 * np.cos(2 * np.pi * GRID.y / 2.5e-4 + 0.3)
     np.testing.assert_allclose(gap, np.broadcast_to(expected, (16, 8)), rtol=0, atol=1e-20)
 
 
@@ -62,7 +62,7 @@ FINE = cs.Grid((512, 512), (2.0, 3.0))
 
 @pytest.mark.parametrize(("across", "along"), [(0.5, inf), (inf, 0.75), (0.5, 0.75), (2.0, 0.3)])
 def test_a_wave_has_its_lengths_its_amplitude_and_its_slope(across: float, along: float) -> None:
-    wave = cs.Waviness(-0.01, across=across, along=along, phase=0.3)
+    wave = cs.Waviness(0.01, across=across, along=along, phase=0.3)
     height, slope = measured(wave, FINE)
     detail = wave.detail
     assert detail.finest == (across, along)
@@ -79,7 +79,7 @@ def test_a_wave_s_heights_are_those_of_its_cosine() -> None:
     grid = cs.Grid((7, 6), (2.0, 3.0))
     wave = cs.Waviness(0.01, across=0.9, along=1.5, phase=0.4)
     x, y = grid.x[:, None], grid.y
-    wanted = 0.01 * np.cos(2 * pi * (x / 0.9 + y / 1.5) + 0.4)
+    wanted = -0.01 * np.cos(2 * pi * (x / 0.9 + y / 1.5) + 0.4)
     np.testing.assert_allclose(wave.gap(grid), wanted, atol=1e-15)
     with pytest.raises(cs.InvalidInput, match=r"Waviness\.along"):
         cs.Waviness(0.01, along=0.9).gap(grid)

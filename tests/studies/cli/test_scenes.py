@@ -102,7 +102,7 @@ def test_what_is_wrong_with_a_grid_is_said_and_the_solution_flagged(tmp_path: Pa
     [
         ("smooth", ["--device", "gpu"], "^Gpu needs CuPy"),
         ("smooth", ["--device", "gpu", "--threads", "2"], "^--threads is for --device cpu"),
-        ("rubber", ["--device", "gpu"], "^--device gpu is for a scene that neither"),
+        ("rubber", ["--device", "gpu"], "^--device gpu is for a dry scene that neither"),
     ],
 )
 def test_a_device_that_cannot_solve_the_scene_is_refused(

@@ -130,7 +130,7 @@ def _without_units(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def _slope(x: Array, y: Array) -> tuple[float, float]:
-    """Of the least-squares line, with its standard error."""
+    """Return the slope of the least-squares line, with its standard error."""
     centred = x - x.mean()
     spread = float((centred**2).sum())
     slope = float((centred * y).sum()) / spread

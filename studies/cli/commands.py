@@ -189,6 +189,7 @@ def run(
     from studies.engine.run import estimate_cost
     from studies.engine.run import run as run_study
     from studies.model.outcome import CaseStatus
+    from studies.store.table import points_of
 
     most = None if yes else MOST_POINTS
     chosen = load_scene_study(study, vary, context.args) or load(study).override(
@@ -210,7 +211,7 @@ def run(
         estimate_cost(chosen, out, options=options, log=click.echo)
         return
     dataset = run_study(chosen, out, options=options, log=click.echo)
-    statuses = dataset["case_status"].sel({axis.name: list(axis.values) for axis in chosen.points})
+    statuses = points_of(dataset, chosen)["case_status"]
     if not (statuses == CaseStatus.OK).any():
         click.echo(f"{chosen.name}: no case gave numbers, so there is nothing to draw.", err=True)
         sys.exit(1)

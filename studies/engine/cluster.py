@@ -200,7 +200,7 @@ class Cluster:
 
 
 class _Flow:
-    """One run: keeps every thread busy with a few batches, and learns their size on the way."""
+    """A run on a cluster: keeps every thread busy with a few batches, and learns their size on the way."""
 
     def __init__(
         self,

@@ -105,7 +105,7 @@ def _work(quantity: str, numbers: Mapping[str, float]) -> float:
 
 
 def mode(tree: Tree) -> str:
-    """All that is named in a case, whatever its numbers."""
+    """Return all that is named in a case, whatever its numbers."""
     return _described(tree)[0]
 
 
@@ -206,7 +206,7 @@ def fit_model(folder: Path, machine: str) -> ForecastModel:
 
 
 def observations(contents: Contents) -> list[Observation]:
-    """What the good cases in a journal took, of the last ``SAMPLE``."""
+    """Return what the good cases in a journal took, of the last ``SAMPLE``."""
     found = []
     for name, record in islice(reversed(contents.records.items()), SAMPLE):
         if record.case_status is not CaseStatus.OK:
@@ -228,7 +228,7 @@ def observations(contents: Contents) -> list[Observation]:
 def forecast(
     costs: ForecastModel, trees: Mapping[str, object], timed: Mapping[str, tuple[object, int]]
 ) -> Forecast:
-    """Of the cases ``trees`` to compute, and of those to time so many times, by their keys.
+    """Predict the cost of the cases ``trees`` to compute, and of those to time so many times, by their keys.
 
     Of very many cases a sample is looked at, and stands for the others.
     """

@@ -1,4 +1,4 @@
-"""How a study is run."""
+"""Options of a run of a study."""
 
 import signal
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ RETRIES = {
 
 @dataclass(frozen=True, kw_only=True)
 class RunOptions:
-    """How a study is run.
+    """Options of a run of a study.
 
     ``scheduler``: address of a dask scheduler, in place of ``workers`` processes (0: this one alone).
     ``time_limit`` [s] of a case. ``repeats``: timed runs of each case; ``old_times``: "kept" or "dropped".

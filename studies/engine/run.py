@@ -130,7 +130,7 @@ def _stopping() -> Iterator[Stop]:
 
 
 class _Run:
-    """One run, with the journal in hand: what is missing is computed, timed and written."""
+    """A run with the journal in hand: computes, times and writes what is missing."""
 
     def __init__(
         self,

@@ -69,7 +69,7 @@ def _revision() -> str:
 
 
 def _installed() -> str:
-    """What the installer noted of the commit, if it took the program from one."""
+    """Return what the installer noted of the commit, if it took the program from one."""
     try:
         noted = distribution("contactstudy").read_text("direct_url.json")
         commit = json.loads(noted or "{}").get("vcs_info", {}).get("commit_id")

@@ -51,13 +51,13 @@ class Record:
 
     @property
     def identity(self) -> CaseIdentity:
-        """The case."""
+        """Identity of the case."""
         line = self.source.line(self)
         return CaseIdentity(self.key, line["tree"], line["point"])
 
     @property
     def outcome(self) -> Outcome:
-        """Its outcome."""
+        """Outcome of the case."""
         line = self.source.line(self)
         failure = Failure(**line["failure"]) if "failure" in line else None
         variables = self.source.kinds.decode(line["values"])
@@ -246,7 +246,7 @@ class Contents:
 
     @cached_property
     def _trees(self) -> Mapping[object, Tree]:
-        """What was stored at each point when this was first asked."""
+        """Trees of the cases stored at each point when this was first asked."""
         records = (*self.others.values(), *self.records.values())
         identities = (record.identity for record in records)
         return {_place(identity.point): identity.tree for identity in identities}

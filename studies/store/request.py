@@ -15,7 +15,7 @@ from studies.store.records import CaseIdentity, Contents
 
 @dataclass(frozen=True, eq=False)
 class Request:
-    """What a study asks for: the key of the case at every point, and each case by its key."""
+    """Request of a study: the key of the case at every point, and each case by its key."""
 
     keys: Sequence[str]
     cases: Mapping[str, Computation]

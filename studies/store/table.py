@@ -27,7 +27,7 @@ Signature = Hashable
 
 @dataclass(eq=False)
 class _Column:
-    """One variable of several cases, alike in dimensions, type and meaning."""
+    """Column of a table: a variable of several cases, alike in dimensions, type and meaning."""
 
     kind: xr.Variable
     rows: list[int] = field(default_factory=list)
@@ -39,18 +39,16 @@ class _Column:
         return bool(self.kind.dtype.kind == "U")
 
     def filled(self, count: int) -> np.ndarray:
-        """The values of ``count`` cases; where one has none, it is nan, or no text."""
-        held = np.array(self.values, dtype=object if self.is_text else np.result_type(*self.dtypes))
-        held = held.reshape(len(self.rows), *self.kind.shape)
+        """Return the values of ``count`` cases; where a case has none, they are nan, or empty text."""
+        stored = np.array(self.values, object if self.is_text else np.result_type(*self.dtypes))
+        stored = stored.reshape(len(self.rows), *self.kind.shape)
         if len(self.rows) == count:
-            return held
-        if self.is_text:
-            whole = np.full((count, *self.kind.shape), "", dtype=object)
-        else:  # neither a whole number nor a truth has a nan
-            dtype = held.dtype if held.dtype.kind == "f" else np.dtype(float)
-            whole = np.full((count, *self.kind.shape), np.nan, dtype)
-        whole[self.rows] = held
-        return whole
+            return stored
+        # neither a whole number nor a truth has a nan
+        dtype = stored.dtype if stored.dtype.kind in "fO" else np.dtype(float)
+        filled = np.full((count, *self.kind.shape), "" if self.is_text else np.nan, dtype)
+        filled[self.rows] = stored
+        return filled
 
 
 def assemble(
@@ -60,7 +58,7 @@ def assemble(
     samples: Mapping[Any, Sequence[Sample]],
     attributes: Mapping[str, Any],
 ) -> xr.Dataset:
-    """Every point of the axes with the outcome of its case; points of one case share its numbers.
+    """Make the table of every point of the axes with the outcome of its case; points of one case share its numbers.
 
     ``cases`` are in the order of the axes, last one fastest: whatever ``outcome_of`` and ``samples`` go by.
     A variable's own dimensions follow those of the axes. Where a case has no numbers (NaN, or no text),
@@ -71,21 +69,7 @@ def assemble(
     names = tuple(axis.name for axis in axes)
     rows: dict[Hashable, int] = {}
     index = np.array([rows.setdefault(case, len(rows)) for case in cases], dtype=int).reshape(shape)
-    columns: dict[str, dict[Signature, _Column]] = defaultdict(dict)
-    statuses: list[CaseStatus] = []
-    failures: dict[int, Failure] = {}
-    for case, row in rows.items():
-        outcome = outcome_of(case)
-        statuses.append(CaseStatus.NOT_RUN if outcome is None else outcome.case_status)
-        if outcome is None:
-            continue
-        if outcome.failure:
-            failures[row] = outcome.failure
-        for name, variable in outcome.variables.items():
-            column = columns[name].setdefault(_signature(variable), _Column(variable))
-            column.rows.append(row)
-            column.dtypes.add(variable.dtype)
-            column.values.append(variable.values.item() if variable.ndim == 0 else variable.values)
+    outcomes = [outcome_of(case) for case in rows]
     coords: dict[str, xr.Variable] = {
         axis.name: xr.Variable(
             (axis.name,), list(axis.values), {"long_name": axis.long_name} | _units(axis)
@@ -94,7 +78,7 @@ def assemble(
     }
     data: dict[str, xr.Variable] = {}
     left_out: list[str] = []
-    for name, column in _chosen(columns, index.size, left_out):
+    for name, column in _chosen(_columns(outcomes), index.size, left_out):
         kind = column.kind
         if kind.dims == (name,):
             if all(np.array_equal(kind.values, values) for values in column.values):
@@ -105,33 +89,66 @@ def assemble(
         data[name] = xr.Variable(
             names + kind.dims, column.filled(len(rows))[index], dict(kind.attrs)
         )
-    taken = [samples.get(case, ()) for case in rows]
-    data |= {
-        name: variable
-        for name, variable in timing_variables(names, index, taken).items()
-        if name not in data
+    times = timing_variables(names, index, [samples.get(case, ()) for case in rows])
+    about_cases = _about_cases(names, index, [str(case) for case in rows], outcomes)
+    notes = {"left_out": "; ".join(left_out)} if left_out else {}
+    return xr.Dataset({**times, **data, **about_cases}, coords, dict(attributes) | notes)
+
+
+def _columns(outcomes: Sequence[Outcome | None]) -> dict[str, dict[Signature, _Column]]:
+    """Sort the variables of all cases by name, and those of a name by what they are."""
+    columns: dict[str, dict[Signature, _Column]] = defaultdict(dict)
+    for row, outcome in enumerate(outcomes):
+        for name, variable in outcome.variables.items() if outcome is not None else ():
+            column = columns[name].setdefault(_signature(variable), _Column(variable))
+            column.rows.append(row)
+            column.dtypes.add(variable.dtype)
+            column.values.append(variable.values.item() if variable.ndim == 0 else variable.values)
+    return columns
+
+
+def _about_cases(
+    names: tuple[str, ...],
+    index: np.ndarray,
+    keys: Sequence[str],
+    outcomes: Sequence[Outcome | None],
+) -> dict[str, xr.Variable]:
+    """Return the variables that say what became of each case, and why."""
+    statuses = [
+        CaseStatus.NOT_RUN if outcome is None else outcome.case_status for outcome in outcomes
+    ]
+    meanings = [status.name.lower() for status in CaseStatus]
+    data = {
+        "case_status": flags(
+            names, np.array(statuses, dtype=np.int8)[index], meanings, "what became of the case"
+        )
     }
-    data["case_status"] = flags(
-        names, np.array(statuses, dtype=np.int8)[index], [status.name.lower() for status in CaseStatus],
-        "what became of the case",
-    )  # fmt: skip
-    data["case_key"] = xr.Variable(
-        names,
-        np.array([str(case) for case in rows], dtype=object)[index],
-        {"long_name": "key of the case, also in the journal and of the group of its fields"},
-    )
-    if failures:
-        none = Failure("", "", "")
-        for name, part, long_name in (
-            ("error", "sentence", "why the case has no numbers"),
-            ("error_type", "kind", "type of the error"),
-            ("error_stage", "stage", "whether set-up, solve or measure failed"),
-        ):
-            texts = [getattr(failures.get(row, none), part) for row in range(len(rows))]
-            values = np.array(texts, dtype=object)[index]
-            data[name] = xr.Variable(names, values, {"long_name": long_name})
-    noted = {"left_out": "; ".join(left_out)} if left_out else {}
-    return xr.Dataset(data, coords, dict(attributes) | noted)
+    nothing = Failure("", "", "")
+    failures = [(outcome and outcome.failure) or nothing for outcome in outcomes]
+    texts = [
+        ("case_key", keys, "key of the case, also in the journal and of the group of its fields")
+    ]
+    if any(failure is not nothing for failure in failures):
+        texts += [
+            ("error", [one.sentence for one in failures], "why the case has no numbers"),
+            ("error_type", [one.kind for one in failures], "type of the error"),
+            (
+                "error_stage",
+                [one.stage for one in failures],
+                "whether set-up, solve or measure failed",
+            ),
+        ]
+    for name, values, long_name in texts:
+        column = np.array(values, dtype=object)[index]
+        data[name] = xr.Variable(names, column, {"long_name": long_name})
+    return data
+
+
+def points_of(dataset: xr.Dataset, study: Study) -> xr.Dataset:
+    """Return the points of ``dataset`` that ``study`` asks for: of its numbers, those nearest to them."""
+    exact = {axis.name: list(axis.values) for axis in study.points if axis.kind is str}
+    nearest = {axis.name: list(axis.values) for axis in study.points if axis.kind is not str}
+    return dataset.sel(exact).sel(nearest, method="nearest") if nearest else dataset.sel(exact)
 
 
 def _signature(variable: xr.Variable) -> Signature:

@@ -51,7 +51,7 @@ def new_key() -> bytes:
 
 
 class Channel:
-    """One end of a socket pair."""
+    """Channel of messages over a socket pair, seen from this process."""
 
     def __init__(self, end: socket.socket) -> None:
         self._end = end
@@ -115,10 +115,10 @@ class Channel:
         parts, lacking = [], size
         while lacking:
             if not self.wait(0):
-                left = LOOK if until is None else min(LOOK, until - monotonic())
+                patience = LOOK if until is None else min(LOOK, until - monotonic())
                 # what a process wrote before it died is there at once
                 was_alive = is_alive()
-                if not self.wait(max(left, 0.0)):
+                if not self.wait(max(patience, 0.0)):
                     if not was_alive:
                         raise ClosedError
                     if until is not None and monotonic() >= until:
@@ -143,8 +143,8 @@ def _header(address: Address, body: bytes) -> bytes:
 
 def channel_pair() -> tuple[Channel, socket.socket]:
     """Make a channel for this process, and the bare socket of its other end for a worker."""
-    ours, theirs = socket.socketpair()
-    return Channel(ours), theirs
+    here, other_end = socket.socketpair()
+    return Channel(here), other_end
 
 
 Task = Literal["compute", "clock"]
@@ -180,7 +180,7 @@ class Ending:
 
 @dataclass(frozen=True)
 class Order:
-    """One case of a batch, by its place and its ``name``: to compute, or to run once against the clock.
+    """Order for a case of a batch, by its place and its ``name``: to compute, or to run once against the clock.
 
     The answer, sealed with ``key``, is an Outcome, or a Sample or the Failure in its place. ``limit`` [s].
     """

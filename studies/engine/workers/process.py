@@ -103,7 +103,7 @@ class WorkerProcess:
 
     @property
     def is_forked(self) -> bool:
-        """Whether the process that computes is a fork of the keeper, which can fork another."""
+        """True where the process that computes is a fork of the keeper, which can fork another."""
         return self.channel is not self._control
 
     def has_ended(self) -> bool:
@@ -190,7 +190,7 @@ def _start(end: socket.socket, mark: str) -> subprocess.Popen[bytes]:
 
 
 def take_over() -> tuple[socket.socket, int, int]:
-    """In a keeper: return its socket, the supervisor's number, and a descriptor to read when that one has ended.
+    """Return a keeper's socket, its supervisor's number, and a descriptor to read when that one has ended.
 
     What a case starts inherits neither, and finds an empty standard input.
     """
@@ -212,7 +212,7 @@ def take_over() -> tuple[socket.socket, int, int]:
 
 
 def fork() -> int:
-    """In a keeper: fork a process in a session of its own; returns its number, or 0 in that process itself."""
+    """Fork a keeper into a process in a session of its own; returns its number, or 0 in that process itself."""
     with (
         warnings.catch_warnings()
     ):  # of threads of a numerical library, which ends them itself before a fork
@@ -224,7 +224,7 @@ def fork() -> int:
 
 
 def runs(number: int | None) -> bool:
-    """In a keeper: return whether the process that it forked has not ended."""
+    """Return whether the process that this keeper forked has not ended."""
     if number is None:
         return False
     try:
@@ -234,7 +234,7 @@ def runs(number: int | None) -> bool:
 
 
 def exit_code(number: int) -> int | None:
-    """In a keeper: wait for the end of the process that it forked, and return its exit code."""
+    """Wait for the end of the process that this keeper forked, and return its exit code."""
     try:
         return os.waitstatus_to_exitcode(os.waitpid(number, 0)[1])
     except ChildProcessError:
@@ -261,7 +261,7 @@ def end_all(worker: int, mark: str, spared: int | None = None) -> None:
 
 
 def _has_ended(process: subprocess.Popen[Any]) -> bool:
-    """Return whether it has; its number stays its own until it is waited for, where the system can tell so."""
+    """Return whether the process has ended; where the system can, its number stays its own until it is waited for."""
     if process.returncode is not None:
         return True
     if hasattr(os, "waitid"):

@@ -78,7 +78,7 @@ class WorkerSupervisor:
 
     @property
     def has_ended(self) -> bool:
-        """Whether :meth:`end` was called."""
+        """True after :meth:`end`."""
         return self._over.is_set()
 
     def end(self) -> None:
@@ -92,14 +92,14 @@ class WorkerSupervisor:
     def _answers(
         self, cases: bytes, names: Sequence[str], task: Task, limit: float | None
     ) -> Iterator[Answer]:
-        done, again = 0, -1
-        while done < len(names):
+        answered, retried = 0, -1
+        while answered < len(names):
             process = self._ready()
             if process is None:
                 return
             orders = tuple(
                 Order(place, names[place], new_key(), task, limit)
-                for place in range(done, len(names))
+                for place in range(answered, len(names))
             )
             try:
                 send_requests(process.channel, [Batch(cases, orders)])
@@ -111,10 +111,10 @@ class WorkerSupervisor:
                 answer, ending = self._receive(process, order, start)
                 if self._over.is_set():
                     return
-                if ending in FROM_OUTSIDE and again < done:
-                    again = done
+                if ending in FROM_OUTSIDE and retried < answered:
+                    retried = answered
                     break
-                done += 1
+                answered += 1
                 yield answer
                 if not process.is_ready(self._work):  # it has ended
                     break

@@ -52,7 +52,7 @@ def main() -> None:
 
 
 class _Worker:
-    """One process that serves a channel: a keeper, its fork, or, where there are no forks, both in one."""
+    """A process that serves a channel: a keeper, its fork, or, where there are no forks, both in one."""
 
     def __init__(self, channel: Channel, supervisor: int, leash: int, *, is_keeper: bool) -> None:
         self._channel, self._number = channel, os.getpid()

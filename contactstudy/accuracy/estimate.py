@@ -347,7 +347,7 @@ def _residual(solution: Solution) -> tuple[float, float]:
     closing = np.where(free, closing - closing.mean(where=free) if free.any() else 0.0, 0.0)
 
     # cells at a limit that should not be there
-    bound = violation(pressure, gap, cells) / operator.own
+    bound = violation(pressure, gap, cells) / operator.self_compliance
     missing = MARGIN * (np.abs(closing) + bound)
     l1 = float(missing.sum() / pressure.sum())
     # another cell may have the peak; and the inverse, which ignores the ends of a length that does not wrap, is more

@@ -297,4 +297,5 @@ class Gpu:
 
 
 def _cupy() -> Any:
+    """Return CuPy, imported on first use."""
     return import_module("cupy")

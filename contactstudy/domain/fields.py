@@ -137,6 +137,7 @@ def inner(a: Array, b: Array) -> float:
 
 
 def _inner(a: Array, b: Array) -> float:
+    """Return the sum of ``a b`` over a block."""
     xp = arrays()
     if prod(a.shape) <= SMALL:
         return float(xp.vecdot(xp.reshape(a, (-1,)), xp.reshape(b, (-1,))))

@@ -82,6 +82,7 @@ def canonical(value: object, memory: Memory | None = None) -> Tree:
 
 
 def _record(value: Any, memory: Memory) -> Tree:
+    """Return the tree of a dataclass, with the fields at their defaults apart."""
     tree: dict[str, Tree] = {"": memory.name(type(value))}
     defaults: dict[str, Tree] = {}
     for part, default in _parts(type(value)):  # type: ignore[arg-type]
@@ -116,6 +117,7 @@ def key(tree: Tree) -> str:
 
 
 def _bare(tree: Tree) -> Tree:
+    """Return `tree` without the fields at their defaults."""
     if isinstance(tree, dict):
         return {name: _bare(item) for name, item in tree.items() if name != DEFAULTS}
     return [_bare(item) for item in tree] if isinstance(tree, list) else tree
@@ -141,11 +143,13 @@ def differences(stored: Tree, now: Tree, name: str = "case") -> list[str]:
 
 
 def _fields(tree: dict[str, Tree]) -> dict[str, Tree]:
+    """Return the fields of a dataclass in a tree, those at their defaults included."""
     parts = {name: item for name, item in tree.items() if name not in ("", DEFAULTS)}
     return parts | dict(tree.get(DEFAULTS, {}))
 
 
 def _short(tree: Tree) -> str:
+    """Return `tree` as a short text for a message."""
     if isinstance(tree, dict):
         return str(tree.get("", "a mapping"))
     shown = tree if isinstance(tree, str) else text(tree)

@@ -129,12 +129,12 @@ def _kernel(across: _Axis, along: _Axis, coefficients: Coefficients) -> Array:
     return _summed(columns, across, even_x)
 
 
-def _summed(at: Callable[[Array], Array], axis: _Axis, parity: int) -> Array:
-    """Return the sum of ``at(d + m L)`` over the periods m of the axis's window, for its known offsets d.
+def _summed(coefficients: Callable[[Array], Array], axis: _Axis, parity: int) -> Array:
+    """Return the sum of ``coefficients(d + m L)`` over the periods m of the axis's window, for its known offsets d.
 
-    `at` is even or odd, and takes distances along its first axis. The offsets of one period therefore serve two images:
-    the one ahead and, reversed, the next one behind. Far images are added first, so that small terms are summed before
-    large ones.
+    `coefficients` is even or odd, and takes distances along its first axis. The offsets of one period therefore serve
+    two images: the one ahead and, reversed, the next one behind. Far images are added first, so that small terms are
+    summed before large ones.
     """
     window, count = axis.padding.window, axis.cells
     assert window is not None
@@ -142,7 +142,7 @@ def _summed(at: Callable[[Array], Array], axis: _Axis, parity: int) -> Array:
     for period in range(max(window[-1], -window[0] - 1), -1, -1):
         is_ahead, is_behind = period in window, -period - 1 in window
         distances = np.arange(count + 1.0) if is_behind else np.arange(float(axis.known))
-        block = at((period * count + distances) * axis.step)
+        block = coefficients((period * count + distances) * axis.step)
         if is_ahead:
             total = total + block[: axis.known]
         if is_behind:

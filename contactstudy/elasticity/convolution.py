@@ -92,7 +92,7 @@ class Convolution:
         return float(self.padded[0] * self.padded[1])
 
     @property
-    def own(self) -> float:
+    def self_compliance(self) -> float:
         """Displacement of a cell under its own unit pressure, relative to the mean over the padded grid [m/Pa].
 
         It is the mean of the spectrum without its first entry, the rigid shift. With infinitely many images that entry
@@ -232,18 +232,20 @@ def antisymmetric(
     return Convolution(fft.rfft2(around), grid.cells, padded)
 
 
-def combined(operators: Iterable[tuple[float, Convolution]], own: float = 0.0) -> Convolution:
-    """Return the sum of `operators` on one grid, each times its weight, and `own` [m/Pa] times the pressure itself.
+def combined(
+    operators: Iterable[tuple[float, Convolution]], local_compliance: float = 0.0
+) -> Convolution:
+    """Return the sum of `operators` on one grid, each times its weight.
 
-    A constant in the spectrum is that multiple of the pressure, also on coarser grids.
+    `local_compliance` [m/Pa] times the pressure itself is added: a constant in the spectrum, also on coarser grids.
     """
     weighted = list(operators)
     first = weighted[0][1]
     spectrum = sum(
         (weight * operator.spectrum for weight, operator in weighted), start=np.zeros(())
     )
-    if own:
-        spectrum = spectrum + own
+    if local_compliance:
+        spectrum = spectrum + local_compliance
     return replace(first, spectrum=spectrum)
 
 

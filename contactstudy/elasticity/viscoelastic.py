@@ -159,25 +159,25 @@ class Trailing:
         if self.axis == 1:
             return self.turned().cell(y, x, dy, dx)
 
-        def at(s: Array) -> Array:
+        def kernel(s: Array) -> Array:
             return self.inner.cell(s[:, None], np.ravel(y), dx, dy)
 
-        parts = self._part(_free(at, np.ravel(x), dx, self.length))
+        parts = self._part(_free(kernel, np.ravel(x), dx, self.length))
         return parts if np.ndim(y) < 2 else parts.T
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
         """Return the response to an infinite row of images along y; x is a column, y a row."""
         if self.axis == 1:
 
-            def beside(s: Array) -> Array:
+            def kernel(s: Array) -> Array:
                 return self.inner.row(np.ravel(x)[:, None], s, dx, dy, period).T
 
-            return self._part(_closed(beside, np.ravel(y), dy, period, self.length)).T
+            return self._part(_closed(kernel, np.ravel(y), dy, period, self.length)).T
 
-        def at(s: Array) -> Array:
+        def kernel(s: Array) -> Array:
             return self.inner.row(s[:, None], np.ravel(y), dx, dy, period)
 
-        return self._part(_free(at, np.ravel(x), dx, self.length))
+        return self._part(_free(kernel, np.ravel(x), dx, self.length))
 
     def lattice(
         self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
@@ -186,10 +186,10 @@ class Trailing:
         if self.axis == 1:
             return self.turned().lattice(y.T, x.T, dy, dx, period, width).T
 
-        def at(s: Array) -> Array:
+        def kernel(s: Array) -> Array:
             return self.inner.lattice(s[:, None], np.ravel(y), dx, dy, width, period)
 
-        return self._part(_closed(at, np.ravel(x), dx, width, self.length))
+        return self._part(_closed(kernel, np.ravel(x), dx, width, self.length))
 
     def _part(self, both: tuple[Array, Array]) -> Array:
         """Return the even or odd part of V, from its values at x and at -x."""
@@ -197,13 +197,13 @@ class Trailing:
         return (trailing + self.sign * leading) / 2
 
 
-def _free(at: Field, x: Array, step: float, length: float) -> tuple[Array, Array]:
-    """Return V at `x` and at ``-x``, multiples of `step` from 0 on; `at` is even and not periodic."""
+def _free(kernel: Field, x: Array, step: float, length: float) -> tuple[Array, Array]:
+    """Return V at `x` and at ``-x``, multiples of `step` from 0 on; `kernel` is even and not periodic."""
     index = np.round(x / step).astype(int)
     last = max(int(index.max()), 1)
-    onward, backward = _panels(at, last, step, length)
+    onward, backward = _panels(kernel, last, step, length)
     decay = exp(-step / length)
-    value = _beyond(at, last * step, step, length)
+    value = _beyond(kernel, last * step, step, length)
     trailing = np.empty((last + 1, *value.shape))
     trailing[last] = value
     for k in range(last - 1, -1, -1):
@@ -217,11 +217,13 @@ def _free(at: Field, x: Array, step: float, length: float) -> tuple[Array, Array
     return trailing[index], leading[index]
 
 
-def _closed(at: Field, x: Array, step: float, period: float, length: float) -> tuple[Array, Array]:
-    """Return V at `x` and at ``-x``, multiples of `step`; `at` is even and repeats after `period`."""
+def _closed(
+    kernel: Field, x: Array, step: float, period: float, length: float
+) -> tuple[Array, Array]:
+    """Return V at `x` and at ``-x``, multiples of `step`; `kernel` is even and repeats after `period`."""
     count = round(period / step)
     half = (count + 1) // 2
-    onward, backward = _panels(at, half, step, length)
+    onward, backward = _panels(kernel, half, step, length)
     panels = [onward[k] if k < half else backward[count - 1 - k] for k in range(count)]
     decay = exp(-step / length)
     value = np.zeros_like(panels[0])
@@ -236,18 +238,18 @@ def _closed(at: Field, x: Array, step: float, period: float, length: float) -> t
     return around[index], around[-index % count]
 
 
-def _panels(at: Field, count: int, step: float, length: float) -> tuple[Array, Array]:
+def _panels(kernel: Field, count: int, step: float, length: float) -> tuple[Array, Array]:
     """Return integrals over each of `count` panels of size `step`.
 
     They are weighted from the panel's near end on, and from its far end backwards.
     """
     halves = np.concatenate([[0.0], np.sort(0.5 - 0.5 ** np.arange(2.0, HALVINGS + 2)), [0.5]])
     edges = step * np.concatenate([halves, 1 - halves[-2::-1]])
-    first = [_integral(at, 0.0, edges, length, sign) for sign in (1, -1)]
+    first = [_integral(kernel, 0.0, edges, length, sign) for sign in (1, -1)]
     nodes, weights = _rule(step, length)
     starts = step * np.arange(1, count)
     places = (starts[:, None] + step * nodes).ravel()
-    values = at(places) if count > 1 else np.zeros((0, *first[0].shape))
+    values = kernel(places) if count > 1 else np.zeros((0, *first[0].shape))
     values = values.reshape(count - 1, POINTS, *values.shape[1:])
     onward = np.tensordot(weights, values, (0, 1))
     # read backwards, the points lie as they do forwards
@@ -258,8 +260,8 @@ def _panels(at: Field, count: int, step: float, length: float) -> tuple[Array, A
     )
 
 
-def _integral(at: Field, start: float, edges: Array, length: float, sign: int) -> Array:
-    """Return the integral of `at` over panels between `edges`, from `start` on.
+def _integral(kernel: Field, start: float, edges: Array, length: float, sign: int) -> Array:
+    """Return the integral of `kernel` over panels between `edges`, from `start` on.
 
     It is weighted from the first panel on (`sign` 1) or from the last backwards (-1).
     """
@@ -270,17 +272,17 @@ def _integral(at: Field, start: float, edges: Array, length: float, sign: int) -
             weights = weights[::-1] * exp(-(edges[-1] - far) / length)
         else:
             weights = weights * exp(-(near - edges[0]) / length)
-        total = total + np.tensordot(weights, at(start + near + (far - near) * nodes), (0, 0))
+        total = total + np.tensordot(weights, kernel(start + near + (far - near) * nodes), (0, 0))
     return np.asarray(total)
 
 
-def _beyond(at: Field, start: float, step: float, length: float) -> Array:
+def _beyond(kernel: Field, start: float, step: float, length: float) -> Array:
     """Return V at `start`, by panels that grow with their distance."""
     reach = FORGOTTEN * length
     edges = [0.0, step]
     while edges[-1] < reach:
         edges.append(2 * edges[-1])
-    return _integral(at, start, np.array(edges), length, 1)
+    return _integral(kernel, start, np.array(edges), length, 1)
 
 
 def _rule(size: float, length: float) -> tuple[Array, Array]:

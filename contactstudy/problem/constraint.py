@@ -118,10 +118,10 @@ class Constraint(Protocol):
         ...
 
 
-def shifted(trial: Array, total: float, most: float) -> Array:
-    """Shift a `trial` pressure by one value such that, cut off at 0 and `most`, it has the sum `total`, in place.
+def shifted(trial: Array, total: float, limit: float) -> Array:
+    """Shift a `trial` pressure by one value such that, cut off at 0 and `limit`, it has the sum `total`, in place.
 
-    The sum is piecewise linear in the shift, with a bend where a cell begins to bear and where it reaches `most`.
+    The sum is piecewise linear in the shift, with a bend where a cell begins to bear and where it reaches `limit`.
     Source: Held, Wolfe & Crowder (1974), here with an upper limit.
     """
     xp = arrays()
@@ -131,25 +131,23 @@ def shifted(trial: Array, total: float, most: float) -> Array:
     bends = xp.sort(xp.reshape(-depths, (-1,)))
     cells = bends.shape[0]
     bearing = xp.arange(1, cells + 1, dtype=xp.float64)
-    if most < inf:
-        bends = xp.concat([bends, bends + most])
+    if limit < inf:
+        bends = xp.concat([bends, bends + limit])
         order = xp.argsort(bends, stable=True)
         bends = xp.take(bends, order, axis=0)
         bearing = xp.cumulative_sum(1 - 2 * xp.astype(order >= cells, xp.float64))
     borne = xp.diff(bends)
     borne *= bearing[:-1]
     borne = xp.cumulative_sum(borne)
-    last = int(xp.searchsorted(borne, xp.full_like(bends[:1], total))[0])
-    missing, count = (
-        total - (float(borne[last - 1]) if last else 0.0),
-        max(float(bearing[last]), 1.0),
-    )
-    shift = float(bends[last]) + missing / count
+    segment = int(xp.searchsorted(borne, xp.full_like(bends[:1], total))[0])
+    missing = total - (float(borne[segment - 1]) if segment else 0.0)
+    count = max(float(bearing[segment]), 1.0)
+    shift = float(bends[segment]) + missing / count
     del bends, bearing, borne
     # a second correction, for the rounding of a cumulative sum
-    shift += (total - float(xp.sum(xp.clip(depths + shift, 0.0, most)))) / count
+    shift += (total - float(xp.sum(xp.clip(depths + shift, 0.0, limit)))) / count
     depths += shift
-    trial[...] = xp.astype(xp.clip(depths, 0.0, most), trial.dtype, copy=False)
+    trial[...] = xp.astype(xp.clip(depths, 0.0, limit), trial.dtype, copy=False)
     return trial
 
 

@@ -63,7 +63,7 @@ class Operator(Protocol):
         ...
 
     @property
-    def own(self) -> float:
+    def self_compliance(self) -> float:
         """Displacement of a cell under its own unit pressure, above the mean of all cells.
 
         It does not depend on a rigid shift, which a balanced load cannot tell, and is above zero.

@@ -37,7 +37,7 @@ class PolonskyKeer:
         direction = xp.zeros_like(pressure)
         previous, conjugate = 1.0, 0.0
         stall = Stall(self.patience)
-        compliance = problem.operator.own
+        compliance = problem.operator.self_compliance
         iteration = 0
         while True:
             displacement = problem.operator(pressure)

@@ -202,7 +202,7 @@ class PreconditionedCG:
         last: Step | None = None
         step_length = 1.0
         cut = False
-        compliance = operator.own
+        compliance = operator.self_compliance
         stall = Stall(self.patience)
         iteration = 0
         while True:

@@ -100,6 +100,7 @@ class ContactTangent:
 
     @cached_property
     def _precondition(self) -> ApproximateInverse:
+        """Preconditioner of the contact."""
         return self.bare.operator.approximate_inverse()
 
 

@@ -56,6 +56,7 @@ class Status(Enum):
     )
 
     def __str__(self) -> str:
+        """Return name, cause and remedy as a sentence."""
         return f"{self.name}: {self.value}."
 
 
@@ -150,6 +151,7 @@ class Solution:
 
     @property
     def _traction(self) -> Traction:
+        """Shear of the solution; raises NotDefined without friction."""
         if self.traction is None:
             raise NotDefined(
                 "This solution has no shear: give Scene.friction, such as Sliding(coefficient=0.1)."

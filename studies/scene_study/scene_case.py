@@ -190,7 +190,7 @@ class _Last:
         step = log(load / latest) / log(latest / previous)
         if abs(step) > FAR:
             return scaled
-        seed = SEED / problem.operator.own
+        seed = SEED / problem.operator.self_compliance
         last = pressure - seed * gap
         start = last + (last - (previous_pressure - seed * previous_gap)) * step
         np.maximum(start, 0, out=start)

@@ -270,6 +270,7 @@ class PlaneStrainOperator:
 
     @property
     def _padded_grid(self) -> int:
+        """Length of transforms that take fields from the grid to the volume without wrapping."""
         cells = self.volume.grid.cells[0] + self.volume.shape[1]
         return int(fft.next_fast_len(cells, real=True))
 
@@ -300,6 +301,7 @@ class PlaneStrainOperator:
 
     @cached_property
     def _spectrum_and_blocks(self) -> tuple[Array, Array]:
+        """Strain spectrum, and the relaxed stress of a cell by its own strain."""
         layers, across, _ = self.volume.shape
         modulus = self.moduli.plane_strain
         spectrum = np.empty((padded_cells(across) // 2 + 1, 3, layers, 3, layers))
@@ -393,6 +395,7 @@ class HalfLines:
 
     @property
     def _count(self) -> int:
+        """Number of cells across over which odd terms are summed one by one."""
         deep = DEPTHS * self.operator.edges_in_cells[-1]
         return int(max(deep, self.operator.volume.grid.cells[0])) + 1
 

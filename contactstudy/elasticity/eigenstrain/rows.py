@@ -230,16 +230,19 @@ class RowOperator:
 
     @cached_property
     def _plane(self) -> PlaneStrainOperator:
+        """Operator on the mean of in-plane strain along the length."""
         grid = self.volume.grid
         alone = replace(grid, cells=(grid.cells[0], 1))
         return PlaneStrainOperator(replace(self.volume, grid=alone), self.moduli)
 
     @cached_property
     def _antiplane(self) -> AntiplaneOperator:
+        """Operator on the mean of antiplane strain along the length."""
         return AntiplaneOperator(self.volume, self.moduli)
 
     @cached_property
     def _groups(self) -> tuple["_Group", ...]:
+        """Waves along the length except their mean, in groups."""
         return tuple(_groups(self.volume, self.moduli))
 
 

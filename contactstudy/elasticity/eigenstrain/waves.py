@@ -92,11 +92,14 @@ class ShortWaves:
         """Yield the stress in each layer by strain in itself and in layers near to it, by short waves."""
         edges = self.volume.edges
         thicknesses = rounded(self.volume.thicknesses)
-        felt, near = DEEP / 2 * max(self.volume.grid.cell), NEAR * min(self.volume.grid.cell)
+        surface_depth, near = (
+            DEEP / 2 * max(self.volume.grid.cell),
+            NEAR * min(self.volume.grid.cell),
+        )
         single: dict[tuple[float, float], list[int]] = {}
         pairs: dict[tuple[int, float, float, float, float], list[int]] = {}
         for number, thickness in enumerate(thicknesses):
-            top = edges[number] if edges[number] < felt else DEEPEST * felt
+            top = edges[number] if edges[number] < surface_depth else DEEPEST * surface_depth
             single.setdefault((thickness, top), []).append(number)
             for steps, below in enumerate(thicknesses[number + 1 :], start=1):
                 gap = float(sum(thicknesses[number + 1 : number + steps]))
@@ -276,11 +279,13 @@ class Waves:
 
     @cached_property
     def _short(self) -> ShortWaves:
+        """Short waves that cells do not tell from these."""
         x, y = np.repeat(self.across, len(self.along)), np.tile(self.along, len(self.across))
         return ShortWaves(self.volume, self.moduli, x, y)
 
     @cached_property
     def _direction(self) -> Direction:
+        """Direction of these waves, with their weights."""
         return self._short.shifted(0, 0)
 
     @cached_property
@@ -292,10 +297,12 @@ class Waves:
 
     @cached_property
     def _couplings(self) -> "_OnRequest[tuple[Coupling, ...]]":
+        """Couplings of layers by short waves, by components."""
         return _OnRequest(lambda components: tuple(self._short.couplings(components)))
 
     @cached_property
     def _pressed(self) -> "_OnRequest[Array]":
+        """Stress (components, layers, waves) by unit pressure, by components."""
         return _OnRequest(self._by_pressure)
 
     def _by_pressure(self, components: Components) -> Array:
@@ -317,6 +324,7 @@ class _OnRequest(dict[Components, T]):
         self._make = make
 
     def __missing__(self, components: Components) -> T:
+        """Make and keep the value of `components`."""
         self[components] = self._make(components)
         return self[components]
 

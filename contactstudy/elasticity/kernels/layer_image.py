@@ -112,10 +112,10 @@ def image_harmonics(x: Array, y: Array, dx: float, dy: float, period: float, dep
     if dy == period:
         return result
     inner = np.hypot(np.maximum(x - dx / 2, 0), depth) / period
-    felt = inner < FOURIER_END
+    varies = inner < FOURIER_END
     if dx > period:
         marks = np.linspace(-STRIPS_END, STRIPS_END, STRIPS + 1) * period
-        for row in np.flatnonzero(felt):
+        for row in np.flatnonzero(varies):
             for start, end in pairwise(marks.tolist()):
                 low, high = max(x[row] - dx / 2, start), min(x[row] + dx / 2, end)
                 if low < high:
@@ -123,8 +123,8 @@ def image_harmonics(x: Array, y: Array, dx: float, dy: float, period: float, dep
                     result[row] += image_harmonics(middle, y, high - low, dy, period, depth)[0]
         return result
     forms: dict[Callable[..., Array], NDArray[np.bool_]] = {
-        _fourier: felt & (inner >= HANDOVER),
-        _images: felt & (inner < HANDOVER),
+        _fourier: varies & (inner >= HANDOVER),
+        _images: varies & (inner < HANDOVER),
     }
     for form, rows in forms.items():
         if rows.any():

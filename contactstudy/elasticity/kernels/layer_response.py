@@ -89,10 +89,10 @@ class LayerResponse:
         small = np.abs(k) < SERIES_END
         if small.any():
             fourth[small] = 4 * t[small] * _sinh_square_less_square(k[small])
-        bent = lam * fourth - 4 * k * k * t * one_lam
+        higher_order = lam * fourth - 4 * k * k * t * one_lam
         d0 = self.contrast
-        above = 4 * kap * k * (1 + k) + u * (2 * lam * kap - d0 * cross) - d0 * kap * bent
-        return np.asarray(t * above / (one_lam * one_kap + u * cross + kap * bent))
+        above = 4 * kap * k * (1 + k) + u * (2 * lam * kap - d0 * cross) - d0 * kap * higher_order
+        return np.asarray(t * above / (one_lam * one_kap + u * cross + kap * higher_order))
 
     def taylor(self) -> tuple[float, float, float]:
         """Return the coefficients of k^2, k^4 and k^6 in R, which give its far field in space."""

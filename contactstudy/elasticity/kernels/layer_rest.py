@@ -225,9 +225,9 @@ class _Row:
         groups, first = [], 1
         while first <= self._count:
             decay = DECAY * self.period / (2 * np.pi * first)
-            felt = min(farthest, decay + self.dx / 2)
+            reach = min(farthest, decay + self.dx / 2)
             groups.append(
-                (first, min(2 * first, self._count + 1), felt, felt + self.dx / 2 + decay)
+                (first, min(2 * first, self._count + 1), reach, reach + self.dx / 2 + decay)
             )
             first *= 2
         return groups
@@ -235,9 +235,9 @@ class _Row:
     def waves(self, farthest: float) -> float:
         """Return the cost of :meth:`series` up to a distance `farthest`, in evaluations of the response."""
         cost = 0.0
-        for first, end, felt, across in self._groups(farthest):
+        for first, end, reach, across in self._groups(farthest):
             waves = (end - first) * LAST_WAVE / self.thickness * across / (2 * np.pi)
-            cost += waves * (1 + SUM * felt / self.dx)
+            cost += waves * (1 + SUM * reach / self.dx)
         return cost
 
     def series(self, x: Array, y: Array) -> Array:
@@ -248,8 +248,8 @@ class _Row:
         the repeats have decayed.
         """
         total = np.zeros((x.size, y.size))
-        for first, end, felt, across in self._groups(float(x.max(initial=0.0))):
-            rows = np.flatnonzero(x <= felt)
+        for first, end, reach, across in self._groups(float(x.max(initial=0.0))):
+            rows = np.flatnonzero(x <= reach)
             along = 2 * np.pi / self.period * np.arange(first, end)
             step = 2 * np.pi / across
             # no wave is longer than the group's first harmonic lets it be
@@ -290,8 +290,8 @@ class _Row:
         count = int(np.ceil(DECAY / np.arcsinh(slim))) + 2
         nodes_x = reach * chebyshev.chebpts1(count)
         nodes_y = period / 2 * chebyshev.chebpts1(24)
-        felt = FAR * self.thickness / self.response.nearest_pole
-        last = int(np.ceil(max(felt, 2 * (reach + self.dx / 2)) / period)) + 2
+        far_field = FAR * self.thickness / self.response.nearest_pole
+        last = int(np.ceil(max(far_field, 2 * (reach + self.dx / 2)) / period)) + 2
         values = self._tail(nodes_x, nodes_y, last)
         images = np.arange(2.0, last + 1)
         for block in np.array_split(images, max(1, images.size // 64)):
@@ -406,8 +406,8 @@ def rest_strips(
         q = 2 * np.pi / width * np.arange(1, waves + 1)
         share = np.real(response.rest(q * thickness)) / q * np.sinc(q * dx / (2 * np.pi))
         return np.asarray(np.cos(np.multiply.outer(x, q)) @ share * (4 * np.pi / width * dx))
-    felt = FAR * thickness / response.nearest_pole
-    last = int(np.ceil(max(felt, 2 * dx) / width)) + 20
+    far_field = FAR * thickness / response.nearest_pole
+    last = int(np.ceil(max(far_field, 2 * dx) / width)) + 20
     total = -2 * np.pi * response.slope * thickness * dx / width * np.ones_like(x)
     second, fourth, sixth = rest_in_space(response).taylor
     share = thickness / width

@@ -126,23 +126,27 @@ def _bulge_point(x: Array, y: Array, z: float, r: Array) -> Array:
 
 
 def _xx_point(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
+    """Return 2 pi times the stress xx under a unit force at the origin."""
     s = r * r
     lateral = z / (s * r) - _bulge_point(x, y, z, r)
     return np.asarray((1 - 2 * nu) * lateral - 3 * z * (x * x) / (s * s * r))
 
 
 def _xx_corner(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
+    """Return the integral over x and y of 2 pi times the stress xx under a unit force."""
     bulge = (1 - 2 * nu) * _bulge(x, y, z, r)
     return np.asarray(2 * nu * _angle(x, y, z, r) + _arch(x, y, z, r) - bulge)
 
 
 def _xy_point(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
+    """Return 2 pi times the stress xy under a unit force at the origin."""
     s = r * r
     lateral = (1 - 2 * nu) * (2 * r + z) / (r + z) ** 2
     return np.asarray(x * y / (s * r) * (lateral - 3 * z / s))
 
 
 def _xz_corner(x: Array, y: Array, z: float, r: Array, _: float) -> Array:
+    """Return the integral over x and y of 2 pi times the stress xz under a unit force."""
     return np.asarray(z * z * y / ((x * x + z * z) * r))
 
 

@@ -83,9 +83,9 @@ def stress_cell_periodic(
     return result
 
 
-def plane_strain(component: Component, seen: Strip, poisson_ratio: float) -> Array:
+def plane_strain(component: Component, loaded_strip: Strip, poisson_ratio: float) -> Array:
     """Return a component of stress under unit pressure on a strip."""
-    return np.asarray(component.plane(seen, poisson_ratio) / np.pi + 0 * seen.angle)
+    return np.asarray(component.plane(loaded_strip, poisson_ratio) / np.pi + 0 * loaded_strip.angle)
 
 
 def _far_images(

@@ -134,7 +134,9 @@ def test_own_coefficient_is_that_of_a_cell_on_itself_above_the_mean(
     unit = np.zeros(cells)
     unit[1, 0] = 1.0
     above_mean = apply(unit)[1, 0] - apply.spectrum[0, 0] / np.prod(apply.padded)
-    assert apply.own == pytest.approx(above_mean, abs=1e-15 * np.abs(apply.spectrum).max())
+    assert apply.self_compliance == pytest.approx(
+        above_mean, abs=1e-15 * np.abs(apply.spectrum).max()
+    )
 
 
 @pytest.mark.parametrize("datum", [1e-6, 1.0, 1e6])
@@ -142,8 +144,8 @@ def test_own_coefficient_does_not_depend_on_a_rigid_shift(datum: float) -> None:
     grid = cs.Grid(cells=(8, 6), extent=(1.0, 0.7))
     plain, shifted = (cs.convolution(2.0, grid, cs.ExactPeriodicity(), d) for d in (1.0, datum))
     # what is left of the shift is rounding of it, where every row has its sum
-    assert shifted.own == pytest.approx(plain.own, rel=1e-12)
-    assert shifted.own > 0
+    assert shifted.self_compliance == pytest.approx(plain.self_compliance, rel=1e-12)
+    assert shifted.self_compliance > 0
 
 
 @pytest.mark.parametrize("padding", PADDINGS, ids=str)

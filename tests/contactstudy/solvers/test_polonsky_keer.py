@@ -88,7 +88,7 @@ def test_around_a_single_cell_the_others_close_their_own_gaps(bare: BareProblem)
     gap = bare.undeformed_gap + bare.operator(alone)
     gap -= gap[12, 0]
     assert (gap < 0).any()
-    trial = alone + np.maximum(-gap / bare.operator.own, 0)
+    trial = alone + np.maximum(-gap / bare.operator.self_compliance, 0)
     found = PolonskyKeer().iterate(bare, tolerance=0.0, max_iterations=1, start=alone)
     np.testing.assert_allclose(found.pressure, trial * load / trial.sum(), rtol=1e-12)
     assert alone.sum() == load  # the start is not written to

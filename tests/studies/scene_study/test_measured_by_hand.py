@@ -119,7 +119,7 @@ def test_stiffness_is_what_moves_the_cells_in_contact_alike(touching: list[int])
 
 
 OWN = 0.5
-PROBLEM: Any = SimpleNamespace(operator=SimpleNamespace(own=OWN))
+PROBLEM: Any = SimpleNamespace(operator=SimpleNamespace(self_compliance=OWN))
 
 
 def seen(*contacts: tuple[float, list[float], list[float]]) -> scene_case._Last:

@@ -169,10 +169,10 @@ class Trailing:
         """Return the response to an infinite row of images along y; x is a column, y a row."""
         if self.axis == 1:
 
-            def kernel(s: Array) -> Array:
+            def kernel_along(s: Array) -> Array:
                 return self.inner.row(np.ravel(x)[:, None], s, dx, dy, period).T
 
-            return self._part(_closed(kernel, np.ravel(y), dy, period, self.length)).T
+            return self._part(_closed(kernel_along, np.ravel(y), dy, period, self.length)).T
 
         def kernel(s: Array) -> Array:
             return self.inner.row(s[:, None], np.ravel(y), dx, dy, period)

@@ -79,8 +79,8 @@ class KrylovStep:
             cells = values[:-1].reshape(shape)
             coarse, separation = fourier.solve(cells * free, float(values[-1]) / flow)
             first = np.append((coarse * free).ravel(), separation)
-            left = values - product(first)
-            first[:-1] += (lines.solve(left[:-1].reshape(shape)) * ~equation.fixed).ravel()
+            remainder = values - product(first)
+            first[:-1] += (lines.solve(remainder[:-1].reshape(shape)) * ~equation.fixed).ravel()
             return first
 
         count = 0

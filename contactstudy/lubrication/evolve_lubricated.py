@@ -144,11 +144,9 @@ def evolve_lubricated(
     length = step or FIRST * first
     for target in instants:
         while march.time < target - 1e-9 * first:
-            left = target - march.time
+            remaining = target - march.time
             # no sliver of a step before an instant
-            trial = (
-                left if length > 0.999 * left else min(length, left / np.ceil(left / length - 1e-6))
-            )
+            trial = remaining / max(np.ceil(remaining / length - 1e-3), 1)
             stepped, size = march.stepped(trial)
             iterations += stepped.last.iterations
             linear_iterations += stepped.last.linear_iterations
@@ -159,9 +157,10 @@ def evolve_lubricated(
             march, steps, worst = stepped, steps + 1, max(worst, size)
             if progress is not None:
                 progress(march.time, instants[-1])
-            if step is None and trial == min(trial, length) and size > 0:
-                factor = SAFETY * (error / size) ** (1 / 3)
-                length = trial * float(np.clip(factor, SHORTER, LONGER))
+            factor = SAFETY * (error / size) ** (1 / 3) if size > 0 else 1.0
+            grown = trial * float(np.clip(factor, SHORTER, LONGER))
+            # a step that was cut before an instant says nothing against a longer one
+            length = step or max(grown, length if trial < length else 0.0)
             if failed:
                 break
         contacts.append(march.contact())
@@ -255,8 +254,8 @@ class _March:
         instant = _Instant(end / self.unit, last.film, equation.content(last.film), last)
         inside = np.abs(now.x) < 1
         change = np.abs(last.film.film - self._extrapolated(end / self.unit, "film"))[inside].mean()
-        known = len(self.past) > 2
-        size = STEP_ERROR * float(change / last.film.film[inside].mean()) if known else 0.0
+        enough = len(self.past) > 2
+        size = STEP_ERROR * float(change / last.film.film[inside].mean()) if enough else 0.0
         past = (instant, *self.past[:2])
         return replace(self, past=past, now=now, distance=distance), size
 

@@ -97,9 +97,8 @@ class Linearised:
     def delayed(self, rate: float) -> "Linearised":
         """Add ``rate`` times the change of content: an implicit step in time of length 1 / rate."""
         scaled = rate * self.equation.cell[0] * ~self.equation.fixed
-        here = (0, 0)
         bands = (
-            {**band, here: band[here] + scaled * slope}
+            {**band, (0, 0): band[0, 0] + scaled * slope}
             for band, slope in zip(
                 (self.pressure, self.film, self.void), self.content_slopes, strict=True
             )
@@ -169,7 +168,7 @@ class FilmEquation:
         across = _conducted(
             cells.rows(slice(None, -1)), cells.rows(slice(1, None)), 1 / (self.resistance * dx)
         )
-        wedge, wedge_own, wedge_upstream = (self.speed * one for one in _drawn_along(content))
+        wedge, wedge_own, wedge_upstream = (self.speed * values for values in _drawn_along(content))
         flux = across.flux + wedge
 
         residual = np.zeros_like(content)
@@ -222,12 +221,12 @@ def neighbour(values: NDArray[Scalar], offset: tuple[int, int]) -> NDArray[Scala
     shifted = np.roll(values, -columns, axis=1) if columns else values
     if not rows:
         return shifted
-    moved = np.zeros_like(shifted)
+    result = np.zeros_like(shifted)
     if rows > 0:
-        moved[:-rows] = shifted[rows:]
+        result[:-rows] = shifted[rows:]
     else:
-        moved[-rows:] = shifted[:rows]
-    return moved
+        result[-rows:] = shifted[:rows]
+    return result
 
 
 def _face_behind(faces: Array) -> Array:

@@ -111,7 +111,7 @@ class LubricatedContact:
 
     @property
     def is_smooth(self) -> bool:
-        """Whether this is plane strain, with one cell along the length."""
+        """True in plane strain, with one cell along the length."""
         return self.grid.cells[1] == 1
 
     @property

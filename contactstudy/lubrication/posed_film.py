@@ -65,7 +65,7 @@ class PosedFilm:
 
     @property
     def is_crowned(self) -> bool:
-        """Whether the bodies part along the length by as much as Hertz's contact is flattened."""
+        """True if the bodies part along the length by as much as Hertz's contact is flattened."""
         return bool(np.ptp(self.equation.gap, axis=1).max() > CROWNED)
 
     def at(self, resistance: float) -> "PosedFilm":

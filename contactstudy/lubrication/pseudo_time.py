@@ -38,7 +38,7 @@ class FilmStep(NamedTuple):
 
 
 class StepSolver(Protocol):
-    """How the linear system of a step is solved."""
+    """Method that solves the linear system of a step."""
 
     def step(
         self, linear: Linearised, film: Film, cavitated: Mask, load_missing: float
@@ -82,16 +82,16 @@ class FilmIteration:
     def rounding(self) -> float:
         """Residual that rounding leaves: a thin film is a small difference of large heights."""
         gap = self.linear.equation.gap
-        left = ROUNDING * len(gap) * np.abs(gap).max() / np.abs(self.film.film).min()
-        return min(float(left), COARSE)
+        rounding = ROUNDING * len(gap) * np.abs(gap).max() / np.abs(self.film.film).min()
+        return min(float(rounding), COARSE)
 
 
 def residual_of(linear: Linearised, film: Film) -> float:
     """Return the larger of the flow that is not balanced, over the flow, and the load that is missing."""
     # faces between cells whose balance counts
     flow = np.abs(linear.flux[1:-1]).max() * linear.residual.shape[1]
-    lost = np.abs(linear.residual).sum() / flow
-    return float(max(lost, abs(linear.equation.load_missing(film))))
+    unbalanced = np.abs(linear.residual).sum() / flow
+    return float(max(unbalanced, abs(linear.equation.load_missing(film))))
 
 
 def iterate(
@@ -116,7 +116,7 @@ def iterate(
         and time_step > LEAST
         and np.isfinite(last.residual)
     ):
-        settled, wanted, change, linear_iterations = _settled(last, solver, time_step)
+        settled, next_cavitated, change, linear_iterations = _settled(last, solver, time_step)
         share = _share(last, change, controls.viscosity_change) if change.solved else 0.0
         counts = last.iterations + 1, last.linear_iterations + linear_iterations
         film = _moved(last, change, settled, share)
@@ -132,7 +132,7 @@ def iterate(
         elif residual < last.residual:
             factor = max(factor, 2.0)
         time_step *= factor
-        last = FilmIteration(film, linear, wanted, residual, *counts)
+        last = FilmIteration(film, linear, next_cavitated, residual, *counts)
         if watch is not None:
             watch(last)
     return last
@@ -154,17 +154,17 @@ def _settled(
         change = solver.step(delayed, film, cavitated, missing)
         iterations += change.iterations
         if not change.solved:
-            wanted = cavitated
+            next_cavitated = cavitated
             break
-        wanted = np.where(
+        next_cavitated = np.where(
             cavitated, film.void + change.void >= 0, film.pressure + change.pressure < 0
         )
-        wanted &= ~equation.fixed
-        flips = np.count_nonzero(wanted != cavitated)
+        next_cavitated &= ~equation.fixed
+        flips = np.count_nonzero(next_cavitated != cavitated)
         if flips <= unsettled or round_number == ROUNDS - 1:
             break
-        cavitated = wanted
-    return cavitated, wanted, change, iterations
+        cavitated = next_cavitated
+    return cavitated, next_cavitated, change, iterations
 
 
 def _share(last: FilmIteration, change: FilmStep, viscosity_change: float) -> float:

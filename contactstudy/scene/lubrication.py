@@ -54,7 +54,7 @@ class ViscosityLaw(Protocol):
 @answers_typos
 @dataclass(frozen=True)
 class Barus:
-    """``eta = eta0 exp(alpha p)`` (Barus 1893): for comparison, since it exaggerates beyond some 0.5 GPa."""
+    """Viscosity that grows by ``eta = eta0 exp(alpha p)`` (Barus 1893): too fast beyond some 0.5 GPa."""
 
     def log_ratio(self, pressure: Array, coefficient: float) -> tuple[Array, Array]:
         """Return ``ln(eta / eta0)`` and its derivative [1/Pa] at ``pressure`` [Pa]."""
@@ -64,9 +64,19 @@ class Barus:
 @answers_typos
 @dataclass(frozen=True)
 class Roelands:
-    """``ln(eta / eta0) = alpha p0 / z ((1 + p / p0)^z - 1)`` (Roelands 1966).
+    """Viscosity that grows by ``ln(eta / eta0) = alpha p0 / z ((1 + p / p0)^z - 1)`` (Roelands 1966).
 
-    ``exponent`` z, above 0 and up to 1, and ``reference_pressure`` p0 [Pa]. The exponent 1 is :class:`Barus`.
+    Parameters
+    ----------
+    exponent
+        z, above 0 and up to 1, where the law is that of :class:`Barus`.
+    reference_pressure
+        p0 [Pa], above 0.
+
+    Raises
+    ------
+    InvalidInput
+        For other values.
     """
 
     exponent: Number = 0.6
@@ -114,9 +124,19 @@ class ConstantDensity:
 @answers_typos
 @dataclass(frozen=True)
 class DowsonHigginson:
-    """``rho / rho0 = 1 + c p / (1 + d p)`` (Dowson & Higginson 1966), of mineral oil by default.
+    """Density that grows by ``rho / rho0 = 1 + c p / (1 + d p)`` (Dowson & Higginson 1966), of mineral oil by default.
 
-    ``compressibility`` c [1/Pa] at zero pressure from 0 on, ``saturation`` d [1/Pa] above 0.
+    Parameters
+    ----------
+    compressibility
+        c [1/Pa], at zero pressure, from 0 on.
+    saturation
+        d [1/Pa], above 0.
+
+    Raises
+    ------
+    InvalidInput
+        For other values.
     """
 
     compressibility: PressureViscosity = 0.6e-9
@@ -159,7 +179,18 @@ class Newtonian:
 @answers_typos
 @dataclass(frozen=True)
 class Eyring:
-    """``tau = tau0 asinh(eta rate / tau0)`` (Eyring 1936), with the Eyring stress ``reference`` tau0 [Pa]."""
+    """Shear stress ``tau = tau0 asinh(eta rate / tau0)`` (Eyring 1936).
+
+    Parameters
+    ----------
+    reference
+        Eyring stress tau0 [Pa], above 0.
+
+    Raises
+    ------
+    InvalidInput
+        For other values.
+    """
 
     reference: Pascals = 5e6
 
@@ -175,7 +206,20 @@ class Eyring:
 @answers_typos
 @dataclass(frozen=True)
 class LimitingShear:
-    """``tau = tau_L tanh(eta rate / tau_L)`` with ``tau_L = coefficient p`` (as Bair & Winer 1979 have it)."""
+    """Shear stress ``tau = tau_L tanh(eta rate / tau_L)`` with a limit ``tau_L`` in proportion to the pressure.
+
+    Source of such a limit: Bair & Winer (1979).
+
+    Parameters
+    ----------
+    coefficient
+        Limiting shear stress over pressure, above 0.
+
+    Raises
+    ------
+    InvalidInput
+        For other values.
+    """
 
     coefficient: Number = 0.07
 
@@ -195,13 +239,25 @@ class LimitingShear:
 @answers_typos
 @dataclass(frozen=True)
 class Lubricant:
-    """A lubricant at one temperature.
+    """Lubricant at one temperature.
 
-    ``viscosity`` eta0 [Pa s] at zero pressure, above 0. ``pressure_viscosity`` alpha [1/Pa] is the relative growth
-    of viscosity with pressure at zero pressure, from 0 on (0: isoviscous). ``viscosity_law`` is :class:`Roelands`
-    or :class:`Barus`, ``density`` is :class:`DowsonHigginson` or :class:`ConstantDensity`, ``shear`` is
-    :class:`Newtonian`, :class:`Eyring` or :class:`LimitingShear`; the last bears on friction only, not on the film.
-    Raises :class:`~contactstudy.InvalidInput` for other values.
+    Parameters
+    ----------
+    viscosity
+        eta0 [Pa s] at zero pressure, above 0.
+    pressure_viscosity
+        alpha [1/Pa], the relative growth of viscosity with pressure at zero pressure, from 0 on (0: isoviscous).
+    viscosity_law
+        :class:`Roelands` or :class:`Barus`.
+    density
+        :class:`DowsonHigginson` or :class:`ConstantDensity`.
+    shear
+        :class:`Newtonian`, :class:`Eyring` or :class:`LimitingShear`, which bears on friction only, not on the film.
+
+    Raises
+    ------
+    InvalidInput
+        For other values.
     """
 
     viscosity: PascalSeconds
@@ -230,12 +286,24 @@ class Lubricant:
 @answers_typos
 @dataclass(frozen=True)
 class Lubrication:
-    """A contact flooded with ``lubricant``, whose surfaces move to larger x.
+    """Lubricant that floods a contact, and the motion of the surfaces to larger x that draws it in.
 
-    ``mean_speed`` u_m [m/s], above 0, is the mean of both surface speeds: it draws the lubricant in from the side
-    of smaller x. ``slide_roll_ratio`` is the difference of the speeds, first body less second, over their mean.
-    Heights stand still in the contact. See :func:`~contactstudy.solve_lubricated`.
-    Raises :class:`~contactstudy.InvalidInput` for other values.
+    Heights stand still in the contact, unless they are :class:`~contactstudy.Carried`. See
+    :func:`~contactstudy.solve_lubricated`.
+
+    Parameters
+    ----------
+    lubricant
+        The lubricant, which enters from the side of smaller x.
+    mean_speed
+        u_m [m/s], the mean of both surface speeds, above 0.
+    slide_roll_ratio
+        Difference of the surface speeds, first body less second, over their mean.
+
+    Raises
+    ------
+    InvalidInput
+        For other values.
     """
 
     lubricant: Lubricant

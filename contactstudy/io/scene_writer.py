@@ -13,6 +13,7 @@ from contactstudy.domain.imports import import_for
 from contactstudy.domain.padding import Padding, Paddings
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
+from contactstudy.solvers.solve import SolveOptions
 
 if TYPE_CHECKING:
     from contactstudy.io.scene_file import SceneFile
@@ -73,13 +74,23 @@ def scene_text(
     return _text(scene, {"grid": grid, **_paddings(padding)}, beside)
 
 
+def settings_text(grid: Grid, padding: Padding | Paddings, options: SolveOptions) -> str:
+    """Return the TOML tables of a grid, a padding and the options of a solve, to be added to a scene's."""
+    tables = {"grid": grid, **_paddings(padding), "solve": options}
+    return _toml({name: _plain(value, name) for name, value in tables.items() if value is not None})
+
+
+def _toml(table: Mapping[str, object]) -> str:
+    tomli_w = import_for("contactstudy.write_scene", "tomli_w")
+    return str(tomli_w.dumps(table))
+
+
 def _paddings(padding: Padding | Paddings | None) -> dict[str, object]:
     across, along = padding if isinstance(padding, tuple) else (None, padding)
     return {"padding": along, "padding_across": across}
 
 
 def _text(scene: Scene, others: Mapping[str, object], beside: Path | None) -> str:
-    tomli_w = import_for("contactstudy.write_scene", "tomli_w")
     table = _fields(scene, "Scene")
     if scene.shapes:
         table["shapes"] = [
@@ -89,7 +100,7 @@ def _text(scene: Scene, others: Mapping[str, object], beside: Path | None) -> st
             for number, shape in enumerate(scene.shapes)
         ]
     table |= {name: _plain(value, name) for name, value in others.items() if value is not None}
-    return str(tomli_w.dumps(table))
+    return _toml(table)
 
 
 def _fields(value: Any, name: str) -> dict[str, Any]:

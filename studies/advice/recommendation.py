@@ -230,6 +230,14 @@ class RoughContact:
         return ErrorParts(truncation, self.planned.error_of(grid.cell), residual)
 
 
+def _unjudged(scene: cs.Scene) -> str | None:
+    """Return the name of the first field whose errors a recommendation does not know; None if it knows them all."""
+    if scene.changing is not None:
+        return scene.changing
+    later = ("rolling", "lubrication")
+    return next((f"Scene.{name}" for name in later if getattr(scene, name, None) is not None), None)
+
+
 def contact_of(
     scene: cs.Scene, period: float | None, limits: Limits
 ) -> SmoothContact | RoughContact:
@@ -253,6 +261,11 @@ def contact_of(
     NotDefined
         If no grid has a known error.
     """
+    if (unknown := _unjudged(scene)) is not None:
+        raise cs.NotDefined(
+            f"{unknown} is given: a recommendation knows one elastic contact at rest, its error and its cost, "
+            "leave it out or call contactstudy.plan."
+        )
     needs = needs_of(scene)
     if needs.smooth and scene.hardness > needs.hertz.peak_pressure:
         half_width = needs.hertz.half_width

@@ -24,6 +24,12 @@ if TYPE_CHECKING:
 METRICS = {metric.name.lower(): metric for metric in Metric}
 
 
+ERROR_OF = {
+    Edges.AS_SOLVED: "the error is against the pressure at the cell centres or its means in cells, the larger of both",
+    Edges.CORRECTED: "the error is against the pressure at the cell centres, not its means in cells",
+}
+
+
 @click.command("recommend")
 @click.argument("scene", type=click.Path(path_type=Path), required=False)
 @click.option(
@@ -145,6 +151,7 @@ def _setting(setting: Setting, scene: Path | None) -> dict[str, Any]:
         "tolerance": setting.tolerance,
         "edges": setting.edges.value,
         "python": python(setting, scene),
+        "toml": toml(setting),
         "error": setting.error.total,
         "error_parts": asdict(setting.error),
         "seconds": setting.seconds,
@@ -175,7 +182,17 @@ def _report_lines(
             f"    {_cost_text(found.runner_up)}",
         ]
     lines.append(f"  seconds are {_source(costs)}")
-    return [*lines, "  in Python:", *(f"    {line}" for line in python(found.best, scene))]
+    lines.append(f"  {ERROR_OF[found.best.edges]}")
+    lines += ["  in Python:", *(f"    {line}" for line in python(found.best, scene))]
+    return [*lines, "  in the scene file:", *(f"    {line}".rstrip() for line in toml(found.best))]
+
+
+def toml(setting: Setting) -> list[str]:
+    """Return the tables of a scene file that choose the setting."""
+    from contactstudy.io.scene_writer import settings_text
+
+    options = cs.SolveOptions(tolerance=setting.tolerance)
+    return settings_text(setting.grid, setting.padding, options).strip().splitlines()
 
 
 def python(setting: Setting, scene: Path | None) -> list[str]:

@@ -196,7 +196,7 @@ def needed(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
 
 
 def scene(hardness: float) -> Any:
-    return SimpleNamespace(hardness=hardness)
+    return SimpleNamespace(hardness=hardness, changing=None)
 
 
 @pytest.mark.usefixtures("needed")
@@ -259,3 +259,13 @@ def test_a_rough_contact_s_error_is_that_of_the_window_of_the_plan_s_cells_and_o
     assert contact.error(Limits(0.02), GRID, padding, Edges.AS_SOLVED, 2e-5).residual == inf
     free = cs.ZeroPadding(), cs.ZeroPadding()
     assert contact.error(Limits(0.02), GRID, free, Edges.AS_SOLVED, 1e-6).truncation == 0
+
+
+@pytest.mark.parametrize("field", ["rolling", "lubrication"])
+def test_a_scene_whose_error_is_not_known_is_refused(field: str) -> None:
+    body = SimpleNamespace(hardness=inf, changing=None, **{field: "given"})
+    with pytest.raises(cs.NotDefined, match=rf"^Scene\.{field} is given: a recommendation knows"):
+        contact_of(body, None, Limits(0.1))  # type: ignore[arg-type]
+    changing: Any = SimpleNamespace(hardness=inf, changing="Scene.wear")
+    with pytest.raises(cs.NotDefined, match=r"^Scene\.wear is given"):
+        contact_of(changing, None, Limits(0.1))

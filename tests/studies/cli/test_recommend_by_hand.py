@@ -1,5 +1,6 @@
 """What is said of a recommendation that is written here."""
 
+import re
 from math import inf
 from pathlib import Path
 from types import SimpleNamespace
@@ -12,6 +13,7 @@ from contactstudy.accuracy.expected_error import Edges, ErrorParts, Metric
 from studies.advice.recommendation import Limits, Recommendation, Setting
 from studies.cli import recommend
 
+EXAMPLES = Path(__file__).parents[3] / "examples"
 FITTED: Any = SimpleNamespace(timings=("one",))
 MEASURED: Any = SimpleNamespace(timings=())
 
@@ -42,7 +44,9 @@ def test_the_first_line_has_what_is_asked_and_no_limit_that_is_none(
     found = Recommendation(limits, EXACT, None, meets=True, affordable=True)
     lines = recommend._report_lines(found, "here", None, MEASURED)
     assert lines[0].replace(Metric.L1.value, "pressure in L1") == said
-    assert lines[3:5] == ["  seconds are measured on a small case now", "  in Python:"]
+    assert lines[3] == "  seconds are measured on a small case now"
+    assert "against the pressure at the cell centres" in lines[4]
+    assert lines[5] == "  in Python:"
     asked = recommend._fields(found, None, FITTED)["asked"]
     limited = {name: of for name in ("memory", "seconds") if (of := getattr(limits, name)) < inf}
     assert asked == {"error": 1e-3, "metric": "l1"} | limited
@@ -103,3 +107,15 @@ def test_the_lines_of_python_have_the_setting_s_own_numbers() -> None:
     assert corrected[-1] == "pressure = corrected_pressure(solution.pressure)"
     assert len(corrected) == 7
     assert "problem(grid, (cs.ZeroPadding(), cs.ZeroPadding()))" in recommend.python(FREE, None)[3]
+
+
+@pytest.mark.parametrize("setting_of", [EXACT, SIX, FREE])
+def test_the_tables_for_a_scene_file_are_read_back(setting_of: Setting, tmp_path: Path) -> None:
+    text = (EXAMPLES / "smooth.toml").read_text(encoding="utf-8")
+    bare = re.sub(r"\[(plan|solve|grid|padding)\]\n(\w.*\n)*", "", text)
+    path = tmp_path / "chosen.toml"
+    path.write_text("\n".join([bare, *recommend.toml(setting_of)]), encoding="utf-8")
+    found = cs.read_scene(path)
+    assert found.grid == setting_of.grid
+    assert found.padding == setting_of.padding
+    assert found.settings.tolerance == setting_of.tolerance

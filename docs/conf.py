@@ -20,6 +20,7 @@ release = version = cs.__version__
 extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
     "sphinx_click",
     "sphinx_copybutton",
     "sphinx_gallery.gen_gallery",
@@ -43,6 +44,9 @@ html_js_files = ["site.js"]
 html_math_renderer = "mathml"
 html_show_sphinx = False
 
+napoleon_google_docstring = False
+napoleon_use_rtype = False
+napoleon_attr_annotations = False  # types are in the signature
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"

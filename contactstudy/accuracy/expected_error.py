@@ -48,7 +48,7 @@ class ErrorParts:
 
     @property
     def total(self) -> float:
-        """Sum of the parts: the error if all of them have the same sign."""
+        """Sum of the parts, the error if all of them have the same sign."""
         return self.truncation + self.discretisation + self.residual
 
 

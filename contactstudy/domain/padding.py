@@ -76,7 +76,7 @@ class _Counted:
 
     @property
     def window(self) -> range:
-        """Periods whose pressure acts on a point: `images` on each side."""
+        """Periods whose pressure acts on a point, `images` on each side."""
         return range(-self.images, self.images + 1)
 
     def reach(self, period: float) -> float:

@@ -25,7 +25,7 @@ class Coefficients(Protocol):
 
     @property
     def parity(self) -> tuple[int, int]:
-        """Parity along each axis: 1 for coefficients that are even along it, -1 for odd ones."""
+        """Parity along each axis, 1 for coefficients that are even along it, -1 for odd ones."""
         ...
 
     def turned(self) -> "Coefficients":

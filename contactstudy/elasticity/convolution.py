@@ -112,7 +112,7 @@ class Convolution:
 
     @property
     def blocks(self) -> tuple[int, int]:
-        """Number of cells (across, along) that are merged: 2 along an axis that can be halved, else 1."""
+        """Number of cells (across, along) that are merged, 2 along an axis that can be halved, else 1."""
         across, along = (
             2 if cells % 2 == 0 and padded % 2 == 0 and cells >= 2 * COARSEST else 1
             for cells, padded in zip(self.cells, self.padded, strict=True)

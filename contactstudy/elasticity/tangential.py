@@ -36,7 +36,7 @@ class SurfaceField:
 
     @property
     def parity(self) -> tuple[int, int]:
-        """Parity along each axis: odd along an axis that the name has once."""
+        """Parity along each axis, odd along an axis that the name has once."""
         even_x, even_y = (-1 if self.name.count(axis) % 2 else 1 for axis in "xy")
         return even_x, even_y
 

@@ -147,7 +147,7 @@ class Trailing:
 
     @property
     def parity(self) -> tuple[int, int]:
-        """Parity along each axis: that of the part along the axis of motion, else 1."""
+        """Parity along each axis, that of the part along the axis of motion, else 1."""
         return (self.sign, 1) if self.axis == 0 else (1, self.sign)
 
     def turned(self) -> "Trailing":

@@ -67,7 +67,7 @@ class SteadyRolling:
 
     @cached_property
     def resistance(self) -> float:
-        """Force against the motion over the load: the power lost in the bodies over speed and load.
+        """Force against the motion over the load, the power lost in the bodies over speed and load.
 
         A pressure that is constant in each cell does the work ``p (u(x + dx / 2) - u(x - dx / 2))`` in a length rolled,
         of which only the displacement that is odd across loses any. That displacement is computed on finer cells. The

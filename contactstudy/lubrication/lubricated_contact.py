@@ -143,7 +143,7 @@ class LubricatedContact:
 
     @property
     def power_loss(self) -> float:
-        """Power lost in the film per length [W/m]: by sliding, and by the flow that pressure drives.
+        """Power lost in the film per length [W/m], by sliding, and by the flow that pressure drives.
 
         All at one temperature: heating, and with it the flash temperature, is not modelled.
         """

@@ -80,7 +80,7 @@ class FilmIteration:
 
     @property
     def rounding(self) -> float:
-        """Residual that rounding leaves: a thin film is a small difference of large heights."""
+        """Residual that rounding leaves, since a thin film is a small difference of large heights."""
         gap = self.linear.equation.gap
         rounding = ROUNDING * len(gap) * np.abs(gap).max() / np.abs(self.film.film).min()
         return min(float(rounding), COARSE)

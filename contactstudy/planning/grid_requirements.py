@@ -84,7 +84,7 @@ class Needs:
 
     @property
     def smooth(self) -> bool:
-        """True for Hertz's contact: no heights on the cylinder, no end, no coat, no friction."""
+        """True for Hertz's contact, with no heights on the cylinder, no end, no coat, no friction."""
         return not (self.rough or self.roller or self.height or self.coats or self.shear)
 
     @property

@@ -132,7 +132,7 @@ class Axis:
 
     @property
     def kind(self) -> type:
-        """Type of the values: int, float or str."""
+        """Type of the values, int, float or str."""
         return type(self.values[0])
 
     def override(self, values: str | Iterable[Value], *, most: int | None = MOST_POINTS) -> "Axis":

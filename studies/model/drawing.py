@@ -46,7 +46,7 @@ class Table:
 
     @property
     def kinds(self) -> Row:
-        """Type of each column: ``number`` if each of its cells starts with a number, else ``text``."""
+        """Type of each column, ``number`` if each of its cells starts with a number, else ``text``."""
         columns = zip(*self.rows, strict=True) if self.rows else [()] * len(self.head)
         return tuple(
             "number" if all(cell.lstrip("-−<> ")[:1].isdigit() for cell in column) else "text"

@@ -84,7 +84,7 @@ class SceneCase(Case):
 
     @property
     def datum(self) -> float | None:
-        """Distance [m] from which the approach counts: half the grid's width; None if finitely many images fix it."""
+        """Distance [m] from which the approach counts, half the grid's width; None if finitely many images fix it."""
         across, along = (
             self.padding if isinstance(self.padding, tuple) else (cs.ZeroPadding(), self.padding)
         )

@@ -188,7 +188,7 @@ class PlaneStrainOperator:
 
     @property
     def basis(self) -> Array:
-        """Basis of the three components (3, 6): xx, yy, zz, yz, xz, xy of each tensor."""
+        """Basis of the three components (3, 6), xx, yy, zz, yz, xz, xy of each tensor."""
         return BASIS
 
     def stress_of_pressure(self, pressure: Array) -> Array:

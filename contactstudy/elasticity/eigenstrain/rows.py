@@ -129,7 +129,7 @@ class RowOperator:
 
     @property
     def basis(self) -> Array:
-        """Basis of the five components (5, 6): xx, yy, zz, yz, xz, xy of each tensor."""
+        """Basis of the five components (5, 6), xx, yy, zz, yz, xz, xy of each tensor."""
         return BASIS
 
     def stress_of_strain(self, strain: Array) -> Array:

@@ -46,7 +46,7 @@ class LayerResponse:
 
     @cached_property
     def _mismatch(self) -> tuple[float, float, float, float]:
-        """Mismatch of the materials: lambda, kappa, ``1 - lambda`` and ``1 - kappa``."""
+        """Mismatch of the materials, lambda, kappa, ``1 - lambda`` and ``1 - kappa``."""
         m, nu1, nu2 = (
             self.shear_ratio,
             self.coating_poisson_ratio,
@@ -58,7 +58,7 @@ class LayerResponse:
 
     @property
     def contrast(self) -> float:
-        """Plane-strain modulus of the layer over that of the substrate, less one: d0."""
+        """Plane-strain modulus of the layer over that of the substrate, less one, d0."""
         ratio = (1 - self.substrate_poisson_ratio) / (1 - self.coating_poisson_ratio)
         return self.shear_ratio * ratio - 1
 

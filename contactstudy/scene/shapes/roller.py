@@ -83,7 +83,7 @@ class Sphere:
 
     @property
     def curvature(self) -> float:
-        """Zero: a sphere adds no curvature to the line contact."""
+        """Zero, since a sphere adds no curvature to the line contact."""
         return 0.0
 
     @property
@@ -134,7 +134,7 @@ class Crown:
 
     @property
     def curvature(self) -> float:
-        """Zero: a crown does not bend the cross-section."""
+        """Zero, since a crown does not bend the cross-section."""
         return 0.0
 
     @property
@@ -256,7 +256,7 @@ class LundbergProfile:
 
     @property
     def curvature(self) -> float:
-        """Zero: the profile does not bend the cross-section."""
+        """Zero, since the profile does not bend the cross-section."""
         return 0.0
 
     @property
@@ -312,7 +312,7 @@ class FiniteLength:
 
     @property
     def curvature(self) -> float:
-        """Zero: the roller's ends do not bend the cross-section."""
+        """Zero, since the roller's ends do not bend the cross-section."""
         return 0.0
 
     @property

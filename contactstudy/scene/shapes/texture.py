@@ -211,7 +211,7 @@ class Texture:
 
     @property
     def detail(self) -> Detail:
-        """Length scales: features, and the lands between them, are as fine as they are wide."""
+        """Length scales, since features, and the lands between them, are as fine as they are wide."""
         if self.feature.depth == 0:
             return Detail()
         size, (across, along) = self.feature.size, self.pitch

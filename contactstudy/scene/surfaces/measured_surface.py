@@ -204,7 +204,7 @@ class MeasuredSurface:
 
     @property
     def curvature(self) -> float:
-        """Zero: the curvature is not known."""
+        """Zero, since the curvature is not known."""
         return 0.0
 
     @property

@@ -117,8 +117,8 @@ class LeeRadok:
         x = np.abs(np.asarray(x, dtype=np.float64))
         inside = x < self.half_width(time)
         inside_x = np.where(inside, x, 0.0)[..., None]
-        # by parts; in the root of the time in contact the integrand has no root, and panels that shrink
-        # towards both ends see times of relaxation much shorter than the whole
+        # Integrated by parts. Over the root of the time in contact the integrand has no square root, and panels
+        # that shrink towards both ends resolve relaxation times much shorter than the whole.
         nodes, weights = _graded()
         contact_time = self._time_of_contact(inside_x, time)
         span = np.sqrt(time - contact_time)

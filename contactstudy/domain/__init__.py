@@ -1,1 +1,1 @@
-"""What everything else stands on: grids, paddings, precision, units, checks. Imports nothing of this package."""
+"""The base of the package: grids, paddings, precision, units, checks. Imports nothing of this package."""

@@ -1,4 +1,4 @@
-"""Where and in which numbers a problem is solved: the cores of this machine, a graphics processor, another library."""
+"""Devices that a problem is solved on, and its precision: the cores of this machine, a graphics processor, a library."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

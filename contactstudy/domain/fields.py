@@ -18,7 +18,7 @@ T = TypeVar("T")
 
 # Cells of a block: half a dozen blocks of double precision fit into the cache of a core.
 BLOCK = 2**15
-# From so many cells on, compiled loops save more in some dozen solves than it takes to load them.
+# From this number of cells on, compiled loops save more in some dozen solves than it takes to load them.
 LARGE = 2**14
 # Rows of fewer cells take a compiled loop longer to begin than to work through.
 NARROWEST = 4
@@ -108,7 +108,7 @@ def _loops() -> Any:
     """Return the module of compiled loops, or None where numba is missing or does not work."""
     if find_spec("numba") is None:
         return None
-    # either of a numba for another numpy, or without a folder to keep what is compiled
+    # raised by a numba for another numpy, or without a folder for compiled code
     with suppress(ImportError, RuntimeError):
         return import_module("contactstudy.domain.compiled")
     return None

@@ -22,7 +22,7 @@ from typing import Any, BinaryIO
 from contactstudy.domain.checks import InvalidInput
 
 PARTIAL = re.compile(r"^\..+\.(\d+)\.partial(\.\w+)?$")
-ROOM = 2**20  # bytes: where a disk has less, a library's vague error is for want of room
+ROOM = 2**20  # bytes: where a disk has less, a library's vague error means that it is full
 # one of the two is there: the first on Linux and macOS, the other on Windows
 _fcntl: Any = import_module("fcntl") if find_spec("fcntl") else None
 _msvcrt: Any = None if _fcntl else import_module("msvcrt")

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 OWN = ("contactstudy", "studies")
-# what pip installs, where that is not the package's own name
+# name for pip, where it is not the package's own
 INSTALLS = {
     "altair": "'contactstudy[explore]'",
     "vl_convert": "'contactstudy[explore]'",

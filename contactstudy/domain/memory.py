@@ -1,4 +1,4 @@
-"""How much memory there is, so that what cannot fit is refused before it is made."""
+"""Memory left on this machine, so that a solve that does not fit is refused before it starts."""
 
 from contextlib import suppress
 from importlib import import_module

@@ -1,4 +1,4 @@
-"""Which images of the pressure act on a point, for one axis.
+"""Paddings: for one axis, the images of the pressure that act on a point.
 
 A padding states two things about one axis: the ``window`` of periods whose pressure acts on a point, and
 whether the convolution is circular (``wraps``, n points) or padded with zeros (2 n points).

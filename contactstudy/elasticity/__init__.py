@@ -1,1 +1,1 @@
-"""From influence coefficients to an operator on a grid. May import `domain`."""
+"""Influence coefficients, and operators on a grid made from them. May import `domain`."""

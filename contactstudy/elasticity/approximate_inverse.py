@@ -1,4 +1,4 @@
-"""From the displacement of a contact to a pressure on it: the preconditioner of a contact problem.
+"""Preconditioner of a contact problem: a pressure on the contact from its displacement.
 
 A displacement ``u`` that is known in the contact alone is extended to all cells with little energy, divided by the
 spectrum of the periodic grid, and gathered to the contact by the transposed extension, or a fragmented contact would

@@ -1,4 +1,4 @@
-"""From pressure to displacement by one pruned, real transform pair."""
+"""Operator from pressure to displacement, by one pruned, real transform pair."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""From shear on the surface to displacement: coefficients that are odd, and of two components."""
+"""Operators from shear on the surface to displacement: coefficients that are odd, and of two components."""
 
 from dataclasses import dataclass
 

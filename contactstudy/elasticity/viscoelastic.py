@@ -83,7 +83,7 @@ def creep(equilibrium: float, relaxation: tuple[tuple[float, float], ...]) -> Cr
     moduli = np.array([merged[rate] for rate in rates])
     instantaneous = 1 / (equilibrium + float(moduli.sum()))
     if equilibrium == 0:
-        # one zero is at s = 0: what flows
+        # one zero is at s = 0: the flow
         fluidity = 1 / float((moduli / rates).sum())
         low, high = rates[:-1], rates[1:]
     else:
@@ -112,9 +112,9 @@ def _zeros(equilibrium: float, moduli: Array, rates: Array, low: Array, high: Ar
 
 # Gauss points in a panel: coefficients are smooth from one cell to the next, a kink at half a cell apart.
 POINTS = 8
-# Panels shrink towards the kink by halves, so many times.
+# Number of times that panels are halved towards the kink.
 HALVINGS = 10
-# What is older than so many times has been forgotten.
+# A pressure older than this multiple of the time constant has no effect left.
 FORGOTTEN = 40.0
 
 Field = Callable[[Array], Array]
@@ -252,7 +252,7 @@ def _panels(kernel: Field, count: int, step: float, length: float) -> tuple[Arra
     values = kernel(places) if count > 1 else np.zeros((0, *first[0].shape))
     values = values.reshape(count - 1, POINTS, *values.shape[1:])
     onward = np.tensordot(weights, values, (0, 1))
-    # read backwards, the points lie as they do forwards
+    # Gauss points are symmetric: read backwards, only the weights change
     backward = np.tensordot(weights[::-1], values, (0, 1))
     return (
         np.concatenate([first[0][None], onward]),

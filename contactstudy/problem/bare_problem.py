@@ -1,4 +1,4 @@
-"""The dimensionless contact problem that a solver sees, and what the pressures of all cells carry together."""
+"""The dimensionless contact problem that a solver sees."""
 
 from dataclasses import dataclass, field
 from functools import cached_property

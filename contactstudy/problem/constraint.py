@@ -1,4 +1,4 @@
-"""The gap under a pressure, what limits the pressure of each cell, and what all cells carry together."""
+"""The gap under a pressure, limits of the pressure of each cell, and the load of all cells together."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What a solve holds in memory, and whether this machine has it."""
+"""Memory that a solve needs, and the refusal of a solve that this machine cannot hold."""
 
 from math import prod
 

@@ -33,7 +33,7 @@ from contactstudy.problem.constraint import (
     lowered_to,
 )
 
-# Heights beyond this are left to double precision: their squares and sums must be numbers in single precision too.
+# Heights beyond this need double precision: in single precision their squares and sums would overflow.
 FAR = 1e15
 
 

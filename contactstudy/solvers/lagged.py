@@ -11,7 +11,7 @@ from contactstudy.problem.problem import Problem
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions
 
-# Pressures that the next one is mixed of, and how much finer than the change in a pass each solve is.
+# Number of pressures that the next one is mixed of; tolerance of a solve over the change in the pass before.
 DEPTH, FINER = 8, 1e-3
 
 

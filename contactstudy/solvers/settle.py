@@ -104,16 +104,16 @@ class ContactTangent:
         return self.bare.operator.approximate_inverse()
 
 
-# How the pressure (x, y) [Pa] falls with a change of the gap (x, y) [m].
+# Map from a change of the gap (x, y) [m] to the fall of the pressure (x, y) [Pa].
 Tangent = Callable[[Array], Array]
 # Newton iterations of a step; up to 15 were seen for a load of 5 times that of first yield in one step.
 ITERATIONS = 40
-# Conjugate gradients: of each linear system, and how closely it is solved.
+# Conjugate gradients: most iterations for a linear system, and the range of its relative residual.
 PRODUCTS = 400
 LOOSE, TIGHT = 0.1, 1e-6
-# Shares of a Newton step that are tried, before a step of plain return is taken.
+# Smallest share of a Newton step that is tried before a step of plain return is taken.
 SMALLEST = 1e-3
-# Without halving the residual in so many iterations it has met the noise of the contact.
+# A residual not halved in this number of iterations has met the noise of the contact.
 PATIENCE = 12
 
 

@@ -185,7 +185,7 @@ def _admitted(pressure: Array, problem: Problem, precision: Precision) -> Array:
             f"solve.start is at most {pressure.max():g} Pa: give a pressure that carries some load, of "
             f"the order of {problem.scales.pressure:g} Pa."
         )
-    # to the load before single precision, which would have no number for the factor
+    # scaled to the load in double precision: single precision may have no number for the factor
     unit = 1 / problem.scales.pressure
     admitted = problem.resultant.scaled(unit).admit(bare, problem.constraint.scaled(unit))
     return admitted.astype(precision.real, copy=False)

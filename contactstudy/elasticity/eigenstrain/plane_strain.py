@@ -135,7 +135,7 @@ def real_spectrum(means: Array, *, is_odd: tuple[bool, bool]) -> Array:
     waves = fft.rfft(around, axis=-1)
     if sign > 0:
         return np.asarray(waves.real)
-    # what is odd has waves of -i times its sine transform
+    # the transform of an odd field is -i times its sine transform
     return np.asarray(waves.imag if is_odd[0] else -waves.imag)
 
 
@@ -170,7 +170,7 @@ DERIVATIVES = (
     ((1, 2), (1, 0), (1, 1)),
 )
 FACTORS = np.array(((1, 1, 2**0.5), (1, 1, 2**0.5), (-(2**0.5), -(2**0.5), -2)))
-# Even in x, even, odd.
+# Number of the component that is odd in x.
 ODD = 2
 
 
@@ -318,7 +318,7 @@ class PlaneStrainOperator:
         return spectrum.reshape(-1, 3 * layers, 3 * layers), self_blocks
 
 
-# Odd terms are summed over so many depths of the volume; beyond, by their asymptote.
+# Odd terms are summed over this number of depths of the volume; beyond, by their asymptote.
 DEPTHS = 16
 # Signs that in-plane components get when x changes its own.
 MIRRORED = np.where(np.arange(len(BASIS)) == ODD, -1.0, 1.0)

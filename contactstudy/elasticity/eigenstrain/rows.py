@@ -26,7 +26,7 @@ from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 from contactstudy.elasticity.eigenstrain.wave import Components
 from contactstudy.elasticity.eigenstrain.waves import Complex, Waves
 
-# Even in x, odd.
+# Number of the component that is odd in x.
 ODD = 1
 
 

@@ -158,9 +158,9 @@ HANDOVER, FOURIER_END, FOURIER_TERMS = 0.5, 6.0, 13
 REACH = 0.46
 ROUNDING = 1e-17
 
-# What a cell wider than the period is cut into, each strip narrower than it. They are odd in number,
-# so that no seam meets the axis: beside an observer, a seam of one rounding costs 1e-10 of a thin
-# cell. They end beyond FOURIER_END, so that the flanks are all logarithm.
+# A cell wider than the period is cut into strips narrower than it. They are odd in number, so that no
+# seam meets the axis: beside an observer, a seam of one rounding costs 1e-10 of a thin cell. They end
+# beyond FOURIER_END, so that the flanks are all logarithm.
 STRIPS, STRIPS_END = 15, 7.2
 
 
@@ -299,7 +299,7 @@ def further_images(images: int, terms: int) -> Array:
     k = np.arange(terms)
     order = k[:, None] + k
     sums = zeta(2 * order + 1, images + 1)
-    sums[0, 0] = -digamma(images + 1)  # less what it diverges by
+    sums[0, 0] = -digamma(images + 1)  # without its divergent part
     return np.where(order < terms, 2 * binom(-0.5, k)[:, None] * binom(2 * order, 2 * k) * sums, 0)
 
 
@@ -308,7 +308,7 @@ def points_within(away: float) -> tuple[tuple[float, float], ...]:
 
     Their error is `ROUNDING`.
     """
-    # They leave rho^-2n, of what is analytic in the Bernstein ellipse of cosh ln rho = away.
+    # They leave rho^-2n of a field that is analytic in the Bernstein ellipse of cosh ln rho = away.
     return gauss(1 + int(np.log(ROUNDING) / (-2 * np.arccosh(away))))
 
 
@@ -332,7 +332,7 @@ def _fourier(x: Array, y: Array, half_x: Array, half_y: float, period: float) ->
 
 def harmonics_across(x: Array, half_x: Array | float, period: float) -> Array:
     """Return ``4 K0(2 pi j x / L)`` averaged over a segment about each x, shape (x, j = 1, 2 ...)."""
-    # further from the axis, so many fewer
+    # fewer harmonics are left farther from the axis
     inner = float(np.fmin.reduce((x - half_x) / period, axis=None, initial=FOURIER_END))
     wave = 2 * np.pi / period * np.arange(1, int(np.ceil(FOURIER_TERMS * HANDOVER / inner)) + 1)
     points = points_within(float(np.fmin.reduce(x / half_x, axis=None, initial=np.inf)))
@@ -405,7 +405,7 @@ def boussinesq_cell_doubly_periodic(
     """
     x = np.asarray(x, dtype=np.float64)
     y = np.asarray(y, dtype=np.float64)
-    if period > width:  # the rows that die out sooner; turned, a column and a row are so again
+    if period > width:  # rows of the shorter period die out sooner
         ndim = max(x.ndim, y.ndim)
         turned = np.array(y, ndmin=ndim).T, np.array(x, ndmin=ndim).T
         return boussinesq_cell_doubly_periodic(*turned, dy, dx, period, width).T

@@ -218,7 +218,7 @@ def _log_mean_periodic(x: Array, half: float, depth: float, width: float) -> Arr
         return np.asarray(-np.cos(np.multiply.outer(x, 2 * np.pi * k / width)) @ strength)
     near = log_mean(x, half, depth) + log_mean(width - x, half, depth)
     near += log_mean(width + x, half, depth)
-    # what is left of the sine is smooth: the next zeros lie two widths away
+    # the sine without its nearest zeros is smooth: the next ones lie two widths away
     smooth = np.zeros(x.shape)
     for node, weight in gauss(24):
         w = (x + node * half + 1j * depth) / width

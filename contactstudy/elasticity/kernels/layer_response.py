@@ -1,4 +1,4 @@
-"""How a layered half-space answers one wave of pressure, and the layer's rest in space.
+"""Response of a layered half-space to one wave of pressure, and its short-ranged part, the rest, in space.
 
 The rest consists of two functions of one distance, tabulated once for each pair of materials.
 """
@@ -121,7 +121,7 @@ ORDER = 22
 LAST_WAVE = 20.0
 # Gauss points on each piece of k, at most two oscillations long.
 POINTS = 18
-# What decays like exp(-x) ends here.
+# exp(-x) is cut off beyond this x.
 LOST = 42.0
 
 

@@ -18,7 +18,7 @@ from contactstudy.elasticity.kernels.layer_response import (
     rest_in_space,
 )
 
-# Gauss points leave this share of what they integrate.
+# Relative error of a quadrature by Gauss points.
 ROUNDING = 1e-17
 # Values at a time, so that work arrays stay small.
 AT_ONCE = 1 << 20
@@ -136,11 +136,11 @@ def _gauss(points: int) -> tuple[Array, Array]:
 # exp(-DECAY) is lost in rounding. Harmonics of the period decay like exp(-2 pi x / L): END periods away
 # from a cell nothing varies along the length.
 DECAY, END = 37.0, 6.0
-# Evaluations of the response that a Fourier series may take; beyond it images are summed in space. Sums
-# over waves cost so much less each.
+# Evaluations of the response that a Fourier series may take; beyond it images are summed in space.
+# A term of a sum over waves costs this share of an evaluation.
 MOST_WAVES, SUM = 5e6, 0.02
 # Further away than this, in distances over which the singularity of R nearest to zero is felt, three powers
-# of the distance tell all.
+# of the distance are enough.
 FAR = 100.0
 
 

@@ -189,7 +189,7 @@ def stress_cell_doubly_periodic(
     """
     x = np.asarray(x, dtype=np.float64).reshape(-1, 1)
     y = np.asarray(y, dtype=np.float64).reshape(1, -1)
-    if period > width:  # the rows that die out sooner
+    if period > width:  # rows of the shorter period die out sooner
         turned = component.exchanged()
         arguments = y.T, x.T, z, dy, dx, period, width, poisson_ratio
         return stress_cell_doubly_periodic(turned, *arguments).T

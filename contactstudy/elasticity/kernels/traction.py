@@ -1,4 +1,4 @@
-"""What a rectangular cell under uniform shear does to an elastic half-space: displacement and stress.
+"""Displacement and stress by a rectangular cell under uniform shear on an elastic half-space.
 
 The same kind of :class:`~contactstudy.elasticity.kernels.stress_cell.Component` as the stress under pressure, so
 that rows and lattices of cells are summed by the same functions. x runs across, y along, z into the body.

@@ -98,7 +98,7 @@ class AccuracyCase:
         return self.scene.problem(self.grid, self.padding)
 
     def truth(self) -> Truth:
-        """What the cells should have."""
+        """Return the true answer on the cells of the case."""
         return self.find_truth(self)
 
 
@@ -113,7 +113,7 @@ class Errors:
 
 
 def errors(solution: cs.Solution, truth: Truth) -> Errors:
-    """How far ``solution`` is from the ``truth``."""
+    """Return the relative errors of ``solution`` against the ``truth``."""
     pressure = solution.pressure
     area = float((pressure > 0).mean())
     peak = inf if truth.highest == inf else abs(pressure.max() / truth.highest - 1)

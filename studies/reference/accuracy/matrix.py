@@ -71,7 +71,7 @@ def grooves_across() -> Iterator[AccuracyCase]:
 
 
 def dimples() -> Iterator[AccuracyCase]:
-    """From a few cells across a dimple on."""
+    """Return textured cases, from a few cells across a dimple on."""
     for profile in PROFILES:
         for share in (0.4, 0.9):
             for depth in (0.1, 1.0):
@@ -286,7 +286,7 @@ BUILDERS = (
 
 @cache
 def matrix() -> dict[str, AccuracyCase]:
-    """All cases, named by their kind and number."""
+    """Return all cases by their name, a kind and a number."""
     found: dict[str, AccuracyCase] = {}
     for build in BUILDERS:
         for case in build():

@@ -171,7 +171,7 @@ def full() -> Iterator[AccuracyCase]:
 
 
 def yielding() -> Iterator[AccuracyCase]:
-    """All cells at the hardness: a strip of a known width."""
+    """Return cases whose cells are all at the hardness: a strip of a known width."""
     for share in (0.3, 0.4, 0.5):
         half = SCENE.load.largest / (2 * share * P_H)
         for cells in (40, 101, 256):

@@ -71,7 +71,7 @@ def report(
 ) -> None:
     """Run the studies of each CHAPTER and write its page; without one, report.html.
 
-    CHAPTER is effects, trust, cost, the name of any study, or all. What is stored is not computed again.
+    CHAPTER is effects, lubrication, trust, cost, the name of any study, or all. What is stored is not computed again.
     """
     from studies.engine.cluster import Cluster
     from studies.engine.options import RunOptions

@@ -15,7 +15,7 @@ INSTALLATION = 60
 SECONDS = {
     "padding": 6, "period": 3, "images": 4, "grid": 3, "paper": 3, "pareto": 6, "stability": 5, "roughness": 3,
     "coating": 4, "friction": 4, "creep": 3, "wear": 5, "plastic": 3, "accuracy": 15, "lubrication": 15,
-    "kernels": 8, "solvers": 15, "speed": 15, "effect_cost": 20, "peers": 120,
+    "kernels": 8, "solvers": 15, "speed": 40, "effect_cost": 20, "peers": 120,
 }  # fmt: skip
 
 

@@ -24,15 +24,15 @@ def on_cells(field: Array, cells: tuple[int, int]) -> Array:
     """
     for axis, count in enumerate(cells):
         along = np.moveaxis(field, axis, 0)
-        given = len(along)
-        if given == count:
+        present = len(along)
+        if present == count:
             continue
         # the integral up to each border of the new cells, which is linear inside a given cell
         sums = np.concatenate([np.zeros((1, along.shape[1])), np.cumsum(along, axis=0)])
-        border = np.arange(count + 1) * (given / count)
-        full_cells = np.minimum(border.astype(int), given - 1)
+        border = np.arange(count + 1) * (present / count)
+        full_cells = np.minimum(border.astype(int), present - 1)
         integral = sums[full_cells] + (border - full_cells)[:, None] * along[full_cells]
-        field = np.moveaxis(np.diff(integral, axis=0) * (count / given), 0, axis)
+        field = np.moveaxis(np.diff(integral, axis=0) * (count / present), 0, axis)
     return field
 
 

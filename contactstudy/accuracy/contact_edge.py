@@ -231,8 +231,8 @@ def corrected_pressure(pressure: Array) -> Array:
     3/2; elsewhere nothing changes. The load is no longer the sum over the cells.
     """
     corrected = pressure.copy()
-    for given, result in ((pressure, corrected), (pressure[::-1], corrected[::-1])):
-        edges = _resolved(given)
+    for side, result in ((pressure, corrected), (pressure[::-1], corrected[::-1])):
+        edges = _resolved(side)
         reach = edges.touching // SHARE
         cells = np.arange(reach.max(initial=0))[:, None]
         inside = np.maximum(cells + edges.outward, 0)

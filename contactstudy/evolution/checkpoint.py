@@ -30,10 +30,10 @@ from contactstudy.solvers.solution import Status
 
 @dataclass
 class Checkpoint:
-    """A folder with ``request.json``, ``frame_00000.npz`` and so on, and ``state.npz``, for one march at a time.
+    """Folder of a march: ``request.json``, ``frame_00000.npz`` and so on, and ``state.npz``, for one march at a time.
 
-    Each file is sealed and replaced at once, so that a kill leaves the one before, and damage shows. Each names the
-    request that it belongs to.
+    Each file has a checksum and is replaced in one step, so that a killed march leaves the previous one and damage is
+    detected. Each names the request that it belongs to.
     """
 
     folder: Path
@@ -41,10 +41,18 @@ class Checkpoint:
 
     @contextmanager
     def open(self, request: object) -> Iterator[None]:
-        """Make the folder for ``request``, or check that it belongs to it, and keep other processes out of it.
+        """Make the folder for a march, or check that it holds this march, and lock it in the block.
 
-        Raises :class:`~contactstudy.InvalidInput` where the march in it is another, of another version of this
-        program, in another process, or damaged.
+        Parameters
+        ----------
+        request
+            Scene, grid and options that identify the march.
+
+        Raises
+        ------
+        InvalidInput
+            If the folder holds another march, one of another version of this program or in another process, or damaged
+            files.
         """
         self.folder.mkdir(parents=True, exist_ok=True)
         tree = {"request": canonical(request), "version": VERSION, "source": source_hash()}
@@ -69,22 +77,22 @@ class Checkpoint:
             yield
 
     def _check(self, tree: Mapping[str, Any]) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` where the folder is not of this request."""
+        """Raise InvalidInput if the folder belongs to another request."""
         with self._blamed():
             content = read_sealed(self.folder / "request.json")
-            known = json.loads(content or b"")
-            before = [known[name] for name in tree]
+            stored = json.loads(content or b"")
+            identity = [stored[name] for name in tree]
         what = "a march of another version of this program"
-        if before[0] != tree["request"]:
+        if identity[0] != tree["request"]:
             what = "the march of another scene, grid or request"
-        if before != list(tree.values()):
+        if identity != list(tree.values()):
             raise InvalidInput(
                 f"evolve.folder is {str(self.folder)!r}, which holds {what}: give another folder."
             )
 
     @contextmanager
     def _blamed(self) -> Iterator[None]:
-        """Raise what goes wrong with a file as a sentence that names the folder."""
+        """Raise an error of a damaged file as a sentence that names the folder."""
         try:
             yield
         except (OSError, LookupError, TypeError, ValueError, EOFError, BadZipFile) as error:

@@ -286,7 +286,7 @@ def roll_repeatedly(
     finished: list[RollingPass] = []
     for _ in range(count):
         if finished:
-            track = replace(track, ahead=track.rear)
+            track = replace(track, front=track.rear)
         track, rolling_pass = rolling.one_pass(track, () if finished else (pressed,))
         finished.append(rolling_pass)
     lifted, _ = track.settled(no_contact(problem), tolerance, length)

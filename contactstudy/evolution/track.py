@@ -128,7 +128,7 @@ class Track:
     behind
         Plastic strain (component, layers) from the left edge of the window to infinity. It is a running mean of the
         strain that left the window: with the last strain alone it would swing from one window to the next.
-    ahead
+    front
         The half-space on the right of the window.
     """
 
@@ -137,7 +137,7 @@ class Track:
     strain: Array
     equivalent: Array
     behind: Array
-    ahead: Profile
+    front: Profile
 
     @classmethod
     def fresh(cls, operator: PlaneStrainOperator, hardening: Hardening) -> "Track":
@@ -166,7 +166,7 @@ class Track:
             Weight of the strain that leaves the window in the mean strain behind it.
         """
         strain, equivalent = np.roll(self.strain, -1, axis=2), np.roll(self.equivalent, -1, axis=1)
-        strain[:, :, -1, 0], equivalent[:, -1, 0] = self.ahead.strain, self.ahead.equivalent
+        strain[:, :, -1, 0], equivalent[:, -1, 0] = self.front.strain, self.front.equivalent
         behind = self.behind + share * (self.rear.strain - self.behind)
         return replace(self, strain=strain, equivalent=equivalent, behind=behind)
 
@@ -196,13 +196,13 @@ class Track:
             settled = settle(
                 bodies,
                 partial(
-                    _lowered_twice, contact, surroundings.lift(track.behind, track.ahead.strain)
+                    _lowered_twice, contact, surroundings.lift(track.behind, track.front.strain)
                 ),
                 contact.tangent,
                 bodies.joined([track.strain]),
                 bodies.joined([track.equivalent]),
                 tolerance,
-                bodies.joined([surroundings.stress(track.behind, track.ahead.strain)]),
+                bodies.joined([surroundings.stress(track.behind, track.front.strain)]),
             )
             (flow,) = bodies.parted(settled.flow)
             volume = operator.volume
@@ -224,12 +224,12 @@ class Track:
             embedded(self.strain, 0, volume),
             embedded(self.equivalent, 0, volume),
             with_zero_layers(self.behind, layers),
-            self.ahead.deeper(layers),
+            self.front.deeper(layers),
         )
 
     def residual_stress(self) -> Array:
         """Return all stresses (6, layers, x, 1) [Pa] in the window without pressure, tension positive."""
-        around = self.surroundings.tensor(self.behind, self.ahead.strain)
+        around = self.surroundings.tensor(self.behind, self.front.strain)
         return self.operator.tensor_of_strain(self.strain) + around
 
 

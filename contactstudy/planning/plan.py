@@ -200,8 +200,8 @@ def _coarse(grid: Grid, fewest: tuple[int, int]) -> Grid:
         counts[axis] = max(counts[axis] / excess**power, min(fewest[axis], counts[axis]))
     shrink = sqrt(max(prod(counts) / MOST, 1.0))
     across, along = (
-        max(ceil(count / shrink), min(2, given))
-        for count, given in zip(counts, grid.cells, strict=True)
+        max(ceil(count / shrink), min(2, present))
+        for count, present in zip(counts, grid.cells, strict=True)
     )
     return Grid((max(across, min(FEWEST, grid.cells[0])), along), grid.extent)
 

@@ -1,4 +1,4 @@
-"""Predicts what a case will cost from what similar cases did cost.
+"""Forecast of what cases will cost, from what similar cases did cost.
 
 Cases that agree in everything but numbers (same padding, solver, kinds of shapes) form a mode. In each mode a
 quantity is ``N log N`` for N cells, if it is a time, times a power law of all numbers of the case
@@ -23,24 +23,27 @@ from studies.model.outcome import CaseStatus
 from studies.store.journal import Journal
 from studies.store.records import Contents
 
-UNLIKE = 1.0  # standard deviation, in logarithms, between one mode and another
+UNLIKE = 1.0  # standard deviation between two modes, in logarithms
 LARGEST = 100.0  # limit of any logarithm, against overflow
 CELLS = ".cells"  # in the names of a grid's numbers; nothing is predicted across modes without them
-DIGITS = "tolerance"  # a number whose digits, not whose size, cost time
-MOST = 300  # cases of a mode that are used, the last ones
+DIGITS = "tolerance"  # a number whose logarithm costs time
+MOST = 300  # last cases of a mode that are used
 
 
 @dataclass(frozen=True)
 class Observation:
-    """A case, and what is known of it: ``case``, ``setup``, ``solve`` [s], ``iterations``, ``bytes``."""
+    """A stored case as a tree, and its measured quantities by name.
+
+    They are ``case``, ``setup`` and ``solve`` [s], ``iterations`` and ``bytes``.
+    """
 
     tree: Tree
-    known: Mapping[str, float]
+    quantities: Mapping[str, float]
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """A positive number, right within ``factor`` in 19 of 20 cases."""
+    """A positive number, correct within `factor` in 19 of 20 cases."""
 
     value: float
     factor: float
@@ -48,56 +51,67 @@ class Estimate:
 
 @dataclass(frozen=True, eq=False)
 class ForecastModel:
-    """Fitted to ``observations``, anew for each question."""
+    """Power laws through observations, fitted anew for each prediction."""
 
     observations: Sequence[Observation]
 
     def predict(self, quantity: str, trees: Sequence[Tree]) -> list[Estimate | None]:
-        """``quantity`` of each case; None where nothing comparable is stored."""
+        """Return a quantity of each case; None where nothing comparable is stored.
+
+        Parameters
+        ----------
+        quantity
+            Name of the quantity, see :class:`Observation`.
+        trees
+            The cases.
+        """
         by_mode: dict[str, list[tuple[Mapping[str, float], float]]] = defaultdict(list)
-        for one in self.observations:
-            value = one.known.get(quantity, 0.0)
+        for observation in self.observations:
+            value = observation.quantities.get(quantity, 0.0)
             if value > 0:
-                named, numbers = _described(one.tree)
-                by_mode[named].append((numbers, log(value) - _work(quantity, numbers)))
+                mode_name, numbers = _described(observation.tree)
+                by_mode[mode_name].append((numbers, log(value) - _work(quantity, numbers)))
         everything = [row for rows in by_mode.values() for row in rows if _has_cells(row[0])]
         groups: dict[tuple[str, ...], list[int]] = defaultdict(list)
         described = [_described(tree) for tree in trees]
-        for place, (mode, numbers) in enumerate(described):
+        for position, (mode, numbers) in enumerate(described):
             if mode in by_mode:
-                groups[mode,].append(place)
+                groups[mode,].append(position)
             elif _has_cells(numbers):
                 # a new mode is predicted from all others that have the same numbers
-                groups["", *sorted(numbers)].append(place)
-        found: list[Estimate | None] = [None] * len(trees)
+                groups["", *sorted(numbers)].append(position)
+        estimates: list[Estimate | None] = [None] * len(trees)
         for (mode, *_), places in groups.items():
             rows = by_mode.get(mode) or everything
             if not rows:
                 continue
-            means, deviations = _fitted(rows[-MOST:], [described[place][1] for place in places])
-            for place, mean, deviation in zip(places, means, deviations, strict=True):
-                logarithm = mean + _work(quantity, described[place][1])
+            means, deviations = _fitted(
+                rows[-MOST:], [described[position][1] for position in places]
+            )
+            for position, mean, deviation in zip(places, means, deviations, strict=True):
+                logarithm = mean + _work(quantity, described[position][1])
                 spread = 2 * np.hypot(deviation, 0.0 if mode in by_mode else UNLIKE)
-                found[place] = Estimate(
+                estimates[position] = Estimate(
                     exp(np.clip(logarithm, -LARGEST, LARGEST)), exp(min(spread, LARGEST))
                 )
-        return found
+        return estimates
 
 
 def total(estimates: Iterable[Estimate]) -> Estimate:
-    """The sum; the errors of its parts are taken to be fully correlated."""
-    each = list(estimates)
-    value = sum(one.value for one in each)
-    sd = sum(one.value * log(one.factor) for one in each) / value if value else 0.0
+    """Return the sum of estimates, whose errors are taken to be fully correlated."""
+    parts = list(estimates)
+    value = sum(part.value for part in parts)
+    sd = sum(part.value * log(part.factor) for part in parts) / value if value else 0.0
     return Estimate(value, exp(sd))
 
 
 def _has_cells(numbers: Mapping[str, float]) -> bool:
+    """Return whether the numbers of a case include cells of a grid."""
     return any(CELLS in name for name in numbers)
 
 
 def _work(quantity: str, numbers: Mapping[str, float]) -> float:
-    """The logarithm of N log N, and of the calls that any N takes, for what takes time so."""
+    """Return the logarithm of the work N log N for a time; 0 for other quantities."""
     if quantity not in ("case", "setup", "solve"):
         return 0.0
     cells = sum(value for name, value in numbers.items() if CELLS in name)
@@ -105,12 +119,12 @@ def _work(quantity: str, numbers: Mapping[str, float]) -> float:
 
 
 def mode(tree: Tree) -> str:
-    """Return all that is named in a case, whatever its numbers."""
+    """Return the mode of a case: everything but its numbers."""
     return _described(tree)[0]
 
 
 def _described(tree: Tree) -> tuple[str, Mapping[str, float]]:
-    """The mode of a case, and the logarithms of its numbers."""
+    """Return the mode of a case, and the logarithms of its numbers by path."""
     names: list[str] = []
     numbers: dict[str, float] = {}
     _walk(tree, "", names, numbers)
@@ -118,6 +132,7 @@ def _described(tree: Tree) -> tuple[str, Mapping[str, float]]:
 
 
 def _walk(tree: Tree, path: str, names: list[str], numbers: dict[str, float]) -> None:
+    """Add the names and the logarithms of the numbers of a tree to `names` and `numbers`."""
     if isinstance(tree, dict):
         names.append(f"{path}:{tree.get('', '')}")
         parts = {**tree.get(DEFAULTS, {}), **tree}
@@ -145,10 +160,10 @@ def _walk(tree: Tree, path: str, names: list[str], numbers: dict[str, float]) ->
 
 
 def _fitted(
-    rows: Sequence[tuple[Mapping[str, float], float]], wanted: Sequence[Mapping[str, float]]
+    rows: Sequence[tuple[Mapping[str, float], float]], new_cases: Sequence[Mapping[str, float]]
 ) -> tuple[Array, Array]:
-    """Mean and standard deviation of the logarithm at ``wanted``, by the numbers that all have."""
-    names = sorted(set.intersection(*(set(numbers) for numbers, _ in rows), *map(set, wanted)))
+    """Return mean and standard deviation of the logarithm for new cases, by the numbers that all cases have."""
+    names = sorted(set.intersection(*(set(numbers) for numbers, _ in rows), *map(set, new_cases)))
 
     def logarithms(all_numbers: Iterable[Mapping[str, float]]) -> Array:
         return np.array([[numbers[name] for name in names] for numbers in all_numbers], ndmin=2)
@@ -156,28 +171,39 @@ def _fitted(
     law = PowerLaw.fit(
         logarithms(numbers for numbers, _ in rows), np.array([value for _, value in rows])
     )
-    return law.predict(logarithms(wanted))
+    return law.predict(logarithms(new_cases))
 
 
-SAMPLE = 1000  # cases that are looked at
+SAMPLE = 1000  # largest number of cases that are predicted or observed
 
 
 @dataclass(frozen=True)
 class Forecast:
-    """Seconds of the cases, one after the other, and of their timing, and bytes on disk; None if not known.
+    """Predicted cost of a run; None for what is not known.
 
-    Seconds are those of a core that does nothing else.
+    Attributes
+    ----------
+    cases
+        Number of cases.
+    seconds
+        Seconds of all cases, one after the other, on a core that does nothing else.
+    timing
+        Seconds of all timed runs.
+    size
+        Bytes on disk.
+    by_case
+        Seconds of each predicted case.
     """
 
     cases: int
     seconds: Estimate | None
     timing: Estimate | None
     size: Estimate | None
-    each: Mapping[str, Estimate]
+    by_case: Mapping[str, Estimate]
 
     @property
     def is_worth_telling(self) -> bool:
-        """Return whether a user waits for more than a moment, and the forecast is good for something."""
+        """True if the run takes more than a moment, and the forecast is accurate enough to be useful."""
         return self.seconds is not None and self.seconds.value > 10 and self.seconds.factor < 4
 
     def __str__(self) -> str:
@@ -193,87 +219,107 @@ class Forecast:
 
 
 def _estimate_text(estimate: Estimate, unit: str) -> str:
+    """Return an estimate in words."""
     return f"{estimate.value:.3g} {unit} (within a factor {estimate.factor:.2g})"
 
 
 def fit_model(folder: Path, machine: str) -> ForecastModel:
-    """Fitted to what the journals in ``folder`` say of this machine; a damaged one says less, or nothing."""
-    found: list[Observation] = []
+    """Return the model of what the journals in `folder` hold of this machine; damaged lines are left out."""
+    stored: list[Observation] = []
     for path in sorted(folder.glob("*.journal.jsonl")):
         with suppress(InvalidInput):
-            found += observations(Journal(path, None, machine).contents)
-    return ForecastModel(found)
+            stored += observations(Journal(path, None, machine).contents)
+    return ForecastModel(stored)
 
 
 def observations(contents: Contents) -> list[Observation]:
-    """Return what the good cases in a journal took, of the last ``SAMPLE``."""
-    found = []
+    """Return the cost of the last ``SAMPLE`` good cases in a journal."""
+    latest_first = []
     for name, record in islice(reversed(contents.records.items()), SAMPLE):
         if record.case_status is not CaseStatus.OK:
             continue
-        # CPU time is wall time on a core of one's own, whatever else the core was doing
-        known = {"case": record.cpu, "bytes": float(record.size)}
+        # CPU time is the wall time on an idle core
+        quantities = {"case": record.cpu, "bytes": float(record.size)}
         if samples := contents.samples.get(name):
-            known["setup"] = min(sample.setup_cpu for sample in samples)
-            known["solve"] = min(sample.solve_cpu for sample in samples)
-        known["iterations"] = 1.0
+            quantities["setup"] = min(sample.setup_cpu for sample in samples)
+            quantities["solve"] = min(sample.solve_cpu for sample in samples)
+        quantities["iterations"] = 1.0
         for count in ("iterations", "convolutions"):  # the latter says more
             variable = record.variable(count)
             if variable is not None and variable.ndim == 0:
-                known["iterations"] = max(float(variable), 1.0)
-        found.append(Observation(record.identity.tree, known))
-    return found[::-1]
+                quantities["iterations"] = max(float(variable), 1.0)
+        latest_first.append(Observation(record.identity.tree, quantities))
+    return latest_first[::-1]
 
 
 def forecast(
     costs: ForecastModel, trees: Mapping[str, object], timed: Mapping[str, tuple[object, int]]
 ) -> Forecast:
-    """Predict the cost of the cases ``trees`` to compute, and of those to time so many times, by their keys.
+    """Return the predicted cost of a run.
 
-    Of very many cases a sample is looked at, and stands for the others.
+    Of more than ``SAMPLE`` cases a sample is predicted, which represents the others.
+
+    Parameters
+    ----------
+    costs
+        The model.
+    trees
+        Cases to compute, by key.
+    timed
+        Cases to time with their numbers of timed runs, by key.
     """
     names, share = _sample(list(trees))
-    each = dict(zip(names, costs.predict("case", [trees[name] for name in names]), strict=True))
-    known = {name: one for name, one in each.items() if one is not None}
+    predictions = dict(
+        zip(names, costs.predict("case", [trees[name] for name in names]), strict=True)
+    )
+    known_seconds = {
+        name: estimate for name, estimate in predictions.items() if estimate is not None
+    }
     timings, timed_share = _sample(list(timed))
     parts: list[Estimate] = []
-    is_known = len(known) == len(names)
+    is_known = len(known_seconds) == len(names)
     for quantity in ("setup", "solve"):
-        found = costs.predict(quantity, [timed[name][0] for name in timings])
-        for name, one in zip(timings, found, strict=True):
-            if one is not None:
+        times = costs.predict(quantity, [timed[name][0] for name in timings])
+        for name, estimate in zip(timings, times, strict=True):
+            if estimate is not None:
                 repeats = timed[name][1]
-                parts.append(Estimate(timed_share * repeats * one.value, one.factor))
+                parts.append(Estimate(timed_share * repeats * estimate.value, estimate.factor))
     if not is_known:
-        return Forecast(len(trees), None, None, None, known)
+        return Forecast(len(trees), None, None, None, known_seconds)
     sizes = costs.predict("bytes", [trees[name] for name in names])
-    size = total(Estimate(share * one.value, one.factor) for one in sizes if one is not None)
-    seconds = total(Estimate(share * one.value, one.factor) for one in known.values())
-    return Forecast(len(trees), seconds, total(parts), size, known)
+    size = total(
+        Estimate(share * estimate.value, estimate.factor)
+        for estimate in sizes
+        if estimate is not None
+    )
+    seconds = total(
+        Estimate(share * estimate.value, estimate.factor) for estimate in known_seconds.values()
+    )
+    return Forecast(len(trees), seconds, total(parts), size, known_seconds)
 
 
 def _sample(names: list[str]) -> tuple[list[str], float]:
-    """At most ``SAMPLE`` names, evenly taken, and how many each stands for."""
+    """Return at most ``SAMPLE`` evenly spaced names, and how many names each represents."""
     step = -(-len(names) // SAMPLE) or 1
     chosen = names[::step]
     return chosen, len(names) / max(len(chosen), 1)
 
 
-def score(predicted: Forecast, taken: Mapping[str, float]) -> Mapping[str, float]:
-    """The forecast beside the seconds ``taken``, as attributes; nothing where it said nothing."""
-    both = [
-        (predicted.each[name].value, seconds)
-        for name, seconds in taken.items()
-        if name in predicted.each
+def score(predicted: Forecast, measured: Mapping[str, float]) -> Mapping[str, float]:
+    """Return the predicted beside the measured seconds as attributes; empty where nothing was predicted."""
+    pairs = [
+        (predicted.by_case[name].value, seconds)
+        for name, seconds in measured.items()
+        if name in predicted.by_case
     ]
-    both = [pair for pair in both if pair[1] > 0]
-    if predicted.seconds is None or not both:
+    pairs = [pair for pair in pairs if pair[1] > 0]
+    if predicted.seconds is None or not pairs:
         return {}
-    errors = [abs(log(seconds / value)) for value, seconds in both]
+    errors = [abs(log(seconds / value)) for value, seconds in pairs]
     return {
-        "predicted_seconds": sum(value for value, _ in both),
+        "predicted_seconds": sum(value for value, _ in pairs),
         "predicted_within_factor": predicted.seconds.factor,
-        "taken_seconds": sum(seconds for _, seconds in both),
+        "taken_seconds": sum(seconds for _, seconds in pairs),
         "prediction_error_factor_median": exp(float(np.median(errors))),
         "prediction_error_factor_largest": exp(max(errors)),
     }

@@ -1,4 +1,4 @@
-"""What is stored of a study, what is missing, why, and what that will take."""
+"""Inventory of a study: which cases are stored, which are missing and why, and what these will cost."""
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
@@ -23,7 +23,19 @@ Log = Callable[[str], object]
 
 @dataclass(frozen=True, eq=False)
 class Inventory:
-    """The cases that a ``request`` asks for, beside those in the ``journal``; ``fields`` is the folder of fields."""
+    """Cases of a request, and those stored in the journal.
+
+    Attributes
+    ----------
+    study, request
+        The study and its cases.
+    journal
+        Stored results.
+    options
+        Options of the run.
+    fields
+        Folder of stored fields.
+    """
 
     study: Study
     request: Request
@@ -33,30 +45,30 @@ class Inventory:
 
     @property
     def repeats(self) -> int:
-        """The number of timed runs of each case."""
+        """Number of timed runs of each case."""
         return self.options.repeats if self.study.times == "taken" else 0
 
     def record(self, name: str) -> Record | None:
-        """Return what is stored of the case, in this context and with these defaults."""
+        """Return the stored record of a case in the present context and with the present defaults; None without one."""
         record = self.journal.contents.records.get(name)
         identity = self.request.identities[name]
         return record if record is not None and record.is_of(identity) else None
 
     def records(self) -> Iterator[Record]:
-        """Give what is stored of each case, where there is something."""
+        """Yield the stored record of each case that has one."""
         for name in self.request.cases:
             if (record := self.record(name)) is not None:
                 yield record
 
     def missing(self, log: Log) -> list[str]:
-        """Return the cases to compute; says why what is stored does not serve, where there is something."""
+        """Return the cases to compute, and report why stored ones cannot be used."""
         contents, missing = self.journal.contents, []
         changes: Counter[str] = Counter()
         for name, identity in self.request.identities.items():
             record = self.record(name)
             if record is not None and self._serves(name, record.case_status, log):
                 continue
-            if record is None and (contents.records or contents.others):
+            if record is None and (contents.records or contents.other_records):
                 changes[recompute_reasons(contents, identity, self.request.context)] += 1
             missing.append(name)
         changes.pop("", None)  # new cases
@@ -65,35 +77,35 @@ class Inventory:
         return missing
 
     def adopt(self, missing: Sequence[str]) -> int:
-        """Store those of the ``missing`` cases that another study in the folder holds, with their times; count them."""
+        """Store the missing cases that other studies in the folder hold, with their times, and return their number."""
         adopted = 0
         for path in sorted(self.journal.path.parent.glob(f"*{SUFFIX}")):
             if path == self.journal.path or self.options.fields == "kept":
                 continue
             with suppress(InvalidInput):  # a damaged journal is no other study's concern
-                others = Journal(path, self.request.context, machine()).contents
+                other_contents = Journal(path, self.request.context, machine()).contents
                 for name in missing:
-                    record = others.records.get(name)
+                    record = other_contents.records.get(name)
                     if record is None or self.record(name) is not None:
                         continue
                     if record.case_status is CaseStatus.OK and record.is_of(
                         self.request.identities[name]
                     ):
                         self.journal.add(self.request.identities[name], record.outcome)
-                        for sample in others.samples.get(name, ()):
+                        for sample in other_contents.samples.get(name, ()):
                             self.journal.time(name, sample)
                         adopted += 1
         return adopted
 
     def _serves(self, name: str, case_status: CaseStatus, log: Log) -> bool:
-        """Return whether what is stored of the case is what the options ask for."""
+        """Return whether the stored record of a case is enough for the options."""
         wants_fields = self.options.fields == "kept" and case_status is CaseStatus.OK
         return case_status not in self.options.retry and (
             not wants_fields or has_fields(self.fields, name, log)
         )
 
     def times_missing(self) -> dict[str, int]:
-        """Return how many timed runs each good case lacks; none of those that cannot be timed."""
+        """Return the number of missing timed runs of each good case, without cases that cannot be timed."""
         contents, anew = self.journal.contents, self.options.old_times == "dropped"
         counts = {}
         for name in self.request.cases:
@@ -106,14 +118,14 @@ class Inventory:
         return counts
 
     def state(self) -> str:
-        """Say how many cases are stored, and how many timed runs they lack."""
+        """Return a sentence on how many cases are stored, and how many timed runs are missing."""
         stored = sum(1 for _ in self.records())
         missing = sum(self.times_missing().values())
         times = f", {missing} timed runs are missing" if missing else ""
         return f"{stored} of {len(self.request.cases)} cases are stored{times}"
 
     def forecast(self, missing: Sequence[str]) -> Forecast:
-        """Predict what the ``missing`` cases and timed runs will take, from what is stored in the folder."""
+        """Return the predicted cost of the `missing` cases and timed runs, from what the folder holds."""
         identities = self.request.identities
         counts = self.times_missing() | dict.fromkeys(missing, self.repeats)
         if not counts and not missing:

@@ -1,4 +1,4 @@
-"""Options of a run of a study."""
+"""Options of a run."""
 
 import signal
 from dataclasses import dataclass
@@ -17,13 +17,35 @@ RETRIES = {
 
 @dataclass(frozen=True, kw_only=True)
 class RunOptions:
-    """Options of a run of a study.
+    """Options of a run.
 
-    ``scheduler``: address of a dask scheduler, in place of ``workers`` processes (0: this one alone).
-    ``time_limit`` [s] of a case. ``repeats``: timed runs of each case; ``old_times``: "kept" or "dropped".
-    ``retry``: what is computed again though it is stored. ``after_failure``: "go on" or "stop".
-    ``fields``: "none" or "kept", pressure and gap of every case. ``table``: whether the file holds all that is
-    "stored" of the study, or only what was "requested". ``most_points``: more are refused; None for no bound.
+    Parameters
+    ----------
+    workers
+        Processes that compute; 0 computes in this process.
+    scheduler
+        Address of a dask scheduler to compute through, in place of the workers.
+    time_limit
+        Longest time of a case [s].
+    repeats
+        Timed runs of each case.
+    old_times
+        "kept", or "dropped" to time every case anew.
+    retry
+        Statuses whose cases are computed again although they are stored.
+    after_failure
+        "go on", or "stop".
+    fields
+        "kept" to store pressure and gap of every case, or "none".
+    table
+        "stored" for a file with all stored points, or "requested".
+    most_points
+        Largest number of points; None for no limit.
+
+    Raises
+    ------
+    InvalidInput
+        For a value that is none of these.
     """
 
     workers: int = 2

@@ -34,7 +34,7 @@ MANY = 50_000  # points that take more than a moment
 
 
 class _FirstFailureError(Exception):
-    """Raised to end a run that is to stop at its first failure."""
+    """Raised to end a run that stops at its first failure."""
 
 
 def run(
@@ -47,25 +47,25 @@ def run(
     options: RunOptions | None = None,
     executor: "Executor | None" = None,
 ) -> xr.Dataset:
-    """Compute what is missing of ``study``, leave ``<out>/<study>.nc``, and return what was written.
+    """Compute the missing cases of a study, write ``<out>/<study>.nc``, and return its Dataset.
 
     Every finished case is in ``<out>/<study>.journal.jsonl`` before it is reported, and is not computed again.
 
     Parameters
     ----------
     study
-        What to compute.
+        The study.
     out
-        Folder of the results, made if need be. The file holds what else is stored of the study as well, unless
-        ``options`` say otherwise.
+        Folder of the results, made if need be. The file also holds other stored points of the study, unless
+        `options` say otherwise.
     workers, repeats
-        Processes that compute, and timed runs of each case, where no ``options`` are given.
+        Processes that compute, and timed runs of each case, where no `options` are given.
     log
-        Takes each line of what the run says.
+        Takes each message of the run.
     options
-        How to run, in place of ``workers`` and ``repeats``.
+        Options in place of `workers` and `repeats`.
     executor
-        Where to compute, in place of the workers; it is left open for the next study.
+        Executor in place of the workers; it is left open for the next study.
 
     Raises
     ------
@@ -86,7 +86,7 @@ def run(
 
 
 def estimate_cost(study: Study, out: Path, *, options: RunOptions, log: Log = print) -> Forecast:
-    """Say what :func:`run` would compute, and what that would take; nothing is computed or written."""
+    """Report what :func:`run` would compute, and return its predicted cost; nothing is computed or written."""
     study.check_size(options.most_points)
     request = _request(study, log)
     journal = Journal(out / f"{study.name}.journal.jsonl", request.context, machine())
@@ -95,6 +95,7 @@ def estimate_cost(study: Study, out: Path, *, options: RunOptions, log: Log = pr
 
 
 def _request(study: Study, log: Log) -> Request:
+    """Return the cases of a study."""
     if study.size > MANY:
         log(f"{study.name}: {study.size} points, whose cases are now made")
     return Request.of(study)
@@ -103,7 +104,7 @@ def _request(study: Study, log: Log) -> Request:
 def _beside_stored(
     study: Study, request: Request, journal: Journal, log: Log
 ) -> tuple[Study, Request]:
-    """Let a stored value of an axis stand for an asked one that differs by rounding, and say so."""
+    """Replace values of axes by stored ones that differ by rounding only, and report it."""
     stored = journal.contents.axes
     axes = tuple(axis.beside(stored.get(axis.name, ())) for axis in study.points)
     for axis in axes:
@@ -130,7 +131,7 @@ def _stopping() -> Iterator[Stop]:
 
 
 class _Run:
-    """A run with the journal in hand: computes, times and writes what is missing."""
+    """State of a run: computes, times and writes the missing cases."""
 
     def __init__(
         self,
@@ -148,7 +149,10 @@ class _Run:
         self.log: Log = lambda text: log(f"{study.name}: {text}")
 
     def go(self, executor: "Executor | None", closing: ExitStack) -> xr.Dataset:
-        """Compute, time and write; an executor that is made here is closed with ``closing``."""
+        """Compute, time and write the missing cases, and return the Dataset.
+
+        An executor that is made here is closed with `closing`.
+        """
         missing, predicted = self._begin()
         activity = "solving"
         try:
@@ -177,7 +181,7 @@ class _Run:
         return self._end()
 
     def estimate_cost(self) -> Forecast:
-        """Say what there is to compute, and what it will take."""
+        """Report what is to be computed, and return its predicted cost."""
         for note in (*self.journal.notes, *self.study.notes):
             self.log(note)
         cases, missing = self.request.cases, self.inventory.missing(self.log)
@@ -192,7 +196,7 @@ class _Run:
         return predicted
 
     def _begin(self) -> tuple[list[str], Forecast]:
-        """Say what there is to do, and open the journal and the file for it; returns the missing cases."""
+        """Report what is to be done, open journal and file, and return the missing cases with their forecast."""
         cases = self.request.cases
         for note in self.journal.notes:
             self.log(note)
@@ -248,6 +252,7 @@ class _Run:
 
     @property
     def _work(self) -> Work:
+        """Instructions for every case of this run."""
         return Work(
             self.study.measures,
             self.options.fields == "kept",
@@ -271,7 +276,7 @@ class _Run:
         return InProcess(self.journal.begin, suspects)
 
     def _score(self, predicted: Forecast, missing: Sequence[str]) -> None:
-        """Write down how far off the forecast was."""
+        """Write the accuracy of the forecast to the journal."""
         records = {name: self.inventory.record(name) for name in missing}
         seconds = {
             name: record.cpu
@@ -282,11 +287,12 @@ class _Run:
             self.journal.score(attributes)
 
     def _write_once_more(self) -> None:
+        """Write journal and file before the run ends."""
         self.journal.sync()
         self.file.write(fields=self.options.fields)
 
     def _end(self) -> xr.Dataset:
-        """Write the file, say what became of the cases, and return what was written."""
+        """Write the file, report the outcomes, and return the Dataset."""
         self.file.write(fields=self.options.fields)
         dataset = self.file.read()
         if "left_out" in dataset.attrs:

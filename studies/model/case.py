@@ -167,7 +167,7 @@ class Operator:
 def solver_status(status: cs.Status, long_name: str) -> xr.Variable:
     """Return the status of a solution as a CF flag."""
     statuses = list(cs.Status)
-    meanings = [each.name.lower() for each in statuses]
+    meanings = [member.name.lower() for member in statuses]
     return flags((), np.asarray(statuses.index(status)), meanings, long_name)
 
 

@@ -104,11 +104,11 @@ class Study:
         InvalidInput
             For an axis or a value that the study does not have.
         """
-        known = {axis.name: axis for axis in self.points}
+        present = {axis.name: axis for axis in self.points}
         for name in axes:
-            if name not in known:
+            if name not in present:
                 raise InvalidInput(
-                    f"Parameter {name!r} is not one of study {self.name!r}: {suggestion(name, sorted(known))}."
+                    f"Parameter {name!r} is not one of study {self.name!r}: {suggestion(name, sorted(present))}."
                 )
         changed = tuple(
             axis.override(axes[axis.name], most=most) if axis.name in axes else axis

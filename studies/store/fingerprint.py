@@ -1,4 +1,4 @@
-"""The code that makes a number of a case, file by file: where one of them changes, numbers may."""
+"""Fingerprints of the code and the files that the numbers of a case come from."""
 
 import ast
 import hashlib
@@ -21,7 +21,7 @@ from studies.model.study import NOT_NUMBERS, Study
 
 # Libraries that the numbers of a case depend on.
 LIBRARIES = ("numpy", "scipy", "ducc0")
-# Parts of this package that make numbers; the others say how they are computed, kept and shown.
+# Parts of this package that make numbers; other parts run, store and show them.
 NUMERICAL = ("definitions", "model", "reference", "scene_study")
 OF_CASES = "cases of "
 CONSTANT = (bool, int, float, complex, str, bytes, tuple, frozenset)
@@ -31,26 +31,35 @@ INSTALLED = ("site-packages", "dist-packages")
 @cache
 def versions() -> dict[str, str]:
     """Return the version of the core and of the libraries it computes with, and a hash of the core's code."""
-    known = {"contactstudy": VERSION, "source": source_hash()}
+    found_versions = {"contactstudy": VERSION, "source": source_hash()}
     for name in LIBRARIES:
         if importlib.util.find_spec(name):
             try:
-                known[name] = version(name)
+                found_versions[name] = version(name)
             except PackageNotFoundError:
-                known[name] = "unknown"
-    return known
+                found_versions[name] = "unknown"
+    return found_versions
 
 
 def study_fingerprint(study: Study, kinds: Iterable[type]) -> dict[str, str]:
-    """Return a hash of each file that the numbers of ``study`` come from, by the name of its module or file.
+    """Return a hash of each file that the numbers of a study come from, by the name of its module or file.
 
-    These are the module of its measures, every module that this one imports, wherever it does so, but for installed
-    distributions, and the ``files`` that the study names; after ``OF_CASES``, further modules that the classes
-    ``kinds`` of its cases come from. All bytes count, comments too, but for what a study file says of its axes,
-    figures, findings and tables; so do numbers and text that a module has as constants, wherever they come from.
-    What was typed at a prompt is never the same.
+    These are the module of its measures, every module that it imports anywhere, but for installed distributions, and the
+    ``files`` that the study names; after ``OF_CASES``, further modules that the classes of its cases come from. All
+    bytes count, comments too, but not the axes, figures, findings and tables of a study file; so do numbers and text
+    that a module has as constants, wherever they come from. Code that was typed at a prompt never has the same hash.
 
-    Raises :class:`~contactstudy.InvalidInput` for a file that cannot be read.
+    Parameters
+    ----------
+    study
+        The study.
+    kinds
+        Classes of its cases.
+
+    Raises
+    ------
+    InvalidInput
+        For a file that cannot be read.
     """
     hashes: dict[str, str] = {}
     measures = study.measures
@@ -59,26 +68,28 @@ def study_fingerprint(study: Study, kinds: Iterable[type]) -> dict[str, str]:
         hashes["arguments"] = _hash(hashes.get("arguments", ""), arguments)
         measures = measures.func
     _add_module(getattr(measures, "__module__", None) or type(measures).__module__, hashes)
-    for given in study.files:
+    for name in study.files:
         try:
-            hashes[given] = _hash((study.folder / given).read_bytes())
+            hashes[name] = _hash((study.folder / name).read_bytes())
         except (OSError, ValueError) as error:
             raise InvalidInput(
-                f"Study {study.name!r} names the file {given!r}, which cannot be read ({error}): mend 'files'."
+                f"Study {study.name!r} names the file {name!r}, which cannot be read ({error}): mend 'files'."
             ) from None
-    both = dict(hashes)
+    all_hashes = dict(hashes)
     for kind in kinds:
-        _add_module(kind.__module__, both)
-    return hashes | {f"{OF_CASES}{name}": both[name] for name in both.keys() - hashes.keys()}
+        _add_module(kind.__module__, all_hashes)
+    return hashes | {
+        f"{OF_CASES}{name}": all_hashes[name] for name in all_hashes.keys() - hashes.keys()
+    }
 
 
 def agree(stored: Mapping[str, str], now: Mapping[str, str]) -> bool:
-    """Return whether numbers of one context are those of another."""
+    """Return whether numbers of the context `stored` are valid in the context `now`."""
     return not disagreements(stored, now)
 
 
 def disagreements(stored: Mapping[str, str], now: Mapping[str, str]) -> list[str]:
-    """Say where two contexts differ; a class of cases that only one has makes no difference."""
+    """Return sentences on where two contexts differ; a class of cases that only one of them has makes no difference."""
     return [
         f"{name} was {stored.get(name, 'absent')} and is {now.get(name, 'absent')}"
         for name in sorted(stored.keys() | now.keys())
@@ -153,7 +164,7 @@ def _is_named(name: str, definition: ast.stmt, tree: ast.Module) -> bool:
 
 
 def _constants(module: ModuleType | None) -> str:
-    """Return the numbers and texts among the values of a ``module``, which may come from anywhere."""
+    """Return the numbers and texts among the values of a module."""
     if module is None or module.__name__.startswith("studies."):
         return ""
     constants = {}
@@ -165,7 +176,7 @@ def _constants(module: ModuleType | None) -> str:
 
 
 def _imports(tree: ast.Module, package: str) -> Iterator[str]:
-    """Give the names of all modules that the code may import."""
+    """Yield the names of all modules that the code may import."""
     for node in ast.walk(tree):
         match node:
             case ast.Import():
@@ -198,9 +209,11 @@ def _spec(name: str) -> ModuleSpec | None:
 
 
 def _counts(name: str, file: Path) -> bool:
-    """Return whether a module is no installed distribution's, and not among those that the versions speak of."""
-    package, _, rest = name.partition(".")
-    if package == "contactstudy" or (package == "studies" and rest.split(".")[0] not in NUMERICAL):
+    """Return whether the hash of a module counts: it is neither installed nor covered by the versions."""
+    package, _, subpackages = name.partition(".")
+    if package == "contactstudy" or (
+        package == "studies" and subpackages.split(".")[0] not in NUMERICAL
+    ):
         return False
     standard = sysconfig.get_paths()["stdlib"]
     is_installed = any(part in INSTALLED for part in file.parts) or str(file).startswith(standard)
@@ -208,6 +221,7 @@ def _counts(name: str, file: Path) -> bool:
 
 
 def _hash(*parts: str | bytes) -> str:
+    """Return twelve digits of a hash of several texts."""
     digest = hashlib.sha256()
     for part in parts:
         raw = part.encode() if isinstance(part, str) else part

@@ -1,4 +1,4 @@
-"""The journal of a study: what it found, line by line as it was found; nothing that stands in it is ever changed."""
+"""The journal of a study: its results, line by line as they come; a line is never changed."""
 
 import os
 import weakref
@@ -16,20 +16,29 @@ from studies.model.outcome import Outcome, Sample
 from studies.store.journal_lines import START, VariableTypes, decoded, encoded, short_hash
 from studies.store.records import FORMAT, ODD, CaseIdentity, Contents, Source
 
-# A case that took longer is on disk at once, shorter ones together: a write to disk takes 0.3 ms.
+# Seconds after which lines are synced to the disk, which takes 0.3 ms; shorter cases are synced together.
 TOGETHER = 0.05
 
 
 class Journal:
-    """The journal at ``path``, read, and in a ``with`` statement open to be written on.
+    """The journal of a study, read at once, and in a ``with`` statement open for writing.
 
-    Every line starts with a checksum of the rest. A line that fails it goes to ``<path>.damaged`` when the
-    journal is opened for writing, and what it held counts as not stored; a torn last line is cut off. Lines are ``run``
+    Every line starts with a checksum of its content. A line that fails it goes to ``<path>.damaged`` when the
+    journal is opened for writing, and its content counts as not stored; a torn last line is cut off. Lines are ``run``
     (versions, machine, time), ``kind`` (see :class:`~studies.store.journal_lines.VariableTypes`), ``axis``, ``begin``,
     ``case``, ``time``, ``untimed``, ``retime`` and ``score``. Each names what it refers to, so that
     none depends on its place; ``run``, ``kind`` and ``axis``, which many lines need, are written twice.
-    Records of another ``context``, and times of another ``machine``, are kept apart; without a context all
-    count, and nothing can be written. Only one process at a time may write.
+    Only one process at a time may write.
+
+    Parameters
+    ----------
+    path
+        The file, which need not exist.
+    context
+        Versions and hashes of the present code; records of another context are kept apart. None takes records of every
+        context, and allows no writing.
+    machine
+        Name of this machine; times of another machine are kept apart.
     """
 
     def __init__(self, path: Path, context: Mapping[str, str] | None, machine: str) -> None:
@@ -68,17 +77,25 @@ class Journal:
             self._close()
 
     def start(self, provenance: Mapping[str, str], axes: Mapping[str, Iterable[Any]]) -> None:
-        """Begin a run, in the present context, over these values of its axes."""
+        """Begin a run in the present context.
+
+        Parameters
+        ----------
+        provenance
+            Attributes of the run.
+        axes
+            Values of each axis.
+        """
         run = {"format": FORMAT, "context": dict(self._present), "machine": self._machine}
         self._run = short_hash(run)
         self._write({"run": self._run} | run | {"provenance": dict(provenance)}, copies=2)
         self.contents.history.append(provenance["history"])
         for name, values in axes.items():
-            known = self.contents.axes.setdefault(name, {})
-            new = [value for value in values if value not in known]
-            known.update(dict.fromkeys(new))
-            if new:
-                self._write({"axis": name, "values": new, "of": self._run}, copies=2)
+            known_values = self.contents.axes.setdefault(name, {})
+            new_values = [value for value in values if value not in known_values]
+            known_values.update(dict.fromkeys(new_values))
+            if new_values:
+                self._write({"axis": name, "values": new_values, "of": self._run}, copies=2)
         self.sync()
 
     @property
@@ -88,17 +105,17 @@ class Journal:
         )
         return self._context
 
-    def score(self, found: Mapping[str, float]) -> None:
-        """Write down how far off the forecast was."""
-        self._write({"score": dict(found), "of": self._run})
-        self.contents.score = found
+    def score(self, scores: Mapping[str, float]) -> None:
+        """Write the accuracy of the forecast, as attributes by name."""
+        self._write({"score": dict(scores), "of": self._run})
+        self.contents.score = scores
 
     def begin(self, key: str) -> None:
-        """Write down that this process itself begins a case: should it die, the next will know in which."""
+        """Write that this process itself begins a case: if it dies, the next run knows in which case."""
         self._write({"begin": key})
 
     def add(self, identity: CaseIdentity, outcome: Outcome) -> bool:
-        """Write down a case; returns whether all cases so far are on disk."""
+        """Write a case, and return whether all cases so far are on disk."""
         new, variables = self._source.kinds.encode(outcome.variables)
         for name, kind in new.items():
             self._write({"kind": name, "is": kind}, copies=2)
@@ -124,7 +141,7 @@ class Journal:
         return False
 
     def time(self, key: str, sample: Sample) -> None:
-        """Write down a timed run."""
+        """Write a timed run of the case `key`."""
         line = {"time": key, "of": self._run, "epoch": self.contents.epoch}
         self._write(line | {"sample": asdict(sample)})
         self.contents.samples.setdefault(key, []).append(sample)
@@ -132,31 +149,34 @@ class Journal:
             self.sync()
 
     def cannot_time(self, key: str, reason: str) -> None:
-        """Write down that a case has no times, and why: the next run does not try it again."""
+        """Write that the case `key` has no times, and why: the next run does not try it again."""
         self._write(
             {"untimed": key, "of": self._run, "epoch": self.contents.epoch, "reason": reason}
         )
         self.contents.untimed[key] = reason
 
     def forget_times(self) -> None:
-        """Let the samples of all runs before this count no more."""
+        """Make all timed runs of earlier runs invalid."""
         self.contents.epoch += 1
         self._write({"retime": self.contents.epoch})
         self.contents.samples.clear()
         self.contents.untimed.clear()
 
     def sync(self) -> None:
-        """Bring everything to the disk, in the file that bears the journal's name.
+        """Write everything through to the disk, in the file that has the journal's name.
 
-        Raises :class:`~contactstudy.InvalidInput` where the disk is full, or the file has been removed.
+        Raises
+        ------
+        InvalidInput
+            If the disk is full, or the file has been removed.
         """
         try:
             os.fsync(self._descriptor)
         except OSError as error:
             raise self._refused(error) from None
         try:
-            there, ours = self.path.lstat(), os.fstat(self._descriptor)
-            is_same = (there.st_ino, there.st_dev) == (ours.st_ino, ours.st_dev)
+            on_path, opened = self.path.lstat(), os.fstat(self._descriptor)
+            is_same = (on_path.st_ino, on_path.st_dev) == (opened.st_ino, opened.st_dev)
         except OSError:
             is_same = False
         if not is_same:
@@ -167,6 +187,7 @@ class Journal:
         self._synced = monotonic()
 
     def _write(self, line: Mapping[str, Any], copies: int = 1) -> int:
+        """Write a line, and return its size in bytes."""
         raw = encoded(line)
         self._write_bytes(raw)
         if copies > 1:
@@ -174,16 +195,17 @@ class Journal:
         return len(raw)
 
     def _write_second_copies(self) -> None:
-        """Write each again, apart from the first, so that one hole in the file does not take both."""
+        """Write the second copies, apart from the first ones, so that one hole in the file does not take both."""
         while self._second_copies:
             self._write_bytes(self._second_copies[0])
             del self._second_copies[0]
 
     def _write_bytes(self, raw: bytes) -> None:
+        """Write bytes at the end of the file; cut them off again where the disk takes only a part."""
         try:
-            rest = memoryview(raw)
-            while rest:
-                rest = rest[os.write(self._descriptor, rest) :]
+            unwritten = memoryview(raw)
+            while unwritten:
+                unwritten = unwritten[os.write(self._descriptor, unwritten) :]
         except OSError as error:
             with suppress(OSError):
                 os.ftruncate(self._descriptor, self._end)
@@ -191,19 +213,21 @@ class Journal:
         self._end += len(raw)
 
     def _refused(self, error: OSError) -> InvalidInput:
+        """Return the error of a journal that cannot be written."""
         return InvalidInput(
             f"Journal {str(self.path)!r} cannot be written ({reason(error)}): what was stored is kept; "
             "make room or give another folder with --out, and run the same command again."
         )
 
     def _keep_open(self, descriptor: int) -> None:
+        """Take a descriptor as that of the journal, and close the previous one."""
         self._close()
         self._descriptor = self._source.descriptor = descriptor
         # records are read from it for as long as there are some
         self._close = weakref.finalize(self._source, os.close, descriptor)
 
     def _read(self) -> None:
-        """Read what there is."""
+        """Read the journal from the start."""
         self._close()
         self._source = Source(-1, VariableTypes())
         self.contents = Contents(self._context, self._machine, self._source)
@@ -222,7 +246,7 @@ class Journal:
             ) from None
 
     def _take_all(self, file: Iterable[bytes]) -> None:
-        """Take in every line of the file; a torn last one is left out."""
+        """Take in every line of the file without a torn last one."""
         first, is_journal = b"", False
         for raw in file:
             first = first or raw
@@ -242,7 +266,7 @@ class Journal:
             )
 
     def _took(self, line: Mapping[str, Any] | None, size: int) -> bool:
-        """Take in a line; returns whether it is one that this version writes."""
+        """Take in a line, and return whether it has the form that this version writes."""
         try:
             if line is not None:
                 self.contents.take(line, self._end, size)
@@ -256,7 +280,7 @@ class Journal:
         return line is not None
 
     def _set_aside(self) -> None:
-        """Move damaged lines to a file of their own, and let the journal be what remains."""
+        """Move damaged lines to another file, and keep the others in the journal."""
         damaged = self.path.with_name(f"{self.path.name}.damaged")
         aside = open_descriptor(damaged, os.O_WRONLY | os.O_CREAT | os.O_APPEND)
         with (

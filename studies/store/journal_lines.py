@@ -1,4 +1,4 @@
-"""Lines of a journal: JSON that starts with a checksum of the rest, and variables in them, to the last bit."""
+"""Lines of a journal: JSON that starts with a checksum of its content, and variables in them, to the last bit."""
 
 import base64
 import hashlib
@@ -16,29 +16,30 @@ _HEAD = len(START) + DIGITS
 
 
 def encoded(line: Mapping[str, Any]) -> bytes:
-    """Return ``line`` with its checksum, as bytes that end with a line feed."""
-    rest = b'",' + json.dumps(line, separators=(",", ":")).encode()[1:]
-    return START + _checksum(rest) + rest + b"\n"
+    """Return a line with its checksum, as bytes that end with a line feed."""
+    content = b'",' + json.dumps(line, separators=(",", ":")).encode()[1:]
+    return START + _checksum(content) + content + b"\n"
 
 
 def decoded(raw: bytes) -> dict[str, Any] | None:
-    """Return the line, or None where its checksum is not that of its content."""
-    rest = raw[_HEAD:].rstrip(b"\n")
-    if not raw.startswith(START) or raw[len(START) : _HEAD] != _checksum(rest):
+    """Return the line; None where its checksum is not that of its content."""
+    content = raw[_HEAD:].rstrip(b"\n")
+    if not raw.startswith(START) or raw[len(START) : _HEAD] != _checksum(content):
         return None
     try:
-        line = json.loads(b"{" + rest[2:])
+        line = json.loads(b"{" + content[2:])
     except (ValueError, RecursionError):
         return None
     return line if isinstance(line, dict) else None
 
 
-def _checksum(rest: bytes) -> bytes:
-    return hashlib.blake2b(rest, digest_size=DIGITS // 2).hexdigest().encode()
+def _checksum(content: bytes) -> bytes:
+    """Return the checksum of the content of a line."""
+    return hashlib.blake2b(content, digest_size=DIGITS // 2).hexdigest().encode()
 
 
 def short_hash(tree: object) -> str:
-    """Return a name for what is written once and referred to: twelve digits of a hash of its JSON."""
+    """Return twelve digits of a hash of a value's JSON, the name of what is written once and referred to."""
     text = json.dumps(tree, separators=(",", ":"), sort_keys=True).encode()
     return hashlib.blake2b(text, digest_size=6).hexdigest()
 
@@ -47,10 +48,10 @@ Json = Any
 
 
 class VariableTypes:
-    """Dimensions, type and attributes of variables, each written once and then called by a name.
+    """Types of variables (dimensions, dtype, attributes), each written once and then referred to by a name.
 
     The name is a hash of the content. A scalar real or whole number stands as JSON, whose shortest
-    decimals read back as they were; anything else as the base64 of its bytes.
+    decimals read back exactly; anything else as the base64 of its bytes.
     """
 
     def __init__(self) -> None:
@@ -60,7 +61,7 @@ class VariableTypes:
     def encode(
         self, variables: Mapping[str, xr.Variable]
     ) -> tuple[Mapping[str, Json], Mapping[str, Json]]:
-        """Return the kinds that are new by their names, and the variables in terms of kinds."""
+        """Return the types that are new, by their names, and the variables as pairs of type name and value."""
         new: dict[str, Json] = {}
         written = {}
         for name, variable in variables.items():
@@ -71,7 +72,7 @@ class VariableTypes:
         return new, written
 
     def add(self, name: str, kind: Json) -> None:
-        """Add a kind that was read; raises an error of Python's for one that :meth:`encode` does not make."""
+        """Add a type that was read; raise an error of Python's for one that :meth:`encode` does not make."""
         dims, dtype, shape, attrs = kind
         if name != short_hash(kind) or np.dtype(dtype).kind not in "biufcSUmM":
             raise ValueError(kind)
@@ -82,10 +83,11 @@ class VariableTypes:
         self._known[name] = kind
 
     def fit(self, variables: Mapping[str, Json]) -> bool:
-        """Return whether the kinds of all these are known; raises an error of Python's where one is not of its kind."""
+        """Return whether the types of all variables are known; raise an error of Python's for a value of another one."""
         return all(self._fits(*variable) for variable in variables.values())
 
     def _fits(self, kind: str, payload: Json) -> bool:
+        """Return whether the type of a value is known; raise an error where the value is not of that type."""
         if kind not in self._known:
             return False
         _, dtype, shape, _ = self._known[kind]
@@ -102,8 +104,10 @@ class VariableTypes:
         return True
 
     def decode(self, variables: Mapping[str, Json]) -> Mapping[str, xr.Variable]:
-        """Return the variables that were encoded."""
-        return {name: self._decoded(*held) for name, held in variables.items()}
+        """Return the variables that :meth:`encode` encoded."""
+        return {
+            name: self._decoded(*encoded_variable) for name, encoded_variable in variables.items()
+        }
 
     def _decoded(self, kind: str, payload: Json) -> xr.Variable:
         dims, dtype, shape, attrs = self._known[kind]
@@ -121,28 +125,31 @@ class VariableTypes:
         attrs: Mapping[Any, Any],
         new: dict[str, Json],
     ) -> str:
+        """Return the name of a variable's type, and add the type to `new` at its first use."""
         try:
-            # 1 and 1.0 and True are one key of a dict, but not one attribute
-            kept = tuple((name, type(value), value) for name, value in attrs.items())
-            seen: object = (dims, values.dtype.str, values.shape, kept)
-            if seen in self._names:
-                return self._names[seen]
+            # 1, 1.0 and True are equal as keys of a dict, but differ as attributes
+            typed_attrs = tuple((name, type(value), value) for name, value in attrs.items())
+            signature: object = (dims, values.dtype.str, values.shape, typed_attrs)
+            if signature in self._names:
+                return self._names[signature]
         except TypeError:  # an attribute that is an array
-            seen = None
+            signature = None
         kind = [list(dims), values.dtype.str, list(values.shape), _plain_attributes(attrs)]
         name = short_hash(kind)
         if name not in self._known:
             self._known[name] = new[name] = kind
-        if seen is not None:
-            self._names[seen] = name
+        if signature is not None:
+            self._names[signature] = name
         return name
 
 
 def _to_text(values: np.ndarray) -> str:
+    """Return the bytes of an array as base64."""
     return base64.b64encode(np.ascontiguousarray(values).tobytes()).decode()
 
 
 def _plain_attributes(attrs: Mapping[Any, Any]) -> dict[str, Json]:
+    """Return attributes as JSON holds them."""
     plain: dict[str, Json] = {}
     for name, value in attrs.items():
         if isinstance(value, np.ndarray | np.generic):
@@ -154,6 +161,7 @@ def _plain_attributes(attrs: Mapping[Any, Any]) -> dict[str, Json]:
 
 
 def _attribute(value: Json) -> Any:
+    """Return an attribute from its JSON."""
     if isinstance(value, dict):
         return np.array(value["values"], value["dtype"])[()]
     return value

@@ -1,4 +1,4 @@
-"""A Dataset as a netCDF file, whole or not at all."""
+"""NetCDF files: written as a whole or not at all, and read with a sentence on what is wrong."""
 
 import os
 import signal
@@ -17,9 +17,12 @@ from studies.model.plain_text import one_line
 
 
 def open_folder(path: Path) -> Path:
-    """Return ``path`` as a folder that can be written to, made if need be.
+    """Return `path` as a folder that can be written to, made if need be.
 
-    Raises :class:`~contactstudy.InvalidInput` where it cannot.
+    Raises
+    ------
+    InvalidInput
+        If it cannot be made or written to.
     """
     try:
         path.mkdir(parents=True, exist_ok=True)
@@ -34,16 +37,24 @@ def open_folder(path: Path) -> Path:
 
 
 def _why(path: Path, error: Exception) -> str:
+    """Return why a folder cannot be written to."""
     return "it is a file" if os.path.isfile(path) else reason(error)  # noqa: PTH113 (no error for any name)
 
 
 def _shortened(path: Path) -> str:
+    """Return a path in quotes, cut off after 100 characters."""
     name = str(path)
     return repr(name if len(name) <= 100 else f"{name[:100]}...")
 
 
 def write(dataset: xr.Dataset, path: Path, groups: Iterable[tuple[str, xr.Dataset]] = ()) -> None:
-    """``dataset`` as netCDF, with ``groups`` below it; a file that was there stays until all is whole."""
+    """Write a dataset as netCDF, with `groups` below it; a previous file stays until the new one is complete.
+
+    Raises
+    ------
+    InvalidInput
+        If the file cannot be written.
+    """
     try:
         with interrupts_deferred(), replacing(path) as partial:
             dataset.to_netcdf(partial, engine="netcdf4", encoding=_encoding(dataset))
@@ -52,7 +63,7 @@ def write(dataset: xr.Dataset, path: Path, groups: Iterable[tuple[str, xr.Datase
                     partial, engine="netcdf4", group=name, mode="a", encoding=_encoding(group)
                 )
             seal(partial)
-    except (OSError, RuntimeError) as error:  # the latter is the netCDF library's
+    except (OSError, RuntimeError) as error:  # the netCDF library raises RuntimeError
         raise InvalidInput(
             f"Study file {_shortened(path)} cannot be written ({reason(error, path)}): what was stored is kept; "
             "make room or give another folder with --out, and run the same command again."
@@ -60,21 +71,21 @@ def write(dataset: xr.Dataset, path: Path, groups: Iterable[tuple[str, xr.Datase
 
 
 def _encoding(dataset: xr.Dataset) -> dict[Hashable, dict[str, None]]:
-    """CF: a coordinate is nowhere missing, and so names no value that would mean so."""
+    """Return the encoding by which coordinates have no fill value, as CF asks for."""
     return {name: {"_FillValue": None} for name in dataset.coords}
 
 
 def read_any(path: Path) -> xr.Dataset:
-    """Return the Dataset in ``path``, as :func:`read` does, of a solution or a study."""
+    """Return the Dataset of a solution or a study in `path`, in memory."""
     return read(path, "File", "give a file that contactstudy solve or run wrote")
 
 
 def check_kind(
     path: Path, kind: Literal["solution", "study"], log: Callable[[str], object] = print
 ) -> None:
-    """Raise :class:`~contactstudy.InvalidInput` where a file of the other kind would be replaced.
+    """Raise InvalidInput if `path` holds a file of the other kind, which would be replaced.
 
-    A damaged file is set aside, which is said to ``log``.
+    A damaged file is set aside, which is reported to `log`.
     """
     if not path.is_file():
         return
@@ -97,14 +108,27 @@ def check_kind(
 
 
 def _opened(path: Path) -> xr.Dataset:
-    """Load the Dataset in ``path``; raises any error for a damaged file."""
-    if is_damaged(path):  # which HDF5 may read as other numbers, or try to read for ever
+    """Return the Dataset in `path`; raise any error for a damaged file."""
+    if is_damaged(path):  # HDF5 may read it as other numbers, or never end
         raise ValueError("its checksum is not that of its content")
     return xr.load_dataset(path, engine="netcdf4")
 
 
 def read(path: Path, what: str = "Study file", remedy: str = "run the study first") -> xr.Dataset:
-    """Return the Dataset in ``path``, in memory; raises :class:`~contactstudy.InvalidInput` without one."""
+    """Return the Dataset in `path`, in memory.
+
+    Parameters
+    ----------
+    path
+        The file.
+    what, remedy
+        Words for the message of the error.
+
+    Raises
+    ------
+    InvalidInput
+        If there is no file, or it is damaged.
+    """
     try:
         with interrupts_deferred():
             return _opened(path)
@@ -118,16 +142,16 @@ def read(path: Path, what: str = "Study file", remedy: str = "run the study firs
 
 @contextmanager
 def interrupts_deferred() -> Iterator[None]:
-    """Ctrl-C comes after the block: xarray's locks stay locked where it falls between two of them."""
+    """Defer Ctrl-C to the end of the block: xarray's locks stay locked if it comes between two of them."""
     before = signal.getsignal(signal.SIGINT)
     if threading.current_thread() is not threading.main_thread() or not callable(before):
         yield
         return
-    came: list[int] = []
-    signal.signal(signal.SIGINT, lambda number, _: came.append(number))
+    interrupts: list[int] = []
+    signal.signal(signal.SIGINT, lambda number, _: interrupts.append(number))
     try:
         yield
     finally:
         signal.signal(signal.SIGINT, before)
-    if came:
+    if interrupts:
         before(signal.SIGINT, None)

@@ -1,4 +1,4 @@
-"""Where numbers came from: versions, revision, machine, command, time."""
+"""Provenance of numbers: versions, revision, machine, command, time."""
 
 import json
 import os
@@ -14,12 +14,12 @@ from pathlib import Path
 
 from contactstudy.elasticity.transforms import TRANSFORMS
 
-# what computes, and what stores
+# packages that compute and store
 PACKAGES = ("contactstudy", "numpy", "scipy", "xarray", "netCDF4")
 
 
 def provenance() -> Mapping[str, str]:
-    """Attributes for a Dataset, all of them text."""
+    """Return versions, revision, machine, command and time as attributes of a Dataset, all of them text."""
     now = datetime.now(UTC).isoformat(timespec="seconds")
     command = shlex.join([Path(sys.argv[0]).name, *sys.argv[1:]])
     return {
@@ -37,49 +37,49 @@ def provenance() -> Mapping[str, str]:
 
 
 def machine() -> str:
-    """The processor and the system: times are compared on one machine only."""
+    """Return the name of the machine with its processor and system; times are compared on one machine only."""
     return f"{platform.node()}, {cpu()} x {os.cpu_count()}, {platform.system()}"
 
 
 @cache
 def _revision() -> str:
-    """The commit this code stands at, with a mark where files differ from it.
+    """Return the commit of this program's code, with a mark where files differ from it.
 
-    That of the program's own checkout, or what was installed from one: not that of a repository which
+    The commit is that of the program's own checkout, or of the one it was installed from, not that of a repository which
     the environment happens to lie in.
     """
-    here = Path(__file__).parents[2]
-    if not (here / ".git").exists():
+    checkout = Path(__file__).parents[2]
+    if not (checkout / ".git").exists():
         return _installed()
     try:
         command = [
             "git",
             "-C",
-            str(here),
+            str(checkout),
             "describe",
             "--always",
             "--dirty",
             "--abbrev=40",
             "--exclude=*",
         ]
-        done = subprocess.run(command, capture_output=True, text=True, timeout=10, check=True)
+        completed = subprocess.run(command, capture_output=True, text=True, timeout=10, check=True)
     except (OSError, subprocess.SubprocessError):
         return "unknown (not a git checkout)"
-    return done.stdout.strip()
+    return completed.stdout.strip()
 
 
 def _installed() -> str:
-    """Return what the installer noted of the commit, if it took the program from one."""
+    """Return the commit that the installer recorded; a text that says so if there is none."""
     try:
-        noted = distribution("contactstudy").read_text("direct_url.json")
-        commit = json.loads(noted or "{}").get("vcs_info", {}).get("commit_id")
+        record = distribution("contactstudy").read_text("direct_url.json")
+        commit = json.loads(record or "{}").get("vcs_info", {}).get("commit_id")
     except (PackageNotFoundError, ValueError):
         commit = None
     return str(commit or "unknown (not a git checkout)")
 
 
 def cpu() -> str:
-    """The processor's name."""
+    """Return the name of the processor."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:

@@ -1,4 +1,4 @@
-"""What a journal says: cases by their keys, timed runs, values of axes; each line is checked before it counts."""
+"""Contents of a journal: cases by their keys, timed runs, values of axes; each line is checked before it counts."""
 
 import math
 from collections.abc import Mapping
@@ -17,13 +17,13 @@ from studies.store.fingerprint import agree
 from studies.store.journal_lines import VariableTypes, decoded
 
 FORMAT = 2
-# what a line that is not as this version writes it may raise
+# errors that a line may raise which this version does not write
 ODD = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError)
 
 
 @dataclass(frozen=True, eq=False)
 class CaseIdentity:
-    """A case by its ``key``, as a ``tree``, with the first ``point`` that asks for it."""
+    """A case: its key, its parameters as a tree, and the first point that asks for it."""
 
     key: str
     tree: Tree
@@ -31,13 +31,31 @@ class CaseIdentity:
 
     @cached_property
     def tree_hash(self) -> int:
-        """A hash of the whole tree, defaults included, in this process."""
+        """Hash of the whole tree, defaults included, in this process."""
         return hash(text(self.tree))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Record:
-    """A stored case, in ``size`` bytes at ``start`` of the journal, where its values are read when they are used."""
+    """A stored case: its status, and its place in the journal, from which its values are read on use.
+
+    Attributes
+    ----------
+    key
+        Key of the case.
+    case_status
+        Status of the case.
+    seconds, cpu
+        Wall and CPU time [s].
+    context
+        Versions and hashes of the code that computed it.
+    tree_hash
+        Hash of its parameters.
+    start, size
+        Place of its line in the journal [bytes].
+    source
+        The open journal.
+    """
 
     key: str
     case_status: CaseStatus
@@ -51,7 +69,7 @@ class Record:
 
     @property
     def identity(self) -> CaseIdentity:
-        """Identity of the case."""
+        """Key, parameters and first point of the case."""
         line = self.source.line(self)
         return CaseIdentity(self.key, line["tree"], line["point"])
 
@@ -65,16 +83,16 @@ class Record:
 
     @property
     def error(self) -> str:
-        """The failure in a sentence, or an empty text."""
+        """Sentence on the failure; empty without one."""
         return str(self.source.line(self).get("failure", {}).get("sentence", ""))
 
     def variable(self, name: str) -> xr.Variable | None:
-        """Return what was measured under this name, if there is something."""
+        """Return the measured variable with the name `name`; None if there is none."""
         values = self.source.line(self)["values"]
         return self.source.kinds.decode({name: values[name]})[name] if name in values else None
 
     def is_of(self, identity: CaseIdentity) -> bool:
-        """Return whether it is of this very case, the values that are at their defaults included."""
+        """Return whether this record is of exactly this case, its defaults included."""
         return self.tree_hash == identity.tree_hash or not differences(
             self.identity.tree, identity.tree
         )
@@ -82,7 +100,7 @@ class Record:
 
 @dataclass(eq=False)
 class Source:
-    """The open file that records are read from, and the kinds of its variables."""
+    """The open file that records are read from, and the types of its variables."""
 
     descriptor: int
     kinds: VariableTypes
@@ -103,17 +121,41 @@ class Source:
 
 @dataclass(eq=False)
 class Contents:
-    """The contents of a journal: records of the present ``context``, others, and timings of this ``machine``.
+    """Contents of a journal.
 
-    Without a context, all are of the present one. ``axes``: the values that each axis ever had in this context.
-    ``untimed``: why cases have no times.
+    Attributes
+    ----------
+    context
+        Versions and hashes of the present code; None takes records of every context as present.
+    machine
+        Name of the machine whose timed runs count.
+    source
+        The open journal.
+    records
+        Records of the present context by key.
+    other_records
+        Records of other contexts by key.
+    samples
+        Timed runs of each case on this machine.
+    untimed
+        Reasons why cases have no times.
+    axes
+        Values that each axis ever had in this context.
+    begun
+        Key of the case during which the last run ended; None if it ended otherwise.
+    history
+        Time and command of each run.
+    score
+        Accuracy of the last forecast.
+    epoch
+        Number of times that timed runs were made invalid.
     """
 
     context: Mapping[str, str] | None
     machine: str
     source: Source
     records: dict[str, Record] = field(default_factory=dict)
-    others: dict[str, Record] = field(default_factory=dict)
+    other_records: dict[str, Record] = field(default_factory=dict)
     samples: dict[str, list[Sample]] = field(default_factory=dict)
     untimed: dict[str, str] = field(default_factory=dict)
     axes: dict[str, dict[Any, None]] = field(default_factory=dict)
@@ -126,10 +168,14 @@ class Contents:
     _incomplete: list[str] = field(default_factory=list)
 
     def take(self, line: Mapping[str, Any], start: int, size: int) -> None:
-        """Take in a line, of ``size`` bytes at ``start``.
+        """Take in a line of `size` bytes at `start`.
 
-        Raises an error of Python's for a line that is not as this version writes it, and
-        :class:`~contactstudy.InvalidInput` for a run of another format.
+        Raises
+        ------
+        InvalidInput
+            For a run of another format.
+        Exception
+            One of ``ODD`` for a line that this version does not write.
         """
         if "run" in line:
             self._take_run(line)
@@ -169,7 +215,7 @@ class Contents:
         if "case" in line:
             record = self.record(line, run["context"], start, size)
             self.begun = None if self.begun == record.key else self.begun
-            (self.records if is_present else self.others)[record.key] = record
+            (self.records if is_present else self.other_records)[record.key] = record
         elif "axis" in line:
             values = dict.fromkeys(line["values"])
             if not all(type(value) in (str, int, float) for value in values):
@@ -191,7 +237,7 @@ class Contents:
     def record(
         self, line: Mapping[str, Any], context: Mapping[str, str], start: int, size: int
     ) -> Record:
-        """Return the record of a case; raises an error of Python's for one that this version does not write."""
+        """Return the record of a case; raise one of ``ODD`` for a line that this version does not write."""
         if "failure" in line:
             failure = Failure(**line["failure"])
             for part in (failure.kind, failure.sentence, failure.stage):
@@ -215,9 +261,9 @@ class Contents:
         )
 
     def finish(self) -> None:
-        """Drop the cases whose variables cannot be read though all lines were."""
+        """Drop the cases whose variables cannot be read although all lines were."""
         for key in self._incomplete:
-            for records in (self.records, self.others):
+            for records in (self.records, self.other_records):
                 if key in records and not self._fits(records[key]):
                     del records[key]
 
@@ -229,7 +275,7 @@ class Contents:
             return False
 
     def _turn_epoch(self, epoch: object) -> bool:
-        """Forget all times of earlier epochs than this; returns whether this is the present one."""
+        """Forget timed runs of earlier epochs, and return whether `epoch` is the present one."""
         if type(epoch) is not int:
             raise TypeError(epoch)
         if epoch > self.epoch:
@@ -239,36 +285,40 @@ class Contents:
         return epoch == self.epoch
 
     def changed(self, identity: CaseIdentity) -> list[str]:
-        """Say how the case last stored for ``identity``, or at its point, differs from it, if there is one."""
-        before = self.records.get(identity.key) or self.others.get(identity.key)
+        """Return sentences on how the case stored for `identity`, or at its point, differs from it."""
+        before = self.records.get(identity.key) or self.other_records.get(identity.key)
         tree = before.identity.tree if before else self._trees.get(_place(identity.point))
         return [] if tree is None else differences(tree, identity.tree)
 
     @cached_property
     def _trees(self) -> Mapping[object, Tree]:
-        """Trees of the cases stored at each point when this was first asked."""
-        records = (*self.others.values(), *self.records.values())
+        """Parameters stored at each point, when this is first asked."""
+        records = (*self.other_records.values(), *self.records.values())
         identities = (record.identity for record in records)
         return {_place(identity.point): identity.tree for identity in identities}
 
 
 def _place(point: Mapping[str, str]) -> object:
+    """Return a point as a key that does not depend on the order of its axes."""
     return tuple(sorted(point.items()))
 
 
 def _text(value: object) -> str:
+    """Return `value`; raise TypeError unless it is text that can be stored."""
     if not isinstance(value, str) or not is_storable(value):
         raise TypeError(value)
     return value
 
 
 def _name(value: object) -> str:
+    """Return `value`; raise ValueError unless it is the name of a variable."""
     if name_problem(value) or str(value).startswith("_"):
         raise ValueError(value)
     return str(value)
 
 
 def _number(value: object) -> float:
+    """Return `value`; raise TypeError unless it is a finite number."""
     if type(value) not in (int, float) or not math.isfinite(value):  # type: ignore[arg-type]
         raise TypeError(value)
     return value  # type: ignore[return-value]

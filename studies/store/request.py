@@ -1,4 +1,4 @@
-"""What a study asks for, and why what is stored is not it."""
+"""Requests of studies: their cases, with their keys, and why stored results do not serve."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -15,7 +15,19 @@ from studies.store.records import CaseIdentity, Contents
 
 @dataclass(frozen=True, eq=False)
 class Request:
-    """Request of a study: the key of the case at every point, and each case by its key."""
+    """Cases that a study asks for.
+
+    Attributes
+    ----------
+    keys
+        Key of the case at every point.
+    cases
+        Each case by its key.
+    identities
+        Identity of each case by its key.
+    context
+        Versions and hashes of the code and the files that the cases depend on.
+    """
 
     keys: Sequence[str]
     cases: Mapping[str, Computation]
@@ -24,7 +36,7 @@ class Request:
 
     @classmethod
     def of(cls, study: Study) -> "Request":
-        """Make the cases of ``study``, each distinct one once, with the versions and files that they depend on."""
+        """Return the request of a study; each distinct case is made once."""
         if reserved := RESERVED_NAMES & {axis.name for axis in study.points}:
             raise InvalidInput(
                 f"Study {study.name!r} has the axes {sorted(reserved)}: these names are taken, choose others."
@@ -44,11 +56,12 @@ class Request:
 
 
 def point_text(point: Point) -> Mapping[str, str]:
-    """Return the values of ``point`` as the journal has them."""
+    """Return the values of `point` as text, as the journal has them."""
     return {axis: str(value) for axis, value in point.items()}
 
 
 def _no_case(study: Study, point: Point, case: object) -> str:
+    """Return the message on an object that is no case."""
     return (
         f"scene_at of study {study.name!r} gives {one_line(repr(case), 60)} at {dict(point)}: return a "
         "studies.model.case.Case, or a frozen dataclass with prepare, run and record."
@@ -58,9 +71,9 @@ def _no_case(study: Study, point: Point, case: object) -> str:
 def recompute_reasons(
     contents: Contents, identity: CaseIdentity, context: Mapping[str, str]
 ) -> str:
-    """Say in one line why what is stored for ``identity``, or at its point, is not what is asked for."""
+    """Return in one line why what is stored for `identity`, or at its point, cannot be used; empty if nothing is."""
     changes = contents.changed(identity)
-    before = contents.others.get(identity.key)
+    before = contents.other_records.get(identity.key)
     if before is not None and identity.key not in contents.records:
         changes += disagreements(before.context, context)
     return ", ".join(changes)

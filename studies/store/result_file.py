@@ -1,4 +1,4 @@
-"""The netCDF file of a study, written from its journal as often as is wanted, and the fields that go into it.
+"""The netCDF file of a study, written from its journal, and the fields that go into it.
 
 Fields of a case have a file of their own while cases are computed, and are groups of the netCDF in the end.
 """
@@ -26,7 +26,7 @@ from studies.store.table import PointTable, assemble
 
 
 def save_fields(folder: Path, key: str, variables: Mapping[str, xr.Variable]) -> None:
-    """Write the fields of the case ``key`` to a file of its own, which is on the disk when this returns."""
+    """Write the fields of the case `key` to a file, which is on the disk when this returns."""
     kinds, values = VariableTypes().encode(variables)
     try:
         write_sealed(
@@ -40,7 +40,7 @@ def save_fields(folder: Path, key: str, variables: Mapping[str, xr.Variable]) ->
 
 
 def has_fields(folder: Path, key: str, log: Callable[[str], object]) -> bool:
-    """Return whether the fields of the case ``key`` are here; a damaged file is set aside, which is said."""
+    """Return whether the fields of the case `key` are stored; a damaged file is set aside and reported to `log`."""
     path = folder / f"{key}.json"
     if not path.is_file():
         return False
@@ -53,7 +53,7 @@ def has_fields(folder: Path, key: str, log: Callable[[str], object]) -> bool:
 
 
 def load_fields(folder: Path, key: str) -> xr.Dataset | None:
-    """Return the fields of the case ``key``, or None for a damaged file.
+    """Return the fields of the case `key`; None for a damaged file.
 
     A variable named like its dimension is its coordinate.
     """
@@ -64,20 +64,31 @@ def load_fields(folder: Path, key: str) -> xr.Dataset | None:
     for name, kind in line["kinds"].items():
         kinds.add(name, kind)
     variables = kinds.decode(line["values"])
-    coords = {name: v for name, v in variables.items() if v.dims == (name,)}
-    data = {name: v for name, v in variables.items() if name not in coords}
+    coords = {name: variable for name, variable in variables.items() if variable.dims == (name,)}
+    data = {name: variable for name, variable in variables.items() if name not in coords}
     return xr.Dataset(data, coords)
 
 
-OFTEN = 60.0  # seconds between two writes while cases are computed
-SHARE = 20  # a write takes at most one part in so many of the time
+OFTEN = 60.0  # least seconds between two writes while cases are computed
+SHARE = 20  # least ratio of the time between two writes to the time of one
 
 
 @dataclass(eq=False)
 class ResultFile:
-    """The netCDF file of a study, beside its journal, and ``fields_folder``, the folder of fields that go into it.
+    """The netCDF file of a study, beside its journal.
 
-    ``provenance`` is the provenance of the run that writes; ``skipped`` the cases that a stopped run leaves out.
+    Attributes
+    ----------
+    study, request, journal
+        The study, its cases, and their results.
+    table
+        Points of the file.
+    provenance
+        Attributes of the run that writes.
+    skipped
+        Keys of the cases that a stopped run left out.
+    next_write
+        Time (of ``monotonic``) before which the file is not written again.
     """
 
     study: Study
@@ -90,16 +101,16 @@ class ResultFile:
 
     @property
     def path(self) -> Path:
-        """Path of the file."""
+        """Path of the netCDF file."""
         return self.journal.path.parent / f"{self.study.name}.nc"
 
     @property
     def fields_folder(self) -> Path:
-        """Path of the folder."""
+        """Path of the folder of fields that go into the file."""
         return self.journal.path.parent / f"{self.study.name}.fields"
 
     def write(self, *, fields: str = "none") -> None:
-        """Write all there is, with a group for every case that has fields if these are "kept"."""
+        """Write the file, with a group for every case that has fields if these are "kept"."""
         start = monotonic()
         contents = self.journal.contents
         now = datetime.now(UTC).isoformat(timespec="seconds")
@@ -112,10 +123,11 @@ class ResultFile:
         self.next_write = end + max(OFTEN, SHARE * (end - start))
 
     def read(self) -> xr.Dataset:
-        """Return what was written."""
+        """Return the Dataset in the file."""
         return read(self.path)
 
     def _outcome(self, name: str) -> Outcome | None:
+        """Return the outcome of a case; None if there is none."""
         identity = self.request.identities.get(name)
         record = self.journal.contents.records.get(name)
         if record is not None and (identity is None or record.is_of(identity)):
@@ -123,6 +135,7 @@ class ResultFile:
         return Outcome(CaseStatus.SKIPPED) if name in self.skipped else None
 
     def _attributes(self) -> dict[str, object]:
+        """Return the attributes of the file."""
         first = next(iter(self.request.cases.values()))
         history = self.journal.contents.history
         notes = {"notes": "\n".join(self.study.notes)} if self.study.notes else {}
@@ -139,7 +152,7 @@ class ResultFile:
         return notes | dict(self.study.attributes) | dict(self.provenance) | attributes
 
     def _groups(self) -> Iterator[tuple[str, xr.Dataset]]:
-        """Give the fields of every case that has some, read when they are written."""
+        """Yield the fields of every case that has some, read one at a time."""
         for name in dict.fromkeys(self.table.keys):
             if name and (self.fields_folder / f"{name}.json").is_file():
                 fields = load_fields(self.fields_folder, name)
@@ -148,6 +161,7 @@ class ResultFile:
 
 
 def _shown(case: object) -> str:
+    """Return the representation of a case in one line."""
     try:
         return one_line(repr(case))
     except Exception:  # noqa: BLE001 (a study's own class may do anything)

@@ -1,4 +1,4 @@
-"""Outcomes -> one labelled Dataset."""
+"""Outcomes as one labelled Dataset."""
 
 from collections import defaultdict
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
@@ -18,16 +18,16 @@ from studies.model.study import Study
 from studies.store.records import CaseIdentity, Contents
 from studies.store.request import Request, point_text
 
-# attributes by which two variables of one name are not one quantity
-# a table of all points may take this many times what is stored of a variable, and this many bytes more
+# a table of all points may take this many times the bytes stored of a variable, and this many bytes more
 MOST_FILLED, ROOM = 4, 2**28
+# attributes in which variables of one quantity agree
 MEANING = ("units", "standard_name", "flag_values", "flag_meanings", "positive")
 Signature = Hashable
 
 
 @dataclass(eq=False)
 class _Column:
-    """Column of a table: a variable of several cases, alike in dimensions, type and meaning."""
+    """A variable of several cases with equal dimensions, type and meaning."""
 
     kind: xr.Variable
     rows: list[int] = field(default_factory=list)
@@ -39,7 +39,7 @@ class _Column:
         return bool(self.kind.dtype.kind == "U")
 
     def filled(self, count: int) -> np.ndarray:
-        """Return the values of ``count`` cases; where a case has none, they are nan, or empty text."""
+        """Return the values of `count` cases; nan or empty text where a case has none."""
         stored = np.array(self.values, object if self.is_text else np.result_type(*self.dtypes))
         stored = stored.reshape(len(self.rows), *self.kind.shape)
         if len(self.rows) == count:
@@ -58,12 +58,24 @@ def assemble(
     samples: Mapping[Any, Sequence[Sample]],
     attributes: Mapping[str, Any],
 ) -> xr.Dataset:
-    """Make the table of every point of the axes with the outcome of its case; points of one case share its numbers.
+    """Return every point of the axes with the outcome of its case; points of one case share its numbers.
 
-    ``cases`` are in the order of the axes, last one fastest: whatever ``outcome_of`` and ``samples`` go by.
     A variable's own dimensions follow those of the axes. Where a case has no numbers (NaN, or no text),
     ``case_status`` says so, ``error`` why. Where cases give one name to values of different dimensions, types or
-    units, those of the most are kept; the attribute ``left_out`` says which are not.
+    units, those of most cases are stored; the attribute ``left_out`` names the others.
+
+    Parameters
+    ----------
+    axes
+        Axes of the study.
+    cases
+        Key of the case at every point, in the order of the axes (last one fastest).
+    outcome_of
+        Returns the outcome of a case; None if there is none.
+    samples
+        Timed runs of each case.
+    attributes
+        Attributes of the Dataset.
     """
     shape = tuple(len(axis.values) for axis in axes)
     names = tuple(axis.name for axis in axes)
@@ -96,7 +108,7 @@ def assemble(
 
 
 def _columns(outcomes: Sequence[Outcome | None]) -> dict[str, dict[Signature, _Column]]:
-    """Sort the variables of all cases by name, and those of a name by what they are."""
+    """Return the variables of all cases, by name and by signature."""
     columns: dict[str, dict[Signature, _Column]] = defaultdict(dict)
     for row, outcome in enumerate(outcomes):
         for name, variable in outcome.variables.items() if outcome is not None else ():
@@ -113,7 +125,7 @@ def _about_cases(
     keys: Sequence[str],
     outcomes: Sequence[Outcome | None],
 ) -> dict[str, xr.Variable]:
-    """Return the variables that say what became of each case, and why."""
+    """Return the variables on the status and the failure of each case."""
     statuses = [
         CaseStatus.NOT_RUN if outcome is None else outcome.case_status for outcome in outcomes
     ]
@@ -130,11 +142,11 @@ def _about_cases(
     ]
     if any(failure is not nothing for failure in failures):
         texts += [
-            ("error", [one.sentence for one in failures], "why the case has no numbers"),
-            ("error_type", [one.kind for one in failures], "type of the error"),
+            ("error", [failure.sentence for failure in failures], "why the case has no numbers"),
+            ("error_type", [failure.kind for failure in failures], "type of the error"),
             (
                 "error_stage",
-                [one.stage for one in failures],
+                [failure.stage for failure in failures],
                 "whether set-up, solve or measure failed",
             ),
         ]
@@ -145,13 +157,14 @@ def _about_cases(
 
 
 def points_of(dataset: xr.Dataset, study: Study) -> xr.Dataset:
-    """Return the points of ``dataset`` that ``study`` asks for: of its numbers, those nearest to them."""
+    """Return the points of `dataset` that `study` asks for; for numbers, those nearest to its values."""
     exact = {axis.name: list(axis.values) for axis in study.points if axis.kind is str}
     nearest = {axis.name: list(axis.values) for axis in study.points if axis.kind is not str}
     return dataset.sel(exact).sel(nearest, method="nearest") if nearest else dataset.sel(exact)
 
 
 def _signature(variable: xr.Variable) -> Signature:
+    """Return what two variables of one quantity share: dimensions, shape, type and meaning."""
     attrs = variable.attrs
     meaning = tuple(str(attrs[name]) if name in attrs else None for name in MEANING)
     return variable.dims, variable.shape, variable.dtype.kind == "U", meaning
@@ -160,15 +173,15 @@ def _signature(variable: xr.Variable) -> Signature:
 def _chosen(
     columns: Mapping[str, Mapping[Signature, _Column]], points: int, left_out: list[str]
 ) -> Iterator[tuple[str, _Column]]:
-    """For each name the variable that most cases have, in dimensions that do not contradict another's."""
+    """Yield for each name the variable that most cases have, unless its dimensions contradict those of another."""
     sizes: dict[Hashable, int] = {}
     for name, alike in columns.items():
-        column = max(alike.values(), key=lambda one: len(one.rows))
-        count = sum(len(one.rows) for one in alike.values())
-        whole, stored = points * column.kind.nbytes, len(column.rows) * column.kind.nbytes
-        if whole > ROOM + MOST_FILLED * stored:
+        column = max(alike.values(), key=lambda candidate: len(candidate.rows))
+        count = sum(len(candidate.rows) for candidate in alike.values())
+        filled, stored = points * column.kind.nbytes, len(column.rows) * column.kind.nbytes
+        if filled > ROOM + MOST_FILLED * stored:
             left_out.append(
-                f"{name} of {len(column.rows)} cases, since a table of all points would take {whole / 1e9:.3g} GB; "
+                f"{name} of {len(column.rows)} cases, since a table of all points would take {filled / 1e9:.3g} GB; "
                 "the journal has it"
             )
             continue
@@ -177,25 +190,27 @@ def _chosen(
                 f"{name} of {count - len(column.rows)} of {count} cases, which differs from the others' in "
                 "dimensions, type or units"
             )
-        own = column.kind.sizes
-        clash = [dim for dim, size in own.items() if sizes.get(dim, size) != size]
+        column_sizes = column.kind.sizes
+        clash = [dim for dim, size in column_sizes.items() if sizes.get(dim, size) != size]
         clash += [
             dim
-            for dim in own
+            for dim in column_sizes
             if dim in columns and dim != name and not _is_coordinate(columns, dim)
         ]
         if clash:
             left_out.append(f"{name}, since another variable has another {clash[0]}")
             continue
-        sizes.update(own)
+        sizes.update(column_sizes)
         yield name, column
 
 
 def _is_coordinate(columns: Mapping[str, Mapping[Signature, _Column]], dim: Hashable) -> bool:
+    """Return whether every variable of this name is a coordinate."""
     return all(column.kind.dims == (dim,) for column in columns[str(dim)].values())
 
 
 def _units(axis: Axis) -> dict[str, str]:
+    """Return the unit of an axis as an attribute; nothing for an axis of names."""
     return {} if axis.kind is str else {"units": axis.units}
 
 
@@ -204,33 +219,35 @@ LARGEST = 1_000_000  # points
 
 @dataclass(frozen=True, eq=False)
 class PointTable:
-    """The axes, and the key of the case at every point, in the order of the axes (last one fastest)."""
+    """Axes of a table, and the key of the case at every point, in the order of the axes (last one fastest)."""
 
     axes: tuple[Axis, ...]
     keys: Sequence[str]
 
 
 def requested_table(study: Study, request: Request) -> PointTable:
-    """The points asked for, and no others."""
+    """Return the requested points, and no others."""
     return PointTable(study.points, request.keys)
 
 
 def stored_table(study: Study, request: Request, contents: Contents) -> PointTable:
-    """The points asked for, and every value of an axis at which a case is stored.
+    """Return the requested points, with every value of an axis at which a case is stored.
 
-    A combination of values of which nothing is stored is NOT_RUN. Where the whole table would be too
-    large, it is the points asked for.
+    A combination of values at which nothing is stored is NOT_RUN. Where this table would be too
+    large, it has the requested points only.
     """
     axes = tuple(_grown(axis, contents.axes.get(axis.name, ())) for axis in study.points)
     if axes == study.points or prod(len(axis.values) for axis in axes) > LARGEST:
         return requested_table(study, request)
     shape = tuple(len(axis.values) for axis in axes)
-    asked = dict(zip(product(*(axis.values for axis in study.points)), request.keys, strict=True))
+    requested = dict(
+        zip(product(*(axis.values for axis in study.points)), request.keys, strict=True)
+    )
     memory = Memory()
     keys: list[str] = []
     is_kept = np.zeros(prod(shape), dtype=bool)
     for place, values in enumerate(product(*(axis.values for axis in axes))):
-        name = asked.get(values, "")
+        name = requested.get(values, "")
         if name:
             is_kept[place] = True
         else:
@@ -239,23 +256,23 @@ def stored_table(study: Study, request: Request, contents: Contents) -> PointTab
     is_kept = is_kept.reshape(shape)
     chosen = [
         np.asarray(
-            is_kept.any(axis=tuple(other for other in range(len(axes)) if other != place))
+            is_kept.any(axis=tuple(another for another in range(len(axes)) if another != place))
         ).reshape(-1)
         for place in range(len(axes))
     ]
-    kept = tuple(
-        Axis(axis.name, tuple(v for v, is_in in zip(axis.values, mask, strict=True) if is_in),
+    axes_in_use = tuple(
+        Axis(axis.name, tuple(value for value, is_in in zip(axis.values, mask, strict=True) if is_in),
              axis.long_name, axis.units)
         for axis, mask in zip(axes, chosen, strict=True)
     )  # fmt: skip
-    left = np.array(keys, dtype=object).reshape(shape)[np.ix_(*chosen)]
-    return PointTable(kept, left.ravel().tolist())
+    keys_in_use = np.array(keys, dtype=object).reshape(shape)[np.ix_(*chosen)]
+    return PointTable(axes_in_use, keys_in_use.ravel().tolist())
 
 
 def _stored(
     study: Study, values: Sequence[Value], contents: Contents, memory: Memory
 ) -> tuple[str, bool]:
-    """The key of the case at these values, and whether it is stored."""
+    """Return the key of the case at these values, and whether it is stored."""
     point = dict(zip((axis.name for axis in study.points), values, strict=True))
     try:
         tree = canonical(study.scene_at(point), memory)
@@ -268,7 +285,7 @@ def _stored(
 
 
 def _grown(axis: Axis, stored: Iterable[Value]) -> Axis:
-    """``axis`` with the ``stored`` values of its kind; numbers that rise go on rising."""
+    """Return the axis with stored values of its type added; numbers in rising order stay in rising order."""
     kind = axis.kind
     before = [
         kind(value)

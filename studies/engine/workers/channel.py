@@ -143,8 +143,8 @@ def _header(address: Address, body: bytes) -> bytes:
 
 def channel_pair() -> tuple[Channel, socket.socket]:
     """Make a channel for this process, and the bare socket of its other end for a worker."""
-    here, other_end = socket.socketpair()
-    return Channel(here), other_end
+    own_end, other_end = socket.socketpair()
+    return Channel(own_end), other_end
 
 
 Task = Literal["compute", "clock"]
@@ -180,9 +180,22 @@ class Ending:
 
 @dataclass(frozen=True)
 class Order:
-    """Order for a case of a batch, by its place and its ``name``: to compute, or to run once against the clock.
+    """Order to compute one case of a batch, or to run it once against the clock.
 
-    The answer, sealed with ``key``, is an Outcome, or a Sample or the Failure in its place. ``limit`` [s].
+    The answer, sealed with `key`, is an Outcome; for the clock a Sample or a Failure.
+
+    Attributes
+    ----------
+    place
+        Position of the case in the batch.
+    name
+        Name of the case.
+    key
+        Key of the answer.
+    task
+        Whether to compute or to time.
+    limit
+        Longest time [s]; None without a limit.
     """
 
     place: int

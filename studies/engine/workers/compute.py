@@ -79,10 +79,12 @@ def time_once(case: Computation) -> Sample:
     prepared = case.prepare()
     ready, ready_cpu = perf_counter(), process_time()
     case.run(prepared)
-    done, done_cpu = perf_counter(), process_time()
+    finished, finished_cpu = perf_counter(), process_time()
     pace = max(before, _reference_time())
     threads = getattr(case, "threads", 1)
-    return Sample(ready - wall, done - ready, ready_cpu - cpu, done_cpu - ready_cpu, threads, pace)
+    return Sample(
+        ready - wall, finished - ready, ready_cpu - cpu, finished_cpu - ready_cpu, threads, pace
+    )
 
 
 def _reference_time() -> float:

@@ -143,7 +143,7 @@ def asked(
 
     @dataclass(frozen=True, eq=False)
     class Way:
-        ahead: Any = "fresh"
+        front: Any = "fresh"
         rear: Any = "left by none"
 
         def settled(self, *_: object) -> tuple[str, None]:
@@ -155,7 +155,7 @@ def asked(
             return Way(), "pressed"
 
         def one_pass(self, track: Way, first: tuple[str, ...]) -> tuple[Way, str]:
-            begun.append((track.ahead, first))
+            begun.append((track.front, first))
             return replace(track, rear=f"left by {len(begun)}"), f"pass {len(begun)}"
 
     def rolls(*_: object, **more: Any) -> Rolls:

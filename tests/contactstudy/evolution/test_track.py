@@ -40,7 +40,7 @@ class Standing(Track):
             np.pad(self.strain, ((0, 0), (0, more), (0, 0), (0, 0))),
             np.pad(self.equivalent, ((0, more), (0, 0), (0, 0))),
             self.behind,
-            self.ahead,
+            self.front,
             volume,
             (*self.asked, volume),
         )
@@ -120,7 +120,7 @@ def test_a_deeper_track_has_what_it_had_above_and_nothing_below() -> None:
     assert fresh.strain.shape == (count, 3, 6, 1)
     assert not fresh.strain.any()
     assert not fresh.equivalent.any()
-    assert fresh.behind.shape == fresh.ahead.strain.shape == (count, 3)
+    assert fresh.behind.shape == fresh.front.strain.shape == (count, 3)
     strain = 1 + np.arange(count * 18.0).reshape(count, 3, 6, 1)
     ahead = Profile(strain[:, :, 1, 0], np.array([1.0, 2.0, 3.0]))
     track = Track(HalfLines(operator), hardening, strain, EQUIVALENT, strain[:, :, 2, 0], ahead)
@@ -132,8 +132,8 @@ def test_a_deeper_track_has_what_it_had_above_and_nothing_below() -> None:
         (found.strain, strain),
         (found.equivalent[None], EQUIVALENT[None]),
         (found.behind, track.behind),
-        (found.ahead.strain, ahead.strain),
-        (found.ahead.equivalent[None], ahead.equivalent[None]),
+        (found.front.strain, ahead.strain),
+        (found.front.equivalent[None], ahead.equivalent[None]),
     ):
         assert ours.shape[1] == depth
         np.testing.assert_array_equal(ours[:, :3], had)

@@ -50,7 +50,7 @@ def held_out(seed: int) -> list[tuple[float, float]]:
         for quantity in ("setup", "solve"):
             for one, guess in zip(held, model.predict(quantity, trees), strict=True):
                 assert guess is not None
-                found.append((log(one.known[quantity] / guess.value), log(guess.factor)))
+                found.append((log(one.quantities[quantity] / guess.value), log(guess.factor)))
     return found
 
 
@@ -80,7 +80,7 @@ def test_the_stated_factor_serves_for_grids_larger_than_any_stored() -> None:
         guesses = model.predict(quantity, [one.tree for one in large])
         for one, guess in zip(large, guesses, strict=True):
             assert guess is not None
-            ratios.append(abs(log(one.known[quantity] / guess.value)) / log(guess.factor))
+            ratios.append(abs(log(one.quantities[quantity] / guess.value)) / log(guess.factor))
     # the factor is two standard deviations; nine and sixteen times the cells are an extrapolation
     assert np.mean(np.array(ratios) <= 1) >= 0.8
     assert max(ratios) <= 2
@@ -119,11 +119,11 @@ def test_a_case_that_counts_no_iterations_takes_one(tmp_path: Path) -> None:
     run(trouble.study([1.0]), tmp_path, options=RunOptions(workers=0, repeats=1), log=quiet)
     journal = Journal(tmp_path / "trouble.journal.jsonl", None, machine())
     (found,) = observations(journal.contents)
-    assert found.known["iterations"] == 1
+    assert found.quantities["iterations"] == 1
     model = ForecastModel([found])
     guess = model.predict("solve", [found.tree])[0]
     assert guess is not None
-    assert guess.value == pytest.approx(found.known["solve"])
+    assert guess.value == pytest.approx(found.quantities["solve"])
 
 
 def test_a_tolerance_costs_by_its_digits() -> None:
@@ -224,7 +224,7 @@ def test_seconds_and_bytes_of_all_cases_add_up_and_repeats_count_in_the_timing()
     assert found.seconds.value == pytest.approx(30)
     assert found.timing.value == pytest.approx((1 + 3) * (3 * 1 + 5))
     assert found.size.value == pytest.approx(3000)
-    assert {name: one.value for name, one in found.each.items()} == {"a": 10, "b": 20}
+    assert {name: one.value for name, one in found.by_case.items()} == {"a": 10, "b": 20}
     text = str(found)
     assert text.startswith("30 s (within a factor ")
     assert "to compute (shared by the workers), 32 s (within" in text
@@ -234,15 +234,15 @@ def test_seconds_and_bytes_of_all_cases_add_up_and_repeats_count_in_the_timing()
 def test_of_very_many_cases_every_third_is_looked_at_and_stands_for_three() -> None:
     trees = {str(n): float(n % 3 == 0) for n in range(3000)}
     found = forecast(COSTS, trees, {name: (one, 2) for name, one in trees.items()})
-    assert len(found.each) == 1000
+    assert len(found.by_case) == 1000
     assert found.seconds is not None
     assert found.timing is not None
     assert found.seconds.value == pytest.approx(3 * 1000 * 10)
     assert found.timing.value == pytest.approx(3 * 2 * 1000 * 4)
     # two thousand by every second; two thousand and one by every third, each for three
-    assert len(forecast(COSTS, dict(list(trees.items())[:2000]), {}).each) == 1000
+    assert len(forecast(COSTS, dict(list(trees.items())[:2000]), {}).by_case) == 1000
     odd = forecast(COSTS, dict(list(trees.items())[:2001]), {})
-    assert len(odd.each) == 667
+    assert len(odd.by_case) == 667
     assert odd.seconds is not None
     assert odd.seconds.value == pytest.approx(2001 * 10)
 
@@ -250,7 +250,7 @@ def test_of_very_many_cases_every_third_is_looked_at_and_stands_for_three() -> N
 def test_where_one_case_is_like_none_before_nothing_is_claimed() -> None:
     found = forecast(COSTS, {"a": 1.0, "b": -1.0}, {"a": (1.0, 1)})
     assert (found.cases, found.seconds, found.timing, found.size) == (2, None, None, None)
-    assert set(found.each) == {"a"}
+    assert set(found.by_case) == {"a"}
     assert "not known" in str(found)
     nothing = forecast(COSTS, {}, {})
     assert nothing.cases == 0

@@ -148,11 +148,11 @@ def test_cases_of_another_context_are_kept_apart_and_without_one_all_count(tmp_p
         journal.start({"history": "later"}, {"number": [5]})
         journal.add(identity("b"), outcome())
     now = opened(tmp_path, {"code": "2"}).contents
-    assert (set(now.records), set(now.others)) == ({"b"}, {"a"})
+    assert (set(now.records), set(now.other_records)) == ({"b"}, {"a"})
     assert list(now.axes["number"]) == [5]
     assert now.history == ["now", "later"]
     every = Journal(tmp_path / "x.journal.jsonl", None, "here").contents
-    assert (set(every.records), every.others) == ({"a", "b"}, {})
+    assert (set(every.records), every.other_records) == ({"a", "b"}, {})
 
 
 def test_a_journal_that_was_removed_or_replaced_while_it_was_written_is_said(

@@ -63,9 +63,7 @@ def measured(
         for j in range(columns):
             bearing = pressure[i, j]
             bound[j] = (1.0 if bearing >= limit else 0.0) - (1.0 if bearing == 0 else 0.0)
-        results[i, 0], results[i, 1], results[i, 2] = _load_and_moment(
-            pressure[i], height[i], bound
-        )
+        results[i, 0], results[i, 1], results[i, 2] = _row_sums(pressure[i], height[i], bound)
         results[i, 3], results[i, 4] = 0.0, 0.0
         # column by column: the largest of a row is found one by one
         for j in range(columns):
@@ -78,7 +76,7 @@ def measured(
 
 
 @summing
-def _load_and_moment(pressure: Array, height: Array, bound: Array) -> Any:
+def _row_sums(pressure: Array, height: Array, bound: Array) -> Any:
     """Return the load of a row, the moment of the gap over its free cells, and their load."""
     borne, moment, free_borne = 0.0, 0.0, 0.0
     for j in range(pressure.size):
@@ -265,13 +263,9 @@ def beyond(trial: Array, pressure: Array, factor: float, limit: float, results: 
 
 @exact
 def advance(
-    trial: Array,
-    pressure: Array,
-    trial_displacement: Array,
-    displacement: Array,
-    share: float,
+    trial: Array, pressure: Array, trial_displacement: Array, displacement: Array, share: float,
     limit: float,
-) -> None:
+) -> None:  # fmt: skip
     """Take a `share` of a step: the trial fields become the pressure and displacement that it leads to, in place.
 
     The changes of both, old less new, are written over `pressure` and `displacement`.

@@ -55,9 +55,8 @@ class Convolution:
         if pressure.shape != self.cells:
             raise InvalidInput(f"pressure has the shape {pressure.shape}: give it {self.cells}.")
         pair = transforms()
-        waves = pair.forward(
-            pressure, self.padded, self.work_array(self.padded, self.spectrum.dtype)
-        )
+        work = self.work_array(self.padded, self.spectrum.dtype)
+        waves = pair.forward(pressure, self.padded, work)
         scale(waves, self.spectrum)
         return pair.backward(waves, self.cells, self.padded)
 

@@ -135,7 +135,7 @@ class ArrayPasses:
         step_length: float,
         step: Array,
     ) -> bool:
-        """Write the pressure one step trial_displacement over the last `step`, and return whether a limit cuts it.
+        """Write the pressure one step ahead over the last `step`, and return whether a limit cuts it.
 
         The direction is `level` less the `closing` pressure, plus `conjugate` times the last step, in the `cells`.
         """
@@ -168,13 +168,8 @@ class ArrayPasses:
         self, trial: Array, pressure: Array, trial_displacement: Array, displacement: Array
     ) -> float:
         """Return the work of the step to `trial` on the change of displacement that it makes."""
-
-        def work(
-            trial: Array, pressure: Array, trial_displacement: Array, displacement: Array
-        ) -> float:
-            return inner(trial - pressure, trial_displacement - displacement)
-
-        return sum(in_blocks(work, trial, pressure, trial_displacement, displacement))
+        fields = trial, pressure, trial_displacement, displacement
+        return sum(in_blocks(lambda p1, p0, u1, u0: inner(p1 - p0, u1 - u0), *fields))
 
     def meets_a_limit(self, trial: Array, pressure: Array, factor: float) -> bool:
         """Return whether a cell is beyond a limit after `factor` steps."""
@@ -185,13 +180,9 @@ class ArrayPasses:
         return any(in_blocks(cuts, trial, pressure))
 
     def advance(
-        self,
-        trial: Array,
-        pressure: Array,
-        trial_displacement: Array,
-        displacement: Array,
+        self, trial: Array, pressure: Array, trial_displacement: Array, displacement: Array,
         share: float,
-    ) -> None:
+    ) -> None:  # fmt: skip
         """Take a `share` of a step: the trial fields become the pressure and displacement that it leads to, in place.
 
         The changes of both, old less new, are written over `pressure` and `displacement`.
@@ -269,7 +260,7 @@ class CompiledPasses:
         step_length: float,
         step: Array,
     ) -> bool:
-        """Write the pressure one step trial_displacement over the last `step`, and return whether a limit cuts it."""
+        """Write the pressure one step ahead over the last `step`, and return whether a limit cuts it."""
         fields = pressure, closing, cells, level, conjugate, step_length, self._limit, step
         return bool(_rows(self._loops.trial, *fields, results=1).any())
 
@@ -310,13 +301,9 @@ class CompiledPasses:
         return bool(_rows(self._loops.beyond, *fields, results=1).any())
 
     def advance(
-        self,
-        trial: Array,
-        pressure: Array,
-        trial_displacement: Array,
-        displacement: Array,
+        self, trial: Array, pressure: Array, trial_displacement: Array, displacement: Array,
         share: float,
-    ) -> None:
+    ) -> None:  # fmt: skip
         """Take a `share` of a step, in place, as :meth:`ArrayPasses.advance` does."""
         _rows(
             self._loops.advance,

@@ -59,7 +59,7 @@ class Comparison:
             f"pressure in L1: {100 * self.l1:.3g} %",
             f"peak pressure: {100 * self.peak_pressure:+.3g} %",
             f"contact area: {100 * self.contact_area:+.3g} %",
-            f"load: {100 * self.load:+.3g} %",
+            f"load: {100 * round(self.load, 9):+.3g} %",  # which rounding changes by less
             f"approach: {'+' * (self.approach > 0)}{readable(self.approach, 'm')}",
             f"largest difference: {readable(self.largest, 'Pa')} at x = {x}, y = {y}",
         ]
@@ -175,7 +175,11 @@ def _differing(first: Mapping[str, object], second: Mapping[str, object]) -> tup
     keys = [key for key in {**first, **second} if first.get(key) != second.get(key)]
     if not first or not second:
         return ()
-    return tuple(f"{key}: {first.get(key, 'none')} and {second.get(key, 'none')}" for key in keys)
+    return tuple(f"{key}: {_short(first.get(key))} and {_short(second.get(key))}" for key in keys)
+
+
+def _short(value: object) -> str:
+    return "none" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def _labelled(name: str, contact: Any) -> xr.Dataset:

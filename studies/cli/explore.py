@@ -71,7 +71,8 @@ X = "(texts[xaxis] ? datum['no. ' + xaxis] : (logx ? log(datum[xaxis]) / LN10 : 
 Y = "(logy ? log(datum[variable]) / LN10 : datum[variable])"
 X_LABEL = "(texts[xaxis] ? texts[xaxis][datum.value] : format(logx ? pow(10, datum.value) : datum.value, '.3~g'))"
 Y_LABEL = "format(logy ? pow(10, datum.value) : datum.value, '.3~g')"
-COLOUR = "colour == 'none' ? 'all' : toString(datum[colour])"
+COLOUR = "colour == 'none' ? 'all' : isNumber(datum[colour]) ? format(datum[colour], '.4~g') : datum[colour]"
+BY = "(colour == 'none' ? '' : ', by ' + labels[colour])"
 
 
 def study_chart(altair: Any, dataset: "xr.Dataset") -> Any:
@@ -104,7 +105,7 @@ def study_chart(altair: Any, dataset: "xr.Dataset") -> Any:
             ],
         )
     )
-    heading = altair.expr(f"labels[variable] + ' over ' + labels[xaxis]{fixed}")
+    heading = altair.expr(f"labels[variable] + ' over ' + labels[xaxis] + {BY}{fixed}")
     return (
         altair.layer(points.mark_line(), points.mark_point(filled=True, size=60))
         .add_params(*_choices(altair, dataset, axes, variables, table), *sliders.values())

@@ -141,7 +141,7 @@ def test_keys_in_which_the_scenes_differ_are_said_and_numbers_are_in_per_cent(
     a, b = (cs.solve(scene, grid, cs.ExactPeriodicity()) for scene in (line_contact.scene, heavier))
     found = cs.compare(a, b)
     loads = line_contact.scene.load.largest, heavier.load.largest
-    assert found.differing == (f"load.per_length: {loads[0]} and {loads[1]}",)
+    assert found.differing == (f"load.per_length: {loads[0]:.6g} and {loads[1]:.6g}",)
     text = str(found)
     assert "load: +21 %\n" in text
     assert f"peak pressure: {100 * found.peak_pressure:+.3g} %" in text

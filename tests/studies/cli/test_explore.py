@@ -74,7 +74,7 @@ def test_a_page_loads_nothing_from_elsewhere(study: xr.Dataset, contact: xr.Data
 
 def test_a_browser_draws_a_study_with_its_choosers(study: xr.Dataset, tmp_path: Path) -> None:
     drawn = shown(page_of(study, "page"), tmp_path)
-    assert "peak pressure [Pa] over load [N m-1]" in drawn
+    assert "peak pressure [Pa] over load [N m-1], by mode" in drawn
     for label in ("x axis", "variable", "colour", "logarithmic x", "load [N m-1]: value no."):
         assert label in drawn
     assert drawn.count('type="range"') == 2

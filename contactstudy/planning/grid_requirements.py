@@ -314,7 +314,7 @@ class Needs:
                 "HalfSpace.youngs_modulus in Pa (steel has 210e9)."
             )
         for axis, (cell, wave) in enumerate(zip(grid.cell, self.finest, strict=True)):
-            if cell > wave / 2:
+            if cell > wave / 2 * (1 + 1e-9):
                 messages.append(
                     f"Grid.cells[{axis}] is {grid.cells[axis]}: its cells of {cell:.4g} m do not show the "
                     f"finest wavelength, {wave:.4g} m, give {int(np.ceil(2 * grid.extent[axis] / wave))} "

@@ -112,7 +112,7 @@ def yielding(scene: Scene) -> Yielding | None:
 # relaxation times; of wear, for each time that the contact doubles its width; and the power of 1 / error with which each
 # grows. Measured on a cylinder; within a factor of about three.
 CREEP, CREEP_RATE = 7.0, 0.37
-WEAR, WEAR_RATE = 1.2, 1.0
+WEAR, WEAR_RATE = 2.4, 1.0
 # Passes of a steadily rolling contact to 1e-6, over 1 + the ratio of its compliances.
 PASSES = 8
 

@@ -123,7 +123,7 @@ def test_the_numbers_of_a_plan_in_time_are_those_of_its_laws() -> None:
         error,
     )
     assert worn.width == pytest.approx(2 * 1.2 * 0.2, rel=1e-12)
-    assert worn.steps == round(1 + 1.2 * 2 / error)
+    assert worn.steps == round(1 + 2.4 * 2 / error)
 
     rolling = extremes(rolling_cylinder(SOLID, rolling=cs.Rolling(0.1)), error)
     assert rolling.width == pytest.approx(2 * 1.2 * 0.1 * 2.5**0.5 * 1.5, rel=1e-12)
@@ -150,7 +150,7 @@ def test_laws_hold_of_any_radius_and_modulus() -> None:
     wear = cs.Wear(7 * 0.4**3 / (1.5 * 4 * 0.02 * np.pi * 2), 1.0)
     worn = extremes(rolled(elastic, wear=wear), 0.01)
     assert worn.width == pytest.approx(2 * 1.2 * 0.8)
-    assert worn.steps == round(1 + 1.2 * 2 / 0.01)
+    assert worn.steps == round(1 + 2.4 * 2 / 0.01)
     # a load without an end wears for no known time
     still = extremes(rolled(elastic, HELD, wear=wear), 0.01)
     assert (still.steps, still.width) == (1, pytest.approx(2 * 1.2 * 0.4))

@@ -24,11 +24,11 @@ ORDERS = tuple((m, n) for m in range(3) for n in range(3))
 
 
 def influence(count: int, edges: Array, layer: int) -> Mapping[tuple[int, int], Array]:
-    """Return means of derivatives of G over a cell of one `layer`, by sources in all layers, for each pair of `ORDERS`.
+    """Return means of derivatives of Airy's stress function G over a cell of one `layer`, by sources in all layers.
 
-    For (m, n) it is ``d_z^m d_z'^n d_x^(4-m-n) G``. The arrays (layers, x) are at `count` offsets 0, 1, 2 ... across;
-    offsets and the `edges` of the layers are in cells. Errors from cancellation grow like the offset squared, to 1e-9 of
-    the largest mean at 1000 cells.
+    For each (m, n) of `ORDERS` it is ``d_z^m d_z'^n d_x^(4-m-n) G``; G is that of a half-space free of traction. The
+    arrays (layers, x) are at `count` offsets 0, 1, 2 ... across; offsets and the `edges` of the layers are in cells.
+    Errors from cancellation grow like the offset squared, to 1e-9 of the largest mean at 1000 cells.
     """
     x = np.arange(-1.0, count + 1)
     below, above = (_integrals(x, edges[layer + side], edges) for side in (1, 0))
@@ -43,7 +43,8 @@ def influence(count: int, edges: Array, layer: int) -> Mapping[tuple[int, int], 
 def _integrals(x: Array, z: float, source: Array) -> dict[tuple[int, int], Array]:
     """Return ``d_z^(m-1) d_z'^(n-1) d_x^(2-m-n) G`` (source, x) for each (m, n), at offsets `x` and depth `z`.
 
-    `source` are the depths of the sources; what the differences over cells remove is left out.
+    G is Airy's stress function, and `source` the depths of its sources. Polynomials that the differences over cells
+    remove are left out.
     """
     z_source = source[:, None]
     direct = _powers(x, z - z_source)
@@ -176,11 +177,11 @@ ODD = 2
 
 @dataclass(frozen=True, eq=False)
 class PlaneStrainOperator:
-    """Plastic strain in plane strain, for one cell along the length.
+    """Linear maps on plastic strain in plane strain, for one cell along the length.
 
     An :class:`~contactstudy.elasticity.eigenstrain.volume.EigenstrainOperator`. Strain and stress are means over cells,
-    so that B is the elastic energy of piecewise constant strain: symmetric in the inner product of cell volumes.
-    Transforms across are padded to twice the cells, without error.
+    so that the stress relaxed by a piecewise constant strain is the derivative of its elastic energy: a symmetric map in
+    the inner product of cell volumes. Transforms across are padded to twice the cells, without error.
     """
 
     volume: Volume
@@ -188,7 +189,7 @@ class PlaneStrainOperator:
 
     @property
     def basis(self) -> Array:
-        """Basis of the three components (3, 6), xx, yy, zz, yz, xz, xy of each tensor."""
+        """Basis of the three components (3, 6) in terms of xx, yy, zz, yz, xz, xy."""
         return BASIS
 
     def stress_of_pressure(self, pressure: Array) -> Array:

@@ -32,7 +32,7 @@ ODD = 1
 
 @dataclass(frozen=True, eq=False)
 class AntiplaneOperator:
-    """Antiplane part of B: between shear strains ``sqrt(2) xy`` and ``sqrt(2) yz``, (2, layers, x)."""
+    """Map from plastic strain in antiplane shear, ``sqrt(2) xy`` and ``sqrt(2) yz``, to the stress that it relaxes."""
 
     volume: Volume
     moduli: Moduli
@@ -116,7 +116,7 @@ TOGETHER = 2**15
 
 @dataclass(frozen=True, eq=False)
 class RowOperator:
-    """Plastic strain that varies along a period, for more than one cell along.
+    """Linear maps on plastic strain that varies along a period, for more than one cell along.
 
     An :class:`~contactstudy.elasticity.eigenstrain.volume.EigenstrainOperator`. The mean along the length is plane
     strain and antiplane shear, in closed form on an infinite axis. What varies along the length is summed over waves
@@ -129,7 +129,7 @@ class RowOperator:
 
     @property
     def basis(self) -> Array:
-        """Basis of the five components (5, 6), xx, yy, zz, yz, xz, xy of each tensor."""
+        """Basis of the five components (5, 6) in terms of xx, yy, zz, yz, xz, xy."""
         return BASIS
 
     def stress_of_strain(self, strain: Array) -> Array:

@@ -86,7 +86,7 @@ class EigenstrainOperator(Protocol):
 
     @property
     def basis(self) -> Array:
-        """Basis of the components (C, 6), xx, yy, zz, yz, xz, xy of each tensor.
+        """Basis of the components (C, 6) in terms of xx, yy, zz, yz, xz, xy.
 
         The squares of a tensor's entries, shear counted twice, add up to 1.
         """

@@ -205,7 +205,7 @@ def boussinesq_cell_periodic(
 
 
 def _repeated(x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
-    """Return the periodic sum S for one size of cell."""
+    """Return the sum S of :func:`boussinesq_cell_periodic` for one size of cell."""
     shape = np.broadcast_shapes(x.shape, y.shape)
     # Exact, where a rounded y / period would move the observer by many of its smallest cells.
     x, y = np.abs(x), np.fmod(np.abs(y), period)
@@ -237,7 +237,10 @@ def paired(x: Array, y: Array) -> tuple[Array, Array]:
 
 
 def _mean_over_cell(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> Array:
-    """Return S in units of ``dx dy / period``; x and y are both flat, or a column and a row."""
+    """Return the sum S of :func:`boussinesq_cell_periodic` in units of ``dx dy / period``.
+
+    `x` and `y` are both flat, or a column and a row.
+    """
     result = np.empty(np.broadcast_shapes(x.shape, y.shape))
     inner = (x - half_x).reshape(len(x)) / period
     beyond = inner >= FOURIER_END
@@ -261,7 +264,10 @@ def _share(lengths: Array, rows: NDArray[np.bool_]) -> Array:
 
 
 def _images(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> Array:
-    """Return S near the axis: the nearest images one by one, and all further ones together as multipoles."""
+    """Return the sum S of :func:`boussinesq_cell_periodic` near the axis.
+
+    The nearest images are summed one by one, and all further ones together as multipoles.
+    """
     across, along = (float(np.fmax.reduce(a, axis=None, initial=0.0)) for a in (x + half_x, y))
     reach = np.hypot(across, along + half_y) / period
     images = max(1, int(np.ceil(reach / REACH)) - 1)
@@ -322,7 +328,10 @@ def combined(across: Array, along: Array, shape: tuple[int, ...]) -> Array:
 
 
 def _fourier(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> Array:
-    """Return S away from the axis: the plane-strain logarithm and harmonics, which decay like exp(-2 pi j x / L)."""
+    """Return the sum S of :func:`boussinesq_cell_periodic` away from the axis.
+
+    It is the plane-strain logarithm and harmonics of the period, which decay like exp(-2 pi j x / L).
+    """
     across = harmonics_across(x, half_x, period)
     along = harmonics_along(y, half_y, period, across.shape[1])
     total = combined(across, along, np.broadcast_shapes(x.shape, y.shape))
@@ -349,7 +358,10 @@ def harmonics_along(y: Array, half_y: float, period: float, count: int) -> Array
 
 
 def _logarithm(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> Array:
-    """Return S far from the axis: ``-2 ln |x|``, averaged over a cell that does not reach the axis."""
+    """Return the sum S of :func:`boussinesq_cell_periodic` far from the axis.
+
+    It is ``-2 ln |x|``, averaged over a cell that does not reach the axis.
+    """
     return -2 * _log_mean(x, half_x) * np.ones_like(y)
 
 
@@ -368,7 +380,10 @@ def _log_mean(x: Array, half: Array) -> Array:
 
 
 def _strips(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> Array:
-    """Return S for a cell wider than the period, cut into strips at fixed distances from the axis and two flanks."""
+    """Return the sum S of :func:`boussinesq_cell_periodic` for a cell wider than the period.
+
+    The cell is cut into strips at fixed distances from the axis and two flanks.
+    """
     marks = np.linspace(-STRIPS_END, STRIPS_END, STRIPS + 1) * period
     total = np.zeros(np.broadcast_shapes(x.shape, y.shape))
     for start, end in pairwise((-np.inf, *marks.tolist(), np.inf)):

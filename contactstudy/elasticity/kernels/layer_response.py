@@ -64,23 +64,23 @@ class LayerResponse:
 
     @property
     def slope(self) -> float:
-        """Derivative R'(0)."""
+        """Derivative of `rest` at k = 0."""
         lam, kap, one_lam, one_kap = self._mismatch
         cross = lam * one_kap + kap * one_lam
         return (4 * kap + 2 * (2 * lam * kap - self.contrast * cross)) / (one_lam * one_kap)
 
     @property
     def nearest_pole(self) -> float:
-        """Lower bound of the distance of singularities of R from k = 0."""
+        """Lower bound of the distance of singularities of `rest` from k = 0."""
         return 0.2 / max(self.shear_ratio, 1.0)
 
     @property
     def first_pole(self) -> float:
-        """Lower bound of the distance of poles of R in the right half-plane from the real axis."""
+        """Lower bound of the distance of poles of `rest` in the right half-plane from the real axis."""
         return 0.85 * min(1.0, self.shear_ratio ** (-1 / 3) if self.shear_ratio else 1.0)
 
     def rest(self, k: Numbers) -> Numbers:
-        """Return R(k), written so that nothing cancels for small k or for very unlike materials."""
+        """Return R(k), the short-ranged response, without cancellation for small k or very unlike materials."""
         lam, kap, one_lam, one_kap = self._mismatch
         cross = lam * one_kap + kap * one_lam
         t, u = np.exp(-2 * k), -np.expm1(-2 * k)
@@ -95,7 +95,7 @@ class LayerResponse:
         return np.asarray(t * above / (one_lam * one_kap + u * cross + kap * higher_order))
 
     def taylor(self) -> tuple[float, float, float]:
-        """Return the coefficients of k^2, k^4 and k^6 in R, which give its far field in space."""
+        """Return the coefficients of k^2, k^4 and k^6 in `rest`, which give its far field in space."""
         around = 0.5 * self.nearest_pole
         turn = np.exp(2j * np.pi * np.arange(64) / 64)
         series = np.real(np.fft.fft(self.rest(around * turn))) / 64
@@ -126,9 +126,9 @@ LOST = 42.0
 
 
 class RestInSpace:
-    """The function R of a layer in space: tables of `edge` and `strip`, with distances in thicknesses.
+    """Tables in space of R(k), the short-ranged part of a :class:`LayerResponse`: `edge` and `strip`.
 
-    The tables are filled as they are used.
+    Distances are in thicknesses. The tables are filled as they are used.
     """
 
     def __init__(self, response: LayerResponse) -> None:
@@ -149,7 +149,7 @@ class RestInSpace:
 
     @cached_property
     def taylor(self) -> tuple[float, float, float]:
-        """Coefficients of k^2, k^4 and k^6 in R, from :meth:`LayerResponse.taylor`."""
+        """Coefficients of k^2, k^4 and k^6 in R(k), from :meth:`LayerResponse.taylor`."""
         return self.response.taylor()
 
     def _interpolated(

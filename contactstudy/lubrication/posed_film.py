@@ -113,6 +113,11 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
             f"padding is {padding!r}: a film flows in at one side and out at the other, and is periodic along the "
             "length, give one for the length that wraps, such as ExactPeriodicity()."
         )
+    if grid.cell[0] > scales.hertz.half_width:
+        least = ceil(grid.extent[0] / scales.hertz.half_width)
+        raise InvalidInput(
+            f"Grid.cells[0] is {grid.cells[0]}, of cells wider than Hertz's half-width: give {least} at the least."
+        )
     problem = replace(scene, lubrication=None, outputs=()).problem(grid, paddings)
     opening = float(np.ptp(problem.undeformed_gap, axis=1).max())
     if opening > EDGE * scales.film:

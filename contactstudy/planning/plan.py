@@ -419,11 +419,11 @@ def plan(
     checked(on, "plan.on")
     if error is not None:
         error = positive("plan.error", error, "give a relative error above 0, such as 1e-3")
+    if scene.lubrication is not None:
+        return _plan_of_film(scene, needs_of(scene), error or FILM_ERROR, period, grid)
     if scene.changing is not None or scene.rolling is not None:
         return _plan_in_time(scene, error or DEFAULT_ERROR, period, grid, end)
     needs = needs_of(scene)
-    if scene.lubrication is not None:
-        return _plan_of_film(scene, needs, error or FILM_ERROR, period, grid)
     padding = needs.padding()
     if grid is not None and period is not None and period != grid.period:
         raise InvalidInput(f"plan.period is {period!r}: leave it out, since the grid has its own.")

@@ -49,6 +49,11 @@ def test_a_rough_plan_has_cells_for_its_waves_and_no_error() -> None:
         cs.solve_lubricated(scene, error=1e-2)
 
 
+def test_a_load_that_changes_is_planned_at_its_largest() -> None:
+    load = cs.LoadHistory((0.0, 1.0), (5e4, 1e5))
+    assert cs.plan(replace(by_moes(20, 5), load=load)).grid == cs.plan(by_moes(20, 5)).grid
+
+
 def test_a_dataset_has_the_film_its_errors_and_the_scene() -> None:
     contact = cs.solve_lubricated(by_moes(20, 5), grid(100, 4.5))
     dataset = replace(contact, error=cs.film_error(contact)).to_dataset()

@@ -93,3 +93,8 @@ def test_limiting_shear_bounds_the_stress_by_a_share_of_the_pressure() -> None:
     contact = cs.solve_lubricated(scene, grid(200, 4.5))
     assert (contact.shear <= 0.05 * contact.pressure).all()
     assert 0.02 < contact.friction < 0.05
+
+
+def test_cells_wider_than_the_contact_are_refused() -> None:
+    with pytest.raises(cs.InvalidInput, match="wider than Hertz's half-width: give 18"):
+        cs.solve_lubricated(by_moes(20, 5), grid(12, 9.0))

@@ -1,4 +1,4 @@
-"""Whether a solution can be meant: numbers that no contact of half-spaces has, and the unit that was likely mistaken."""
+"""Warnings about solutions that cannot be meant, with the unit that was likely mistaken."""
 
 from math import inf, sqrt
 
@@ -53,8 +53,8 @@ def implausible(solution: Solution) -> str:
 
 def _strength(body: object) -> float:
     """Lowest stress [Pa] at which a body yields; infinite if it says none."""
-    given = (getattr(body, name, inf) for name in ("yield_strength", "yield_stress"))
-    return min(float(one) for one in given)
+    limits = (getattr(body, name, inf) for name in ("yield_strength", "yield_stress"))
+    return min(float(limit) for limit in limits)
 
 
 def _slope(solution: Solution) -> float:

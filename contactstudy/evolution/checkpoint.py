@@ -190,12 +190,14 @@ class Checkpoint:
         return self.folder / f"frame_{number:05d}.npz"
 
     def _write(self, path: Path, about: Mapping[str, Any], **arrays: Array) -> None:
+        """Replace a file by one with metadata as JSON and arrays."""
         owned = {"request": self.request, "file": path.name, "about": about}
         content = BytesIO()
         np.savez(content, about=np.array(json.dumps(owned)), **arrays)  # type: ignore[arg-type]
         write_sealed(path, content.getvalue())
 
     def _read(self, path: Path) -> tuple[Any, dict[str, Array]]:
+        """Return metadata and arrays of a file."""
         with self._blamed(), np.load(BytesIO(read_sealed(path) or b"")) as file:
             arrays = {name: file[name] for name in file.files}
             owned = json.loads(str(arrays.pop("about")))

@@ -1,1 +1,1 @@
-"""What a scene requires of a grid, the plan, and what a solve costs. May import `accuracy` and below."""
+"""Plans: requirements of a scene on its grid, and the cost of a solve. May import `accuracy` and below."""

@@ -1,1 +1,1 @@
-"""What to use: Pareto front, recommendation and its verification. May import `engine` and below."""
+"""Advice on settings: Pareto front, recommendation and its verification. May import `engine` and below."""

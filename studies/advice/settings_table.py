@@ -131,6 +131,7 @@ def stored_timings(dataset: xr.Dataset | None, cpu: str) -> tuple[Timing, ...]:
 
 
 def _timing(row: Any) -> Timing:
+    """Return a row of the stored sweep as a timing."""
     is_line = row.padding == LINE
     return Timing(
         cs.Grid((row.grid, 1 if is_line else row.grid), (1.0, row.period)),

@@ -1,1 +1,1 @@
-"""How cases are computed: the run, executors, supervised workers, timing, forecasts. May import `store` and `model`."""
+"""Computation of cases: the run, executors, supervised workers, timing, forecasts. May import `store` and `model`."""

@@ -40,9 +40,12 @@ LOOPBACK = "127.0.0.1:0"
 
 
 class Supervisors:
-    """The supervised processes of one process, taken by a thread for a batch at a time.
+    """Supervised processes of this process, each taken by a thread for one batch at a time.
 
-    ``deliver(name, outcome)`` takes each outcome at once where the run is in this process.
+    Parameters
+    ----------
+    deliver
+        Takes the name and the outcome of each case at once, where the run is in this process.
     """
 
     def __init__(self, deliver: Callable[[str, Outcome], object] | None = None) -> None:
@@ -53,7 +56,7 @@ class Supervisors:
 
     @contextmanager
     def one_for(self, work: bytes) -> Iterator[WorkerSupervisor]:
-        """Give a supervisor of ``work`` to a block: an idle one, or another."""
+        """Lend a supervisor with the pickled `work` to a block: an idle one, or a new one."""
         with self._turn:
             if not self._idle:
                 self._idle.append(WorkerSupervisor(work))
@@ -68,7 +71,7 @@ class Supervisors:
                     self._idle.append(supervisor)
 
     def end(self) -> None:
-        """End all processes, at once."""
+        """End all processes at once."""
         with self._turn:
             ended, self._all, self._idle = self._all, [], []
         for supervisor in ended:
@@ -105,11 +108,21 @@ def compute_batch(
 
 @dataclass
 class Cluster:
-    """An executor, in a ``with`` statement: dask on ``workers`` threads here, or that of the scheduler at ``address``.
+    """An executor on dask, in a ``with`` statement.
 
-    The processes that compute stay from one study to the next. Where one dies its case alone is lost; where a dask
-    worker is lost, the scheduler gives its cases to another. A scheduler that is lost, and comes back within
-    ``patience`` [s], gets again what was not finished.
+    The processes that compute stay from one study to the next. If one dies, its case alone is lost; if a dask
+    worker is lost, the scheduler gives its cases to another.
+
+    Parameters
+    ----------
+    workers
+        Threads of the dask started here, without an address.
+    address
+        Address of a dask scheduler; None starts one here.
+    patience
+        Seconds in which a lost scheduler may come back; it gets unfinished cases again.
+    log
+        Takes messages.
     """
 
     workers: int = 2
@@ -128,14 +141,14 @@ class Cluster:
         self.rest()
 
     def rest(self) -> None:
-        """Close the connection, and dask with it where it is this process's: an idle one takes 3 % of a core."""
+        """Close the connection, and the dask of this process: an idle one takes 3 % of a core."""
         self._client = None
         self._open.close()
 
     def run(
         self, cases: Mapping[str, Computation], work: Work, finished: Finished, stop: Stop
     ) -> None:
-        """Compute ``cases``: batches of small ones, large ones alone."""
+        """Compute `cases`: small ones in batches, large ones singly."""
         payload = packed(work)
         if not cases:
             return
@@ -159,6 +172,7 @@ class Cluster:
         return self._client
 
     def _start(self) -> "Client":
+        """Start dask in this process, and return its client."""
         from distributed import Client, LocalCluster
 
         cluster = self._open.enter_context(
@@ -179,6 +193,7 @@ class Cluster:
         return client
 
     def _connect(self) -> "Client":
+        """Return the client of the scheduler at the address."""
         from distributed import Client
 
         # what goes wrong with the connection is said here, in a sentence
@@ -250,19 +265,20 @@ class _Flow:
                 self._client.cancel(list(self._running), force=True)
 
     def _report(self, name: str, outcome: Outcome) -> None:
+        """Report the outcome of a case at its first arrival, and adapt the size of batches."""
         if name in self._open:
             self._open.discard(name)
             self._mean += 0.3 * (outcome.seconds - self._mean)
             self._finished(name, outcome)
 
     def _take_delivered(self) -> None:
-        """Report what threads of this process have computed."""
+        """Report the outcomes that threads of this process have delivered."""
         with suppress(Empty):
             while True:
                 self._report(*self._outcomes.get_nowait())
 
     def _take(self, future: Any, result: Any) -> None:
-        """Report a batch that is completed, and send again what is not."""
+        """Report a completed batch, and send its unfinished cases again."""
         names = self._running.pop(future, None)
         if names is None:  # it was thought to be lost, and given to another
             return
@@ -280,6 +296,7 @@ class _Flow:
             self._send_again(names)
 
     def _send_again(self, names: Sequence[str]) -> None:
+        """Put unfinished cases at the front of those that wait."""
         self._waiting.extendleft(name for name in reversed(names) if name in self._open)
 
     def _take_last(self) -> None:
@@ -296,7 +313,7 @@ class _Flow:
                         self._report(name, outcome)
 
     def _look(self) -> None:
-        """See to workers that come and go, and to a connection that is lost."""
+        """Count the workers, detect a lost connection, and send lost batches again."""
         if monotonic() < self._looked_at + LOOK:
             return
         self._looked_at = monotonic()
@@ -318,7 +335,7 @@ class _Flow:
                     self._idle_since = float("inf")
 
     def _fill(self) -> None:
-        """Send batches until every thread has some ahead."""
+        """Send batches until a few wait for every thread."""
         while (
             self._client.status == "running"
             and self._waiting
@@ -347,7 +364,7 @@ class _Flow:
         self._completed.add(future)
 
     def _handle_failure(self, future: Any, names: list[str]) -> None:
-        """Find out which case killed its dask workers; raises what is wrong with all of them."""
+        """Send the cases of a failed batch singly, to find the one that kills workers; raise errors that concern all."""
         from distributed import KilledWorker
 
         error = future.exception()

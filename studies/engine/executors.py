@@ -1,4 +1,4 @@
-"""Where cases are computed: what a run asks of an executor, and the one that computes in this process."""
+"""Executors, which compute cases: their protocol, and the one that computes in this process."""
 
 import os
 from collections.abc import Callable, Mapping
@@ -18,24 +18,36 @@ from studies.model.outcome import CaseStatus, Finished, Outcome, Work
 
 
 class Executor(Protocol):
-    """Computes every case and calls ``finished(name, outcome)`` for each, one call at a time."""
+    """Protocol of what computes cases and calls ``finished(name, outcome)`` for each, one call at a time."""
 
     def run(
         self, cases: Mapping[str, Computation], work: Work, finished: Finished, stop: Stop
     ) -> None:
-        """Compute ``cases``, by their names. What ``finished`` raises ends the run, and is raised; so does ``stop``.
+        """Compute cases.
 
-        What a worker had finished by then is given to ``finished`` all the same.
+        An error that `finished` raises ends the run and is raised here; outcomes that workers had by then are still
+        reported.
+
+        Parameters
+        ----------
+        cases
+            Cases by name.
+        work
+            Instructions for every case.
+        finished
+            Called with the name and the outcome of each case.
+        stop
+            Raises where a signal asks to stop.
         """
         ...
 
     def rest(self) -> None:
-        """Leave the processor to others, until the next run."""
+        """Use no processor time until the next run."""
         ...
 
 
 def packed(work: Work) -> bytes:
-    """Pickle ``work`` for another process; raises :class:`~contactstudy.InvalidInput` where it cannot go there."""
+    """Return `work` pickled for another process; raise InvalidInput where it cannot be pickled."""
     try:
         return bytes(cloudpickle.dumps(work))
     except Exception as error:  # noqa: BLE001 (a study's own objects may do anything)
@@ -47,9 +59,14 @@ def packed(work: Work) -> bytes:
 
 @dataclass(frozen=True)
 class InProcess:
-    """This process alone, but for ``suspects``: cases during which an earlier run died.
+    """An executor that computes in this process.
 
-    ``begins(name)`` is called before each case, so that a death can be laid to it.
+    Parameters
+    ----------
+    begins
+        Called with the name of each case before it begins, so that a death can be attributed to it.
+    suspects
+        Cases during which an earlier run died, which get a process of their own.
     """
 
     begins: Callable[[str], object] = lambda name: None
@@ -58,7 +75,7 @@ class InProcess:
     def run(
         self, cases: Mapping[str, Computation], work: Work, finished: Finished, stop: Stop
     ) -> None:
-        """Compute one case after the other."""
+        """Compute the cases one after the other."""
         warm_up()
         number = os.getpid()
         with threadpool_limits(1), kept_surroundings() as surroundings:
@@ -78,11 +95,11 @@ class InProcess:
                 finished(name, outcome)
 
     def rest(self) -> None:
-        """Do nothing: between runs there is nothing of it."""
+        """Do nothing: there is nothing to close."""
 
 
 def _run_alone(name: str, case: Computation, work: Work, finished: Finished, stop: Stop) -> None:
-    """Compute one case in a process of its own."""
+    """Compute one case in a separate process."""
     supervisor = WorkerSupervisor(packed(work))
     try:
         with stop.interruptible():
@@ -94,7 +111,7 @@ def _run_alone(name: str, case: Computation, work: Work, finished: Finished, sto
 
 
 def _with_advice(outcome: Outcome) -> Outcome:
-    """Add to the failure of a case that died that it needs a process of its own."""
+    """Return an outcome of a killed case with the advice that it needs a separate process; others unchanged."""
     if outcome.case_status is not CaseStatus.KILLED or outcome.failure is None:
         return outcome
     sentence = (

@@ -1,4 +1,4 @@
-"""How far a job is: a bar in a terminal, a line now and then elsewhere."""
+"""Progress of a run: a bar in a terminal, a line from time to time elsewhere."""
 
 import os
 import sys
@@ -13,7 +13,19 @@ SELDOM = 30.0  # seconds between two lines
 
 
 class Progress:
-    """Progress through ``total`` things of a ``unit``, in a ``with`` statement: how many, how fast, how long still."""
+    """Progress of a job, in a ``with`` statement: number done, rate, and remaining time.
+
+    Parameters
+    ----------
+    name, what
+        Name of the study, and of the job.
+    total
+        Number of items.
+    unit
+        Name of an item.
+    log
+        Takes the lines where there is no terminal.
+    """
 
     def __init__(
         self, name: str, what: str, total: int, unit: str, log: Callable[[str], object]
@@ -35,7 +47,15 @@ class Progress:
             self._bar.close()
 
     def add(self, count: int = 1, afterwards: float = 0.0) -> None:
-        """Count so many more as done. Timing what is done by now will take ``afterwards`` [s] when all is done."""
+        """Count `count` more items as done.
+
+        Parameters
+        ----------
+        count
+            Number of items.
+        afterwards
+            Seconds that the timing of all items done so far will take after the job.
+        """
         self._count += count
         timing = afterwards * self._total / self._count if self._count else 0.0
         if self._bar is not None:
@@ -56,13 +76,14 @@ class Progress:
 
 
 def _is_terminal() -> bool:
+    """Return whether the standard error is a terminal."""
     with suppress(AttributeError, ValueError):  # there may be no standard error, or a closed one
         return sys.stderr.isatty()
     return False
 
 
 def _columns() -> int:
-    """Return the terminal's width; one that does not know its own is taken to be 80 wide."""
+    """Return the width of the terminal; 80 if it does not know its width."""
     with suppress(OSError, ValueError, AttributeError):
         return os.get_terminal_size(sys.stderr.fileno()).columns or 80
     return 80

@@ -19,9 +19,10 @@ PATIENCE = 3  # times that somebody asks before the process ends wherever it is
 
 
 class Stop:
-    """The signals that ask to stop, in a ``with`` statement in the main thread: they are only taken note of.
+    """Record of signals that ask to stop, in a ``with`` statement in the main thread.
 
-    :meth:`check` raises :class:`StopRun` for them, and :meth:`interruptible` lets them raise it at once.
+    :meth:`check` raises :class:`StopRun` for a signal that came, and :meth:`interruptible` lets signals raise it at
+    once.
     """
 
     def __init__(self) -> None:
@@ -51,7 +52,7 @@ class Stop:
 
     @contextmanager
     def interruptible(self) -> Iterator[None]:
-        """Let a signal leave the block at any place."""
+        """Let a signal raise :class:`StopRun` at any place in the block."""
         self.check()
         self._raises = True
         try:
@@ -60,6 +61,7 @@ class Stop:
             self._raises = False
 
     def _note(self, number: int, _: FrameType | None) -> None:
+        """Record a signal; the third one ends the process."""
         self.signal, self._came = number, self._came + 1
         if self._came >= PATIENCE:
             signal.signal(number, signal.SIG_DFL)
@@ -70,6 +72,6 @@ class Stop:
 
 
 def end_like(stopped: StopRun) -> BaseException:
-    """Return what a program that was stopped so raises: KeyboardInterrupt, or the exit of its signal."""
+    """Return the exception that ends a program stopped by a signal: KeyboardInterrupt, or the exit of the signal."""
     number = int(stopped.args[0]) if stopped.args else signal.SIGINT
     return KeyboardInterrupt() if number == signal.SIGINT else SystemExit(128 + number)

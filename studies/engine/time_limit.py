@@ -15,14 +15,14 @@ CAN_INTERRUPT = hasattr(signal, "setitimer")
 
 
 class TimeLimitError(BaseException):
-    """Raised amid a case; not an Exception, lest a study's own code catch it."""
+    """Raised in a case that takes too long; no Exception, so that a study's own code does not catch it."""
 
 
 @contextmanager
 def alarm(limit: float | None) -> Iterator[None]:
-    """Raise :class:`TimeLimitError` in the block after ``limit`` [s], in Python code of the main thread.
+    """Raise :class:`TimeLimitError` in the block after `limit` [s], in Python code of the main thread.
 
-    Compiled code that never comes back is not interrupted, and Windows has no alarm: there the supervisor ends the
+    Compiled code that never returns is not interrupted, and Windows has no alarm: there the supervisor ends the
     process at its :func:`deadline`.
     """
     if (

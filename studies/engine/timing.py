@@ -17,7 +17,7 @@ WARM_UP = 0.3
 
 
 def take_times(inventory: Inventory, work: Work, stop: Stop, log: Callable[[str], object]) -> None:
-    """Take the timed runs that are missing, in a process of their own: a case may die there though it did not before."""
+    """Take the missing timed runs in a separate process, since a case may die there although it did not before."""
     journal, cases = inventory.journal, inventory.request.cases
     counts = inventory.times_missing()
     if inventory.options.old_times == "dropped":
@@ -63,10 +63,22 @@ def time_cases(
     take: Callable[[str, Sample], object],
     give_up: Callable[[str, Failure], object],
 ) -> None:
-    """Time ``missing[name]`` runs of each case, case after case in rounds, and give each sample to ``take``.
+    """Time several runs of each case, case after case in rounds.
 
-    The ``expected`` seconds and the ``modes`` decide which cases are run untimed before. A case whose ``time_once``
-    gives a failure is given to ``give_up``, and is left without further times.
+    Parameters
+    ----------
+    missing
+        Number of runs of each case.
+    expected
+        Expected seconds of each case.
+    modes
+        Mode of each case; one case of each mode is first run untimed.
+    time_once
+        Runs a case once.
+    take
+        Takes the name and the times of a run.
+    give_up
+        Takes the name and the failure of a case, which is not timed again.
     """
     without_times = set()
     untimed = [(-1, name) for name in warm_ups({name: expected[name] for name in missing}, modes)]
@@ -91,6 +103,6 @@ def warm_ups(expected: Mapping[str, float], modes: Mapping[str, str]) -> list[st
 
 
 def rounds(missing: Mapping[str, int]) -> Iterator[tuple[int, str]]:
-    """Give every case once, then every case again, for as long as one lacks a sample."""
+    """Yield (round, case) until every case has its number of runs: every case once, then every case again."""
     for turn in range(max(missing.values(), default=0)):
         yield from ((turn, name) for name, count in missing.items() if turn < count)

@@ -1,1 +1,1 @@
-"""What all of the study layer speaks of: axes, cases, studies, outcomes, findings. Imports nothing else of `studies`."""
+"""Terms of the study layer: axes, cases, studies, outcomes, findings. Imports nothing else of `studies`."""

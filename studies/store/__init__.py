@@ -1,1 +1,1 @@
-"""What is kept: journal, case identity, netCDF, provenance, locks. May import `model`."""
+"""Storage of results: journal, case identity, netCDF, provenance. May import `model`."""

@@ -100,6 +100,7 @@ class Journal:
 
     @property
     def _present(self) -> Mapping[str, str]:
+        """Versions and hashes of the present code; a journal read without them cannot be written."""
         assert self._context is not None, (
             "a journal that is read whatever its context is not written"
         )

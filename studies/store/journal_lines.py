@@ -110,6 +110,7 @@ class VariableTypes:
         }
 
     def _decoded(self, kind: str, payload: Json) -> xr.Variable:
+        """Return a variable from the name of its type and its value."""
         dims, dtype, shape, attrs = self._known[kind]
         if isinstance(payload, str):
             flat = np.frombuffer(base64.b64decode(payload), np.dtype(dtype))

@@ -29,7 +29,7 @@ class ClosedError(Exception):
 
 
 class LateError(Exception):
-    """Raised where no whole message came in time."""
+    """Raised where no complete message came in time."""
 
 
 class ForgedError(Exception):
@@ -77,7 +77,7 @@ class Channel:
         return socket.socket(fileno=descriptors[0])
 
     def send(self, address: Address, body: bytes) -> None:
-        """Send ``body``; raises :class:`ClosedError` where nobody reads."""
+        """Send `body`; raise :class:`ClosedError` where nobody reads."""
         try:
             self._end.sendall(_header(address, body) + body)
         except OSError:
@@ -90,10 +90,25 @@ class Channel:
         until: float | None = None,
         is_alive: Callable[[], bool] = lambda: True,
     ) -> bytes:
-        """Return the body of the next message, which must be from ``address``.
+        """Return the body of the next message.
 
-        Raises :class:`LateError` at the time ``until`` (of ``monotonic``), :class:`ClosedError` when the
-        other end is closed or its process is not alive, :class:`ForgedError` for anything else.
+        Parameters
+        ----------
+        address
+            Case, process and key that the message must have.
+        until
+            Time (of ``monotonic``) to wait for; None waits without limit.
+        is_alive
+            Returns whether the sender is alive.
+
+        Raises
+        ------
+        LateError
+            If no complete message came in time.
+        ClosedError
+            If the other end is closed, or its process is not alive.
+        ForgedError
+            For any other message.
         """
         head = self._read(HEADER.size, until, is_alive)
         mark, case, process, length, _ = HEADER.unpack(head)
@@ -105,13 +120,14 @@ class Channel:
         return body
 
     def wait(self, seconds: float) -> bool:
-        """Return whether something can be read within so many seconds."""
+        """Return whether something can be read within `seconds`."""
         try:
             return bool(wait([self._end], min(seconds, LONGEST_WAIT)))
         except (OSError, ValueError):  # closed in this process: reading says so
             return True
 
     def _read(self, size: int, until: float | None, is_alive: Callable[[], bool]) -> bytes:
+        """Return exactly `size` bytes."""
         parts, lacking = [], size
         while lacking:
             if not self.wait(0):
@@ -136,6 +152,7 @@ class Channel:
 
 
 def _header(address: Address, body: bytes) -> bytes:
+    """Return the header of a message, with its seal."""
     named = struct.pack("!qq", address.case, address.process)
     seal = hashlib.blake2b(body, key=address.key, person=named, digest_size=16).digest()
     return HEADER.pack(MARK, address.case, address.process, len(body), seal)
@@ -207,7 +224,7 @@ class Order:
 
 @dataclass(frozen=True)
 class Batch:
-    """Request for ``orders`` of the ``cases``, which are pickled together; one answer an order, in their sequence.
+    """Request to carry out the orders of a batch, whose cases are pickled together; each order has an answer.
 
     Cases that cannot be read are answered with a Failure to each order.
     """

@@ -25,11 +25,11 @@ WAVE = np.outer(np.cos(np.arange(128.0)), np.sin(np.arange(128.0)))
 
 
 class StopRun(BaseException):
-    """Raised to stop the run: of all that is raised amid a case, the one that is not the case's own."""
+    """Raised to stop the run: the only error during a case that is not the case's own."""
 
 
 def compute(case: Computation, work: Work) -> Outcome:
-    """Compute and measure ``case``; a failure is an outcome, so that the others go on."""
+    """Return the outcome of a case, computed and measured; errors of the case are outcomes, too."""
     stage, start, cpu = "setup", perf_counter(), process_time()
     try:
         with alarm(work.time_limit):
@@ -60,7 +60,7 @@ def compute(case: Computation, work: Work) -> Outcome:
 
 
 def timed(case: Computation, limit: float | None) -> Sample | Failure:
-    """Run ``case`` once against the wall clock and the processor's; returns why where there is no time."""
+    """Return the times of one run of a case, or the failure that prevents them."""
     try:
         with alarm(limit):
             return time_once(case)
@@ -73,7 +73,7 @@ def timed(case: Computation, limit: float | None) -> Sample | Failure:
 
 
 def time_once(case: Computation) -> Sample:
-    """Run ``case`` once against the wall clock and the processor's."""
+    """Return the wall and CPU time of one run of a case."""
     before = _reference_time()
     wall, cpu = perf_counter(), process_time()
     prepared = case.prepare()
@@ -103,7 +103,7 @@ def failed(error: BaseException, stage: str, seconds: float) -> Outcome:
 
 
 def failure_of(error: BaseException, stage: str) -> Failure:
-    """Describe ``error``, which a case raised, with its place in the study's code."""
+    """Return the failure for an error that a case raised, with its place in the study's code."""
     name = one_line(type(error).__name__, 100)
     place = place_of(error, __file__, measured.__file__, time_limit.__file__)
     return Failure(name, f"{name}{place}: {one_line(error)}", stage)

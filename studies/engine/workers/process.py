@@ -48,9 +48,12 @@ CAN_FORK = all(hasattr(os, name) for name in ("fork", "setsid", "pidfd_open"))
 
 
 class WorkerProcess:
-    """A process that computes, with the ``channel`` to it and its ``number``, as its supervisor sees it.
+    """A process that computes, as its supervisor sees it, with the channel to it and its number.
 
-    Raises OSError where there can be no more processes.
+    Raises
+    ------
+    OSError
+        If no more processes can be started.
     """
 
     def __init__(self) -> None:
@@ -63,13 +66,16 @@ class WorkerProcess:
         self._work = b""
 
     def is_ready(self, work: bytes) -> bool:
-        """Return whether there is a process that computes, and that has read this pickled ``work``."""
+        """Return whether a process is running that has read the pickled `work`."""
         return self._work == work and (self.is_forked or not CAN_FORK)
 
     def set_up(self, work: bytes) -> str:
-        """Have a process that has read the pickled ``work``; returns why it cannot, or an empty text.
+        """Provide a process that has read the pickled `work`; return why it cannot be read, or an empty text.
 
-        Raises an error of the channel where the keeper has ended.
+        Raises
+        ------
+        ClosedError, ForgedError, LateError
+            If the keeper has ended.
         """
         if self._work != work:
             self.end_fork()
@@ -83,6 +89,7 @@ class WorkerProcess:
         return ""
 
     def _fork(self) -> None:
+        """Let the keeper fork the process that computes."""
         channel, end = channel_pair()
         key = new_key()
         with end:
@@ -94,6 +101,7 @@ class WorkerProcess:
             self._descriptor = os.pidfd_open(number)
 
     def _answer(self, place: int, key: bytes) -> Any:
+        """Return the keeper's answer to a request."""
         until = monotonic() + START
         address = Address(place, self._keeper.pid, key)
         body = self._control.receive(
@@ -149,6 +157,7 @@ class WorkerProcess:
         return self._keeper.returncode
 
     def _wait(self, seconds: float) -> None:
+        """Wait up to `seconds` for the process that computes to end."""
         until = monotonic() + seconds
         while seconds and not self.has_ended() and monotonic() < until:
             sleep(0.01)

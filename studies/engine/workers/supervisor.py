@@ -38,7 +38,7 @@ Answer = Outcome | Sample | Failure
 
 
 class WorkerSupervisor:
-    """A worker process for ``work`` (pickled), started with the first case and again after each death."""
+    """Supervisor of a worker process for the pickled `work`, started with the first case and again after each death."""
 
     def __init__(self, work: bytes) -> None:
         self._work = work
@@ -48,9 +48,16 @@ class WorkerSupervisor:
         self._over = threading.Event()
 
     def run(self, cases: bytes, names: Sequence[str]) -> Iterator[Outcome]:
-        """Give the outcome of each of the ``cases``, pickled together, as soon as there is one.
+        """Yield the outcome of each case, in order, as soon as it is there.
 
-        It stops short after :meth:`end`, and gives nothing for several cases that cannot be read together.
+        It ends early after :meth:`end`, and yields nothing for several cases that cannot be read together.
+
+        Parameters
+        ----------
+        cases
+            The cases, pickled together.
+        names
+            Name of each case.
         """
         for answer in self._answers(cases, names, "compute", self._limit):
             if not isinstance(answer, Outcome):
@@ -62,7 +69,7 @@ class WorkerSupervisor:
     def time_once(
         self, name: str, case: Computation, limit: float | None
     ) -> Sample | Failure | None:
-        """Run ``case`` once against the clock; returns why where there is no time, and None after :meth:`end`."""
+        """Return the times of one run of a case, or the failure that prevents them; None after :meth:`end`."""
         try:
             cases = cloudpickle.dumps((case,))
         except Exception as error:  # noqa: BLE001 (a study's class may do anything)
@@ -72,17 +79,17 @@ class WorkerSupervisor:
         return None
 
     def set_work(self, work: bytes) -> None:
-        """Take other ``work`` from here on, in the same process if there is one."""
+        """Use other `work` from here on, in the same process if there is one."""
         if work != self._work:
             self._work, self._limit = work, pickle.loads(work).time_limit
 
     @property
     def has_ended(self) -> bool:
-        """True after :meth:`end`."""
+        """True after :meth:`end` was called."""
         return self._over.is_set()
 
     def end(self) -> None:
-        """End the process, at once, for good."""
+        """End the process at once; no other is started."""
         with self._lock:
             self._over.set()
             process, self._process = self._process, None
@@ -92,6 +99,11 @@ class WorkerSupervisor:
     def _answers(
         self, cases: bytes, names: Sequence[str], task: Task, limit: float | None
     ) -> Iterator[Answer]:
+        """Yield the answer to each order.
+
+        After a death the remaining orders go to a new process. An order whose process was ended from outside is sent
+        again, once.
+        """
         answered, retried = 0, -1
         while answered < len(names):
             process = self._ready()
@@ -120,7 +132,7 @@ class WorkerSupervisor:
                     break
 
     def _receive(self, process: WorkerProcess, order: Order, start: float) -> tuple[Answer, str]:
-        """Wait for the answer to ``order``; with it comes the name of the signal that ended the process, if one did."""
+        """Return the answer to an order, and the name of the signal that ended the process, if one did."""
         # the worker's own alarm comes first, and spares it; the deadline is for what the alarm cannot reach
         until = deadline(order.limit)
         address = Address(order.place, process.number, order.key)
@@ -186,6 +198,7 @@ class WorkerSupervisor:
 
 
 def _started() -> WorkerProcess:
+    """Return a new worker process; raise InvalidInput where the system allows no more."""
     try:
         return WorkerProcess()
     except OSError as error:
@@ -195,7 +208,7 @@ def _started() -> WorkerProcess:
 
 
 def _ending(code: int | None) -> str:
-    """Say how a process ended."""
+    """Return in words how a process ended."""
     name = _signal(code)
     hint = ", perhaps for want of memory" if name == "SIGKILL" else ""
     if code is None:

@@ -1,6 +1,6 @@
-"""State of the interpreter that a case may change, put back before the next case so that their order is no matter.
+"""State of the interpreter that a case may change, restored before the next case so that their order does not matter.
 
-What cannot be put back: modules that a case imports or changes, and its effects outside the process.
+Modules that a case imports or changes, and its effects outside the process, cannot be restored.
 """
 
 import decimal
@@ -67,11 +67,11 @@ class Surroundings:
 
     @classmethod
     def now(cls) -> "Surroundings":
-        """Read the present state."""
+        """Return the present state."""
         return cls(tuple(read() for read, _ in PARTS))
 
     def restore(self, name: str) -> None:
-        """Set the state to what it was, and draw the seeds of numpy and random from the ``name`` of a case."""
+        """Restore this state, and seed the generators of numpy and random with the name of a case."""
         for (read, write), value in zip(PARTS, self.values, strict=True):
             with suppress(OSError):  # a working directory that was removed
                 if repr(read()) != repr(value):
@@ -83,7 +83,7 @@ class Surroundings:
 
 @contextmanager
 def kept_surroundings() -> Iterator[Surroundings]:
-    """Give the present state to a block of cases, and restore it, the random generators included, at its end."""
+    """Lend the present state to a block of cases, and restore it at the end, random generators included."""
     before = Surroundings.now()
     seeds = random.getstate(), np.random.get_state()  # noqa: NPY002
     try:

@@ -1,4 +1,4 @@
-"""The program of a worker process: it computes cases for its supervisor, one after the other, until that is gone."""
+"""Program of a worker process, which computes cases for its supervisor, one after the other."""
 
 import os
 import pickle
@@ -43,7 +43,7 @@ IDLE = 120.0  # seconds without a request after which it ends
 
 
 def main() -> None:
-    """Answer the supervisor's requests, in their order."""
+    """Answer the supervisor's requests in order."""
     end, supervisor, leash = take_over()
     # an interrupt from outside ends the process, and is no error of the case
     signal.signal(signal.SIGINT, signal.SIG_DFL)
@@ -68,7 +68,7 @@ class _Worker:
             threading.Thread(target=self._end_with_supervisor, daemon=True).start()
 
     def serve(self) -> None:
-        """Answer requests until the channel is closed, or nothing was asked for long."""
+        """Answer requests until the channel is closed, or none comes for a long time."""
         try:
             while (is_asked := self._channel.wait(IDLE)) or runs(self._fork):
                 for request in (
@@ -81,6 +81,7 @@ class _Worker:
         os._exit(0)
 
     def _answer(self, request: Setup | Fork | Ending | Batch) -> None:
+        """Carry out a request, and send the answer."""
         match request:
             case Setup():
                 self._send(SETUP, request.key, self._set_up(request))
@@ -94,7 +95,7 @@ class _Worker:
                 self._compute(request)
 
     def _set_up(self, request: Setup) -> str:
-        """Read the study; returns what is wrong with it, or an empty text."""
+        """Read the study; return why it cannot be read, or an empty text."""
         try:
             sys.path[:] = request.path
             self._work = pickle.loads(request.work)
@@ -117,6 +118,7 @@ class _Worker:
         return number
 
     def _compute(self, batch: Batch) -> None:
+        """Carry out the orders of a batch, and send an answer to each."""
         cases: Any
         try:
             cases, unreadable = pickle.loads(batch.cases), None
@@ -132,12 +134,14 @@ class _Worker:
             self._send(order.place, order.key, answer)
 
     def _outcome(self, case: Any, order: Order) -> Any:
+        """Return the outcome of a case, or its times."""
         if order.task == "clock":
             return timed(case, order.limit)
         assert self._work is not None
         return compute(case, self._work)
 
     def _send(self, place: int, key: bytes, answer: Any) -> None:
+        """Send an answer, or a failure where it cannot be pickled."""
         try:
             body = pickle.dumps(answer, pickle.HIGHEST_PROTOCOL)
         except Exception as error:  # noqa: BLE001 (a measure's own class may do anything)
@@ -146,7 +150,7 @@ class _Worker:
         self._channel.send(Address(place, self._number, key), body)
 
     def _end_with_supervisor(self) -> None:
-        """End with the supervisor, whatever ended it: its end of the pipe closes then."""
+        """End this process when the supervisor ends, whose end of the pipe closes then."""
         try:
             os.read(self._leash, 1)
         finally:

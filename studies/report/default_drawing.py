@@ -1,5 +1,6 @@
 """Figures of any study, chosen by what was varied: curves for one axis, families for two, maps on request."""
 
+import tomllib
 from collections.abc import Sequence
 from textwrap import fill
 from typing import Any
@@ -66,9 +67,27 @@ def _figures(dataset: xr.Dataset, kind: str) -> Sequence[CaptionedFigure]:
         add_legend(figure)
         stem = kind if draw is _map else "curves"
         name = stem if stacked is None else f"{stem}-{number + 1}"
-        caption = f"{dataset.attrs.get('title', 'Study')}{'; ' if place else ''}{place}."
+        parts = [str(dataset.attrs.get("title", "Study")), place, _held(dataset, axes)]
+        caption = f"{'; '.join(part for part in parts if part)}."
         figures.append(CaptionedFigure(name, figure, caption))
     return figures
+
+
+def _held(dataset: xr.Dataset, axes: Sequence[str]) -> str:
+    """Return what the scene of a sweep holds constant of its hardness, load and speed, as its file has it."""
+    try:
+        scene = tomllib.loads(str(dataset.attrs.get("scene", "")))
+    except tomllib.TOMLDecodeError:  # a scene in Python
+        return ""
+    held = {"hardness": scene.get("hardness")}
+    for table, key in (("load", "total"), ("load", "per_length"), ("rolling", "speed")):
+        entries = scene.get(table)
+        held[f"{table} {key}"] = entries.get(key) if isinstance(entries, dict) else None
+    return ", ".join(
+        f"{name.replace('_', ' ')} {value}"
+        for name, value in held.items()
+        if isinstance(value, str | float | int) and name.replace(" ", "_") not in axes
+    )
 
 
 def _by_length(dataset: xr.Dataset) -> list[str]:

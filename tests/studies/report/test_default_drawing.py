@@ -166,3 +166,18 @@ def test_times_are_drawn_where_there_is_nothing_else_and_without_measures_nothin
     assert np.isnan(y[0])
     with pytest.raises(InvalidInput, match="no measure to draw"):
         curves(other.drop_vars("solve_time"))
+
+
+def test_a_caption_says_what_the_scene_holds_constant() -> None:
+    scene = 'hardness = "4 GPa"\n[load]\nper_length = "100 N/mm"\n[rolling]\nspeed = 0.1\n'
+    values = {
+        "peak_pressure": ("load_per_length", [1.0, 2.0]),
+        "case_status": ("load_per_length", [1, 1]),
+    }
+    dataset = xr.Dataset(
+        values, {"load_per_length": [1e3, 2e3]}, {"title": "Loads", "scene": scene}
+    )
+    (drawn,) = curves(dataset)
+    assert drawn.caption == "Loads; hardness 4 GPa, rolling speed 0.1."
+    (drawn,) = curves(dataset.assign_attrs(scene="# Scene(...)"))
+    assert drawn.caption == "Loads."

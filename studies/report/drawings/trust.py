@@ -200,7 +200,8 @@ def _accuracy_tables(dataset: xr.Dataset) -> tuple[Table, ...]:
         for metric in PROMISED:
             error, bound = _pairs(dataset, metric)
             share, median, missing = _summary(error[kinds == kind], bound[kinds == kind])
-            row += [f"{100 * share:.1f} %", f"{median:.2g}", str(missing)]
+            ratio = f"{median:.2g}" if np.isfinite(median) else "none"
+            row += [f"{100 * share:.1f} %", ratio, str(missing)]
         rows.append(tuple(row))
     for metric in METRICS:
         error, bound = _pairs(dataset, metric)

@@ -1,6 +1,6 @@
 """The same contact on coarser cells: its problem, its solution, and what changes from one grid to the other."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -83,8 +83,6 @@ def coarser_problem(problem: Problem) -> Problem | None:
     added = _unknown_to(source, problem)
     if added is None:
         return coarse
-    from dataclasses import replace
-
     gap = coarse.undeformed_gap + on_cells(added, coarse.grid.cells)
     return replace(coarse, undeformed_gap=gap)
 

@@ -20,28 +20,29 @@ from contactstudy.solvers.solution import Solution, Status
 
 # Largest factor by which the approximate inverse is wrong, where the padding is a short window.
 MARGIN = 2.0
-# What cells hide over the error of smooth edges: below SMOOTH that error is all there is, and no coarser solution
-# is needed; up to RESOLVED the pressure in L1 is in error by no more than so many times it. The error of the
-# peak pressure grows by so many times what they hide, up to half of that.
+# Ratio of the hidden share of the load to the error of smooth edges. Below SMOOTH no coarser solution is needed; up to
+# RESOLVED the L1 error is at most L1_RESOLVED times that of the edges; up to half of RESOLVED the error of the peak
+# pressure grows by PEAK_RESOLVED times the ratio.
 SMOOTH, RESOLVED = 0.25, 2.0
 L1_RESOLVED, PEAK_RESOLVED = 1.6, 2.0
-# Error over the change from cells of twice the size, and over the share of the load whose cells hide heights:
-# at most, over nearly all surfaces of the accuracy matrix. Two pressures of one load differ by 2 at most.
+# Largest error over the change from cells of twice the size (of the pressure, of the area), and over the hidden share of
+# the load, on nearly all surfaces of the accuracy matrix. Two pressures of one load differ by LARGEST at most.
 CHANGE, AREA_CHANGE, HIDDEN, LARGEST = 1.4, 1.25, 0.5, 2.0
-# A pressure that rises like the inverse root of the cell, which is not bounded, by 41 % at a halving. One
-# whose rise shrinks like the root of the cell has 2.4 times as much to come.
+# Rise of the peak pressure at a halving of the cells from which it counts as unbounded: like the inverse root of the
+# cell it would be 41 %. Error over a rise that shrinks like the root of the cell (2.4 times as much follows), and over a
+# fall.
 UNBOUNDED, RISE, FALL = 0.2, 2.5, 1.5
-# A corner may add so much of the peak pressure at each halving before it counts as sharp.
+# Share of the peak pressure that a corner adds at each halving of the cells, from which it counts as sharp.
 SHARP = 0.01
-# The mean gap is that much less in error by smooth edges than the pressure, and more by images left out; its
-# own change from cells of twice the size counts so much.
+# Error of the mean gap: over the L1 error of the pressure by smooth edges and by images left out, and over the change of
+# the mean gap from cells of twice the size.
 GAP_EDGES, GAP_IMAGES, GAP_CHANGE = 0.5, 8.0, 3.0
 # The least cells across a spot for which the law of a smooth edge holds.
 FEW = 5
 # Pressure at a roller's end over the peak pressure, from which that end may have the peak.
 AT_END = 0.5
-# Under a coat stiffer than its substrate by more than this, pressure rises at the edges over a share of the
-# thickness: with fewer cells in it, errors were up to three times too low (ratios up to 300).
+# Under a coat more than STIFF_COAT times as stiff as its substrate, pressure rises at the edges over a share of the
+# thickness. With fewer than IN_COAT cells in it, estimates were up to three times too low (ratios up to 300).
 STIFF_COAT, IN_COAT, COAT_FACTOR = 2.0, 8, 3.5
 SHARP_EDGE = "a sharp edge or corner"
 # L1 error above which the peak pressure is not known either.

@@ -17,16 +17,16 @@ POINTS, DENSE = 4, 48
 LINES, SPARSE = 64, 4
 # Share of a cell's area above which a feature is found with the requested confidence.
 FEATURE = 0.03
-# Steps of the two-dimensional sequence of lowest discrepancy whose points are added one by one:
+# Steps of a two-dimensional sequence of low discrepancy to which points can be added one by one:
 # Roberts (2018), "The unreasonable effectiveness of quasirandom sequences".
 STEPS = 0.7548776662466927, 0.5698402909980532
 # A bump ``h exp(-r^2 / s^2)`` pressed flat raises the pressure by ``pi / 2 E* h / s``; a sharper one by twice that.
 RISE = 2.0 * pi / 2
-# What cubics miss of a feature that the centres show is no more than this share of their second difference.
+# Largest share of the second difference of the centres that cubics miss of a feature which the centres show.
 SHOWN = 0.5
-# A corner has so much of the bend of three cells between two neighbouring points; a smooth surface a sixth.
+# Share of the bend of three cells between two neighbouring points from which it is a corner; a smooth surface has 1/6.
 CORNER = 0.7
-# Powers n - 1 of a height |x|^n from which a bend counts as smooth, and the least one that is told from a corner.
+# Powers n - 1 of a height |x|^n: the one from which a bend counts as smooth, and the least one that is no corner.
 SMOOTH, FLATTEST = 0.82, 0.1
 
 

@@ -21,9 +21,9 @@ from contactstudy.solvers.settle import ContactTangent, Settled, settle
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.yielding_bodies import ROOT, Hardening, YieldingBodies
 
-# The first volume holds what the elastic stress makes bear this share of the yield stress, and some room.
+# The first volume holds the cells whose elastic von Mises stress is above SHARE of the yield stress, and ROOM beside.
 SHARE, ROOM = 0.9, 0.15
-# It is made so much larger on the side where it yields to its edge.
+# Share of its width by which a volume grows on a side where plastic flow reaches its edge.
 LARGER = 0.3
 
 
@@ -336,7 +336,8 @@ class PlasticMemory:
         return any_grown
 
 
-# A step that doubles the load beyond that of first yield adds some 3 times the plastic strain that there was.
+# Plastic strain that a step adds, over that before it, from which the step is abrupt. A step that doubles the load adds
+# about 3 times the plastic strain.
 ABRUPT = 4.0
 # Statuses of a contact that stopped before its tolerance.
 NEARLY = (Status.PRECISION_LIMIT, Status.STALLED, Status.ITERATION_LIMIT)

@@ -26,12 +26,13 @@ PARTS, MOST_PARTS = 4, 2**12
 ONSET = 6
 # Errors of first order fall by 0.5 to 0.6 with every halving, so that a difference is up to 1.5 times too small.
 FIRST_ORDER = 1.5
-# Those of wear, whose pressure changes at once where it begins, are of order 1/2 there: they fall by 2^-1/2, and a
+# Errors of wear are of order 1/2 where it begins, since the pressure changes at once: they fall by 2^-1/2, and a
 # difference is 2^1/2 - 1 of the error.
 WORN_FIRST_ORDER = 1 / (2**0.5 - 1)
-# Error of a march by the cells over that of its contact alone: of a memory, which has seen other pressures, and of
-# plastic strain, whose cells below the surface add to it. On 40 marches they were up to 1.1 and 3.6.
+# Error by the cells of a march over that of its last contact: with a memory, which depends on earlier pressures, and
+# with plastic strain, whose cells below the surface add to it. On 40 marches the ratios were up to 1.1 and 3.6.
 REMEMBERED, YIELDED = 1.25, 4.0
+# State of a walk in its checkpoint.
 COUNTED = ("mark", "arrived", "step_error", "carried_error", "pair", "rejected", "restarts", "steps", "iterations",
            "convolutions")  # fmt: skip
 

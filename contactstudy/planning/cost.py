@@ -32,7 +32,7 @@ from contactstudy.solvers.solve import SolveOptions
 SMOOTH_CONVOLUTIONS, ROUGH_CONVOLUTIONS, DIGITS = 35.0, 42.0, 8
 # Cells along an axis of the solve that is timed where there is no timing, and its numbers of images.
 SAMPLE, SAMPLE_IMAGES = 128, (1, 6)
-# Cells along an axis of the convolution that shows what a device saves.
+# Largest number of cells along an axis of the convolution that is timed on a device.
 LARGE_SAMPLE = 512
 # Seconds for which a quick solve is repeated: the first one fills caches, and a busy machine interrupts.
 LONG_ENOUGH = 0.1
@@ -230,11 +230,11 @@ def memory(grid: Grid, padding: Padding | Paddings) -> int:
     return solve_bytes(grid, across_and_along(padding))
 
 
-# Prior widths, all of natural logarithms: any scale, exponents and curvatures of ordinary size, and the spread that
-# is assumed where too little was measured, which counts as so many measurements.
+# Prior widths of natural logarithms: of the scale, of exponents and of curvatures; the assumed spread, and the number of
+# measurements that it counts as.
 SCALE, EXPONENT, CURVATURE = 10.0, 0.6, 0.1
 SPREAD, MEASUREMENTS = log(1.25), 2
-PASSES = 3  # of spread and fit; the spread settles within a percent
+PASSES = 3  # iterations of spread and fit, after which the spread changes by less than 1 %
 # Prior width of an exponent in addition to N log N, for times that are nearly proportional to it.
 NEARLY = 0.1
 # Median residuals from the fit at which a timing counts half: an interrupted run takes far longer than all others.

@@ -14,11 +14,11 @@ from contactstudy.scene.inelastic import ViscoelasticHalfSpace
 from contactstudy.scene.load import ChangingLoad, ConstantLoad, LineLoad
 from contactstudy.scene.scene import Scene
 
-# Of a rigid cylinder pressed with Hertz's peak pressure r times the yield stress, from 2 to 8, without hardening or
-# with little, all over Hertz's half-width: the plastic zone ends at WIDTH + WIDER r^2 across and at DEPTH r - 1.
+# Plastic zone below a rigid cylinder pressed with Hertz's peak pressure r times the yield stress, r from 2 to 8, with
+# little or no hardening: over Hertz's half-width, it ends at WIDTH + WIDER r^2 across and at the depth DEPTH r - 1.
 WIDTH, WIDER, DEPTH = 0.62, 0.07, 1.2
-# The error by equal steps is at most STEPS (r / 3)^3 over their number; solves of a march, with its companion and what
-# is rejected, are FIRST and SOLVES for each step. An error by cells is r / 3 to the power CELLS times the elastic one.
+# The error by equal steps is at most STEPS (r / 3)^3 over their number. A march has FIRST solves and SOLVES for each
+# step, with its companion and rejected steps. The error by cells is (r / 3)^CELLS times the elastic one.
 STEPS, FIRST, SOLVES, CELLS = 0.09, 18, 2.5, 1.5
 # A step costs CONTACTS elastic solves, or CONTACTS_OF_LAYER for each layer where strain varies along the length, and
 # holds FIELDS or FIELDS_ALONG fields of the plastic strain. Measured on rough cylinders of 48^2 to 128^2 cells.
@@ -200,7 +200,7 @@ def extremes(scene: Scene, error: float, end: float | None = None) -> Extremes:
         steps += WEAR * (1 + log10(wider / half_width) / log10(2)) * error**-WEAR_RATE
         half_width = wider
     least, warnings = _smallest_load(scene.load, last)
-    if plastic is not None:  # whose errors are over the pressure of the largest load
+    if plastic is not None:  # errors are relative to the pressure of the largest load
         least, warnings = load.per_length, ()
     reasons = [
         f"time: some {steps:.2g} solves for an error of {error:.1g} by the steps, with those that "

@@ -35,11 +35,11 @@ FILM_ERROR = 1e-2
 # Cells of a small solution at most, in one and in two dimensions, more of them where the surface is finer; and the
 # tolerance that it is solved to.
 LINE, PLANE, MOST, TOLERANCE = 2**13, 2**16, 2**19, 1e-5
-# Powers of the cell with which an error falls: of a step, of one that is not observed, and of a smooth contact.
+# Powers of the cell with which an error falls: at a step in height, where it is not observed, and of a smooth contact.
 SLOWEST, USUAL, FASTEST = 0.5, 1.0, 1.5
 # Ratio of an error's upper estimate to the error expected: exceeded in all but a few cases of the accuracy matrix.
 BOUND = 1.5
-# A solution on fewer cells along an axis shows nothing, and a roller is planned with no fewer than the second.
+# Least cells along an axis of a small solution, and of a roller.
 FEWEST, ROLLER = 8, 16
 # Rounds in which small solutions correct the grid, and the factor on a width that is too narrow.
 ROUNDS, WIDER = 6, 1.5

@@ -99,7 +99,7 @@ def disagreements(stored: Mapping[str, str], now: Mapping[str, str]) -> list[str
 
 
 def _add_module(name: str, hashes: dict[str, str]) -> None:
-    """Add the hashes of the loaded module ``name``, and of the modules that it imports."""
+    """Add the hashes of the loaded module `name`, and of the modules that it imports."""
     if file := getattr(sys.modules.get(name), "__file__", None):
         if _counts(name, Path(file)):
             _add(name, Path(file), hashes)
@@ -110,7 +110,7 @@ def _add_module(name: str, hashes: dict[str, str]) -> None:
 def _add(name: str, file: Path, hashes: dict[str, str]) -> None:
     """Add the hash of the module ``name`` in ``file``, and those of the modules that it imports."""
     module = sys.modules.get(name)
-    # of a study file, what was read: it may have been edited since
+    # the text of a study file as it was read: it may have been edited since
     source = getattr(module, "__source__", None)
     label = name if source is None else file.name
     if label in hashes:
@@ -126,9 +126,9 @@ def _add(name: str, file: Path, hashes: dict[str, str]) -> None:
 
 
 def _numerical(source: bytes) -> bytes:
-    """Return the ``source`` of a study file without what cannot change a number of a case.
+    """Return the text of a study file without what cannot change a number of a case.
 
-    That is its docstring, and each definition in ``NOT_NUMBERS`` that nothing else in the file names.
+    These are its docstring, and each definition in ``NOT_NUMBERS`` that nothing else in the file names.
     """
     tree = ast.parse(source)
     lines: list[bytes | None] = list(source.splitlines(keepends=True))
@@ -147,7 +147,7 @@ def _numerical(source: bytes) -> bytes:
 
 
 def _is_named(name: str, definition: ast.stmt, tree: ast.Module) -> bool:
-    """Return whether anything in ``tree`` but its ``definition`` uses ``name``, or shares a line with that."""
+    """Return whether anything in `tree` outside `definition` uses `name`, or shares a line with the definition."""
     for node in tree.body:
         if node is definition:
             continue
@@ -197,7 +197,7 @@ def _imports(tree: ast.Module, package: str) -> Iterator[str]:
 
 
 def _spec(name: str) -> ModuleSpec | None:
-    """Find a module without importing it."""
+    """Return the specification of a module without importing it; None if it is not found."""
     parent, _, _ = name.rpartition(".")
     with suppress(ImportError, ValueError):
         if not parent:

@@ -106,7 +106,7 @@ class Source:
     kinds: VariableTypes
 
     def line(self, record: Record) -> dict[str, Any]:
-        """Read the line of a record."""
+        """Return the line of a record from the file."""
         parts, start, remaining = [], record.start, record.size
         while remaining and (part := read_at(self.descriptor, remaining, start)):
             parts.append(part)

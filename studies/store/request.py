@@ -36,7 +36,13 @@ class Request:
 
     @classmethod
     def of(cls, study: Study) -> "Request":
-        """Return the request of a study; each distinct case is made once."""
+        """Return the request of a study; each distinct case is made once.
+
+        Raises
+        ------
+        InvalidInput
+            For an axis with a reserved name, and for a computation that lacks a method.
+        """
         if reserved := RESERVED_NAMES & {axis.name for axis in study.points}:
             raise InvalidInput(
                 f"Study {study.name!r} has the axes {sorted(reserved)}: these names are taken, choose others."

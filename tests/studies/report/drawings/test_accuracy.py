@@ -61,7 +61,7 @@ def test_the_ratio_is_of_errors_that_are_known_and_not_nothing(made_up: xr.Datas
     of_first, of_second = DRAWING.tables(made_up)[0].rows
     # of two areas one is known, whose bound is twice the error; the other kind has an error of nothing and no bound
     assert of_first[8:] == ("100.0 %", "2", "0")
-    assert of_second[8:] == ("100.0 %", "inf", "1")
+    assert of_second[8:] == ("100.0 %", "none", "1")
     [finding] = DRAWING.findings(made_up)
     assert "contact area: 100.0 % bounded, in the median 2 times too large" in finding.measured
     assert "1 bounds are missing without a reason" in finding.measured
@@ -81,4 +81,4 @@ def test_kinds_are_counted_apart_and_a_bound_that_equals_its_error_holds(
     )
     # two of three peak pressures; of an error that nobody knows nothing is missed
     assert of_second[5] == "66.7 %"
-    assert of_first[8:] == ("100.0 %", "inf", "0")
+    assert of_first[8:] == ("100.0 %", "none", "0")

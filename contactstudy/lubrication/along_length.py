@@ -27,7 +27,7 @@ REACHED, MISSED, BASIS, RESTARTS = 1e-2, 0.1, 120, 4
 WAVES = 33
 # What the local stage has of elasticity: this share of the coefficients of the film, and this part of a cell's width; by
 # lines, and by factors for cells so many times as long as wide, which lines along the length do not couple.
-FILM_SHARE, OWN_SHARE = 0.01, 0.03
+FILM_SHARE, OWN_SHARE = 0.03, 0.03
 FILM_SHARE_LONG, OWN_SHARE_LONG, LONG_CELL = 0.05, 0.1, 2.0
 # The Fourier stage is made anew where GMRES takes so many times as many iterations, and more, than after it was last.
 SLOWER, MORE, FOURFOLD, LONG_STEP = 1.5, 5, 4.0, 3.0

@@ -126,6 +126,7 @@ def _stopping() -> Iterator[Stop]:
     try:
         with stop:
             yield stop
+            stop.check()  # who asked during the last write wants no figures either
     except StopRun as stopped:
         raise end_like(stopped) from None
 

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import Precision
 from contactstudy.domain.grid import Grid
-from contactstudy.domain.padding import Padding, Paddings, across_and_along
+from contactstudy.domain.padding import Padding, Paddings
 from contactstudy.elasticity.coefficients import Displacement
 from contactstudy.evolution.checkpoint import Checkpoint
 from contactstudy.evolution.evolution import Evolution
@@ -157,37 +157,20 @@ def evolve(
     """
     if times is None and error is None:
         raise InvalidInput("evolve.times and evolve.error are None: give one of them, or both.")
+    _check_history(scene)
     options = SolveOptions(tolerance, max_iterations, solver, precision)
-    if scene.rolling is not None:
-        raise InvalidInput(
-            "Scene.rolling is steady, so it has no history: leave it out, or call contactstudy.solve_rolling."
-        )
-    if scene.friction is not None:
-        raise InvalidInput("Scene.friction has no history here: leave it out.")
     control = None if error is None else StepControl.for_error(error, tolerance)
     load = _load(scene, grid, times)
     marks = schedule(load, times)
     elastic = _sudden(scene, load)
-    problem = elastic.problem(grid, padding)
-    datum = problem.scales.length
-    march = March(
-        problem=problem,
-        load=load,
-        weights=dict(response(elastic.solids, datum)),
-        memories=memories(scene, datum),
-        joint=joint_memory(scene, problem, partial(solved_or_unloaded, options), precision),
-        scheme=scheme,
-        options=options,
-    )
+    march = _march(scene, elastic, elastic.problem(grid, padding), load, scheme, options)
     companion = step_error is StepError.COMPANION or control is not None
     checkpoint = None if folder is None else Checkpoint(Path(folder))
-    across, along = across_and_along(padding)
     walk = Walk(
         march=march,
         marks=marks,
         control=control,
         companion=bool(march.all_memories) and companion,
-        wraps=(across.wraps, along.wraps),
         records_all=times is None,
         checkpoint=checkpoint,
         progress=progress,
@@ -204,9 +187,41 @@ def evolve(
         tuple(walk.frames),
         walk.rejected,
         walk.restarts,
-        problem.outputs,
+        march.problem.outputs,
         PosedScene(scene, grid, padding),
         march.joint,
+    )
+
+
+def _check_history(scene: Scene) -> None:
+    """Raise :class:`~contactstudy.InvalidInput` for what has no history in a march."""
+    if scene.rolling is not None:
+        raise InvalidInput(
+            "Scene.rolling is steady, so it has no history: leave it out, or call contactstudy.solve_rolling."
+        )
+    if scene.friction is not None:
+        raise InvalidInput("Scene.friction has no history here: leave it out.")
+
+
+def _march(
+    scene: Scene,
+    elastic: Scene,
+    problem: Problem,
+    load: ChangingLoad,
+    scheme: Scheme,
+    options: SolveOptions,
+) -> March:
+    """Return the steps of `scene`, whose `elastic` scene of a sudden largest load has made the `problem`."""
+    datum = problem.scales.length
+    solved = partial(solved_or_unloaded, options)
+    return March(
+        problem=problem,
+        load=load,
+        weights=dict(response(elastic.solids, datum)),
+        memories=memories(scene, datum),
+        joint=joint_memory(scene, problem, solved, options.precision),
+        scheme=scheme,
+        options=options,
     )
 
 

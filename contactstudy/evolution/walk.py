@@ -59,8 +59,6 @@ class Walk:
         Control of the step length; None steps from mark to mark.
     companion
         Whether a second march with steps twice as long estimates the error of the steps.
-    wraps
-        Whether the surface wraps across and along.
     records_all
         Whether every pair of steps is recorded.
     checkpoint
@@ -73,7 +71,6 @@ class Walk:
     marks: tuple[Mark, ...]
     control: StepControl | None
     companion: bool
-    wraps: tuple[bool, bool]
     records_all: bool
     checkpoint: Checkpoint | None
     progress: Callable[[float, float], None] | None

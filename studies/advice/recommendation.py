@@ -18,7 +18,8 @@ from contactstudy.planning.cost import (
     memory,
 )
 from contactstudy.planning.grid_requirements import ROOM, Needs
-from contactstudy.planning.plan import SHARE, GridForecast, needs_of, reaching
+from contactstudy.planning.grid_search import GridForecast, reaching
+from contactstudy.planning.plan import SHARE, needs_of
 from studies.reference.line_contact import COUNTS_IMAGES, LINE, PADDINGS, padding_at
 
 # Candidates: cells across that can be halved repeatedly, images, and tolerances.

@@ -15,7 +15,8 @@ from contactstudy.io.scene_file import SceneFile, read_scene, scene_file_of
 from contactstudy.io.scene_writer import scene_text
 from contactstudy.planning.cost import memory
 from contactstudy.planning.grid_requirements import Needs, halvable
-from contactstudy.planning.plan import SHARE, affordable, needs_of
+from contactstudy.planning.grid_search import affordable
+from contactstudy.planning.plan import SHARE, needs_of
 from studies.model.axis import Value, check_count
 from studies.model.case import Computation
 from studies.model.film_case import FilmCase, film_measures

@@ -86,7 +86,6 @@ def walked(times: Any, *, control: StepControl | None = None, **more: Any) -> tu
         marks=marks,
         control=control,
         companion=more.pop("companion", True),
-        wraps=(False, True),
         records_all=times is None,
         checkpoint=None,
         progress=more.pop("progress", None),

@@ -7,7 +7,8 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.planning.cost import memory
-from contactstudy.planning.plan import MOST, PLANE, _coarse, affordable, forecast, needs_of
+from contactstudy.planning.grid_search import MOST, PLANE, _coarse, affordable, forecast
+from contactstudy.planning.plan import needs_of
 from tests.conftest import LineContact
 
 EXACT = cs.ExactPeriodicity()

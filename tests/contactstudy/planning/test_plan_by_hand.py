@@ -8,18 +8,19 @@ from typing import Any
 import pytest
 
 import contactstudy as cs
+from contactstudy.planning import grid_search as search
 from contactstudy.planning import in_time
 from contactstudy.planning import plan as planning
 from contactstudy.planning.cost import memory
-from contactstudy.planning.in_time import Extremes, Yielding
-from contactstudy.planning.plan import (
+from contactstudy.planning.grid_search import (
     ALMOST,
     ROUNDS,
     GridForecast,
-    _warnings,
     expected,
     reaching,
 )
+from contactstudy.planning.in_time import Extremes, Yielding
+from contactstudy.planning.plan import _warnings
 from tests.conftest import LineContact
 
 EXACT = cs.ExactPeriodicity()
@@ -55,7 +56,7 @@ def reached(
         asked.append(grid)
         return replace(law(grid), grid=grid)
 
-    monkeypatch.setattr(planning, "expected", answer)
+    monkeypatch.setattr(search, "expected", answer)
     scene: Any = None
     return asked, reaching(scene, needs, error, None, memory(LARGE, EXACT))
 
@@ -203,14 +204,14 @@ def test_a_smooth_contact_is_foreseen_by_its_law_and_one_that_yields_by_small_so
     line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     a, highest = line_contact.hertz.half_width, line_contact.hertz.peak_pressure
-    monkeypatch.setattr(planning, "CostModel", Costs)
-    monkeypatch.setattr(planning, "forecast", lambda *_: seen(0.3))
+    monkeypatch.setattr(search, "CostModel", Costs)
+    monkeypatch.setattr(search, "forecast", lambda *_: seen(0.3))
     scene = line_contact.scene
     needs = planning.needs_of(scene)
     grid = cs.Grid((64, 1), (2 * a, a))
     found = expected(scene, needs, grid)
     assert (found.error, found.rates[0], found.cut_off) == (needs.error(grid.cell), 1.5, False)
-    assert found.seconds == 2.0 * planning.SMOOTH_CONVOLUTIONS
+    assert found.seconds == 2.0 * search.SMOOTH_CONVOLUTIONS
     assert expected(scene, needs, replace(grid, extent=(1.99 * a, a))).cut_off
     assert expected(replace(scene, hardness=highest), needs, grid) == seen(0.3)
     assert expected(replace(scene, hardness=1.01 * highest), needs, grid) == found
@@ -227,7 +228,7 @@ def test_where_small_solutions_show_no_error_the_law_counts_twice(
         (seen(inf), (2 / 16, 4 / 16), 1.5), (seen(inf, cut_off=True), (inf, inf), 1.0),
         (seen(0.3), (0.15, 0.15), 1.0),
     ):  # fmt: skip
-        monkeypatch.setattr(planning, "forecast", lambda *_, pilot=pilot: pilot)
+        monkeypatch.setattr(search, "forecast", lambda *_, pilot=pilot: pilot)
         found = expected(line_contact.scene, needs, GRID)
         assert (found.errors, found.rates[0]) == (errors, rate)
 
@@ -239,12 +240,12 @@ def test_a_plan_of_a_given_grid_is_that_grid(
     """Within four fifths of the memory."""
     grid = cs.Grid((64, along), (1e-3, 5e-4))
     needed = memory(grid, EXACT)
-    monkeypatch.setattr(planning, "CostModel", Costs)
+    monkeypatch.setattr(search, "CostModel", Costs)
     for share, fits in ((0.801, False), (0.799, True)):
         monkeypatch.setattr(planning, "available_bytes", lambda share=share: needed / share)
         found = cs.plan(line_contact.scene, grid=grid, period=5e-4)
         assert (found.grid, found.dimension, found.bytes) == (grid, dimension, needed)
-        assert (found.seconds, found.steps) == (2 * planning.SMOOTH_CONVOLUTIONS, 1)
+        assert (found.seconds, found.steps) == (2 * search.SMOOTH_CONVOLUTIONS, 1)
         assert any("this machine has" in said for said in found.warnings) == (not fits)
     with pytest.raises(cs.InvalidInput, match=r"^plan\.period is 0\.0006: leave it out"):
         cs.plan(line_contact.scene, grid=grid, period=6e-4)

@@ -11,7 +11,8 @@ import pytest
 import contactstudy as cs
 from contactstudy.accuracy.expected_error import Edges, ErrorParts, Metric
 from contactstudy.accuracy.truncation import expected_truncation
-from contactstudy.planning.plan import SHARE, GridForecast
+from contactstudy.planning.grid_search import GridForecast
+from contactstudy.planning.plan import SHARE
 from studies.advice import recommendation
 from studies.advice.recommendation import (
     ACROSS,

@@ -136,11 +136,9 @@ def error_estimate(
         return ErrorEstimate(
             no_bound, no_bound, no_bound, no_bound, (f"No bound: {solution.status}",)
         )
-    peak_truncation, l1_truncation = 0.0, 0.0
+    peak_images, l1_images = 0.0, 0.0
     if problem.source is None or not problem.source.ends_along:
-        peak_truncation, l1_truncation = truncation(
-            solution.pressure, problem.grid, problem.paddings
-        )
+        peak_images, l1_images = truncation(solution.pressure, problem.grid, problem.paddings)
     peak_residual, l1_residual = _residual(solution)
     cells = _cells(solution, coarse, confidence)
     if reason := _thin_coat_warning(problem):
@@ -151,10 +149,10 @@ def error_estimate(
             warnings=(*cells.warnings, reason),
         )
     return ErrorEstimate(
-        ErrorParts(peak_truncation, cells.peak_pressure, peak_residual),
-        ErrorParts(l1_truncation, cells.l1, l1_residual),
-        ErrorParts(l1_truncation, cells.contact_area, l1_residual),
-        ErrorParts(GAP_IMAGES * l1_truncation, cells.mean_gap, l1_residual),
+        ErrorParts(peak_images, cells.peak_pressure, peak_residual),
+        ErrorParts(l1_images, cells.l1, l1_residual),
+        ErrorParts(l1_images, cells.contact_area, l1_residual),
+        ErrorParts(GAP_IMAGES * l1_images, cells.mean_gap, l1_residual),
         (*cells.warnings, *filter(None, (implausible(solution),))),
     )
 
@@ -220,8 +218,8 @@ def _cells(solution: Solution, coarse: Solution | None, confidence: float) -> _C
     smooth = regular and inside.corner <= SHARP
     if smooth and hidden_ratio <= RESOLVED:
         l1_by_change = min(l1_by_change, L1_RESOLVED * l1)
-    peak_is_bounded = smooth and hidden_ratio <= RESOLVED / 2
-    if peak_is_bounded:
+    bounded = smooth and hidden_ratio <= RESOLVED / 2
+    if bounded:
         peak_by_change = min(peak_by_change, (1 + PEAK_RESOLVED * hidden_ratio) * peak)
     estimate = _Cells(
         0.0 if yields else max(peak, peak_by_change) + inside.rise + inside.kink,
@@ -232,9 +230,7 @@ def _cells(solution: Solution, coarse: Solution | None, confidence: float) -> _C
         max(GAP_CHANGE * changes.mean_gap, GAP_EDGES / 2 * l1),
     )
     return _with_area_warning(
-        _unbounded(
-            estimate, problem, inside, changes, sharp_end=sharp_end, exact=yields or peak_is_bounded
-        )
+        _unbounded(estimate, problem, inside, changes, sharp_end=sharp_end, exact=yields or bounded)
     )
 
 

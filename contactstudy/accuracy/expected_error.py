@@ -90,21 +90,17 @@ class Contact:
             Tolerance of the solver.
         """
         cell = grid.cell[0] / self.half_width
-        truncation = expected_truncation(self.half_width, grid, padding)
+        images = expected_truncation(self.half_width, grid, padding)
         # where a window is centred on the domain the edge is not straight along the length
         resolved = 2 / cell >= RESOLVED and padding.wraps
         if metric is Metric.PEAK_PRESSURE:
-            parts = truncation.peak_pressure, PEAK * cell**2, PEAK_LEFT
+            parts = images.peak_pressure, PEAK * cell**2, PEAK_LEFT
         elif metric is Metric.HALF_WIDTH:
-            parts = (
-                truncation.half_width,
-                HALF_WIDTH * cell**3 if resolved else cell,
-                HALF_WIDTH_LEFT,
-            )
+            parts = images.half_width, HALF_WIDTH * cell**3 if resolved else cell, HALF_WIDTH_LEFT
         elif edges is Edges.CORRECTED and resolved:
-            parts = truncation.l1, CORRECTED * cell**2, CORRECTED_LEFT
+            parts = images.l1, CORRECTED * cell**2, CORRECTED_LEFT
         else:
-            parts = truncation.l1, smooth_l1(cell), L1_LEFT
+            parts = images.l1, smooth_l1(cell), L1_LEFT
         residual = parts[2] * tolerance if tolerance <= SETTLED * cell**1.5 else inf
         return ErrorParts(parts[0], parts[1], residual)
 

@@ -202,9 +202,7 @@ def _cubic(extended: Array, place: float) -> Array:
     nodes = range(-1, 3) if place > 0 else range(-2, 2)
     total = np.zeros((count, *extended.shape[1:]))
     for node in nodes:
-        weight = prod(
-            (place - neighbour) / (node - neighbour) for neighbour in nodes if neighbour != node
-        )
+        weight = prod((place - near) / (node - near) for near in nodes if near != node)
         total += weight * extended[2 + node : 2 + node + count]
     return total
 

@@ -243,19 +243,17 @@ class March:
         weights = Counter(self.weights)
         for contribution in contributions:
             weights.update(contribution.compliance)
-        local_compliance = sum(contribution.local_compliance for contribution in contributions)
-        problem = self._with(weights, local_compliance, step.loads[1], self.problem)
+        local = sum(contribution.local_compliance for contribution in contributions)
+        problem = self._with(weights, local, step.loads[1], self.problem)
         source = self.problem.source
         if source is not None:
-            source = StepSource(
-                source, partial(self._with, weights, local_compliance, step.loads[1])
-            )
+            source = StepSource(source, partial(self._with, weights, local, step.loads[1]))
         return replace(problem, undeformed_gap=self._gap(contributions), source=source)
 
     def _with(
         self,
         weights: Mapping[Coefficients, float],
-        local_compliance: float,
+        local: float,
         load: float,
         problem: Problem,
     ) -> Problem:
@@ -265,7 +263,7 @@ class March:
         ----------
         weights
             Weights [1/Pa] of the influence coefficients in the step.
-        own
+        local
             Displacement of a cell over its own pressure [m/Pa], added to the operator.
         load
             Load [N/m] at the end of the step.
@@ -276,7 +274,7 @@ class March:
         softer = sum(weights.values()) / sum(self.weights.values())
         return replace(
             problem,
-            operator=self._operator(problem, weights, local_compliance),
+            operator=self._operator(problem, weights, local),
             resultant=PrescribedLoad(load * grid.period / grid.cell_area),
             scales=self._scales(load, softer) if load else problem.scales,
         )
@@ -296,18 +294,15 @@ class March:
         return gap
 
     def _operator(
-        self, problem: Problem, weights: Mapping[Coefficients, float], local_compliance: float
+        self, problem: Problem, weights: Mapping[Coefficients, float], local: float
     ) -> Convolution:
         """Return the operator of a step, made from operators that exist already."""
         operator = problem.operator
         assert isinstance(operator, Convolution)
         if weights == self.weights:
-            return combined([(1.0, operator)], local_compliance) if local_compliance else operator
+            return combined([(1.0, operator)], local) if local else operator
         units = self._units if problem is self.problem else self._units_of(problem)
-        return combined(
-            ((weight, units[coefficients]) for coefficients, weight in weights.items()),
-            local_compliance,
-        )
+        return combined(((weight, units[kind]) for kind, weight in weights.items()), local)
 
     @cached_property
     def _units(self) -> Mapping[Coefficients, Convolution]:
@@ -378,10 +373,8 @@ class StepSource:
 
     def gap_without_scales(self, grid: Grid) -> Array:
         """Return the gap [m] on ``grid`` of the shapes that name no scales."""
-        gap_of: Callable[[Grid], Array] = getattr(
-            self.source, "gap_without_scales", self.source.gap
-        )
-        return gap_of(grid)
+        gap: Callable[[Grid], Array] = getattr(self.source, "gap_without_scales", self.source.gap)
+        return gap(grid)
 
     def problem(self, grid: Grid) -> Problem:
         """Return the problem of the step on ``grid``."""

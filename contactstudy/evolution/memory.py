@@ -282,20 +282,18 @@ class WearMemory:
     def _shares(self, step: Step) -> tuple[float, float]:
         """Return depth over pressure [m/Pa] worn in the step by the pressure at its start and by that at its end."""
         (first, last), mean, explicit = step.loads, step.mean_load, step.explicit
-        depth_per_pressure = self.rate * step.duration
+        depth = self.rate * step.duration
         carried = explicit * first + (1 - explicit) * last
         if carried >= mean:
             scale = mean / carried if carried else 0.0
-            return depth_per_pressure * explicit * scale, depth_per_pressure * (
-                1 - explicit
-            ) * scale
+            return depth * explicit * scale, depth * (1 - explicit) * scale
         if last == 0:
-            return depth_per_pressure * (mean / first if first else 0.0), 0.0
+            return depth * (mean / first if first else 0.0), 0.0
 
         # at most half of the implicit share becomes explicit, so that the step stays stable
         additional = min((mean - carried) / first, (1 - explicit) / 2) if first else 0.0
         explicit += additional
-        return depth_per_pressure * explicit, depth_per_pressure * (mean - explicit * first) / last
+        return depth * explicit, depth * (mean - explicit * first) / last
 
 
 def explicit_limit(rate: float, contact_modulus: float, cell: float) -> float:

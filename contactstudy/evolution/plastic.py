@@ -279,20 +279,18 @@ class PlasticMemory:
             cells = "time", f"z{suffix}", "x", "y"
             components = "time", "component", *cells[1:]
             down = {"axis": "Z", "positive": "down"}
-            convention = "tension positive, mean over a cell"
+            sign = "tension positive, mean over a cell"
             fields |= {
                 f"plastic_strain{suffix}": Field(components, tensors, "1", "plastic strain"),
                 f"equivalent_plastic_strain{suffix}": Field(
                     cells, np.stack(equivalents), "1", "equivalent plastic strain"
                 ),
-                f"stress{suffix}": Field(
-                    components, total, "Pa", f"stress, {convention}", NEAR_EDGE
-                ),
+                f"stress{suffix}": Field(components, total, "Pa", f"stress, {sign}", NEAR_EDGE),
                 f"residual_stress{suffix}": Field(
                     components,
                     residual,
                     "Pa",
-                    f"stress without the pressure, {convention}",
+                    f"stress without the pressure, {sign}",
                     NEAR_EDGE,
                 ),
                 f"z{suffix}": Field((f"z{suffix}",), volume.depths, "m", "depth of a layer", down),
@@ -385,7 +383,7 @@ def step_solution(settled: Settled, tolerance: float) -> Solution:
 
     Parameters
     ----------
-    found
+    settled
         Contact and plastic strain, settled together.
     tolerance
         Largest residual with which they count as converged.

@@ -179,6 +179,6 @@ class StepControl:
         return min(max(AIM * longer, SHRINK), GROW)
 
     def stricter(self, excessive_error: float) -> "StepControl":
-        """Return the control of the next march, after one whose error `found` is above the allowed one."""
+        """Return the control of the next march, after one whose error is above the allowed one."""
         shorter = min(AIM * self.error / excessive_error, 0.7) ** (ORDER / (ORDER - 1))
         return StepControl(self.error, self.adds * shorter)

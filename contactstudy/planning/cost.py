@@ -172,9 +172,7 @@ def sample_timings(grid: Grid, padding: Padding | Paddings) -> tuple[Timing, ...
     counted: tuple[Padding, ...] = (along,)
     if isinstance(along, Superposition | CircularSuperposition):
         counted = tuple(replace(along, images=images) for images in SAMPLE_IMAGES)
-    problems = (
-        partial(scene.problem, padding=(across, counted_padding)) for counted_padding in counted
-    )
+    problems = (partial(scene.problem, padding=(across, each_padding)) for each_padding in counted)
     return tuple(timed(problem, sample, 10.0**-DIGITS)[1] for problem in problems)
 
 

@@ -129,29 +129,23 @@ def plan(
     if own_points:
         grid = needs.grid_of_points(period)
     if grid is None:
-        requested_error = error or DEFAULT_ERROR
-        grid_forecast = reaching(scene, needs, requested_error, period, limit)
-        grid = grid_forecast.grid
+        target = error or DEFAULT_ERROR
+        prediction = reaching(scene, needs, target, period, limit)
+        grid = prediction.grid
     else:
-        requested_error = inf
-        grid_forecast = expected(scene, needs, affordable(grid, padding, limit))
-    expected_error = grid_forecast.error_of(grid.cell)
+        target = inf
+        prediction = expected(scene, needs, affordable(grid, padding, limit))
+    predicted = prediction.error_of(grid.cell)
     return Plan(
         grid=grid,
         padding=padding,
         dimension=1 if grid.cells[1] == 1 else 2,
-        error=expected_error,
-        seconds=grid_forecast.seconds / times_faster(grid, padding, on),
+        error=predicted,
+        seconds=prediction.seconds / times_faster(grid, padding, on),
         bytes=memory(grid, padding),
         period_check=needs.period_check(grid.period),
-        reasons=(
-            *needs.reasons(grid, expected_error),
-            *_reasons(grid_forecast, own_points=own_points),
-        ),
-        warnings=(
-            *needs.warnings(grid),
-            *_warnings(needs, grid_forecast, grid, limit, error=requested_error),
-        ),
+        reasons=(*needs.reasons(grid, predicted), *_reasons(prediction, own_points=own_points)),
+        warnings=(*needs.warnings(grid), *_warnings(needs, prediction, grid, limit, error=target)),
         on=on,
     )
 
@@ -211,10 +205,10 @@ def _plan_in_time(
 
 
 def _warnings(
-    needs: Needs, grid_forecast: GridForecast, grid: Grid, limit: float, *, error: float
+    needs: Needs, prediction: GridForecast, grid: Grid, limit: float, *, error: float
 ) -> Iterator[str]:
     """Yield a sentence for each reason why the grid does not reach the requested `error`."""
-    if grid_forecast.cut_off:
+    if prediction.cut_off:
         remedy = "give a width of "
         width = WIDER * grid.extent[0]
         if width > needs.widest:
@@ -229,9 +223,9 @@ def _warnings(
             f"Grid.cells is {grid.cells}: a solve needs {needed / 1e9:.3g} GB, and this machine has "
             f"{limit / SHARE / 1e9:.3g} GB, give fewer cells."
         )
-    expected_error = grid_forecast.error_of(grid.cell)
-    if error < expected_error < inf:
-        finer = grid_forecast.grid_for(error)
+    predicted = prediction.error_of(grid.cell)
+    if error < predicted < inf:
+        finer = prediction.grid_for(error)
         bytes_of_finer = memory(finer, needs.padding())
         reason = (
             f"that takes {finer.cells[0]} x {finer.cells[1]} cells and {bytes_of_finer / 1e9:.3g} GB, and this "
@@ -239,9 +233,9 @@ def _warnings(
             if bytes_of_finer > limit
             else "the error of this surface falls slowly"
         )
-        yield f"plan.error is {error:.2g}: this grid reaches {expected_error:.2g}; {reason}."
-    if grid_forecast.message:
-        yield grid_forecast.message
+        yield f"plan.error is {error:.2g}: this grid reaches {predicted:.2g}; {reason}."
+    if prediction.message:
+        yield prediction.message
 
 
 def _plan_of_film(

@@ -74,24 +74,22 @@ class ForecastModel:
         everything = [row for rows in by_mode.values() for row in rows if _has_cells(row[0])]
         groups: dict[tuple[str, ...], list[int]] = defaultdict(list)
         described = [_described(tree) for tree in trees]
-        for position, (mode, numbers) in enumerate(described):
+        for index, (mode, numbers) in enumerate(described):
             if mode in by_mode:
-                groups[mode,].append(position)
+                groups[mode,].append(index)
             elif _has_cells(numbers):
                 # a new mode is predicted from all others that have the same numbers
-                groups["", *sorted(numbers)].append(position)
+                groups["", *sorted(numbers)].append(index)
         estimates: list[Estimate | None] = [None] * len(trees)
         for (mode, *_), places in groups.items():
             rows = by_mode.get(mode) or everything
             if not rows:
                 continue
-            means, deviations = _fitted(
-                rows[-MOST:], [described[position][1] for position in places]
-            )
-            for position, mean, deviation in zip(places, means, deviations, strict=True):
-                logarithm = mean + _work(quantity, described[position][1])
+            means, deviations = _fitted(rows[-MOST:], [described[index][1] for index in places])
+            for index, mean, deviation in zip(places, means, deviations, strict=True):
+                logarithm = mean + _work(quantity, described[index][1])
                 spread = 2 * np.hypot(deviation, 0.0 if mode in by_mode else UNLIKE)
-                estimates[position] = Estimate(
+                estimates[index] = Estimate(
                     exp(np.clip(logarithm, -LARGEST, LARGEST)), exp(min(spread, LARGEST))
                 )
         return estimates
@@ -272,30 +270,22 @@ def forecast(
     predictions = dict(
         zip(names, costs.predict("case", [trees[name] for name in names]), strict=True)
     )
-    known_seconds = {
-        name: estimate for name, estimate in predictions.items() if estimate is not None
-    }
+    predicted = {name: part for name, part in predictions.items() if part is not None}
     timings, timed_share = _sample(list(timed))
     parts: list[Estimate] = []
-    is_known = len(known_seconds) == len(names)
+    is_known = len(predicted) == len(names)
     for quantity in ("setup", "solve"):
         times = costs.predict(quantity, [timed[name][0] for name in timings])
-        for name, estimate in zip(timings, times, strict=True):
-            if estimate is not None:
+        for name, part in zip(timings, times, strict=True):
+            if part is not None:
                 repeats = timed[name][1]
-                parts.append(Estimate(timed_share * repeats * estimate.value, estimate.factor))
+                parts.append(Estimate(timed_share * repeats * part.value, part.factor))
     if not is_known:
-        return Forecast(len(trees), None, None, None, known_seconds)
+        return Forecast(len(trees), None, None, None, predicted)
     sizes = costs.predict("bytes", [trees[name] for name in names])
-    size = total(
-        Estimate(share * estimate.value, estimate.factor)
-        for estimate in sizes
-        if estimate is not None
-    )
-    seconds = total(
-        Estimate(share * estimate.value, estimate.factor) for estimate in known_seconds.values()
-    )
-    return Forecast(len(trees), seconds, total(parts), size, known_seconds)
+    size = total(Estimate(share * part.value, part.factor) for part in sizes if part is not None)
+    seconds = total(Estimate(share * part.value, part.factor) for part in predicted.values())
+    return Forecast(len(trees), seconds, total(parts), size, predicted)
 
 
 def _sample(names: list[str]) -> tuple[list[str], float]:

@@ -70,12 +70,10 @@ def place_of(error: BaseException, *others: str) -> str:
         Empty where there is no such place.
     """
     frames = traceback.extract_tb(error.__traceback__, limit=-50)
-    own_frames = [
-        frame for frame in frames if not frame.filename.startswith((*_libraries(), *others))
-    ]
-    if not own_frames:
+    study = [frame for frame in frames if not frame.filename.startswith((*_libraries(), *others))]
+    if not study:
         return ""
-    place = own_frames[-1]
+    place = study[-1]
     return one_line(f" in {place.name} ({Path(place.filename).name}, line {place.lineno})", 300)
 
 

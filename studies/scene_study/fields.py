@@ -171,16 +171,13 @@ def _names(value: Any) -> list[str]:
     return names
 
 
-def _entry(annotation: Any, number: int) -> Any:
+def _entry(kind: Any, number: int) -> Any:
     """Return the type of one entry of a tuple, which may be one of several types."""
-    for option in (
-        annotation,
-        *(get_args(annotation) if get_origin(annotation) in (Union, UnionType) else ()),
-    ):
+    for option in (kind, *(get_args(kind) if get_origin(kind) in (Union, UnionType) else ())):
         if get_origin(option) is tuple:
             entries = get_args(option)
             return entries[0] if entries[-1] is ... else entries[number]
-    return annotation
+    return kind
 
 
 def replaced(value: Any, path: Sequence[str], new: object) -> Any:

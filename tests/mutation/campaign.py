@@ -118,11 +118,10 @@ def _compiled_copy(folder: Path) -> Path:
         "--collect-only",
         "-n",
         "0",
-        "--whole",
         "-p",
         "no:cacheprovider",
     ]
-    environment = os.environ | {"PYTHONPATH": str(folder)}
+    environment = os.environ | {"PYTHONPATH": str(folder), "TESTS": "whole"}
     subprocess.run(command, cwd=folder, env=environment, stdout=subprocess.DEVNULL)
     return folder
 

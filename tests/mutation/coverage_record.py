@@ -40,12 +40,15 @@ class CoverageRecord:
             "-q",
             "-n",
             str(jobs),
-            "--whole",
             "-p",
             "no:cacheprovider",
         ]
         measured = ["--cov=contactstudy", "--cov=studies", "--cov-context=test", "--cov-report="]
-        environment = os.environ | {"PYTHONPATH": str(copy), "COVERAGE_FILE": str(self._lines)}
+        environment = os.environ | {
+            "PYTHONPATH": str(copy),
+            "COVERAGE_FILE": str(self._lines),
+            "TESTS": "whole",
+        }
         subprocess.run(
             [*command, *measured, f"--junitxml={self._outcomes}"], cwd=copy, env=environment
         )

@@ -19,7 +19,7 @@ NUMBERS: dict[str, dict[str, tuple[float, ...]]] = {
         "cut_off": (2.0,),
         "share": (0.2,),
         "threads": (1, 2),
-        "grid": (128, 256, 512),
+        "grid": (32, 64, 128, 256, 512),
     },
     "roughness": {
         "rms": (0.0, 0.03, 0.1, 0.3),

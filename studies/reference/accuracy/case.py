@@ -51,13 +51,13 @@ class Finer:
         problem = source.problem(grid)
         if self.padding != case.padding:
             problem = case.scene.problem(grid, self.padding)
-        found = cs.solve(problem, tolerance=self.tolerance)
-        blocks = found.pressure.reshape(nx, kx, ny, ky).mean(axis=(1, 3))
+        solution = cs.solve(problem, tolerance=self.tolerance)
+        blocks = solution.pressure.reshape(nx, kx, ny, ky).mean(axis=(1, 3))
         return Truth(
             blocks,
-            float(found.pressure.max()),
-            float((found.pressure > 0).mean()),
-            float(found.gap.mean()),
+            float(solution.pressure.max()),
+            float((solution.pressure > 0).mean()),
+            float(solution.gap.mean()),
         )
 
 

@@ -1,4 +1,4 @@
-"""Waves, grooves and dimples on the cylinder, against the same scene on a much finer grid."""
+"""The matrix of accuracy cases: textures, roughness, rollers and bumps against much finer grids, and all by name."""
 
 import itertools
 from collections.abc import Iterator
@@ -193,8 +193,8 @@ def measured() -> Iterator[AccuracyCase]:
                 yield AccuracyCase("measured surface", scene(surface), grid, EXACT, FINER)
     for seed in (3, 4):
         grid = cs.Grid((80, 40), (80 * POINT, 40 * POINT))
-        given = cs.MeasuredSurface(ground((80, 40), seed) * 0.1 * FLATTENED)
-        yield AccuracyCase("measured surface", scene(given), grid, EXACT, FINER)
+        surface = cs.MeasuredSurface(ground((80, 40), seed) * 0.1 * FLATTENED)
+        yield AccuracyCase("measured surface", scene(surface), grid, EXACT, FINER)
 
 
 @dataclass(frozen=True)
@@ -287,9 +287,9 @@ BUILDERS = (
 @cache
 def matrix() -> dict[str, AccuracyCase]:
     """Return all cases by their name, a kind and a number."""
-    found: dict[str, AccuracyCase] = {}
+    cases: dict[str, AccuracyCase] = {}
     for build in BUILDERS:
         for case in build():
-            number = sum(one.kind == case.kind for one in found.values())
-            found[f"{case.kind} {number}"] = case
-    return found
+            number = sum(known.kind == case.kind for known in cases.values())
+            cases[f"{case.kind} {number}"] = case
+    return cases

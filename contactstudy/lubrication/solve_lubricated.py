@@ -154,7 +154,8 @@ def solve_lubricated(
         films = contact.error.central_film, contact.error.minimum_film
         inlet = max(parts.inlet for parts in films)
         cells = max(parts.discretisation for parts in films)
-        if grid is not None or inlet + cells <= error:
+        finest = fitting.cells[0] == MOST_CELLS
+        if grid is not None or finest or inlet + cells <= error:
             break
         longer *= min(max(1.0, sqrt(2 * inlet / error)), 2.0)
         finer *= min(max(1.0, sqrt(2.5 * cells / error)), 2.0)

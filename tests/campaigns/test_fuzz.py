@@ -246,6 +246,7 @@ def mangled(text: str, rng: random.Random, odd: list[str]) -> str:
     return "\n".join(lines)
 
 
+@pytest.mark.whole
 def test_no_scene_file_ends_in_a_traceback() -> None:
     rng = random.Random(12)
     scenes = [

@@ -36,6 +36,7 @@ def test_signs_factors_indices_comparisons_and_extremes_are_changed_and_words_ar
     ]
 
 
+@pytest.mark.whole
 def test_a_hundred_changes_are_the_same_each_time_spread_over_modules_and_valid() -> None:
     found = chosen(ROOT, 100, seed=1)
     assert found == chosen(ROOT, 100, seed=1)

@@ -34,6 +34,7 @@ def ramp(speed: float, duration: float) -> Callable[[float], float]:
 WAVES = ((100, 10, 0.5, 48, 400, 0.4398), (100, 5, 0.5, 48, 400, 0.337))
 
 
+@pytest.mark.whole
 @pytest.mark.parametrize(("load", "viscosity", "wave", "per_wave", "cells", "expected"), WAVES)
 def test_a_wave_that_passes_is_reduced_as_known(
     load: float, viscosity: float, wave: float, per_wave: int, cells: int, expected: float
@@ -90,6 +91,7 @@ def test_a_load_that_grows_squeezes_the_film_to_that_of_the_larger_load() -> Non
     assert carried == pytest.approx(2e5, rel=1e-5)
 
 
+@pytest.mark.whole
 def test_smaller_errors_take_more_steps_and_agree() -> None:
     smooth = rolling(20, 5)
     height = 0.2 * cs.solve_lubricated(smooth, grid(160, 4.0)).central_film

@@ -37,6 +37,7 @@ def test_the_film_is_that_of_graded_cells(
         assert in_moes_units(contact, film) == pytest.approx(expected, rel=bound)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("cells", [100, 200])
 def test_every_operating_point_converges_from_a_cold_start(cells: int) -> None:
     for load in (1, 10, 100, 1000):
@@ -46,6 +47,7 @@ def test_every_operating_point_converges_from_a_cold_start(cells: int) -> None:
             assert contact.flux_spread < 1e-6, (load, viscosity)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(
     ("load", "speed", "central", "smallest", "friction"),
     [
@@ -71,6 +73,7 @@ def test_steel_in_mineral_oil_has_the_film_and_friction_of_the_reference(
     assert contact.friction == pytest.approx(friction, rel=2 * error.friction.total, abs=5e-5)
 
 
+@pytest.mark.whole
 def test_the_error_that_is_asked_for_is_reached() -> None:
     scene = by_moes(20, 5)
     contact = cs.solve_lubricated(scene, error=5e-3)
@@ -195,6 +198,7 @@ def test_a_softer_coat_lowers_the_peak_and_keeps_the_flow() -> None:
     assert soft.flux_spread < 1e-6
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("viscosity", [0, 5])
 def test_slower_films_go_over_into_the_dry_contact(viscosity: float) -> None:
     cells = grid(400, 3.0)
@@ -210,6 +214,7 @@ def test_slower_films_go_over_into_the_dry_contact(viscosity: float) -> None:
         assert thin < thick / 4
 
 
+@pytest.mark.whole
 def test_where_a_cold_start_fails_the_film_comes_down_from_higher_speeds() -> None:
     contact = cs.solve_lubricated(by_moes(1e5, 0), grid(200, 3.0))
     assert contact.status is cs.FilmStatus.FILM_BELOW_CELL

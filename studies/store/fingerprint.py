@@ -67,6 +67,7 @@ def study_fingerprint(study: Study, kinds: Iterable[type]) -> dict[str, str]:
         arguments = text(canonical((measures.args, measures.keywords)))
         hashes["arguments"] = _hash(hashes.get("arguments", ""), arguments)
         measures = measures.func
+    hashes["measures"] = _function(measures)
     _add_module(getattr(measures, "__module__", None) or type(measures).__module__, hashes)
     for name in study.files:
         try:
@@ -81,6 +82,21 @@ def study_fingerprint(study: Study, kinds: Iterable[type]) -> dict[str, str]:
     return hashes | {
         f"{OF_CASES}{name}": all_hashes[name] for name in all_hashes.keys() - hashes.keys()
     }
+
+
+def _function(function: object) -> str:
+    """Return what tells a function from the others of its module: its name, defaults, and what it closes over."""
+    named = function if hasattr(function, "__qualname__") else type(function)
+    values = [getattr(function, "__defaults__", None), getattr(function, "__kwdefaults__", None)]
+    with suppress(ValueError):  # a name that is not bound yet
+        values += [cell.cell_contents for cell in getattr(function, "__closure__", None) or ()]
+    constants = []
+    for value in values:
+        with suppress(InvalidInput):
+            constants.append(text(canonical(value)))
+    if "<lambda>" in named.__qualname__:  # which have their places alone
+        constants.append(str(getattr(getattr(function, "__code__", None), "co_firstlineno", 0)))
+    return f"{named.__module__}.{named.__qualname__} {_hash(*constants)}"
 
 
 def agree(stored: Mapping[str, str], now: Mapping[str, str]) -> bool:

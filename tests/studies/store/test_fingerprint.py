@@ -3,7 +3,7 @@
 import re
 import shutil
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -169,7 +169,7 @@ def test_an_edit_of_a_module_is_noticed_wherever_it_is_imported(how: str, tmp_pa
 @pytest.mark.parametrize(
     ("old", "new"),
     [
-        ("return ()", "return (1,)"),
+        ("return ()", "shown = 1\n    return (shown,)"),
         ("(1, 2, 3)", "(1, 2, 3, 4)"),
         ('times = "none"', 'times = "taken"'),
         ("A study.", "A study, otherwise called."),
@@ -191,6 +191,22 @@ def test_a_constant_counts_by_its_value_wherever_it_comes_from(
         monkeypatch.setenv("OF_STUDY", value)
         contexts.append(context(tmp_path / "one.py", text))
     assert not agree(*contexts)
+
+
+def test_another_function_of_the_same_module_counts(tmp_path: Path) -> None:
+    text = f"{HEAD}def f(r): return r\n{MEASURES}def other(case, r): return {{'s': -r}}\n"
+    path = tmp_path / "one.py"
+    path.write_text(text)
+    study = load(str(path))
+    module = sys.modules[study.measures.__module__]
+    other = replace(study, measures=module.other)
+    assert not agree(Request.of(study).context, Request.of(other).context)
+
+    def made(factor: float) -> Callable[[object, float], dict[str, float]]:
+        return lambda case, result: {"s": factor * result}
+
+    one, two = (Request.of(replace(study, measures=made(k))).context for k in (1.0, 2.0))
+    assert not agree(one, two)
 
 
 def test_files_that_a_study_names_count(tmp_path: Path) -> None:

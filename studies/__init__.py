@@ -9,7 +9,7 @@ if _TYPE_CHECKING:
     from studies.engine.options import RunOptions
     from studies.engine.run import run
     from studies.model.axis import Axis
-    from studies.model.case import Case, Operator, error_estimates
+    from studies.model.case import Case, OperatorCase, error_estimates
     from studies.model.drawing import CaptionedFigure, Drawing, Finding, Table
     from studies.model.study import Study
     from studies.registry import load
@@ -22,7 +22,7 @@ _PUBLIC = {
     "Case": "studies.model.case",
     "Drawing": "studies.model.drawing",
     "Finding": "studies.model.drawing",
-    "Operator": "studies.model.case",
+    "OperatorCase": "studies.model.case",
     "RunOptions": "studies.engine.options",
     "Study": "studies.model.study",
     "Table": "studies.model.drawing",
@@ -39,7 +39,7 @@ __all__ = [
     "Case",
     "Drawing",
     "Finding",
-    "Operator",
+    "OperatorCase",
     "RunOptions",
     "Study",
     "Table",

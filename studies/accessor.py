@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Order:
+class ConvergenceOrder:
     """``|error| ~ axis ** -order``, with the standard error of the fit and the number of points in it."""
 
     order: float
@@ -53,7 +53,7 @@ class StudyAccessor:
             .rename("cost")
         )
 
-    def order(self, error: str, axis: str, **at: object) -> Order:
+    def order(self, error: str, axis: str, **at: object) -> ConvergenceOrder:
         """The order of convergence of ``error`` along a numeric ``axis``, at one value of the others.
 
         Least squares through the logarithms; points where the error is zero or missing are left out.
@@ -70,7 +70,7 @@ class StudyAccessor:
                 f"order of {error!r} has {int(is_there.sum())} points along {axis!r}: give three or more."
             )
         slope, deviation = _slope(np.log(x[is_there].astype(float)), np.log(y[is_there]))
-        return Order(-slope, deviation, int(is_there.sum()))
+        return ConvergenceOrder(-slope, deviation, int(is_there.sum()))
 
     def pareto(self, error: str, cost: str | xr.DataArray | None = None) -> "pd.DataFrame":
         """The settings that none beats in both, cheapest first, with their cost and error."""

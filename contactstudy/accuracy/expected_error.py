@@ -66,7 +66,7 @@ SETTLED = 1e-3
 
 
 @dataclass(frozen=True)
-class Contact:
+class HertzianContact:
     """A smooth line contact with the half-width `half_width` [m]."""
 
     half_width: float

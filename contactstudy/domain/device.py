@@ -20,7 +20,7 @@ Field = Any
 Scalar = Any
 
 
-class Transforms(Protocol):
+class FourierTransforms(Protocol):
     """Extension of the array API standard for Fourier transforms."""
 
     def rfft(self, x: Field, /, *, n: int, axis: int) -> Field: ...
@@ -37,7 +37,7 @@ class Namespace(Protocol):
     float64: Any
 
     @property
-    def fft(self) -> Transforms: ...
+    def fft(self) -> FourierTransforms: ...
 
     def abs(self, x: Field, /) -> Array: ...
     def all(self, x: Field, /) -> Scalar: ...

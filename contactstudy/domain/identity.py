@@ -21,7 +21,7 @@ DEFAULTS = "="
 
 
 @dataclass(eq=False)
-class Memory:
+class IdentityRecord:
     """Record of the cases of one request: dataclasses that they share, and classes by their names."""
 
     records: dict[int, tuple[object, Tree]] = field(default_factory=dict)
@@ -38,14 +38,14 @@ class Memory:
         return name
 
 
-def canonical(value: object, memory: Memory | None = None) -> Tree:
+def canonical(value: object, memory: IdentityRecord | None = None) -> Tree:
     """Return ``value`` as a tree that no other value has: exact numbers with their types, dataclasses by their fields.
 
     A number is written with all its digits; text in quotes; 1, 1.0, True, "1" and numpy's 1 are five values, and so
     are 0.0 and -0.0. Fields that a dataclass does not compare are left out. Raises
     :class:`~contactstudy.InvalidInput` for what has no value of its own, such as an object known by its address.
     """
-    memory = memory or Memory()
+    memory = memory or IdentityRecord()
     if is_dataclass(value) and not isinstance(value, type):
         if id(value) not in memory.records:
             memory.records[id(value)] = value, _record(value, memory)
@@ -81,7 +81,7 @@ def canonical(value: object, memory: Memory | None = None) -> Tree:
     return {"": memory.name(type(value)), "is": items}
 
 
-def _record(value: Any, memory: Memory) -> Tree:
+def _record(value: Any, memory: IdentityRecord) -> Tree:
     """Return the tree of a dataclass, with the fields at their defaults apart."""
     tree: dict[str, Tree] = {"": memory.name(type(value))}
     defaults: dict[str, Tree] = {}

@@ -32,7 +32,7 @@ ROUNDINGS = 100
 LONGEST = 4.0
 
 
-class ApproximateInverse:
+class SpectralInverse:
     """Division by a spectrum on the unpadded grid, as if it were periodic: a preconditioner.
 
     The mean over the grid is mapped to zero. Source: Vollebregt (2014), eq. 20, there on the padded grid and with zeros
@@ -76,7 +76,7 @@ class ApproximateInverse:
         """Number of cells transformed from an extended displacement to its pressure."""
         return float(self._cells[0] * self._cells[1])
 
-    def extension(self, contact: Array) -> "Extension | BlockExtension":
+    def extension(self, contact: Array) -> "SmoothedExtension | BlockExtension":
         """Return the map from the displacement of a `contact` (x, y) to that of all cells."""
         if self._coarser is not None:
             return BlockExtension(contact, self._coarser)
@@ -84,7 +84,7 @@ class ApproximateInverse:
         if width != self._smoothing[0]:
             stretch = width * np.pi / self._stiffest
             self._smoothing = width, (1 + stretch * self._inverse) ** -0.5
-        return Extension(contact, self._smoothed)
+        return SmoothedExtension(contact, self._smoothed)
 
     def pressure(self, displacement: Array) -> Array:
         """Return the pressure on all cells that makes a `displacement` (x, y) of all cells, both periodic."""
@@ -95,7 +95,7 @@ class ApproximateInverse:
         extension = self.extension(contact)
         return extension.transposed(self.pressure(extension(displacement)))
 
-    def _on_blocks(self, spectrum: Array) -> "ApproximateInverse | None":
+    def _on_blocks(self, spectrum: Array) -> "SpectralInverse | None":
         """Return the same map on blocks of 2 x 2 cells, or None where they are elongated or too few to pay."""
         nx, ny = self._cells
         if compiled_loops(self._cells) is None or nx % 4 or ny % 4:
@@ -104,7 +104,7 @@ class ApproximateInverse:
         if not 1 / LONGEST < elongation < LONGEST:
             return None
         low = np.concatenate([spectrum[: nx // 4, :], spectrum[nx - nx // 4 :, :]])
-        return ApproximateInverse(
+        return SpectralInverse(
             low[:, : ny // 4 + 1].copy(), (nx // 2, ny // 2), self._work_array, self.real
         )
 
@@ -117,7 +117,7 @@ class ApproximateInverse:
         return transforms().filtered(field, factors, self._work_array(self._cells, self.real))
 
 
-class Extension:
+class SmoothedExtension:
     """Linear map from displacements of the cells in contact to displacements of all cells.
 
     `contact` (x, y) is 1 in the contact and 0 elsewhere; `smoothed` is a symmetric map with a positive kernel.
@@ -169,7 +169,7 @@ class BlockExtension:
     A block belongs to the contact by the share of its cells that do. Blocks wrap round the grid.
     """
 
-    def __init__(self, contact: Array, coarser: ApproximateInverse) -> None:
+    def __init__(self, contact: Array, coarser: SpectralInverse) -> None:
         self._contact = contact
         self._loops = compiled_loops(contact.shape)
         self._block_contact = self._means(contact)

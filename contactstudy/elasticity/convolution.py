@@ -14,7 +14,7 @@ from contactstudy.domain.device import Cpu, Precision, arrays, device
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Padding, Paddings, across_and_along
-from contactstudy.elasticity.approximate_inverse import ApproximateInverse, sampled
+from contactstudy.elasticity.approximate_inverse import SpectralInverse, sampled
 from contactstudy.elasticity.coefficients import Coefficients, Displacement, kernel
 from contactstudy.elasticity.transforms import Waves, scale, transforms
 
@@ -137,14 +137,14 @@ class Convolution:
         spectrum = xp.astype(spectrum, self.spectrum.dtype, copy=False)
         return Convolution(spectrum, cells, (px // across, py // along))
 
-    def approximate_inverse(self, precision: Precision | None = None) -> ApproximateInverse:
+    def approximate_inverse(self, precision: Precision | None = None) -> SpectralInverse:
         """Return a preconditioner: division by the spectrum on the unpadded grid, as if it were periodic.
 
         It works in the operator's own precision, unless another `precision` is given and can hold the spectrum's range.
         """
         spectrum = sampled(self.spectrum, self.cells, self.padded)
         real = spectrum.dtype if precision is None else precision.real
-        return ApproximateInverse(spectrum, self.cells, self.work_array, real)
+        return SpectralInverse(spectrum, self.cells, self.work_array, real)
 
 
 def convolution(

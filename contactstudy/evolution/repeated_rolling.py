@@ -18,8 +18,8 @@ from contactstudy.elasticity.eigenstrain.volume import Volume
 from contactstudy.evolution.march import worst
 from contactstudy.evolution.plastic import YieldingBody, embedded, layers, step_solution
 from contactstudy.evolution.track import (
-    Contact,
-    Profile,
+    DepthProfile,
+    LowerableContact,
     RollingPressure,
     Track,
     no_contact,
@@ -61,7 +61,7 @@ class RollingPass:
         Iterations of Newton's method in all steps.
     """
 
-    profile: Profile
+    profile: DepthProfile
     distance: float
     solution: Solution
     status: Status
@@ -188,7 +188,7 @@ class RepeatedRolling:
         dataset: xr.Dataset = presentation("RepeatedRolling.to_dataset")(self)
         return dataset
 
-    def _per_pass(self, part: Callable[[Profile], Array]) -> Array:
+    def _per_pass(self, part: Callable[[DepthProfile], Array]) -> Array:
         layers = len(self.depths)
         return np.stack([part(each_pass.profile.deeper(layers)) for each_pass in self.passes])
 
@@ -196,11 +196,11 @@ class RepeatedRolling:
         return np.diff(kept, axis=0, prepend=np.zeros_like(kept[:1]))
 
 
-def _strain(profile: Profile) -> Array:
+def _strain(profile: DepthProfile) -> Array:
     return profile.strain
 
 
-def _equivalent(profile: Profile) -> Array:
+def _equivalent(profile: DepthProfile) -> Array:
     return profile.equivalent
 
 
@@ -319,7 +319,7 @@ class _Rolling:
         Largest change of plastic strain that counts as steady.
     """
 
-    contact: Contact
+    contact: LowerableContact
     tolerance: float
     length: float
     lag: int

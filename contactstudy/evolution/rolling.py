@@ -23,7 +23,7 @@ from contactstudy.scene.bodies import response, sudden
 from contactstudy.scene.inelastic import ViscoelasticHalfSpace
 from contactstudy.scene.load import ConstantLoad
 from contactstudy.scene.scene import PosedScene, Scene
-from contactstudy.solvers.lagged import Settled, solve_lagged
+from contactstudy.solvers.lagged import LaggedSolution, solve_lagged
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from contactstudy.solvers.solution import Solution
 from contactstudy.solvers.solve import SolveOptions, Solver
@@ -49,7 +49,7 @@ class SteadyRolling:
         Solves the same scene on another grid.
     """
 
-    settled: Settled
+    settled: LaggedSolution
     odd: Mapping[Coefficients, float]
     solve_on: "Callable[[Grid], SteadyRolling]"
 

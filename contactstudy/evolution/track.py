@@ -26,7 +26,7 @@ class RollingPressure(Enum):
     ELASTIC = "that of the elastic contact, whatever yields, as Merwin & Johnson (1963) assume"
 
 
-class Contact(Protocol):
+class LowerableContact(Protocol):
     """A contact solved over a surface that may be lowered."""
 
     def __call__(self, lift: Array) -> Solution:
@@ -60,7 +60,9 @@ class FixedContact:
         """Return None, since the pressure does not change."""
 
 
-def rolling_contact(problem: Problem, options: SolveOptions, kind: RollingPressure) -> Contact:
+def rolling_contact(
+    problem: Problem, options: SolveOptions, kind: RollingPressure
+) -> LowerableContact:
     """Return the contact that rolls, with the elastic `problem` as its first solution.
 
     Parameters
@@ -84,7 +86,7 @@ def no_contact(problem: Problem) -> FixedContact:
 
 
 @dataclass(frozen=True, eq=False)
-class Profile:
+class DepthProfile:
     """Plastic strain over depth that is the same along x.
 
     Attributes
@@ -98,9 +100,9 @@ class Profile:
     strain: Array
     equivalent: Array
 
-    def deeper(self, layers: int) -> "Profile":
+    def deeper(self, layers: int) -> "DepthProfile":
         """Return the profile with `layers` layers in all; the added ones have not yielded."""
-        return Profile(
+        return DepthProfile(
             with_zero_layers(self.strain, layers), with_zero_layers(self.equivalent, layers)
         )
 
@@ -137,14 +139,14 @@ class Track:
     strain: Array
     equivalent: Array
     behind: Array
-    front: Profile
+    front: DepthProfile
 
     @classmethod
     def fresh(cls, operator: PlaneStrainOperator, hardening: Hardening) -> "Track":
         """Return a track that has not yielded."""
         cells = operator.volume.shape
         strain, equivalent = np.zeros((len(operator.basis), *cells)), np.zeros(cells)
-        profile = Profile(strain[:, :, 0, 0], equivalent[:, 0, 0])
+        profile = DepthProfile(strain[:, :, 0, 0], equivalent[:, 0, 0])
         return cls(HalfLines(operator), hardening, strain, equivalent, profile.strain, profile)
 
     @property
@@ -153,9 +155,9 @@ class Track:
         return self.surroundings.operator
 
     @property
-    def rear(self) -> Profile:
+    def rear(self) -> DepthProfile:
         """Profile at the left edge of the window, which leaves it in the next step."""
-        return Profile(self.strain[:, :, 0, 0], self.equivalent[:, 0, 0])
+        return DepthProfile(self.strain[:, :, 0, 0], self.equivalent[:, 0, 0])
 
     def rolled(self, share: float) -> "Track":
         """Return the track after the contact has rolled by one cell.
@@ -170,7 +172,9 @@ class Track:
         behind = self.behind + share * (self.rear.strain - self.behind)
         return replace(self, strain=strain, equivalent=equivalent, behind=behind)
 
-    def settled(self, contact: Contact, tolerance: float, length: float) -> tuple["Track", Settled]:
+    def settled(
+        self, contact: LowerableContact, tolerance: float, length: float
+    ) -> tuple["Track", Settled]:
         """Solve a step: the contact, and the plastic strain below it.
 
         Layers are added while the last one yields.
@@ -233,6 +237,6 @@ class Track:
         return self.operator.tensor_of_strain(self.strain) + around
 
 
-def _lowered_twice(contact: Contact, lowered: Array, lift: Array) -> Solution:
+def _lowered_twice(contact: LowerableContact, lowered: Array, lift: Array) -> Solution:
     """Return a contact over a surface lowered by the sum of two fields (x, y) [m]."""
     return contact(lowered + lift)

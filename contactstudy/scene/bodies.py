@@ -141,12 +141,12 @@ class Inelastic(Protocol):
 class Particular(Protocol):
     """Body that not every scene can have."""
 
-    def check(self, scene: "Surroundings") -> None:
+    def check(self, scene: "BodyContext") -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the body is not defined in this scene."""
         ...
 
 
-class Surroundings(Protocol):
+class BodyContext(Protocol):
     """Properties of a scene that decide whether a body can be in it."""
 
     @property

@@ -34,7 +34,7 @@ class Load(Protocol):
         ...
 
 
-class Contact(Protocol):
+class FrictionContact(Protocol):
     """Properties of a scene that a friction law reads."""
 
     @property
@@ -72,17 +72,17 @@ class Contact(Protocol):
 class Friction(Protocol):
     """Friction law, as a value in ``Scene.friction``."""
 
-    def check(self, scene: Contact) -> None:
+    def check(self, scene: FrictionContact) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the law is not defined in this scene."""
         ...
 
     def law(
-        self, scene: Contact, gap: Array, grid: Grid, paddings: Paddings, datum: float
+        self, scene: FrictionContact, gap: Array, grid: Grid, paddings: Paddings, datum: float
     ) -> FrictionLaw:
         """Return the law for this scene on a grid."""
         ...
 
-    def said(self, scene: Contact, *, varies: bool, paddings: Paddings) -> str:
+    def said(self, scene: FrictionContact, *, varies: bool, paddings: Paddings) -> str:
         """Return a sentence on how shear is solved and why; `varies`: whether the gap varies along the length."""
         ...
 
@@ -110,13 +110,13 @@ class Sliding:
     def __post_init__(self) -> None:
         set_fields(self, coefficient=_coefficient("Sliding", self.coefficient, zero=True))
 
-    def check(self, scene: Contact) -> None:
+    def check(self, scene: FrictionContact) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the coupling of these bodies is not known."""
         _check_still(scene, "Sliding")
         dundurs(scene.solids)
 
     def law(
-        self, scene: Contact, gap: Array, grid: Grid, paddings: Paddings, datum: float
+        self, scene: FrictionContact, gap: Array, grid: Grid, paddings: Paddings, datum: float
     ) -> FullSliding:
         """Return the law for this scene on a grid, with the coupling of shear and normal displacement."""
         beta = dundurs(scene.solids)
@@ -127,7 +127,7 @@ class Sliding:
         coupling = Correlated(field.spectrum * weight, field.cells, field.padded)
         return FullSliding(self.coefficient, coupling)
 
-    def said(self, scene: Contact, *, varies: bool, paddings: Paddings) -> str:
+    def said(self, scene: FrictionContact, *, varies: bool, paddings: Paddings) -> str:
         """Return a sentence on the solves: one if the bodies are alike in shear, else a sequence of them."""
         beta = dundurs(scene.solids)
         if abs(beta) <= ALIKE or self.coefficient == 0:
@@ -175,7 +175,7 @@ class PartialSlip:
             tangential=finite("PartialSlip.tangential", self.tangential, remedy),
         )
 
-    def check(self, scene: Contact) -> None:
+    def check(self, scene: FrictionContact) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if part of the contact cannot stick, or is not known to."""
         _check_still(scene, "PartialSlip")
         if scene.hardness != inf:
@@ -202,7 +202,7 @@ class PartialSlip:
             )
 
     def law(
-        self, scene: Contact, gap: Array, grid: Grid, paddings: Paddings, datum: float
+        self, scene: FrictionContact, gap: Array, grid: Grid, paddings: Paddings, datum: float
     ) -> Superposed | CoulombDisks:
         """Return superposition where it is exact for this gap, else the problem of two components."""
         share = self.tangential / (self.coefficient * scene.load.largest)
@@ -216,7 +216,7 @@ class PartialSlip:
         response = shear_response(bodies, grid, paddings, datum)
         return CoulombDisks(self.coefficient, share, response)
 
-    def said(self, scene: Contact, *, varies: bool, paddings: Paddings) -> str:
+    def said(self, scene: FrictionContact, *, varies: bool, paddings: Paddings) -> str:
         """Return a sentence on the solves: two normal contacts where they are exact, else two components of shear."""
         if self.superposes(scene, varies=varies, paddings=paddings):
             return (
@@ -229,7 +229,7 @@ class PartialSlip:
         )
 
     @staticmethod
-    def superposes(scene: Contact, *, varies: bool, paddings: Paddings) -> bool:
+    def superposes(scene: FrictionContact, *, varies: bool, paddings: Paddings) -> bool:
         """Return whether two normal contacts make up the shear exactly."""
         elastic = [
             solid
@@ -277,7 +277,7 @@ def _coefficient(name: str, value: object, *, zero: bool) -> float:
     return number if number == 0 else in_range(field, number, remedy)
 
 
-def _check_still(scene: Contact, name: str) -> None:
+def _check_still(scene: FrictionContact, name: str) -> None:
     if (changing := scene.changing) is not None:
         raise InvalidInput(
             f"{changing} changes in time beside {name}: shear in a contact that changes is not defined here, "

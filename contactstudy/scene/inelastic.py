@@ -16,10 +16,10 @@ from contactstudy.domain.units import Number, Pascals, Seconds
 from contactstudy.elasticity.coefficients import Coefficients, Displacement
 from contactstudy.elasticity.viscoelastic import Creep, creep
 from contactstudy.scene.bodies import (
+    BodyContext,
     HalfSpace,
     Inelastic,
     Layered,
-    Surroundings,
     poisson_ratio,
 )
 
@@ -175,7 +175,7 @@ class ElasticPlasticHalfSpace:
         """True if some finite load makes the body yield."""
         return self.yield_stress < math.inf
 
-    def check(self, scene: Surroundings) -> None:
+    def check(self, scene: BodyContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` for an effect that is not defined beside plastic strain."""
         if not self.yields:
             return

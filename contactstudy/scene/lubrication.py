@@ -22,10 +22,10 @@ from contactstudy.domain.units import (
     PascalSeconds,
     PressureViscosity,
 )
-from contactstudy.scene.bodies import Surroundings
+from contactstudy.scene.bodies import BodyContext
 
 
-class Flooded(Surroundings, Protocol):
+class Flooded(BodyContext, Protocol):
     """The fields of a scene that bear on whether a film is known."""
 
     @property

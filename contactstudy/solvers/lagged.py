@@ -16,7 +16,7 @@ DEPTH, FINER = 8, 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class Settled:
+class LaggedSolution:
     """Solution whose gap holds the lagged part of its own pressure.
 
     Parameters
@@ -45,7 +45,7 @@ def solve_lagged(
     *,
     change: float = 1e-6,
     max_passes: int = 100,
-) -> Settled:
+) -> LaggedSolution:
     """Solve a problem with a displacement that follows from its own pressure and is lagged into the gap.
 
     Each pass solves with the lagged part of a mixture of the pressures before, until a pass changes the pressure by less
@@ -86,16 +86,16 @@ def solve_lagged(
         convolutions += solution.convolutions
         start = solution.pressure
         if lagged is None:
-            return Settled(solution, 0.0, passes, iterations, convolutions)
+            return LaggedSolution(solution, 0.0, passes, iterations, convolutions)
         if not np.isfinite(solution.residual):
-            return Settled(solution, np.inf, passes, iterations, convolutions)
+            return LaggedSolution(solution, np.inf, passes, iterations, convolutions)
         step = solution.pressure - guess
         last_change = float(np.abs(step).sum() / solution.pressure.sum())
         settled = last_change <= change and solution.residual <= options.tolerance
         if settled or passes == max_passes:
             if not settled:
                 solution = replace(solution, status=Status.ITERATION_LIMIT)
-            return Settled(solution, last_change, passes, iterations, convolutions)
+            return LaggedSolution(solution, last_change, passes, iterations, convolutions)
         mixed, steps = [*mixed[-DEPTH:], guess], [*steps[-DEPTH:], step]
         guess = _mixed(mixed, steps)
 

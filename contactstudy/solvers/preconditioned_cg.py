@@ -14,7 +14,7 @@ from contactstudy.solvers.polonsky_keer import PolonskyKeer
 
 
 @dataclass(frozen=True)
-class Step:
+class PressureStep:
     """Step of the pressure, the displacement it made, and their inner product `curvature`."""
 
     step: Array
@@ -70,8 +70,8 @@ def trial_along(
     gap: Gap,
     closing: Array,
     cells: Array,
-    last: Step | None,
-    conjugate_to: Step | None,
+    last: PressureStep | None,
+    conjugate_to: PressureStep | None,
     step_length: float,
 ) -> tuple[Array, bool]:
     """Return the pressure (x, y) one step ahead, and whether a limit cuts it.
@@ -88,7 +88,7 @@ def trial_along(
 
 
 def _direction(
-    passes: Passes, height: Array, closing: Array, cells: Array, last: Step | None
+    passes: Passes, height: Array, closing: Array, cells: Array, last: PressureStep | None
 ) -> tuple[float, float]:
     """Return what to add to the direction against `closing`: a constant, and a multiple of the last step."""
     if last is None or last.curvature <= 0:
@@ -205,7 +205,7 @@ class PreconditionedCG:
         displacement = operator(pressure)
         work += 1
         gap: Gap | None = None
-        last: Step | None = None
+        last: PressureStep | None = None
         step_length = 1.0
         cut = False
         compliance = operator.self_compliance
@@ -248,7 +248,7 @@ class PreconditionedCG:
                 meets = best > 1 and passes.meets_a_limit(trial, pressure, best)
                 share = 1.0 if meets else best
             passes.advance(trial, pressure, trial_displacement, displacement, share)
-            last = Step(pressure, displacement, curvature * share**2)
+            last = PressureStep(pressure, displacement, curvature * share**2)
             pressure, displacement = trial, trial_displacement
             del trial, trial_displacement  # or they would stand beside the next ones
             step_length = min(max(step_length * min(max(best, 0.3), 3.0), SHORTEST), LONGEST)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from math import inf, isfinite, prod
 
 import contactstudy as cs
-from contactstudy.accuracy.expected_error import L1_LEFT, Contact, Edges, ErrorParts, Metric
+from contactstudy.accuracy.expected_error import L1_LEFT, Edges, ErrorParts, HertzianContact, Metric
 from contactstudy.accuracy.truncation import expected_truncation
 from contactstudy.domain.checks import positive
 from contactstudy.domain.memory import available_bytes
@@ -170,7 +170,7 @@ class SmoothContact:
     ) -> ErrorParts:
         """Return an upper estimate of the error of a setting, by cause."""
         assert not isinstance(padding, tuple)
-        contact = Contact(self.half_width)
+        contact = HertzianContact(self.half_width)
         return contact.error(limits.metric, edges, grid, padding, tolerance)
 
 

@@ -17,7 +17,7 @@ import contactstudy as cs
 from studies.model.plain_text import thread_count
 
 if TYPE_CHECKING:
-    from studies.cli.solving import Outcome
+    from studies.cli.solving import SceneOutcome
 
 SCENE = click.argument("scene", type=click.Path(path_type=Path))
 THREADS = click.option(
@@ -180,7 +180,7 @@ def _surfaces(described: cs.SceneFile) -> list[str]:
     ]
 
 
-def _stored(outcome: Outcome, path: Path) -> list[Path]:
+def _stored(outcome: SceneOutcome, path: Path) -> list[Path]:
     """Write the dataset and its picture; return the files."""
     from contactstudy.domain.files import replacing
     from studies.store.netcdf import write
@@ -200,7 +200,7 @@ def _stored(outcome: Outcome, path: Path) -> list[Path]:
 
 
 def _print(
-    scene: Path, outcome: Outcome, seconds: float, files: list[Path], *, as_json: bool
+    scene: Path, outcome: SceneOutcome, seconds: float, files: list[Path], *, as_json: bool
 ) -> None:
     """Print the numbers first, then status, time, notes and files; or all of it as one JSON object."""
     from contactstudy.io.summary import as_json as in_si

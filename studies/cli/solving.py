@@ -29,7 +29,7 @@ RESIDUAL_BAR = "{desc} {percentage:3.0f} %|{bar}| {postfix} [{elapsed}]"
 
 
 @dataclass(frozen=True)
-class Outcome:
+class SceneOutcome:
     """Result of a scene: status, numbers to print, notes, the dataset to store and its picture.
 
     ``done`` is called when the dataset is stored.
@@ -43,7 +43,7 @@ class Outcome:
     done: Callable[[], object] = bool
 
 
-class Progress:
+class SolveProgress:
     """Residual on its way to the tolerance, and the latest pressure, dimensionless."""
 
     def __init__(self, tolerance: float, bar: tqdm[None]) -> None:
@@ -68,12 +68,12 @@ class Progress:
 
 
 @contextmanager
-def progress(name: str, tolerance: float) -> Iterator[Progress]:
+def progress(name: str, tolerance: float) -> Iterator[SolveProgress]:
     """Show a bar in a terminal, and nothing elsewhere."""
     with tqdm(
         total=100, desc=name, bar_format=RESIDUAL_BAR, disable=None, leave=False, delay=1
     ) as bar:
-        yield Progress(tolerance, bar)
+        yield SolveProgress(tolerance, bar)
 
 
 def still(
@@ -84,7 +84,7 @@ def still(
     *,
     start: Path | None,
     on: cs.Cpu | cs.Gpu,
-) -> Outcome:
+) -> SceneOutcome:
     """Solve a scene that neither changes nor rolls; a solve that is stopped leaves its pressure in the folder."""
     from contactstudy.solvers.solve import Watched
 
@@ -107,7 +107,7 @@ def still(
     return _of_solution(solution)
 
 
-def rolled(described: cs.SceneFile, planned: cs.Plan | None) -> Outcome:
+def rolled(described: cs.SceneFile, planned: cs.Plan | None) -> SceneOutcome:
     """Solve a scene that rolls steadily."""
     from contactstudy.io.summary import rolling_quantities
 
@@ -118,7 +118,7 @@ def rolled(described: cs.SceneFile, planned: cs.Plan | None) -> Outcome:
     return replace(outcome, notes=[note, *outcome.notes])
 
 
-def flooded(described: cs.SceneFile, planned: cs.Plan | None) -> Outcome:
+def flooded(described: cs.SceneFile, planned: cs.Plan | None) -> SceneOutcome:
     """Solve a lubricated scene."""
     from contactstudy.io.summary import film_quantities
 
@@ -127,12 +127,12 @@ def flooded(described: cs.SceneFile, planned: cs.Plan | None) -> Outcome:
     notes = [f"{nx} x {ny} cells, {contact.iterations} iterations, residual {contact.residual:.1e}"]
     if contact.error is not None and contact.error.reason:
         notes.append(f"warning: {contact.error.reason}")
-    return Outcome(
+    return SceneOutcome(
         contact.status, film_quantities(contact), notes, contact.to_dataset(), contact.plot
     )
 
 
-def _of_solution(solution: cs.Solution, others: list[Quantity] | None = None) -> Outcome:
+def _of_solution(solution: cs.Solution, others: list[Quantity] | None = None) -> SceneOutcome:
     """Return the outcome of a solution, with the numbers of `others` in its dataset."""
     from contactstudy.io.dataset import with_numbers
     from contactstudy.io.pictures.contact import picture
@@ -157,12 +157,12 @@ def _of_solution(solution: cs.Solution, others: list[Quantity] | None = None) ->
         *(f"warning: {warning}" for warning in estimate.warnings),
     ]
     finite = np.isfinite(solution.pressure).all()
-    return Outcome(
+    return SceneOutcome(
         solution.status, numbers, notes, dataset, (lambda: picture(dataset)) if finite else None
     )
 
 
-def _keep_stopped(seen: Progress, problem: cs.Problem, path: Path) -> Path:
+def _keep_stopped(seen: SolveProgress, problem: cs.Problem, path: Path) -> Path:
     """Write the latest pressure [Pa] of a solve that was stopped."""
     import xarray as xr
 
@@ -194,7 +194,9 @@ def pressure_in(path: Path) -> Array:
     return np.asarray(dataset["pressure"].values, dtype=np.float64)
 
 
-def marched(described: cs.SceneFile, planned: cs.Plan | None, scene: Path, folder: Path) -> Outcome:
+def marched(
+    described: cs.SceneFile, planned: cs.Plan | None, scene: Path, folder: Path
+) -> SceneOutcome:
     """March through a scene that changes in time.
 
     Frames are kept in a folder until the outcome is stored, so that a command that was stopped goes on from there.
@@ -214,7 +216,7 @@ def marched(described: cs.SceneFile, planned: cs.Plan | None, scene: Path, folde
     dataset = evolution.to_dataset()
     summary = evolution.summary().splitlines()[1:]
     cells = f"{evolution.grid.cells[0]} x {evolution.grid.cells[1]} cells"
-    return Outcome(
+    return SceneOutcome(
         evolution.status,
         march_quantities(evolution),
         [cells, *(line.strip() for line in summary if "at the end" not in line)],

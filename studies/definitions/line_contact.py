@@ -8,7 +8,7 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.domain.padding import across_and_along
 from contactstudy.elasticity.coefficients import Displacement, kernel
-from studies.model.case import Case, Operator, number
+from studies.model.case import Case, OperatorCase, number
 from studies.model.study import Point, Study
 from studies.reference.line_contact import HERTZ, axes, measures, scene_at
 
@@ -46,13 +46,13 @@ grid = Study(
 )
 
 
-def operator_at(point: Point) -> Operator:
+def operator_at(point: Point) -> OperatorCase:
     """Return the operator of the sweeps' line contact, to be built and applied once."""
     case = scene_at(point)
-    return Operator(case.scene.contact_modulus, case.grid, case.padding, HERTZ.half_width)
+    return OperatorCase(case.scene.contact_modulus, case.grid, case.padding, HERTZ.half_width)
 
 
-def kernel_error(case: Operator, result: cs.Convolution) -> Mapping[str, xr.Variable]:
+def kernel_error(case: OperatorCase, result: cs.Convolution) -> Mapping[str, xr.Variable]:
     """Return the largest error of a coefficient that the convolution uses, without a rigid shift of all.
 
     In units of ``2 dx dy / L``, the weight of the logarithm: so it is the error of that logarithm.

@@ -49,7 +49,7 @@ ERRORS = {
 
 
 @dataclass(frozen=True)
-class Comparison:
+class PaddingComparison:
     """A surface with exact periodicity, and the number of images of the paddings held against it."""
 
     exact: Case
@@ -68,7 +68,7 @@ class Comparison:
         return self.exact.record(result)
 
 
-def scene_at(point: Point) -> Comparison:
+def scene_at(point: Point) -> PaddingComparison:
     """Return the sweeps' cylinder with a rough surface on it; with zero rms, all other choices are one case."""
     rms = non_negative("rms", point["rms"], "give an rms height of 0 or more")
     cells = whole("grid", point["grid"], 2, "give at least 2 cells across the width")
@@ -89,10 +89,10 @@ def scene_at(point: Point) -> Comparison:
         padding=cs.ExactPeriodicity(),
     )
     images = whole("images", point["images"], 0, "give a whole number of periods from 0 on")
-    return Comparison(case, images)
+    return PaddingComparison(case, images)
 
 
-def measures(case: Comparison, solution: cs.Solution) -> Mapping[str, xr.Variable]:
+def measures(case: PaddingComparison, solution: cs.Solution) -> Mapping[str, xr.Variable]:
     """Return the answer with every padding, and its error against the exact one on this surface and grid."""
     exact = case.exact
     flat = replace(exact, scene=SCENE, grid=replace(exact.grid, cells=(exact.grid.cells[0], 1)))

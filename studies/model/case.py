@@ -132,7 +132,7 @@ class EvolutionCase:
 
 
 @dataclass(frozen=True)
-class Operator:
+class OperatorCase:
     """A convolution that is set up, then applied once.
 
     Parameters

@@ -28,7 +28,7 @@ OF_FILE = ("file", "turn", "window")
 
 
 @dataclass(frozen=True)
-class Field:
+class SceneField:
     """Field of a scene file.
 
     Attributes
@@ -76,7 +76,7 @@ def document_of(described: SceneFile) -> Document:
     return Document(**(of_scene | beside), plan=described.plan_settings, solve=described.settings)
 
 
-def find(document: Document, name: str) -> Field:
+def find(document: Document, name: str) -> SceneField:
     """Return the field with the name `name`.
 
     Parameters
@@ -119,7 +119,7 @@ def _example(document: Document) -> str:
     return _names(document.shapes[0])[0] if document.shapes else "radius"
 
 
-def _at(document: Document, path: Path) -> Field:
+def _at(document: Document, path: Path) -> SceneField:
     """Return the field at a path; raise InvalidInput where the path leads nowhere."""
     value: Any = document
     kind: Any = Document
@@ -155,7 +155,7 @@ def _at(document: Document, path: Path) -> Field:
             raise InvalidInput(
                 f"Field {'.'.join(path)!r} goes beyond {before}, which is {value!r}: give {before}."
             )
-    return Field(path, kind)
+    return SceneField(path, kind)
 
 
 def _is_of_file(value: object, part: str) -> bool:

@@ -15,7 +15,7 @@ from contactstudy import InvalidInput, MeasuredSurface, Window
 from contactstudy.io.scene_file import KINDS, Document, Turn
 from contactstudy.io.structuring import structured
 from studies.model.axis import NUMBER, Axis, Value, check_count, values_between
-from studies.scene_study.fields import Field, document_of, find, replaced, without_none
+from studies.scene_study.fields import SceneField, document_of, find, replaced, without_none
 
 QUANTITY = re.compile(rf"({NUMBER})\s*(.*)")
 RANGE = re.compile(
@@ -152,11 +152,11 @@ class Variation:
     """
 
     axis: Axis
-    changes: tuple[tuple[Field, Mapping[Value, Any]], ...]
+    changes: tuple[tuple[SceneField, Mapping[Value, Any]], ...]
     notes: tuple[str, ...] = ()
 
     @property
-    def field(self) -> Field:
+    def field(self) -> SceneField:
         """Field that names the axis."""
         return self.changes[0][0]
 
@@ -274,7 +274,7 @@ def _listed(name: str, given: object) -> list[object]:
     return raw
 
 
-def _made(field: Field, raw: object) -> Any:
+def _made(field: SceneField, raw: object) -> Any:
     """Return a value as the type that stands at `field`."""
     if is_dataclass(raw) or (isinstance(raw, tuple) and raw and is_dataclass(raw[0])):
         return raw  # already made in Python; the scene checks it
@@ -322,7 +322,7 @@ def _snapped(value: Value) -> float:
     return float(f"{float(value):.15g}")
 
 
-def _axis(document: Document, field: Field, values: tuple[Value, ...]) -> Axis:
+def _axis(document: Document, field: SceneField, values: tuple[Value, ...]) -> Axis:
     """Return the axis of a field, with its long name and unit."""
     units = field.unit.replace("N/m", "N m-1") or "1"
     return Axis(
@@ -330,7 +330,7 @@ def _axis(document: Document, field: Field, values: tuple[Value, ...]) -> Axis:
     )
 
 
-def _long_name(document: Document, field: Field) -> str:
+def _long_name(document: Document, field: SceneField) -> str:
     """Return the long name of a field, such as "rms of Roughness"."""
     owner: Any = document
     for part in field.path[:-1]:
@@ -365,10 +365,10 @@ def _only_surface(document: Document, what: str) -> str:
 
 
 def _surfaces(
-    document: Document, given: object, folder: Path, field: Field | None = None
+    document: Document, given: object, folder: Path, field: SceneField | None = None
 ) -> Variation:
     """Return an axis of measured surfaces: files by name or pattern, topographies, or arrays with sizes."""
-    field = field or Field(("shapes", _only_surface(document, "surfaces"), "file"), str)
+    field = field or SceneField(("shapes", _only_surface(document, "surfaces"), "file"), str)
     present = document.shapes[int(field.path[1])]
     assert isinstance(present, MeasuredSurface)
     items = given.split(",") if isinstance(given, str) else given
@@ -437,7 +437,7 @@ def _surface(item: Any, present: MeasuredSurface) -> MeasuredSurface:
 
 def _windows(document: Document, given: object) -> Variation:
     """Return equal windows of a surface as an axis, such as ``2x6`` across and along."""
-    field = Field(("shapes", _only_surface(document, "windows"), "window"), Window)
+    field = SceneField(("shapes", _only_surface(document, "windows"), "window"), Window)
     text = (
         given
         if isinstance(given, str)

@@ -14,7 +14,7 @@ from contactstudy import InvalidInput
 from contactstudy.domain.files import open_descriptor, read_at, reason, replacing
 from studies.model.outcome import Outcome, Sample
 from studies.store.journal_lines import START, VariableTypes, decoded, encoded, short_hash
-from studies.store.records import FORMAT, ODD, CaseIdentity, Contents, Source
+from studies.store.records import FORMAT, ODD, CaseIdentity, Contents, RecordFile
 
 # Seconds after which lines are synced to the disk, which takes 0.3 ms; shorter cases are synced together.
 TOGETHER = 0.05
@@ -230,7 +230,7 @@ class Journal:
     def _read(self) -> None:
         """Read the journal from the start."""
         self._close()
-        self._source = Source(-1, VariableTypes())
+        self._source = RecordFile(-1, VariableTypes())
         self.contents = Contents(self._context, self._machine, self._source)
         self._descriptor, self._end = -1, 0
         self._damaged: list[tuple[int, int]] = []

@@ -65,7 +65,7 @@ class Record:
     tree_hash: int
     start: int
     size: int
-    source: "Source"
+    source: "RecordFile"
 
     @property
     def identity(self) -> CaseIdentity:
@@ -99,7 +99,7 @@ class Record:
 
 
 @dataclass(eq=False)
-class Source:
+class RecordFile:
     """The open file that records are read from, and the types of its variables."""
 
     descriptor: int
@@ -153,7 +153,7 @@ class Contents:
 
     context: Mapping[str, str] | None
     machine: str
-    source: Source
+    source: RecordFile
     records: dict[str, Record] = field(default_factory=dict)
     other_records: dict[str, Record] = field(default_factory=dict)
     samples: dict[str, list[Sample]] = field(default_factory=dict)

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from contactstudy import InvalidInput
-from contactstudy.domain.identity import Memory, canonical, key
+from contactstudy.domain.identity import IdentityRecord, canonical, key
 from studies.model.case import Computation
 from studies.model.outcome import RESERVED_NAMES
 from studies.model.plain_text import one_line
@@ -47,7 +47,7 @@ class Request:
             raise InvalidInput(
                 f"Study {study.name!r} has the axes {sorted(reserved)}: these names are taken, choose others."
             )
-        memory = Memory()
+        memory = IdentityRecord()
         keys, cases, identities = [], {}, {}
         for point, case in study.visits():
             if not all(hasattr(case, part) for part in ("prepare", "run", "record")):

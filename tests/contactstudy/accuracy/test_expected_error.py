@@ -7,7 +7,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.accuracy.contact_edge import corrected_pressure, half_widths
-from contactstudy.accuracy.expected_error import Contact, Edges, Metric, l1_factor
+from contactstudy.accuracy.expected_error import Edges, HertzianContact, Metric, l1_factor
 from tests.conftest import LineContact
 
 ASKED = [
@@ -46,7 +46,7 @@ def test_wherever_the_edge_falls_the_error_is_below_the_expected(
             problem = line_contact.scene.problem(grid, cs.ExactPeriodicity())
             solution = cs.solve(problem, tolerance=tolerance)
             for asked, error in found(line_contact, solution).items():
-                expected = Contact(line_contact.hertz.half_width).error(
+                expected = HertzianContact(line_contact.hertz.half_width).error(
                     *asked, grid, cs.ExactPeriodicity(), tolerance
                 )
                 worst[asked] = max(worst[asked], error / expected.total)
@@ -68,7 +68,9 @@ def test_what_a_window_leaves_out_is_expected(period: float, line_contact: LineC
     ):
         solution = cs.solve(line_contact.scene.problem(grid, padding), tolerance=1e-7)
         for asked, error in found(line_contact, solution).items():
-            expected = Contact(line_contact.hertz.half_width).error(*asked, grid, padding, 1e-7)
+            expected = HertzianContact(line_contact.hertz.half_width).error(
+                *asked, grid, padding, 1e-7
+            )
             assert error <= expected.total, (padding, asked)
             # the leading term of windows well beyond the contact, where it outweighs the cells' share
             far = padding.reach(period) > 2 and expected.truncation > 20 * expected.discretisation
@@ -82,7 +84,7 @@ def test_the_l1_law_is_that_of_the_edges(line_contact: LineContact) -> None:
 
 
 def test_where_no_law_holds_no_error_is_promised(line_contact: LineContact) -> None:
-    contact, exact = Contact(line_contact.hertz.half_width), cs.ExactPeriodicity()
+    contact, exact = HertzianContact(line_contact.hertz.half_width), cs.ExactPeriodicity()
     grid = line_contact.grid(64, 2.4)
     free = contact.error(Metric.L1, Edges.AS_SOLVED, grid, cs.ZeroPadding(), 1e-8)
     assert free.truncation == inf

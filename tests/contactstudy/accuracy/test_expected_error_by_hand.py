@@ -6,10 +6,10 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.accuracy.contact_edge import worst_edge_error
-from contactstudy.accuracy.expected_error import Contact, Edges, Metric, smooth_l1
+from contactstudy.accuracy.expected_error import Edges, HertzianContact, Metric, smooth_l1
 
 # A half-width of 2, cells of a tenth of it.
-CONTACT, GRID, EXACT = Contact(2.0), cs.Grid((24, 24), (4.8, 4.8)), cs.ExactPeriodicity()
+CONTACT, GRID, EXACT = HertzianContact(2.0), cs.Grid((24, 24), (4.8, 4.8)), cs.ExactPeriodicity()
 
 
 def parts(

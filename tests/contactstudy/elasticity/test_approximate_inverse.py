@@ -7,8 +7,8 @@ from contactstudy.domain.device import using
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.approximate_inverse import (
     LONGEST,
-    ApproximateInverse,
     BlockExtension,
+    SpectralInverse,
     hole_width,
     sampled,
 )
@@ -29,7 +29,7 @@ def island(shape: tuple[int, int], share: float = 0.3) -> Array:
     return contact
 
 
-def inverse(shape: tuple[int, int], elongation: float) -> ApproximateInverse:
+def inverse(shape: tuple[int, int], elongation: float) -> SpectralInverse:
     """On a grid of cells so many times as long as wide, periodic along both axes."""
     both = cs.ExactPeriodicity(), cs.ExactPeriodicity()
     extent = shape[0] * 1.0, shape[1] * elongation

@@ -9,7 +9,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 from contactstudy.evolution.repeated_rolling import RepeatedRolling, RollingPass
-from contactstudy.evolution.track import Profile, Track, with_zero_layers
+from contactstudy.evolution.track import DepthProfile, Track, with_zero_layers
 
 GRID = cs.Grid((4, 1), (4.0, 1.0))
 # an orthonormal basis: xx against zz, yy against the others, and the shear xz
@@ -22,12 +22,12 @@ BASIS = np.array(
 )
 
 
-def left(*strains: tuple[float, float, float], equivalent: tuple[float, ...]) -> Profile:
+def left(*strains: tuple[float, float, float], equivalent: tuple[float, ...]) -> DepthProfile:
     """Of layers with these components in the basis."""
-    return Profile(np.array(strains).T, np.array(equivalent))
+    return DepthProfile(np.array(strains).T, np.array(equivalent))
 
 
-def one(profile: Profile, peak: float, status: cs.Status = cs.Status.CONVERGED) -> RollingPass:
+def one(profile: DepthProfile, peak: float, status: cs.Status = cs.Status.CONVERGED) -> RollingPass:
     solution: Any = SimpleNamespace(pressure=np.array([[0.0], [peak], [peak / 2], [0.0]]))
     return RollingPass(profile, 5.0, solution, status, 10, 40)
 
@@ -105,7 +105,7 @@ def test_the_summary_counts_steps_and_says_where_stress_is_lowest() -> None:
 def test_a_track_moves_by_a_cell_and_what_is_behind_takes_a_share_of_what_is_left() -> None:
     strain = np.arange(2 * 2 * 3, dtype=float).reshape(2, 2, 3, 1)
     equivalent = 10 + np.arange(6.0).reshape(2, 3, 1)
-    ahead = Profile(np.full((2, 2), -1.0), np.full(2, -2.0))
+    ahead = DepthProfile(np.full((2, 2), -1.0), np.full(2, -2.0))
     behind = np.full((2, 2), 100.0)
     track = Track(None, None, strain, equivalent, behind, ahead)  # type: ignore[arg-type]
     assert track.rear.strain.tolist() == [[0, 3], [6, 9]]

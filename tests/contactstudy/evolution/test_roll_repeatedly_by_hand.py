@@ -13,7 +13,7 @@ from contactstudy.elasticity.eigenstrain.volume import Volume
 from contactstudy.evolution import repeated_rolling as rolling
 from contactstudy.evolution.plastic import layers
 from contactstudy.evolution.repeated_rolling import LONGEST, _Rolling, _strain_change
-from contactstudy.evolution.track import Profile
+from contactstudy.evolution.track import DepthProfile
 from tests.contactstudy.evolution.test_roll_repeatedly import COARSE, EXACT, E, scene
 
 # Cells of 0.5 m.
@@ -36,8 +36,8 @@ class Road:
         return SimpleNamespace(volume=VOLUME)
 
     @property
-    def rear(self) -> Profile:
-        return Profile(np.array([[self.strain(self.step)]]), np.zeros(1))
+    def rear(self) -> DepthProfile:
+        return DepthProfile(np.array([[self.strain(self.step)]]), np.zeros(1))
 
     @property
     def behind(self) -> np.ndarray:

@@ -12,7 +12,7 @@ from contactstudy.elasticity.eigenstrain.plane_strain import HalfLines, PlaneStr
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 from contactstudy.evolution import track as tracks
 from contactstudy.evolution.plastic import layers
-from contactstudy.evolution.track import Profile, Track, _lowered_twice
+from contactstudy.evolution.track import DepthProfile, Track, _lowered_twice
 from contactstudy.solvers.yielding_bodies import Hardening
 
 GRID = cs.Grid((6, 1), (6.0, 1.0))
@@ -55,7 +55,7 @@ AROUND: Any = SimpleNamespace(
 
 def standing() -> Standing:
     strain = np.ones((3, 3, 6, 1))
-    ahead = Profile(np.full((3, 3), 3.0), np.zeros(3))
+    ahead = DepthProfile(np.full((3, 3), 3.0), np.zeros(3))
     hardening: Any = None
     return Standing(AROUND, hardening, strain, EQUIVALENT, np.full((3, 3), 2.0), ahead)
 
@@ -122,7 +122,7 @@ def test_a_deeper_track_has_what_it_had_above_and_nothing_below() -> None:
     assert not fresh.equivalent.any()
     assert fresh.behind.shape == fresh.front.strain.shape == (count, 3)
     strain = 1 + np.arange(count * 18.0).reshape(count, 3, 6, 1)
-    ahead = Profile(strain[:, :, 1, 0], np.array([1.0, 2.0, 3.0]))
+    ahead = DepthProfile(strain[:, :, 1, 0], np.array([1.0, 2.0, 3.0]))
     track = Track(HalfLines(operator), hardening, strain, EQUIVALENT, strain[:, :, 2, 0], ahead)
     found = track.deeper(DEEPER)
     depth = DEEPER.shape[0]

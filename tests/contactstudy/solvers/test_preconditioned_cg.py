@@ -12,9 +12,9 @@ from scipy.special import erfinv
 import contactstudy as cs
 from contactstudy.domain import fields
 from contactstudy.elasticity.approximate_inverse import (
-    ApproximateInverse,
     BlockExtension,
-    Extension,
+    SmoothedExtension,
+    SpectralInverse,
 )
 from contactstudy.solvers import preconditioned_cg
 from contactstudy.solvers.iterate import Stall
@@ -193,16 +193,18 @@ def test_an_iteration_is_one_convolution_and_one_preconditioning(
         counted[operator.cells] += 1
         return apply(operator, pressure)
 
-    extend = ApproximateInverse.extension
+    extend = SpectralInverse.extension
     extensions: Counter[tuple[int, int]] = Counter()
 
-    def extending(inverse: ApproximateInverse, contact: np.ndarray) -> Extension | BlockExtension:
+    def extending(
+        inverse: SpectralInverse, contact: np.ndarray
+    ) -> SmoothedExtension | BlockExtension:
         extensions[contact.shape[0], contact.shape[1]] += 1
         return extend(inverse, contact)
 
     monkeypatch.setattr(fields, "LARGE", np.inf)
     monkeypatch.setattr(cs.Convolution, "__call__", counting)
-    monkeypatch.setattr(ApproximateInverse, "extension", extending)
+    monkeypatch.setattr(SpectralInverse, "extension", extending)
     solution = cs.solve(problem(line_contact, 128, "30 %"))
     assert counted[128, 128] == solution.iterations + 1
     assert set(counted) == {(128, 128), (64, 64), (32, 32)}

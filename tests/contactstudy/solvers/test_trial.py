@@ -9,7 +9,7 @@ import pytest
 from contactstudy.domain import fields
 from contactstudy.problem.constraint import Compressive, HardnessLimited
 from contactstudy.problem.passes import CompiledPasses, passes_for
-from contactstudy.solvers.preconditioned_cg import Step, trial_along
+from contactstudy.solvers.preconditioned_cg import PressureStep, trial_along
 
 COMPRESSIVE = Compressive()
 RNG = np.random.default_rng(3)
@@ -29,7 +29,7 @@ def passes(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> N
     assert isinstance(chosen, CompiledPasses) == (request.param == "compiled")
 
 
-def step(sum_of_step: float = 0.0) -> Step:
+def step(sum_of_step: float = 0.0) -> PressureStep:
     """Across the closing pressure, with a response that is no multiple of it."""
     others = np.stack([CELLS.ravel(), CLOSING.ravel()])
     taken = (CELLS * RNG.standard_normal(CELLS.shape)).ravel()
@@ -37,11 +37,11 @@ def step(sum_of_step: float = 0.0) -> Step:
     taken = taken.reshape(CELLS.shape) + CELLS * sum_of_step / COUNT
     response = 0.7 * taken + 0.1 * RNG.standard_normal(CELLS.shape)
     response *= 0.5 / (taken * response).sum()
-    return Step(taken, response, 0.5)
+    return PressureStep(taken, response, 0.5)
 
 
 def direction(
-    gap: np.ndarray, last: Step | None, length: float = 0.25, constraint: Any = COMPRESSIVE
+    gap: np.ndarray, last: PressureStep | None, length: float = 0.25, constraint: Any = COMPRESSIVE
 ) -> tuple[np.ndarray, bool]:
     """Over the ``length``; the last step is overwritten."""
     height: Any = SimpleNamespace(height=gap)
@@ -63,7 +63,7 @@ def test_the_first_step_is_against_the_closing_pressure(monkeypatch: pytest.Monk
     assert not cut
 
 
-def kept_of(last: Step) -> float:
+def kept_of(last: PressureStep) -> float:
     """So much of the last step as makes the work of the new one on its response zero."""
     return float(-(plain() * last.response).sum() / last.curvature)
 
@@ -102,7 +102,7 @@ def test_a_last_step_that_shifted_load_shifts_none_now() -> None:
 def test_a_last_step_that_bends_the_wrong_way_is_forgotten() -> None:
     last = step()
     for curvature in (0.0, -1.0):
-        found, _ = direction(CLOSING, Step(last.step.copy(), last.response, curvature))
+        found, _ = direction(CLOSING, PressureStep(last.step.copy(), last.response, curvature))
         np.testing.assert_allclose(found, plain(), rtol=0, atol=1e-13)
 
 

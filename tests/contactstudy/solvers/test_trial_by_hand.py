@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from contactstudy.problem.constraint import Gap
-from contactstudy.solvers.preconditioned_cg import Step, _direction, trial_along
+from contactstudy.solvers.preconditioned_cg import PressureStep, _direction, trial_along
 from tests.contactstudy.solvers.kernels import Kernels, limited
 
 PASSES = limited(4.0).passes
@@ -15,7 +15,7 @@ CELLS = np.array([[1.0, 1.0], [1.0, 0.0], [1.0, 0.0]])
 CLOSING = np.array([[0.5, -1.0], [2.0, 0.0], [0.25, 0.0]])
 HEIGHT = np.array([[0.5, -1.0], [2.0, 4.0], [0.25, 0.5]])
 # Of other cells, too.
-STEP = Step(
+STEP = PressureStep(
     np.array([[0.25, -0.5], [1.0, 5.0], [0.5, 0.0]]),
     np.array([[1.0, -2.0], [3.0, 7.0], [0.5, 0.25]]),
     curvature=4.0,

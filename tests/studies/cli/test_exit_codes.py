@@ -105,7 +105,9 @@ def test_a_command_ends_with_one_where_a_solve_did_not_converge(
     path.write_text(SMOOTH, encoding="utf-8")
     dataset = xr.Dataset({"load": 1.0}, attrs={"title": "line contact"})
     ended = []
-    outcome = solving.Outcome(status, [], ["a note"], dataset, None, lambda: ended.append(True))
+    outcome = solving.SceneOutcome(
+        status, [], ["a note"], dataset, None, lambda: ended.append(True)
+    )
     monkeypatch.setattr(solving, "still", lambda *_, **__: outcome)
     result = CliRunner().invoke(commands.cli, ["solve", str(path), "--out", str(tmp_path / "out")])
     assert result.exit_code == (0 if status is cs.Status.CONVERGED else 1)

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 import contactstudy as cs
-from studies.cli.solving import Progress, _keep_stopped, pressure_in
+from studies.cli.solving import SolveProgress, _keep_stopped, pressure_in
 
 
 class Bar:
@@ -25,9 +25,9 @@ class Bar:
         assert count == 0
 
 
-def seen(*residuals: float, tolerance: float = 1e-8) -> tuple[list[int], Progress, Bar]:
+def seen(*residuals: float, tolerance: float = 1e-8) -> tuple[list[int], SolveProgress, Bar]:
     bar = Bar()
-    progress = Progress(tolerance, cast(Any, bar))
+    progress = SolveProgress(tolerance, cast(Any, bar))
     shown = []
     for residual in residuals:
         progress.see(residual, np.full((2, 1), residual))

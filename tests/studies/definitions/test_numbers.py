@@ -10,7 +10,7 @@ import xarray as xr
 
 import contactstudy as cs
 from studies.engine.workers import compute as timing
-from studies.model.case import Operator
+from studies.model.case import OperatorCase
 from studies.model.outcome import timing_variables
 from studies.reference.line_contact import HERTZ, SCENE
 from studies.registry import load
@@ -117,7 +117,7 @@ def test_times_are_seconds_of_set_up_and_solve(monkeypatch: pytest.MonkeyPatch) 
     ids=str,
 )
 def test_only_an_axis_that_does_not_wrap_is_doubled(padding: cs.Padding, padded: int) -> None:
-    case = Operator(1e11, LINE, padding, datum=1.0)
+    case = OperatorCase(1e11, LINE, padding, datum=1.0)
     assert int(case.record(case.prepare())["padded_cells"]) == padded
 
 

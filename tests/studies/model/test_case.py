@@ -6,7 +6,7 @@ import numpy as np
 
 import contactstudy as cs
 from contactstudy.io.dataset import flags
-from studies.model.case import Case, Operator, contact_share, solver_status
+from studies.model.case import Case, OperatorCase, contact_share, solver_status
 from studies.reference.line_contact import SCENE
 
 GRID = cs.Grid((8, 4), (1e-4, 1e-4))
@@ -31,7 +31,7 @@ def test_a_status_is_a_flag_of_all_that_there_are() -> None:
 
 def test_an_operator_s_size_is_that_of_its_padded_grid() -> None:
     """Twice the cells across, once along, where it repeats."""
-    operator = Operator(1e11, GRID, cs.ExactPeriodicity(), 1e-4)
+    operator = OperatorCase(1e11, GRID, cs.ExactPeriodicity(), 1e-4)
     prepared = operator.prepare()
     assert prepared.padded == (16, 4)
     assert float(operator.record(operator.run(prepared))["padded_cells"]) == 64

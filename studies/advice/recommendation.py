@@ -204,7 +204,7 @@ class RoughContact:
             grids += [
                 grid
                 for grid in other_grids
-                if grid.cells[0] > self.planned.grid.cells[0]
+                if prod(grid.cells) > prod(self.planned.grid.cells)
                 or self.planned.error_of(grid.cell) > limits.error
             ]
         for grid in grids:

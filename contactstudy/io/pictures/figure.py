@@ -5,7 +5,7 @@ from typing import Any, Literal
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullFormatter
+from matplotlib.ticker import LogFormatterSciNotation, LogLocator, NullFormatter
 
 SETTINGS: Any = {
     "figure.dpi": 100,
@@ -48,7 +48,10 @@ def panels(
 
 
 def add_legend(figure: Figure) -> None:
-    """Add one legend for all panels, outside them; label logarithmic axes at decades only, where two are shown."""
+    """Add one legend for all panels, outside them, and label logarithmic axes so that labels do not overlap.
+
+    Where two decades are shown, only decades are labelled; where one is, also twice and five times a decade.
+    """
     entries: dict[str, Any] = {}
     for ax in figure.axes:
         for axis in (ax.xaxis, ax.yaxis):
@@ -56,8 +59,12 @@ def add_legend(figure: Figure) -> None:
                 low, high = axis.get_view_interval()
                 if high < 1.001 * low:  # one value, and its law within rounding of it
                     axis.set_view_interval(low / 2, 2 * high, ignore=True)
-                if high >= 10 ** (ceil(log10(low)) + 1):  # else one decade is labelled, or none
+                decade = 10.0 ** ceil(log10(low))  # the first that is shown, if one is
+                if high >= 10 * decade:
                     axis.set_minor_formatter(NullFormatter())
+                elif high >= decade:  # the labels between would lie on each other
+                    axis.set_minor_locator(LogLocator(subs=(2, 5)))
+                    axis.set_minor_formatter(LogFormatterSciNotation(minor_thresholds=(2, 2)))
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
             entries.setdefault(label, handle)
     if not entries:

@@ -54,7 +54,9 @@ def test_a_legend_has_as_many_columns_as_the_figure_holds() -> None:
     assert not empty.legends
 
 
-@pytest.mark.parametrize(("values", "at_least"), [((3.0, 8.0), 2), ((1.0, 200.0), 0)])
+@pytest.mark.parametrize(
+    ("values", "at_least"), [((3.0, 8.0), 2), ((0.3, 6.0), 3), ((1.0, 200.0), 0)]
+)
 def test_a_logarithmic_axis_within_a_decade_has_labels_between(
     values: tuple[float, float], at_least: int
 ) -> None:
@@ -65,3 +67,8 @@ def test_a_logarithmic_axis_within_a_decade_has_labels_between(
     texts = [text.get_text() for text in ax.get_xticklabels(minor=True) if text.get_text()]
     assert bool(texts) == bool(at_least)
     assert len(texts) >= at_least
+    boxes = [
+        text.get_window_extent() for text in ax.get_xticklabels(which="both") if text.get_text()
+    ]
+    boxes = [box for box in boxes if ax.bbox.x0 <= (box.x0 + box.x1) / 2 <= ax.bbox.x1]
+    assert not any(a.overlaps(b) for n, a in enumerate(boxes) for b in boxes[:n])

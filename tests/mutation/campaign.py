@@ -121,7 +121,7 @@ def _compiled_copy(folder: Path) -> Path:
         "-p",
         "no:cacheprovider",
     ]
-    environment = os.environ | {"PYTHONPATH": str(folder), "TESTS": "whole"}
+    environment = os.environ | {"PYTHONPATH": str(folder)}
     subprocess.run(command, cwd=folder, env=environment, stdout=subprocess.DEVNULL)
     return folder
 
@@ -162,6 +162,7 @@ def main() -> None:
     parser.add_argument("--again", type=Path, help="a file with the changes to try, one a line")
     parser.add_argument("--seconds", type=float, default=60.0, help="of tests on each change")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes")
+    parser.add_argument("--tier", choices=("default", "whole"), default="whole", help="of tests")
     parser.add_argument(
         "--record", type=Path, default=ROOT / ".mutation", help="folder of which test executes what"
     )
@@ -170,7 +171,8 @@ def main() -> None:
     if asked.list:
         print(*_asked_for(asked, ROOT), sep="\n")
         return
-    record = CoverageRecord(asked.record)
+    os.environ["TESTS"] = asked.tier
+    record = CoverageRecord(asked.record / asked.tier)
     fates = []
     with tempfile.TemporaryDirectory() as name:
         unchanged = _compiled_copy(Path(name, "unchanged"))

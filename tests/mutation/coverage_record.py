@@ -47,7 +47,6 @@ class CoverageRecord:
         environment = os.environ | {
             "PYTHONPATH": str(copy),
             "COVERAGE_FILE": str(self._lines),
-            "TESTS": "whole",
         }
         subprocess.run(
             [*command, *measured, f"--junitxml={self._outcomes}"], cwd=copy, env=environment

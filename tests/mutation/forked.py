@@ -92,7 +92,7 @@ def _run(tests: list[str], without: set[str], copy: Path) -> str:
     os.chdir(copy)
     sys.path.insert(0, str(copy))
     sys.dont_write_bytecode = True
-    os.environ |= {"PYTHONPATH": str(copy), "PYTHONDONTWRITEBYTECODE": "1", "TESTS": "whole"}
+    os.environ |= {"PYTHONPATH": str(copy), "PYTHONDONTWRITEBYTECODE": "1"}
     os.environ.pop("PYTEST_ADDOPTS", None)  # one process, whatever the one around it was given
     silent = os.open(os.devnull, os.O_RDWR)
     for stream in (0, 1, 2):

@@ -5,7 +5,7 @@ from typing import Any, Literal
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogFormatterSciNotation, LogLocator, NullFormatter
+from matplotlib.ticker import LogFormatterSciNotation, LogLocator, NullFormatter, NullLocator
 
 SETTINGS: Any = {
     "figure.dpi": 100,
@@ -50,7 +50,8 @@ def panels(
 def add_legend(figure: Figure) -> None:
     """Add one legend for all panels, outside them, and label logarithmic axes so that labels do not overlap.
 
-    Where two decades are shown, only decades are labelled; where one is, also twice and five times a decade.
+    Where two decades are shown, only decades are labelled; where one is, also twice and five times a decade. An axis
+    whose ticks are set, without minor ones, is left as it is.
     """
     entries: dict[str, Any] = {}
     for ax in figure.axes:
@@ -60,7 +61,7 @@ def add_legend(figure: Figure) -> None:
                 if high < 1.001 * low:  # one value, and its law within rounding of it
                     axis.set_view_interval(low / 2, 2 * high, ignore=True)
                 decade = 10.0 ** ceil(log10(low))  # the first that is shown, if one is
-                if high >= 10 * decade:
+                if high >= 10 * decade or isinstance(axis.get_minor_locator(), NullLocator):
                     axis.set_minor_formatter(NullFormatter())
                 elif high >= decade:  # the labels between would lie on each other
                     axis.set_minor_locator(LogLocator(subs=(2, 5)))

@@ -31,8 +31,8 @@ PERIOD_LABEL = "period L / half-width a"
 IMAGES_LABEL = "n + ½  (n periods on each side)"
 LABELS = {
     "axis_pressure_error": "|axis-pressure error|",
-    "pressure_error_l1": "relative L1 error of the pressure",
-    "pressure_error_max": "largest pressure error / p_H",
+    "pressure_error_l1": "L1 error of pressure",
+    "pressure_error_max": "largest error / p_H",
     "half_width_error": "|half-width error|",
 }
 TARGETS = (1e-1, 1e-2, 1e-3, 2e-4)  # of the L1 error
@@ -143,7 +143,7 @@ def _reach(dataset: xr.Dataset) -> CaptionedFigure:
     return CaptionedFigure(
         "reach",
         fig,
-        "Peak-pressure error of every setting against its reach, the distance to each side within which a point "
+        "Axis-pressure error of every setting against its reach, the distance to each side within which a point "
         "sees pressure (D = L/2 without neighbours, L duplicated, (n + ½)L superposed). The truncated part "
         "causes an error of a²/(8D²) once D exceeds about 3a, for every kind of window. Zero padding does not "
         "follow this law, since its pressure ends with the domain. Exact periodicity has the discretisation "
@@ -178,10 +178,10 @@ def _which_padding(dataset: xr.Dataset) -> Finding:
     return Finding(
         "Use exact periodicity: it has no n to choose and no truncation error at any period; an L1 error of "
         f"{percent(exact['pressure_error_l1'])} costs {float(total_time(exact)):.2g} s.",
-        f"At {int(finest['grid'])} x {int(finest['grid'])} cells and L = {float(finest['period']):g} a the error of its "
-        f"peak pressure is {percent(exact['axis_pressure_error'])}, which is the discretisation error; the pressure "
+        f"At {int(finest['grid'])} x {int(finest['grid'])} cells and L = {float(finest['period']):g} a its "
+        f"axis-pressure error is {percent(exact['axis_pressure_error'])}, which is the discretisation error; the pressure "
         f"varies along the length by {variation_text(exact)}; the time is {float(total_time(exact)):.2g} s. "
-        f"Error of the peak pressure and time of the others: {costs}.",
+        f"Axis-pressure error and time of the others: {costs}.",
         "Which padding?",
     )
 
@@ -268,7 +268,7 @@ def _period_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     )
     caption = (
         "Error against the period; in the law D = L for duplicated padding and (n + ½)L for "
-        f"superposition. Peak-pressure errors: {facts}."
+        f"superposition. Axis-pressure errors: {facts}."
     )
     return (CaptionedFigure("period", fig, caption),)
 
@@ -296,7 +296,7 @@ def _period_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
         ),
         Finding(
             "“Independent of the domain extent in the length direction”: true only for exact periodicity.",
-            f"Between L = {short:g} a and L = {long:g} a the peak-pressure error goes {facts}; "
+            f"Between L = {short:g} a and L = {long:g} a the axis-pressure error goes {facts}; "
             f"with exact periodicity it changes by {percent(signed.max() - signed.min())}. "
             "A window that reaches D to each side has an error of a²/(8D²), so a period of a few half-widths is "
             "too short for a truncated window.",
@@ -326,9 +326,9 @@ def _images_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
 
 def _images_caption(dataset: xr.Dataset, periods: Sequence[float]) -> str:
     words = (
-        "Peak-pressure error against the number of superposed periods. It falls like the square of the "
+        "Error of the pressure on the axis (mean along the length) against the number of superposed periods. It falls like the square of the "
         "window's reach, down to the discretisation error, which is that of exact periodicity. Where both are "
-        "of similar size they may cancel, since truncation raises the peak and the grid may lower it."
+        "of similar size they may cancel, since truncation raises the pressure and the grid may lower it."
     )
     if not {"superposed", "duplicated"} <= set(paddings(dataset)):
         return words
@@ -395,7 +395,7 @@ def _what_n(dataset: xr.Dataset) -> Finding:
     exact = errors.sel(padding="exact").max()
     return Finding(
         "No n is needed: exact periodicity sums all images. The error of a window of n images is a²/(8(n + ½)²L²).",
-        f"For {percent(ENOUGH)} of the peak pressure circular superposition needs {', '.join(facts)} (of the "
+        f"For an axis-pressure error of {percent(ENOUGH)} circular superposition needs {', '.join(facts)} (of the "
         f"stored n); the error of exact periodicity is at most {percent(exact)} at all of them.",
         "Which n?",
     )
@@ -407,7 +407,7 @@ def _six_images(dataset: xr.Dataset) -> Finding:
     ratio = abs(float(copied["axis_pressure_error"] / six["axis_pressure_error"]))
     return Finding(
         "“n ≥ 6 gives very similar results to duplicated padding”: the computed errors differ.",
-        f"At L = 2.4 a the error of the peak pressure (mean along the length) is "
+        f"At L = 2.4 a the axis-pressure error is "
         f"{percent(copied['axis_pressure_error'])} with duplicated padding and "
         f"{percent(six['axis_pressure_error'])} with n = 6, a factor of {ratio:.0f}: a copy of the pressure "
         "reaches one period to each side, as n = ½ would. Superposition has another error, along the "
@@ -476,7 +476,7 @@ def _grid_caption(chosen: xr.Dataset) -> str:
         f"{power('N', rate)}. The largest error is located in the cells that contain the contact edge; it "
         "depends on the position of the edge within its cell, and falls like N^{−1.5} once the discrete edge law "
         "removes it. By that law the half-width is known to the third power of the cell. A truncated window has a "
-        "truncation error that no grid removes: its curves level off, for the peak pressure near the law for its "
+        "truncation error that no grid removes: its curves level off, for the pressure on the axis near the law for its "
         "reach. Without neighbours the pressure at the two ends of the length grows with every refinement."
     )
 

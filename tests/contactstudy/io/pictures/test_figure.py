@@ -72,3 +72,13 @@ def test_a_logarithmic_axis_within_a_decade_has_labels_between(
     ]
     boxes = [box for box in boxes if ax.bbox.x0 <= (box.x0 + box.x1) / 2 <= ax.bbox.x1]
     assert not any(a.overlaps(b) for n, a in enumerate(boxes) for b in boxes[:n])
+
+
+def test_ticks_that_are_set_stay_alone() -> None:
+    figure, (ax,) = panels(1)
+    ax.loglog([16, 256], [1, 2])
+    ax.set_xticks([16, 64, 256], ["16", "64", "256"])
+    ax.minorticks_off()
+    add_legend(figure)
+    figure.canvas.draw()
+    assert [text.get_text() for text in ax.get_xticklabels(which="both")] == ["16", "64", "256"]

@@ -179,9 +179,9 @@ def _which_padding(dataset: xr.Dataset) -> Finding:
         "Use exact periodicity: it has no n to choose and no truncation error at any period; an L1 error of "
         f"{percent(exact['pressure_error_l1'])} costs {float(total_time(exact)):.2g} s.",
         f"At {int(finest['grid'])} x {int(finest['grid'])} cells and L = {float(finest['period']):g} a its "
-        f"axis-pressure error is {percent(exact['axis_pressure_error'])}, which is the discretisation error; the pressure "
-        f"varies along the length by {variation_text(exact)}; the time is {float(total_time(exact)):.2g} s. "
-        f"Axis-pressure error and time of the others: {costs}.",
+        f"axis-pressure error is {percent(exact['axis_pressure_error'])}, which is the discretisation error; "
+        f"the pressure varies along the length by {variation_text(exact)}; the time is "
+        f"{float(total_time(exact)):.2g} s. Axis-pressure error and time of the others: {costs}.",
         "Which padding?",
     )
 
@@ -326,7 +326,8 @@ def _images_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
 
 def _images_caption(dataset: xr.Dataset, periods: Sequence[float]) -> str:
     words = (
-        "Error of the pressure on the axis (mean along the length) against the number of superposed periods. It falls like the square of the "
+        "Error of the pressure on the axis (mean along the length) against the number of superposed "
+        "periods. It falls like the square of the "
         "window's reach, down to the discretisation error, which is that of exact periodicity. Where both are "
         "of similar size they may cancel, since truncation raises the pressure and the grid may lower it."
     )

@@ -200,9 +200,7 @@ def test_of_three_grids_and_three_n_the_last_are_said_and_drawn() -> None:
     which, costs = findings("padding", dataset)
     last = -dataset["axis_pressure_error"].sel(images=6, period=4.8, grid=64)
     exact, six = (percent(last.sel(padding=name)) for name in ("exact", "superposed"))
-    assert (
-        words(f"At 64 x 64 cells and L = 4.8 a its axis-pressure error is {exact}") in which
-    )
+    assert words(f"At 64 x 64 cells and L = 4.8 a its axis-pressure error is {exact}") in which
     assert words(f"superposed, n = 6: {six} in 24 s") in which
     assert "costs 40 s on one thread" in costs
     assert f"one tenth of the error takes {10 ** (np.log(4) / np.log(8)):.0f} times" in costs

@@ -340,8 +340,10 @@ def _residual(solution: Solution) -> tuple[float, float]:
     pressure, gap = solution.pressure / scales.pressure, solution.gap / scales.gap
     free = problem.constraint.free(solution.pressure) > 0
     cells = free.astype(np.float64)
-    closing = operator.approximate_inverse()(np.where(free, -gap, 0.0), cells)
-    closing = np.where(free, closing - closing.mean(where=free) if free.any() else 0.0, 0.0)
+    closing = np.zeros_like(gap)
+    if free.any():  # not where all pressures are at a limit
+        closing = operator.approximate_inverse()(np.where(free, -gap, 0.0), cells)
+        closing = np.where(free, closing - closing.mean(where=free), 0.0)
 
     # cells at a limit that should not be there
     bound = violation(pressure, gap, cells) / operator.self_compliance

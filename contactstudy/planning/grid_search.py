@@ -67,6 +67,8 @@ class GridForecast:
         Seconds of a solve on one thread.
     contact_width
         Width [m] about the axis that holds the contact.
+    reference
+        Cells of the finer solution that the error was measured against; None if it was forecast.
     """
 
     grid: Grid
@@ -77,18 +79,25 @@ class GridForecast:
     message: str
     seconds: float
     contact_width: float = inf
+    reference: tuple[int, int] | None = None
 
     @property
     def error(self) -> float:
         """Relative L1 error of the pressure to expect on the grid."""
         return sum(self.errors)
 
+    def errors_of(self, cell: tuple[float, float]) -> tuple[float, float]:
+        """Return the shares (across, along) of the error to expect of another cell (dx, dy) [m]."""
+        parts = zip(self.errors, self.rates, cell, self.grid.cell, strict=True)
+        across, along = (
+            error * (size / present) ** rate if error else 0.0
+            for error, rate, size, present in parts
+        )
+        return across, along
+
     def error_of(self, cell: tuple[float, float]) -> float:
         """Return the relative L1 error of the pressure to expect of another cell (dx, dy) [m]."""
-        parts = zip(self.errors, self.rates, cell, self.grid.cell, strict=True)
-        return float(
-            sum(error * (size / present) ** rate for error, rate, size, present in parts if error)
-        )
+        return sum(self.errors_of(cell))
 
     def grid_for(self, error: float) -> Grid:
         """Return the grid of fewest cells and the same extent whose expected error is `error`.
@@ -160,13 +169,9 @@ def forecast(scene: Scene, needs: Needs, grid: Grid) -> GridForecast:
         fine.status is Status.CONTACT_AT_EDGE,
         sharp,
         CostModel((timing,)).seconds(grid, padding, timing.convolutions),
-        _contact_width(fine),
+        contact_width(fine),
     )
-    parts = zip(coarse_forecast.errors, coarse_forecast.rates, grid.cell, small.cell, strict=True)
-    across, along = (
-        part * (size / coarse) ** rate if part else 0.0 for part, rate, size, coarse in parts
-    )
-    return replace(coarse_forecast, grid=grid, errors=(across, along))
+    return replace(coarse_forecast, grid=grid, errors=coarse_forecast.errors_of(grid.cell))
 
 
 def _fewest(needs: Needs, grid: Grid) -> tuple[int, int]:
@@ -195,11 +200,16 @@ def _coarse(grid: Grid, fewest: tuple[int, int]) -> Grid:
     return Grid((max(across, min(FEWEST, grid.cells[0])), along), grid.extent)
 
 
-def _contact_width(solution: Solution) -> float:
+def contact_width(solution: Solution) -> float:
     """Return the width [m] about the axis within which all cells in contact lie."""
     grid = solution.problem.grid
     touching = np.abs(grid.x[solution.pressure.any(axis=1)])
     return float(2 * touching.max(initial=0.0)) + grid.cell[0]
+
+
+def by_law(scene: Scene, needs: Needs) -> bool:
+    """Return whether the contact is Hertz's, whose error follows a law."""
+    return needs.smooth and scene.hardness > needs.hertz.peak_pressure
 
 
 def expected(scene: Scene, needs: Needs, grid: Grid) -> GridForecast:
@@ -215,7 +225,7 @@ def expected(scene: Scene, needs: Needs, grid: Grid) -> GridForecast:
         The grid.
     """
     padding = needs.padding()
-    if needs.smooth and scene.hardness > needs.hertz.peak_pressure:
+    if by_law(scene, needs):
         seconds = CostModel().seconds(grid, padding, SMOOTH_CONVOLUTIONS)
         width = 2 * needs.hertz.half_width
         return GridForecast(

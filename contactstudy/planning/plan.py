@@ -22,6 +22,7 @@ from contactstudy.planning.grid_search import (
     expected,
     reaching,
 )
+from contactstudy.planning.trials import cheapest
 from contactstudy.scene.bodies import Layered
 from contactstudy.scene.scene import Scene
 
@@ -120,6 +121,34 @@ def plan(
         return _plan_of_film(scene, needs_of(scene), error or FILM_ERROR, period, grid)
     if scene.changing is not None or scene.rolling is not None:
         return _plan_in_time(scene, error or DEFAULT_ERROR, period, grid, end)
+    return _plan_at_rest(scene, error, period, grid, on, tries=True)
+
+
+def robust_grid(scene: Scene, error: float | None, period: float | None) -> Grid:
+    """Return the grid planned for a scene and similar ones: by estimates alone, without trials of this scene.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    error, period
+        As for :func:`plan`.
+    """
+    if scene.lubrication is None and scene.changing is None and scene.rolling is None:
+        return _plan_at_rest(scene, error, period, None, ONE_THREAD, tries=False).grid
+    return plan(scene, error=error, period=period).grid
+
+
+def _plan_at_rest(
+    scene: Scene,
+    error: float | None,
+    period: float | None,
+    grid: Grid | None,
+    on: Device,
+    *,
+    tries: bool,
+) -> Plan:
+    """Plan a scene that neither changes in time nor rolls; coarser grids are tried if `tries`."""
     needs = needs_of(scene)
     padding = needs.padding()
     if grid is not None and period is not None and period != grid.period:
@@ -131,6 +160,8 @@ def plan(
     if grid is None:
         target = error or DEFAULT_ERROR
         prediction = reaching(scene, needs, target, period, limit)
+        if tries:
+            prediction = cheapest(scene, needs, prediction, target)
         grid = prediction.grid
     else:
         target = inf
@@ -158,7 +189,13 @@ def _reasons(expectation: GridForecast, *, own_points: bool) -> Iterator[str]:
             "interpolated between them."
         )
     across, along = expectation.errors
-    if expectation.grid.cells[1] > 1 and 0 < expectation.error < inf:
+    if expectation.reference is not None:
+        nx, ny = expectation.reference
+        yield (
+            f"trials: no smaller grid of those tried keeps to the error, measured against a solution on {nx} x {ny} "
+            "cells; error_estimate, which knows one solution alone, gives a larger bound."
+        )
+    elif expectation.grid.cells[1] > 1 and 0 < expectation.error < inf:
         yield (
             f"axes: of the error expected, {across / expectation.error:.0%} falls with the cells across to the power "
             f"{expectation.rates[0]:.2g}, {along / expectation.error:.0%} with those along to the power "
@@ -181,9 +218,9 @@ def _plan_in_time(
     if grid is not None:
         narrow_plan = plan(extremes.narrow, error=cells_error, period=period, grid=grid)
     else:
-        narrow = plan(extremes.narrow, error=cells_error, period=period)
-        width = max(narrow.grid.extent[0], extremes.width)
-        narrow_plan = plan(extremes.narrow, error=cells_error, grid=as_wide(narrow.grid, width))
+        narrow = robust_grid(extremes.narrow, cells_error, period)
+        width = max(narrow.extent[0], extremes.width)
+        narrow_plan = plan(extremes.narrow, error=cells_error, grid=as_wide(narrow, width))
     # a step starts from the last one: without coarser grids, with fewer iterations
     narrow_plan = replace(
         narrow_plan,

@@ -20,6 +20,7 @@ from contactstudy.planning.cost import (
 from contactstudy.planning.grid_requirements import ROOM, Needs
 from contactstudy.planning.grid_search import GridForecast, reaching
 from contactstudy.planning.plan import SHARE, needs_of
+from contactstudy.planning.trials import cheapest
 from studies.reference.line_contact import COUNTS_IMAGES, LINE, PADDINGS, padding_at
 
 # Candidates: cells across that can be halved repeatedly, images, and tolerances.
@@ -278,6 +279,7 @@ def contact_of(
         )
     max_bytes = min(limits.memory, SHARE * available_bytes())
     planned = reaching(scene, needs, limits.error, period, max_bytes)
+    planned = cheapest(scene, needs, planned, limits.error)
     if planned.error == inf:
         raise cs.NotDefined(
             f"Scene has no grid whose error can be said: {_obstacle(needs, planned)}"

@@ -16,7 +16,7 @@ from contactstudy.io.scene_writer import scene_text
 from contactstudy.planning.cost import memory
 from contactstudy.planning.grid_requirements import Needs, halvable
 from contactstudy.planning.grid_search import affordable
-from contactstudy.planning.plan import SHARE, needs_of
+from contactstudy.planning.plan import SHARE, needs_of, robust_grid
 from studies.model.axis import Value, check_count
 from studies.model.case import Computation
 from studies.model.film_case import FilmCase, film_measures
@@ -178,9 +178,9 @@ def _planned(points: Sequence[SceneFile], needs: Sequence[Needs]) -> list[cs.Gri
 
 
 def _grid_of_plan(point: SceneFile) -> cs.Grid:
-    """Return the grid that is planned for a point."""
+    """Return the grid that is planned for a point and similar ones."""
     settings = point.plan_settings
-    return cs.plan(point.scene, error=settings.error, period=settings.period).grid
+    return robust_grid(point.scene, settings.error, settings.period)
 
 
 def _fitting(grid: cs.Grid, point: SceneFile) -> cs.Grid:

@@ -177,3 +177,13 @@ def test_a_contact_inside_one_cell_is_known_to_nothing(line_contact: LineContact
     assert estimate.l1.discretisation == 2
     assert estimate.peak_pressure.total == estimate.contact_area.total == math.inf
     assert estimate.warnings
+
+
+def test_a_contact_that_yields_in_all_its_cells_has_a_bound(line_contact: LineContact) -> None:
+    """The load at the hardness fills 32 of 40 cells, so that no cell is left below the hardness."""
+    soft = replace(line_contact.scene, hardness=line_contact.hertz.peak_pressure / 8)
+    width = 40 / 32 * soft.load.largest / soft.hardness
+    solution = cs.solve(soft.problem(cs.Grid((40, 1), (width, width)), EXACT))
+    assert not solution.problem.constraint.free(solution.pressure).any()
+    # the place of either end in its cell
+    assert 0 < cs.error_estimate(solution).l1.total < 2 / 32

@@ -266,7 +266,12 @@ def planned(
         asked.append(named)
         return replace(NARROW, grid=named.get("grid") or NARROW.grid)
 
+    def robust_grid(_: object, error: float, period: float | None) -> cs.Grid:
+        asked.append({"error": error, "period": period})
+        return NARROW.grid
+
     monkeypatch.setattr(planning, "plan", plan)
+    monkeypatch.setattr(planning, "robust_grid", robust_grid)
     monkeypatch.setattr(in_time, "extremes", lambda *_: extremes)
     scene: Any = None
     return asked, planning._plan_in_time(scene, 0.4, 1.0, grid, None)

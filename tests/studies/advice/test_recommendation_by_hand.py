@@ -223,12 +223,13 @@ def test_a_contact_that_yields_is_planned_within_the_memory_there_is(
 
     monkeypatch.setattr(recommendation, "available_bytes", lambda: 1000)
     monkeypatch.setattr(recommendation, "reaching", reaching)
+    monkeypatch.setattr(recommendation, "cheapest", lambda *words: asked.append(words) or planned)
     body = scene(5.0)
     limits = Limits(0.1, memory=memory)
     found = contact_of(body, 2.0, limits)
     assert isinstance(found, RoughContact)
     assert (found.needs, found.planned) == (needed, planned)
-    assert asked == [(body, needed, 0.1, 2.0, most)]
+    assert asked == [(body, needed, 0.1, 2.0, most), (body, needed, planned, 0.1)]
     with pytest.raises(cs.InvalidInput, match="give l1"):
         contact_of(body, 2.0, replace(limits, metric=Metric.HALF_WIDTH))
     planned.error = inf

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from math import inf, prod, sqrt
+from math import prod, sqrt
 from time import perf_counter, process_time
 
 import numpy as np
@@ -25,7 +25,7 @@ LINE, SMOOTH, ROUGH, SELF_AFFINE = SURFACES = "line", "smooth", "rough", "self-a
 DEVICES: dict[str, Callable[[int], Device]] = {"cpu": cs.Cpu, "gpu": lambda threads: cs.Gpu()}
 # Single precision does not reach the residual of double.
 TOLERANCES = {cs.Precision.DOUBLE: 1e-8, cs.Precision.SINGLE: 1e-5}
-# Solves are repeated until they have taken so long together [s].
+# Solves and transforms are repeated until they have taken so long together [s].
 SECONDS = 0.05
 # Of the self-affine surface: its longest wave over its side, and its rms slope.
 ROLL_OFF, SLOPE = 0.25, 0.1
@@ -47,14 +47,6 @@ points = (
 
 
 @dataclass(frozen=True)
-class Timed:
-    """A solution, and the least time [s] of its solve: CPU time of all threads, or wall time of another device."""
-
-    solution: cs.Solution
-    seconds: float
-
-
-@dataclass(frozen=True)
 class CaseOnDevice:
     """A case to solve on a device."""
 
@@ -70,24 +62,18 @@ class CaseOnDevice:
         """Return the problem: influence coefficients, transforms, gap."""
         return self.case.prepare()
 
-    def run(self, prepared: cs.Problem) -> Timed:
-        """Solve, small problems several times; return the solution and the least time."""
-        clock, least, spent = clock_of(self.on), inf, 0.0
-        while spent < SECONDS:
-            before = clock()
-            solution = self.solved(prepared, self.case.options.max_iterations)
-            seconds = clock() - before
-            least, spent = min(least, seconds), spent + seconds
-        return Timed(solution, least)
+    def run(self, prepared: cs.Problem) -> cs.Solution:
+        """Solve; return the solution."""
+        return self.solved(prepared, self.case.options.max_iterations)
 
     def solved(self, problem: cs.Problem, max_iterations: int) -> cs.Solution:
         """Return the solution after at most ``max_iterations``."""
         options = replace(self.case.options, max_iterations=max_iterations)
         return options.solved(problem, on=self.on)
 
-    def record(self, result: Timed) -> Mapping[str, xr.Variable]:
+    def record(self, result: cs.Solution) -> Mapping[str, xr.Variable]:
         """Return the solver's numbers."""
-        return self.case.record(result.solution)
+        return self.case.record(result)
 
 
 def clock_of(on: Device) -> Callable[[], float]:
@@ -137,38 +123,46 @@ def self_affine(grid: cs.Grid, hurst: float, cut_off: float, share: float) -> cs
     return cs.Scene(cs.LineLoad(mean * side), SCENE.solids, (shape,))
 
 
-def measures(case: CaseOnDevice, result: Timed) -> Mapping[str, xr.Variable]:
+def measures(case: CaseOnDevice, result: cs.Solution) -> Mapping[str, xr.Variable]:
     """Return the share in contact, the most memory a solve holds, and its time over that of its transforms."""
-    problem = result.solution.problem
+    problem = result.problem
     peak = peak_bytes(lambda: case.solved(problem, ENOUGH))
+    seconds = least_seconds(clock_of(case.on), lambda: case.run(problem))
     pair = transform_seconds(problem.operator, case.case.options.precision, case.on)
     return {
-        "contact_share": contact_share(result.solution.pressure),
+        "contact_share": contact_share(result.pressure),
         "memory": number(
             peak / (8 * prod(problem.grid.cells)),
             "peak memory of a solve over that of one field in double precision",
         ),
         "transform_ratio": number(
-            result.seconds / (result.solution.convolutions * pair),
+            seconds / (result.convolutions * pair),
             "time of a solve over that of its bare transforms",
         ),
     }
 
 
+def least_seconds(clock: Callable[[], float], act: Callable[[], object]) -> float:
+    """Return the least time [s] of three runs of `act`, or of as many more as take ``SECONDS`` together."""
+    taken: list[float] = []
+    while len(taken) < 3 or sum(taken) < SECONDS:
+        before = clock()
+        act()
+        taken.append(clock() - before)
+    return min(taken)
+
+
 def transform_seconds(operator: cs.Operator, precision: cs.Precision, on: Device) -> float:
-    """Return the time [s] of one bare pair of transforms of the operator's size, the least of three."""
+    """Return the least time [s] of a bare pair of transforms of the operator's size."""
     assert isinstance(operator, Convolution)
-    clock, least = clock_of(on), inf
     with using(on):
         scaled, pair = operator.scaled(1.0, precision), transforms()
         field = on.put(np.zeros(scaled.cells, dtype=precision.real))
-        for _ in range(3):
-            before = clock()
-            waves = pair.forward(
-                field, scaled.padded, scaled.work_array(scaled.padded, precision.real)
-            )
-            float(
-                pair.backward(waves, scaled.cells, scaled.padded)[0, 0]
-            )  # done, also on another device
-            least = min(least, clock() - before)
-    return least
+
+        def there_and_back() -> float:
+            work = scaled.work_array(scaled.padded, precision.real)
+            waves = pair.forward(field, scaled.padded, work)
+            # read, so that another device is done
+            return float(pair.backward(waves, scaled.cells, scaled.padded)[0, 0])
+
+        return least_seconds(clock_of(on), there_and_back)

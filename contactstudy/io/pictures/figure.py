@@ -70,6 +70,7 @@ def add_legend(figure: Figure) -> None:
             entries.setdefault(label, handle)
     if not entries:
         return
-    rows = -(-len(entries) // max(2, int(figure.get_figwidth() / 1.7)))
+    width = max(1.7, 0.7 + 0.075 * max(map(len, entries)))  # of an entry [in]
+    rows = -(-len(entries) // max(1, int(figure.get_figwidth() / width)))
     columns = -(-len(entries) // rows)
     figure.legend(entries.values(), entries.keys(), loc="outside lower center", ncols=columns)

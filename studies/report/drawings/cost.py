@@ -154,16 +154,19 @@ def _speed_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
 
 
 def _surfaces(dataset: xr.Dataset) -> dict[str, dict[str, object]]:
-    """Return the selection of each surface, by its name."""
+    """Return the selection of each surface, by its name, which tells the values of axes that have several."""
     selections: dict[str, dict[str, object]] = {}
     for surface in dataset["surface"].values.tolist():
         if surface == SELF_AFFINE:
             for values in product(*(dataset[axis].values.tolist() for axis in FAMILY)):
                 chosen = dict(zip(FAMILY, values, strict=True))
-                name = (
-                    f"self-affine, H = {chosen['hurst']:g}, down to {chosen['cut_off']:g} cells, "
-                    f"{percent(chosen['share'])}"
-                )
+                words = {
+                    "hurst": f", H = {chosen['hurst']:g}",
+                    "cut_off": f", down to {chosen['cut_off']:g} cells",
+                    "share": f", {percent(chosen['share'])} in contact",
+                }
+                varied = [words[axis] for axis in FAMILY if dataset.sizes[axis] > 1]
+                name = f"{SELF_AFFINE}{''.join(varied)}"
                 selections[name] = {"surface": surface, **chosen}
         else:
             first = {axis: dataset[axis].values.tolist()[0] for axis in FAMILY}
@@ -186,6 +189,7 @@ def _ways(dataset: xr.Dataset) -> dict[str, dict[str, object]]:
 
 def _speed_caption(dataset: xr.Dataset) -> str:
     finest = dataset.isel(FIRST | {"grid": -1})
+    shortest = " or ".join(f"{cells:g}" for cells in dataset["cut_off"].values)
     facts = [
         f"{name}: {int(part['iterations'])} iterations in {float(part['solve_time']):.2g} s, "
         f"{percent(part['contact_share'])} in contact, {float(part['memory']):.0f} fields of memory"
@@ -195,7 +199,7 @@ def _speed_caption(dataset: xr.Dataset) -> str:
         f"Cost of a solve against the grid, without set-up. {ROUGH.capitalize()} is a rough cylinder, semi-periodic, "
         f"the same surface on every grid; a {LINE} is a smooth cylinder with one cell along; a "
         "self-affine one is flat, periodic along both axes, and has waves down "
-        f"to so many cells of every grid. At {int(finest['grid'])} x {int(finest['grid'])} cells, on "
+        f"to {shortest} cells of every grid. At {int(finest['grid'])} x {int(finest['grid'])} cells, on "
         f"{_where(finest)}, {'; '.join(facts)}. Bare transforms are as many as the solve takes, of the full grid."
     )
 

@@ -9,7 +9,7 @@ from scipy.special import erf
 
 import contactstudy as cs
 from studies.definitions import speed as module
-from studies.definitions.speed import SLOPE, CaseOnDevice, Timed, self_affine
+from studies.definitions.speed import SLOPE, CaseOnDevice, least_seconds, self_affine
 from studies.reference.line_contact import HERTZ, SCENE
 from studies.registry import load
 
@@ -79,12 +79,13 @@ def test_a_point_that_is_none_is_refused_with_a_remedy(
 
 def test_the_ratio_is_of_the_solve_to_as_many_transforms(monkeypatch: pytest.MonkeyPatch) -> None:
     """A solve of 6 s beside transforms of 0.5 s each: twelve over its number of transform pairs."""
-    monkeypatch.setattr("studies.definitions.speed.transform_seconds", lambda *_: 0.5)
+    monkeypatch.setattr(module, "transform_seconds", lambda *_: 0.5)
+    monkeypatch.setattr(module, "least_seconds", lambda *_: 6.0)
     study = load("speed")
     case = study.scene_at(POINT)
     assert isinstance(case, CaseOnDevice)
     solution = case.solved(case.prepare(), 2000)
-    found = study.measures(case, Timed(solution, 6.0))
+    found = study.measures(case, solution)
     assert float(found["transform_ratio"]) == pytest.approx(12 / solution.convolutions)
     assert float(found["contact_share"]) == (solution.pressure > 0).mean()
 
@@ -101,30 +102,24 @@ def test_memory_is_counted_in_fields_of_double_precision(monkeypatch: pytest.Mon
         return np.ones(hoard, dtype=np.int8)[:1].copy()
 
     monkeypatch.setattr(CaseOnDevice, "solved", solved)
-    found = study.measures(case, Timed(solution, 6.0))
+    found = study.measures(case, solution)
     assert float(found["memory"]) == pytest.approx(hoard / (8 * 32 * 32), rel=1e-2)
 
 
-def test_a_solve_is_timed_from_its_beginning_to_its_end(monkeypatch: pytest.MonkeyPatch) -> None:
-    case = load("speed").scene_at(POINT)
-    assert isinstance(case, CaseOnDevice)
-    # long enough together to be the last: the least counts
-    at = iter((100.0, 100.04, 107.0, 107.02))
-    monkeypatch.setattr(module, "clock_of", lambda _: lambda: next(at))
-    monkeypatch.setattr(CaseOnDevice, "solved", lambda *_: "solution")
-    timed = case.run(None)  # type: ignore[arg-type]
-    assert (timed.solution, timed.seconds) == ("solution", pytest.approx(0.02))
+def test_the_least_of_three_runs_counts_or_of_as_many_as_take_50_ms() -> None:
+    """Three long runs, of 5 s, 3 s and 4 s; short ones of 20 ms, which are three, and of 11 ms, which are five."""
+    for lengths in ((5.0, 3.0, 4.0), (0.02, 0.02, 0.02), (0.011,) * 5):
+        at = iter(np.cumsum([(10.0, length) for length in lengths]).tolist())
+        assert least_seconds(lambda at=at: next(at), lambda: None) == pytest.approx(min(lengths))
+        assert not [*at]
 
 
-def test_of_three_pairs_of_transforms_the_quickest_counts(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_timed_run_is_one_solve(monkeypatch: pytest.MonkeyPatch) -> None:
     case = load("speed").scene_at(POINT)
-    assert isinstance(case, CaseOnDevice)
-    # of 5 s, 3 s and 4 s
-    at = iter((0.0, 5.0, 10.0, 13.0, 20.0, 24.0))
-    monkeypatch.setattr(module, "clock_of", lambda _: lambda: next(at))
-    operator = case.prepare().operator
-    assert module.transform_seconds(operator, cs.Precision.DOUBLE, cs.Cpu()) == 3
-    assert not [*at]
+    calls: list[object] = []
+    monkeypatch.setattr(CaseOnDevice, "solved", lambda *_: calls.append(1))
+    case.run(None)  # type: ignore[arg-type]
+    assert len(calls) == 1
 
 
 def test_single_precision_is_solved_to_1e_5_and_another_device_takes_one_thread() -> None:

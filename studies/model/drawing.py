@@ -46,11 +46,11 @@ class Table:
 
     @property
     def kinds(self) -> Row:
-        """Type of each column, ``number`` if each of its cells starts with a number, else ``text``."""
+        """Type of each column, ``number`` if its cells start with a number or are ``none``, else ``text``."""
         columns = zip(*self.rows, strict=True) if self.rows else [()] * len(self.head)
         return tuple(
             "number" if all(cell.lstrip("-−<> ")[:1].isdigit() for cell in column) else "text"
-            for column in columns
+            for column in ([cell for cell in cells if cell != "none"] for cells in columns)
         )
 
 

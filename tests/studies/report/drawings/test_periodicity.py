@@ -49,6 +49,7 @@ def test_the_table_shows_what_is_stored(tmp_path: Path) -> None:
         (("0.6 a", "2.4 a"), "number"),
         (("-0.1", "< 1e-12"), "number"),
         (("5 %", "7"), "number"),
+        (("0.002", "none"), "number"),
         (("exact", "2 copies"), "text"),
         ((), "number"),
     ],

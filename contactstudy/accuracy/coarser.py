@@ -92,7 +92,7 @@ def change(fine: Solution, coarse: Solution) -> Change:
     means = on_cells(fine.pressure, coarse.pressure.shape)
     peak_growth = float(fine.pressure.max() / coarse.pressure.max()) - 1
     areas = [float((solution.pressure > 0).mean()) for solution in (fine, coarse)]
-    gaps = [float(solution.gap.mean()) for solution in (fine, coarse)]
+    gaps = [solution.mean_gap for solution in (fine, coarse)]
     return Change(
         float(np.abs(means - coarse.pressure).sum() / means.sum()),
         peak_growth,

@@ -101,7 +101,7 @@ def quantities(
         Quantity("mean_pressure", "mean pressure", total / area if area else 0.0, "Pa", errors.get("area", nan)),
         Quantity("half_width", "half-width, outermost", half_width, "m", edge if estimate else nan),
         Quantity("contact_area", "contact area", area, "m2", errors.get("area", nan)),
-        Quantity("mean_gap", "mean gap", float(gap.mean()), "m", errors.get("gap", nan)),
+        Quantity("mean_gap", "mean gap", solution.mean_gap, "m", errors.get("gap", nan)),
         Quantity("smallest_gap", "smallest gap", float(gap.min()), "m"),
         Quantity("approach", "approach", solution.approach, "m"),
         Quantity("total_load", "load", total, "N", solution.residual),

@@ -28,8 +28,9 @@ from contactstudy.solvers.solve import SolveOptions
 LINE, PLANE, MOST, TOLERANCE = 2**13, 2**16, 2**19, 1e-5
 # Powers of the cell with which an error falls: at a step in height, where it is not observed, and of a smooth contact.
 SLOWEST, USUAL, FASTEST = 0.5, 1.0, 1.5
-# Ratio of an error's upper estimate to the error expected: exceeded in all but a few cases of the accuracy matrix.
-BOUND = 1.5
+# Ratio of an error's upper estimate to the error expected, of rough and of smooth surfaces: exceeded in all but a few
+# cases of the accuracy matrix.
+BOUND_ROUGH, BOUND_SMOOTH = 1.5, 1.2
 # Least cells along an axis of a small solution, and of a roller.
 FEWEST, ROLLER = 8, 16
 # Rounds in which small solutions correct the grid, and the factor on a width that is too narrow.
@@ -146,7 +147,7 @@ def forecast(scene: Scene, needs: Needs, grid: Grid) -> GridForecast:
     fine, timing = timed(lambda grid: scene.problem(grid, padding), small, 10.0**-DIGITS)
     estimate = error_estimate(fine)
     sharp = next((warning for warning in estimate.warnings if SHARP_EDGE in warning), "")
-    error = estimate.l1.discretisation / BOUND
+    error = estimate.l1.discretisation / bound(needs)
     changes, rates = [0.0, 0.0], [USUAL, USUAL]
     for axis in range(2 if error < inf else 0):
         solutions = [fine]
@@ -172,6 +173,11 @@ def forecast(scene: Scene, needs: Needs, grid: Grid) -> GridForecast:
         contact_width(fine),
     )
     return replace(coarse_forecast, grid=grid, errors=coarse_forecast.errors_of(grid.cell))
+
+
+def bound(needs: Needs) -> float:
+    """Return the ratio of an error's upper estimate to the error expected."""
+    return BOUND_ROUGH if needs.rough else BOUND_SMOOTH
 
 
 def _fewest(needs: Needs, grid: Grid) -> tuple[int, int]:

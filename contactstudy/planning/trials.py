@@ -12,10 +12,9 @@ from contactstudy.domain.grid import Grid
 from contactstudy.planning.cost import DIGITS, timed
 from contactstudy.planning.grid_requirements import Needs
 from contactstudy.planning.grid_search import (
-    BOUND,
-    PLANE,
     TOLERANCE,
     GridForecast,
+    bound,
     by_law,
     contact_width,
 )
@@ -23,8 +22,8 @@ from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions
 
-# Cells of the reference along an axis over those of the planned grid: at most, and at least.
-FINER, LEAST_FINER = 12.0, 2.0
+# Cells of the reference at most, and along an axis over those of the planned grid: at most, and at least.
+REFERENCE, FINER, LEAST_FINER = 2**17, 12.0, 1.4
 # Ratio of the cells along an axis from one tried grid to the next, and cells left free beside the contact.
 STEP, FREE = 2**0.25, 2.2
 # Cells of a tried grid along an axis, at least, and at most over those planned.
@@ -58,13 +57,13 @@ def cheapest(scene: Scene, needs: Needs, planned: GridForecast, error: float) ->
     """
     present, padding = planned.grid, needs.padding()
     axes = 1 if present.cells[1] == 1 else 2
-    finer = min(FINER, (PLANE / prod(present.cells)) ** (1 / axes))
+    finer = min(FINER, (REFERENCE / prod(present.cells)) ** (1 / axes))
     if by_law(scene, needs) or planned.error > error or finer < LEAST_FINER:
         return planned
     cells = ceil(finer * present.cells[0]), ceil(finer * present.cells[1]) if axes == 2 else 1
     options = SolveOptions(TOLERANCE)
     reference = options.solved(scene.problem(Grid(cells, present.extent), padding))
-    reference_error = error_estimate(reference).l1.discretisation / BOUND
+    reference_error = error_estimate(reference).l1.discretisation / bound(needs)
     if reference_error == inf:
         reference_error = planned.error_of(reference.problem.grid.cell)
     tried: list[tuple[float, float, float]] = []
@@ -73,7 +72,8 @@ def cheapest(scene: Scene, needs: Needs, planned: GridForecast, error: float) ->
         across, along = planned.errors_of(grid.cell)
         # at last only grids that are expected to reach the error
         allowed = SCATTER if effort < EFFORT else KEPT
-        if tried and _expected(tried, across, along) > allowed * error:
+        hopeless = tried and _expected(tried, across, along) > allowed * error
+        if hopeless and grid != present:
             continue
         effort += prod(grid.cells)
         if effort > 2 * EFFORT:
@@ -135,8 +135,12 @@ def _candidates(
         resolved = all(size <= wave for size, wave in zip(grid.cell, needs.finest, strict=True))
         if resolved:
             grids.append(grid)
-    grids = [grid for grid in grids if planned.error_of(grid.cell) <= error]
-    return sorted(grids, key=lambda grid: (prod(grid.cells), planned.error_of(grid.cell)))
+    grids = [
+        grid for grid in grids if planned.error_of(grid.cell) <= error and grid != planned.grid
+    ]
+    return sorted(
+        [*grids, planned.grid], key=lambda grid: (prod(grid.cells), planned.error_of(grid.cell))
+    )
 
 
 def _difference(trial: Solution, reference: Solution) -> float:

@@ -125,6 +125,9 @@ class Problem:
         What the problem was made from, such as a scene on a grid.
     friction
         Law that adds shear to a solution.
+    row_lengths
+        Length of both bodies that each row of cells along the length stands for, over that of a cell (y,); None where
+        the bodies are as long as the grid.
     """
 
     grid: Grid
@@ -140,6 +143,7 @@ class Problem:
     outputs: tuple[Derived, ...] = ()
     description: object = None
     friction: FrictionLaw | None = None
+    row_lengths: Array | None = None
 
     @property
     def datum(self) -> float:

@@ -98,6 +98,13 @@ def ends_along(shapes: tuple[Shape, ...], grid: Grid) -> bool:
     return any(0 < length <= grid.period * (1 + 1e-9) for length in lengths)
 
 
+def _row_lengths(shapes: tuple[Shape, ...], grid: Grid) -> Array | None:
+    """Return the length of the shortest roller that each row of `grid` stands for, in cells; None where none ends."""
+    rollers = [shape.row_lengths(grid) for shape in shapes if hasattr(shape, "row_lengths")]
+    shortest = min(rollers, key=np.sum, default=None)
+    return None if shortest is None or not shortest.any() or (shortest == 1).all() else shortest
+
+
 # The modulus of layered bodies and the half-width that follows from it settle to a per mille in so many steps.
 PASSES = 12
 
@@ -317,6 +324,7 @@ class Scene:
             friction=None
             if self.friction is None
             else self.friction.law(self, gap, grid, paddings, scales.length),
+            row_lengths=_row_lengths(self.shapes, grid),
         )
 
     @property

@@ -128,6 +128,16 @@ class Solution:
     traction: Traction | None = None
 
     @property
+    def mean_gap(self) -> float:
+        """Mean gap [m] over the length that both bodies have in common."""
+        lengths = self.problem.row_lengths
+        return float(
+            self.gap.mean()
+            if lengths is None
+            else np.average(self.gap.mean(axis=0), weights=lengths)
+        )
+
+    @property
     def shear(self) -> Array:
         """Shear on the first body (component, x, y) [Pa], along x and y.
 

@@ -119,7 +119,7 @@ def _of_solution(scene: cs.Scene, solution: cs.Solution) -> dict[str, xr.Variabl
         "peak_pressure": labelled((), float(pressure.max()), "Pa", "peak pressure"),
         "mean_pressure": labelled((), mean, "Pa", "mean pressure in contact"),
         "approach": labelled((), solution.approach, "m", "approach"),
-        "mean_gap": labelled((), float(solution.gap.mean()), "m", "mean gap"),
+        "mean_gap": labelled((), solution.mean_gap, "m", "mean gap"),
     }
     if (hertz := scene.hertz) is not None:
         share = area / (2 * hertz.half_width * grid.period)

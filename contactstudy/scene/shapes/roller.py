@@ -285,7 +285,7 @@ class FiniteLength:
     Cells whose centre lies beyond the ends stand back by `length`: more than any elastic displacement, which is a
     small part of the body's own size, and finite, so that averages over blocks of cells stay finite too. The end is
     resolved to a cell, and exactly where it falls between two; a cell that it divides counts by its share in the mean
-    gap, through the cells beyond. Under a scene's load per length of the grid, the
+    gap, which is that of the roller's length. Under a scene's load per length of the grid, the
     roller carries that load times the grid's period over its own length. Along a free length a grid of the roller's
     own length ends it as well, without a cell to spare.
 
@@ -323,13 +323,22 @@ class FiniteLength:
     def gap(self, grid: Grid) -> Array:
         """Return zero on the roller and `length` beyond it [m], of shape (1, length), or (nx, 1) without an end."""
         beyond = np.abs(grid.y) > self.length / 2
-        if not beyond.any():
-            return np.zeros((grid.cells[0], 1))
-        step = grid.cell[1]
-        share = np.clip((np.abs(grid.y) - self.length / 2) / step + 0.5, 0.0, 1.0)
-        # a cell that is more than half on the roller is on it, and leaves the rest of its share to the next cell out
-        lower_end = np.where(beyond, 0.0, share)
-        share = np.where(beyond, share, 0.0)
-        share[1:] += np.where(grid.y[:-1] > 0, lower_end[:-1], 0.0)
-        share[:-1] += np.where(grid.y[1:] < 0, lower_end[1:], 0.0)
-        return (self.length * share)[None, :]
+        return (
+            np.where(beyond, self.length, 0.0)[None, :]
+            if beyond.any()
+            else np.zeros((grid.cells[0], 1))
+        )
+
+    def row_lengths(self, grid: Grid) -> Array:
+        """Return the length of the roller that each row of cells stands for, over that of a cell, of shape (length,).
+
+        A row whose centre lies beyond the end stands for nothing: the row next to it also stands for its part on the
+        roller.
+        """
+        within = np.clip((self.length / 2 - np.abs(grid.y)) / grid.cell[1] + 0.5, 0.0, 1.0)
+        beyond = np.abs(grid.y) > self.length / 2
+        lengths = np.where(beyond, 0.0, within)
+        left_over = np.where(beyond, within, 0.0)
+        lengths[:-1] += np.where(grid.y[1:] > 0, left_over[1:], 0.0)
+        lengths[1:] += np.where(grid.y[:-1] < 0, left_over[:-1], 0.0)
+        return lengths

@@ -57,7 +57,7 @@ class Finer:
             blocks,
             float(solution.pressure.max()),
             float((solution.pressure > 0).mean()),
-            float(solution.gap.mean()),
+            solution.mean_gap,
         )
 
 
@@ -121,7 +121,7 @@ def errors(solution: cs.Solution, truth: Truth) -> Errors:
         float(np.abs(pressure - truth.pressure).sum() / truth.pressure.sum()),
         float(peak),
         abs(area / truth.area - 1),
-        abs(float(solution.gap.mean()) / truth.gap - 1),
+        abs(solution.mean_gap / truth.gap - 1),
     )
 
 

@@ -11,9 +11,9 @@ from contactstudy.accuracy.coarser import change
 def test_a_change_is_of_the_load_the_peak_the_area_and_the_gap() -> None:
     fine = SimpleNamespace(
         pressure=np.array([[4.0], [2.0], [2.0], [0.0]]),
-        gap=np.array([[0.0], [0.0], [0.0], [8.0]]),
+        mean_gap=2.0,
     )
-    coarse = SimpleNamespace(pressure=np.array([[3.0], [0.0]]), gap=np.array([[0.0], [6.0]]))
+    coarse = SimpleNamespace(pressure=np.array([[3.0], [0.0]]), mean_gap=3.0)
     seen = change(fine, coarse)  # type: ignore[arg-type]
     # means of 3 and 1 for 3 and 0, of a load of 4; a peak of 4 for 3
     assert seen.l1 == pytest.approx(1 / 4)

@@ -87,7 +87,7 @@ def test_nothing_is_tried_where_a_law_holds_or_a_finer_grid_is_dear(
 
     for scene, forecast in (
         (line_contact.scene, planned((64, 1), 0.01)),
-        (roller(line_contact, 1.0, 12.0), planned((256, 128), 0.01)),
+        (roller(line_contact, 1.0, 12.0), planned((512, 256), 0.01)),
         (roller(line_contact, 1.0, 12.0), planned((32, 32), 0.03)),  # out of reach
     ):
         assert cheapest(scene, needs_of(scene), forecast, 0.02) is forecast

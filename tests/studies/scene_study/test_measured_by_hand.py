@@ -28,7 +28,9 @@ def recorded(monkeypatch: pytest.MonkeyPatch) -> Any:
     def of(pressure: np.ndarray, case: SceneCase = CASE, *outputs: Any) -> dict[str, float]:
         problem = SimpleNamespace(paddings=None, outputs=outputs, grid=GRID)
         gap = np.where(pressure > 0, 0.0, 4e-7)
-        solution: Any = SimpleNamespace(pressure=pressure, gap=gap, approach=3e-6, problem=problem)
+        solution: Any = SimpleNamespace(
+            pressure=pressure, gap=gap, mean_gap=gap.mean(), approach=3e-6, problem=problem
+        )
         found = module.measures(case, Solved(solution, 0.25, 1e-4))
         return {name: float(one) for name, one in found.items()}
 

@@ -45,6 +45,24 @@ def test_an_end_inside_a_cell_goes_by_its_centre() -> None:
     assert (gap[0] == 0).tolist() == [False] * 2 + [True] * 6 + [False] * 2
 
 
+def test_the_mean_gap_is_that_of_the_roller_and_not_of_the_grid_beyond_its_ends(
+    line_contact: LineContact,
+) -> None:
+    """Also where the ends lie inside cells: the grid of 12 half-widths has cells of 0.125 and 0.1263 half-widths."""
+    length = 8 * line_contact.hertz.half_width
+    own = solved(line_contact, 64, 8.0).mean_gap
+    assert solved(line_contact, 96, 12.0, cs.FiniteLength(length)).mean_gap == pytest.approx(
+        own, rel=1e-4
+    )
+    divided = solved(line_contact, 95, 12.0, cs.FiniteLength(length))
+    assert divided.problem.row_lengths is not None
+    assert divided.problem.row_lengths.sum() * 12 / 95 == pytest.approx(8)
+    # the pressure ends at the border of a cell, up to half a cell from the end
+    assert divided.mean_gap == pytest.approx(own, rel=0.126 / 8)
+    # the rows beyond the ends are recessed by the roller's length
+    assert divided.gap.mean() > 100 * own
+
+
 @pytest.mark.parametrize("length", [0.0, -1.0, np.nan, np.inf])
 def test_a_length_that_cannot_be_is_refused(length: float) -> None:
     with pytest.raises(cs.InvalidInput, match=r"^FiniteLength\.length is .*: give the roller's"):

@@ -166,5 +166,8 @@ def test_round_bodies_and_ends_have_their_heights() -> None:
     assert cs.Crown(5.0).gap(grid) == pytest.approx((y**2 / 10)[None])
     # 4 m long: the middle cell and those whose centres lie on the ends
     assert cs.FiniteLength(4.0).gap(grid).tolist() == [[0.0]] * 4
-    # cells of 2 m, of which 1.05 m lie beyond the ends
-    assert cs.FiniteLength(3.9).gap(grid) == pytest.approx(3.9 * np.array([[0.525, 0.0, 0.525]]))
+    assert cs.FiniteLength(3.9).gap(grid).tolist() == [[3.9, 0.0, 3.9]]
+    # cells of 2 m, of which 0.95 m lie on the roller: the cell in the middle stands for them
+    assert cs.FiniteLength(3.9).row_lengths(grid) == pytest.approx([0.0, 1.95, 0.0])
+    assert cs.FiniteLength(4.4).row_lengths(grid) == pytest.approx([0.6, 1.0, 0.6])
+    assert cs.FiniteLength(6.0).row_lengths(grid).tolist() == [1.0] * 3

@@ -28,9 +28,14 @@ from .io.materials import material
 from .io.scene_file import SceneFile, read_scene
 from .io.scene_writer import write_scene
 from .lubrication.evolve_lubricated import FilmEvolution, evolve_lubricated
-from .lubrication.film_error import FilmError, FilmErrorParts, film_error
-from .lubrication.lubricated_contact import FilmScales, FilmStatus, LubricatedContact
-from .lubrication.solve_lubricated import film_grid, solve_lubricated
+from .lubrication.lubricated_contact import (
+    FilmError,
+    FilmErrorParts,
+    FilmScales,
+    FilmStatus,
+    LubricatedContact,
+)
+from .lubrication.solve_lubricated import film_error, film_grid, solve_lubricated
 from .planning.plan import Plan, plan
 from .problem.bare_problem import BareProblem
 from .problem.constraint import (

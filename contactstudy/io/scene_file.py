@@ -25,7 +25,7 @@ from contactstudy.domain.padding import (
 from contactstudy.domain.units import Metres, NewtonsPerMetre, Number, Pascals, Seconds
 from contactstudy.io.materials import with_materials
 from contactstudy.io.structuring import NO_KIND, structured
-from contactstudy.planning.plan import Plan, plan
+from contactstudy.planning.plan import FILM_ERROR, Plan, plan
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import Body, HalfSpace, contact_modulus
 from contactstudy.scene.coated import CoatedHalfSpace
@@ -397,13 +397,13 @@ class SceneFile:
 
     def lubricate(self, planned: Plan | None = None) -> "LubricatedContact":
         """Solve a lubricated scene, with an estimate of its errors in plane strain; see `solve_lubricated`."""
-        from contactstudy.lubrication.film_error import film_error
         from contactstudy.lubrication.solve_lubricated import solve_lubricated
 
-        contact = solve_lubricated(
-            self.scene, *self._where(planned), tolerance=self.settings.tolerance
+        grid, padding = self._where(planned)
+        error = (self.plan_settings.error or FILM_ERROR) if grid.cells[1] == 1 else None
+        return solve_lubricated(
+            self.scene, grid, padding, error=error, tolerance=self.settings.tolerance
         )
-        return replace(contact, error=film_error(contact)) if contact.is_smooth else contact
 
     def _where(self, planned: Plan | None) -> tuple[Grid, Padding | Paddings]:
         grid, padding = self.grid, self.padding

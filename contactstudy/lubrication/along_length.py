@@ -6,8 +6,8 @@ are and a mere remainder of elasticity, which knows how conductance varies by or
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from functools import cache
+from dataclasses import dataclass
+from functools import cache, cached_property
 from importlib import import_module
 
 import numpy as np
@@ -40,83 +40,118 @@ class KrylovStep:
     deflection: Convolution
     fourier: "FourierStage | None" = None
     made_for: float = 0.0
-    iterations_then: int | None = field(default=None)
+    iterations_then: int | None = None
+    last: "tuple[StepSystem, Array] | None" = None
 
     def step(
         self, linear: Linearised, film: Film, cavitated: Mask, load_missing: float
     ) -> FilmStep:
-        """Return the step for a given set of ``cavitated`` cells."""
-        equation = linear.equation
-        shape = film.film.shape
-        free = ~(cavitated | equation.fixed)
+        """Return the step for a given set of ``cavitated`` cells.
+
+        GMRES starts from the step for the set of cells before, if the linearised balance is the same.
+        """
         pressure = np.where(cavitated, -film.pressure, 0.0)
         void = np.where(cavitated, 0.0, -film.void)
-        flow = float(np.abs(linear.flux[1:-1]).max())
-        mean = equation.cell[0] / shape[1]
-
-        def split(values: Array) -> tuple[Array, Array, float]:
-            cells = values[:-1].reshape(shape)
-            return cells * free, cells * cavitated, float(values[-1])
-
-        def product(values: Array) -> Array:
-            change, opened, separation = split(values)
-            balance = linear.change(change, opened, separation)
-            return np.append(balance.ravel(), flow * mean * change.sum())
-
-        missing = load_missing - mean * pressure.sum()
-        right = np.append(
-            -(linear.residual + linear.change(pressure, void, 0.0)).ravel(), flow * missing
-        )
         try:
-            self._renew(linear, free)
-            lines = local_stage(linear, cavitated)
+            system = self._system(linear, cavitated)
         except (np.linalg.LinAlgError, RuntimeError):  # singular, as scipy has it
             return FilmStep(pressure, void, 0.0, solved=False)
-        assert self.fourier is not None
-        fourier = self.fourier
+        missing = load_missing - system.mean * pressure.sum()
+        balance = -(linear.residual + linear.change(pressure, void, 0.0))
+        right = np.append(balance.ravel(), system.flow * missing)
+        norm = float(np.linalg.norm(right))
+        if norm == 0:
+            return FilmStep(pressure, void, 0.0)
+        start = np.zeros_like(right)
+        if self.last is not None and self.last[0].linear is linear:
+            same = self.last[0].cavitated == cavitated
+            start = self.last[1] * np.append(same.ravel(), True)
+        unknowns, missed, count = system.solve(right, start, norm)
+        self.last = system, unknowns
+        self.iterations_then = count if self.iterations_then is None else self.iterations_then
+        if count > SLOWER * self.iterations_then + MORE:
+            self.fourier = None
+        change, opened, separation = system.split(unknowns)
+        solved = bool(np.isfinite(missed) and missed < MISSED)
+        return FilmStep(pressure + change, void + opened, separation, solved, count)
 
-        def preconditioned(values: Array) -> Array:
-            cells = values[:-1].reshape(shape)
-            coarse, separation = fourier.solve(cells * free, float(values[-1]) / flow)
-            first = np.append((coarse * free).ravel(), separation)
-            remainder = values - product(first)
-            first[:-1] += (lines.solve(remainder[:-1].reshape(shape)) * ~equation.fixed).ravel()
-            return first
+    def _system(self, linear: Linearised, cavitated: Mask) -> "StepSystem":
+        """Return the system, with a new Fourier stage where the time step has changed, or the last no longer serves."""
+        free = ~(cavitated | linear.equation.fixed)
+        time_step = min(1 / linear.rate, LONG_STEP) if linear.rate else LONG_STEP
+        ratio = time_step / self.made_for if self.made_for else 0.0
+        if self.fourier is None or not 1 / FOURFOLD < ratio < FOURFOLD:
+            self.fourier = FourierStage.of(linear, free, toeplitz(self.deflection))
+            self.made_for, self.iterations_then = time_step, None
+        return StepSystem(linear, free, cavitated, self.fourier, local_stage(linear, cavitated))
 
+
+@dataclass(frozen=True, eq=False)
+class StepSystem:
+    """Linear system of a step, with its preconditioner.
+
+    The unknowns are one for each cell, its pressure or, where it is cavitated, its void fraction, and the separation.
+    The last row is the load, in units of the flow.
+    """
+
+    linear: Linearised
+    free: Mask
+    cavitated: Mask
+    fourier: "FourierStage"
+    local: "LineStage | FactorStage"
+
+    @cached_property
+    def flow(self) -> float:
+        """Largest flow through a face."""
+        return float(np.abs(self.linear.flux[1:-1]).max())
+
+    @property
+    def mean(self) -> float:
+        """Load of a unit pressure on one cell."""
+        return self.linear.equation.cell[0] / self.free.shape[1]
+
+    def split(self, values: Array) -> tuple[Array, Array, float]:
+        """Return pressure and void fraction (x, y) and separation of a vector of unknowns."""
+        cells = values[:-1].reshape(self.free.shape)
+        return cells * self.free, cells * self.cavitated, float(values[-1])
+
+    def product(self, values: Array) -> Array:
+        """Multiply the matrix with a vector of unknowns."""
+        pressure, void, separation = self.split(values)
+        balance = self.linear.change(pressure, void, separation)
+        return np.append(balance.ravel(), self.flow * self.mean * pressure.sum())
+
+    def preconditioned(self, values: Array) -> Array:
+        """Apply the Fourier stage, then the local stage to what it leaves."""
+        shape = self.free.shape
+        cells = values[:-1].reshape(shape)
+        coarse, separation = self.fourier.solve(cells * self.free, float(values[-1]) / self.flow)
+        unknowns = np.append((coarse * self.free).ravel(), separation)
+        remainder = (values - self.product(unknowns))[:-1].reshape(shape)
+        unknowns[:-1] += (self.local.solve(remainder) * ~self.linear.equation.fixed).ravel()
+        return unknowns
+
+    def solve(self, right: Array, start: Array, norm: float) -> tuple[Array, float, int]:
+        """Return unknowns, their residual over ``norm``, and the number of iterations from ``start``."""
         count = 0
 
         def counted(_: float) -> None:
             nonlocal count
             count += 1
 
-        size = right.size
+        missing = right - self.product(start) if start.any() else right
         system = LinearOperator(
-            (size, size), matvec=lambda values: product(preconditioned(values)), dtype=float
+            (right.size, right.size),
+            matvec=lambda values: self.product(self.preconditioned(values)),
+            dtype=float,
         )
-        norm = float(np.linalg.norm(right))
-        if norm == 0:
-            return FilmStep(pressure, void, 0.0)
         solution, _ = gmres(
-            system, right, rtol=REACHED, atol=0.0, restart=BASIS, maxiter=RESTARTS,
+            system, missing, rtol=0.0, atol=REACHED * norm, restart=BASIS, maxiter=RESTARTS,
             callback=counted, callback_type="pr_norm",
         )  # fmt: skip
-        best = preconditioned(solution)
-        missed = float(np.linalg.norm(right - product(best))) / norm
-        self.iterations_then = count if self.iterations_then is None else self.iterations_then
-        if count > SLOWER * self.iterations_then + MORE:
-            self.fourier = None
-        change, opened, separation = split(best)
-        solved = bool(np.isfinite(missed) and missed < MISSED)
-        return FilmStep(pressure + change, void + opened, separation, solved, count)
-
-    def _renew(self, linear: Linearised, free: Mask) -> None:
-        """Make the Fourier stage anew where the time step has changed, or it no longer serves."""
-        time_step = min(1 / linear.rate, LONG_STEP) if linear.rate else LONG_STEP
-        ratio = time_step / self.made_for if self.made_for else 0.0
-        if self.fourier is not None and 1 / FOURFOLD < ratio < FOURFOLD:
-            return
-        self.fourier = FourierStage.of(linear, free, toeplitz(self.deflection))
-        self.made_for, self.iterations_then = time_step, None
+        unknowns = start + self.preconditioned(solution)
+        missed = float(np.linalg.norm(right - self.product(unknowns))) / norm
+        return unknowns, missed, count
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,7 +20,7 @@ from contactstudy.lubrication.film_equation import Film, Storage
 from contactstudy.lubrication.lubricated_contact import FilmStatus, LubricatedContact
 from contactstudy.lubrication.posed_film import PosedFilm, pose
 from contactstudy.lubrication.pseudo_time import FilmControls, FilmIteration, StepSolver, iterate
-from contactstudy.lubrication.solve_lubricated import (
+from contactstudy.lubrication.steady_film import (
     ROUGH_CHANGE,
     contact_of,
     continued,

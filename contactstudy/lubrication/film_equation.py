@@ -50,7 +50,7 @@ class Storage:
     history: Array
 
 
-class _Cells(NamedTuple):
+class _FaceSide(NamedTuple):
     """Values of cells that a face needs."""
 
     pressure: Array
@@ -60,14 +60,14 @@ class _Cells(NamedTuple):
     density_slope: Array
     film: Array
 
-    def rows(self, rows: slice) -> "_Cells":
-        return _Cells(*(values[rows] for values in self))
+    def rows(self, rows: slice) -> "_FaceSide":
+        return _FaceSide(*(values[rows] for values in self))
 
-    def next_along(self) -> "_Cells":
-        return _Cells(*(np.roll(values, -1, axis=1) for values in self))
+    def next_along(self) -> "_FaceSide":
+        return _FaceSide(*(np.roll(values, -1, axis=1) for values in self))
 
 
-class _Flow(NamedTuple):
+class _FaceFlow(NamedTuple):
     """Flow through faces, and its derivatives by pressure and film of the cell before and behind."""
 
     flux: Array
@@ -160,7 +160,9 @@ class FilmEquation:
         """Return the balance at ``film`` with its derivatives; ``storage`` adds a time derivative."""
         density, density_slope = self.density(film.pressure)
         log_viscosity, log_slope = self.log_viscosity(film.pressure)
-        cells = _Cells(film.pressure, -log_viscosity, -log_slope, density, density_slope, film.film)
+        cells = _FaceSide(
+            film.pressure, -log_viscosity, -log_slope, density, density_slope, film.film
+        )
         filled = 1 - film.void
         content = filled * density * film.film
         slopes = (filled * density_slope * film.film, filled * density, -density * film.film)
@@ -186,7 +188,7 @@ class FilmEquation:
         }
         if content.shape[1] > 1:
             along = _conducted(cells, cells.next_along(), dx / (self.resistance * dy**2))
-            last = _Flow(*(np.roll(values, 1, axis=1) for values in along))
+            last = _FaceFlow(*(np.roll(values, 1, axis=1) for values in along))
             residual += along.flux - last.flux
             for bands, ahead, behind, last_ahead, last_behind in (
                 (pressure, along.pressure_behind, along.pressure_before, *last[1:3]),
@@ -239,7 +241,7 @@ def _face_before(faces: Array) -> Array:
     return np.concatenate((np.zeros_like(faces[:1]), faces))
 
 
-def _conducted(before: _Cells, behind: _Cells, factor: float) -> _Flow:
+def _conducted(before: _FaceSide, behind: _FaceSide, factor: float) -> _FaceFlow:
     """Return the flow that the difference of pressure drives through the faces between two sets of cells."""
     half = (behind.log_fluidity - before.log_fluidity) / 2
     small = np.abs(half) < SERIES
@@ -255,11 +257,11 @@ def _conducted(before: _Cells, behind: _Cells, factor: float) -> _Flow:
     total = density * conductance
     fall = before.pressure - behind.pressure
 
-    def by_pressure(side: _Cells, weight: Array) -> Array:
+    def by_pressure(side: _FaceSide, weight: Array) -> Array:
         slope = total * weight * side.log_fluidity_slope + conductance * side.density_slope / 2
         return np.asarray(slope * fall)
 
-    return _Flow(
+    return _FaceFlow(
         total * fall,
         by_pressure(before, (1 - tilt) / 2) + total,
         by_pressure(behind, (1 + tilt) / 2) - total,

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from contactstudy.lubrication.film_error import FilmError
-
 
 class FilmStatus(Enum):
     """The outcome of a lubricated contact; ``str(status)`` is a sentence with cause and remedy."""
@@ -80,6 +78,38 @@ class FilmScales:
         return film * pi / (8 * self.load_parameter)
 
 
+@dataclass(frozen=True)
+class FilmErrorParts:
+    """Relative errors by cause.
+
+    ``discretisation`` is that of the cells, ``inlet`` that of a finite inlet, ``residual`` that of the iteration.
+    """
+
+    discretisation: float
+    inlet: float
+    residual: float
+
+    @property
+    def total(self) -> float:
+        """Sum of the parts."""
+        return self.discretisation + self.inlet + self.residual
+
+
+@dataclass(frozen=True)
+class FilmError:
+    """Estimated relative errors of a lubricated contact; ``peak_pressure`` is infinite beside a spike.
+
+    ``reason`` says why a part is infinite, and is empty where none is.
+    """
+
+    central_film: FilmErrorParts
+    minimum_film: FilmErrorParts
+    friction: FilmErrorParts
+    pressure_l1: FilmErrorParts
+    peak_pressure: FilmErrorParts
+    reason: str = ""
+
+
 @dataclass(frozen=True, eq=False)
 class LubricatedContact:
     """Fields (x, y) of a lubricated contact: ``pressure`` [Pa], ``film`` [m], ``film_fraction``.
@@ -107,7 +137,7 @@ class LubricatedContact:
     residual: float
     flow: float
     flux_spread: float
-    error: "FilmError | None" = None
+    error: FilmError | None = None
 
     @property
     def is_smooth(self) -> bool:

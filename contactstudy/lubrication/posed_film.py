@@ -175,10 +175,8 @@ def refined(equation: FilmEquation, coarse: FilmIteration) -> tuple[Film, Mask]:
     cavitated &= ~equation.fixed
     pressure = np.where(cavitated | equation.fixed, 0, pressure)
     void = np.where(cavitated, void, 0)
-    film = equation.film_of(pressure, void, coarse.film.separation)
     lowest = float(coarse.film.film.min()) / 2
-    rise = max(0.0, lowest - float(film.film.min()))
-    return equation.film_of(pressure, void, film.separation + rise), cavitated
+    return raised(equation, pressure, void, coarse.film.separation, lowest), cavitated
 
 
 def _halved(values: Array, axis: int, ends: Literal["edge", "wrap"]) -> Array:
@@ -215,15 +213,35 @@ def _dry_pressure(posed: PosedFilm) -> Array:
     return np.asarray(blocks.mean(axis=(1, 3)) / posed.scales.hertz.peak_pressure)
 
 
-def restart(posed: PosedFilm, contact: LubricatedContact) -> Film:
-    """Return the film of another contact on the same grid, in the units of this one."""
-    scales, shape = posed.scales, posed.equation.gap.shape
-    rows = shape[0]
-    if contact.pressure[:rows].shape != shape:
+def restart(posed: PosedFilm, contact: LubricatedContact) -> tuple[Film, Mask]:
+    """Return the film of another contact on this grid, in the units of this one, and its cavitated cells.
+
+    Values are linear between the cells of the other grid across, and zero beyond it.
+    """
+    scales, fixed = posed.scales, posed.equation.fixed
+    if contact.grid.cells[1] not in (1, fixed.shape[1]):
         raise InvalidInput(
-            f"solve_lubricated.start has the shape {contact.pressure.shape}: give a contact on this grid."
+            f"solve_lubricated.start has {contact.grid.cells[1]} cells along the length: give a contact with "
+            f"{fixed.shape[1]}, or with 1."
         )
-    pressure = contact.pressure[:rows] / scales.hertz.peak_pressure
-    pressure[posed.equation.fixed] = 0
-    void = np.where(pressure > 0, 0.0, 1 - contact.film_fraction[:rows])
-    return posed.equation.film_of(pressure, void, contact.separation / scales.film)
+    x = posed.x * scales.hertz.half_width
+
+    def on_rows(values: Array) -> Array:
+        columns = [np.interp(x, contact.grid.x, column, left=0, right=0) for column in values.T]
+        return np.repeat(np.stack(columns, axis=1), fixed.shape[1] // len(columns), axis=1)
+
+    pressure = on_rows(contact.pressure) / scales.hertz.peak_pressure
+    pressure[fixed] = 0
+    void = np.where(pressure > 0, 0.0, on_rows(1 - contact.film_fraction))
+    lowest = float(contact.film.min()) / scales.film / 2
+    film = raised(posed.equation, pressure, void, contact.separation / scales.film, lowest)
+    return film, (pressure == 0) & ~fixed
+
+
+def raised(
+    equation: FilmEquation, pressure: Array, void: Array, separation: float, lowest: float
+) -> Film:
+    """Return the film under ``pressure``, with a separation that leaves it nowhere below ``lowest``."""
+    film = equation.film_of(pressure, void, separation)
+    rise = max(0.0, lowest - float(film.film.min()))
+    return equation.film_of(pressure, void, separation + rise) if rise else film

@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 
 import contactstudy as cs
-from contactstudy.lubrication.film_error import FilmError, FilmErrorParts
+from contactstudy.lubrication.lubricated_contact import FilmError, FilmErrorParts
 from tests.conftest import LineContact
 from tests.contactstudy.lubrication.scenes import by_moes
 from tests.contactstudy.lubrication.scenes import grid as film_cells

@@ -342,7 +342,8 @@ def _residual(solution: Solution) -> tuple[float, float]:
     cells = free.astype(np.float64)
     closing = np.zeros_like(gap)
     if free.any():  # not where all pressures are at a limit
-        closing = operator.approximate_inverse()(np.where(free, -gap, 0.0), cells)
+        extension = operator.approximate_inverse().extension(cells)
+        closing = extension.closing(extension(np.where(free, -gap, 0.0)))
         closing = np.where(free, closing - closing.mean(where=free), 0.0)
 
     # cells at a limit that should not be there

@@ -6,6 +6,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass
 from enum import Enum
 from importlib import import_module
+from types import SimpleNamespace
 from typing import Any, Protocol, cast, runtime_checkable
 
 import numpy as np
@@ -64,6 +65,7 @@ class Namespace(Protocol):
     def reshape(self, x: Field, /, shape: tuple[int, ...]) -> Array: ...
     def searchsorted(self, x1: Field, x2: Field, /) -> Scalar: ...
     def sort(self, x: Field, /) -> Array: ...
+    def sqrt(self, x: Field, /) -> Array: ...
     def sum(self, x: Field, /) -> Scalar: ...
     def take(self, x: Field, indices: Field, /, *, axis: int) -> Array: ...
     def vecdot(self, x1: Field, x2: Field, /) -> Array: ...
@@ -202,9 +204,16 @@ class Library:
         return np.array(np.from_dlpack(field))
 
 
-_NUMPY = cast(Namespace, np)
+# The methods of an array do what numpy's functions of the same names do, in half the time on a small field.
+_METHODS = "all", "any", "astype", "max", "min", "repeat", "reshape", "sum", "take"
+_NUMPY = cast(
+    Namespace, SimpleNamespace(**vars(np) | {name: getattr(np.ndarray, name) for name in _METHODS})
+)
 ONE_THREAD = Cpu()
 _DEVICE: ContextVar[Device] = ContextVar("device", default=ONE_THREAD)
+_ARRAYS: ContextVar[Namespace] = ContextVar("arrays", default=_NUMPY)
+# Return the functions of the array library of the device in use; a call costs as little as this.
+arrays = _ARRAYS.get
 
 
 def checked(chosen: Device, field: str) -> Device:
@@ -223,11 +232,6 @@ def device() -> Device:
     return _DEVICE.get()
 
 
-def arrays() -> Namespace:
-    """Return the functions of the array library of the device in use."""
-    return _DEVICE.get().arrays
-
-
 def threads() -> int:
     """Return the number of threads that share the work on numpy's arrays."""
     chosen = _DEVICE.get()
@@ -237,11 +241,12 @@ def threads() -> int:
 @contextmanager
 def using(chosen: Device) -> Iterator[None]:
     """Use the `chosen` device inside a ``with`` block."""
-    token = _DEVICE.set(checked(chosen, "solve.on"))
+    token, library = _DEVICE.set(checked(chosen, "solve.on")), _ARRAYS.set(chosen.arrays)
     try:
         yield
     finally:
         _DEVICE.reset(token)
+        _ARRAYS.reset(library)
 
 
 @dataclass(frozen=True)

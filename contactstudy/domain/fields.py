@@ -7,7 +7,6 @@ from contextvars import copy_context
 from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
-from math import prod
 from typing import Any, TypeVar
 
 import numpy as np
@@ -32,14 +31,20 @@ def in_blocks(work: Callable[..., T], *fields: Numbers) -> list[T]:
     Blocks do not depend on the number of threads, so that sums over blocks do not either. Fields that fit into one
     block, and those on a device that is no :class:`Cpu`, are worked on as they are.
     """
-    rows, columns = fields[0].shape
-    if rows * columns <= BLOCK or not isinstance(device(), Cpu):
+    if fields[0].size <= BLOCK or not isinstance(device(), Cpu):
         return [work(*fields)]
 
     def in_turn(blocks: list[slice]) -> list[T]:
         return [work(*(field[block, :] for field in fields)) for block in blocks]
 
-    return [result for part in _shared(in_turn, _blocks(rows, columns)) for result in part]
+    blocks = _blocks(*fields[0].shape)
+    return [result for part in _shared(in_turn, blocks) for result in part]
+
+
+def sums(work: Callable[..., tuple[float, ...]], *fields: Array) -> tuple[float, ...]:
+    """Return the sums of what `work` returns for each block of rows of all `fields` (x, y)."""
+    results = in_blocks(work, *fields)
+    return results[0] if len(results) == 1 else tuple(map(sum, zip(*results, strict=True)))
 
 
 def in_parts(work: Callable[[slice], object], shape: tuple[int, ...]) -> None:
@@ -120,7 +125,7 @@ def _pool(threads: int) -> ThreadPoolExecutor:
     return ThreadPoolExecutor(threads, thread_name_prefix="contactstudy")
 
 
-__all__ = ["Array", "inner", "mean_over", "product", "total"]
+__all__ = ["Array", "dot", "inner", "mean_over", "product", "sums", "total"]
 
 
 # Up to this many cells BLAS starts no threads, and single precision needs no sums by rows.
@@ -133,13 +138,13 @@ def inner(a: Array, b: Array) -> float:
     It is taken row by row: BLAS would start threads for a whole large field, and on a busy machine they cost a hundred
     times what they save.
     """
-    return sum(in_blocks(_inner, a, b))
+    return sum(in_blocks(dot, a, b))
 
 
-def _inner(a: Array, b: Array) -> float:
-    """Return the sum of ``a b`` over a block."""
+def dot(a: Array, b: Array) -> float:
+    """Return the sum of ``a b`` over one block of two fields."""
     xp = arrays()
-    if prod(a.shape) <= SMALL:
+    if a.size <= SMALL:
         return float(xp.vecdot(xp.reshape(a, (-1,)), xp.reshape(b, (-1,))))
     return float(xp.sum(xp.vecdot(a, b)))
 

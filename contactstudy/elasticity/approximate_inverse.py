@@ -11,6 +11,7 @@ holes in the contact, and more slowly within. That is the kernel of ``G = (1 + t
 mixture of Poisson's kernels, and falls like ``r^-3/2`` up to the length that ``t`` stands for.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from math import log2
 from typing import Any
@@ -30,6 +31,59 @@ HOLES = 2
 ROUNDINGS = 100
 # Cells whose sides differ by a factor of more make no blocks of 2 x 2.
 LONGEST = 4.0
+
+
+class Extension(ABC):
+    """Linear map from displacements of a `contact` (x, y), which is 1 there and 0 elsewhere, to those of all cells."""
+
+    contact: Array
+
+    @abstractmethod
+    def __call__(self, displacement: Array) -> Array:
+        """Return a `displacement` (x, y), which is zero outside the contact, extended to all cells."""
+
+    @abstractmethod
+    def closing(self, extended: Array) -> Array:
+        """Return the pressure (x, y) on the contact that makes an `extended` displacement."""
+
+
+class ExactInverse:
+    """Solution of the linear equations of the cells in contact, for one row of few cells.
+
+    Parameters
+    ----------
+    compliance
+        Displacement of each cell under a unit pressure on each cell (cells, cells).
+    """
+
+    work = 0.0
+
+    def __init__(self, compliance: Array) -> None:
+        self._compliance, self.real = compliance, compliance.dtype
+
+    def extension(self, contact: Array) -> "ExactExtension":
+        """Return the map from the displacement of a `contact` (x, 1) to that of all cells."""
+        return ExactExtension(contact, self._compliance)
+
+
+class ExactExtension(Extension):
+    """Displacement of all cells of one row under the pressure that makes a displacement of the contact."""
+
+    def __init__(self, contact: Array, compliance: Array) -> None:
+        self.contact, self._cells = contact, np.flatnonzero(contact)
+        of_contact = compliance[self._cells]
+        self._inverse = np.linalg.inv(of_contact[:, self._cells])
+        self._extended = of_contact.T @ self._inverse
+
+    def __call__(self, displacement: Array) -> Array:
+        """Return a `displacement` (x, 1), which is zero outside the contact, extended to all cells."""
+        return self._extended @ displacement[self._cells]
+
+    def closing(self, extended: Array) -> Array:
+        """Return the pressure (x, 1) on the contact that makes an `extended` displacement."""
+        closing = np.zeros_like(extended)
+        closing[self._cells] = self._inverse @ extended[self._cells]
+        return closing
 
 
 class SpectralInverse:
@@ -65,35 +119,34 @@ class SpectralInverse:
             real = spectrum.dtype
         self._inverse, self.real = xp.astype(inverse, real, copy=False), real
         self._cells, self._work_array = cells, work_array
+        self._transforms, self._waves = transforms(), work_array(cells, real)
         # that of the shortest waves along either axis
         self._stiffest = max(float(inverse[cells[0] // 2, 0]), float(inverse[0, -1]))
         # the range of the smoothing in cells, and its spectrum
         self._smoothing: tuple[float, Array] = 0.0, self._inverse
-        self._coarser = self._on_blocks(spectrum)
+        self._coarser, self._transformed = self._on_blocks(spectrum), 0
 
     @property
     def work(self) -> float:
-        """Number of cells transformed from an extended displacement to its pressure."""
-        return float(self._cells[0] * self._cells[1])
+        """Number of cells transformed so far."""
+        return self._transformed + (self._coarser.work if self._coarser is not None else 0.0)
 
-    def extension(self, contact: Array) -> "SmoothedExtension | BlockExtension":
+    def extension(self, contact: Array) -> "FullExtension":
         """Return the map from the displacement of a `contact` (x, y) to that of all cells."""
         if self._coarser is not None:
-            return BlockExtension(contact, self._coarser)
-        width = 2.0 ** round(log2(HOLES * hole_width(contact)))
+            return BlockExtension(contact, self._coarser, self.pressure)
+        width = hole_width(contact)
+        if not width:
+            return FullExtension(contact, self.pressure)
+        width = 2.0 ** round(log2(HOLES * width))
         if width != self._smoothing[0]:
             stretch = width * np.pi / self._stiffest
-            self._smoothing = width, (1 + stretch * self._inverse) ** -0.5
-        return SmoothedExtension(contact, self._smoothed)
+            self._smoothing = width, 1 / arrays().sqrt(1 + stretch * self._inverse)
+        return SmoothedExtension(contact, self._smoothed, self.pressure)
 
     def pressure(self, displacement: Array) -> Array:
         """Return the pressure on all cells that makes a `displacement` (x, y) of all cells, both periodic."""
         return self._filtered(displacement, self._inverse)
-
-    def __call__(self, displacement: Array, contact: Array) -> Array:
-        """Return the pressure on a `contact` with this `displacement` (x, y), which is zero elsewhere."""
-        extension = self.extension(contact)
-        return extension.transposed(self.pressure(extension(displacement)))
 
     def _on_blocks(self, spectrum: Array) -> "SpectralInverse | None":
         """Return the same map on blocks of 2 x 2 cells, or None where they are elongated or too few to pay."""
@@ -114,18 +167,44 @@ class SpectralInverse:
 
     def _filtered(self, field: Array, factors: Array) -> Array:
         """Return `field` with its waves multiplied by `factors`."""
-        return transforms().filtered(field, factors, self._work_array(self._cells, self.real))
+        self._transformed += field.size
+        return self._transforms.filtered(field, factors, self._waves)
 
 
-class SmoothedExtension:
-    """Linear map from displacements of the cells in contact to displacements of all cells.
+class FullExtension(Extension):
+    """Extension of a contact of all cells: they stay as they are.
 
-    `contact` (x, y) is 1 in the contact and 0 elsewhere; `smoothed` is a symmetric map with a positive kernel.
+    `pressure` is the map from a displacement of all cells to their pressure.
     """
 
-    def __init__(self, contact: Array, smoothed: Callable[[Array], Array]) -> None:
+    def __init__(self, contact: Array, pressure: Callable[[Array], Array]) -> None:
+        self.contact, self._pressure = contact, pressure
+
+    def __call__(self, displacement: Array) -> Array:
+        """Return the `displacement` (x, y)."""
+        return displacement
+
+    def transposed(self, pressure: Array) -> Array:
+        """Return the `pressure` (x, y)."""
+        return pressure
+
+    def closing(self, extended: Array) -> Array:
+        """Return the pressure (x, y) on the contact that makes an `extended` displacement."""
+        return self.transposed(self._pressure(extended))
+
+
+class SmoothedExtension(FullExtension):
+    """Extension by the weighted mean of the contact's displacement; `smoothed` is a symmetric, positive convolution."""
+
+    def __init__(
+        self,
+        contact: Array,
+        smoothed: Callable[[Array], Array],
+        pressure: Callable[[Array], Array],
+    ) -> None:
+        super().__init__(contact, pressure)
         xp = arrays()
-        self._contact, self._smoothed = contact, smoothed
+        self._smoothed = smoothed
         weights = smoothed(contact)
         least = ROUNDINGS * float(xp.finfo(contact.dtype).eps) * float(xp.max(weights))
 
@@ -134,11 +213,6 @@ class SmoothedExtension:
 
         in_blocks(invert, contact, weights)
         self._outside = weights
-
-    @property
-    def work(self) -> float:
-        """Number of cells transformed in one smoothing, which it takes to make, to use and to transpose this map."""
-        return float(self._contact.shape[0] * self._contact.shape[1])
 
     def __call__(self, displacement: Array) -> Array:
         """Return a `displacement` (x, y), which is zero outside the contact, extended to all cells."""
@@ -159,40 +233,37 @@ class SmoothedExtension:
             pressure += gathered
             pressure *= contact
 
-        in_blocks(combine, pressure, gathered, self._contact)
+        in_blocks(combine, pressure, gathered, self.contact)
         return pressure
 
 
-class BlockExtension:
+class BlockExtension(FullExtension):
     """Extension by way of blocks of 2 x 2 cells, whose means are extended and interpolated linearly.
 
     A block belongs to the contact by the share of its cells that do. Blocks wrap round the grid.
     """
 
-    def __init__(self, contact: Array, coarser: SpectralInverse) -> None:
-        self._contact = contact
+    def __init__(
+        self, contact: Array, coarser: SpectralInverse, pressure: Callable[[Array], Array]
+    ) -> None:
+        super().__init__(contact, pressure)
         self._loops = compiled_loops(contact.shape)
         self._block_contact = self._means(contact)
         self._extension = coarser.extension(self._block_contact)
-
-    @property
-    def work(self) -> float:
-        """Number of cells transformed in one smoothing, which is that of blocks."""
-        return self._extension.work
 
     def __call__(self, displacement: Array) -> Array:
         """Return a `displacement` (x, y), which is zero outside the contact, extended to all cells."""
         blocks = self._extension(self._means(displacement))
         extended = np.empty_like(displacement)
-        self._in_parts(self._loops.filled, blocks, self._contact, displacement, extended)
+        self._in_parts(self._loops.filled, blocks, self.contact, displacement, extended)
         return extended
 
     def transposed(self, pressure: Array) -> Array:
         """Gather a `pressure` (x, y) on all cells to those of the contact, in place: the transposed map."""
         blocks = self._blocks(pressure)
-        self._in_parts(self._loops.filled_transposed, pressure, self._contact, blocks)
+        self._in_parts(self._loops.filled_transposed, pressure, self.contact, blocks)
         blocks = self._extension.transposed(blocks)
-        weights = self._block_contact, self._contact
+        weights = self._block_contact, self.contact
         self._in_parts(self._loops.block_means_transposed, blocks, *weights, pressure)
         return pressure
 
@@ -208,17 +279,20 @@ class BlockExtension:
 
     def _in_parts(self, loop: Callable[..., None], *arguments: Any) -> None:
         """Run a compiled `loop` over rows of blocks, some for each thread."""
-        rows, columns = self._contact.shape
+        rows, columns = self.contact.shape
         in_parts(lambda part: loop(*arguments, part.start, part.stop), (rows // 2, columns // 2))
 
 
 def hole_width(contact: Array) -> float:
-    """Return the mean number of cells between two cells of a `contact` (x, y) along a row or column, at least 1/2."""
+    """Return the mean number of cells between two cells of a `contact` (x, y) along a row or column.
+
+    It is 0 where the contact has no end.
+    """
     xp, inside = arrays(), contact > 0
     ends = int(xp.count_nonzero(inside[1:, :] != inside[:-1, :]))
     ends += int(xp.count_nonzero(inside[:, 1:] != inside[:, :-1]))
-    outside = contact.shape[0] * contact.shape[1] - int(xp.count_nonzero(inside))
-    return float(max(2 * outside / max(ends, 1), 0.5))
+    outside = contact.size - int(xp.count_nonzero(inside))
+    return 2 * outside / ends if ends else 0.0
 
 
 def sampled(spectrum: Array, cells: tuple[int, int], padded: tuple[int, int]) -> Array:

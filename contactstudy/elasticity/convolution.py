@@ -14,12 +14,15 @@ from contactstudy.domain.device import Cpu, Precision, arrays, device
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Padding, Paddings, across_and_along
-from contactstudy.elasticity.approximate_inverse import SpectralInverse, sampled
+from contactstudy.elasticity.approximate_inverse import ExactInverse, SpectralInverse, sampled
 from contactstudy.elasticity.coefficients import Coefficients, Displacement, kernel
 from contactstudy.elasticity.transforms import Waves, scale, transforms
 
 # Axes of fewer cells than this are not coarsened: a coarser grid would no longer see the contact.
 COARSEST = 32
+# One row of so many cells is preconditioned by its own equations.
+FEW = 64
+SHIFT = 10.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,10 +79,13 @@ class Convolution:
         if "waves" not in of_thread:
             waves = self.padded[0] * (self.padded[1] // 2 + 1)
             of_thread["waves"] = np.empty(waves, dtype=np.result_type(self.spectrum, np.complex64))
-        rows, columns = shape[0], shape[1] // 2 + 1
-        numbers = of_thread["waves"].view(np.result_type(real, np.complex64))
-        work_array: Waves = numbers[: rows * columns].reshape(rows, columns)
-        return work_array
+            of_thread["views"] = {}
+        views: dict[object, Waves] = of_thread["views"]
+        if (shape, real) not in views:
+            rows, columns = shape[0], shape[1] // 2 + 1
+            numbers = of_thread["waves"].view(np.result_type(real, np.complex64))
+            views[shape, real] = numbers[: rows * columns].reshape(rows, columns)
+        return views[shape, real]
 
     def __getstate__(self) -> dict[str, object]:
         """Return the fields of this object without the work arrays, for a pickle or a copy."""
@@ -137,14 +143,31 @@ class Convolution:
         spectrum = xp.astype(spectrum, self.spectrum.dtype, copy=False)
         return Convolution(spectrum, cells, (px // across, py // along))
 
-    def approximate_inverse(self, precision: Precision | None = None) -> SpectralInverse:
+    def approximate_inverse(
+        self, precision: Precision | None = None
+    ) -> SpectralInverse | ExactInverse:
         """Return a preconditioner: division by the spectrum on the unpadded grid, as if it were periodic.
 
         It works in the operator's own precision, unless another `precision` is given and can hold the spectrum's range.
+        For one row of few cells it solves the equations of the contact themselves.
         """
+        if self.cells[1] == 1 and self.cells[0] <= FEW and isinstance(device(), Cpu):
+            return ExactInverse(self._compliance())
         spectrum = sampled(self.spectrum, self.cells, self.padded)
         real = spectrum.dtype if precision is None else precision.real
         return SpectralInverse(spectrum, self.cells, self.work_array, real)
+
+    def _compliance(self) -> Array:
+        """Return the displacement of each cell of one row under a unit pressure on each (cells, cells).
+
+        A constant is added that makes it positive definite; a step that keeps the load does not feel it.
+        """
+        unit = np.zeros(self.cells, dtype=self.spectrum.dtype)
+        unit[0] = 1
+        row = self(unit)[:, 0]
+        row += SHIFT * np.abs(row).max()
+        index = np.arange(len(row))
+        return np.asarray(row[np.abs(index[:, None] - index)])
 
 
 def convolution(

@@ -10,6 +10,7 @@ import os
 from abc import ABC, abstractmethod
 from importlib import import_module
 from importlib.util import find_spec
+from operator import imul
 from threading import Lock
 from typing import Any, Protocol
 
@@ -181,4 +182,4 @@ def transforms() -> Transforms:
 
 def scale(waves: Waves, factors: Array) -> None:
     """Multiply `waves` by `factors`, one for each wave, in place."""
-    in_blocks(lambda waves, factors: waves.__imul__(factors), waves, factors)
+    in_blocks(imul, waves, factors)

@@ -5,13 +5,17 @@ from functools import cached_property
 from math import inf, prod
 
 from contactstudy.domain.device import arrays
-from contactstudy.domain.fields import Array, in_blocks, total
+from contactstudy.domain.fields import Array, in_blocks, inner, total
 from contactstudy.problem.constraint import Constraint, Gap, Resultant, largest
 from contactstudy.problem.operator import Operator
 from contactstudy.problem.passes import Passes, passes_for
 
 # A gap is uncertain by this number of roundings of the largest displacement: residuals stop falling at half of it.
 ROUNDINGS = 2.0
+# Softness of the first springs over that of a cell; the second differ little, whatever it is.
+SOFTNESS = 4.0
+# Ratio of the sides of cells from which springs are no start.
+LONGEST = 30.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,6 +35,8 @@ class BareProblem:
         Limits of the pressure of each cell.
     resultant
         What the pressures of all cells carry together.
+    elongation
+        Length of a cell over its width.
     chosen_passes
         Passes over fields; None chooses them by size and device.
     """
@@ -39,6 +45,7 @@ class BareProblem:
     operator: Operator
     constraint: Constraint
     resultant: Resultant
+    elongation: float = field(default=1.0, kw_only=True)
     chosen_passes: Passes | None = field(default=None, kw_only=True, repr=False)
 
     @cached_property
@@ -50,6 +57,25 @@ class BareProblem:
         """Return the uniform pressure (x, y) that meets the resultant."""
         gap = self.undeformed_gap
         return arrays().full_like(gap, self.resultant.uniform(prod(gap.shape)))
+
+    def on_springs(self) -> Array:
+        """Return the pressure (x, y) of a bed of springs, as soft as the operator is under a pressure of such springs.
+
+        It is uniform where no softness follows, and on elongated cells: there waves along the shorter side are much
+        stiffer than others.
+        """
+        if not 1 / LONGEST < self.elongation < LONGEST:
+            return self.uniform()
+        softness = SOFTNESS * self.operator.self_compliance
+        pressure = self.nearest(-self.undeformed_gap / softness)
+        free = self.constraint.free(pressure)
+        bearing = total(free)
+        deviation = (pressure - inner(free, pressure) / bearing) * free if bearing else free
+        variance = inner(deviation, pressure)
+        softness = inner(deviation, self.operator(pressure)) / variance if variance > 0 else 0.0
+        if not 0 < softness < inf:
+            return self.uniform()
+        return self.nearest(-self.undeformed_gap / softness)
 
     def admit(self, trial: Array) -> Array:
         """Cut a `trial` pressure off at the limits and scale it to meet the resultant, in place."""
@@ -121,4 +147,11 @@ class BareProblem:
         gap = sum(parts[1:], start=parts[0]) / len(parts)
         resultant = self.resultant.scaled(1.0, across * along)
         operator = self.operator.coarsened()
-        return BareProblem(gap, operator, self.constraint, resultant, chosen_passes=self.passes)
+        return BareProblem(
+            gap,
+            operator,
+            self.constraint,
+            resultant,
+            elongation=self.elongation * along / across,
+            chosen_passes=self.passes,
+        )

@@ -8,7 +8,7 @@ from typing import Protocol, Self
 import numpy as np
 
 from contactstudy.domain.device import arrays
-from contactstudy.domain.fields import Array, in_blocks, inner, replaced
+from contactstudy.domain.fields import Array, dot, in_blocks, inner, replaced
 from contactstudy.domain.fields import total as sum_of
 
 
@@ -50,8 +50,8 @@ def violation(pressure: Array, height: Array, free: Array) -> Array:
 
 
 def largest(*measures: float) -> float:
-    """Return the largest measure, or nan if one is nan; Python's own ``max`` forgets a nan that comes later."""
-    return nan if any(map(isnan, measures)) else float(max(measures))
+    """Return the largest of measures from 0 on, or nan if one is nan, which Python's own ``max`` may miss."""
+    return nan if isnan(sum(measures)) else float(max(measures))
 
 
 class Constraint(Protocol):
@@ -227,7 +227,7 @@ class Compressive:
 
         def measure(block: Array, height: Array) -> tuple[float, float]:
             overlap = xp.where(block == 0, height, 0.0)
-            return inner(block, xp.abs(height)), -float(xp.min(overlap))
+            return dot(block, xp.abs(height)), -float(xp.min(overlap))
 
         moments, deepest = zip(*in_blocks(measure, pressure, gap.height), strict=True)
         return largest(sum(moments) / borne, *deepest)

@@ -12,21 +12,24 @@ class Extension(Protocol):
     """Linear map from the displacement (x, y) of some cells, zero elsewhere, to that of all cells."""
 
     @property
-    def work(self) -> float:
-        """Number of cells transformed in making the map, and in each use of it or of its transpose."""
+    def contact(self) -> Array:
+        """The given cells (x, y): 1, others 0."""
         ...
 
     def __call__(self, displacement: Array) -> Array:
         """Return the `displacement` extended to all cells."""
         ...
 
-    def transposed(self, pressure: Array) -> Array:
-        """Gather a `pressure` (x, y) on all cells to the given cells, in place: the transposed map."""
+    def closing(self, extended: Array) -> Array:
+        """Return the pressure (x, y) on the given cells that makes an `extended` displacement, which may change."""
         ...
 
 
 class ApproximateInverse(Protocol):
-    """Map from the displacement of some cells to the pressure on them, in two steps that can be used alone."""
+    """Map from the displacement of some cells to the pressure on them: ``closing(extension(displacement))``.
+
+    It is symmetric.
+    """
 
     @property
     def real(self) -> DTypeLike:
@@ -35,22 +38,11 @@ class ApproximateInverse(Protocol):
 
     @property
     def work(self) -> float:
-        """Number of cells transformed from an extended displacement to its pressure."""
+        """Number of cells transformed so far."""
         ...
 
     def extension(self, contact: Array) -> Extension:
         """Return the extension from the cells of a `contact` (x, y), which is 1 there and 0 elsewhere."""
-        ...
-
-    def pressure(self, displacement: Array) -> Array:
-        """Return the pressure (x, y) on all cells that makes a `displacement` of all cells."""
-        ...
-
-    def __call__(self, displacement: Array, contact: Array) -> Array:
-        """Return the pressure on a `contact` with this `displacement`: extended, inverted and gathered again.
-
-        The map is symmetric.
-        """
         ...
 
 

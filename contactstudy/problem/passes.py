@@ -17,10 +17,10 @@ from contactstudy.domain.fields import (
     PART,
     Array,
     compiled_loops,
+    dot,
     in_blocks,
     in_parts,
-    inner,
-    total,
+    sums,
 )
 from contactstudy.problem.constraint import (
     Compressive,
@@ -57,10 +57,9 @@ class ArrayPasses:
         ) -> tuple[float, float]:
             free = self.constraint.free(pressure)
             height[...] = undeformed + displacement
-            return inner(height, free), float(arrays().sum(free))
+            return dot(height, free), float(arrays().sum(free))
 
-        sums = in_blocks(add, height, undeformed, displacement, pressure)
-        heights, cells = map(sum, zip(*sums, strict=True))
+        heights, cells = sums(add, height, undeformed, displacement, pressure)
         approach = heights / cells if cells else self.constraint.approach(pressure, height)
         in_blocks(lambda block: block.__isub__(approach), height)
         return Gap(height, approach)
@@ -90,7 +89,7 @@ class ArrayPasses:
         ) -> bool:
             released = self.constraint.to_release(pressure, height - step_length * extended)
             cells[...] = contact + released
-            return bool(arrays().any(released > 0))
+            return bool(arrays().any(released))
 
         joined = any(in_blocks(add, cells, contact, pressure, height, extended))
         return cells if joined else contact
@@ -106,7 +105,8 @@ class ArrayPasses:
 
     def totals(self, cells: Array, closing: Array) -> tuple[float, ...]:
         """Return the number of `cells`, and the sum of the pressure that would close them."""
-        return total(cells), total(closing)
+        xp = arrays()
+        return sums(lambda *blocks: tuple(float(xp.sum(block)) for block in blocks), cells, closing)
 
     def products(self, *fields: Array) -> tuple[float, ...]:
         """Return the sums that make a direction conjugate.
@@ -119,11 +119,18 @@ class ArrayPasses:
         def sums_of(
             height: Array, closing: Array, cells: Array, step: Array, response: Array
         ) -> tuple[float, ...]:
-            pairs = (height, closing), (closing, response), (cells, response)
-            sums = (inner(*pair) for pair in (*pairs, (height * cells, step), (cells, step)))
-            return total(cells), total(closing), *sums
+            change, xp = cells * step, arrays()
+            return (
+                float(xp.sum(cells)),
+                float(xp.sum(closing)),
+                dot(height, closing),
+                dot(closing, response),
+                dot(cells, response),
+                dot(height, change),
+                float(xp.sum(change)),
+            )
 
-        return tuple(map(sum, zip(*in_blocks(sums_of, *fields), strict=True)))
+        return sums(sums_of, *fields)
 
     def trial(
         self,
@@ -162,14 +169,14 @@ class ArrayPasses:
     def slope(self, trial: Array, pressure: Array, height: Array) -> float:
         """Return how fast the energy grows along the step to `trial`."""
         fields = trial, pressure, height
-        return sum(in_blocks(lambda after, before, gap: inner(gap, after - before), *fields))
+        return sum(in_blocks(lambda after, before, gap: dot(gap, after - before), *fields))
 
     def curvature(
         self, trial: Array, pressure: Array, trial_displacement: Array, displacement: Array
     ) -> float:
         """Return the work of the step to `trial` on the change of displacement that it makes."""
         fields = trial, pressure, trial_displacement, displacement
-        return sum(in_blocks(lambda p1, p0, u1, u0: inner(p1 - p0, u1 - u0), *fields))
+        return sum(in_blocks(lambda p1, p0, u1, u0: dot(p1 - p0, u1 - u0), *fields))
 
     def meets_a_limit(self, trial: Array, pressure: Array, factor: float) -> bool:
         """Return whether a cell is beyond a limit after `factor` steps."""

@@ -161,4 +161,5 @@ class Problem:
             self.operator.scaled(self.scales.pressure / self.scales.gap, precision),
             self.constraint.scaled(1 / self.scales.pressure),
             self.resultant.scaled(1 / self.scales.pressure),
+            elongation=self.grid.cell[1] / self.grid.cell[0] if self.grid.cells[1] > 1 else 1.0,
         )

@@ -9,7 +9,7 @@ import numpy as np
 from contactstudy.domain.device import Precision
 from contactstudy.domain.fields import Array, inner, total
 from contactstudy.problem.bare_problem import BareProblem
-from contactstudy.problem.operator import ApproximateInverse
+from contactstudy.problem.operator import Extension
 from contactstudy.problem.problem import Scales
 from contactstudy.solvers.solution import Solution
 from contactstudy.solvers.yielding_bodies import ROOT, Return, YieldingBodies
@@ -92,16 +92,16 @@ class ContactTangent:
 
     def _closing(self, residual: Array, count: float) -> Array:
         """Return the pressure that would close the gap `residual`, by the preconditioner."""
-        return self._level(self._precondition(residual, self.cells) * self.cells, count)
+        return self._level(self._extension.closing(self._extension(residual)), count)
 
     def _level(self, field: Array, count: float) -> Array:
         """Return `field` less its mean over the `count` cells that bear, and zero elsewhere."""
         return np.asarray((field - total(field) / count) * self.cells)
 
     @cached_property
-    def _precondition(self) -> ApproximateInverse:
-        """Preconditioner of the contact."""
-        return self.bare.operator.approximate_inverse()
+    def _extension(self) -> Extension:
+        """Preconditioner of the cells that bear."""
+        return self.bare.operator.approximate_inverse().extension(self.cells)
 
 
 # Map from a change of the gap (x, y) [m] to the fall of the pressure (x, y) [Pa].

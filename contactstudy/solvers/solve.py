@@ -216,8 +216,9 @@ def _status(bare: BareProblem, last: Iterate, options: SolveOptions, problem: Pr
             return Status.PRECISION_LIMIT
         limited = last.iterations >= options.max_iterations
         return Status.ITERATION_LIMIT if limited else Status.STALLED
-    across, along = list(problem.open_edges), list(problem.open_ends)
-    if last.pressure[across].any() or last.pressure[:, along].any():
+    edges = (last.pressure[row] for row in problem.open_edges)
+    ends = (last.pressure[:, row] for row in problem.open_ends)
+    if any(pressure.any() for pressure in (*edges, *ends)):
         return Status.CONTACT_AT_EDGE
     return Status.CONVERGED
 

@@ -32,7 +32,7 @@ def normal_stiffness(solution: cs.Solution) -> float:
         return float("nan")
     cells = free.astype(np.float64)
     operator = problem.operator
-    precondition = operator.approximate_inverse()
+    extension = operator.approximate_inverse().extension(cells)
 
     def displaced(pressure: Array) -> Array:
         return np.asarray(np.where(free, operator(pressure), 0.0))
@@ -49,7 +49,7 @@ def normal_stiffness(solution: cs.Solution) -> float:
     for _ in range(MOST):
         if count < 2 or np.abs(residual).sum() / count <= RESIDUAL * first_deviation:
             break
-        correction = level(precondition(residual, cells))
+        correction = level(extension.closing(extension(residual)))
         previous_size, size = size, inner(residual, correction)
         direction = (
             correction if direction is None else correction + direction * (size / previous_size)

@@ -5,9 +5,11 @@ import contactstudy as cs
 from contactstudy.domain import fields
 from contactstudy.domain.device import using
 from contactstudy.domain.fields import Array
+from contactstudy.elasticity import convolution
 from contactstudy.elasticity.approximate_inverse import (
     LONGEST,
     BlockExtension,
+    ExactInverse,
     SpectralInverse,
     hole_width,
     sampled,
@@ -23,6 +25,11 @@ CASES = [
 ]
 
 
+@pytest.fixture(autouse=True)
+def no_exact_inverse(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(convolution, "FEW", 0)
+
+
 def island(shape: tuple[int, int], share: float = 0.3) -> Array:
     contact = (np.random.default_rng(5).random(shape) < share).astype(float)
     contact[0, 0] = 1
@@ -33,7 +40,9 @@ def inverse(shape: tuple[int, int], elongation: float) -> SpectralInverse:
     """On a grid of cells so many times as long as wide, periodic along both axes."""
     both = cs.ExactPeriodicity(), cs.ExactPeriodicity()
     extent = shape[0] * 1.0, shape[1] * elongation
-    return cs.convolution(1.0, cs.Grid(shape, extent), both, datum=1.0).approximate_inverse()
+    found = cs.convolution(1.0, cs.Grid(shape, extent), both, datum=1.0).approximate_inverse()
+    assert isinstance(found, SpectralInverse)
+    return found
 
 
 @pytest.fixture(params=["array operations", "blocks"])
@@ -111,7 +120,8 @@ def test_blocks_of_rows_give_what_the_whole_gives(
     [
         # eight cells outside, and 2, 2 and 1 ends of the contact along rows, 1, 2, 0 and 2 along columns
         (["#..#", ".#..", "...#"], 2 * 8 / 10),
-        (["####", "####"], 0.5),
+        (["####", "####"], 0.0),
+        (["#.##"], 0.5 * 2),
         (["#...", "...."], 2 * 7 / 2),
         (["#", ".", ".", "#"], 2 * 2 / 2),
     ],
@@ -127,12 +137,12 @@ def stiffness_ratios(cells: int, contact: Array, seen: Array) -> Array:
     """Eigenvalues of the approximate inverse times the operator, both on pressures without a resultant."""
     both = cs.ExactPeriodicity(), cs.ExactPeriodicity()
     operator = cs.convolution(1.0, cs.Grid((cells, cells), (1.0, 1.0)), both, datum=1.0)
-    invert = operator.approximate_inverse()
+    extension = operator.approximate_inverse().extension(seen)
     where = contact > 0
     compliance, stiffness = [], []
     for unit in np.eye(where.size)[where.ravel()].reshape(-1, cells, cells):
         compliance.append(operator(unit)[where])
-        stiffness.append(invert(unit, seen)[where])
+        stiffness.append(extension.closing(extension(unit))[where])
     count = len(compliance)
     balanced = np.linalg.svd(np.ones((1, count)))[2][1:].T
     first, second = (balanced.T @ np.array(each) @ balanced for each in (stiffness, compliance))
@@ -151,6 +161,39 @@ def test_a_contact_in_pieces_is_not_taken_for_softer_nor_much_stiffer_than_it_is
         zeros = stiffness_ratios(cells, contact, np.ones_like(contact))
         assert zeros[-1] > cells / 10
     assert max(largest) < 1.3
+
+
+def test_one_row_of_few_cells_is_solved_for_the_pressure_of_its_contact(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Whatever the datum: a constant in the operator is felt by the resultant alone."""
+    monkeypatch.undo()
+    contact = island((24, 1), 0.5)
+    cells = contact[:, 0] > 0
+    known = np.random.default_rng(6).standard_normal((24, 1)) * contact
+    for datum in (1e-3, 1.0, 1e3):
+        operator = cs.convolution(
+            2.0, cs.Grid((24, 1), (24.0, 5.0)), cs.ExactPeriodicity(), datum=datum
+        )
+        inverse = operator.approximate_inverse()
+        assert isinstance(inverse, ExactInverse)
+        extension = inverse.extension(contact)
+        extended = extension(known)
+        np.testing.assert_allclose(extended * contact, known, atol=1e-11)
+        closing = extension.closing(extended)
+        np.testing.assert_array_equal(closing[~cells], 0)
+        # it makes that displacement but for a shift of all cells
+        shift = operator(closing) - extended
+        np.testing.assert_allclose(shift, shift.mean(), rtol=0, atol=1e-11)
+
+
+def test_a_contact_of_all_cells_is_extended_by_nothing() -> None:
+    found = inverse((8, 6), 1.0)
+    known = np.random.default_rng(6).standard_normal((8, 6))
+    extension = found.extension(np.ones((8, 6)))
+    np.testing.assert_array_equal(extension(known), known)
+    np.testing.assert_array_equal(extension.closing(known), found.pressure(known))
+    assert found.work == 2 * 48
 
 
 # Of 15 rows and 15 columns, of which those up to the shortest wave are kept: each is its own number.

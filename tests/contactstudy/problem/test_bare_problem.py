@@ -92,6 +92,27 @@ def test_blocks_of_cells_have_the_mean_height_and_bear_the_same_load() -> None:
     assert along.resultant == PrescribedLoad(8.0)
 
 
+class Springs:
+    """Displaces each cell by three times its pressure, and all cells by 5."""
+
+    self_compliance = 1.0
+
+    def __call__(self, pressure: np.ndarray) -> np.ndarray:
+        return np.asarray(3 * pressure + 5)
+
+
+def test_a_bed_of_springs_is_solved_by_its_start() -> None:
+    bed = replace(PROBLEM, operator=cast(Operator, Springs()))
+    pressure = bed.on_springs()
+    gap = bed.gap(pressure, bed.operator(pressure))
+    assert bed.residual(pressure, gap) < 1e-14
+    for other in (replace(bed, elongation=31.0), replace(bed, elongation=1 / 31)):
+        np.testing.assert_array_equal(other.on_springs(), bed.uniform())
+    # springs tell nothing of their softness where all are equally high
+    level = replace(bed, undeformed_gap=np.ones((2, 4)))
+    np.testing.assert_allclose(level.on_springs(), bed.uniform())
+
+
 @pytest.mark.parametrize(
     ("measured", "residual"),
     [

@@ -1,101 +1,98 @@
-"""Messages between a supervisor and its worker: each names its case and its process, and is sealed.
+"""Messages between a supervisor and its worker process. Each names its subject and the process that sends it."""
 
-The seal is a keyed hash of the whole message; its key is drawn anew for every case. What a process that
-a case has forked may write, or what is left of a message, cannot be taken for the answer of a case.
-"""
-
-import hashlib
-import secrets
+import os
+import pickle
 import socket
-import struct
 from collections.abc import Callable
 from dataclasses import dataclass
-from multiprocessing.connection import wait
+from multiprocessing import reduction
+from multiprocessing.connection import Connection
 from time import monotonic
-from typing import Literal
+from typing import Any, Literal
 
-KEY = 16  # bytes
-# mark, case, process, length of the body, seal
-HEADER = struct.Struct("!4sqqQ16s")
-MARK = b"cst2"
-LOOK = 0.25  # seconds between two looks at whether the other process is alive
-LONGEST_WAIT = 1e6  # seconds, which the system's own count of milliseconds can hold
-LARGEST = 2**40  # bytes of a body; more is no message
-PIECE = 2**20
+LOOK = 0.25  # seconds between two checks of whether the sender is alive
+REQUEST, SETUP, FORK, EXIT_CODE = "request", "set-up", "fork", "exit code"  # subjects besides cases
+UNREAD = "reading"  # stage of the failure of several cases that cannot be unpickled together
+Task = Literal["compute", "clock"]
 
 
 class ClosedError(Exception):
-    """Raised where the other end is gone."""
+    """Raised where the other end is closed, or its process has ended."""
 
 
 class LateError(Exception):
-    """Raised where no complete message came in time."""
+    """Raised where no message arrived in time."""
 
 
 class ForgedError(Exception):
-    """Raised for bytes that are not the message of the awaited case and process."""
+    """Raised for a message with another subject or from another process than expected."""
 
 
 @dataclass(frozen=True)
-class Address:
-    """Address of a message: its ``case``, the ``process`` that sends it, and the ``key`` of the case."""
+class Setup:
+    """Request to use the supervisor's import paths and its pickled `work`; the answer is an error text, or empty."""
 
-    case: int
-    process: int
-    key: bytes
+    path: tuple[str, ...]
+    work: bytes
 
 
-def new_key() -> bytes:
-    """Draw a key that no message had before."""
-    return secrets.token_bytes(KEY)
+@dataclass(frozen=True)
+class Batch:
+    """Request to compute or to time cases; there is one answer for each, with the subject ``(number, place)``.
+
+    Attributes
+    ----------
+    number
+        Number of the request, which no other request of the supervisor has.
+    cases
+        All cases, pickled together. If they cannot be unpickled, every answer is a failure.
+    names
+        Name of each case.
+    first
+        Place of the first case to compute; earlier ones have been answered.
+    task
+        Whether to compute or to time.
+    limit
+        Longest time of a case [s]; None without a limit.
+    """
+
+    number: int
+    cases: bytes
+    names: tuple[str, ...]
+    first: int
+    task: Task
+    limit: float | None
 
 
 class Channel:
-    """Channel of messages over a socket pair, seen from this process."""
+    """Messages over one end of a socket pair."""
 
     def __init__(self, end: socket.socket) -> None:
-        self._end = end
+        self._connection = Connection(end.detach())
+        self.close = self._connection.close
 
-    def close(self) -> None:
-        """Close this end, in this process."""
-        self._end.close()
-
-    def __del__(self) -> None:
-        """Close the socket, which another thread may have been reading to the end."""
-        self._end.close()
-
-    def send_socket(self, other: socket.socket) -> None:
-        """Send ``other``, where the system can, after the message that announces it."""
+    def send(self, subject: object, message: object) -> None:
+        """Send a message; raise :class:`ClosedError` where nobody reads, and any error of pickling."""
+        body = pickle.dumps((subject, os.getpid(), message), pickle.HIGHEST_PROTOCOL)
         try:
-            socket.send_fds(self._end, [b"-"], [other.fileno()])
-        except OSError:
-            raise ClosedError from None
-
-    def receive_socket(self) -> socket.socket:
-        """Return the socket that was sent."""
-        _, descriptors, _, _ = socket.recv_fds(self._end, 1, 1)
-        return socket.socket(fileno=descriptors[0])
-
-    def send(self, address: Address, body: bytes) -> None:
-        """Send `body`; raise :class:`ClosedError` where nobody reads."""
-        try:
-            self._end.sendall(_header(address, body) + body)
+            self._connection.send_bytes(body)
         except OSError:
             raise ClosedError from None
 
     def receive(
         self,
-        address: Address,
+        subject: object,
+        process: int,
         *,
         until: float | None = None,
         is_alive: Callable[[], bool] = lambda: True,
-    ) -> bytes:
-        """Return the body of the next message.
+    ) -> Any:
+        """Return the next message.
 
         Parameters
         ----------
-        address
-            Case, process and key that the message must have.
+        subject, process
+            Subject and sender that the message must have.
         until
             Time (of ``monotonic``) to wait for; None waits without limit.
         is_alive
@@ -104,133 +101,54 @@ class Channel:
         Raises
         ------
         LateError
-            If no complete message came in time.
+            If no message arrived in time.
         ClosedError
-            If the other end is closed, or its process is not alive.
+            If the other end is closed, or its process has ended.
         ForgedError
             For any other message.
         """
-        head = self._read(HEADER.size, until, is_alive)
-        mark, case, process, length, _ = HEADER.unpack(head)
-        if (mark, case, process) != (MARK, address.case, address.process) or length > LARGEST:
-            raise ForgedError
-        body = self._read(length, until, is_alive)
-        if head != _header(address, body):
-            raise ForgedError
-        return body
-
-    def wait(self, seconds: float) -> bool:
-        """Return whether something can be read within `seconds`."""
+        while not self.poll():
+            patience = LOOK if until is None else min(LOOK, max(until - monotonic(), 0.0))
+            # checked before the last look: a message sent before the process ended is there at once
+            was_alive = is_alive()
+            if self.poll(patience):
+                break
+            if not was_alive:
+                raise ClosedError
+            if until is not None and monotonic() >= until:
+                raise LateError
         try:
-            return bool(wait([self._end], min(seconds, LONGEST_WAIT)))
-        except (OSError, ValueError):  # closed in this process: reading says so
+            body = self._connection.recv_bytes()
+        except (EOFError, OSError):
+            raise ClosedError from None
+        try:
+            *address, message = pickle.loads(body)
+        except Exception:  # noqa: BLE001 (a study's own class may do anything)
+            raise ForgedError from None
+        if address != [subject, process]:
+            raise ForgedError
+        return message
+
+    def poll(self, seconds: float = 0.0) -> bool:
+        """Return whether a message, or the end of the channel, can be read within `seconds`."""
+        try:
+            return self._connection.poll(seconds)
+        except OSError:  # closed in this process: reading raises ClosedError
             return True
 
-    def _read(self, size: int, until: float | None, is_alive: Callable[[], bool]) -> bytes:
-        """Return exactly `size` bytes."""
-        parts, lacking = [], size
-        while lacking:
-            if not self.wait(0):
-                patience = LOOK if until is None else min(LOOK, until - monotonic())
-                # what a process wrote before it died is there at once
-                was_alive = is_alive()
-                if not self.wait(max(patience, 0.0)):
-                    if not was_alive:
-                        raise ClosedError
-                    if until is not None and monotonic() >= until:
-                        raise LateError
-                    continue
-            try:
-                part = self._end.recv(min(lacking, PIECE))
-            except OSError:
-                part = b""
-            if not part:
-                raise ClosedError
-            parts.append(part)
-            lacking -= len(part)
-        return b"".join(parts)
+    def send_socket(self, other: socket.socket, process: int) -> None:
+        """Send a socket to `process`, where the system can, after the message that announces it."""
+        try:
+            reduction.send_handle(self._connection, other.fileno(), process)
+        except OSError:
+            raise ClosedError from None
 
-
-def _header(address: Address, body: bytes) -> bytes:
-    """Return the header of a message, with its seal."""
-    named = struct.pack("!qq", address.case, address.process)
-    seal = hashlib.blake2b(body, key=address.key, person=named, digest_size=16).digest()
-    return HEADER.pack(MARK, address.case, address.process, len(body), seal)
+    def receive_socket(self) -> socket.socket:
+        """Return the socket that was sent."""
+        return socket.socket(fileno=reduction.recv_handle(self._connection))
 
 
 def channel_pair() -> tuple[Channel, socket.socket]:
-    """Make a channel for this process, and the bare socket of its other end for a worker."""
-    own_end, other_end = socket.socketpair()
-    return Channel(own_end), other_end
-
-
-Task = Literal["compute", "clock"]
-# requests come from one process only, and are addressed with this
-REQUEST_KEY, REQUEST = b"\0" * KEY, -1
-SETUP, FORK, ENDING = -2, -3, -4  # what is answered, where it is no case
-UNREAD = "reading"  # stage of the failure of several cases that cannot be read together
-
-
-@dataclass(frozen=True)
-class Setup:
-    """Request to take the supervisor's import paths and its ``work`` (pickled); the answer is an error, or empty."""
-
-    path: tuple[str, ...]
-    work: bytes
-    key: bytes
-
-
-@dataclass(frozen=True)
-class Fork:
-    """Request to fork a process that serves the socket sent after this; the answer is the number of the process."""
-
-    key: bytes
-
-
-@dataclass(frozen=True)
-class Ending:
-    """Request for the exit code of the forked ``process``, which has ended or is about to."""
-
-    process: int
-    key: bytes
-
-
-@dataclass(frozen=True)
-class Order:
-    """Order to compute one case of a batch, or to run it once against the clock.
-
-    The answer, sealed with `key`, is an Outcome; for the clock a Sample or a Failure.
-
-    Attributes
-    ----------
-    place
-        Position of the case in the batch.
-    name
-        Name of the case.
-    key
-        Key of the answer.
-    task
-        Whether to compute or to time.
-    limit
-        Longest time [s]; None without a limit.
-    """
-
-    place: int
-    name: str
-    key: bytes
-    task: Task
-    limit: float | None
-
-
-@dataclass(frozen=True)
-class Batch:
-    """Request to carry out the orders of a batch, whose cases are pickled together; each order has an answer.
-
-    Cases that cannot be read are answered with a Failure to each order.
-    """
-
-    cases: bytes
-    orders: tuple[Order, ...]
-
-
-Request = Setup | Fork | Ending | Batch
+    """Return a channel for this process, and the socket of its other end for a worker."""
+    end, worker_end = socket.socketpair()
+    return Channel(end), worker_end

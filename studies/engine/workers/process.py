@@ -6,15 +6,12 @@ there within milliseconds, where a new interpreter takes most of a second. Elsew
 """
 
 import os
-import pickle
 import secrets
-import select
 import signal
 import socket
 import subprocess
 import sys
 import warnings
-from collections.abc import Sequence
 from contextlib import suppress
 from time import monotonic, sleep
 from typing import Any
@@ -22,33 +19,26 @@ from typing import Any
 import psutil
 
 from studies.engine.workers.channel import (
-    ENDING,
+    EXIT_CODE,
     FORK,
     REQUEST,
-    REQUEST_KEY,
     SETUP,
-    Address,
-    Channel,
     ClosedError,
-    Ending,
     ForgedError,
-    Fork,
     LateError,
-    Request,
     Setup,
     channel_pair,
-    new_key,
 )
 
-MARK = "CONTACTSTUDY_WORKER"  # in the environment of a worker, and so of what it starts
+MARK = "CONTACTSTUDY_WORKER"  # environment variable of a worker, inherited by what it starts
 STDIN = 0
 START = 120.0  # seconds in which a new process must be ready
 # Linux: a fork of macOS may not use its system's libraries
-CAN_FORK = all(hasattr(os, name) for name in ("fork", "setsid", "pidfd_open"))
+CAN_FORK = sys.platform == "linux" and all(hasattr(os, name) for name in ("fork", "waitid"))
 
 
 class WorkerProcess:
-    """A process that computes, as its supervisor sees it, with the channel to it and its number.
+    """A process that computes, as its supervisor sees it, with the channel to it and its process number.
 
     Raises
     ------
@@ -62,7 +52,6 @@ class WorkerProcess:
         with end:
             self._keeper = _start(end, self._mark)
         self.channel, self.number = self._control, self._keeper.pid
-        self._descriptor = -1
         self._work = b""
 
     def is_ready(self, work: bytes) -> bool:
@@ -79,35 +68,26 @@ class WorkerProcess:
         """
         if self._work != work:
             self.end_fork()
-            key = new_key()
-            send_requests(self._control, [Setup(tuple(sys.path), work, key)])
-            if problem := str(self._answer(SETUP, key)):
+            self._control.send(REQUEST, Setup(tuple(sys.path), work))
+            if problem := str(self._answer(SETUP)):
                 return problem
             self._work = work
         if CAN_FORK:
-            self._fork()
+            channel, end = channel_pair()
+            with end:
+                self._control.send(REQUEST, FORK)
+                self._control.send_socket(end, self._keeper.pid)
+                self.channel, self.number = channel, int(self._answer(FORK))
         return ""
 
-    def _fork(self) -> None:
-        """Let the keeper fork the process that computes."""
-        channel, end = channel_pair()
-        key = new_key()
-        with end:
-            send_requests(self._control, [Fork(key)])
-            self._control.send_socket(end)
-            number = int(self._answer(FORK, key))
-        self.channel, self.number = channel, number
-        with suppress(ProcessLookupError):  # it has ended already, and was waited for
-            self._descriptor = os.pidfd_open(number)
-
-    def _answer(self, place: int, key: bytes) -> Any:
+    def _answer(self, subject: str) -> Any:
         """Return the keeper's answer to a request."""
-        until = monotonic() + START
-        address = Address(place, self._keeper.pid, key)
-        body = self._control.receive(
-            address, until=until, is_alive=lambda: not _has_ended(self._keeper)
+        return self._control.receive(
+            subject,
+            self._keeper.pid,
+            until=monotonic() + START,
+            is_alive=lambda: not _has_ended(self._keeper),
         )
-        return pickle.loads(body)
 
     @property
     def is_forked(self) -> bool:
@@ -115,45 +95,42 @@ class WorkerProcess:
         return self.channel is not self._control
 
     def has_ended(self) -> bool:
-        """Return whether the process that computes has ended; its number stays its own until it is waited for."""
-        if not self.is_forked:
-            return _has_ended(self._keeper)
-        if self._descriptor < 0:
-            return True
-        return bool(select.select([self._descriptor], [], [], 0)[0])
+        """Return whether the process that computes has ended."""
+        # the keeper sends the exit code of its fork
+        return self._control.poll() if self.is_forked else _has_ended(self._keeper)
 
     def end_fork(self, wait: float = 0.0) -> int | None:
-        """End the fork and all that it started, after up to ``wait`` [s] of its own ending; returns its exit code.
+        """End the fork and all that it started, and return its exit code.
 
-        None where there is no fork, or where its keeper is gone.
+        Parameters
+        ----------
+        wait
+            Time [s] in which it may end by itself.
+
+        Returns
+        -------
+        int or None
+            None where there is no fork, or where its keeper has ended.
         """
         self._wait(wait)
         if not self.is_forked:
             return None
         end_all(self.number, self._mark, spared=self._keeper.pid)
-        if self._descriptor >= 0:
-            os.close(self._descriptor)
-        number, self._descriptor = self.number, -1
         self.channel.close()
         self.channel, self.number = self._control, self._keeper.pid
-        key = new_key()
         try:
-            send_requests(self._control, [Ending(number, key)])
-            return int(self._answer(ENDING, key))
+            return int(self._answer(EXIT_CODE))
         except (ClosedError, ForgedError, LateError):
             return None
 
     def end(self, wait: float = 0.0) -> int | None:
-        """End all processes, after up to ``wait`` [s] of their own ending; returns the exit code of the keeper."""
+        """End all processes, after up to `wait` [s] of their own ending, and return the exit code of the keeper."""
         self._wait(wait)
         end_all(self._keeper.pid, self._mark)
         self._keeper.wait()
         assert self._keeper.stdin is not None
         with suppress(OSError):
             self._keeper.stdin.close()
-        if self._descriptor >= 0:
-            os.close(self._descriptor)
-            self._descriptor = -1
         return self._keeper.returncode
 
     def _wait(self, seconds: float) -> None:
@@ -161,11 +138,6 @@ class WorkerProcess:
         until = monotonic() + seconds
         while seconds and not self.has_ended() and monotonic() < until:
             sleep(0.01)
-
-
-def send_requests(channel: Channel, requests: Sequence[Request]) -> None:
-    """Send ``requests`` to a worker; raises :class:`ClosedError` where it is gone."""
-    channel.send(Address(REQUEST, os.getpid(), REQUEST_KEY), pickle.dumps(requests))
 
 
 def _start(end: socket.socket, mark: str) -> subprocess.Popen[bytes]:
@@ -221,10 +193,9 @@ def take_over() -> tuple[socket.socket, int, int]:
 
 
 def fork() -> int:
-    """Fork a keeper into a process in a session of its own; returns its number, or 0 in that process itself."""
-    with (
-        warnings.catch_warnings()
-    ):  # of threads of a numerical library, which ends them itself before a fork
+    """Fork a keeper into a process in a session of its own; return its number, or 0 in that process itself."""
+    with warnings.catch_warnings():
+        # about threads of a numerical library, which ends them itself before a fork
         warnings.simplefilter("ignore", DeprecationWarning)
         number = os.fork()
     if number == 0:
@@ -232,22 +203,16 @@ def fork() -> int:
     return number
 
 
-def runs(number: int | None) -> bool:
-    """Return whether the process that this keeper forked has not ended."""
-    if number is None:
-        return False
-    try:
-        return os.waitid(os.P_PID, number, os.WEXITED | os.WNOHANG | os.WNOWAIT) is None
-    except ChildProcessError:
-        return False
+def exit_code(number: int) -> int:
+    """Wait for the end of a fork and return its exit code; its number stays reserved until :func:`release`."""
+    ended = os.waitid(os.P_PID, number, os.WEXITED | os.WNOWAIT)
+    assert ended is not None
+    return ended.si_status if ended.si_code == os.CLD_EXITED else -ended.si_status
 
 
-def exit_code(number: int) -> int | None:
-    """Wait for the end of the process that this keeper forked, and return its exit code."""
-    try:
-        return os.waitstatus_to_exitcode(os.waitpid(number, 0)[1])
-    except ChildProcessError:
-        return None
+def release(number: int) -> None:
+    """Let the system give the number of a fork that has ended to another process."""
+    os.waitpid(number, 0)
 
 
 def end_all(worker: int, mark: str, spared: int | None = None) -> None:

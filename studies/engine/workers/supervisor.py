@@ -9,6 +9,7 @@ import pickle
 import signal
 import threading
 from collections.abc import Iterator, Sequence
+from itertools import count
 from time import perf_counter
 
 import cloudpickle
@@ -16,18 +17,16 @@ import cloudpickle
 from contactstudy import InvalidInput
 from studies.engine.time_limit import deadline, timed_out
 from studies.engine.workers.channel import (
+    REQUEST,
     UNREAD,
-    Address,
     Batch,
     ClosedError,
     ForgedError,
     LateError,
-    Order,
     Task,
-    new_key,
 )
 from studies.engine.workers.compute import failure_of
-from studies.engine.workers.process import WorkerProcess, send_requests
+from studies.engine.workers.process import WorkerProcess
 from studies.model.case import Computation
 from studies.model.outcome import CaseStatus, Failure, Outcome, Sample
 
@@ -44,6 +43,7 @@ class WorkerSupervisor:
         self._work = work
         self._limit: float | None = pickle.loads(work).time_limit
         self._process: WorkerProcess | None = None
+        self._numbers = count()
         self._lock = threading.Lock()
         self._over = threading.Event()
 
@@ -109,18 +109,14 @@ class WorkerSupervisor:
             process = self._ready()
             if process is None:
                 return
-            orders = tuple(
-                Order(place, names[place], new_key(), task, limit)
-                for place in range(answered, len(names))
-            )
+            batch = Batch(next(self._numbers), cases, tuple(names), answered, task, limit)
             try:
-                send_requests(process.channel, [Batch(cases, orders)])
+                process.channel.send(REQUEST, batch)
             except ClosedError:  # it had been idle for long, and ended
                 self._end_process(process)
                 continue
-            for order in orders:
-                start = perf_counter()
-                answer, ending = self._receive(process, order, start)
+            for place in range(answered, len(names)):
+                answer, ending = self._receive(process, (batch.number, place), limit)
                 if self._over.is_set():
                     return
                 if ending in FROM_OUTSIDE and retried < answered:
@@ -131,28 +127,31 @@ class WorkerSupervisor:
                 if not process.is_ready(self._work):  # it has ended
                     break
 
-    def _receive(self, process: WorkerProcess, order: Order, start: float) -> tuple[Answer, str]:
-        """Return the answer to an order, and the name of the signal that ended the process, if one did."""
-        # the worker's own alarm comes first, and spares it; the deadline is for what the alarm cannot reach
-        until = deadline(order.limit)
-        address = Address(order.place, process.number, order.key)
+    def _receive(
+        self, process: WorkerProcess, subject: object, limit: float | None
+    ) -> tuple[Answer, str]:
+        """Return the answer for one case, and the name of the signal that ended the process, if one did."""
+        start = perf_counter()
         try:
-            body = process.channel.receive(
-                address, until=until, is_alive=lambda: not process.has_ended()
+            # the worker's own alarm comes first, and spares it; the deadline is for what the alarm cannot reach
+            answer = process.channel.receive(
+                subject,
+                process.number,
+                until=deadline(limit),
+                is_alive=lambda: not process.has_ended(),
             )
-            answer = pickle.loads(body)
             if isinstance(answer, Outcome | Sample | Failure):
                 return answer, ""
             raise ForgedError
         except LateError:
             self._end_process(process)
-            return timed_out(order.limit, "unknown", perf_counter() - start), ""
+            return timed_out(limit, "unknown", perf_counter() - start), ""
         except ClosedError:
             code = self._end_process(process, wait=2.0)
             sentence = f"Killed: its process {_ending(code)} while it was computed"
             failure = Failure("Killed", sentence, "unknown")
             return Outcome(CaseStatus.KILLED, {}, failure, perf_counter() - start), _signal(code)
-        except (ForgedError, pickle.UnpicklingError, EOFError, AttributeError, ImportError):
+        except ForgedError:
             self._end_process(process)
             sentence = (
                 "ForgedError: what came in place of its answer is from another process or another case; "

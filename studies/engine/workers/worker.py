@@ -10,20 +10,15 @@ from typing import Any
 from threadpoolctl import threadpool_limits
 
 from studies.engine.workers.channel import (
-    ENDING,
+    EXIT_CODE,
     FORK,
     REQUEST,
-    REQUEST_KEY,
     SETUP,
     UNREAD,
-    Address,
     Batch,
     Channel,
     ClosedError,
-    Ending,
     ForgedError,
-    Fork,
-    Order,
     Setup,
 )
 from studies.engine.workers.compute import compute, failed, timed, warm_up
@@ -33,7 +28,7 @@ from studies.engine.workers.process import (
     end_all,
     exit_code,
     fork,
-    runs,
+    release,
     take_over,
 )
 from studies.engine.workers.surroundings import Surroundings
@@ -56,43 +51,33 @@ class _Worker:
 
     def __init__(self, channel: Channel, supervisor: int, leash: int, *, is_keeper: bool) -> None:
         self._channel, self._number = channel, os.getpid()
-        self._requests = Address(REQUEST, supervisor, REQUEST_KEY)
-        self._leash = leash
-        self._fork: int | None = None
+        self._supervisor, self._leash = supervisor, leash
         self._work: Work | None = None
         if hasattr(os, "register_at_fork"):
             os.register_at_fork(after_in_child=channel.close)
-        if (
-            not is_keeper
-        ):  # a keeper finds its channel closed; a thread of its own would be lost in a fork
+        # a keeper finds its channel closed; a thread of its own would be lost in a fork
+        if not is_keeper:
             threading.Thread(target=self._end_with_supervisor, daemon=True).start()
 
     def serve(self) -> None:
         """Answer requests until the channel is closed, or none comes for a long time."""
         try:
-            while (is_asked := self._channel.wait(IDLE)) or runs(self._fork):
-                for request in (
-                    pickle.loads(self._channel.receive(self._requests)) if is_asked else ()
-                ):
-                    self._answer(request)
+            while self._channel.poll(IDLE):
+                self._answer(self._channel.receive(REQUEST, self._supervisor))
         except (ClosedError, ForgedError):
             pass
         # a case may have left threads or exit handlers, for which nobody waits
         os._exit(0)
 
-    def _answer(self, request: Setup | Fork | Ending | Batch) -> None:
+    def _answer(self, request: Setup | str | Batch) -> None:
         """Carry out a request, and send the answer."""
         match request:
             case Setup():
-                self._send(SETUP, request.key, self._set_up(request))
-            case Fork():
-                self._fork = self._begin_fork()
-                self._send(FORK, request.key, self._fork)
-            case Ending():
-                self._send(ENDING, request.key, exit_code(request.process))
-                self._fork = None
+                self._channel.send(SETUP, self._set_up(request))
             case Batch():
                 self._compute(request)
+            case _:
+                self._fork()
 
     def _set_up(self, request: Setup) -> str:
         """Read the study; return why it cannot be read, or an empty text."""
@@ -105,49 +90,52 @@ class _Worker:
         self._surroundings = Surroundings.now()
         return ""
 
-    def _begin_fork(self) -> int:
-        """Fork a process that computes what comes through the socket that the supervisor sends now."""
+    def _fork(self) -> None:
+        """Fork a process that serves the socket sent next; answer its number, and its exit code once it has ended."""
         end = self._channel.receive_socket()
-        supervisor = self._requests.process
         number = fork()
         if number == 0:
-            worker = _Worker(Channel(end), supervisor, self._leash, is_keeper=False)
+            worker = _Worker(Channel(end), self._supervisor, self._leash, is_keeper=False)
             worker._work, worker._surroundings = self._work, self._surroundings
             worker.serve()
         end.close()
-        return number
+        self._channel.send(FORK, number)
+        self._channel.send(EXIT_CODE, exit_code(number))
+        self._channel.poll(IDLE)  # the supervisor ends what the fork has left, by its number
+        release(number)
 
     def _compute(self, batch: Batch) -> None:
-        """Carry out the orders of a batch, and send an answer to each."""
+        """Compute or time the cases of a batch, and send an answer for each."""
         cases: Any
         try:
             cases, unreadable = pickle.loads(batch.cases), None
         except Exception as error:  # noqa: BLE001 (a study's class may do anything)
-            is_alone = len(batch.orders) == 1
+            is_alone = batch.first + 1 == len(batch.names)
             unreadable = failed(error, "setup" if is_alone else UNREAD, 0.0)
-        for order in batch.orders:
-            self._surroundings.restore(order.name)
-            answer = unreadable or self._outcome(cases[order.place], order)
+        for place in range(batch.first, len(batch.names)):
+            self._surroundings.restore(batch.names[place])
+            answer = unreadable or self._outcome(cases[place], batch)
             if os.getpid() != self._number:
-                # a case has forked, and this is the other one: the answer is not its to give
+                # a case has forked, and this is its child, which must not answer
                 os._exit(0)
-            self._send(order.place, order.key, answer)
+            self._send((batch.number, place), answer)
 
-    def _outcome(self, case: Any, order: Order) -> Any:
+    def _outcome(self, case: Any, batch: Batch) -> Any:
         """Return the outcome of a case, or its times."""
-        if order.task == "clock":
-            return timed(case, order.limit)
+        if batch.task == "clock":
+            return timed(case, batch.limit)
         assert self._work is not None
         return compute(case, self._work)
 
-    def _send(self, place: int, key: bytes, answer: Any) -> None:
+    def _send(self, subject: object, answer: Any) -> None:
         """Send an answer, or a failure where it cannot be pickled."""
         try:
-            body = pickle.dumps(answer, pickle.HIGHEST_PROTOCOL)
+            self._channel.send(subject, answer)
+        except ClosedError:
+            raise
         except Exception as error:  # noqa: BLE001 (a measure's own class may do anything)
             seconds = answer.seconds if isinstance(answer, Outcome) else 0.0
-            body = pickle.dumps(failed(error, "measure", seconds))
-        self._channel.send(Address(place, self._number, key), body)
+            self._channel.send(subject, failed(error, "measure", seconds))
 
     def _end_with_supervisor(self) -> None:
         """End this process when the supervisor ends, whose end of the pipe closes then."""

@@ -23,7 +23,6 @@ from studies.engine.forecast import (
 )
 from studies.engine.options import RunOptions
 from studies.engine.run import estimate_cost, run
-from studies.engine.workers.channel import REQUEST, SETUP
 from studies.reference.line_contact import scene_at
 from studies.registry import load
 from studies.store.journal import Journal
@@ -330,9 +329,3 @@ def test_an_unknown_mode_is_predicted_from_the_others_within_a_larger_factor() -
     assert log(unknown.factor) == pytest.approx((log(known.factor) ** 2 + 4) ** 0.5, rel=1e-6)
     assert model.predict("bytes", [case(64)]) == [None]
     assert model.predict("solve", [{"": "Other", "x": "1.5"}]) == [None]
-
-
-def test_what_is_no_case_has_a_number_that_no_case_has() -> None:
-    assert REQUEST < 0
-    assert SETUP < 0
-    assert REQUEST != SETUP

@@ -1,7 +1,6 @@
 """Cases in a process of their own: each is answered, whatever becomes of the others."""
 
 import os
-import pickle
 import subprocess
 import sys
 import time
@@ -18,7 +17,7 @@ import pytest
 from studies.engine import time_limit
 from studies.engine.executors import packed
 from studies.engine.workers import supervisor as module
-from studies.engine.workers.channel import Address, LateError, Order
+from studies.engine.workers.channel import LateError
 from studies.engine.workers.supervisor import WorkerSupervisor
 from studies.engine.workers.worker import MARK, end_all
 from studies.model.outcome import CaseStatus, Failure, Outcome, Sample, Work
@@ -118,22 +117,19 @@ def test_a_worker_s_own_alarm_comes_before_its_supervisor_s(
     """A tenth and half a second later it is late; without a limit it never is."""
     asked: list[float | None] = []
 
-    def receive(address: Address, until: float | None, is_alive: object) -> bytes:
+    def receive(subject: object, process: int, until: float | None, is_alive: object) -> Outcome:
         asked.append(until)
         if until is None:
-            return pickle.dumps(Outcome(OK))
+            return Outcome(OK)
         raise LateError
 
     process: Any = SimpleNamespace(
         channel=SimpleNamespace(receive=receive), number=1, is_forked=True, end_fork=lambda _: None
     )
     monkeypatch.setattr(time_limit, "monotonic", lambda: 100.0)
-    monkeypatch.setattr(module, "perf_counter", lambda: 7.0)
+    monkeypatch.setattr(module, "perf_counter", iter((4.0, 7.0, 4.0)).__next__)
     one = WorkerSupervisor(packed(Work(trouble.measures)))
-    (late, _), (other, _) = (
-        one._receive(process, Order(0, "one", b"k" * 16, "compute", limit), 4.0)
-        for limit in (20.0, None)
-    )
+    (late, _), (other, _) = (one._receive(process, (0, 0), limit) for limit in (20.0, None))
     assert isinstance(late, Outcome)
     assert (late.case_status, late.seconds) == (CaseStatus.TIMEOUT, 3.0)
     assert isinstance(other, Outcome)

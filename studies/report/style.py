@@ -1,8 +1,8 @@
-"""Style of the report: markers of paddings, text of numbers and settings, the two marks."""
+"""Style of the report: colours and markers, text of numbers and settings, marks for indices and powers."""
 
 import re
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from itertools import cycle
 from typing import Any, SupportsFloat
 
 import matplotlib as mpl
@@ -10,8 +10,11 @@ import matplotlib.style
 import numpy as np
 import xarray as xr
 from markupsafe import Markup, escape
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from contactstudy.io.pictures.figure import LAW_STYLE, SETTINGS, add_legend, panels
+from studies.model.drawing import CaptionedFigure
 from studies.reference.line_contact import COUNTS_IMAGES, padding_label
 
 __all__ = ["LAW_STYLE", "add_legend", "panels"]
@@ -23,28 +26,19 @@ mpl.use("Agg")
 mpl.style.use(SETTINGS)
 
 
-@dataclass(frozen=True)
-class MarkerStyle:
-    """Colour (Okabe & Ito 2008, safe for colour-blind readers) and marker."""
-
-    color: str
-    marker: str
-
-
 PADDING_STYLES = {
-    "zero": MarkerStyle("#595959", "x"),
-    "duplicated": MarkerStyle("#D55E00", "s"),
-    "superposed": MarkerStyle("#009E73", "^"),
-    "circular": MarkerStyle("#CC79A7", "v"),
-    "exact": MarkerStyle("#0072B2", "o"),
-    "line": MarkerStyle("#56B4E9", "*"),
+    "zero": {"color": "#595959", "marker": "x"},
+    "duplicated": {"color": "#D55E00", "marker": "s"},
+    "superposed": {"color": "#009E73", "marker": "^"},
+    "circular": {"color": "#CC79A7", "marker": "v"},
+    "exact": {"color": "#0072B2", "marker": "o"},
+    "line": {"color": "#56B4E9", "marker": "*"},
 }
 
 
 def padding_style(padding: str) -> dict[str, Any]:
-    """Return keywords for matplotlib; a padding without a style is ochre."""
-    chosen = PADDING_STYLES.get(padding, MarkerStyle("#E69F00", "D"))
-    return {"color": chosen.color, "marker": chosen.marker}
+    """Return colour and marker as keywords for matplotlib; a padding without a style is ochre."""
+    return dict(PADDING_STYLES.get(padding, {"color": "#E69F00", "marker": "D"}))
 
 
 def style_over_images(padding: str) -> dict[str, Any]:
@@ -57,8 +51,39 @@ def setting_label(dataset: xr.Dataset | xr.DataArray) -> str:
     return padding_label(str(dataset["padding"].values), int(dataset["images"]))
 
 
+def by_color(
+    dataset: xr.Dataset, axis: str, label: str = ""
+) -> Iterator[tuple[xr.Dataset, dict[str, Any]]]:
+    """Yield the part of a dataset at each value of an axis, with colour, marker and label for matplotlib.
+
+    The label is the format `label` with the value, such as "{} cells".
+    """
+    for value, color in zip(dataset[axis].values.tolist(), cycle(COLORS), strict=False):
+        style = {"color": color, "marker": "o", "label": label.format(value)}
+        yield dataset.sel({axis: value}), style
+
+
+def label_panels(axes: Iterable[Axes], *labels: tuple[str, str, str]) -> None:
+    """Write the labels of x and y, and a note above, on each of the panels."""
+    for ax, (x, y, note) in zip(axes, labels, strict=True):
+        ax.set(xlabel=x, ylabel=y)
+        ax.set_title(note, loc="right", fontsize="small")
+
+
+def tick_cells(ax: Axes, cells: Any) -> None:
+    """Label an axis of numbers of cells at these numbers alone."""
+    ax.set_xticks(cells, [str(n) for n in cells])
+    ax.minorticks_off()
+
+
+def captioned(name: str, figure: Figure, caption: str) -> CaptionedFigure:
+    """Return the figure with its legend, file name and caption."""
+    add_legend(figure)
+    return CaptionedFigure(name, figure, caption)
+
+
 def select_evenly(values: Iterable[float], most: int = 3) -> list[float]:
-    """Return at most ``most`` of ``values``, the first and the last among them: as many as fit on a figure."""
+    """Return at most `most` of the values, evenly spaced, including the first and the last."""
     chosen = list(values)
     if len(chosen) <= most:
         return chosen

@@ -274,7 +274,7 @@ def test_the_findings_of_yield_are_of_the_most_steps_and_the_finest_grid() -> No
     # the 20th after 144, and a hundred times the 20th after 48
     assert "a depth of yielding of 0.016 a Y / E in the place of a dent of 0.68." in cap
     # the 12th after 192, 216 and 240, and after 264
-    assert "8 steps in load give the peak pressure on a body that yields to 2.0 %" in cost
+    assert "With 8 load steps the peak pressure on a yielding body is accurate to 2.0 %" in cost
     assert "With 8 steps and 48 cells (276 layers)" in cost
     assert "the dent within 2.3 % and the largest plastic strain within 2.5 %" in cost
     fallen = dataset.copy(deep=True)

@@ -1,33 +1,48 @@
 """Drawings of the studies of cost: solvers, speed, each effect, and other programs."""
 
-from itertools import product
+from itertools import cycle, product
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from contactstudy.domain.fields import Array
 from studies.definitions.effect_cost import COARSER, IN_TIME, PERIOD, WIDTH, YIELD
-from studies.definitions.peers import PROGRAMS
 from studies.definitions.solvers import SOLVERS
 from studies.definitions.speed import LINE, ROUGH, SELF_AFFINE
 from studies.model.drawing import CaptionedFigure, Drawing, Finding
 from studies.model.outcome import CaseStatus
 from studies.model.plain_text import thread_count
 from studies.reference.line_contact import total_time
-from studies.report.style import COLORS, LAW_STYLE, add_legend, panels, percent, power
+from studies.report.style import (
+    COLORS,
+    LAW_STYLE,
+    by_color,
+    captioned,
+    panels,
+    percent,
+    power,
+    tick_cells,
+)
 
 # solvers
 
 
 TITLES = {"preconditioned_cg": "preconditioned CG", "polonsky_keer": "Polonsky & Keer"}
-SOLVERS_COLORS = dict(zip(SOLVERS, COLORS, strict=False))
-SOLVERS_LINES = {"smooth": "-", "wavy": "--", "rough": ":"}
+LINES = ("-", "--", ":", "-.")
+
+
+def _plot_over_cells(ax: Axes, dataset: xr.Dataset, variable: str, label: str) -> None:
+    """Label a panel over the number of cells, with the square of that number beside times."""
+    cells = dataset["grid"].values
+    if variable == "solve_time":
+        least = float(dataset[variable].isel(grid=0).min())
+        ax.plot(cells, least * (cells / cells[0]) ** 2, label="N²", **LAW_STYLE)
+    ax.set(xscale="log", xlabel="cells N across, and along but for a line", ylabel=label)
+    tick_cells(ax, cells)
 
 
 def _solvers_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     """Draw time, iterations and convolutions against the grid, with the growth of each fitted."""
-    cells = dataset["grid"].values
     fig, axes = panels(3)
     labels = {
         "solve_time": "wall time to solve [s]",
@@ -35,40 +50,26 @@ def _solvers_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
         "convolutions": "transform pairs of the full grid",
     }
     for ax, (variable, label) in zip(axes, labels.items(), strict=True):
-        for solver in (str(name) for name in dataset["solver"].values):
-            for surface in (str(name) for name in dataset["surface"].values):
-                line = dataset[variable].sel(solver=solver, surface=surface)
-                style = {
-                    "color": SOLVERS_COLORS[solver],
-                    "linestyle": SOLVERS_LINES[surface],
-                    "marker": "o",
-                }
-                ax.loglog(cells, line, label=f"{TITLES[solver]}, {surface}", **style)
-        if variable == "solve_time":
-            least = float(dataset[variable].isel(grid=0).min())
-            ax.loglog(cells, least * (cells / cells[0]) ** 2, label="N²", **LAW_STYLE)
-        ax.set(xlabel="cells N across, and along but for a line", ylabel=label)
-        ax.set_xticks(cells, [str(n) for n in cells])
-        ax.minorticks_off()
-    add_legend(fig)
-    return (CaptionedFigure("solvers", fig, _solvers_caption(dataset)),)
+        for part, style in by_color(dataset, "solver"):
+            title = TITLES[str(part["solver"].values)]
+            for surface, line in zip(part["surface"].values, LINES, strict=False):
+                style |= {"label": f"{title}, {surface}", "linestyle": line}
+                ax.plot(part["grid"], part[variable].sel(surface=surface), **style)
+        ax.set_yscale("log")
+        _plot_over_cells(ax, dataset, variable, label)
+    return (captioned("solvers", fig, _solvers_caption(dataset)),)
 
 
 def _solvers_caption(dataset: xr.Dataset) -> str:
     facts = []
     finest = dataset.isel(grid=-1)
-    for solver in (str(name) for name in dataset["solver"].values):
+    for solver in dataset["solver"].values.tolist():
         part = finest.sel(solver=solver)
         growth = ""
         if dataset.sizes["grid"] > 1:
-            times = dataset["solve_time"].sel(solver=solver)
-            rates = [
-                np.polyfit(np.log(dataset["grid"].values), np.log(times.sel(surface=s).values), 1)[
-                    0
-                ]
-                for s in dataset["surface"].values
-            ]
-            growth = f", growing like {power('N', min(rates), 1)} to {power('N', max(rates), 1)}"
+            logarithms = np.log(dataset["solve_time"].sel(solver=solver).transpose("grid", ...))
+            rates = np.polyfit(np.log(dataset["grid"].values), logarithms, 1)[0]
+            growth = f", growing like {power('N', rates.min(), 1)} to {power('N', rates.max(), 1)}"
         facts.append(
             f"{TITLES[solver]}: {int(part['iterations'].min())} to "
             f"{int(part['iterations'].max())} iterations, {float(part['solve_time'].min()):.2g} to "
@@ -81,18 +82,22 @@ def _solvers_caption(dataset: xr.Dataset) -> str:
     )
 
 
+def _is_complete(dataset: xr.Dataset) -> bool:
+    """Return whether all cases have numbers."""
+    return bool((dataset["case_status"] == CaseStatus.OK).all())
+
+
 def _solvers_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     """Return which solver is the faster."""
-    solvers = set(dataset["solver"].values.tolist())
-    if not solvers >= set(SOLVERS) or not (dataset["case_status"] == CaseStatus.OK).all():
+    if not set(dataset["solver"].values) >= set(SOLVERS) or not _is_complete(dataset):
         return ()
     finest = dataset.isel(grid=-1)
-    new, old = (finest.sel(solver=name) for name in ("preconditioned_cg", "polonsky_keer"))
+    new, old = (finest.sel(solver=name) for name in TITLES)
     facts = "; ".join(
         f"{surface}: "
         + " against ".join(
             f"{int(part['iterations'])} iterations in {float(part['solve_time']):.2g} s"
-            for part in (solver.sel(surface=surface) for solver in (new, old))
+            for part in (new.sel(surface=surface), old.sel(surface=surface))
         )
         for surface in finest["surface"].values.tolist()
     )
@@ -113,7 +118,6 @@ solvers = Drawing(_solvers_figures, _solvers_findings, axes=("solver", "surface"
 # speed
 
 
-SPEED_LINES = ("-", "--", ":", "-.")
 FAMILY = ("hurst", "cut_off", "share")
 WAYS = ("precision", "device", "threads")
 FIRST = dict.fromkeys(WAYS, 0)
@@ -126,31 +130,19 @@ LABELS = {
 
 def _speed_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     """Draw time, iterations and the ratio to bare transforms against the grid, a line for each surface."""
-    cells = dataset["grid"].values
     fig, axes = panels(len(LABELS))
     for ax, (variable, label) in zip(axes, LABELS.items(), strict=True):
-        values = dataset[variable]
-        for number, (name, surface) in enumerate(_surfaces(dataset).items()):
-            for line, (how, chosen) in enumerate(_ways(dataset).items()):
-                style = {
-                    "color": COLORS[number % len(COLORS)],
-                    "linestyle": SPEED_LINES[line % len(SPEED_LINES)],
-                    "marker": "o",
-                }
-                ax.semilogx(cells, values.sel(surface | chosen), label=f"{name}{how}", **style)
-                if variable == "iterations":
-                    break  # they are the same on any number of threads
-        if variable == "solve_time":
-            least = float(values.isel(grid=0).min())
-            ax.semilogx(cells, least * (cells / cells[0]) ** 2, label="N²", **LAW_STYLE)
-            ax.set_yscale("log")
-        else:
-            ax.set_ylim(bottom=0)
-        ax.set(xlabel="cells N across, and along but for a line", ylabel=label)
-        ax.set_xticks(cells, [str(n) for n in cells])
-        ax.minorticks_off()
-    add_legend(fig)
-    return (CaptionedFigure("speed", fig, _speed_caption(dataset)),)
+        # the number of iterations does not depend on the threads
+        ways = list(_ways(dataset).items())[: 1 if variable == "iterations" else None]
+        lines = product(_surfaces(dataset).items(), zip(ways, cycle(LINES), strict=False))
+        for number, ((name, surface), ((way, chosen), line)) in enumerate(lines):
+            color = COLORS[number // len(ways) % len(COLORS)]
+            curve = dataset[variable].sel(surface | chosen)
+            style = {"color": color, "linestyle": line, "marker": "o"}
+            ax.plot(dataset["grid"], curve, label=f"{name}{way}", **style)
+        ax.set(yscale="log") if variable == "solve_time" else ax.set_ylim(bottom=0)
+        _plot_over_cells(ax, dataset, variable, label)
+    return (captioned("speed", fig, _speed_caption(dataset)),)
 
 
 def _surfaces(dataset: xr.Dataset) -> dict[str, dict[str, object]]:
@@ -190,6 +182,8 @@ def _ways(dataset: xr.Dataset) -> dict[str, dict[str, object]]:
 def _speed_caption(dataset: xr.Dataset) -> str:
     finest = dataset.isel(FIRST | {"grid": -1})
     shortest = " or ".join(f"{cells:g}" for cells in dataset["cut_off"].values)
+    on_cpu = finest["device"] == "cpu"
+    device = thread_count(finest["threads"]) if on_cpu else "a graphics processor"
     facts = [
         f"{name}: {int(part['iterations'])} iterations in {float(part['solve_time']):.2g} s, "
         f"{percent(part['contact_share'])} in contact, {float(part['memory']):.0f} fields of memory"
@@ -200,12 +194,8 @@ def _speed_caption(dataset: xr.Dataset) -> str:
         f"the same surface on every grid; a {LINE} is a smooth cylinder with one cell along; a "
         "self-affine one is flat, periodic along both axes, and has waves down "
         f"to {shortest} cells of every grid. At {int(finest['grid'])} x {int(finest['grid'])} cells, on "
-        f"{_where(finest)}, {'; '.join(facts)}. Bare transforms are as many as the solve takes, of the full grid."
+        f"{device}, {'; '.join(facts)}. Bare transforms are as many as the solve takes, of the full grid."
     )
-
-
-def _where(one: xr.Dataset) -> str:
-    return thread_count(one["threads"]) if one["device"] == "cpu" else "a graphics processor"
 
 
 def _each(dataset: xr.Dataset) -> list[tuple[str, xr.Dataset]]:
@@ -214,7 +204,7 @@ def _each(dataset: xr.Dataset) -> list[tuple[str, xr.Dataset]]:
 
 def _speed_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     """Return how the cost grows, and the time that threads save."""
-    if dataset.sizes["grid"] < 2 or not (dataset["case_status"] == CaseStatus.OK).all():
+    if dataset.sizes["grid"] < 2 or not _is_complete(dataset):
         return ()
     first, last = dataset.isel(grid=0), dataset.isel(grid=-1)
     growth = float((last["iterations"] / first["iterations"]).max())
@@ -238,8 +228,12 @@ def _speed_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
         )
     return (
         Finding(
-            f"From {int(first['grid'])} to {int(last['grid'])} cells across, iterations grow by a factor of at most "
-            f"{growth:.1f}.",
+            f"From {int(first['grid'])} to {int(last['grid'])} cells across, the number of iterations "
+            + (
+                f"grows by a factor of at most {growth:.1f}."
+                if growth >= 1.05
+                else "does not grow."
+            ),
             f"{measured}.",
             "How does the cost grow?",
         ),
@@ -252,8 +246,7 @@ speed = Drawing(_speed_figures, _speed_findings, axes=("surface", *FAMILY, *WAYS
 # effect_cost
 
 
-COLOR = "#0072B2"
-# Rows of scenes that have not all effects above them.
+# Beginnings of the names of scenes that do not have all effects of the rows above.
 ALONE = ("smooth", "one step", "two steps")
 
 
@@ -263,36 +256,24 @@ def _effect_cost_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     names = [str(name) for name in finest["effect"].values]
     place = np.arange(float(len(names)))
     fig, axes = panels(4, columns=2, width=3.6, height=0.6 + 0.32 * len(names), share="y")
-    setup, solve = finest["setup_time"].values, finest["solve_time"].values
+    setup = finest["setup_time"].values
     axes[0].barh(place, setup, color="#E69F00", label="set-up")
-    axes[0].barh(place, solve, left=setup, color=COLOR, label="solve and outputs")
-    _numbers(axes[0], place, setup + solve, "{:.2g}")
-    for ax, variable, form in (
-        (axes[1], "memory", "{:.3g}"),
-        (axes[2], "iterations", "{:.0f}"),
-        (axes[3], "convolutions", "{:.0f}"),
+    for ax, values, start, form, label in (
+        (axes[0], finest["solve_time"], setup, "{:.2g}", "wall time [s]"),
+        (axes[1], finest["memory"], 0 * setup, "{:.3g}", "peak memory [MB]"),
+        (axes[2], finest["iterations"], 0 * setup, "{:.0f}", "iterations"),
+        (axes[3], finest["convolutions"], 0 * setup, "{:.0f}", "transform pairs of the solve"),
     ):
-        ax.barh(place, finest[variable].values, color=COLOR)
-        _numbers(ax, place, finest[variable].values, form)
-    for ax, label in zip(
-        axes,
-        ("wall time [s]", "peak memory [MB]", "iterations", "transform pairs of the solve"),
-        strict=True,
-    ):
+        ax.barh(place, values, left=start, color=COLORS[0], label="solve and outputs")
+        for y, end in zip(place, start + values.values, strict=True):
+            ax.text(end, y, " " + form.format(end), va="center", fontsize="small")
+        ax.margins(x=0.18)
         ax.set_xlabel(label)
         ax.grid(visible=False, axis="y")
     labels = [name if name.startswith(ALONE) else f"+ {name}" for name in names]
     axes[0].set_yticks(place, labels)
     axes[0].invert_yaxis()
-    add_legend(fig)
-    return (CaptionedFigure("effects", fig, _effect_cost_caption(finest)),)
-
-
-def _numbers(ax: Axes, place: Array, values: Array, form: str) -> None:
-    """Write the value of each bar at its end."""
-    for y, value in zip(place, values, strict=True):
-        ax.text(value, y, " " + form.format(value), va="center", fontsize="small")
-    ax.margins(x=0.18)
+    return (captioned("effects", fig, _effect_cost_caption(finest)),)
 
 
 def _effect_cost_caption(dataset: xr.Dataset) -> str:
@@ -335,51 +316,36 @@ effect_cost = Drawing(_effect_cost_figures, axes=("effect", "grid"))
 # peers
 
 
-PEERS_COLORS = dict(zip(PROGRAMS, COLORS, strict=False))
-PEERS_LINES = ("-", "--", ":", "-.")  # of each number of threads
-
-
 def _peers_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     """Draw the total time against the grid, a panel for each boundary."""
-    boundaries = [str(name) for name in dataset["boundary"].values]
+    boundaries = dataset["boundary"].values.tolist()
     fig, axes = panels(len(boundaries), share="y")
     threads = dataset["threads"].values.tolist()
-    time = total_time(dataset)
     facts = []
     for ax, boundary in zip(axes, boundaries, strict=True):
-        for program, number in product(dataset["program"].values, range(len(threads))):
-            chosen = {"program": program, "boundary": boundary, "threads": threads[number]}
-            part = time.sel(chosen)
-            if not np.isfinite(part).any():
-                continue
-            name = program if len(threads) == 1 else f"{program}, {thread_count(threads[number])}"
-            line = {
-                "color": PEERS_COLORS[str(program)],
-                "linestyle": PEERS_LINES[number % len(PEERS_LINES)],
-            }
-            ax.loglog(dataset["grid"], part, marker="o", label=name, **line)
-            finest = dataset.sel(chosen).isel(grid=-1)
-            facts.append(
-                f"{boundary}, {name} {float(part[-1]):.2g} s with a difference of "
-                f"{float(finest['difference']):.0e}"
-            )
+        for part, style in by_color(dataset.sel(boundary=boundary), "program", "{}"):
+            for count, line in zip(threads, cycle(LINES), strict=False):
+                chosen = part.sel(threads=count)
+                time = total_time(chosen)
+                if not np.isfinite(time).any():
+                    continue
+                program = str(part["program"].values)
+                name = program if len(threads) == 1 else f"{program}, {thread_count(count)}"
+                ax.loglog(time["grid"], time, **style | {"linestyle": line, "label": name})
+                facts.append(
+                    f"{boundary}, {name} {float(time[-1]):.2g} s with a difference of "
+                    f"{float(chosen['difference'][-1]):.0e}"
+                )
         ax.set(title=boundary, xlabel="cells across and along")
-        ax.set_xticks(dataset["grid"], [str(n) for n in dataset["grid"].values])
-        ax.minorticks_off()
+        tick_cells(ax, dataset["grid"].values)
     axes[0].set_ylabel("wall time, set-up and solve [s]")
-    add_legend(fig)
-    return (
-        CaptionedFigure(
-            "peers",
-            fig,
-            f"Total time on {' or '.join(map(thread_count, threads))}. At {int(dataset['grid'][-1])} cells: "
-            + "; ".join(facts)
-            + ". "
-            "The difference is the largest one from the converged solution for cells of constant pressure. On "
-            "periodic surfaces the other programs represent the pressure as a sum of waves, which is another "
-            "discretisation and not an error.",
-        ),
+    caption = (
+        f"Total time on {' or '.join(map(thread_count, threads))}. At {int(dataset['grid'][-1])} cells: "
+        f"{'; '.join(facts)}. The difference is the largest one from the converged solution for cells of constant "
+        "pressure. On periodic surfaces the other programs represent the pressure as a sum of waves, which is "
+        "another discretisation and not an error."
     )
+    return (captioned("peers", fig, caption),)
 
 
 peers = Drawing(_peers_figures, axes=("program", "boundary", "threads", "grid"))

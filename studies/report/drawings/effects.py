@@ -62,7 +62,8 @@ def _coating_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     reference = f"Known contacts (a collocation of the layered problem) are met to {error:.1e} in the peak pressure. "
     points = finest.stack(point=("ratio", "thickness"))
     worst, shear = (
-        points.isel(point=int(points[name].values.argmax())) for name in ("image_error", "interface_shear")
+        points.isel(point=int(points[name].values.argmax()))
+        for name in ("image_error", "interface_shear")
     )
     return (
         Finding(

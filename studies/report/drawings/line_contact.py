@@ -14,7 +14,7 @@ from studies.model.drawing import CaptionedFigure, Drawing, Finding, Table
 from studies.reference.line_contact import COUNTS_IMAGES, WIDTH, covers, padding_at, total_time
 from studies.report.style import (
     LAW_STYLE,
-    add_legend,
+    captioned,
     padding_style,
     paddings,
     panels,
@@ -23,6 +23,7 @@ from studies.report.style import (
     select_evenly,
     setting_label,
     style_over_images,
+    tick_cells,
     variation_text,
 )
 
@@ -72,7 +73,6 @@ def _over_images(
         ax.loglog(half, law(period, half), label=law_label, **LAW_STYLE)
         ax.set(title=f"period L = {period:g} a", xlabel=IMAGES_LABEL)
     axes[0].set_ylabel(label)
-    add_legend(fig)
     return fig, periods
 
 
@@ -96,14 +96,12 @@ def _price(dataset: xr.Dataset) -> CaptionedFigure:
         points = settings(dataset.sel(period=period))
         cost, error, labels = (points[name].values for name in ("cost", "error", "padding"))
         front = pareto_front(cost, error)
-        shade: dict[str, Any] = {"color": "black", "alpha": 0.12, "linewidth": 7}
-        ax.loglog(cost[front], error[front], label="Pareto front", **shade)
+        ax.loglog(cost[front], error[front], "k", alpha=0.12, lw=7, label="Pareto front")
         for name in paddings(dataset):
-            chosen = np.flatnonzero(labels == name)
+            chosen, style = np.flatnonzero(labels == name), padding_style(name)
             line = chosen[pareto_front(cost[chosen], error[chosen])]
-            ax.loglog(cost[line], error[line], label=name, **padding_style(name))
-            faint = padding_style(name) | {"markersize": 3, "alpha": 0.5, "linestyle": "none"}
-            ax.loglog(cost[chosen], error[chosen], **faint)
+            ax.loglog(cost[line], error[line], label=name, **style)
+            ax.loglog(cost[chosen], error[chosen], ls="none", ms=3, alpha=0.5, **style)
         ax.set(title=f"period L = {period:g} a", xlabel="wall time, set-up and solve [s]")
         best = points.isel(point=front[-1])
         words.append(
@@ -111,8 +109,7 @@ def _price(dataset: xr.Dataset) -> CaptionedFigure:
             f"{percent(best['error'])} in {float(best['cost']):.2g} s"
         )
     axes[0].set_ylabel(LABELS["pressure_error_l1"])
-    add_legend(fig)
-    return CaptionedFigure(
+    return captioned(
         "price",
         fig,
         "Price of accuracy: L1 error of the pressure against wall time on one thread. Each line is the Pareto "
@@ -139,8 +136,7 @@ def _reach(dataset: xr.Dataset) -> CaptionedFigure:
         reach = np.geomspace(min(spans), max(spans))
         ax.loglog(reach, truncation_error(1, reach), label="law a²/(8D²)", **LAW_STYLE)
     ax.set(xlabel="reach of the window D / half-width a", ylabel=LABELS["axis_pressure_error"])
-    add_legend(fig)
-    return CaptionedFigure(
+    return captioned(
         "reach",
         fig,
         "Axis-pressure error of every setting against its reach, the distance to each side within which a point "
@@ -161,8 +157,11 @@ def settings(dataset: xr.Dataset) -> xr.Dataset:
     )
 
 
+PERIODIC = {"duplicated", "superposed", "circular", "exact"}
+
+
 def _padding_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
-    if not covers(dataset, {"duplicated", "superposed", "circular", "exact"}):
+    if not covers(dataset, PERIODIC):
         return ()
     return _which_padding(dataset), _what_it_costs(dataset)
 
@@ -173,7 +172,7 @@ def _which_padding(dataset: xr.Dataset) -> Finding:
     costs = "; ".join(
         f"{setting_label(part)}: {percent(part['axis_pressure_error'])} in {float(total_time(part)):.2g} s"
         for name, part in _each(finest)
-        if name in ("duplicated", "superposed", "circular")
+        if name in PERIODIC - {"exact"}
     )
     return Finding(
         "Use exact periodicity: it has no n to choose and no truncation error at any period; an L1 error of "
@@ -214,22 +213,14 @@ def price_table(dataset: xr.Dataset) -> Table:
     rows = []
     for period in dataset["period"].values:
         points = settings(dataset.sel(period=period))
-        cost, error = points["cost"].values, points["error"].values
-        front = pareto_front(cost, error)
+        front = points.isel(point=pareto_front(points["cost"].values, points["error"].values))
         for target in TARGETS:
-            meets = front[error[front] <= target]
-            best = points.isel(point=meets[0] if meets.size else front[-1])
-            label = setting_label(best)
-            rows.append(
-                (
-                    f"{period:g} a",
-                    percent(target),
-                    label if meets.size else f"none stored; the most accurate is {label}",
-                    str(int(best["grid"])),
-                    percent(best["error"]),
-                    f"{float(best['cost']):.2g}",
-                )
-            )
+            meets = np.flatnonzero(front["error"].values <= target)
+            best = front.isel(point=meets[0] if meets.size else -1)
+            what = "" if meets.size else "none stored; the most accurate is "
+            accuracy = percent(target), what + setting_label(best), str(int(best["grid"]))
+            cost = percent(best["error"]), f"{float(best['cost']):.2g}"
+            rows.append((f"{period:g} a", *accuracy, *cost))
     return Table(
         "Cost of accuracy: the cheapest stored setting whose L1 pressure error is at most the target.",
         ("period", "target L1 error", "cheapest padding", "cells across", "reached", "time [s]"),
@@ -259,7 +250,6 @@ def _period_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
         if np.isfinite(reach).all() and name != "zero":
             law = truncation_error(1, reach[beyond])
             axes[0].loglog(periods[beyond], law, label="law a²/(8D²)", **LAW_STYLE)
-    add_legend(fig)
     ends = float(periods.min()), float(periods.max())
     facts = "; ".join(
         f"{setting_label(part)}: {percent(part.sel(period=ends[0])['axis_pressure_error'])} at "
@@ -270,21 +260,20 @@ def _period_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
         "Error against the period; in the law D = L for duplicated padding and (n + ½)L for "
         f"superposition. Axis-pressure errors: {facts}."
     )
-    return (CaptionedFigure("period", fig, caption),)
+    return (captioned("period", fig, caption),)
 
 
 def _period_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
-    needed = {"duplicated", "superposed", "circular", "exact"}
-    if not covers(dataset, needed) or dataset.sizes["period"] < 2:
+    if not covers(dataset, PERIODIC) or dataset.sizes["period"] < 2:
         return ()
     errors = dataset["axis_pressure_error"].isel(grid=-1, images=-1)
-    copied, exact = (abs(errors.sel(padding=name)) for name in ("duplicated", "exact"))
+    signed = errors.sel(padding="exact")
+    copied, exact = abs(errors.sel(padding="duplicated")), abs(signed)
     short, long = float(errors["period"].min()), float(errors["period"].max())
     facts = " and ".join(
         f"from {percent(part.sel(period=short))} to {percent(part.sel(period=long))} with {setting_label(part)}"
         for part in (errors.sel(padding=name) for name in ("duplicated", "superposed"))
     )
-    signed = errors.sel(padding="exact")
     return (
         Finding(
             "With exact periodicity any period is accurate: use that of the surface, and no longer one.",
@@ -320,7 +309,7 @@ def _images_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
         lambda period, half: truncation_error(1, half * period),
         "law a²/(8D²), D = (n + ½)L",
     )
-    peak = CaptionedFigure("peak_error", fig, _images_caption(finest, periods))
+    peak = captioned("peak_error", fig, _images_caption(finest, periods))
     return peak, _variation(finest)
 
 
@@ -350,20 +339,16 @@ def _variation(dataset: xr.Dataset) -> CaptionedFigure:
     fig, (ax,) = panels(1, width=6, height=3.0)
     half = dataset["images"].values + 0.5
     periods = select_evenly(dataset["period"].values)
-    superposed = [
-        curve["length_variation"] for name, curve in _each(dataset) if name == "superposed"
-    ]
-    for variation in superposed:
+    if "superposed" in paddings(dataset):
         for period, line in zip(periods, ("-", "--", "-."), strict=False):
-            curve = variation.sel(period=period)
+            curve = dataset["length_variation"].sel(padding="superposed", period=period)
             style = padding_style("superposed") | {"linestyle": line}
             ax.loglog(half, curve, label=f"superposed, L = {period:g} a", **style)
             middle = len(half) // 2
             law = float(curve[middle]) * (half[middle] / half) ** 2
             ax.loglog(half, law, label="slope −2", **LAW_STYLE)
     ax.set(xlabel=IMAGES_LABEL, ylabel="pressure variation along length / p_H")
-    add_legend(fig)
-    return CaptionedFigure(
+    return captioned(
         "length_variation",
         fig,
         "With superposition the pressure of a uniform cylinder varies along its length, because the window of "
@@ -441,10 +426,8 @@ def _grid_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
             ax.loglog(cells, law, **LAW_STYLE)
         ax.set_title(f"dotted: {name}" if name else "", loc="right", fontsize="small")
         ax.set(xlabel=f"cells N across {WIDTH} a", ylabel=label)
-        ax.set_xticks(cells[::2], [str(n) for n in cells[::2]])
-        ax.minorticks_off()
-    add_legend(fig)
-    return (CaptionedFigure("grid", fig, _grid_caption(chosen)),)
+        tick_cells(ax, cells[::2])
+    return (captioned("grid", fig, _grid_caption(chosen)),)
 
 
 def _grid_laws(variable: str, chosen: xr.Dataset) -> tuple[str, Sequence[Array]]:
@@ -519,13 +502,13 @@ def _kernel_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
         _kernel_law,
         "law (x²/4 + L²/8)/(2D²), circular",
     )
-    error = CaptionedFigure(
+    error = captioned(
         "error",
         fig,
         "Far from a line load the influence coefficients follow -(2 dx dy/L) ln r. The figure shows the largest "
         "error of this ln r among the coefficients used in a convolution, without the part that is a rigid shift "
-        "of all of them. A window that moves with the observer (circular) errs by the curvature of what it "
-        "truncates; a window fixed to the domain (superposed) also truncates more on one side than on the "
+        "of all of them. A window that moves with the observer (circular) has the curvature of what it truncates as "
+        "its error; a window fixed to the domain (superposed) also truncates more on one side than on the "
         "other. Exact periodicity is the reference; the project's tests compare it to 1e-13 with computations in "
         "fifty digits. In the law x is the width of the domain, 2.4 a.",
     )
@@ -557,8 +540,7 @@ def _build_time(dataset: xr.Dataset) -> CaptionedFigure:
             ratio = float(six["setup_time"] / longest["setup_time"].sel(padding="exact")[0])
             words = f" {setting_label(six).capitalize()}, takes {ratio:.2g} times as long as exact periodicity."
     ax.set(xlabel=IMAGES_LABEL, ylabel="time to build the operator [s]")
-    add_legend(fig)
-    return CaptionedFigure(
+    return captioned(
         "build_time",
         fig,
         f"Time to build the operator (coefficients and transform) for {int(longest['grid'])} x "

@@ -154,7 +154,10 @@ def test_of_three_numbers_of_threads_the_first_and_the_last_are_compared() -> No
 def test_the_speed_is_said_from_the_coarsest_grid_to_the_finest() -> None:
     [said] = findings("speed", speed())
     # 27 over 25 of the first surface is the largest growth
-    assert "From 16 to 128 cells across, iterations grow by a factor of at most 1.1." in said
+    assert (
+        "From 16 to 128 cells across, the number of iterations grows by a factor of at most 1.1."
+        in said
+    )
     assert "rough: 25 to 27" in said
     assert "H = 0.8: 43 to 45" in said
     # 5.1 of the first to 6.9 of the last on one thread

@@ -1,7 +1,5 @@
 """Drawing of the study `paper`: figures, findings and tables from its stored data."""
 
-from typing import Any
-
 import numpy as np
 import xarray as xr
 
@@ -11,7 +9,8 @@ from studies.model.drawing import CaptionedFigure, Table
 from studies.reference.line_contact import COUNTS_IMAGES
 from studies.report.style import (
     LAW_STYLE,
-    add_legend,
+    captioned,
+    label_panels,
     padding_style,
     paddings,
     panels,
@@ -44,7 +43,6 @@ def _displacement(dataset: xr.Dataset) -> CaptionedFigure:
         ax.plot(offset, analytic, label="Hertz, one contact alone", **LAW_STYLE)
         ax.set(xlabel="distance from centre / contact radius", title=TITLES[direction])
     axes[0].set_ylabel("displacement / Hertz's at the centre")
-    add_legend(fig)
     remarks = {
         "zero": "it agrees with Hertz's solution of a single contact, since it has no neighbours.",
         "duplicated": "the neighbours raise the curve, and along the length they also bend it.",
@@ -58,7 +56,7 @@ def _displacement(dataset: xr.Dataset) -> CaptionedFigure:
             f"{float(across[0]):.4f} at the edge across and {float(along[0]):.4f} at the edge along: "
             + remarks[name]
         )
-    return CaptionedFigure(
+    return captioned(
         "displacement",
         fig,
         "The paper's Fig. 4. Displacement under a semi-elliptic pressure of radius a that repeats every "
@@ -70,40 +68,27 @@ def _pressure(dataset: xr.Dataset) -> CaptionedFigure:
     fig, (full, error) = panels(2, width=4.6)
     x = dataset["x"]
     hertz = np.sqrt(np.clip(1 - x**2, 0, None))
-    for name in paddings(dataset):
-        chosen = dataset.sel(padding=name).isel(images=-1)
-        label = setting_label(chosen)
-        full.plot(x, chosen["pressure"], label=label, markevery=8, **padding_style(name))
-        error.plot(
-            x, 100 * (chosen["pressure"] - hertz), label=label, markevery=8, **padding_style(name)
-        )
-        if name == "zero":  # its ends would fill the picture
-            continue
-        band: dict[str, Any] = {
-            "color": padding_style(name)["color"],
-            "alpha": 0.18,
-            "linewidth": 0,
-        }
-        error.fill_between(
-            x,
-            100 * (chosen["pressure_min"] - hertz),
-            100 * (chosen["pressure_max"] - hertz),
-            **band,
-        )
+    parts = {name: dataset.sel(padding=name).isel(images=-1) for name in paddings(dataset)}
+    for name, part in parts.items():
+        style = padding_style(name) | {"label": setting_label(part), "markevery": 8}
+        full.plot(x, part["pressure"], **style)
+        error.plot(x, 100 * (part["pressure"] - hertz), **style)
+        if name != "zero":  # its ends would fill the picture
+            low, high = (100 * (part[f"pressure_{end}"] - hertz) for end in ("min", "max"))
+            error.fill_between(x, low, high, color=style["color"], alpha=0.18, linewidth=0)
     full.plot(x, hertz, label="Hertz", **LAW_STYLE)
-    full.set(xlabel="position across / half-width a", ylabel="pressure / p_H", ylim=(0, 1.2))
-    error.set(
-        xlabel="position across / half-width a",
-        ylabel="error against Hertz [% of p_H]",
-        ylim=(-100, 100),
+    label_panels(
+        (full, error),
+        ("position across / half-width a", "pressure / p_H", ""),
+        ("position across / half-width a", "error against Hertz [% of p_H]", ""),
     )
+    full.set_ylim(0, 1.2)
+    error.set_ylim(-100, 100)
     error.set_yscale("symlog", linthresh=0.1)
-    add_legend(fig)
     facts = "; ".join(
-        f"{setting_label(part)}: {percent(part['pressure_error_max'])}"
-        for part in (dataset.sel(padding=name).isel(images=-1) for name in paddings(dataset))
+        f"{setting_label(part)}: {percent(part['pressure_error_max'])}" for part in parts.values()
     )
-    return CaptionedFigure(
+    return captioned(
         "pressure",
         fig,
         "The paper's Fig. 5. Left: pressure across the line contact in the middle of the length. Right: its error; "
@@ -114,27 +99,21 @@ def _pressure(dataset: xr.Dataset) -> CaptionedFigure:
 
 
 def tables(dataset: xr.Dataset) -> tuple[Table, ...]:
-    """Return the errors and the cost of every padding at the paper's setting."""
+    """Return the table of errors and cost."""
     return (accuracy_table(dataset),)
 
 
 def accuracy_table(dataset: xr.Dataset) -> Table:
     """Return the errors and the cost of every padding at the paper's setting."""
+    errors = (
+        "axis_pressure_error", "peak_pressure_error", "pressure_error_max", "length_variation",
+        "half_width_error",
+    )  # fmt: skip
     rows = []
     order = ("exact", "duplicated", "circular", "superposed", "zero")
     for name in (name for name in order if name in paddings(dataset)):
-        counted = (
-            dataset["images"].values if name in COUNTS_IMAGES else dataset["images"].values[-1:]
-        )
-        for images in counted:
+        for images in dataset["images"].values[0 if name in COUNTS_IMAGES else -1 :]:
             part = dataset.sel(padding=name, images=images)
-            errors = (
-                "axis_pressure_error",
-                "peak_pressure_error",
-                "pressure_error_max",
-                "length_variation",
-                "half_width_error",
-            )
             rows.append(
                 (
                     "zero (not periodic)" if name == "zero" else setting_label(part),

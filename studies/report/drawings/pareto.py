@@ -1,7 +1,7 @@
 """Drawing of the study `pareto`: figures, findings and tables from its stored data."""
 
 from collections.abc import Iterable
-from typing import Any
+from itertools import product
 
 import numpy as np
 import xarray as xr
@@ -11,7 +11,7 @@ from studies.advice.settings_table import NOISE, STORED_ERRORS, Settings, pareto
 from studies.advice.verification import verify
 from studies.model.drawing import CaptionedFigure, Finding, Table
 from studies.reference.line_contact import LINE, covers
-from studies.report.style import add_legend, padding_style, paddings, panels, percent, select_evenly
+from studies.report.style import captioned, padding_style, paddings, panels, percent, select_evenly
 
 KNOWN_AXES = ("padding", "images", "period", "grid", "solver_tolerance", "solver")
 
@@ -25,18 +25,14 @@ def _fronts(dataset: xr.Dataset) -> CaptionedFigure:
     periods = select_evenly(dataset["period"].values)
     rows = {"pressure_error_l1": "L1 error as solved", "corrected_error_l1": "L1 error, corrected"}
     fig, axes = panels(len(rows) * len(periods), columns=len(periods), height=3.0, share="both")
-    for index, ax in enumerate(axes):
-        row, column = divmod(index, len(periods))
-        variable, label = list(rows.items())[row]
-        _front(ax, settings(dataset.sel(period=periods[column]), variable))
-        if row == 0:
-            ax.set_title(f"period L = {periods[column]:g} a")
-        if row == len(rows) - 1:
-            ax.set_xlabel("wall time, set-up and solve [s]")
-        if column == 0:
-            ax.set_ylabel(label)
-    add_legend(fig)
-    return CaptionedFigure(
+    for ax, (variable, period) in zip(axes, product(rows, periods), strict=True):
+        _front(ax, settings(dataset.sel(period=period), variable))
+    for top, bottom, period in zip(axes, axes[len(periods) :], periods, strict=False):
+        top.set_title(f"period L = {period:g} a")
+        bottom.set_xlabel("wall time, set-up and solve [s]")
+    for ax, label in zip(axes[:: len(periods)], rows.values(), strict=True):
+        ax.set_ylabel(label)
+    return captioned(
         "front",
         fig,
         "Accuracy against wall time on one thread, for every mode, n, grid, tolerance and solver. Filled marks: "
@@ -53,8 +49,8 @@ def _front(ax: Axes, every: Settings) -> None:
     for name in dict.fromkeys(every.modes.tolist()):
         for solver in dict.fromkeys(every.axes["solver"].tolist()):
             marks = (every.modes == name) & (every.axes["solver"] == solver)
-            hollow = solver == "polonsky_keer"
-            face = {"markerfacecolor": "none"} if hollow else {"label": name}
+            is_hollow = solver == "polonsky_keer"
+            face = {"markerfacecolor": "none"} if is_hollow else {"label": name}
             ax.loglog(
                 every.cost[marks], every.error[marks], linestyle="none", alpha=0.6, markersize=4,
                 **padding_style(name) | face,
@@ -64,8 +60,7 @@ def _front(ax: Axes, every: Settings) -> None:
         (every.where(every.modes != LINE), "--", "front, cells along the length"),
     ):
         best = chosen.where(pareto_front(chosen.cost, chosen.error))
-        line: dict[str, Any] = {"color": "black", "linewidth": 0.9, "linestyle": style}
-        ax.step(best.cost, best.error, where="post", label=label, **line)
+        ax.step(best.cost, best.error, f"k{style}", where="post", label=label, linewidth=0.9)
         bars = np.clip([best.cost - best.spread[0], best.spread[1] - best.cost], 0, None)
         ax.errorbar(
             best.cost, best.error, xerr=bars, fmt="none", ecolor="grey", elinewidth=1.5, alpha=0.6,
@@ -74,14 +69,12 @@ def _front(ax: Axes, every: Settings) -> None:
 
 
 def _decades(dataset: xr.Dataset) -> CaptionedFigure:
-    period = select_evenly(dataset["period"].values)[
-        len(select_evenly(dataset["period"].values)) // 2
-    ]
-    chosen_period = dataset.sel(period=period)
+    periods = select_evenly(dataset["period"].values)
+    period = periods[len(periods) // 2]
     fig, axes = panels(len(STORED_ERRORS), share="y")
     words = []
     for ax, (metric, errors) in zip(axes, STORED_ERRORS.items(), strict=True):
-        every = settings(chosen_period, *errors)
+        every = settings(dataset.sel(period=period), *errors)
         targets = 10.0 ** np.arange(-1, np.floor(np.log10(every.error.min())) - 1, -0.02)
         for name in paddings(dataset):
             of_mode = every.where(every.modes == name)
@@ -99,8 +92,7 @@ def _decades(dataset: xr.Dataset) -> CaptionedFigure:
         least = every.where(np.array([int(np.argmin(every.error))]))
         words.append(f"{metric} {percent(least.error[0])} ({least.name(0)})")
     axes[0].set_ylabel("shortest wall time that reaches it [s]")
-    add_legend(fig)
-    return CaptionedFigure(
+    return captioned(
         "decades",
         fig,
         f"Cost of each decade of accuracy by mode, at L = {period:g} a: the cheapest stored setting that "
@@ -223,7 +215,7 @@ def dominated_modes(dataset: xr.Dataset) -> tuple[str, str]:
         + "; ".join(sentences)
         + ". At large errors the grid is coarse, a solve takes "
         "milliseconds and the set-up dominates, so a sum of two images is cheap."
-        + " A window centred on the domain needs twice the transform and also errs along the length."
+        + " A window centred on the domain needs twice the transform and also has an error along the length."
         * ("superposed" in never)
     )
 

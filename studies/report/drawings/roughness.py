@@ -13,7 +13,7 @@ from studies.reference.line_contact import covers, padding_at
 from studies.report.style import (
     COLORS,
     LAW_STYLE,
-    add_legend,
+    captioned,
     padding_style,
     paddings,
     panels,
@@ -50,14 +50,13 @@ def _shift(dataset: xr.Dataset) -> CaptionedFigure:
                 style = {"color": color, "linestyle": line}
                 _over_rms(ax, part, f"lay {peklenik:g}, H = {hurst:g}", **style)
         ax.set_ylabel(label)
-    add_legend(fig)
     rough = dataset.isel(rms=-1)
     facts = "; ".join(
         f"lay {float(lay):g}: area {float(part['contact_area'].mean()):.2f}, peak pressure "
         f"{float(part['peak_pressure'].mean()):.1f} p_{{H}}"
         for lay, part in rough.groupby("peklenik")
     )
-    return CaptionedFigure(
+    return captioned(
         "shift",
         fig,
         "Effect of roughness on a line contact with exact periodicity; lines are the mean over the surfaces, "
@@ -85,8 +84,7 @@ def _paddings(dataset: xr.Dataset) -> CaptionedFigure:
             style = {"color": "black", "linestyle": "--"}
             _over_rms(ax, shift.where(shift.rms > 0), "effect of the roughness itself", **style)
         ax.set(ylabel=label, yscale="log")
-    add_legend(fig)
-    return CaptionedFigure(
+    return captioned(
         "paddings",
         fig,
         "Error of each padding relative to exact periodicity on the same surface and grid; lines are the "
@@ -100,27 +98,21 @@ def _paddings(dataset: xr.Dataset) -> CaptionedFigure:
 def _law(dataset: xr.Dataset) -> CaptionedFigure:
     fig, (ratio, after) = panels(2, width=3.6, height=2.9)
     for name in ("duplicated", "superposed", "circular"):
-        part = dataset.sel(padding=name)
-        _over_rms(
-            ratio,
-            -part["half_width_error"] / law_of(part),
-            setting_label(part),
-            **padding_style(name),
-        )
+        part, style = dataset.sel(padding=name), padding_style(name)
+        _over_rms(ratio, -part["half_width_error"] / law_of(part), setting_label(part), **style)
         remaining = part["curved_difference"] / part["pressure_error_l1"]
-        _over_rms(after, remaining, setting_label(part), **padding_style(name))
+        _over_rms(after, remaining, setting_label(part), **style)
     ratio.axhline(1, label="law a²/(8D²)", **LAW_STYLE)
     ratio.set(ylabel="half-width error / law")
     ratio.set_ylim(bottom=0)
     after.set(ylabel="share of L1 error left", yscale="log")
-    add_legend(fig)
-    return CaptionedFigure(
+    return captioned(
         "law",
         fig,
         "A window that reaches D to each side makes the cylinder more curved by a²/(4D²), which reduces the "
-        "half-width by a²/(8D²). Left: the error found, divided by this law. Right: the share of the L1 error that "
+        "half-width by a²/(8D²). Left: the error divided by this law. Right: the share of the L1 error that "
         "remains when the solution is compared with exact periodicity on a cylinder of this curvature with the "
-        "same roughness. Little remains for circular windows. Superposition also errs along the length, since "
+        "same roughness. Little remains for circular windows. Superposition also has an error along the length, since "
         "its window does not move with the observer; the law does not include this.",
     )
 
@@ -136,10 +128,9 @@ def _over_rms(ax: Axes, values: xr.DataArray, label: str, **style: Any) -> None:
     surfaces = [name for name in values.dims if name != "rms"]
     place = np.arange(values.sizes["rms"])
     ax.plot(place, values.median(surfaces), label=label, **style)
-    band = {"color": style["color"], "alpha": 0.15, "linewidth": 0}
-    ax.fill_between(place, values.min(surfaces), values.max(surfaces), **band)
-    names = ["smooth" if rms == 0 else f"{rms:g}" for rms in values["rms"].values]
-    ax.set_xticks(place, names)
+    low, high = values.min(surfaces), values.max(surfaces)
+    ax.fill_between(place, low, high, color=style["color"], alpha=0.15, linewidth=0)
+    ax.set_xticks(place, [f"{rms:g}" if rms else "smooth" for rms in values["rms"].values])
     ax.set_xlabel("rms height / (a²/2R)")
 
 
@@ -158,13 +149,10 @@ def _rough_surfaces(dataset: xr.Dataset) -> Finding:
     surfaces = ("hurst", "peklenik", "seed")
     middle, most = sweep.median(surfaces), float(sweep["rms"].max())
     smooth, rough = middle.sel(rms=0), middle.sel(rms=most)
-    l1_errors, cells, highest, remaining = [], [], [], []
+    l1_errors, cells, highest, remaining, ratios = [], [], [], [], []
     for name in ("duplicated", "circular"):
-        before, after, label = (
-            smooth.sel(padding=name),
-            rough.sel(padding=name),
-            setting_label(sweep.sel(padding=name)),
-        )
+        before, after = smooth.sel(padding=name), rough.sel(padding=name)
+        label = setting_label(sweep.sel(padding=name))
         l1_errors.append(
             f"{percent(before['pressure_error_l1'])} smooth and {percent(after['pressure_error_l1'])} "
             f"rough with {label}"
@@ -176,13 +164,9 @@ def _rough_surfaces(dataset: xr.Dataset) -> Finding:
             f"{percent(before['peak_pressure_error'])} to {percent(after['peak_pressure_error'])}"
         )
         remaining.append(percent(after["curved_difference"] / after["pressure_error_l1"]))
-    ratios = [
-        sweep["half_width_error"].sel(padding=name) / -law_of(sweep.sel(padding=name))
-        for name in ("duplicated", "circular")
-    ]
-    low, high = (
-        float(limit) for limit in (min(r.min() for r in ratios), max(r.max() for r in ratios))
-    )
+        part = sweep.sel(padding=name)
+        ratios.append(part["half_width_error"].values / -law_of(part))
+    low, high = np.min(ratios), np.max(ratios)
     shift = middle["smooth_difference"].sel(padding="exact").isel(rms=1)
     systematic = "; unlike that difference, the error of a window has one sign on every surface and does not average out"
     return Finding(

@@ -8,13 +8,7 @@ from studies.definitions.stability import VERDICTS
 from studies.model.drawing import CaptionedFigure, Drawing, Finding, Table
 from studies.reference.hard_case import SOLVERS
 from studies.reference.hard_cases import CASES, GROUPS
-from studies.report.style import (
-    COLORS,
-    LAW_STYLE,
-    add_legend,
-    panels,
-    percent,
-)
+from studies.report.style import COLORS, LAW_STYLE, captioned, panels, percent
 
 # Hard cases
 
@@ -55,9 +49,8 @@ def _stability_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     ax.set_xscale("log")
     ax.set_yticks(range(len(groups)), list(groups))
     ax.set(ylim=(len(groups) - 0.5, -0.5), xlabel="largest pressure error / peak pressure")
-    add_legend(fig)
     return (
-        CaptionedFigure(
+        captioned(
             "stability",
             fig,
             "Errors of hard cases by what is hard about them. The reference answer comes from a dense matrix, built "
@@ -96,30 +89,23 @@ def _stability_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
 def _stability_tables(dataset: xr.Dataset) -> tuple[Table, ...]:
     rows = []
     for group, cases in _groups(dataset).items():
-        right = cases["verdict"] == RIGHT
-        error, stated = (
-            f"{float(cases[which].where(right).max()):.0e}" if right.any() else "none"
-            for which in ("pressure_error", "stated_error")
-        )
+        right = cases.where(cases["verdict"] == RIGHT)
+        largest = (float(right[name].max()) for name in ("pressure_error", "stated_error"))
+        errors = (f"{error:.0e}" if np.isfinite(error) else "none" for error in largest)
         counts = (_count(cases, verdict) for verdict in (RIGHT, EXPLAINED, WRONG))
-        rows.append((group, str(cases.sizes["case"]), *map(str, counts), error, stated))
+        rows.append((group, str(cases.sizes["case"]), *map(str, counts), *errors))
     return (
         Table(
             "Hard cases by what is hard about them, over all paddings and both solvers: solves with an error within the "
             "stated one, with a status that explains why there is no answer, and with neither; the largest error of the "
             "pressure over its maximum, and the largest stated error.",
             (
-                "difficulty",
-                "cases",
-                "within stated",
-                "explained",
-                "neither",
-                "largest error",
+                "difficulty", "cases", "within stated", "explained", "neither", "largest error",
                 "largest stated",
             ),
             tuple(rows),
         ),
-    )
+    )  # fmt: skip
 
 
 stability = Drawing(
@@ -136,7 +122,7 @@ LABELS = {
     "contact_area": "contact area",
     "mean_gap": "mean gap",
 }
-# Those that the promise is about; the mean gap's bound is meant to hold, not to be narrow.
+# Quantities with a narrow bound; the bound of the mean gap holds, but may be wide.
 PROMISED = ("l1", "peak_pressure", "contact_area")
 SMALLEST = 1e-7  # where errors of nothing are drawn
 
@@ -156,17 +142,13 @@ def _accuracy_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
         span = np.array([SMALLEST, 2.0])
         ax.loglog(span, span, label="bound = error", **LAW_STYLE)
         ax.set(title=LABELS[metric], xlabel="true relative error", ylabel="bound")
-    add_legend(fig)
-    return (CaptionedFigure("accuracy", fig, _accuracy_caption(dataset)),)
-
-
-def _accuracy_caption(dataset: xr.Dataset) -> str:
     missing = int((~np.isfinite(dataset["peak_pressure_bound"])).sum())
-    return (
+    caption = (
         f"Bounds beside true errors of {dataset.sizes['case']} contacts. The truth is a closed form or a grid 4 to 200 "
         "times finer; pressures are compared as cell means. Marks on or above the line are bounded. Not drawn are "
         f"infinite bounds ({missing} of the peak pressure), which come with a reason."
     )
+    return (captioned("accuracy", fig, caption),)
 
 
 def _accuracy_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:

@@ -131,17 +131,17 @@ LABELS = {
 def _speed_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     """Draw time, iterations and the ratio to bare transforms against the grid, a line for each surface."""
     fig, axes = panels(len(LABELS))
-    for ax, (variable, label) in zip(axes, LABELS.items(), strict=True):
+    for ax, (variable, title) in zip(axes, LABELS.items(), strict=True):
         # the number of iterations does not depend on the threads
         ways = list(_ways(dataset).items())[: 1 if variable == "iterations" else None]
         lines = product(_surfaces(dataset).items(), zip(ways, cycle(LINES), strict=False))
         for number, ((name, surface), ((way, chosen), line)) in enumerate(lines):
             color = COLORS[number // len(ways) % len(COLORS)]
             curve = dataset[variable].sel(surface | chosen)
-            style = {"color": color, "linestyle": line, "marker": "o"}
-            ax.plot(dataset["grid"], curve, label=f"{name}{way}", **style)
+            label = f"{name}{way}"
+            ax.plot(dataset["grid"], curve, line, color=color, marker="o", label=label)
         ax.set(yscale="log") if variable == "solve_time" else ax.set_ylim(bottom=0)
-        _plot_over_cells(ax, dataset, variable, label)
+        _plot_over_cells(ax, dataset, variable, title)
     return (captioned("speed", fig, _speed_caption(dataset)),)
 
 

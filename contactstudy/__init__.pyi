@@ -55,14 +55,18 @@ from .scene.inelastic import ElasticPlasticHalfSpace, ViscoelasticHalfSpace
 from .scene.load import LineLoad, LoadHistory, SineLoad, TotalLoad
 from .scene.lubrication import (
     Barus,
+    ChangingSpeed,
     ConstantDensity,
     DowsonHigginson,
+    ElrodAdams,
     Eyring,
     LimitingShear,
     Lubricant,
     Lubrication,
     Newtonian,
+    ReynoldsCavitation,
     Roelands,
+    SpeedHistory,
 )
 from .scene.motion import Rolling, Wear
 from .scene.scene import Output, Scene
@@ -97,6 +101,7 @@ __all__ = [
     "Barus",
     "Body",
     "Carried",
+    "ChangingSpeed",
     "CircularSuperposition",
     "CoatedHalfSpace",
     "Coefficients",
@@ -114,6 +119,7 @@ __all__ = [
     "DowsonHigginson",
     "DuplicatedPadding",
     "ElasticPlasticHalfSpace",
+    "ElrodAdams",
     "ErrorEstimate",
     "ErrorParts",
     "Evolution",
@@ -162,6 +168,7 @@ __all__ = [
     "RefuseMissing",
     "RepeatedRolling",
     "Resultant",
+    "ReynoldsCavitation",
     "RmsSlope",
     "Roelands",
     "Rolling",
@@ -178,6 +185,7 @@ __all__ = [
     "Solution",
     "SolveOptions",
     "Solver",
+    "SpeedHistory",
     "Sphere",
     "Status",
     "SteadyRolling",

@@ -7,6 +7,7 @@ from functools import partial
 from math import pi
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -112,8 +113,11 @@ def evolve(
     precision: Precision = Precision.DOUBLE,
     folder: str | PathLike[str] | None = None,
     progress: Callable[[float, float], None] | None = None,
-) -> Evolution:
+) -> Evolution | Any:
     """Follow `scene` through time, from the start of its load.
+
+    A lubricated scene is marched by :func:`~contactstudy.evolve_lubricated` with these `times`, `error`, `tolerance` and
+    `progress`, and gives a :class:`~contactstudy.FilmEvolution`.
 
     The error by the steps is the difference of two marches, one with steps twice as long. It estimates the error of the
     longer steps, so it is an upper estimate for the shorter ones, which are recorded. It is relative to the pressure at
@@ -147,7 +151,7 @@ def evolve(
     Returns
     -------
     Evolution
-        The recorded frames, with their estimated errors.
+        The recorded frames, with their estimated errors; of a lubricated scene a FilmEvolution.
 
     Raises
     ------
@@ -155,6 +159,23 @@ def evolve(
         If both `times` and `error` are None, times decrease, the error is out of reach, the scene rolls steadily or has
         friction, or the folder belongs to another march.
     """
+    if scene.lubrication is not None:
+        from contactstudy.lubrication.evolve_lubricated import evolve_lubricated
+
+        for name, value, default in (
+            ("step_error", step_error, StepError.COMPANION),
+            ("scheme", scheme, Scheme.IMPLICIT),
+            ("solver", solver, PreconditionedCG()),
+            ("precision", precision, Precision.DOUBLE),
+            ("folder", folder, None),
+        ):
+            if value != default:
+                raise InvalidInput(
+                    f"evolve.{name} is {value!r}, which is for dry contacts: leave it out beside Scene.lubrication."
+                )
+        return evolve_lubricated(
+            scene, grid, padding, times=times, error=error, tolerance=tolerance, progress=progress
+        )
     if times is None and error is None:
         raise InvalidInput("evolve.times and evolve.error are None: give one of them, or both.")
     _check_history(scene)

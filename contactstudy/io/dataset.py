@@ -373,7 +373,8 @@ def film_dataset(contact: "LubricatedContact") -> xr.Dataset:
                 plane, contact.film_fraction, "1", "share of the film that is full"
             ),
             "shear": labelled(plane, contact.shear, "Pa", "shear stress in the middle of the film"),
-            "load_per_length": labelled((), contact.scene.load.largest, "N m-1", "load per length"),
+            "load_per_length": labelled((), contact.load_per_length, "N m-1", "load per length"),
+            "mean_speed": labelled((), contact.mean_speed, "m s-1", "mean speed of the surfaces"),
             "central_film": labelled((), contact.central_film, "m", "central film"),
             "minimum_film": labelled((), contact.minimum_film, "m", "smallest film"),
             "peak_pressure": labelled((), contact.peak_pressure, "Pa", "peak pressure"),

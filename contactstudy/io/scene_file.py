@@ -41,6 +41,7 @@ from contactstudy.scene.load import (
 )
 from contactstudy.scene.lubrication import (
     Barus,
+    ChangingSpeed,
     ConstantDensity,
     DensityLaw,
     DowsonHigginson,
@@ -50,6 +51,7 @@ from contactstudy.scene.lubrication import (
     Newtonian,
     Roelands,
     ShearLaw,
+    SpeedHistory,
     ViscosityLaw,
 )
 from contactstudy.scene.motion import Rolling, Wear
@@ -189,6 +191,14 @@ class ProfileFile:
 
 
 @dataclass(frozen=True)
+class CarriedFile:
+    """Shape that a body carries, which may be given by a file."""
+
+    shape: Shape
+    body: int = 0
+
+
+@dataclass(frozen=True)
 class PlanSettings:
     """Accuracy and period that a plan must meet, for a scene whose file names no grid."""
 
@@ -217,19 +227,20 @@ class TimeSteps:
     instants: int = 41
     error: Number | None = None
 
-    def of(self, load: ConstantLoad | ChangingLoad) -> list[float] | None:
-        """Return the instants [s], up to the end of `load` if none is given; None if the error alone decides."""
+    def of(self, *values: object) -> list[float] | None:
+        """Return the instants [s], up to the last end of the histories in `values`; None if the error alone decides."""
         if self.times:
             return list(self.times)
-        end = self.end if self.end is not None else getattr(load, "end", None)
-        if end is None:
+        histories = [value for value in values if isinstance(value, ChangingLoad | ChangingSpeed)]
+        if self.end is None and not histories:
             raise InvalidInput(
                 "evolve has no end, nor has the load: give evolve.end or evolve.times [s]."
             )
+        end = max(one.end for one in histories) if self.end is None else self.end
         if self.end is None and self.error is not None:
             return None
         whole("evolve.instants", self.instants, 2, "give at least 2 instants")
-        start = getattr(load, "start", 0.0)
+        start = histories[0].start if histories else 0.0
         return [start + (end - start) * n / (self.instants - 1) for n in range(self.instants)]
 
 
@@ -256,6 +267,7 @@ class Document:
 
 # Types that stand for others in a file.
 STANDING_IN: Mapping[type, type] = {
+    Carried: CarriedFile,
     Crown: CrownFile,
     LundbergProfile: ProfileFile,
     MeasuredSurface: MeasuredFile,
@@ -298,6 +310,7 @@ KINDS: Mapping[Any, Mapping[str, type]] = {
         (ViscosityLaw, (Roelands, Barus)),
         (DensityLaw, (DowsonHigginson, ConstantDensity)),
         (ShearLaw, (Newtonian, Eyring, LimitingShear)),
+        (ChangingSpeed, (SpeedHistory,)),
     )
 } | {
     Body: {
@@ -375,14 +388,16 @@ class SceneFile:
         *,
         folder: str | PathLike[str] | None = None,
         progress: Callable[[float, float], None] | None = None,
-    ) -> "Evolution":
+    ) -> "Evolution | Any":
         """March through a scene that changes in time, at the instants of the file; see :func:`~contactstudy.evolve`."""
         from contactstudy.evolution.evolve import evolve  # only scenes that change in time need it
 
         return evolve(
             self.scene,
             *self._where(planned),
-            times=self.time_steps.of(self.scene.load),
+            times=self.time_steps.of(
+                self.scene.load, getattr(self.scene.lubrication, "mean_speed", None)
+            ),
             error=self.time_steps.error,
             folder=folder,
             progress=progress,
@@ -457,12 +472,16 @@ def scene_file_of(document: Document, folder: Path = Path()) -> SceneFile:
     """Return the scene of `document`; files of surfaces start at `folder`."""
     modulus = contact_modulus(document.solids)
     curvature = sum(getattr(shape, "curvature", 0.0) for shape in document.shapes)
-    shapes = tuple(
-        shape.shape(folder, (curvature, modulus))
-        if isinstance(shape, MeasuredFile | CrownFile | ProfileFile)
-        else shape
-        for shape in document.shapes
-    )
+
+    def read(shape: Any) -> Shape:
+        if isinstance(shape, CarriedFile):
+            return Carried(read(shape.shape), shape.body)
+        if isinstance(shape, MeasuredFile | CrownFile | ProfileFile):
+            return shape.shape(folder, (curvature, modulus))
+        described: Shape = shape
+        return described
+
+    shapes = tuple(read(shape) for shape in document.shapes)
     scene = Scene(
         _with_length(document, shapes),
         document.solids,

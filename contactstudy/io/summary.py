@@ -19,6 +19,7 @@ from contactstudy.solvers.solution import Solution
 if TYPE_CHECKING:
     from contactstudy.evolution.evolution import Evolution
     from contactstudy.evolution.rolling import SteadyRolling
+    from contactstudy.lubrication.evolve_lubricated import FilmEvolution
     from contactstudy.lubrication.lubricated_contact import LubricatedContact
 
 # Units that a person reads, by the SI unit: the largest one that leaves a number above 1.
@@ -200,6 +201,20 @@ def film_quantities(contact: "LubricatedContact") -> list[Quantity]:
         Quantity("viscosity_parameter", "Moes' L", scales.viscosity_parameter, "1"),
         Quantity("flux_spread", "spread of the flow over x", contact.flux_spread, "1"),
     ]
+
+
+def film_march_quantities(evolution: "FilmEvolution") -> list[Quantity]:
+    """Return the numbers of a film's march: extreme values over time, and the state at its end."""
+    contacts, last = evolution.contacts, evolution.contacts[-1]
+    highest = max(contact.peak_pressure for contact in contacts)
+    return [
+        Quantity("lowest_film", "smallest film in time", float(evolution.minimum_film.min()), "m"),
+        Quantity("lowest_central_film", "smallest central film in time", float(evolution.central_film.min()), "m"),
+        Quantity("final_central_film", "central film at the end", last.central_film, "m"),
+        Quantity("largest_pressure", "largest pressure in time", highest, "Pa"),
+        Quantity("final_friction", "friction force over load at the end", last.friction, "1"),
+        Quantity("step_error", "largest error of a step in time", evolution.step_error, "1"),
+    ]  # fmt: skip
 
 
 def _length(solution: Solution) -> float:

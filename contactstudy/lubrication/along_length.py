@@ -108,7 +108,7 @@ class StepSystem:
     @property
     def mean(self) -> float:
         """Load of a unit pressure on one cell."""
-        return self.linear.equation.cell[0] / self.free.shape[1]
+        return float(self.linear.equation.cell[0] / self.free.shape[1])
 
     def split(self, values: Array) -> tuple[Array, Array, float]:
         """Return pressure and void fraction (x, y) and separation of a vector of unknowns."""

@@ -5,11 +5,12 @@ solved by the iteration of a steady film. A step starts from the extrapolation o
 that of a third derivative, and tells the error of the step.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from contactstudy.domain.checks import InvalidInput, finite, positive
 from contactstudy.domain.fields import Array
@@ -18,7 +19,7 @@ from contactstudy.domain.imports import presentation
 from contactstudy.domain.padding import ExactPeriodicity, Padding, Paddings
 from contactstudy.lubrication.film_equation import Film, Storage
 from contactstudy.lubrication.lubricated_contact import FilmStatus, LubricatedContact
-from contactstudy.lubrication.posed_film import PosedFilm, pose
+from contactstudy.lubrication.posed_film import PosedFilm, lubricated_scales, pose
 from contactstudy.lubrication.pseudo_time import FilmControls, FilmIteration, StepSolver, iterate
 from contactstudy.lubrication.steady_film import (
     ROUGH_CHANGE,
@@ -27,6 +28,7 @@ from contactstudy.lubrication.steady_film import (
     step_solver,
 )
 from contactstudy.scene.load import ChangingLoad, LineLoad
+from contactstudy.scene.lubrication import ChangingSpeed
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.carried import Carried
 
@@ -93,10 +95,9 @@ def evolve_lubricated(
     grid: Grid,
     padding: Padding | Paddings = ExactPeriodicity(),  # noqa: B008 (a frozen value)
     *,
-    times: Iterable[float],
+    times: ArrayLike | None = None,
     error: float | None = None,
     step: float | None = None,
-    speed: Callable[[float], float] | None = None,
     tolerance: float = 1e-6,
     progress: Callable[[float, float], None] | None = None,
 ) -> FilmEvolution:
@@ -105,19 +106,18 @@ def evolve_lubricated(
     Parameters
     ----------
     scene
-        A lubricated scene; its load may change in time, and :class:`~contactstudy.Carried` shapes move with a body.
+        A lubricated scene. Its load and its mean speed may have a history, and :class:`~contactstudy.Carried` shapes
+        move with a body.
     grid, padding
         As for :func:`~contactstudy.solve_lubricated`.
     times
-        Instants [s] at which the contact is recorded, ascending; the film is steady at the first.
+        Instants [s] at which the contact is recorded, ascending; the film is steady at the first. None records every
+        step from the first to the last time of the histories.
     error
         Largest error of a step, of the film in L1 over its mean in the Hertzian zone: 1e-3 if neither this nor a step
         is given.
     step
         Length of all steps [s], in place of an error.
-    speed
-        Mean speed [m/s] as a function of time [s], not below zero and above zero at the first time; that of the scene if
-        None.
     tolerance
         Residual of each step.
     progress
@@ -127,10 +127,13 @@ def evolve_lubricated(
     -------
     FilmEvolution
         A contact at every time, with the last status where a step failed.
+
+    Raises
+    ------
+    InvalidInput
+        For a scene without lubrication, times that are none, and a load or a speed of zero at the first time.
     """
-    instants = [finite("evolve_lubricated.times", time, "give times in s") for time in times]
-    if len(instants) < 2 or sorted(set(instants)) != instants:
-        raise InvalidInput(f"evolve_lubricated.times is {times!r}: give two or more, ascending.")
+    instants = _instants(scene, times)
     if step is not None and error is not None:
         raise InvalidInput("evolve_lubricated has a step and an error: leave one of them out.")
     if step is not None:
@@ -138,11 +141,12 @@ def evolve_lubricated(
     error = positive(
         "evolve_lubricated.error", 1e-3 if error is None else error, "give one above 0"
     )
-    march = _March.begin(scene, grid, padding, instants[0], speed, tolerance)
-    contacts, steps, worst, iterations, linear_iterations = [], 0, 0.0, 0, 0
+    march = _March.begin(scene, grid, padding, instants[0], tolerance)
+    recorded, contacts = [instants[0]], [march.contact()]
+    steps, worst, iterations, linear_iterations = 0, 0.0, 0, 0
     first = march.posed.equation.cell[0] * march.unit
     length = step or FIRST * first
-    for target in instants:
+    for target in instants[1:]:
         while march.time < target - 1e-9 * first:
             remaining = target - march.time
             # no sliver of a step before an instant
@@ -163,17 +167,42 @@ def evolve_lubricated(
             length = step or max(grown, length if trial < length else 0.0)
             if failed:
                 break
+            if times is None and march.time < target - 1e-9 * first:
+                recorded.append(march.time)
+                contacts.append(march.contact())
+        recorded.append(target)
         contacts.append(march.contact())
         if contacts[-1].status is FilmStatus.NOT_CONVERGED:
             break
     return FilmEvolution(
-        tuple(instants[: len(contacts)]),
+        tuple(recorded),
         tuple(contacts),
         steps,
         iterations,
         linear_iterations,
         worst,
     )
+
+
+def _instants(scene: Scene, times: ArrayLike | None) -> list[float]:
+    """Return the instants to record, or the first and the last time of the histories of a scene."""
+    if times is not None:
+        entries = np.asarray(times).ravel().tolist()
+        instants = [finite("evolve_lubricated.times", time, "give times in s") for time in entries]
+        if len(instants) < 2 or sorted(set(instants)) != instants:
+            raise InvalidInput(
+                f"evolve_lubricated.times is {times!r}: give two or more, ascending."
+            )
+        return instants
+    speed = lubricated_scales(scene).lubrication.mean_speed
+    histories = [
+        one for one in (scene.load, speed) if isinstance(one, ChangingLoad | ChangingSpeed)
+    ]
+    if not histories:
+        raise InvalidInput(
+            "evolve_lubricated.times is None, and neither the load nor the speed has an end: give times [s]."
+        )
+    return [min(one.start for one in histories), max(one.end for one in histories)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,8 +214,6 @@ class _March:
     padding: Padding | Paddings
     posed: PosedFilm
     solver: StepSolver
-    speed: Callable[[float], float]
-    start: float
     unit: float
     tolerance: float
     distance: float
@@ -200,23 +227,26 @@ class _March:
         grid: Grid,
         padding: Padding | Paddings,
         start: float,
-        speed: Callable[[float], float] | None,
         tolerance: float,
     ) -> "_March":
         """Return a march that begins with the steady film at the first time."""
-        largest = replace(scene, load=LineLoad(scene.load.largest))
+        changing = isinstance(scene.load, ChangingLoad)
+        largest = replace(scene, load=LineLoad(scene.load.largest)) if changing else scene
         posed = pose(largest, grid, padding)
-        mean = posed.scales.lubrication.mean_speed
-        unit = posed.scales.hertz.half_width / mean
+        unit = posed.scales.hertz.half_width / posed.scales.lubrication.largest_speed
         march = cls(
-            scene, grid, padding, posed, step_solver(posed), speed or (lambda _: mean), start, unit,
-            tolerance, 0.0, (), posed,
-        )  # fmt: skip
+            scene, grid, padding, posed, step_solver(posed), unit, tolerance, 0.0, (), posed
+        )
         now = march._posed_at(start, 0.0)
-        if now.equation.speed <= 0:
-            raise InvalidInput(
-                "evolve_lubricated.speed is 0 m/s at the first time, when no film is steady: give one above."
-            )
+        for name, value in (
+            ("load", now.equation.load),
+            ("lubrication.mean_speed", now.equation.speed),
+        ):
+            if value <= 0:
+                raise InvalidInput(
+                    f"Scene.{name} is 0 at the first time, {start:g} s, when no film is steady: give a value above 0, "
+                    "or a later first time."
+                )
         last = continued(now, FilmControls(tolerance=tolerance))
         instant = _Instant(start / unit, last.film, now.equation.content(last.film), last)
         return replace(march, past=(instant,), now=now)
@@ -234,10 +264,9 @@ class _March:
     def stepped(self, length: float) -> tuple["_March", float]:
         """Return the march after a step [s], and the error of that step."""
         end = self.time + length
-        middle = self.speed(self.time + length / 2)
-        distance = (
-            self.distance + length * (self.speed(self.time) + 4 * middle + self.speed(end)) / 6
-        )
+        speed = self.posed.scales.lubrication.speed_at
+        middle = speed(self.time + length / 2)
+        distance = self.distance + length * (speed(self.time) + 4 * middle + speed(end)) / 6
         now = self._posed_at(end, distance)
         equation, step = now.equation, length / self.unit
         expected = self._expected(now, end / self.unit)
@@ -279,7 +308,7 @@ class _March:
         equation = replace(
             posed.equation,
             load=self.posed.equation.load * carried / load.largest,
-            speed=self.speed(time) / scales.lubrication.mean_speed,
+            speed=scales.lubrication.speed_at(time) / scales.lubrication.largest_speed,
         )
         return replace(posed, equation=equation)
 

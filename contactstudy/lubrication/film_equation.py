@@ -9,8 +9,9 @@ face between two neighbours across flows ``q = -rho C phi (P1 - P0) / (lambda dX
 - ``W``, the content drawn along by the surfaces, of second order and never negative: with ``r`` the content of the cell
   upstream over the cell's own, ``W = m r^(-1/2)`` where the film falls (r >= 1), else ``m (3 - r) / 2``.
 
-The balance is that of Elrod & Adams (1974): as much lubricant leaves each cell as enters it, cavitated or not. One
-row of cells (ny = 1) is plane strain.
+The balance is that of Elrod & Adams (1974): as much lubricant leaves each cell as enters it, cavitated or not. With
+plain cavitation the film is full where the pressure is zero, and lubricant may appear in such a cell: as much of it,
+per area, stands in place of the void fraction. One row of cells (ny = 1) is plane strain.
 """
 
 from collections.abc import Callable, Mapping
@@ -22,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactstudy.domain.fields import Array
+from contactstudy.scene.lubrication import Cavitation, ElrodAdams
 
 # Below this half difference of logarithms the mean of two fluidities is a series.
 SERIES = 1e-3
@@ -122,8 +124,9 @@ class FilmEquation:
 
     ``gap`` (x, y) is undeformed, ``deflection`` maps a pressure (x, y) to a displacement, ``cell`` is the size of a
     cell, ``resistance`` lambda = 12 eta0 u_m R^2 / (a^3 p_H), ``load`` the mean over y of the sum of P dX.
-    ``speed`` is the mean speed over that in lambda. ``log_viscosity`` and ``density`` return a ratio to the value at
-    zero pressure and its derivative. The first two cells across and the last have no pressure: the inlet is flooded.
+    ``speed`` is the mean speed over that in lambda, ``cavitation`` a value of the scene. ``log_viscosity`` and
+    ``density`` return a ratio to the value at zero pressure and its derivative. The first two cells across and the
+    last have no pressure: the inlet is flooded.
     """
 
     gap: Array
@@ -134,6 +137,12 @@ class FilmEquation:
     log_viscosity: Callable[[Array], tuple[Array, Array]]
     density: Callable[[Array], tuple[Array, Array]]
     speed: float = 1.0
+    cavitation: Cavitation = ElrodAdams()  # noqa: RUF009 (a frozen value)
+
+    @property
+    def conserves(self) -> bool:
+        """True if the balance of cavitated cells is closed."""
+        return isinstance(self.cavitation, ElrodAdams)
 
     @cached_property
     def fixed(self) -> Mask:
@@ -149,7 +158,11 @@ class FilmEquation:
 
     def content(self, film: Film) -> Array:
         """Return the content of each cell, ``(1 - theta) rho H``."""
-        return np.asarray((1 - film.void) * self.density(film.pressure)[0] * film.film)
+        return np.asarray(self.filled(film) * self.density(film.pressure)[0] * film.film)
+
+    def filled(self, film: Film) -> Array:
+        """Return the share of the film that holds lubricant."""
+        return 1 - film.void if self.conserves else np.ones_like(film.void)
 
     def load_missing(self, film: Film) -> float:
         """Return the load less what the pressure carries."""
@@ -163,9 +176,10 @@ class FilmEquation:
         cells = _FaceSide(
             film.pressure, -log_viscosity, -log_slope, density, density_slope, film.film
         )
-        filled = 1 - film.void
+        filled = self.filled(film)
         content = filled * density * film.film
-        slopes = (filled * density_slope * film.film, filled * density, -density * film.film)
+        by_void = -density * film.film if self.conserves else np.zeros_like(content)
+        slopes = (filled * density_slope * film.film, filled * density, by_void)
         dx, dy = self.cell
         across = _conducted(
             cells.rows(slice(None, -1)), cells.rows(slice(1, None)), 1 / (self.resistance * dx)
@@ -209,6 +223,9 @@ class FilmEquation:
             for bands, slope in zip((pressure, height, void), slopes, strict=True):
                 term = coefficient * neighbour(slope, offset)
                 bands[offset] = bands[offset] + term if offset in bands else term
+        if not self.conserves:
+            residual -= dx * film.void
+            void[0, 0] = void[0, 0] - dx
         free = ~self.fixed
         pressure, height, void = (
             {offset: band * free for offset, band in bands.items()}

@@ -43,7 +43,7 @@ class FilmStatus(Enum):
 
 @dataclass(frozen=True)
 class FilmScales:
-    """Hertz's units of a lubricated contact, and the parameters of Moes (1992)."""
+    """Hertz's units of a lubricated contact and the parameters of Moes (1992), at the largest load and speed."""
 
     hertz: HertzLine
     lubrication: Lubrication
@@ -57,7 +57,7 @@ class FilmScales:
     def resistance(self) -> float:
         """``lambda = 12 eta0 u_m R^2 / (a^3 p_H)``."""
         hertz, motion = self.hertz, self.lubrication
-        viscous = 12 * motion.lubricant.viscosity * motion.mean_speed * hertz.radius**2
+        viscous = 12 * motion.lubricant.viscosity * motion.largest_speed * hertz.radius**2
         return viscous / (hertz.half_width**3 * hertz.peak_pressure)
 
     @property
@@ -116,10 +116,11 @@ class LubricatedContact:
 
     The film fraction is the share of the film that holds lubricant: one under pressure, less where the lubricant is
     torn into streamers. ``shear`` [Pa] is the stress in the middle of the film, positive where it drags the first
-    body back. ``residual`` is the larger of the flow that is not balanced over the flow along x, and the load that is
-    missing over the load of Hertz's peak pressure on one half-width. ``flow`` [m^2/s] is the lubricant that passes per
-    length, at the density of zero pressure, and ``flux_spread`` its range over x over its mean. ``linear_iterations``
-    counts those of all linear systems. ``error`` is None unless an error was asked for.
+    body back; ``mean_speed`` [m/s] is that of the instant. ``residual`` is the larger of the flow that is not balanced
+    over the flow along x, and the load that is missing over the load of Hertz's peak pressure on one half-width.
+    ``flow`` [m^2/s] is the lubricant that passes per length, at the density of zero pressure, and ``flux_spread`` its
+    range over x, with plain cavitation up to the end of the pressure, over its mean. ``linear_iterations`` counts those
+    of all linear systems. ``error`` is None unless an error was asked for.
     """
 
     scene: Scene
@@ -130,6 +131,7 @@ class LubricatedContact:
     film: Array
     film_fraction: Array
     shear: Array
+    mean_speed: float
     separation: float
     status: FilmStatus
     iterations: int
@@ -167,6 +169,16 @@ class LubricatedContact:
         return float(self.pressure.max())
 
     @property
+    def load_per_length(self) -> float:
+        """Load that the pressure carries, mean over the length [N/m]."""
+        return float(self.pressure.sum() * self.grid.cell[0] / self.grid.cells[1])
+
+    @property
+    def sliding_speed(self) -> float:
+        """Speed of the first surface less that of the second [m/s]."""
+        return self.mean_speed * self.scales.lubrication.slide_roll_ratio
+
+    @property
     def friction(self) -> float:
         """Friction force over load, negative where the second body is the faster one."""
         return float(self.shear.sum() / self.pressure.sum())
@@ -177,13 +189,13 @@ class LubricatedContact:
 
         All at one temperature: heating, and with it the flash temperature, is not modelled.
         """
-        motion, oil = self.scales.lubrication, self.scales.lubrication.lubricant
+        oil = self.scales.lubrication.lubricant
         dx, dy = self.grid.cell
         across = np.gradient(self.pressure, dx, axis=0)
         along = (np.roll(self.pressure, -1, 1) - np.roll(self.pressure, 1, 1)) / (2 * dy)
         log_viscosity, _ = oil.viscosity_law.log_ratio(self.pressure, oil.pressure_viscosity)
         fluidity = self.film**3 / (12 * oil.viscosity) * np.exp(-log_viscosity)
-        density = self.shear * motion.sliding_speed + fluidity * (across**2 + along**2)
+        density = self.shear * self.sliding_speed + fluidity * (across**2 + along**2)
         return float(density.sum() * dx / self.grid.cells[1])
 
     def thinner_than(self, film: float) -> tuple[float, float]:
@@ -229,7 +241,9 @@ def rise_beside_lowest(film: Array) -> float:
     return float(beside.max() / film[row, column] - 1)
 
 
-def shear_stress(scales: FilmScales, pressure: Array, film: Array, film_fraction: Array) -> Array:
+def shear_stress(
+    scales: FilmScales, mean_speed: float, pressure: Array, film: Array, film_fraction: Array
+) -> Array:
     """Return the shear stress [Pa] of sliding in the middle of the film, by the shear law of the lubricant.
 
     Only the share of the film that holds lubricant is sheared.
@@ -238,5 +252,6 @@ def shear_stress(scales: FilmScales, pressure: Array, film: Array, film_fraction
     oil = motion.lubricant
     log_viscosity, _ = oil.viscosity_law.log_ratio(pressure, oil.pressure_viscosity)
     with np.errstate(over="ignore"):  # Barus' law knows no end
-        newtonian = oil.viscosity * np.exp(log_viscosity) * motion.sliding_speed / film
+        sliding = mean_speed * motion.slide_roll_ratio
+        newtonian = oil.viscosity * np.exp(log_viscosity) * sliding / film
     return film_fraction * oil.shear.stress(newtonian, pressure)

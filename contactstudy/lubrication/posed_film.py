@@ -18,6 +18,7 @@ from contactstudy.lubrication.lubricated_contact import FilmScales, LubricatedCo
 from contactstudy.lubrication.pseudo_time import FilmIteration
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import response
+from contactstudy.scene.load import ConstantLoad
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solve import SolveOptions
 
@@ -118,6 +119,7 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
         raise InvalidInput(
             f"Grid.cells[0] is {grid.cells[0]}, of cells wider than Hertz's half-width: give {least} at the least."
         )
+    assert isinstance(scene.load, ConstantLoad)
     problem = replace(scene, lubrication=None, outputs=()).problem(grid, paddings)
     opening = float(np.ptp(problem.undeformed_gap, axis=1).max())
     if opening > EDGE * scales.film:
@@ -150,9 +152,10 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
         deflection=deflection,
         cell=(grid.cell[0] / hertz.half_width, grid.cell[1] / hertz.half_width),
         resistance=scales.resistance,
-        load=hertz.load_per_length / (hertz.half_width * peak),
+        load=scene.load.over(grid.period) / (hertz.half_width * peak),
         log_viscosity=log_viscosity,
         density=density,
+        cavitation=scales.lubrication.cavitation,
     )
     x = grid.x[:rows] / hertz.half_width
     return PosedFilm(equation, deflection, upstream, x, scales, operator_on, problem)

@@ -186,7 +186,8 @@ def _moved(last: FilmIteration, change: FilmStep, cavitated: Mask, share: float)
     """Return the film after a ``share`` of a step, with pressures and voids in their range."""
     film, equation = last.film, last.linear.equation
     pressure = np.maximum(film.pressure + share * change.pressure, 0)
-    void = np.clip(film.void + share * change.void, 0, 1 - CONTENT_FALL * (1 - film.void))
+    most = 1 - CONTENT_FALL * (1 - film.void) if equation.conserves else inf
+    void = np.clip(film.void + share * change.void, 0, most)
     if share == 1:
         pressure[cavitated], void[~cavitated] = 0, 0
     return equation.film_of(pressure, void, film.separation + share * change.separation)

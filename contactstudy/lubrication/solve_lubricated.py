@@ -19,9 +19,7 @@ from contactstudy.lubrication.lubricated_contact import (
 from contactstudy.lubrication.posed_film import LEVELS, lubricated_scales
 from contactstudy.lubrication.pseudo_time import FilmControls
 from contactstudy.lubrication.steady_film import INLET_ERROR, SWEEP, solve_on
-from contactstudy.scene.load import ConstantLoad
 from contactstudy.scene.scene import Scene
-from contactstudy.scene.shapes.carried import Carried
 
 # Cells of half an inlet sweep give the smallest film within this error.
 HALF_SWEEP_ERROR = 0.02
@@ -116,8 +114,10 @@ def solve_lubricated(
     """
     positive("solve_lubricated.tolerance", tolerance, "give a tolerance above 0, such as 1e-8")
     whole("solve_lubricated.max_iterations", max_iterations, 0, "give a whole number from 0 on")
-    if isinstance(scene, Scene):
-        _steady(scene)
+    if isinstance(scene, Scene) and (changing := scene.changing) is not None:
+        raise InvalidInput(
+            f"{changing} changes in time, and this film is a steady one: call contactstudy.evolve."
+        )
     controls = FilmControls(tolerance=tolerance, max_iterations=max_iterations)
     if error is None and grid is not None:
         return solve_on(scene, grid, padding, controls, start)
@@ -158,16 +158,6 @@ def _with_error(
     contact = solve_on(scene, grid, padding, controls, coarse)
     long = solve_on(scene, longer, padding, controls, coarse)
     return replace(contact, error=_compared(contact, coarsest, coarse, long))
-
-
-def _steady(scene: Scene) -> None:
-    """Refuse a scene whose film changes in time."""
-    remedy = "and this film is a steady one: call contactstudy.evolve_lubricated"
-    if not isinstance(scene.load, ConstantLoad):
-        raise InvalidInput(f"Scene.load changes in time, {remedy}, or give a LineLoad.")
-    for number, shape in enumerate(scene.shapes):
-        if isinstance(shape, Carried):
-            raise InvalidInput(f"Scene.shapes[{number}] moves with a body, {remedy}.")
 
 
 def varies_along(shape: object) -> bool:

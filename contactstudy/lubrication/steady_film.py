@@ -1,7 +1,7 @@
 """Steady film on one grid: coarser grids first, higher speeds where a cold start fails, and the contact in SI units."""
 
 from dataclasses import replace
-from math import sqrt
+from math import inf, sqrt
 
 import numpy as np
 
@@ -126,10 +126,13 @@ def contact_of(
     film = separation + posed.problem.undeformed_gap + posed.problem.operator(pressure)
     # downstream of the last balance streamers carry what left it
     filled = np.zeros(grid.cells)
-    filled[: rows - 1] = 1 - last.film.void[:-1]
+    filled[: rows - 1] = equation.filled(last.film)[:-1]
     content = equation.content(last.film)[-2] * scales.film
-    filled[rows - 1 :] = np.minimum(content / film[rows - 1 :], 1)
+    filled[rows - 1 :] = np.minimum(content / film[rows - 1 :], 1) if equation.conserves else 1
     flow = last.linear.flux[2:-1].mean(axis=1)
+    if not equation.conserves:  # where the film opens for good, any flow may appear
+        flow = flow[: np.flatnonzero((last.film.pressure > 0).any(axis=1))[-1] - 1]
+    mean_speed = equation.speed * scales.lubrication.largest_speed
     return LubricatedContact(
         scene=scene,
         grid=grid,
@@ -138,14 +141,15 @@ def contact_of(
         pressure=pressure,
         film=film,
         film_fraction=filled,
-        shear=shear_stress(scales, pressure, film, filled),
+        shear=shear_stress(scales, mean_speed, pressure, film, filled),
+        mean_speed=mean_speed,
         separation=separation,
         status=_status(posed, last, tolerance),
         iterations=last.iterations,
         linear_iterations=last.linear_iterations,
         residual=last.residual,
-        flow=float(flow.mean()) * scales.film * scales.lubrication.mean_speed,
-        flux_spread=float(np.ptp(flow) / flow.mean()),
+        flow=float(flow.mean()) * scales.film * scales.lubrication.largest_speed,
+        flux_spread=float(np.ptp(flow) / abs(flow.mean())) if flow.any() else inf,
     )
 
 

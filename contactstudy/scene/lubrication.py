@@ -21,6 +21,7 @@ from contactstudy.domain.units import (
     Pascals,
     PascalSeconds,
     PressureViscosity,
+    Seconds,
 )
 from contactstudy.scene.bodies import BodyContext
 
@@ -238,6 +239,123 @@ class LimitingShear:
 
 @answers_typos
 @dataclass(frozen=True)
+class ElrodAdams:
+    """Cavitation that conserves mass: where the pressure is zero, lubricant fills a share of the film.
+
+    Source: Jakobsson & Floberg (1957), Elrod & Adams (1974).
+    """
+
+
+@answers_typos
+@dataclass(frozen=True)
+class ReynoldsCavitation:
+    """Cavitation that only forbids negative pressures: the film counts as full where the pressure is zero.
+
+    Lubricant appears wherever such a film opens and is lost nowhere, so that the flow is not the same through every
+    section. It differs from :class:`ElrodAdams` where the film forms again, as behind waves. Source: Swift (1932),
+    Stieber (1933).
+    """
+
+
+Cavitation = ElrodAdams | ReynoldsCavitation
+
+
+@runtime_checkable
+class ChangingSpeed(Protocol):
+    """Mean speed [m/s] as a function of time [s]."""
+
+    @property
+    def largest(self) -> float:
+        """Largest speed [m/s], above zero."""
+        ...
+
+    @property
+    def start(self) -> float:
+        """First time [s] that the speed describes."""
+        ...
+
+    @property
+    def end(self) -> float:
+        """Last time [s] that the speed describes."""
+        ...
+
+    def at(self, time: float) -> float:
+        """Return the speed [m/s] at ``time`` [s]."""
+        ...
+
+
+@answers_typos
+@dataclass(frozen=True)
+class SpeedHistory:
+    """Mean speed given at instants, linear between them, and held before the first and after the last.
+
+    Parameters
+    ----------
+    times
+        Instants [s], ascending.
+    mean_speed
+        Speed [m/s] at each instant, from zero on; above zero at the first, where the film is steady.
+
+    Raises
+    ------
+    InvalidInput
+        For other values.
+    """
+
+    times: tuple[Seconds, ...]
+    mean_speed: tuple[MetresPerSecond, ...]
+
+    def __post_init__(self) -> None:
+        for name in ("times", "mean_speed"):
+            values = getattr(self, name)
+            if not isinstance(values, tuple | list) or len(values) < 2:
+                raise InvalidInput(
+                    f"SpeedHistory.{name} is {values!r}: give a tuple of two or more numbers, one for each instant."
+                )
+        times = tuple(
+            finite(f"SpeedHistory.times[{number}]", time, "give a time [s]")
+            for number, time in enumerate(self.times)
+        )
+        speeds = tuple(
+            in_range_from_zero(
+                f"SpeedHistory.mean_speed[{number}]", speed, "give a speed from 0 m/s on"
+            )
+            for number, speed in enumerate(self.mean_speed)
+        )
+        if len(times) != len(speeds):
+            raise InvalidInput(
+                f"SpeedHistory.mean_speed has {len(speeds)} speeds for {len(times)} times: give one for each."
+            )
+        if sorted(set(times)) != list(times):
+            raise InvalidInput(f"SpeedHistory.times is {self.times!r}: give ascending times.")
+        if speeds[0] == 0:
+            raise InvalidInput(
+                "SpeedHistory.mean_speed[0] is 0 m/s, where no film is steady: give a speed above it."
+            )
+        set_fields(self, times=times, mean_speed=speeds)
+
+    @property
+    def largest(self) -> float:
+        """Largest speed [m/s]."""
+        return max(self.mean_speed)
+
+    @property
+    def start(self) -> float:
+        """First instant [s]."""
+        return self.times[0]
+
+    @property
+    def end(self) -> float:
+        """Last instant [s]."""
+        return self.times[-1]
+
+    def at(self, time: float) -> float:
+        """Return the speed [m/s] at ``time`` [s]."""
+        return float(np.interp(time, self.times, self.mean_speed))
+
+
+@answers_typos
+@dataclass(frozen=True)
 class Lubricant:
     """Lubricant at one temperature.
 
@@ -296,9 +414,11 @@ class Lubrication:
     lubricant
         The lubricant, which enters from the side of smaller x.
     mean_speed
-        u_m [m/s], the mean of both surface speeds, above 0.
+        u_m [m/s], the mean of both surface speeds, above 0; or a :class:`SpeedHistory`.
     slide_roll_ratio
         Difference of the surface speeds, first body less second, over their mean.
+    cavitation
+        :class:`ElrodAdams`, which conserves mass, or :class:`ReynoldsCavitation`, to compare with.
 
     Raises
     ------
@@ -307,8 +427,9 @@ class Lubrication:
     """
 
     lubricant: Lubricant
-    mean_speed: MetresPerSecond
+    mean_speed: MetresPerSecond | ChangingSpeed
     slide_roll_ratio: Number = 0.0
+    cavitation: Cavitation = ElrodAdams()
 
     def __post_init__(self) -> None:
         if not isinstance(self.lubricant, Lubricant):
@@ -316,11 +437,17 @@ class Lubrication:
                 f"Lubrication.lubricant is {self.lubricant!r}: give a Lubricant(viscosity=..., "
                 "pressure_viscosity=...)."
             )
-        remedy = "give a speed above 0 m/s; the dry contact is contactstudy.solve's"
-        speed = in_range("Lubrication.mean_speed", self.mean_speed, remedy)
+        speed = self.mean_speed
+        if not isinstance(speed, ChangingSpeed):
+            remedy = "give a speed above 0 m/s, or a SpeedHistory; the dry contact is contactstudy.solve's"
+            speed = in_range("Lubrication.mean_speed", speed, remedy)
         remedy = "give the sliding speed over the mean speed, such as 0.1"
         ratio = finite("Lubrication.slide_roll_ratio", self.slide_roll_ratio, remedy)
         set_fields(self, mean_speed=speed, slide_roll_ratio=ratio)
+        if not isinstance(self.cavitation, Cavitation):
+            raise InvalidInput(
+                f"Lubrication.cavitation is {self.cavitation!r}: give ElrodAdams() or ReynoldsCavitation()."
+            )
 
     def check(self, scene: "Flooded") -> None:
         """Raise :class:`~contactstudy.InvalidInput` for a scene with an effect that is not known with a film."""
@@ -356,6 +483,12 @@ class Lubrication:
                 )
 
     @property
-    def sliding_speed(self) -> float:
-        """Speed of the first surface less that of the second [m/s]."""
-        return self.mean_speed * self.slide_roll_ratio
+    def largest_speed(self) -> float:
+        """Largest mean speed [m/s]."""
+        speed = self.mean_speed
+        return speed.largest if isinstance(speed, ChangingSpeed) else speed
+
+    def speed_at(self, time: float) -> float:
+        """Return the mean speed [m/s] at ``time`` [s]."""
+        speed = self.mean_speed
+        return speed.at(time) if isinstance(speed, ChangingSpeed) else speed

@@ -337,7 +337,12 @@ class Scene:
         for number, solid in enumerate(self.solids):
             if getattr(solid, "creeps", False) or getattr(solid, "yields", False):
                 return f"Scene.solids[{number}]"
-        return None
+        if self.lubrication is None:
+            return None
+        if not isinstance(self.lubrication.mean_speed, float):
+            return "Scene.lubrication.mean_speed"
+        carried = [hasattr(shape, "gap_after") for shape in self.shapes]
+        return f"Scene.shapes[{carried.index(True)}]" if any(carried) else None
 
     def _open_ends(self, gap: Array, grid: Grid, along: Padding) -> tuple[int, ...]:
         """Return the end rows of a free length along which the surface varies and no roller ends."""

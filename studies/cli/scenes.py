@@ -100,7 +100,7 @@ def solve(
 
     The exit code is 0 if the solution converged, else 1; the result is written in both cases.
     """
-    from studies.cli.solving import flooded, marched, rolled, still
+    from studies.cli.solving import flooded, flooded_march, marched, rolled, still
     from studies.store.netcdf import check_kind, open_folder
 
     on = _device(device, threads)
@@ -120,7 +120,7 @@ def solve(
     planned = _announced(scene, described, on)
     begin = perf_counter()
     if flows:
-        outcome = flooded(described, planned)
+        outcome = (flooded_march if changes else flooded)(described, planned)
     elif rolls:
         outcome = rolled(described, planned)
     elif changes:

@@ -194,6 +194,41 @@ def pressure_in(path: Path) -> Array:
     return np.asarray(dataset["pressure"].values, dtype=np.float64)
 
 
+@contextmanager
+def _time_bar() -> Iterator[Callable[[float, float], None]]:
+    """Show a bar over time in a terminal, and give what moves it."""
+    with tqdm(total=1.0, unit="", desc="time", bar_format=TIME_BAR, disable=None) as bar:
+
+        def show(time: float, end: float) -> None:
+            bar.total = end
+            bar.n = time
+            bar.refresh()
+
+        yield show
+
+
+def flooded_march(described: cs.SceneFile, planned: cs.Plan | None) -> SceneOutcome:
+    """March through a lubricated scene that changes in time."""
+    from contactstudy.io.pictures.evolution import film_evolution_picture
+    from contactstudy.io.summary import film_march_quantities
+
+    with _time_bar() as show:
+        evolution = described.evolve(planned, progress=show)
+    assert isinstance(evolution, cs.FilmEvolution)
+    dataset = evolution.to_dataset()
+    nx, ny = evolution.contacts[0].grid.cells
+    notes = [
+        f"{nx} x {ny} cells, {len(evolution.times)} instants, {evolution.steps} steps, {evolution.iterations} iterations"
+    ]
+    return SceneOutcome(
+        evolution.status,
+        film_march_quantities(evolution),
+        notes,
+        dataset,
+        lambda: film_evolution_picture(dataset),
+    )
+
+
 def marched(
     described: cs.SceneFile, planned: cs.Plan | None, scene: Path, folder: Path
 ) -> SceneOutcome:
@@ -205,13 +240,7 @@ def marched(
     from contactstudy.io.summary import march_quantities
 
     march = folder / f"{scene.stem}.march"
-    with tqdm(total=1.0, unit="", desc="time", bar_format=TIME_BAR, disable=None) as bar:
-
-        def show(time: float, end: float) -> None:
-            bar.total = end
-            bar.n = time
-            bar.refresh()
-
+    with _time_bar() as show:
         evolution = described.evolve(planned, folder=march, progress=show)
     dataset = evolution.to_dataset()
     summary = evolution.summary().splitlines()[1:]

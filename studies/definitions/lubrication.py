@@ -75,7 +75,7 @@ def measures(case: FilmCase, solved: SolvedFilm) -> Mapping[str, xr.Variable]:
     load = scales.load_parameter
     units = 8 * load / pi / scales.film
     moes = moes_film(load, scales.viscosity_parameter)
-    flat = contact.flow / scales.lubrication.mean_speed
+    flat = contact.flow / contact.mean_speed
     thin_area, thin_load = contact.thinner_than(moes / units / 2)
     converged = contact.status is not cs.FilmStatus.NOT_CONVERGED
     resolved = contact.status is cs.FilmStatus.CONVERGED

@@ -40,11 +40,8 @@ class FilmCase(Case):
     def record(self, result: SolvedFilm) -> Mapping[str, xr.Variable]:  # type: ignore[override]
         """Return the numbers of the iteration, and its status as CF flags."""
         contact = result.contact
-        names = [status.name for status in cs.FilmStatus]
-        place = np.asarray(names.index(contact.status.name))
-        meanings = [name.lower() for name in names]
         return {
-            "solver_status": flags((), place, meanings, "how the solver ended"),
+            "solver_status": film_status(contact.status),
             "iterations": number(contact.iterations, "steps of the finest grid"),
             "linear_iterations": number(
                 contact.linear_iterations, "iterations of linear systems on the finest grid"
@@ -57,6 +54,13 @@ class FilmCase(Case):
         dataset = result.contact.to_dataset()
         shown = "x", "y", "pressure", "film", "film_fraction"
         return {name: dataset[name].variable for name in shown}
+
+
+def film_status(status: cs.FilmStatus) -> xr.Variable:
+    """Return the status of a film as a CF flag."""
+    statuses = list(cs.FilmStatus)
+    meanings = [member.name.lower() for member in statuses]
+    return flags((), np.asarray(statuses.index(status)), meanings, "how the solver ended")
 
 
 def film_measures(case: FilmCase, solved: SolvedFilm) -> Mapping[str, xr.Variable]:

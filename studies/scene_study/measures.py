@@ -8,7 +8,12 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.domain.fields import Array, inner
 from contactstudy.io.dataset import labelled
-from contactstudy.io.summary import Quantity, march_quantities, rolling_quantities
+from contactstudy.io.summary import (
+    Quantity,
+    film_march_quantities,
+    march_quantities,
+    rolling_quantities,
+)
 from contactstudy.scene.load import ConstantLoad
 from studies.model.case import error_estimates, number
 from studies.scene_study.scene_case import MarchedScene, RolledScene, SceneCase, Solved
@@ -66,9 +71,12 @@ def normal_stiffness(solution: cs.Solution) -> float:
 
 
 def measures(
-    case: SceneCase | RolledScene | MarchedScene, result: Solved | cs.SteadyRolling | cs.Evolution
+    case: SceneCase | RolledScene | MarchedScene,
+    result: Solved | cs.SteadyRolling | cs.Evolution | cs.FilmEvolution,
 ) -> Mapping[str, xr.Variable]:
     """Return the numbers of a contact: of a solution, of steady rolling, or of a march in time."""
+    if isinstance(result, cs.FilmEvolution):
+        return _of_quantities(film_march_quantities(result))
     if isinstance(result, cs.Evolution):
         return _of_quantities(march_quantities(result))
     if isinstance(result, cs.SteadyRolling):

@@ -13,7 +13,8 @@ import contactstudy as cs
 from contactstudy.domain.fields import Array
 from contactstudy.io.scene_file import TimeSteps
 from contactstudy.scene.scene import under_load
-from studies.model.case import Case, EvolutionCase
+from studies.model.case import Case, EvolutionCase, number
+from studies.model.film_case import film_status
 
 # Share of the pressure that would close a cell's gap alone, which is subtracted for the gap when pressures are
 # extrapolated, so that cells about to touch are included. From 0.05 to 0.5 the iterations differ by 2 %.
@@ -149,6 +150,20 @@ class MarchedScene:
     def fields(self, result: cs.Evolution) -> Mapping[str, xr.Variable]:
         """Return the fields over time and grid."""
         return _fields(result.to_dataset())
+
+
+@dataclass(frozen=True)
+class MarchedFilm(MarchedScene):
+    """A lubricated scene that changes in time, as a computation of a sweep."""
+
+    def record(self, result: cs.FilmEvolution) -> Mapping[str, xr.Variable]:  # type: ignore[override]
+        """Return the numbers of the iteration over all steps, and the gravest status."""
+        return {
+            "solver_status": film_status(result.status),
+            "iterations": number(result.iterations, "steps of Newton's method"),
+            "linear_iterations": number(result.linear_iterations, "iterations of linear systems"),
+            "steps": number(result.steps, "steps in time"),
+        }
 
 
 def _fields(dataset: xr.Dataset) -> Mapping[str, xr.Variable]:

@@ -23,7 +23,7 @@ from studies.model.film_case import FilmCase, film_measures
 from studies.model.study import Point, Study
 from studies.scene_study.fields import document_of
 from studies.scene_study.measures import measures
-from studies.scene_study.scene_case import MarchedScene, RolledScene, SceneCase
+from studies.scene_study.scene_case import MarchedFilm, MarchedScene, RolledScene, SceneCase
 from studies.scene_study.variation import Variation, together, variation
 
 
@@ -350,6 +350,8 @@ def _case(placed: Posed, file: SceneFile) -> Computation:
     """Return the computation of a scene: a film, a contact that rolls or changes in time, or a single solve."""
     contact = placed.scene, placed.grid, placed.padding
     if placed.scene.lubrication is not None:
+        if placed.scene.changing is not None:
+            return MarchedFilm(*contact, file.settings, file.time_steps)
         return FilmCase(*contact, file.settings)
     if placed.scene.rolling is not None:
         return RolledScene(*contact, file.settings)

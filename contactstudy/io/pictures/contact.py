@@ -14,6 +14,7 @@ from contactstudy.io.pictures.figure import LAW_STYLE, SETTINGS, add_legend, pan
 
 # Lengths are drawn in the unit in which the numbers on the axes are shortest.
 LENGTHS = ((1e-6, "µm"), (1e-3, "mm"), (1.0, "m"))
+FILMS = ((1e-9, "nm"), *LENGTHS)
 PRESSURES = ((1e3, "kPa"), (1e6, "MPa"), (1e9, "GPa"))
 WARNING_WIDTH = 70  # letters over one panel
 PRESSURE: dict[str, Any] = {"color": "#0072B2"}
@@ -95,7 +96,7 @@ def _across(ax: Axes, solved: xr.Dataset) -> None:
 def _gap(ax: Axes, solved: xr.Dataset) -> None:
     width, metres = scaled(solved["x"], LENGTHS)
     middle = solved.isel(y=solved.sizes["y"] // 2)
-    size, height = scaled(middle["gap"], ((1e-9, "nm"), *LENGTHS))
+    size, height = scaled(middle["gap"], FILMS)
     ax.plot(solved["x"] / width, middle["gap"] / size, **GAP)
     ax.set(xlabel=f"across [{metres}]", ylabel=f"gap [{height}]", title="gap in the middle")
 
@@ -160,7 +161,7 @@ def film_picture(contact: xr.Dataset) -> Figure:
         _across(axes[0], contact)
         middle = contact["film"].isel(y=contact.sizes["y"] // 2)
         width, metres = scaled(contact["x"], LENGTHS)
-        size, height = scaled(middle, ((1e-9, "nm"), *LENGTHS))
+        size, height = scaled(middle, FILMS)
         axes[1].semilogy(contact["x"] / width, middle / size, **GAP)
         axes[1].set(
             xlabel=f"across [{metres}]", ylabel=f"film [{height}]", title="film in the middle"

@@ -9,11 +9,13 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from contactstudy.io.pictures.contact import LENGTHS, PRESSURES, scaled
+from contactstudy.io.pictures.contact import FILMS, LENGTHS, PRESSURES, scaled
 from contactstudy.io.pictures.figure import SETTINGS, panels
 
 # Profiles are drawn of so many instants.
 PROFILES = 6
+# A film is drawn up to so many of Hertz's half-widths from the axis.
+FILM_WIDTH = 1.5
 
 
 def evolution_picture(evolved: xr.Dataset) -> Figure:
@@ -29,6 +31,34 @@ def evolution_picture(evolved: xr.Dataset) -> Figure:
         figure, axes = panels(len(drawn), columns=2, width=4.6, height=3.4)
         for draw, ax in zip(drawn, axes, strict=True):
             draw(ax, evolved)
+    return figure
+
+
+def film_evolution_picture(evolved: xr.Dataset) -> Figure:
+    """Draw a march of a film: profiles of pressure and film, the film over time and width, and numbers against time."""
+    with mpl.rc_context(SETTINGS):
+        figure, axes = panels(4, columns=2, width=4.6, height=3.4)
+        reach = FILM_WIDTH * float(evolved["hertz_half_width"][0])
+        inside = evolved.sel(x=slice(-reach, reach))
+        film = scaled(inside["film"].mean(), FILMS)
+        _profiles(axes[0], inside)
+        _lines(axes[1], inside, "film", film)
+        axes[1].set_yscale("log")
+        middle = inside["film"].isel(y=inside.sizes["y"] // 2)
+        length, metres = scaled(inside["x"], LENGTHS)
+        mesh = axes[2].pcolormesh(
+            inside["time"], inside["x"] / length, middle.T / film[0],
+            cmap="viridis", shading="nearest", norm="log", rasterized=True,
+        )  # fmt: skip
+        axes[2].set(
+            xlabel="time [s]", ylabel=f"across [{metres}]", title=f"film in the middle [{film[1]}]"
+        )
+        figure.colorbar(mesh, ax=axes[2])
+        for name, color in (("central_film", "#0072B2"), ("minimum_film", "#D55E00")):
+            label = evolved[name].attrs["long_name"]
+            axes[3].plot(evolved["time"], evolved[name] / film[0], color=color, label=label)
+        axes[3].set(xlabel="time [s]", ylabel=f"film [{film[1]}]")
+        axes[3].legend()
     return figure
 
 

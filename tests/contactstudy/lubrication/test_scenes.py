@@ -84,7 +84,8 @@ def test_a_scene_without_a_lubricant_imports_nothing_of_it() -> None:
 
 
 def test_sliding_speed_is_the_ratio_times_the_mean_speed() -> None:
-    assert cs.Lubrication(OIL, 2.0, 0.1).sliding_speed == pytest.approx(0.2)
+    contact = cs.solve_lubricated(by_moes(20, 5), grid(64, 4.5))
+    assert contact.sliding_speed == pytest.approx(0.1 * contact.mean_speed)
 
 
 def test_limiting_shear_bounds_the_stress_by_a_share_of_the_pressure() -> None:

@@ -5,7 +5,7 @@ from math import inf
 
 import numpy as np
 
-from contactstudy.accuracy.coarser import Change, change, coarse_solution
+from contactstudy.accuracy.coarser import Change, change, coarse_solution, halved
 from contactstudy.accuracy.discretisation import contact_area, discretisation
 from contactstudy.accuracy.expected_error import ErrorParts
 from contactstudy.accuracy.plausibility import implausible
@@ -34,9 +34,9 @@ CHANGE, AREA_CHANGE, HIDDEN, LARGEST = 1.4, 1.25, 0.5, 2.0
 UNBOUNDED, RISE, FALL = 0.2, 2.5, 1.5
 # Share of the peak pressure that a corner adds at each halving of the cells, from which it counts as sharp.
 SHARP = 0.01
-# Error of the mean gap: over the L1 error of the pressure by smooth edges and by images left out, and over the change of
-# the mean gap from cells of twice the size.
-GAP_EDGES, GAP_IMAGES, GAP_CHANGE = 0.5, 8.0, 3.0
+# Error of the mean gap: of a smooth contact, over the L1 error of the pressure times the depth that is flattened; else
+# over the L1 error by the edges and the change from cells of twice the size; and over the L1 error by images left out.
+GAP_DEPTH, GAP_EDGES, GAP_CHANGE, GAP_IMAGES = 0.15, 0.3, 3.0, 8.0
 # The least cells across a spot for which the law of a smooth edge holds.
 FEW = 5
 # Pressure at a roller's end over the peak pressure, from which that end may have the peak.
@@ -206,7 +206,7 @@ def _cells(solution: Solution, coarse: Solution | None, confidence: float) -> _C
     if regular and inside.uncertain <= SMOOTH * l1 and inside.corner <= SHARP:
         peak *= 1 + PEAK_RESOLVED * inside.uncertain / l1 if l1 else 1.0
         peak += inside.rise + inside.kink
-        return _with_area_warning(_Cells(peak, l1, area, GAP_EDGES * l1))
+        return _with_area_warning(_Cells(peak, l1, area, _smooth_gap_error(solution, l1)))
     coarse = coarse or coarse_solution(problem)
     if coarse is None or coarse.status in (Status.NOT_FINITE, Status.NO_ADMISSIBLE_PRESSURE):
         reason = "No bound by the cells: there is no solution on cells of twice the size to compare with."
@@ -227,11 +227,41 @@ def _cells(solution: Solution, coarse: Solution | None, confidence: float) -> _C
         max(
             area, _relative_loss(AREA_CHANGE * changes.contact_area), HIDDEN / 2 * inside.uncertain
         ),
-        max(GAP_CHANGE * changes.mean_gap, GAP_EDGES / 2 * l1),
+        max(GAP_CHANGE * changes.mean_gap, GAP_EDGES * l1, _sampling_error(solution)),
     )
     return _with_area_warning(
         _unbounded(estimate, problem, inside, changes, sharp_end=sharp_end, exact=yields or bounded)
     )
+
+
+def _smooth_gap_error(solution: Solution, l1: float) -> float:
+    """Return the relative error of the mean gap of a smooth contact whose edges have the error `l1`.
+
+    They move the approach by a share of the depth that the contact flattens.
+    """
+    touching = solution.pressure > 0
+    if not solution.mean_gap > 0 or not touching.any():
+        return l1
+    depth = float(np.ptp(solution.problem.undeformed_gap[touching]))
+    return GAP_DEPTH * l1 * depth / solution.mean_gap + _sampling_error(solution)
+
+
+def _sampling_error(solution: Solution) -> float:
+    """Return the relative error of the mean gap by heights that are sampled at the centres of cells.
+
+    On ever finer cells their mean changes no more than from cells of twice the size.
+    """
+    problem, means = solution.problem, []
+    if problem.source is None or not solution.mean_gap > 0:
+        return 0.0
+    for grid in (problem.grid, halved(problem.grid)):
+        try:
+            rows = problem.source.gap(grid).mean(axis=0)
+        except InvalidInput:
+            return 0.0
+        lengths = getattr(problem.source, "row_lengths", lambda _: None)(grid)
+        means.append(float(np.average(np.broadcast_to(rows, grid.cells[1]), weights=lengths)))
+    return abs(means[0] - means[1]) / solution.mean_gap
 
 
 def _with_area_warning(cells: _Cells) -> _Cells:

@@ -27,7 +27,7 @@ SHOWN = 0.5
 # Share of the bend of three cells between two neighbouring points from which it is a corner; a smooth surface has 1/6.
 CORNER = 0.7
 # Powers n - 1 of a height |x|^n: the one from which a bend counts as smooth, and the least one that is no corner.
-SMOOTH, FLATTEST = 0.82, 0.1
+SMOOTH, FLATTEST = 0.95, 0.1
 
 
 @dataclass(frozen=True)

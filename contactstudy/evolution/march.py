@@ -376,6 +376,13 @@ class StepSource:
         gap: Callable[[Grid], Array] = getattr(self.source, "gap_without_scales", self.source.gap)
         return gap(grid)
 
+    def row_lengths(self, grid: Grid) -> Array | None:
+        """Return the length of both bodies that each row of ``grid`` stands for, in cells; None where none ends."""
+        lengths: Callable[[Grid], Array | None] = getattr(
+            self.source, "row_lengths", lambda _: None
+        )
+        return lengths(grid)
+
     def problem(self, grid: Grid) -> Problem:
         """Return the problem of the step on ``grid``."""
         return self.step(self.source.problem(grid))

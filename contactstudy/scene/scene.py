@@ -82,6 +82,14 @@ class ShapesSource:
         unknown = (shape for shape in self.shapes if not hasattr(shape, "detail"))
         return sum((shape.gap(grid) for shape in unknown), start=grid.x[:, None] * 0)
 
+    def row_lengths(self, grid: Grid) -> Array | None:
+        """Return the length of both bodies that each row of `grid` stands for, in cells; None where none ends."""
+        rollers = [
+            shape.row_lengths(grid) for shape in self.shapes if hasattr(shape, "row_lengths")
+        ]
+        shortest = min(rollers, key=np.sum, default=None)
+        return None if shortest is None or not shortest.any() or (shortest == 1).all() else shortest
+
     def problem(self, grid: Grid) -> Problem:
         """Return the problem on `grid`."""
         return self.make(grid)
@@ -96,13 +104,6 @@ def ends_along(shapes: tuple[Shape, ...], grid: Grid) -> bool:
     """Return whether a roller ends within the period of `grid`, so that contact may reach its ends."""
     lengths = [shape.detail.roller for shape in shapes if hasattr(shape, "detail")]
     return any(0 < length <= grid.period * (1 + 1e-9) for length in lengths)
-
-
-def _row_lengths(shapes: tuple[Shape, ...], grid: Grid) -> Array | None:
-    """Return the length of the shortest roller that each row of `grid` stands for, in cells; None where none ends."""
-    rollers = [shape.row_lengths(grid) for shape in shapes if hasattr(shape, "row_lengths")]
-    shortest = min(rollers, key=np.sum, default=None)
-    return None if shortest is None or not shortest.any() or (shortest == 1).all() else shortest
 
 
 # The modulus of layered bodies and the half-width that follows from it settle to a per mille in so many steps.
@@ -307,7 +308,7 @@ class Scene:
         gap = np.zeros(grid.cells)
         for shape in self.shapes:
             gap += shape.gap(grid)
-        scales = self.scales(grid)
+        scales, source = self.scales(grid), self.source_on(grid, padding)
         return Problem(
             grid=grid,
             undeformed_gap=gap,
@@ -318,13 +319,13 @@ class Scene:
             paddings=paddings,
             open_edges=(0, -1) if _is_free(paddings[0]) else (),
             open_ends=self._open_ends(gap, grid, paddings[1]),
-            source=self.source_on(grid, padding),
+            source=source,
             outputs=tuple(output.of(self.solids, grid, paddings) for output in self.outputs),
             description=PosedScene(self, grid, padding),
             friction=None
             if self.friction is None
             else self.friction.law(self, gap, grid, paddings, scales.length),
-            row_lengths=_row_lengths(self.shapes, grid),
+            row_lengths=source.row_lengths(grid),
         )
 
     @property

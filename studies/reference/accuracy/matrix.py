@@ -235,11 +235,43 @@ def bumps() -> Iterator[AccuracyCase]:
 
 def ended() -> Iterator[AccuracyCase]:
     """Crowned rollers that end inside a cell."""
-    for cells, longer, length in ((64, 1.1, 16.4), (51, 1.1, 2.0), (45, 1.25, 8.0)):
+    for cells, longer, length in (
+        (64, 1.1, 16.4), (51, 1.1, 2.0), (45, 1.25, 8.0), (28, 1.3, 6.0), (47, 1.07, 20.0),
+    ):  # fmt: skip
         roller = cs.Crown.of_drop(3 * FLATTENED, length * A), cs.FiniteLength(length * A)
         grid = cs.Grid((40, cells), (5 * A, longer * length * A))
         truth = Finer((4, 8), (FREE, FREE))
         yield AccuracyCase("rollers", scene(*roller), grid, (FREE, FREE), truth)
+
+
+def logarithmic() -> Iterator[AccuracyCase]:
+    """Rollers whose profile drops steeply at the ends, where the mean of its heights depends on the cells."""
+    for cells, length in (((60, 64), 12.0), ((38, 24), 30.0), ((44, 58), 8.0)):
+        profile = cs.LundbergProfile.iso_16281(2 * HERTZ.radius, length * A)
+        grid = cs.Grid(cells, (6 * A, length * A))
+        roller = scene(profile, cs.FiniteLength(length * A))
+        yield AccuracyCase("rollers", roller, grid, (FREE, FREE), Finer((6, 6), (FREE, FREE)))
+
+
+def gaps() -> Iterator[AccuracyCase]:
+    """Smooth contacts with mean gaps from small to large: bare, coated and under friction."""
+    aluminium = cs.HalfSpace(70e9, 0.2)
+    for cells, width, thickness, share in (
+        (99, 2.3, 0.0, 0.0), (40, 3.3, 0.0, 0.0), (43, 3.6, 0.1, 0.02), (109, 5.0, 1.0, 0.05), (56, 2.6, 0.3, 0.8),
+    ):  # fmt: skip
+        steel = SCENE.solids[0]
+        assert isinstance(steel, cs.HalfSpace)
+        coat = cs.HalfSpace(share * steel.youngs_modulus, 0.3) if share else steel
+        body = cs.CoatedHalfSpace(coat, thickness * A, steel) if share else steel
+        smooth_scene = cs.Scene(SCENE.load, (body, steel), SCENE.shapes)
+        grid = cs.Grid((cells, 1), (width * A, A))
+        yield AccuracyCase("mean gaps", smooth_scene, grid, EXACT, Finer((16, 1), EXACT))
+    for cells, width in ((62, 3.2), (137, 4.4)):
+        slid = cs.Scene(
+            SCENE.load, (SCENE.solids[0], aluminium), SCENE.shapes, friction=cs.Sliding(0.4)
+        )
+        grid = cs.Grid((cells, 1), (width * A, A))
+        yield AccuracyCase("mean gaps", slid, grid, EXACT, Finer((16, 1), EXACT))
 
 
 def point_loads() -> Iterator[AccuracyCase]:
@@ -281,6 +313,8 @@ BUILDERS = (
     smooth.full,
     ended,
     bumps,
+    logarithmic,
+    gaps,
 )
 
 

@@ -143,7 +143,9 @@ class Power:
 
 def powers() -> Iterator[AccuracyCase]:
     """Apexes between a wedge and a cylinder, whose peak pressure is finite and reached slowly."""
-    for power, height, cells in ((1.2, 2.0, 160), (1.3, 1.0, 77), (1.5, 2.0, 56), (1.8, 3.0, 101)):
+    for power, height, cells in (
+        (1.2, 2.0, 160), (1.3, 1.0, 77), (1.5, 2.0, 56), (1.8, 3.0, 101), (1.86, 1.5, 20), (1.92, 1.0, 200),
+    ):  # fmt: skip
         apex = cs.Scene(SCENE.load, STEEL, (Power(height * FLATTENED, power, 0.013 * A),))
         grid = cs.Grid((cells, 1), (7 * A, A))
         yield AccuracyCase("steps and kinks", apex, grid, EXACT, Finer((32, 1), EXACT))

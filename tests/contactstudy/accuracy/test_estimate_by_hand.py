@@ -19,6 +19,8 @@ from tests.conftest import STEEL, LineContact
 
 # By smooth edges: of the peak pressure, in L1, of the area; and by images left out.
 PEAK, L1, AREA, PEAK_CUT, L1_CUT = 0.02, 0.01, 0.05, 0.001, 0.003
+# Of the mean gap, by heights sampled at the centres.
+SAMPLED = 1e-4
 
 
 @dataclass(frozen=True)
@@ -36,6 +38,7 @@ def estimated(line_contact: LineContact, monkeypatch: pytest.MonkeyPatch) -> Est
     monkeypatch.setattr(estimate, "discretisation", lambda *_: (PEAK, L1))
     monkeypatch.setattr(estimate, "contact_area", lambda *_: AREA)
     monkeypatch.setattr(estimate, "truncation", lambda *_: (PEAK_CUT, L1_CUT))
+    monkeypatch.setattr(estimate, "_sampling_error", lambda _: SAMPLED)
 
     def show(
         uncertain: float,
@@ -60,6 +63,13 @@ def of_cells(found: cs.ErrorEstimate) -> tuple[float, float, float, float]:
     return first, second, third, fourth
 
 
+def gap_of_edges(solution: cs.Solution) -> float:
+    """Return 0.15 of the error in L1 times flattened depth over mean gap, plus the error of sampling."""
+    inside = np.abs(solution.problem.grid.x[solution.pressure[:, 0] > 0])
+    depth = (inside.max() ** 2 - inside.min() ** 2) / (2 * 0.01)
+    return float(0.15 * L1 * depth / solution.gap.mean() + SAMPLED)
+
+
 def test_images_left_out_count_eightfold_for_the_gap(estimated: Estimated) -> None:
     found = estimated.show(0.0)
     assert found.peak_pressure.truncation == PEAK_CUT
@@ -75,8 +85,9 @@ def test_smooth_edges_that_hide_little_need_no_coarser_solution(
     hides: float, estimated: Estimated
 ) -> None:
     found = estimated.show(hides * L1, corner=0.01)
-    # twice what is hidden counts for the peak, half of the pressure's error for the gap
-    assert of_cells(found) == pytest.approx((PEAK * (1 + 2 * hides), L1, AREA, L1 / 2))
+    # twice what is hidden counts for the peak
+    gap = gap_of_edges(estimated.solution)
+    assert of_cells(found) == pytest.approx((PEAK * (1 + 2 * hides), L1, AREA, gap))
     assert not found.warnings
 
 
@@ -90,7 +101,7 @@ SEEN = Change(l1=0.3, peak_pressure=0.1, contact_area=0.2, mean_gap=0.3)
         # lost 1.25 of the 20 % seen, the gap is three times its change
         (L1, SEEN, (0.06, 0.016, 1 / 3, 0.9)),
         # less than that was seen
-        (L1, Change(0.008, 0.004, 0.02, 0.0005), (PEAK, 0.0112, AREA, 0.005 / 2)),
+        (L1, Change(0.008, 0.004, 0.02, 0.0005), (PEAK, 0.0112, AREA, 0.3 * L1)),
         # half as much again: the peak by 2.5 of its rise, or 1.5 of its fall
         (1.5 * L1, SEEN, (0.25, 0.016, 1 / 3, 0.9)),
         (1.5 * L1, replace(SEEN, peak_pressure=-0.1), (0.15, 0.016, 1 / 3, 0.9)),
@@ -174,9 +185,24 @@ def test_a_stiff_coat_of_less_than_eight_cells_makes_bounds_three_and_a_half_tim
     coat = replace(STEEL, youngs_modulus=stiffer * STEEL.youngs_modulus)
     coated = cs.CoatedHalfSpace(coat, cells * grid.cell[0], STEEL)
     scene = replace(line_contact.scene, solids=(coated, STEEL))
-    found = estimated.show(0.0, of=cs.solve(scene.problem(grid, cs.ExactPeriodicity())))
-    assert of_cells(found) == pytest.approx((times * PEAK, times * L1, AREA, L1 / 2))
+    solution = cs.solve(scene.problem(grid, cs.ExactPeriodicity()))
+    found = estimated.show(0.0, of=solution)
+    gap = gap_of_edges(solution)
+    assert of_cells(found) == pytest.approx((times * PEAK, times * L1, AREA, gap))
     assert bool(found.warnings) == (times > 1)
+
+
+def test_sampled_heights_change_the_mean_gap_by_no_more_than_from_cells_of_twice_the_size(
+    line_contact: LineContact,
+) -> None:
+    """The mean of ``x^2`` at n centres is ``W^2 / 12 (1 - 1 / n^2)``."""
+    grid = line_contact.grid((24, 1), 1.0, width=3.0)
+    solution = cs.solve(line_contact.scene.problem(grid, cs.ExactPeriodicity()))
+    change = grid.extent[0] ** 2 / 12 * (4 - 1) / 24**2 / (2 * 0.01)
+    found = estimate._sampling_error(solution) * solution.gap.mean()
+    assert found == pytest.approx(change, rel=1e-9)
+    unknown = replace(solution, problem=replace(solution.problem, source=None))
+    assert estimate._sampling_error(unknown) == 0.0
 
 
 def test_the_residual_is_twice_the_pressure_that_closes_the_gap_left() -> None:

@@ -155,7 +155,7 @@ def evolve_lubricated(
             iterations += stepped.last.iterations
             linear_iterations += stepped.last.linear_iterations
             failed = not stepped.last.converged(tolerance)
-            if (failed or (step is None and size > 2 * error)) and trial > LEAST * first:
+            if (failed or (step is None and size > error)) and trial > LEAST * first:
                 length = trial * (SHORTER if failed else max(SHORTER, (error / size) ** (1 / 3)))
                 continue
             march, steps, worst = stepped, steps + 1, max(worst, size)

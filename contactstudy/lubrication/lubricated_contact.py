@@ -1,9 +1,10 @@
 """The result of a lubricated contact: fields, film, friction, and a status that says how far they can be trusted."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 from math import pi, sqrt
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -219,9 +220,26 @@ class LubricatedContact:
         dataset: xr.Dataset = presentation("LubricatedContact.to_dataset")(self)
         return dataset
 
-    def plot(self) -> "Figure":
-        """Return a picture of pressure and film, as a matplotlib figure."""
-        figure: Figure = presentation("LubricatedContact.plot")(self.to_dataset())
+    def plot(
+        self,
+        *,
+        colours: Literal["pressure", "interference"] = "pressure",
+        refractive_index: float = 1.5,
+        wavelengths: Sequence[float] | None = None,
+    ) -> "Figure":
+        """Return a picture of pressure and film, as a matplotlib figure.
+
+        Parameters
+        ----------
+        colours
+            Map of the pressure, or of the film in the colours of two-beam interference, dark where it vanishes.
+        refractive_index
+            Refractive index of the lubricant, for interference.
+        wavelengths
+            Wavelengths [m] of the light, for interference; white light if None.
+        """
+        draw = presentation("LubricatedContact.plot")
+        figure: Figure = draw(self.to_dataset(), colours, refractive_index, wavelengths)
         return figure
 
 

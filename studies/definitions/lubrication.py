@@ -24,11 +24,16 @@ INLET, FILMS = 4.5, 6.0
 # Waves of the surface [a]: random, an eighth of the length and more.
 ROLL_OFF, CUT_OFF, SEED = 0.5, 0.25, 1
 EYRING = 5e6
+CAVITATION: Mapping[object, cs.ElrodAdams | cs.ReynoldsCavitation] = {
+    "elrod-adams": cs.ElrodAdams(),
+    "reynolds": cs.ReynoldsCavitation(),
+}
 
 points = (
     Axis("load", (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0), "Moes' load M"),
     Axis("viscosity", (0.0, 1.0, 2.5, 5.0, 7.5, 10.0, 12.5, 15.0, 17.5, 20.0), "Moes' viscosity L"),
     Axis("rms", (0.0,), "rms height over the film of Moes' formula"),
+    Axis("cavitation", ("elrod-adams",), "elrod-adams, which conserves mass, or reynolds"),
     Axis("grid", (100, 200, 400), "cells across the width"),
 )
 
@@ -41,6 +46,11 @@ def scene_at(point: Point) -> FilmCase:
     load = positive("load", point["load"], "give a load parameter M above 0")
     viscosity = non_negative("viscosity", point["viscosity"], "give a parameter L from 0 on")
     rms = non_negative("rms", point["rms"], "give an rms height of 0 or more")
+    cavitation = point.get("cavitation", "elrod-adams")
+    if cavitation not in CAVITATION:
+        raise cs.InvalidInput(
+            f"cavitation is {cavitation!r}: give {' or '.join(map(str, CAVITATION))}."
+        )
     cells = whole("grid", point["grid"], 16, "give at least 16 cells across the width")
     a = HERTZ.half_width
     film = moes_film(load, viscosity) * pi / (8 * load)
@@ -62,7 +72,9 @@ def scene_at(point: Point) -> FilmCase:
         DRY.load,
         DRY.solids,
         (*DRY.shapes, surface) if rms else DRY.shapes,
-        lubrication=cs.Lubrication(oil, speed, slide_roll_ratio=0.1),
+        lubrication=cs.Lubrication(
+            oil, speed, slide_roll_ratio=0.1, cavitation=CAVITATION[cavitation]
+        ),
     )
     along = max(cells // 2, 16) if rms else 1
     return FilmCase(scene, cs.Grid((cells, along), (width, a)), cs.ExactPeriodicity())

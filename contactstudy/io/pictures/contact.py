@@ -1,5 +1,6 @@
 """Pictures of one contact, and of two beside each other."""
 
+from collections.abc import Sequence
 from textwrap import fill
 from typing import Any
 
@@ -9,13 +10,17 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.io.compare import Comparison
 from contactstudy.io.pictures.figure import LAW_STYLE, SETTINGS, add_legend, panels
+from contactstudy.io.pictures.interference import interference_colours
 
 # Lengths are drawn in the unit in which the numbers on the axes are shortest.
 LENGTHS = ((1e-6, "µm"), (1e-3, "mm"), (1.0, "m"))
 FILMS = ((1e-9, "nm"), *LENGTHS)
 PRESSURES = ((1e3, "kPa"), (1e6, "MPa"), (1e9, "GPa"))
+# An interferogram is drawn up to so many of Hertz's half-widths from the axis.
+INTERFEROGRAM = 2.0
 WARNING_WIDTH = 70  # letters over one panel
 PRESSURE: dict[str, Any] = {"color": "#0072B2"}
 GAP: dict[str, Any] = {"color": "#009E73"}
@@ -153,11 +158,22 @@ def compare_picture(found: Comparison) -> Figure:
     return figure
 
 
-def film_picture(contact: xr.Dataset) -> Figure:
-    """Return pressure and film across the middle of a lubricated contact, and along the length where it varies."""
-    lined = contact.sizes["y"] == 1
+def film_picture(
+    contact: xr.Dataset,
+    colours: str = "pressure",
+    refractive_index: float = 1.5,
+    wavelengths: Sequence[float] | None = None,
+) -> Figure:
+    """Return pressure and film across the middle of a lubricated contact, and a map.
+
+    The map is of the pressure where that varies along the length, or of the film in ``colours`` of interference.
+    """
+    if colours not in ("pressure", "interference"):
+        raise InvalidInput(f"plot.colours is {colours!r}: give 'pressure' or 'interference'.")
+    interference = colours == "interference"
+    mapped = interference or contact.sizes["y"] > 1
     with mpl.rc_context(SETTINGS):
-        figure, axes = panels(2 if lined else 3, columns=3, width=4.6, height=3.4)
+        figure, axes = panels(3 if mapped else 2, columns=3, width=4.6, height=3.4)
         _across(axes[0], contact)
         middle = contact["film"].isel(y=contact.sizes["y"] // 2)
         width, metres = scaled(contact["x"], LENGTHS)
@@ -166,7 +182,31 @@ def film_picture(contact: xr.Dataset) -> Figure:
         axes[1].set(
             xlabel=f"across [{metres}]", ylabel=f"film [{height}]", title="film in the middle"
         )
-        if not lined:
+        if interference:
+            _interferogram(axes[2], contact, refractive_index, wavelengths)
+        elif mapped:
             _map(axes[2], contact)
         add_legend(figure)
     return figure
+
+
+def _interferogram(
+    ax: Axes, contact: xr.Dataset, refractive_index: float, wavelengths: Sequence[float] | None
+) -> None:
+    """Draw the film near the contact in colours of interference; one line of cells as a band."""
+    reach = INTERFEROGRAM * float(contact["hertz_half_width"])
+    film = contact["film"].sel(x=slice(-reach, reach))
+    width, across = scaled(film["x"], LENGTHS)
+    length, along = scaled(film["y"], LENGTHS)
+    x, y = film["x"].values / width, film["y"].values / length
+    dx, dy = x[1] - x[0], y[1] - y[0] if len(y) > 1 else 1.0
+    ax.imshow(
+        interference_colours(film.values, refractive_index, wavelengths),
+        origin="lower",
+        aspect="auto",
+        extent=(y[0] - dy / 2, y[-1] + dy / 2, x[0] - dx / 2, x[-1] + dx / 2),
+    )
+    if len(y) == 1:
+        ax.set_xticks([])
+    ax.set(xlabel=f"along [{along}]", ylabel=f"across [{across}]", title="film by interference")
+    ax.grid(visible=False)

@@ -10,16 +10,19 @@ from contactstudy.analytic import moes_film
 from studies.model.drawing import CaptionedFigure, Finding
 from studies.report.style import COLORS, LAW_STYLE, add_legend, panels, percent, select_evenly
 
-KNOWN_AXES = ("load", "viscosity", "rms", "grid")
+KNOWN_AXES = ("load", "viscosity", "rms", "cavitation", "grid")
 
 
 def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
-    """Draw films beside the formula of Moes, error against cost, and the effect of roughness where it is swept."""
-    drawn = [_films(dataset.isel(rms=0, grid=-1))]
+    """Draw films beside the formula of Moes, error against cost, and what roughness and cavitation do where swept."""
+    one_law = dataset.isel(cavitation=0)
+    drawn = [_films(one_law.isel(rms=0, grid=-1))]
     if dataset.sizes["grid"] > 1:
-        drawn.append(_cost(dataset.isel(rms=0)))
+        drawn.append(_cost(one_law.isel(rms=0)))
     if dataset.sizes["rms"] > 1:
-        drawn.append(_roughness(dataset.isel(grid=-1)))
+        drawn.append(_roughness(one_law.isel(grid=-1)))
+    if dataset.sizes["cavitation"] > 1:
+        drawn.append(_cavitation(dataset.isel(grid=-1)))
     return tuple(drawn)
 
 
@@ -107,6 +110,27 @@ def _roughness(dataset: xr.Dataset) -> CaptionedFigure:
     )
 
 
+def _cavitation(dataset: xr.Dataset) -> CaptionedFigure:
+    fig, (spread, film) = panels(2, width=3.8, height=3.0)
+    smooth = dataset["central_film"].isel(rms=0, cavitation=0)
+    for law, color, marker in zip(dataset["cavitation"].values, COLORS, "os", strict=False):
+        part = dataset.sel(cavitation=law)
+        style: dict[str, Any] = {"color": color, "marker": marker}
+        worst = part["flux_spread"].max(["load", "viscosity"])
+        spread.semilogy(part["rms"], worst, label=str(law), **style)
+        film.plot(part["rms"], (part["central_film"] / smooth).mean(["load", "viscosity"]), **style)
+    spread.set(xlabel="rms height / film", ylabel="spread of the flow over x")
+    film.set(xlabel="rms height / film", ylabel="central film / smooth film")
+    add_legend(fig)
+    return CaptionedFigure(
+        "cavitation",
+        fig,
+        "Lubricant that cavitation makes: the range of the flow through all sections up to the end of the pressure, "
+        "over its mean, largest over load and viscosity; and the central film, mean over them. A film that only forbids "
+        "negative pressure (reynolds) makes lubricant wherever it forms again behind a cavity.",
+    )
+
+
 def select_pairs(cases: list[tuple[float, float]]) -> list[tuple[float, float]]:
     """Return at most as many cases as there are colours, evenly."""
     places = select_evenly(np.arange(len(cases)), len(COLORS))
@@ -115,7 +139,7 @@ def select_pairs(cases: list[tuple[float, float]]) -> list[tuple[float, float]]:
 
 def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     """Return how many operating points converged, and how far films are from the formula of Moes."""
-    smooth = dataset.isel(rms=0)
+    smooth = dataset.isel(rms=0, cavitation=0)
     total, converged = smooth["converged"].size, int(smooth["converged"].sum())
     fine = smooth.isel(grid=-1)
     ratio = abs(fine["film_over_moes"] - 1).where(fine["resolved"] == 1)

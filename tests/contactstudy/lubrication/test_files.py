@@ -76,3 +76,75 @@ def test_stress_below_the_surface_takes_pressure_and_friction() -> None:
     # shear that enters at the surface passes through every depth of a wide strip; z points into the body, and the stress
     # on a surface that faces -z is that on the film, against the body's motion
     assert change == pytest.approx(float(dragged["shear"].sum()), rel=0.1)
+
+
+MARCH = """
+[load]
+kind = "LoadHistory"
+times = ["0 us", "50 us", "0.1 ms"]
+per_length = ["100 N/mm", "100 N/mm", "120 N/mm"]
+
+[[solids]]
+material = "steel"
+
+[[solids]]
+material = "steel"
+
+[[shapes]]
+kind = "Cylinder"
+radius = "10 mm"
+
+[[shapes]]
+kind = "Carried"
+body = 1
+shape = {kind = "Waviness", amplitude = "10 nm", across = "0.2 mm", along = "inf"}
+
+[lubrication]
+mean_speed = {times = ["0 us", "80 us"], mean_speed = ["100 mm/s", "1 m/s"]}
+cavitation = {kind = "ElrodAdams"}
+
+[lubrication.lubricant]
+viscosity = "40 mPa*s"
+pressure_viscosity = "20 1/GPa"
+
+[grid]
+cells = [100, 1]
+extent = ["1.2 mm", "1 mm"]
+
+[evolve]
+instants = 3
+error = 0.01
+"""
+
+
+def test_a_file_marches_a_film_with_histories_of_load_and_speed(tmp_path: Path) -> None:
+    (tmp_path / "march.toml").write_text(MARCH)
+    described = cs.read_scene(tmp_path / "march.toml")
+    lubrication = described.scene.lubrication
+    assert lubrication is not None
+    assert lubrication.mean_speed == cs.SpeedHistory((0.0, 8e-5), (0.1, 1.0))
+    every_step = described.evolve()
+    assert isinstance(every_step, cs.FilmEvolution)
+    assert len(every_step.times) == every_step.steps + 1
+    assert every_step.times[-1] == 1e-4
+    march = replace(described, time_steps=replace(described.time_steps, end=1e-4)).evolve()
+    assert isinstance(march, cs.FilmEvolution)
+    assert march.times == pytest.approx([0, 5e-5, 1e-4])
+    assert march.contacts[-1].load_per_length == pytest.approx(1.2e5, rel=1e-5)
+    assert march.contacts[-1].mean_speed == 1.0
+    cs.write_scene(described, tmp_path / "again.toml")
+    assert cs.read_scene(tmp_path / "again.toml").scene == described.scene
+
+
+def test_a_file_may_carry_a_measured_surface(tmp_path: Path) -> None:
+    rows = "\n".join("0 1e-8 0 -1e-8" for _ in range(4))
+    (tmp_path / "heights.txt").write_text(rows)
+    shape = (
+        '{kind = "MeasuredSurface", file = "heights.txt", extent = ["1.2 mm", "1 mm"], unit = "m"}'
+    )
+    wave = MARCH[MARCH.index("shape = ") : MARCH.index("\n\n[lubrication]")]
+    (tmp_path / "march.toml").write_text(MARCH.replace(wave, f"shape = {shape}"))
+    carried = cs.read_scene(tmp_path / "march.toml").scene.shapes[1]
+    assert isinstance(carried, cs.Carried)
+    assert isinstance(carried.shape, cs.MeasuredSurface)
+    assert carried.body == 1

@@ -151,3 +151,75 @@ def test_a_march_is_labelled_with_its_times() -> None:
     assert dataset["film"].dims == ("time", "x", "y")
     assert dataset["central_film"].dims == ("time",)
     assert dataset["time"].values.tolist() == times
+
+
+def test_evolve_marches_a_lubricated_scene() -> None:
+    scene = by_moes(20, 5)
+    times = [0.0, 1e-5]
+    march = cs.evolve(scene, grid(64, 4.5), cs.ExactPeriodicity(), times=times, tolerance=1e-6)
+    assert isinstance(march, cs.FilmEvolution)
+    same = cs.evolve_lubricated(scene, grid(64, 4.5), times=times)
+    assert march.central_film.tolist() == same.central_film.tolist()
+    for option in ({"scheme": cs.Scheme.EXPLICIT}, {"folder": "frames"}):
+        with pytest.raises(cs.InvalidInput, match=next(iter(option))):
+            cs.evolve(scene, grid(64, 4.5), cs.ExactPeriodicity(), times=times, **option)  # type: ignore[arg-type]
+
+
+def test_without_times_every_step_is_recorded_up_to_the_end_of_the_histories() -> None:
+    scene = by_moes(20, 5)
+    passage = A / speed_of(scene)
+    march = cs.evolve_lubricated(from_rest(scene, passage), grid(100, 4.0), error=1e-2)
+    assert len(march.times) == march.steps + 1
+    assert march.times[0] == 0
+    assert march.times[-1] == passage
+    with pytest.raises(cs.InvalidInput, match="has an end"):
+        cs.evolve_lubricated(scene, grid(100, 4.0))
+
+
+def test_friction_and_load_are_those_of_the_instant() -> None:
+    scene = by_moes(20, 0)
+    passage = A / speed_of(scene)
+    march = cs.evolve_lubricated(
+        from_rest(scene, 2 * passage), grid(100, 4.0), times=[0, 2 * passage]
+    )
+    first = march.contacts[0]
+    assert first.mean_speed == pytest.approx(1e-3 * speed_of(scene))
+    rate = first.sliding_speed * first.film_fraction / first.film
+    drag = (0.04 * rate).sum() * first.grid.cell[0]
+    assert first.friction == pytest.approx(drag / 1e5, rel=1e-6)
+    load = cs.LoadHistory((0, passage), (1e5, 2e5))
+    grown = cs.evolve_lubricated(
+        replace(scene, load=load), grid(100, 4.0), times=[0, passage]
+    ).to_dataset()
+    assert grown["load_per_length"].values == pytest.approx([1e5, 2e5], rel=1e-5)
+
+
+def test_no_error_of_a_step_is_above_what_is_asked() -> None:
+    scene = by_moes(20, 5)
+    passage = A / speed_of(scene)
+    march = cs.evolve_lubricated(
+        from_rest(scene, 2 * passage), grid(100, 4.0), times=[0, 2 * passage], error=2e-3
+    )
+    assert march.status is not cs.FilmStatus.NOT_CONVERGED
+    assert 0 < march.step_error <= 2e-3
+
+
+def test_a_march_that_begins_without_load_or_speed_is_refused() -> None:
+    scene = by_moes(20, 5)
+    unloaded = replace(scene, load=cs.LoadHistory((0, 1e-3), (0, 1e5)))
+    with pytest.raises(cs.InvalidInput, match=r"Scene\.load is 0 at the first time"):
+        cs.evolve_lubricated(unloaded, grid(64, 4.5), times=[0, 1e-3])
+    with pytest.raises(cs.InvalidInput, match=r"mean_speed\[0\] is 0"):
+        cs.SpeedHistory((0, 1), (0, 1))
+    for times, speeds in (((0,), (1,)), ((0, 1), (1,)), ((1, 0), (1, 1))):
+        with pytest.raises(cs.InvalidInput, match="SpeedHistory"):
+            cs.SpeedHistory(times, speeds)
+
+
+def test_a_steady_scene_does_not_change_and_a_history_of_speed_does() -> None:
+    scene = by_moes(20, 5)
+    assert scene.changing is None
+    moving = from_rest(scene, 1e-3)
+    assert moving.changing == "Scene.lubrication.mean_speed"
+    with pytest.raises(cs.InvalidInput, match="mean_speed changes in time"):
+        cs.solve_lubricated(moving, grid(64, 4.5))

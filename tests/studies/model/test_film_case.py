@@ -1,10 +1,12 @@
 """Sweeps of lubricated scenes."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 import contactstudy as cs
+from contactstudy.io.scene_file import TimeSteps
 from studies.model.film_case import FilmCase, film_measures
 from studies.scene_study.study_of import study_of
 
@@ -30,3 +32,20 @@ def test_what_is_recorded_of_a_film_is_that_of_its_contact() -> None:
     assert int(case.record(solved)["solver_status"]) == 0
     estimate = cs.film_error(contact).central_film.total
     assert float(measured["central_film_estimate"]) == pytest.approx(estimate)
+
+
+def test_a_film_that_changes_in_time_is_marched_at_every_point() -> None:
+    oil = cs.read_scene(OIL)
+    assert oil.scene.lubrication is not None
+    history = cs.SpeedHistory((0.0, 1e-4), (0.5, 1.0))
+    scene = replace(oil.scene, lubrication=replace(oil.scene.lubrication, mean_speed=history))
+    a = 1e-4
+    file = cs.SceneFile(scene, grid=cs.Grid((64, 1), (10 * a, a)), time_steps=TimeSteps(instants=3))
+    study = study_of(file, {"load.per_length": "80 N/mm,100 N/mm"})
+    case = study.scene_at({"load_per_length": 1e5})
+    march = case.run(case.prepare())
+    assert isinstance(march, cs.FilmEvolution)
+    measured = study.measures(case, march)
+    assert float(measured["final_central_film"]) == march.central_film[-1]
+    assert float(measured["lowest_film"]) == march.minimum_film.min()
+    assert int(case.record(march)["steps"]) == march.steps

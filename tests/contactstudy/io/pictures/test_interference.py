@@ -1,0 +1,70 @@
+"""Colours of interference, beside the colours of Newton's rings and the fringes of one wavelength."""
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.io.pictures.interference import interference_colours, matching
+from tests.contactstudy.lubrication.scenes import by_moes, grid
+
+
+def hue(path: float) -> np.ndarray:
+    """Colour over its brightest channel at an optical path difference 2 n h [m]."""
+    colour = interference_colours(np.array(path / 3))
+    return np.asarray(colour / colour.max())
+
+
+def test_colours_follow_the_scale_of_newton() -> None:
+    # path differences of the first two orders in reflected light
+    assert interference_colours(np.array(0.0)) == pytest.approx(0)
+    assert hue(259e-9).min() > 0.9  # white
+    red, green, blue = hue(430e-9)  # brownish yellow
+    assert red > green + 0.1 > blue + 0.2
+    red, green, blue = hue(565e-9)  # purple, between the first and the second order
+    assert green < 0.2
+    assert min(red, blue) > 0.3
+    red, green, blue = hue(664e-9)  # sky blue
+    assert blue > green > red
+    red, green, blue = hue(910e-9)  # yellow of the second order
+    assert min(red, green) > 0.8
+    assert blue < 0.2
+
+
+def test_many_orders_are_grey() -> None:
+    far = interference_colours(np.linspace(20e-6, 21e-6, 50))
+    assert np.ptp(far) < 0.15
+
+
+@pytest.mark.parametrize(("wavelength", "index"), [(546e-9, 1.5), (633e-9, 1.6)])
+def test_fringes_of_one_wavelength_are_half_of_it_in_oil_apart(
+    wavelength: float, index: float
+) -> None:
+    fringe = wavelength / (2 * index)
+    dark = interference_colours(np.arange(4) * fringe, index, (wavelength,))
+    bright = interference_colours((np.arange(4) + 0.5) * fringe, index, (wavelength,))
+    assert dark == pytest.approx(0, abs=1e-9)
+    assert bright.max(axis=1) == pytest.approx(1)
+
+
+def test_the_matching_functions_peak_where_the_eye_does() -> None:
+    wavelengths = np.arange(380.0, 781.0)
+    x, y, z = matching(wavelengths).T
+    # CIE 1931 tables: y is 1 at 555 nm, x 1.06 at 599 nm, z 1.78 at 446 nm
+    for values, place, height in ((y, 555, 1.0), (x, 599, 1.06), (z, 446, 1.78)):
+        assert wavelengths[values.argmax()] == pytest.approx(place, abs=6)
+        assert values.max() == pytest.approx(height, rel=0.02)
+    # equal energy is white: three equal areas
+    assert x.sum() == pytest.approx(y.sum(), rel=0.01)
+    assert z.sum() == pytest.approx(y.sum(), rel=0.01)
+
+
+def test_a_contact_is_drawn_in_these_colours() -> None:
+    contact = cs.solve_lubricated(by_moes(20, 5), grid(100, 4.5))
+    figure = contact.plot(colours="interference", refractive_index=1.45)
+    (image,) = figure.axes[-1].images
+    near = np.abs(contact.grid.x) <= 2 * contact.scales.hertz.half_width
+    drawn = np.asarray(image.get_array())[:, 0]
+    assert drawn == pytest.approx(interference_colours(contact.film[near, 0], 1.45))
+    for wrong in ({"colours": "none"}, {"colours": "interference", "refractive_index": 0}):
+        with pytest.raises(cs.InvalidInput, match="plot"):
+            contact.plot(**wrong)  # type: ignore[arg-type]

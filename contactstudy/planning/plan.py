@@ -221,10 +221,9 @@ def _plan_in_time(
         narrow = robust_grid(extremes.narrow, cells_error, period)
         width = max(narrow.extent[0], extremes.width)
         narrow_plan = plan(extremes.narrow, error=cells_error, grid=as_wide(narrow, width))
-    # a step starts from the last one: without coarser grids, with fewer iterations
     narrow_plan = replace(
         narrow_plan,
-        seconds=narrow_plan.seconds * extremes.steps,
+        seconds=narrow_plan.seconds * extremes.share * extremes.steps,
         bytes=narrow_plan.bytes + 8 * extremes.fields * prod(narrow_plan.grid.cells),
         reasons=(*narrow_plan.reasons, *extremes.reasons),
         warnings=(*narrow_plan.warnings, *extremes.warnings),

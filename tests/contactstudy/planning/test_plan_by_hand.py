@@ -289,6 +289,8 @@ def test_a_plan_in_time_is_as_wide_as_the_widest_and_costs_all_its_steps(
     assert found.bytes == 1000 + 8 * 5 * 240
     assert found.reasons == ("a", "time")
     assert found.error == 0.01
+    _, warm = planned(monkeypatch, replace(extremes, share=0.6))
+    assert warm.seconds == pytest.approx(0.6 * 21)
     asked, found = planned(monkeypatch, replace(extremes, width=1.5))
     assert asked[1]["grid"] == NARROW.grid
     asked, found = planned(monkeypatch, extremes, GRID)

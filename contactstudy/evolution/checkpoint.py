@@ -3,15 +3,14 @@
 import json
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar, get_origin
 from zipfile import BadZipFile
 
 import numpy as np
 
-from contactstudy.accuracy.expected_error import ErrorParts
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.files import (
@@ -21,11 +20,12 @@ from contactstudy.domain.files import (
     write_sealed,
 )
 from contactstudy.domain.identity import canonical, key
+from contactstudy.domain.imports import import_for
 from contactstudy.domain.version import VERSION, source_hash
 from contactstudy.evolution.evolution import Frame
 from contactstudy.evolution.march import Instant
-from contactstudy.problem.problem import Field
-from contactstudy.solvers.solution import Status
+
+T = TypeVar("T")
 
 
 @dataclass
@@ -103,43 +103,11 @@ class Checkpoint:
 
     def write_frame(self, number: int, frame: Frame) -> None:
         """Write the frame with index `number`."""
-        metadata = {
-            "fields": {
-                name: [field.dimensions, field.units, field.long_name]
-                for name, field in frame.fields.items()
-            },
-            "status": frame.status.name,
-            "grid_error_parts": asdict(frame.grid_error_parts),
-            "warnings": frame.warnings,
-        } | {name: getattr(frame, name) for name in NUMBERS}
-        fields = {f"field_{name}": field.values for name, field in frame.fields.items()}
-        fields |= {f"kept_{name}": values for name, values in frame.joint_state.items()}
-        self._write(self._frame(number), metadata, pressure=frame.pressure, gap=frame.gap, **fields)
+        self._write(self._frame(number), frame)
 
     def read_frame(self, number: int) -> Frame:
         """Return the frame with index `number`."""
-        metadata, arrays = self._read(self._frame(number))
-        fields = {
-            name: Field(tuple(dimensions), arrays[f"field_{name}"], units, long_name)
-            for name, (dimensions, units, long_name) in metadata["fields"].items()
-        }
-        numbers = {name: metadata[name] for name in NUMBERS}
-        status = Status[metadata["status"]]
-        joint_state = {
-            name.removeprefix("kept_"): values
-            for name, values in arrays.items()
-            if name.startswith("kept_")
-        }
-        return Frame(
-            pressure=arrays["pressure"],
-            gap=arrays["gap"],
-            fields=fields,
-            joint_state=joint_state,
-            status=status,
-            grid_error_parts=ErrorParts(**metadata["grid_error_parts"]),
-            warnings=tuple(metadata["warnings"]),
-            **numbers,
-        )
+        return self._read(self._frame(number), Frame)
 
     def write_state(self, progress: Mapping[str, Any], instants: Mapping[str, Instant]) -> None:
         """Write the state of the march.
@@ -151,60 +119,60 @@ class Checkpoint:
         instants
             The instants of main march and companion, by name.
         """
-        metadata: dict[str, Any] = {"progress": dict(progress), "instants": {}}
-        arrays = {}
-        for name, instant in instants.items():
-            metadata["instants"][name] = [
-                instant.time,
-                instant.load,
-                [list(state) for state in instant.states],
-            ]
-            arrays[f"{name}_pressure"] = instant.pressure
-            for number, state in enumerate(instant.states):
-                for part, field in state.items():
-                    arrays[f"{name}_{number}_{part}"] = field
-        self._write(self.folder / "state.npz", metadata, **arrays)
+        self._write(self.folder / "state.npz", MarchState(progress, instants))
 
     def read_state(self) -> tuple[Mapping[str, Any], Mapping[str, Instant]] | None:
         """Return the progress and the instants that were written last; None if there are none."""
         path = self.folder / "state.npz"
         if not path.exists():
             return None
-        metadata, arrays = self._read(path)
-        instants = {
-            name: Instant(
-                time,
-                load,
-                arrays[f"{name}_pressure"],
-                tuple(
-                    {key: arrays[f"{name}_{number}_{key}"] for key in keys}
-                    for number, keys in enumerate(states)
-                ),
-            )
-            for name, (time, load, states) in metadata["instants"].items()
-        }
-        return metadata["progress"], instants
+        state = self._read(path, MarchState)
+        return state.progress, state.instants
 
     def _frame(self, number: int) -> Path:
         """Return the path of the frame with index `number`."""
         return self.folder / f"frame_{number:05d}.npz"
 
-    def _write(self, path: Path, about: Mapping[str, Any], **arrays: Array) -> None:
-        """Replace a file by one with metadata as JSON and arrays."""
-        owned = {"request": self.request, "file": path.name, "about": about}
+    def _write(self, path: Path, value: object) -> None:
+        """Replace a file by one with `value`: its arrays beside all else as JSON."""
+        arrays: dict[str, Array] = {}
+        tree = _converter(arrays).unstructure(value)
+        about = json.dumps({"request": self.request, "file": path.name, "value": tree})
         content = BytesIO()
-        np.savez(content, about=np.array(json.dumps(owned)), **arrays)  # type: ignore[arg-type]
+        np.savez(content, about=np.array(about), **arrays)  # type: ignore[arg-type]
         write_sealed(path, content.getvalue())
 
-    def _read(self, path: Path) -> tuple[Any, dict[str, Array]]:
-        """Return metadata and arrays of a file."""
+    def _read(self, path: Path, kind: type[T]) -> T:
+        """Return the value of that `kind` in a file."""
         with self._blamed(), np.load(BytesIO(read_sealed(path) or b"")) as file:
             arrays = {name: file[name] for name in file.files}
-            owned = json.loads(str(arrays.pop("about")))
-            if (owned["request"], owned["file"]) != (self.request, path.name):
+            about = json.loads(str(arrays.pop("about")))
+            if (about["request"], about["file"]) != (self.request, path.name):
                 raise ValueError("a file of another march")
-            return owned["about"], arrays
+            value: T = _converter(arrays).structure(about["value"], kind)
+            return value
 
 
-NUMBERS = ("time", "load", "approach", "residual", "step_error", "grid_error", "steps", "iterations",
-           "convolutions")  # fmt: skip
+@dataclass(frozen=True)
+class MarchState:
+    """State of a march: its `progress`, and the `instants` of main march and companion by name."""
+
+    progress: Mapping[str, Any]
+    instants: Mapping[str, Instant]
+
+
+def _converter(arrays: dict[str, Array]) -> Any:
+    """Return a converter of dataclasses to what JSON holds and back, with the arrays in them by name in `arrays`."""
+    converter = import_for("evolve.folder", "cattrs").Converter(detailed_validation=False)
+
+    def put(values: Array) -> str:
+        name = f"array_{len(arrays)}"
+        arrays[name] = values
+        return name
+
+    def is_array(kind: Any) -> bool:
+        return np.ndarray in (kind, get_origin(kind))
+
+    converter.register_unstructure_hook_func(is_array, put)
+    converter.register_structure_hook_func(is_array, lambda name, _: arrays[name])
+    return converter

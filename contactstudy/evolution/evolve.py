@@ -26,11 +26,10 @@ from contactstudy.evolution.walk import Walk
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import response, sudden
 from contactstudy.scene.inelastic import ViscoelasticHalfSpace
-from contactstudy.scene.load import ChangingLoad, ConstantLoad, LineLoad, SuddenLoad
+from contactstudy.scene.load import ChangingLoad, ConstantLoad, LineLoad, LoadHistory
 from contactstudy.scene.scene import PosedScene, Scene
-from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from contactstudy.solvers.solution import Solution
-from contactstudy.solvers.solve import SolveOptions, Solver
+from contactstudy.solvers.solve import SolveOptions
 
 
 def memories(scene: Scene, datum: float) -> tuple[Memory, ...]:
@@ -107,10 +106,7 @@ def evolve(
     error: float | None = None,
     step_error: StepError = StepError.COMPANION,
     scheme: Scheme = Scheme.IMPLICIT,
-    tolerance: float = 1e-8,
-    max_iterations: int = 2000,
-    solver: Solver = PreconditionedCG(),  # noqa: B008 (a frozen value)
-    precision: Precision = Precision.DOUBLE,
+    options: SolveOptions = SolveOptions(),  # noqa: B008 (a frozen value)
     folder: str | PathLike[str] | None = None,
     progress: Callable[[float, float], None] | None = None,
 ) -> Evolution | Any:
@@ -141,8 +137,8 @@ def evolve(
         How the error by the steps is estimated.
     scheme
         How wear is stepped.
-    tolerance, max_iterations, solver, precision
-        How each contact is solved, see :func:`~contactstudy.solve`.
+    options
+        How each contact is solved.
     folder
         Folder for frames and states. A march that was stopped continues from there.
     progress
@@ -178,13 +174,10 @@ def evolve(
         )
     if times is None and error is None:
         raise InvalidInput("evolve.times and evolve.error are None: give one of them, or both.")
-    _check_history(scene)
-    options = SolveOptions(tolerance, max_iterations, solver, precision)
-    control = None if error is None else StepControl.for_error(error, tolerance)
+    control = None if error is None else StepControl.for_error(error, options.tolerance)
     load = _load(scene, grid, times)
     marks = schedule(load, times)
-    elastic = _sudden(scene, load)
-    march = _march(scene, elastic, elastic.problem(grid, padding), load, scheme, options)
+    march = _march(scene, grid, padding, load, scheme, options)
     companion = step_error is StepError.COMPANION or control is not None
     checkpoint = None if folder is None else Checkpoint(Path(folder))
     walk = Walk(
@@ -214,31 +207,30 @@ def evolve(
     )
 
 
-def _check_history(scene: Scene) -> None:
-    """Raise :class:`~contactstudy.InvalidInput` for what has no history in a march."""
+def _march(
+    scene: Scene,
+    grid: Grid,
+    padding: Padding | Paddings,
+    load: ChangingLoad,
+    scheme: Scheme,
+    options: SolveOptions,
+) -> March:
+    """Return the steps of `scene`, from the elastic contact under the largest load, applied suddenly."""
     if scene.rolling is not None:
         raise InvalidInput(
             "Scene.rolling is steady, so it has no history: leave it out, or call contactstudy.solve_rolling."
         )
     if scene.friction is not None:
         raise InvalidInput("Scene.friction has no history here: leave it out.")
-
-
-def _march(
-    scene: Scene,
-    elastic: Scene,
-    problem: Problem,
-    load: ChangingLoad,
-    scheme: Scheme,
-    options: SolveOptions,
-) -> March:
-    """Return the steps of `scene`, whose `elastic` scene of a sudden largest load has made the `problem`."""
+    solids = sudden(scene.solids)
+    elastic = replace(scene, load=LineLoad(load.largest), solids=solids, wear=None)
+    problem = elastic.problem(grid, padding)
     datum = problem.scales.length
     solved = partial(solved_or_unloaded, options)
     return March(
         problem=problem,
         load=load,
-        weights=dict(response(elastic.solids, datum)),
+        weights=dict(response(solids, datum)),
         memories=memories(scene, datum),
         joint=joint_memory(scene, problem, solved, options.precision),
         scheme=scheme,
@@ -253,10 +245,5 @@ def _load(scene: Scene, grid: Grid, times: ArrayLike | None) -> ChangingLoad:
     if times is None:
         raise InvalidInput("evolve.times is None, and Scene.load has no end: give times [s].")
     first = np.asarray(times, dtype=np.float64).ravel()[:1]
-    return SuddenLoad(scene.load.over(grid.period), min(0.0, *first.tolist()))
-
-
-def _sudden(scene: Scene, load: ChangingLoad) -> Scene:
-    """Return the elastic scene under the largest load, which `scene` is for a sudden load."""
-    solids = sudden(scene.solids)
-    return replace(scene, load=LineLoad(load.largest), solids=solids, wear=None)
+    start = min([0.0, *first[np.isfinite(first)].tolist()])
+    return LoadHistory((start,), (scene.load.over(grid.period),))

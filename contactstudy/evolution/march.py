@@ -1,7 +1,7 @@
 """One step in time: the problem that a scene's memories make of it, solved from the previous pressure."""
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from math import log2, sqrt
@@ -10,7 +10,6 @@ import numpy as np
 
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
 from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.convolution import Convolution, combined, superposed
 from contactstudy.evolution.memory import (
@@ -23,8 +22,9 @@ from contactstudy.evolution.memory import (
 )
 from contactstudy.evolution.steps import Scheme
 from contactstudy.problem.constraint import PrescribedLoad
-from contactstudy.problem.problem import Problem, Scales, Source
+from contactstudy.problem.problem import Problem, Scales
 from contactstudy.scene.load import ChangingLoad
+from contactstudy.scene.scene import ShapesSource
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions
 
@@ -246,8 +246,8 @@ class March:
         local = sum(contribution.local_compliance for contribution in contributions)
         problem = self._with(weights, local, step.loads[1], self.problem)
         source = self.problem.source
-        if source is not None:
-            source = StepSource(source, partial(self._with, weights, local, step.loads[1]))
+        if isinstance(source, ShapesSource):
+            source = source.with_step(partial(self._with, weights, local, step.loads[1]))
         return replace(problem, undeformed_gap=self._gap(contributions), source=source)
 
     def _with(
@@ -335,57 +335,6 @@ class March:
             length, pressure = 1.0, ratio
         pressure = 2.0 ** round(log2(scales.pressure * pressure))
         return Scales(scales.length * length, pressure, scales.gap * ratio * softer)
-
-
-@dataclass(frozen=True)
-class StepSource:
-    """Source of a step's problem on other grids: heights of the scene, without what memories add to the gap.
-
-    Attributes
-    ----------
-    source
-        Heights of the scene.
-    step
-        Returns a problem of the largest load as the step has it.
-    """
-
-    source: Source
-    step: Callable[[Problem], Problem]
-
-    @property
-    def finest(self) -> tuple[float, float]:
-        """The shortest lengths (across, along) over which the heights change [m]."""
-        return self.source.finest
-
-    @property
-    def names_scales(self) -> bool:
-        """True if ``finest`` is known for every shape."""
-        return self.source.names_scales
-
-    @property
-    def ends_along(self) -> bool:
-        """True if a body ends along the length."""
-        return self.source.ends_along
-
-    def gap(self, grid: Grid) -> Array:
-        """Return the undeformed gap [m] on ``grid``."""
-        return self.source.gap(grid)
-
-    def gap_without_scales(self, grid: Grid) -> Array:
-        """Return the gap [m] on ``grid`` of the shapes that name no scales."""
-        gap: Callable[[Grid], Array] = getattr(self.source, "gap_without_scales", self.source.gap)
-        return gap(grid)
-
-    def row_lengths(self, grid: Grid) -> Array | None:
-        """Return the length of both bodies that each row of ``grid`` stands for, in cells; None where none ends."""
-        lengths: Callable[[Grid], Array | None] = getattr(
-            self.source, "row_lengths", lambda _: None
-        )
-        return lengths(grid)
-
-    def problem(self, grid: Grid) -> Problem:
-        """Return the problem of the step on ``grid``."""
-        return self.step(self.source.problem(grid))
 
 
 def lowered(problem: Problem, lift: Array) -> Problem:

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contactstudy.domain.checks import InvalidInput, positive, whole
-from contactstudy.domain.device import Precision
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.imports import presentation
@@ -30,9 +29,8 @@ from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import sudden
 from contactstudy.scene.load import ConstantLoad
 from contactstudy.scene.scene import PosedScene, Scene
-from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from contactstudy.solvers.solution import Solution, Status
-from contactstudy.solvers.solve import SolveOptions, Solver
+from contactstudy.solvers.solve import SolveOptions
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -219,10 +217,7 @@ def roll_repeatedly(
     pressure: RollingPressure = RollingPressure.SETTLED,
     distance: float | None = None,
     steady: float = 5e-3,
-    tolerance: float = 1e-8,
-    max_iterations: int = 2000,
-    solver: Solver = PreconditionedCG(),  # noqa: B008 (a frozen value)
-    precision: Precision = Precision.DOUBLE,
+    options: SolveOptions = SolveOptions(),  # noqa: B008 (a frozen value)
 ) -> RepeatedRolling:
     """Roll the contact of `scene` to larger x over an elastic-plastic half-space, `passes` times, in plane strain.
 
@@ -249,8 +244,8 @@ def roll_repeatedly(
     steady
         A pass is steady when the plastic strain that it leaves changes by less than this many yield strains (Y / E)
         while the contact rolls by its half-width.
-    tolerance, max_iterations, solver, precision
-        How each contact is solved, see :func:`~contactstudy.solve`.
+    options
+        How each contact is solved.
 
     Returns
     -------
@@ -271,12 +266,11 @@ def roll_repeatedly(
     problem = replace(scene, solids=sudden(scene.solids)).problem(grid, padding)
     _check_grid(problem)
     length, cell = problem.scales.length, grid.cell[0]
-    options = SolveOptions(tolerance, max_iterations, solver, precision)
     volume = Volume(grid, 0, grid.cells[0], layers(grid, length, DEPTH * length))
     operator = PlaneStrainOperator(volume, body.moduli)
     rolling = _Rolling(
         rolling_contact(problem, options, pressure),
-        tolerance,
+        options.tolerance,
         length,
         lag=max(round(length / cell), 1),
         steps=None if distance is None else max(round(distance / cell), 1),
@@ -289,7 +283,7 @@ def roll_repeatedly(
             track = replace(track, front=track.rear)
         track, rolling_pass = rolling.one_pass(track, () if finished else (pressed,))
         finished.append(rolling_pass)
-    lifted, _ = track.settled(no_contact(problem), tolerance, length)
+    lifted, _ = track.settled(no_contact(problem), options.tolerance, length)
     return RepeatedRolling(tuple(finished), track, lifted, PosedScene(scene, grid, padding))
 
 

@@ -11,22 +11,19 @@ import numpy as np
 from contactstudy.accuracy.coarser import halved
 from contactstudy.accuracy.estimate import ErrorEstimate, error_estimate
 from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.device import Precision
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Padding, Paddings
 from contactstudy.elasticity.coefficients import Coefficients, Displacement
 from contactstudy.elasticity.convolution import antisymmetric, superposed
 from contactstudy.elasticity.viscoelastic import Trailing
-from contactstudy.evolution.march import StepSource
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import response, sudden
 from contactstudy.scene.inelastic import ViscoelasticHalfSpace
 from contactstudy.scene.load import ConstantLoad
-from contactstudy.scene.scene import PosedScene, Scene
+from contactstudy.scene.scene import PosedScene, Scene, ShapesSource
 from contactstudy.solvers.lagged import LaggedSolution, solve_lagged
-from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from contactstudy.solvers.solution import Solution
-from contactstudy.solvers.solve import SolveOptions, Solver
+from contactstudy.solvers.solve import SolveOptions
 
 # Fine cells a cell, and fine cells in all at most, on which the delayed displacement under the pressure is found.
 FINE, MOST = 8, 2**17
@@ -121,12 +118,9 @@ def solve_rolling(
     grid: Grid,
     padding: Padding | Paddings,
     *,
-    tolerance: float = 1e-8,
+    options: SolveOptions = SolveOptions(),  # noqa: B008 (a frozen value)
     change: float = 1e-6,
     max_passes: int = 100,
-    max_iterations: int = 2000,
-    solver: Solver = PreconditionedCG(),  # noqa: B008 (a frozen value)
-    precision: Precision = Precision.DOUBLE,
 ) -> SteadyRolling:
     """Solve `scene` moving at its ``rolling`` speed, in the frame of the contact.
 
@@ -139,8 +133,8 @@ def solve_rolling(
         The scene, with a ``rolling`` speed and a constant load.
     grid, padding
         Cells and boundary conditions, as for :func:`~contactstudy.solve`.
-    tolerance, max_iterations, solver, precision
-        How each pass is solved, see :func:`~contactstudy.solve`.
+    options
+        How each pass is solved.
     change
         Relative L1 change of the pressure below which passes end, see :func:`~contactstudy.solvers.lagged.solve_lagged`.
     max_passes
@@ -177,23 +171,23 @@ def solve_rolling(
             else problem
         )
 
-    assert problem.source is not None
+    assert isinstance(problem.source, ShapesSource)
     problem = replace(
         delayed(problem),
         description=PosedScene(scene, grid, padding),
-        source=StepSource(problem.source, delayed),
+        source=problem.source.with_step(delayed),
     )
     settled = solve_lagged(
         problem,
         antisymmetric(odd, grid, padding) if odd else None,
-        SolveOptions(tolerance, max_iterations, solver, precision),
+        options,
         change=change,
         max_passes=max_passes,
     )
+    coarse = replace(options, tolerance=SETTLED / 10)
     solve_on = partial(
-        solve_rolling, scene, padding=padding, tolerance=SETTLED / 10, change=SETTLED, max_passes=max_passes,
-        max_iterations=max_iterations, solver=solver, precision=precision,
-    )  # fmt: skip
+        solve_rolling, scene, padding=padding, options=coarse, change=SETTLED, max_passes=max_passes
+    )
     return SteadyRolling(settled, odd, solve_on)
 
 

@@ -162,7 +162,7 @@ class StepControl:
             raise InvalidInput(f"evolve.error is {error!r}: {remedy}.")
         if error < ABOVE_TOLERANCE * tolerance:
             raise InvalidInput(
-                f"evolve.error is {error!r}: give {ABOVE_TOLERANCE} times evolve.tolerance or more, or a "
+                f"evolve.error is {error!r}: give {ABOVE_TOLERANCE} times the tolerance of evolve.options or more, or a "
                 "smaller tolerance."
             )
         return cls(error, SHARE * error)

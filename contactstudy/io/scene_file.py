@@ -2,7 +2,7 @@
 
 import tomllib
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from math import inf
 from os import PathLike
@@ -401,14 +401,14 @@ class SceneFile:
             error=self.time_steps.error,
             folder=folder,
             progress=progress,
-            **self._options,
+            options=self.settings,
         )
 
     def roll(self, planned: Plan | None = None) -> "SteadyRolling":
         """Solve a scene that rolls steadily; see :func:`~contactstudy.solve_rolling`."""
         from contactstudy.evolution.rolling import solve_rolling
 
-        return solve_rolling(self.scene, *self._where(planned), **self._options)
+        return solve_rolling(self.scene, *self._where(planned), options=self.settings)
 
     def lubricate(self, planned: Plan | None = None) -> "LubricatedContact":
         """Solve a lubricated scene, with an estimate of its errors in plane strain; see `solve_lubricated`."""
@@ -426,13 +426,6 @@ class SceneFile:
             planned = planned or self.plan()
             grid, padding = planned.grid, padding or planned.padding
         return grid, padding
-
-    @property
-    def _options(self) -> dict[str, Any]:
-        """The options of a solve by their names."""
-        return {
-            option.name: getattr(self.settings, option.name) for option in fields(self.settings)
-        }
 
 
 def read_scene(path: str | PathLike[str]) -> SceneFile:

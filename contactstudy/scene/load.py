@@ -326,37 +326,3 @@ class SineLoad:
 
     def _angle(self, time: float) -> float:
         return 2 * pi * self.frequency * time + self.phase
-
-
-@dataclass(frozen=True)
-class SuddenLoad:
-    """Load `per_length` [N/m] that is applied suddenly at `start` [s] and held."""
-
-    per_length: float
-    start: float
-
-    @property
-    def largest(self) -> float:
-        """Largest load [N/m]."""
-        return self.per_length
-
-    @property
-    def end(self) -> float:
-        """Time of application [s], the last that the load describes."""
-        return self.start
-
-    def breaks(self, end: float) -> tuple[float, ...]:
-        """Return the time of application [s], where the load jumps."""
-        return (self.start,)
-
-    def before(self, time: float) -> float:
-        """Return the load [N/m] just before `time` [s]."""
-        return self.per_length if time > self.start else 0.0
-
-    def at(self, time: float) -> float:
-        """Return the load [N/m] from `time` [s] on."""
-        return self.per_length if time >= self.start else 0.0
-
-    def mean(self, start: float, end: float) -> float:
-        """Return the load [N/m], which is constant after its application."""
-        return self.per_length

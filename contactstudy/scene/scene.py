@@ -94,6 +94,10 @@ class ShapesSource:
         """Return the problem on `grid`."""
         return self.make(grid)
 
+    def with_step(self, step: Callable[[Problem], Problem]) -> "ShapesSource":
+        """Return this source with `step` applied to each problem that it makes."""
+        return replace(self, make=lambda grid: step(self.make(grid)))
+
 
 def sized(shapes: tuple[Shape, ...], grid: Grid) -> tuple[Shape, ...]:
     """Return `shapes` with the extent of `grid` given to heights that stand cell for cell on it."""

@@ -117,7 +117,7 @@ class EvolutionCase:
             error=self.error,
             scheme=cs.Scheme[self.scheme],
             step_error=cs.StepError[self.step_error],
-            tolerance=self.tolerance,
+            options=cs.SolveOptions(self.tolerance),
         )
 
     def record(self, result: cs.Evolution) -> Mapping[str, xr.Variable]:

@@ -152,7 +152,9 @@ def test_a_wave_in_full_contact_relaxes_by_itself() -> None:
     body = cs.ViscoelasticHalfSpace(0.3, 0.2, ((0.5, 0.4), (0.2, 3.0)))
     scene = cs.Scene(cs.LineLoad(1.0), (body, RIGID), (cs.Waviness(1e-3, across=1.0, along=1e9),))
     times = np.linspace(0, 2, 201)
-    found = cs.evolve(scene, grid, (EXACT, EXACT), times=times, tolerance=1e-11, step_error=NONE)
+    found = cs.evolve(
+        scene, grid, (EXACT, EXACT), times=times, options=cs.SolveOptions(1e-11), step_error=NONE
+    )
     wave = np.cos(2 * pi * grid.x) @ found.pressure[:, :, 0].T
     relaxed = 0.3 + 0.5 * np.exp(-times / 0.4) + 0.2 * np.exp(-times / 3)
     # the step is a 40th of the shortest time: linear pressure is out by its square over 12
@@ -171,7 +173,7 @@ def test_a_period_may_be_counted_twice() -> None:
             cs.Grid((64, 16 * count), (width, period * count)),
             EXACT,
             times=times,
-            tolerance=1e-10,
+            options=cs.SolveOptions(1e-10),
             step_error=NONE,
         ).pressure
         for count in (1, 2)

@@ -14,7 +14,6 @@ from contactstudy.domain.fields import Array
 from contactstudy.evolution import checkpoint
 from contactstudy.evolution.evolve import _load
 from contactstudy.evolution.memory import Contribution, Step
-from contactstudy.scene.load import SuddenLoad
 from tests.contactstudy.evolution.creeping import LOAD, RIGID, SOLID, rolling_cylinder
 
 EXACT = cs.ExactPeriodicity()
@@ -343,11 +342,18 @@ def test_a_summary_is_of_the_last_of_its_instants() -> None:
 def test_a_load_without_times_is_sudden_at_zero_or_where_the_times_begin(
     times: object, start: float
 ) -> None:
-    assert _load(ELASTIC, GRID, times) == SuddenLoad(LOAD, start)  # type: ignore[arg-type]
+    load = _load(ELASTIC, GRID, times)  # type: ignore[arg-type]
+    assert load == cs.LoadHistory((start,), (LOAD,))
 
 
 def test_a_march_may_be_told_not_to_iterate() -> None:
-    found = cs.evolve(ELASTIC, cs.Grid((8, 1), (0.6, 1.0)), EXACT, times=[0.0], max_iterations=0)
+    found = cs.evolve(
+        ELASTIC,
+        cs.Grid((8, 1), (0.6, 1.0)),
+        EXACT,
+        times=[0.0],
+        options=cs.SolveOptions(max_iterations=0),
+    )
     assert found.status is cs.Status.ITERATION_LIMIT
 
 

@@ -91,7 +91,7 @@ def cycle(cell: float, steps: int, *, kinematic: bool = False) -> xr.Dataset:
         EXACT,
         times=[*np.linspace(0, 1, steps + 1), 2],
         step_error=cs.StepError.NONE,
-        tolerance=1e-7,
+        options=cs.SolveOptions(1e-7),
     )
     assert found.status is cs.Status.CONVERGED
     dataset = found.to_dataset().squeeze("y")
@@ -219,7 +219,9 @@ def test_unloading_from_three_times_yield_is_elastic() -> None:
 def test_loading_again_is_elastic_up_to_where_it_was() -> None:
     scene = replace(pressed(3), load=cs.LoadHistory((0, 1, 2, 3), (0, load(3), 0, load(3))))
     grid = grid_of(3, 0.2)
-    found = cs.evolve(scene, grid, EXACT, times=(0, 0.5, 1, 2, 2.5, 3), tolerance=1e-9)
+    found = cs.evolve(
+        scene, grid, EXACT, times=(0, 0.5, 1, 2, 2.5, 3), options=cs.SolveOptions(1e-9)
+    )
     strains = found.to_dataset()["plastic_strain"]
     unit = YIELD / YOUNG
     # what the Newton method leaves over
@@ -274,10 +276,10 @@ def test_two_equal_bodies_that_yield_share_the_gap_evenly() -> None:
 
 def test_the_volume_grows_to_what_yields(monkeypatch: pytest.MonkeyPatch) -> None:
     scene, grid = pressed(4, hardening=0.02), grid_of(4, 0.2, 4.8)
-    generous = cs.evolve(scene, grid, EXACT, times=(0, 0.5, 1), tolerance=1e-7)
+    generous = cs.evolve(scene, grid, EXACT, times=(0, 0.5, 1), options=cs.SolveOptions(1e-7))
     monkeypatch.setattr(yielding_volume, "SHARE", 2.0)
     monkeypatch.setattr(yielding_volume, "ROOM", 0.0)
-    tight = cs.evolve(scene, grid, EXACT, times=(0, 0.5, 1), tolerance=1e-7)
+    tight = cs.evolve(scene, grid, EXACT, times=(0, 0.5, 1), options=cs.SolveOptions(1e-7))
     assert (
         tight.frames[0].joint_state["strain0"].shape < tight.frames[-1].joint_state["strain0"].shape
     )
@@ -291,8 +293,8 @@ def test_a_sudden_load_is_applied_by_parts_and_says_its_error() -> None:
     """Plastic strain depends on the path of the load, so that one step for all of it would have an error."""
     scene, grid = pressed(3), grid_of(3, 0.2)
     sudden = replace(scene, load=cs.LineLoad(load(3)))
-    found = cs.evolve(sudden, grid, EXACT, times=(0,), tolerance=1e-7)
-    closer = cs.evolve(sudden, grid, EXACT, times=(0,), error=1.5e-2, tolerance=1e-7)
+    found = cs.evolve(sudden, grid, EXACT, times=(0,), options=cs.SolveOptions(1e-7))
+    closer = cs.evolve(sudden, grid, EXACT, times=(0,), error=1.5e-2, options=cs.SolveOptions(1e-7))
     fine = slowly(scene, grid)
 
     def error(one: cs.Evolution) -> float:
@@ -308,7 +310,7 @@ def slowly(scene: cs.Scene, grid: cs.Grid) -> np.ndarray:
     """The pressure under the largest load, by so many steps up to it that a tenth of the least error here is left."""
     times = np.linspace(0.3, 1, 48)
     return cs.evolve(
-        scene, grid, EXACT, times=times, step_error=cs.StepError.NONE, tolerance=1e-7
+        scene, grid, EXACT, times=times, step_error=cs.StepError.NONE, options=cs.SolveOptions(1e-7)
     ).pressure[-1]
 
 
@@ -316,7 +318,7 @@ def slowly(scene: cs.Scene, grid: cs.Grid) -> np.ndarray:
 def test_steps_are_chosen_for_an_error(ratio: float) -> None:
     """Also where yield begins in the last of them, of which a step twice as long knows little."""
     scene, grid = pressed(ratio), grid_of(ratio, 0.3 / ratio)
-    found = cs.evolve(scene, grid, EXACT, error=1e-2, tolerance=1e-6)
+    found = cs.evolve(scene, grid, EXACT, error=1e-2, options=cs.SolveOptions(1e-6))
     fine = slowly(scene, grid)
     off = np.abs(found.pressure[found.loads.argmax()] - fine).sum() / fine.sum()
     assert off < 1e-2
@@ -329,7 +331,7 @@ def test_steps_are_chosen_for_an_error(ratio: float) -> None:
 def test_a_march_goes_on_from_its_folder(tmp_path: Path) -> None:
     scene, grid = pressed(3), grid_of(3, 0.2)
     times = (0.0, 0.25, 0.5, 1.0, 2.0)
-    whole = cs.evolve(scene, grid, EXACT, times=times, tolerance=1e-7)
+    whole = cs.evolve(scene, grid, EXACT, times=times, options=cs.SolveOptions(1e-7))
 
     class Killed(Exception):
         pass
@@ -339,8 +341,18 @@ def test_a_march_goes_on_from_its_folder(tmp_path: Path) -> None:
             raise Killed
 
     with pytest.raises(Killed):
-        cs.evolve(scene, grid, EXACT, times=times, tolerance=1e-7, folder=tmp_path, progress=kill)
-    resumed = cs.evolve(scene, grid, EXACT, times=times, tolerance=1e-7, folder=tmp_path)
+        cs.evolve(
+            scene,
+            grid,
+            EXACT,
+            times=times,
+            options=cs.SolveOptions(1e-7),
+            folder=tmp_path,
+            progress=kill,
+        )
+    resumed = cs.evolve(
+        scene, grid, EXACT, times=times, options=cs.SolveOptions(1e-7), folder=tmp_path
+    )
     first, second = whole.to_dataset(), resumed.to_dataset()
     for name in ("pressure", "plastic_strain", "residual_stress", "equivalent_plastic_strain"):
         np.testing.assert_array_equal(first[name], second[name])
@@ -361,7 +373,13 @@ def test_a_march_goes_on_in_the_volume_to_which_it_had_grown(
                 raise KeyboardInterrupt
 
         return cs.evolve(
-            scene, grid, EXACT, times=times, tolerance=1e-7, folder=folder, progress=kill
+            scene,
+            grid,
+            EXACT,
+            times=times,
+            options=cs.SolveOptions(1e-7),
+            folder=folder,
+            progress=kill,
         )
 
     with pytest.raises(KeyboardInterrupt):
@@ -393,7 +411,7 @@ def test_strain_that_reaches_the_edge_of_the_width_is_said() -> None:
 def test_a_body_that_yields_can_wear() -> None:
     """The worn volume is k P s to rounding, and the cylinder sinks in as a softer one does."""
     scene = replace(pressed(3), load=cs.LineLoad(load(3)), wear=cs.Wear(1e-15, 1.0))
-    found = cs.evolve(scene, grid_of(3, 0.2), EXACT, times=(0, 1, 2), tolerance=1e-7)
+    found = cs.evolve(scene, grid_of(3, 0.2), EXACT, times=(0, 1, 2), options=cs.SolveOptions(1e-7))
     worn = found.to_dataset()["worn_depth"].isel(time=-1).sum().item() * found.grid.cell[0]
     assert worn == pytest.approx(2 * 1e-15 * load(3), rel=1e-9)
     assert found.peak_pressure[-1] < found.peak_pressure[0]

@@ -31,7 +31,9 @@ def evolved(scene: cs.Scene, cells: tuple[int, int], period: float) -> cs.Evolut
     """With cells of a sixth of the half-width, along a ``period`` in half-widths."""
     a = half_width(2.5)
     grid = cs.Grid(cells, (cells[0] * a / 6, period * a))
-    return cs.evolve(scene, grid, EXACT, times=TIMES, tolerance=1e-7, step_error=cs.StepError.NONE)
+    return cs.evolve(
+        scene, grid, EXACT, times=TIMES, options=cs.SolveOptions(1e-7), step_error=cs.StepError.NONE
+    )
 
 
 def test_a_smooth_cylinder_is_in_plane_strain_in_any_number_of_cells() -> None:

@@ -6,7 +6,6 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.evolution.steps import Mark, schedule
-from contactstudy.scene.load import SuddenLoad
 
 LOAD = cs.LoadHistory(times=(0.0, 1.0, 1.0, 3.0), per_length=(0.0, 2.0, 5.0, 1.0))
 
@@ -61,7 +60,7 @@ def test_times_that_cannot_be_marched_through_are_refused(times: object) -> None
 
 
 def test_a_load_without_an_end_needs_times() -> None:
-    sudden = SuddenLoad(3.0, start=0.5)
+    sudden = cs.LoadHistory((0.5,), (3.0,))
     with pytest.raises(cs.InvalidInput, match=r"Scene\.load has no end: give times"):
         schedule(sudden, None)
     (only,) = schedule(sudden, (0.5,))

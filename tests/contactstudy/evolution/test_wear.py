@@ -45,7 +45,9 @@ def test_a_wave_decays_by_the_implicit_recursion_to_rounding(step: float) -> Non
     """``(1 + k ds / lambda)^-n`` for a wave of eigenvalue lambda, and so without end for long steps."""
     grid = cs.Grid((64, 1), (1.0, 1.0))
     times = step * np.arange(6)
-    found = cs.evolve(WAVY, grid, (EXACT, EXACT), times=times, tolerance=1e-12, step_error=NONE)
+    found = cs.evolve(
+        WAVY, grid, (EXACT, EXACT), times=times, options=cs.SolveOptions(1e-12), step_error=NONE
+    )
     expected = (1 + step / eigenvalue(grid)) ** -np.arange(6.0)
     # the first amplitude is 3e-3 of the mean pressure, of which the solver leaves 1e-12
     np.testing.assert_allclose(wave(found), expected, atol=1e-8)
@@ -60,7 +62,7 @@ def test_a_wave_decays_by_the_explicit_recursion_on_cells_that_bear_it() -> None
         grid,
         (EXACT, EXACT),
         times=times,
-        tolerance=1e-12,
+        options=cs.SolveOptions(1e-12),
         step_error=NONE,
         scheme=Scheme.EXPLICIT,
     )
@@ -83,7 +85,7 @@ def test_a_wave_decays_as_the_exponential_with_the_order_of_the_scheme() -> None
                 grid,
                 (EXACT, EXACT),
                 times=times,
-                tolerance=1e-11,
+                options=cs.SolveOptions(1e-11),
                 step_error=NONE,
                 scheme=scheme,
             )
@@ -104,7 +106,9 @@ def test_the_pressure_of_a_punch_evens_out_at_the_known_rate(cells: int) -> None
         shapes = (Tilted(tilt),) if tilt else ()
         scene = cs.Scene(cs.LineLoad(1.0), (ELASTIC, RIGID), shapes, wear=cs.Wear(1.0, 1.0))
         times = step * np.arange(200)
-        found = cs.evolve(scene, grid, EXACT, times=times, tolerance=1e-12, step_error=NONE)
+        found = cs.evolve(
+            scene, grid, EXACT, times=times, options=cs.SolveOptions(1e-12), step_error=NONE
+        )
         uneven = np.linalg.norm(found.pressure[:, :, 0] - 0.5, axis=1)
         if tilt:
             odd = found.pressure[:, :, 0] - found.pressure[:, ::-1, 0]
@@ -187,7 +191,7 @@ def test_an_explicit_march_breaks_where_it_is_said_to() -> None:
             grid,
             EXACT,
             times=times,
-            tolerance=1e-12,
+            options=cs.SolveOptions(1e-12),
             step_error=NONE,
             scheme=Scheme.EXPLICIT,
         )

@@ -59,7 +59,9 @@ def test_a_plan_makes_room_for_what_yields(ratio: float) -> None:
     plan = cs.plan(scene, error=8e-2)
     assert plan.grid.cells[1] == 1
     assert plan.error <= 8e-2
-    found = cs.evolve(scene, plan.grid, plan.padding, times=(0.0, 1.0), error=8e-2, tolerance=1e-6)
+    found = cs.evolve(
+        scene, plan.grid, plan.padding, times=(0.0, 1.0), error=8e-2, options=cs.SolveOptions(1e-6)
+    )
     assert found.status is cs.Status.CONVERGED
     assert plan.steps / 3 < found.steps < 3 * plan.steps
     assert found.grid_error < 8e-2

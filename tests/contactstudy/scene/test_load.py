@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.scene.load import SuddenLoad
 
 
 def test_a_history_is_linear_jumps_and_is_held() -> None:
@@ -65,7 +64,7 @@ def test_a_zero_is_met_to_rounding() -> None:
 
 
 def test_a_sudden_load_is_there_from_its_start_on() -> None:
-    load = SuddenLoad(3.0, 2.0)
+    load = cs.LoadHistory((2.0,), (3.0,))
     assert (load.largest, load.end, load.breaks(9.0)) == (3.0, 2.0, (2.0,))
     assert [load.at(t) for t in (1.9, 2.0, 2.1)] == [0, 3, 3]
     assert [load.before(t) for t in (1.9, 2.0, 2.1)] == [0, 0, 3]

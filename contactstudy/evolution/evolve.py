@@ -93,8 +93,10 @@ def joint_memory(
 class StepError(Enum):
     """Choice of how the error by the steps in time is estimated."""
 
-    COMPANION = "by a second march with steps twice as long, which costs half as much again"
-    NONE = "not at all: it is infinite"
+    #: By a second march with steps twice as long, at half the cost of the first.
+    COMPANION = "companion"
+    #: No estimate: the error is infinite.
+    NONE = "none"
 
 
 def evolve(

@@ -1,6 +1,5 @@
 """Repeated rolling in plane strain: the plastic strain and residual stress that passes of a contact leave behind."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import inf
 from typing import TYPE_CHECKING
@@ -106,18 +105,18 @@ class RepeatedRolling:
     def plastic_strain(self) -> Array:
         """Plastic strain (pass, component, z) that each pass leaves behind."""
         basis = self.track.operator.basis
-        return np.asarray(np.einsum("ct,ncl->ntl", basis, self._per_pass(_strain)))
+        return np.asarray(np.einsum("ct,ncl->ntl", basis, self._per_pass("strain")))
 
     @property
     def equivalent_plastic_strain(self) -> Array:
         """Equivalent plastic strain (pass, z) that each pass leaves behind."""
-        return self._per_pass(_equivalent)
+        return self._per_pass("equivalent")
 
     @property
     def residual_stress(self) -> Array:
         """Residual stress (pass, component, z) [Pa] after each pass.
 
-        Only xx and yy differ from zero: the others balance in a half-space without end.
+        Only xx and yy differ from zero: equilibrium of an infinite half-space that does not vary along x and y.
         """
         moduli = self.track.operator.moduli
         strain, nu = self.plastic_strain, moduli.poisson_ratio
@@ -186,20 +185,14 @@ class RepeatedRolling:
         dataset: xr.Dataset = presentation("RepeatedRolling.to_dataset")(self)
         return dataset
 
-    def _per_pass(self, part: Callable[[DepthProfile], Array]) -> Array:
-        layers = len(self.depths)
-        return np.stack([part(each_pass.profile.deeper(layers)) for each_pass in self.passes])
+    def _per_pass(self, name: str) -> Array:
+        """Return the profiles called `name` of all passes (pass, ..., z), with layers of zeros below shallow ones."""
+        profiles = (getattr(each_pass.profile, name) for each_pass in self.passes)
+        return np.stack([with_zero_layers(profile, len(self.depths)) for profile in profiles])
 
     def _added_per_pass(self, kept: Array) -> Array:
+        """Return what each pass adds to values (pass, ...) that are kept from pass to pass."""
         return np.diff(kept, axis=0, prepend=np.zeros_like(kept[:1]))
-
-
-def _strain(profile: DepthProfile) -> Array:
-    return profile.strain
-
-
-def _equivalent(profile: DepthProfile) -> Array:
-    return profile.equivalent
 
 
 # Depth of the first layers, in lengths of the contact; they are made deeper where the last one yields.
@@ -221,10 +214,11 @@ def roll_repeatedly(
 ) -> RepeatedRolling:
     """Roll the contact of `scene` to larger x over an elastic-plastic half-space, `passes` times, in plane strain.
 
-    The half-space has no end: ahead of the window it is as the previous pass left it, behind the window as this pass
-    leaves it. The contact is pressed at once, then rolls by one cell in each step; the next pass follows on. The
-    heights of the other body move with the contact. The error is of first order in the cell width: halve the cells, and
-    the change is about the error that remains.
+    The half-space is infinite: in front of the window it is as the previous pass left it, behind the window as this
+    pass leaves it. The full load is applied at once, then the contact rolls by one cell in each step, from one pass to
+    the next. The
+    heights of the other body move with the contact. The error is of first order in the cell width: the
+    change on cells of half the width estimates the error that remains.
 
     Parameters
     ----------
@@ -234,7 +228,7 @@ def roll_repeatedly(
         Window that moves with the contact, of one cell along the length. Everything that yields below the contact must
         be in it.
     padding
-        Boundary conditions: no end across, periodic along.
+        Boundary conditions: an infinite surface across, periodic along.
     passes
         Number of passes, from 1 on.
     pressure
@@ -287,7 +281,7 @@ def roll_repeatedly(
     return RepeatedRolling(tuple(finished), track, lifted, PosedScene(scene, grid, padding))
 
 
-# The strain behind is a mean over about half of the window: the distance from the contact to its edge.
+# The strain behind the window is a mean over about half of its width: the distance from the contact to its edge.
 MEAN = 2
 # The contact at the end of a step, and the iterations of Newton's method that the step took.
 Step = tuple[Solution, int]
@@ -328,7 +322,7 @@ class _Rolling:
         track
             The half-space before the pass.
         first
-            Steps that pressed the contact on, which count as part of the pass.
+            Steps that applied the load, which count as part of the pass.
         """
         grid = track.operator.volume.grid
         steps, profiles, change = list(first), [track.rear], inf
@@ -346,7 +340,8 @@ class _Rolling:
         statuses = [solution.status for solution, _ in steps]
         if self.steps is None and change >= self.steady:
             statuses.append(Status.NOT_CONVERGED)
-        # judged at the end only: until the strain is steady, the mean behind differs from what leaves the window
+        # checked at the end only: until the strain is steady, the mean strain behind differs from the strain that leaves
+        # the window
         flow = track.equivalent - embedded(before.equivalent, 0, track.operator.volume)
         if flow[:, [0, -1]].max() > self.steady:
             statuses.append(Status.YIELD_AT_EDGE)

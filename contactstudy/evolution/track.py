@@ -22,8 +22,10 @@ from contactstudy.solvers.yielding_bodies import Hardening, YieldingBodies
 class RollingPressure(Enum):
     """Choice of the pressure that rolls over a half-space."""
 
-    SETTLED = "that of the contact, which plastic strain changes"
-    ELASTIC = "that of the elastic contact, whatever yields, as Merwin & Johnson (1963) assume"
+    #: Pressure of the contact solved together with the plastic strain.
+    SETTLED = "settled"
+    #: Pressure of the elastic contact throughout, as Merwin & Johnson (1963) assume.
+    ELASTIC = "elastic"
 
 
 class LowerableContact(Protocol):

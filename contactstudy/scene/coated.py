@@ -73,7 +73,7 @@ class CoatedHalfSpace:
         if self.coating == self.substrate:
             return self.compliance
         k = WAVE * self.thickness / half_width
-        remainder = float(np.real(self._layer.rest(np.array([k])))[0])
+        remainder = float(np.real(self._layer.remainder(np.array([k])))[0])
         return self.compliance * (1 + self._layer.contrast * math.exp(-2 * k) + remainder)
 
     def response(self, datum: float) -> Mapping[Coefficients, float]:

@@ -1,14 +1,14 @@
-"""Plastic strain in plane strain, on an axis across that goes on beyond the grid.
+"""Stress by plastic strain in plane strain, on an infinite axis across the contact.
 
 Closed forms of the stress by a cell of plastic strain or by a pressed cell: means over cells of the Airy stress
 function of a half-space free of traction, ``G = [r^2 ln(r / R) + 2 z z'] / (8 pi)``, which solves
 ``nabla^4 G = delta`` with G = dG/dz = 0 at z = 0; r is the distance from the source and R that from its image. Every
-mean is a difference over edges of an integral of G. Fields are convolved across by real matrices that take every layer
-to every layer, wave by wave: components are even in x but one, which is odd, and its waves times -i make the matrices
-real. Transforms are padded to twice the cells, without error.
+mean is a difference over edges of an integral of G. Fields are convolved across wave by wave, with a real matrix between
+all layers for each wave: one component is odd in x, the others are even, and multiplying the waves of the odd one by -i
+makes the matrices real. Transforms are padded to twice the cells, which is exact.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -181,7 +181,7 @@ class PlaneStrainOperator:
 
     An :class:`~contactstudy.elasticity.eigenstrain.volume.EigenstrainOperator`. Strain and stress are means over cells,
     so that the stress relaxed by a piecewise constant strain is the derivative of its elastic energy: a symmetric map in
-    the inner product of cell volumes. Transforms across are padded to twice the cells, without error.
+    the inner product of cell volumes. Transforms across are padded to twice the cells, which is exact.
     """
 
     volume: Volume
@@ -203,7 +203,7 @@ class PlaneStrainOperator:
         return stress
 
     def lift(self, strain: Array) -> Array:
-        """Return how far plastic `strain` moves the unloaded surface into the body, (x, 1) [m]."""
+        """Return the displacement (x, 1) [m] of the unloaded surface into the body by plastic `strain`."""
         volume, spectrum = self.volume, self._pressure_spectrum
         first, last = volume.first, volume.last
         padded = self._padded_grid
@@ -224,7 +224,7 @@ class PlaneStrainOperator:
     def self_blocks(self) -> Array:
         """Stress that strain in a cell takes from that cell itself, by layer (layers, 3, 3) [Pa]."""
         mixing = self._mixing
-        blocks: Array = np.einsum("ai,lab,bj->lij", mixing, self._in_plane_self_blocks, mixing)
+        blocks: Array = np.einsum("ai,lab,bj->lij", mixing, self._spectrum_and_blocks[1], mixing)
         blocks[:, 1, 1] += self.moduli.youngs_modulus * BASIS[1, 1] ** 2
         return blocks
 
@@ -267,7 +267,9 @@ class PlaneStrainOperator:
 
     def _relaxed(self, strain: Array) -> Array:
         """Return the in-plane stress (3, layers, x, 1) [Pa] that plastic `strain` relaxes: minus its stress."""
-        return convolved(self._strain_spectrum, self.in_plane(strain)[..., 0], ODD)[..., None]
+        return convolved(self._spectrum_and_blocks[0], self.in_plane(strain)[..., 0], ODD)[
+            ..., None
+        ]
 
     @property
     def _padded_grid(self) -> int:
@@ -290,55 +292,53 @@ class PlaneStrainOperator:
         around[..., offsets % padded] = np.stack((xx, zz, 2**0.5 * xz))
         return np.asarray(fft.rfft(around, axis=-1))
 
-    @cached_property
-    def _strain_spectrum(self) -> Array:
-        """Real matrices (waves, 3 layers, 3 layers) from in-plane strain to relaxed stress [Pa]."""
-        return self._spectrum_and_blocks[0]
+    def relaxed_means(self, count: int, layer: int) -> Iterator[tuple[int, int, Array]]:
+        """Yield the in-plane stress [Pa] of one `layer` that in-plane strain relaxes, for each pair of components.
 
-    @property
-    def _in_plane_self_blocks(self) -> Array:
-        """Relaxed in-plane stress of a cell by its own in-plane strain (layers, 3, 3) [Pa]."""
-        return self._spectrum_and_blocks[1]
+        Each item is the component i of the stress, the component j of the unit strain, and the means over a cell
+        (layers of the strain, x) at `count` offsets 0, 1, 2 ... across.
+        """
+        means = influence(count, self.edges_in_cells, layer)
+        for i, j in np.ndindex(3, 3):
+            yield i, j, (self.moduli.plane_strain * FACTORS[i, j]) * means[DERIVATIVES[i][j]]
 
     @cached_property
     def _spectrum_and_blocks(self) -> tuple[Array, Array]:
-        """Strain spectrum, and the relaxed stress of a cell by its own strain."""
+        """Matrices (waves, 3 layers, 3 layers) from in-plane strain to relaxed stress [Pa], and that of a cell itself.
+
+        The latter is the stress (layers, 3, 3) [Pa] of a cell that its own in-plane strain relaxes.
+        """
         layers, across, _ = self.volume.shape
-        modulus = self.moduli.plane_strain
         spectrum = np.empty((padded_cells(across) // 2 + 1, 3, layers, 3, layers))
         self_blocks = np.empty((layers, 3, 3))
         for layer in range(layers):
-            means = influence(across, self.edges_in_cells, layer)
-            for i in range(3):
-                for j in range(3):
-                    coefficients = (modulus * FACTORS[i, j]) * means[DERIVATIVES[i][j]]
-                    self_blocks[layer, i, j] = coefficients[layer, 0]
-                    spectrum[:, i, layer, j] = real_spectrum(
-                        coefficients, is_odd=(i == ODD, j == ODD)
-                    ).T
+            for i, j, means in self.relaxed_means(across, layer):
+                self_blocks[layer, i, j] = means[layer, 0]
+                spectrum[:, i, layer, j] = real_spectrum(means, is_odd=(i == ODD, j == ODD)).T
         return spectrum.reshape(-1, 3 * layers, 3 * layers), self_blocks
 
 
-# Odd terms are summed over this number of depths of the volume; beyond, by their asymptote.
+# Odd terms are summed up to a distance of this number of depths of the volume; beyond it their asymptote is used.
 DEPTHS = 16
-# Signs that in-plane components get when x changes its own.
+# Factors on the in-plane components when x changes its sign.
 MIRRORED = np.where(np.arange(len(BASIS)) == ODD, -1.0, 1.0)
-# Powers of the distance with which odd terms fall.
+# Odd terms decay like these negative powers of the distance.
 POWERS = np.array([3.0, 5.0])
 
 
 @dataclass(frozen=True, eq=False)
 class HalfLines:
-    """The surroundings of an operator's volume: one strain profile (component, layers) on its left, one on its right.
+    """Influence of uniform strain profiles (component, layers) on the left and on the right of an operator's volume.
 
-    Closed forms are summed over all cells of either side. Sums of terms even across follow from the sum over both sides,
-    in closed form; sums of odd terms have an asymptote beyond `DEPTHS` depths, to 1e-6 of the largest.
+    Coefficients are summed over all cells of either side. Sums of terms that are even across follow from the closed form
+    of the sum over both sides. Odd terms are replaced by their asymptote beyond `DEPTHS` depths, with an error of 1e-6
+    of the largest.
     """
 
     operator: PlaneStrainOperator
 
     def stress(self, left: Array, right: Array) -> Array:
-        """Return the deviatoric stress (3, layers, x, 1) [Pa] that the profiles make in the volume, without pressure."""
+        """Return the deviatoric stress (3, layers, x, 1) [Pa] that the profiles cause in the volume, without pressure."""
         return -self.operator.deviator(self._relaxed(left, right))
 
     def tensor(self, left: Array, right: Array) -> Array:
@@ -369,20 +369,16 @@ class HalfLines:
         operator = self.operator
         layers, across, _ = operator.volume.shape
         stresses = np.empty((3, layers, 3, layers, across))
-        modulus = operator.moduli.plane_strain
         for layer in range(layers):
-            means = influence(self._count, operator.edges_in_cells, layer)
-            for i in range(3):
-                for j in range(3):
-                    coefficients = modulus * FACTORS[i, j] * means[DERIVATIVES[i][j]]
-                    if (i == ODD) != (j == ODD):
-                        sums = _odd_sums(coefficients)
-                    else:
-                        # strain that is the same everywhere leaves the stress xx of its own layer
-                        uniform = np.zeros((layers, 1))
-                        uniform[layer] = modulus if i == j == 0 else 0.0
-                        sums = _even_sums(coefficients, uniform)
-                    stresses[i, layer, j] = sums[:, :across]
+            for i, j, means in operator.relaxed_means(self._count, layer):
+                if (i == ODD) != (j == ODD):
+                    sums = _odd_sums(means)
+                else:
+                    # uniform strain leaves only the stress xx of its own layer
+                    uniform = np.zeros((layers, 1))
+                    uniform[layer] = operator.moduli.plane_strain if i == j == 0 else 0.0
+                    sums = _even_sums(means, uniform)
+                stresses[i, layer, j] = sums[:, :across]
         return stresses
 
     @cached_property
@@ -413,7 +409,7 @@ def _even_sums(values: Array, total: Array) -> Array:
 def _odd_sums(values: Array) -> Array:
     """Return sums of odd `values` (..., distance) over all distances above 0, above 1 ... on one side.
 
-    Beyond the last distance they are extrapolated by the powers of the distance with which they fall.
+    Beyond the last distance they are extrapolated with the powers `POWERS` of the distance.
     """
     last = values.shape[-1] - 1
     fitted = np.array([last, last // 2])

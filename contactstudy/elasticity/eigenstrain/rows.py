@@ -1,7 +1,7 @@
-"""Plastic strain that varies along a period, on an axis across that goes on beyond the grid.
+"""Stress by plastic strain that varies along a period, on an infinite axis across the contact.
 
-The mean along the length is plane strain and antiplane shear. Antiplane shear, the stress xy and yz by plastic strain
-that is the same along y, has closed forms: means over cells of the Green's function of the Laplacian with a free
+Its mean along the length is plane strain and antiplane shear. Antiplane shear, the stress xy and yz by plastic strain
+that does not vary along y, has closed forms: means over cells of the Green's function of the Laplacian with a free
 surface, ``N = (ln r + ln R) / (2 pi)``, where r is the distance from the source and R that from its image.
 """
 
@@ -108,9 +108,9 @@ def _integrals(x: Array, z: Array) -> tuple[Array, Array, Array]:
 
 # The tensors of plane strain, then sqrt(2) xy and sqrt(2) yz, in terms of xx, yy, zz, yz, xz, xy.
 BASIS = np.vstack((PLANE, np.eye(6)[[5, 3]] / 2**0.5))
-# Waves along the length with wave number k die out across like exp(-k |x|): they are cut off at this share.
+# A wave with wave number k along the length decays across like exp(-k |x|); it is cut off at this share.
 WRAP = 1e-8
-# Complex numbers of a field that are worked through together.
+# Number of complex values of a field that are transformed together.
 TOGETHER = 2**15
 
 
@@ -119,9 +119,10 @@ class RowOperator:
     """Linear maps on plastic strain that varies along a period, for more than one cell along.
 
     An :class:`~contactstudy.elasticity.eigenstrain.volume.EigenstrainOperator`. The mean along the length is plane
-    strain and antiplane shear, in closed form on an infinite axis. What varies along the length is summed over waves
-    that repeat across, in periods so long that a neighbour is felt by no more than `WRAP`. Waves longer than two cells
-    act on all layers, shorter ones, which make the edges of cells, on their own layer and on those next to it.
+    strain and antiplane shear, in closed form on an infinite axis. The part that varies along the length is a
+    sum of waves that repeat across, with periods so long that an image contributes no more than the share `WRAP`. Waves
+    longer than two cells act on all layers; shorter waves, which represent the edges of cells, act on their own layer and
+    on adjacent ones.
     """
 
     volume: Volume
@@ -149,7 +150,7 @@ class RowOperator:
         return self._from_pressure(pressure, Components.TENSOR)
 
     def lift(self, strain: Array) -> Array:
-        """Return how far plastic `strain` moves the unloaded surface into the body, (x, y) [m]."""
+        """Return the displacement (x, y) [m] of the unloaded surface into the body by plastic `strain`."""
         nx, ny = self.volume.grid.cells
         mean = self._plane.lift(strain[:3].mean(axis=-1, keepdims=True))
         along = np.zeros((nx, ny // 2 + 1), dtype=np.complex128)
@@ -210,7 +211,7 @@ class RowOperator:
             self._write(group.waves.stress_of_pressure(around, components), group, along)
         return self._transformed_back(along)
 
-    def _write(self, waves: Complex, group: "_Group", along: Complex) -> None:
+    def _write(self, waves: Complex, group: "WaveGroup", along: Complex) -> None:
         """Write waves (components, layers, period, orders) across, transformed back, to the cells of the volume."""
         across = along.shape[2]
         field = fft.ifft(waves, axis=2, overwrite_x=True, workers=threads())
@@ -221,7 +222,7 @@ class RowOperator:
         ny = self.volume.grid.cells[1]
         return np.asarray(fft.irfft(along, ny, axis=-1, workers=threads()))
 
-    def _grouped(self, strain: Array) -> Iterator[tuple["_Group", Complex]]:
+    def _grouped(self, strain: Array) -> Iterator[tuple["WaveGroup", Complex]]:
         """Yield each group with the waves (5, layers, period, orders) of `strain` that belong to it."""
         along = fft.rfft(strain, axis=-1, workers=threads())
         for group in self._groups:
@@ -241,17 +242,30 @@ class RowOperator:
         return AntiplaneOperator(self.volume, self.moduli)
 
     @cached_property
-    def _groups(self) -> tuple["_Group", ...]:
-        """Waves along the length except their mean, in groups."""
+    def _groups(self) -> tuple["WaveGroup", ...]:
+        """All waves along the length except the mean, in groups."""
         return tuple(_groups(self.volume, self.moduli))
 
 
 @dataclass(frozen=True, eq=False)
-class _Group:
-    """Waves of some `orders` along the length, with those across that repeat after a `period` in cells.
+class WaveGroup:
+    """Waves of some `orders` along the length, and all waves across that repeat after a `period` in cells.
 
-    Pressure and displacement matter in a `window` of the grid, which lies in the period at `around_window`, counted from
-    the first cell of the volume. `shares` (orders,) is 2 / period for waves that stand for their conjugates too.
+    Attributes
+    ----------
+    orders
+        Numbers of waves in the grid's period.
+    period
+        Period across, in cells.
+    window
+        Cells of the grid across whose pressure and displacement are coupled with the volume.
+    around_window
+        Index of each cell of the window in the period across, counted from the first cell of the volume.
+    shares
+        Share (orders,) of each wave in the strain of one cell: 2 / period where a wave represents its complex conjugate
+        too, else 1 / period.
+    waves
+        Stress and displacement of the waves.
     """
 
     orders: slice
@@ -262,8 +276,8 @@ class _Group:
     waves: Waves
 
 
-def _groups(volume: Volume, moduli: Moduli) -> Iterator[_Group]:
-    """Yield all waves along the length except their mean, in groups that are worked through together."""
+def _groups(volume: Volume, moduli: Moduli) -> Iterator[WaveGroup]:
+    """Yield all waves along the length except the mean, in groups that are transformed together."""
     layers, _, ny = volume.shape
     (nx, _), (dx, _) = volume.grid.cells, volume.grid.cell
     last = ny // 2
@@ -273,12 +287,12 @@ def _groups(volume: Volume, moduli: Moduli) -> Iterator[_Group]:
         window = slice(max(volume.first - fading, 0), min(volume.last + fading, nx))
         reach = max(volume.last - window.start, window.stop - volume.first)
         period = _odd(max(reach + fading, window.stop - window.start))
-        # waves that fade a little sooner may share the period
+        # shorter waves decay over a shorter distance and may use the same period
         count = max(1, min(TOGETHER // (layers * period), order if order < 8 else ny))
         orders = slice(order, min(order + count, last + 1))
         order = orders.stop
         numbers = np.arange(float(orders.start), orders.stop)
-        yield _Group(
+        yield WaveGroup(
             orders,
             period,
             window,
@@ -291,7 +305,7 @@ def _groups(volume: Volume, moduli: Moduli) -> Iterator[_Group]:
 def _odd(count: int) -> int:
     """Return the next odd length of fast transforms from `count` on.
 
-    An even length has a wave whose direction is not known.
+    An even length has a wave whose direction across is undefined.
     """
     count += 1 - count % 2
     while fft.next_fast_len(count) != count:

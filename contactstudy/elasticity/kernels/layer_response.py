@@ -1,6 +1,6 @@
-"""Response of a layered half-space to one wave of pressure, and its short-ranged part, the rest, in space.
+"""Response of a layered half-space to one wave of pressure, and its short-ranged remainder in space.
 
-The rest consists of two functions of one distance, tabulated once for each pair of materials.
+In space the remainder is two functions of one distance, tabulated once for each pair of materials.
 """
 
 from collections.abc import Callable
@@ -27,10 +27,10 @@ class LayerResponse:
     """Displacement of a layer on a half-space under a wave of pressure, over that of the layer's own half-space.
 
     With k the wave number times the thickness, the quotient is ``1 + D(k)`` with ``D = d0 exp(-2 k) + R(k)``; d0 is
-    `contrast`, and R is `rest`, which is zero at k = 0 and decays like ``k^2 exp(-2 k)``.
+    `contrast`, and R is the `remainder`, which is zero at k = 0 and decays like ``k^2 exp(-2 k)``.
 
     Source: plane strain of a bonded layer under normal pressure, without shear on its surface (Burmister 1945; Johnson
-    1985, sect. 5.8), which holds for every direction of the wave.
+    1985, sect. 5.8). It holds for every direction of the wave.
 
     Parameters
     ----------
@@ -64,22 +64,22 @@ class LayerResponse:
 
     @property
     def slope(self) -> float:
-        """Derivative of `rest` at k = 0."""
+        """Derivative of `remainder` at k = 0."""
         lam, kap, one_lam, one_kap = self._mismatch
         cross = lam * one_kap + kap * one_lam
         return (4 * kap + 2 * (2 * lam * kap - self.contrast * cross)) / (one_lam * one_kap)
 
     @property
     def nearest_pole(self) -> float:
-        """Lower bound of the distance of singularities of `rest` from k = 0."""
+        """Lower bound of the distance of singularities of `remainder` from k = 0."""
         return 0.2 / max(self.shear_ratio, 1.0)
 
     @property
     def first_pole(self) -> float:
-        """Lower bound of the distance of poles of `rest` in the right half-plane from the real axis."""
+        """Lower bound of the distance of poles of `remainder` in the right half-plane from the real axis."""
         return 0.85 * min(1.0, self.shear_ratio ** (-1 / 3) if self.shear_ratio else 1.0)
 
-    def rest(self, k: Numbers) -> Numbers:
+    def remainder(self, k: Numbers) -> Numbers:
         """Return R(k), the short-ranged response, without cancellation for small k or very unlike materials."""
         lam, kap, one_lam, one_kap = self._mismatch
         cross = lam * one_kap + kap * one_lam
@@ -95,10 +95,10 @@ class LayerResponse:
         return np.asarray(t * above / (one_lam * one_kap + u * cross + kap * higher_order))
 
     def taylor(self) -> tuple[float, float, float]:
-        """Return the coefficients of k^2, k^4 and k^6 in `rest`, which give its far field in space."""
+        """Return the coefficients of k^2, k^4 and k^6 in `remainder`, which give its far field in space."""
         around = 0.5 * self.nearest_pole
         turn = np.exp(2j * np.pi * np.arange(64) / 64)
-        series = np.real(np.fft.fft(self.rest(around * turn))) / 64
+        series = np.real(np.fft.fft(self.remainder(around * turn))) / 64
         second, fourth, sixth = (float(series[n] / around**n) for n in (2, 4, 6))
         return second, fourth, sixth
 
@@ -125,7 +125,7 @@ POINTS = 18
 LOST = 42.0
 
 
-class RestInSpace:
+class RemainderTables:
     """Tables in space of R(k), the short-ranged part of a :class:`LayerResponse`: `edge` and `strip`.
 
     Distances are in thicknesses. The tables are filled as they are used.
@@ -155,8 +155,8 @@ class RestInSpace:
     def _interpolated(
         self, s: Array, pieces: dict[int, Array], exact: Callable[[Array], Array]
     ) -> Array:
+        """Return a tabulated function at `s`, after adding to `pieces` those that `s` needs from `exact` values."""
         # frexp: s in [2^(e-1), 2^e)
-        """Return a tabulated function at `s`; `pieces` it lacks are made from its `exact` values."""
         piece = np.maximum(np.frexp(s)[1], 0)
         result = np.empty(s.shape)
         for number in np.unique(piece).tolist():
@@ -176,11 +176,11 @@ class RestInSpace:
         if s[0] >= LOST / response.first_pole:
             # along the imaginary axis, where J1 decays as K1; what is cut off is below rounding
             tau, weight = self._imaginary(float(s[0]))
-            even = np.real(response.rest(1j * tau)) / tau
+            even = np.real(response.remainder(1j * tau)) / tau
             far = k1(np.multiply.outer(s, tau)) @ (even * weight)
             return np.asarray((response.slope / s - 2 / np.pi * far) / s)
         k, weight = self._real(float(s[-1]))
-        share = np.real(response.rest(k)) / k * weight
+        share = np.real(response.remainder(k)) / k * weight
         return np.asarray(j1(np.multiply.outer(s, k)) @ share / s)
 
     def _strip_at(self, s: Array) -> Array:
@@ -188,11 +188,11 @@ class RestInSpace:
         response = self.response
         if s[0] >= LOST / response.first_pole:
             tau, weight = self._imaginary(float(s[0]))
-            even = np.real(response.rest(1j * tau)) / tau**2
+            even = np.real(response.remainder(1j * tau)) / tau**2
             far = np.exp(-np.multiply.outer(s, tau)) @ (even * weight)
             return np.asarray((np.pi / 2 * response.slope - far) / s)
         k, weight = self._real(float(s[-1]))
-        share = np.real(response.rest(k)) / k * weight
+        share = np.real(response.remainder(k)) / k * weight
         return np.asarray(np.sinc(np.multiply.outer(s, k) / np.pi) @ share)
 
     def _real(self, s: float) -> tuple[Array, Array]:
@@ -212,9 +212,9 @@ class RestInSpace:
 
 
 @lru_cache(maxsize=32)
-def rest_in_space(response: LayerResponse) -> RestInSpace:
+def remainder_tables(response: LayerResponse) -> RemainderTables:
     """Return the tables of one pair of materials."""
-    return RestInSpace(response)
+    return RemainderTables(response)
 
 
 def _composite(ends: Array) -> tuple[Array, Array]:

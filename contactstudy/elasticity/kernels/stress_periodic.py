@@ -1,5 +1,6 @@
 """Stress below a cell repeated along one axis or both, summed over all images."""
 
+from collections.abc import Callable
 from functools import cache
 
 import numpy as np
@@ -62,8 +63,7 @@ def stress_cell_periodic(
     poisson_ratio
         Poisson's ratio of the half-space.
     """
-    x = np.asarray(x, dtype=np.float64).reshape(-1, 1)
-    y = np.asarray(y, dtype=np.float64).reshape(1, -1)
+    x, y = _column_and_row(x, y)
     y = y - period * np.round(y / period)
     outer, inner = (np.maximum(np.abs(x.ravel()) + side * dx / 2, 0) for side in (1, -1))
     far = (np.hypot(inner, z) >= PLANE * period) | (dy == period)
@@ -75,8 +75,18 @@ def stress_cell_periodic(
     for periods in np.unique(reach[~far]).tolist():
         rows = ~far & (reach == periods)
         near = sorted(range(1 - 2 * periods, 2 * periods), key=abs, reverse=True)
+
+        def far_images(u: Array, v: Array, periods: int = periods) -> Array:
+            total = np.zeros(np.broadcast_shapes(u.shape, v.shape))
+            for position, weight in zip(*_tail(2 * periods), strict=True):
+                for side in (1, -1):
+                    image = v + side * position * period
+                    total += weight * stress_cell(component, u, image, z, dx, dy, poisson_ratio)
+            return total
+
         # small terms add up before they meet the large ones
-        total = _far_images(component, x[rows], y, z, (dx, dy), period, periods, poisson_ratio)
+        ends = periods * period, period / 2
+        total = _smooth(far_images, x[rows], y, ends, INTERPOLATED, component.parity)
         for m in near:
             total += stress_cell(component, x[rows], y + m * period, z, dx, dy, poisson_ratio)
         result[rows] = total
@@ -88,34 +98,42 @@ def plane_strain(component: Component, loaded_strip: Strip, poisson_ratio: float
     return np.asarray(component.plane(loaded_strip, poisson_ratio) / np.pi + 0 * loaded_strip.angle)
 
 
-def _far_images(
-    component: Component,
+def _column_and_row(x: ArrayLike, y: ArrayLike) -> tuple[Array, Array]:
+    """Return `x` as a column and `y` as a row, both of floats."""
+    column, row = (np.asarray(a, dtype=np.float64) for a in (x, y))
+    return column.reshape(-1, 1), row.reshape(1, -1)
+
+
+def _smooth(
+    field: Callable[[Array, Array], Array],
     x: Array,
     y: Array,
-    z: float,
-    cell: tuple[float, float],
-    period: float,
-    periods: int,
-    poisson_ratio: float,
+    ends: tuple[float, float],
+    counts: tuple[int, int],
+    parity: tuple[int, int],
 ) -> Array:
-    """Return the sum over images from ``2 periods`` on, seen from within `periods` of the axis.
+    """Return a smooth `field` at a column of `x` and a row of `y`, interpolated from Chebyshev points.
 
-    It is smooth there, and so interpolated.
+    Parameters
+    ----------
+    field
+        Returns the values (x, y) at a column and a row of offsets.
+    x, y
+        Offsets.
+    ends
+        Largest offset along each axis.
+    counts
+        Number of Chebyshev points along each axis.
+    parity
+        1 for an axis along which the field is even, -1 where it is odd.
     """
-    ends = periods * period, period / 2
     (u, from_x), (v, from_y) = (
         _interpolation(np.abs(a.ravel()), end, count)
-        for a, end, count in zip((x, y), ends, INTERPOLATED, strict=True)
+        for a, end, count in zip((x, y), ends, counts, strict=True)
     )
-    total = np.zeros((len(u), len(v)))
-    for position, weight in zip(*_tail(2 * periods), strict=True):
-        for side in (1, -1):
-            image = v + side * position * period
-            total += weight * stress_cell(component, u[:, None], image, z, *cell, poisson_ratio)
     # not through BLAS, which would start threads for it
-    smooth = np.einsum("iu,uj->ij", from_x, np.einsum("uv,jv->uj", total, from_y))
-    across, along = component.parity
-    return np.asarray(smooth * sign(x, across) * sign(y, along))
+    along = np.einsum("uv,jv->uj", field(u[:, None], v[None, :]), from_y)
+    return np.einsum("iu,uj->ij", from_x, along) * sign(x, parity[0]) * sign(y, parity[1])
 
 
 def _interpolation(at: Array, end: float, count: int) -> tuple[Array, Array]:
@@ -168,9 +186,9 @@ def stress_cell_doubly_periodic(
     """Return a component of stress over pressure (x, y) below a cell repeated along x and y.
 
     The displacement is periodic along both axes: the mean strain along the surface is zero, and so the mean of xx and yy
-    is ``-nu / (1 - nu)`` of the mean pressure. Without this, it would hang on the order of summation. The error is below
-    1e-12 of the largest component. Each row of :func:`stress_cell_periodic` less its strip dies out within a few
-    periods; the strips have a closed form together.
+    is ``-nu / (1 - nu)`` of the mean pressure. Without this condition the sum would depend on its order. The error is
+    below 1e-12 of the largest component. Each row of :func:`stress_cell_periodic` less its strip vanishes within a few
+    periods; all strips together have a closed form.
 
     Parameters
     ----------
@@ -187,8 +205,7 @@ def stress_cell_doubly_periodic(
     poisson_ratio
         Poisson's ratio of the half-space.
     """
-    x = np.asarray(x, dtype=np.float64).reshape(-1, 1)
-    y = np.asarray(y, dtype=np.float64).reshape(1, -1)
+    x, y = _column_and_row(x, y)
     if period > width:  # rows of the shorter period die out sooner
         turned = component.exchanged()
         arguments = y.T, x.T, z, dy, dx, period, width, poisson_ratio
@@ -203,17 +220,12 @@ def stress_cell_doubly_periodic(
         plane = plane_strain(component, strip(image, z, dx), poisson_ratio)
         return np.asarray(stress - plane * (dy / period))
 
-    # smooth from the second row on, so interpolated
-    u, from_x = _interpolation(np.abs(x.ravel()), width / 2, LATTICE_INTERPOLATED)
-    v, from_y = _interpolation(np.abs(y.ravel()), period / 2, LATTICE_INTERPOLATED)
-    far = np.zeros((len(u), len(v)))
-    for m in range(rows, 1, -1):
-        far += row(u.reshape(-1, 1), v.reshape(1, -1), m) + row(
-            u.reshape(-1, 1), v.reshape(1, -1), -m
-        )
-    even_x, even_y = component.parity
-    smooth = np.einsum("iu,uj->ij", from_x, np.einsum("uv,jv->uj", far, from_y))
-    total = smooth * sign(x, even_x) * sign(y, even_y)
+    def far_rows(u: Array, v: Array) -> Array:
+        return np.asarray(sum(row(u, v, m) + row(u, v, -m) for m in range(rows, 1, -1)))
+
+    # smooth from the second row on
+    points = LATTICE_INTERPOLATED, LATTICE_INTERPOLATED
+    total = _smooth(far_rows, x, y, (width / 2, period / 2), points, component.parity)
     for m in (1, -1, 0):
         total = total + row(x, y, m)
     strips = plane_strain(component, _strips(x, z, dx, width), poisson_ratio)

@@ -1,7 +1,6 @@
 """How long a pass goes on, on a track whose strain is written here."""
 
 from dataclasses import dataclass, replace
-from inspect import signature
 from types import SimpleNamespace
 from typing import Any
 
@@ -196,9 +195,3 @@ def test_a_pass_follows_on_what_the_one_before_has_left(monkeypatch: pytest.Monk
     assert begun == [("fresh", ("pressed",)), ("left by 1", ()), ("left by 2", ())]
     assert found.passes == ("pass 1", "pass 2", "pass 3")  # type: ignore[comparison-overlap]
     assert found.removed == "lifted"  # type: ignore[comparison-overlap]
-
-
-def test_passes_are_solved_with_the_defaults_of_a_solve() -> None:
-    ours, solve = (signature(one).parameters for one in (cs.roll_repeatedly, cs.solve))
-    for name in ("tolerance", "max_iterations", "solver", "precision"):
-        assert ours[name].default == solve[name].default, name

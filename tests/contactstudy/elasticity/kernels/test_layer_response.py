@@ -12,7 +12,7 @@ from tests.contactstudy.elasticity.kernels.layer_materials import LAYERS
 
 
 def rest(layer: LayerResponse, k: float) -> float:
-    return float(np.real(layer.rest(np.array([k])))[0])
+    return float(np.real(layer.remainder(np.array([k])))[0])
 
 
 def solved(layer: LayerResponse, k: float) -> mpf:
@@ -83,7 +83,7 @@ def test_a_layer_of_its_substrates_material_has_no_rest() -> None:
     alike = LayerResponse(1.0, 0.3, 0.3)
     k = np.geomspace(1e-6, 20, 50)
     assert alike.contrast == 0
-    assert np.abs(alike.rest(k)).max() <= 4 * np.finfo(float).eps
+    assert np.abs(alike.remainder(k)).max() <= 4 * np.finfo(float).eps
 
 
 def test_the_first_order_is_the_thin_film_constant() -> None:

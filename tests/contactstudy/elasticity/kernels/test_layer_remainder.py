@@ -1,19 +1,13 @@
-"""The short-ranged rest of a layer's coefficients: quadrature, image sums, and two methods for each."""
+"""The short-ranged remainder of a layer's coefficients: quadrature, image sums, and two methods for each."""
 
 import numpy as np
 import pytest
 from numpy.polynomial.legendre import leggauss
 from scipy.special import j0
 
-from contactstudy.elasticity.kernels import layer_rest
+from contactstudy.elasticity.kernels import layer_remainder
+from contactstudy.elasticity.kernels.layer_remainder import LayerRemainder, RemainderRow
 from contactstudy.elasticity.kernels.layer_response import LayerResponse
-from contactstudy.elasticity.kernels.layer_rest import (
-    _Row,
-    rest_cell,
-    rest_lattice,
-    rest_row,
-    rest_strip,
-)
 from tests.contactstudy.elasticity.kernels.layer_materials import LAYERS
 
 
@@ -28,7 +22,7 @@ def by_quadrature(layer: LayerResponse, x: float, y: float, dx: float, dy: float
     k, weight = panels(
         np.concatenate([[0.0], np.geomspace(1e-6, 0.25, 30), np.arange(0.5, 20.1, 0.25)]), 12
     )
-    share = np.real(layer.rest(k)) * weight
+    share = np.real(layer.remainder(k)) * weight
     u, across = panels(np.linspace(x - dx / 2, x + dx / 2, 3), 16)
     v, along = panels(np.linspace(y - dy / 2, y + dy / 2, 3), 16)
     r = np.hypot(u[:, None], v)
@@ -46,7 +40,7 @@ def test_a_cell_is_the_integral_over_it_and_over_all_waves(name: str) -> None:
         (7.2, 0.0, 0.6, 2.4),
         (3.0, 21.0, 3.0, 1.0),
     ):
-        found = rest_cell(layer, h, np.array(x * h), np.array(y * h), dx * h, dy * h)
+        found = LayerRemainder(layer, h).cell(np.array(x * h), np.array(y * h), dx * h, dy * h)
         # of the quadrature, whose rounding is that of the largest value
         assert abs(float(found) - by_quadrature(layer, x, y, dx, dy) * h) <= 1e-11 * abs(own)
 
@@ -56,12 +50,12 @@ def test_a_cell_is_the_integral_over_it_and_over_all_waves(name: str) -> None:
 def test_cells_add_up(name: str, size: tuple[float, float]) -> None:
     """A cell is the sum of its parts, at any aspect and thickness."""
     layer, (dx, dy) = LAYERS[name], size
-    whole = rest_cell(layer, 1.0, np.array([[0.0], [dx]]), np.array([0.0, dy]), dx, dy)
+    whole = LayerRemainder(layer, 1.0).cell(np.array([[0.0], [dx]]), np.array([0.0, dy]), dx, dy)
     parts = np.zeros((2, 2))
     for left in (-0.25, 0.25):
         for below in (-0.25, 0.25):
             x, y = np.array([[0.0], [dx]]) + dx * left, np.array([0.0, dy]) + dy * below
-            parts += rest_cell(layer, 1.0, x, y, dx / 2, dy / 2)
+            parts += LayerRemainder(layer, 1.0).cell(x, y, dx / 2, dy / 2)
     np.testing.assert_allclose(parts, whole, atol=1e-12 * np.abs(whole).max())
 
 
@@ -73,11 +67,11 @@ def test_a_row_is_the_sum_of_its_images(name: str, thickness: float) -> None:
     images = 4000
     shifts = period * np.arange(-images, images + 1)
     away = (y[:, None] + shifts).ravel()
-    summed = rest_cell(layer, thickness, x, away, dx, dy).reshape(3, 3, -1).sum(axis=2)
+    summed = LayerRemainder(layer, thickness).cell(x, away, dx, dy).reshape(3, 3, -1).sum(axis=2)
     # what lies beyond: the tail -r2 h^2 / r^3 of both sides
     second = layer.taylor()[0]
     summed -= second * thickness**2 * dx * dy / ((images + 0.5) * period) ** 2 / period
-    found = rest_row(layer, thickness, x, y, dx, dy, period)
+    found = LayerRemainder(layer, thickness).row(x, y, dx, dy, period)
     # of the next terms of the tail, and rounding of so many images
     np.testing.assert_allclose(found, summed, atol=1e-11 * np.abs(found).max())
 
@@ -93,9 +87,9 @@ def test_a_fourier_series_and_a_sum_over_images_agree(
     layer = LAYERS[name]
     dx, dy = (a / n for a, n in zip(extent, cells, strict=True))
     x, y = np.arange(4) * dx, np.arange(cells[1] // 2 + 1) * dy
-    row = _Row(layer, thickness, dx, dy, extent[1])
+    row = RemainderRow(LayerRemainder(layer, thickness), dx, dy, extent[1])
     series, images = row.series(x, y), row.images(x, y)
-    largest = np.abs(rest_row(layer, thickness, x[:, None], y, dx, dy, extent[1])).max()
+    largest = np.abs(LayerRemainder(layer, thickness).row(x[:, None], y, dx, dy, extent[1])).max()
     np.testing.assert_allclose(series, images, atol=1e-11 * largest)
 
 
@@ -107,12 +101,12 @@ def test_a_lattice_by_waves_and_by_rows_and_strips_agree(
     layer, thickness, cells = LAYERS[name], 0.004, (8, 6)
     dx, dy = (a / n for a, n in zip(extent, cells, strict=True))
     x, y = np.arange(5)[:, None] * dx, np.arange(4) * dy
-    arguments = layer, thickness, x, y, dx, dy, *extent
-    waves = rest_lattice(*arguments)
-    monkeypatch.setattr(layer_rest, "MOST_LATTICE_WAVES", 0)
-    rows = rest_lattice(*arguments)
-    monkeypatch.setattr(layer_rest, "MOST_ACROSS", 0)
-    strips = rest_lattice(*arguments)
+    remainder, arguments = LayerRemainder(layer, thickness), (x, y, dx, dy, *extent)
+    waves = remainder.lattice(*arguments)
+    monkeypatch.setattr(layer_remainder, "MOST_LATTICE_WAVES", 0)
+    rows = remainder.lattice(*arguments)
+    monkeypatch.setattr(layer_remainder, "MOST_ACROSS", 0)
+    strips = remainder.lattice(*arguments)
     largest = np.abs(waves).max()
     np.testing.assert_allclose(rows, waves, atol=1e-11 * largest)
     np.testing.assert_allclose(strips, waves, atol=1e-10 * largest)
@@ -120,5 +114,5 @@ def test_a_lattice_by_waves_and_by_rows_and_strips_agree(
 
 def test_one_cell_along_is_a_strip() -> None:
     layer, x = LAYERS["stiff"], np.arange(6) * 0.3
-    row = rest_row(layer, 0.2, x[:, None], np.zeros(1), 0.3, 1.0, 1.0)
-    np.testing.assert_array_equal(row[:, 0], rest_strip(layer, 0.2, x, 0.3))
+    row = LayerRemainder(layer, 0.2).row(x[:, None], np.zeros(1), 0.3, 1.0, 1.0)
+    np.testing.assert_array_equal(row[:, 0], LayerRemainder(layer, 0.2).strip(x, 0.3))

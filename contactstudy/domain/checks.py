@@ -1,7 +1,7 @@
 """Checks of values that a user gives; each failure is one sentence."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import fields
 from difflib import get_close_matches
 from functools import wraps
@@ -20,9 +20,9 @@ class UnknownField(InvalidInput, TypeError):
 
 
 class NotDefined(InvalidInput):
-    """Error for a question that has no answer for this contact, such as the Hertz half-width of a flat body.
+    """Error for a quantity that this contact does not have, such as the Hertz half-width of a flat body.
 
-    The values are admissible; the message says what the contact lacks.
+    The input is admissible; the message says what the contact lacks.
     """
 
 
@@ -65,8 +65,7 @@ def positive(field: str, value: object, remedy: str) -> float:
     return number
 
 
-# Limits in SI units: wide enough for any measured value, narrow enough that products
-# and quotients stay finite.
+# Limits in SI units: wide enough for any measured value, narrow enough that products and quotients stay finite.
 LEAST, MOST = 1e-60, 1e60
 
 
@@ -101,11 +100,25 @@ def in_range_from_zero(field: str, value: object, remedy: str) -> float:
     return in_range_or_zero(field, non_negative(field, value, remedy), remedy)
 
 
-def whole(field: str, value: object, at_least: int, remedy: str) -> int:
-    """Return `value` as an int not below `at_least`, or raise :class:`InvalidInput` with `field` and `remedy`."""
-    if isinstance(value, bool) or not isinstance(value, Integral) or int(value) < at_least:
+def whole(field: str, value: object, at_least: int, remedy: str, at_most: float = math.inf) -> int:
+    """Return `value` as an int within the limits, or raise :class:`InvalidInput` with `field` and `remedy`."""
+    if isinstance(value, bool) or not isinstance(value, Integral):
+        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
+    if not at_least <= int(value) <= at_most:
         raise InvalidInput(f"{field} is {value!r}: {remedy}.")
     return int(value)
+
+
+def body_index(field: str, value: object) -> int:
+    """Return `value` as the index of a body in ``Scene.solids``, or raise :class:`InvalidInput`."""
+    return whole(field, value, 0, "give 0 or 1, the body's place in Scene.solids", at_most=1)
+
+
+def each(
+    field: str, values: Iterable[object], check: Callable[[str, object, str], float], remedy: str
+) -> tuple[float, ...]:
+    """Return `values` as floats, each checked as an entry of `field` by one of the functions above."""
+    return tuple(check(f"{field}[{n}]", value, remedy) for n, value in enumerate(values))
 
 
 def pair(field: str, value: object, remedy: str) -> tuple[object, object]:

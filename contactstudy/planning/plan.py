@@ -321,7 +321,7 @@ def needs_of(scene: Scene) -> Needs:
     needs = Needs(scene.hertz, details, scene.hardness, coats)
     if scene.friction is None:
         return needs
-    shear = scene.friction.said(
+    shear = scene.friction.explanation(
         scene, varies=needs.varies, paddings=across_and_along(needs.padding())
     )
     return replace(needs, shear=shear)

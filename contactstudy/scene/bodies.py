@@ -138,8 +138,8 @@ class Inelastic(Protocol):
 
 
 @runtime_checkable
-class Particular(Protocol):
-    """Body that not every scene can have."""
+class RestrictedBody(Protocol):
+    """Body that is not defined in every scene."""
 
     def check(self, scene: "BodyContext") -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the body is not defined in this scene."""

@@ -18,7 +18,7 @@ from contactstudy.elasticity.tangential import (
     shear_response,
 )
 from contactstudy.problem.problem import FrictionLaw
-from contactstudy.scene.bodies import Body, HalfSpace
+from contactstudy.scene.bodies import Body, BodyContext, HalfSpace
 from contactstudy.solvers.friction import CoulombDisks, FullSliding, Superposed
 
 # Bodies are alike in shear where Dundurs' beta is below this: the difference is rounding.
@@ -34,7 +34,7 @@ class Load(Protocol):
         ...
 
 
-class FrictionContact(Protocol):
+class FrictionContact(BodyContext, Protocol):
     """Properties of a scene that a friction law reads."""
 
     @property
@@ -43,23 +43,8 @@ class FrictionContact(Protocol):
         ...
 
     @property
-    def solids(self) -> tuple[Body, Body]:
-        """Both bodies."""
-        ...
-
-    @property
-    def hardness(self) -> float:
-        """Hardness [Pa], infinite for none."""
-        ...
-
-    @property
     def contact_modulus(self) -> float:
         """Contact modulus E* [Pa]."""
-        ...
-
-    @property
-    def rolling(self) -> object | None:
-        """Steady rolling, or None."""
         ...
 
     @property
@@ -82,7 +67,7 @@ class Friction(Protocol):
         """Return the law for this scene on a grid."""
         ...
 
-    def said(self, scene: FrictionContact, *, varies: bool, paddings: Paddings) -> str:
+    def explanation(self, scene: FrictionContact, *, varies: bool, paddings: Paddings) -> str:
         """Return a sentence on how shear is solved and why; `varies`: whether the gap varies along the length."""
         ...
 
@@ -92,7 +77,8 @@ class Friction(Protocol):
 class Sliding:
     """Full sliding: the first body is dragged along +x, shear is the coefficient times the pressure.
 
-    Bodies that are unlike in shear (Dundurs' beta) press each other asymmetrically; alike ones as without friction.
+    Between bodies that are unlike in shear (Dundurs' beta) shear makes the pressure asymmetric; between like bodies the
+    pressure is that without friction.
 
     Parameters
     ----------
@@ -127,7 +113,7 @@ class Sliding:
         coupling = Correlated(field.spectrum * weight, field.cells, field.padded)
         return FullSliding(self.coefficient, coupling)
 
-    def said(self, scene: FrictionContact, *, varies: bool, paddings: Paddings) -> str:
+    def explanation(self, scene: FrictionContact, *, varies: bool, paddings: Paddings) -> str:
         """Return a sentence on the solves: one if the bodies are alike in shear, else a sequence of them."""
         beta = dundurs(scene.solids)
         if abs(beta) <= ALIKE or self.coefficient == 0:
@@ -216,7 +202,7 @@ class PartialSlip:
         response = shear_response(bodies, grid, paddings, datum)
         return CoulombDisks(self.coefficient, share, response)
 
-    def said(self, scene: FrictionContact, *, varies: bool, paddings: Paddings) -> str:
+    def explanation(self, scene: FrictionContact, *, varies: bool, paddings: Paddings) -> str:
         """Return a sentence on the solves: two normal contacts where they are exact, else two components of shear."""
         if self.superposes(scene, varies=varies, paddings=paddings):
             return (

@@ -9,6 +9,7 @@ from typing import Protocol, runtime_checkable
 from contactstudy.domain.checks import (
     InvalidInput,
     answers_typos,
+    each,
     finite,
     in_range,
     in_range_from_zero,
@@ -49,7 +50,7 @@ class LineLoad:
         return self.per_length
 
 
-# What a load that should be zero comes out as, over the largest.
+# Rounding error of a load that should be zero, over the largest load.
 ROUNDING = 1e-13
 
 
@@ -127,7 +128,7 @@ class ChangingLoad(Protocol):
         ...
 
     def before(self, time: float) -> float:
-        """Return the load [N/m] just before `time` [s], ahead of any jump there."""
+        """Return the load [N/m] just before `time` [s], before any jump there."""
         ...
 
     def at(self, time: float) -> float:
@@ -162,22 +163,15 @@ class LoadHistory:
     per_length: tuple[NewtonsPerMetre, ...]
 
     def __post_init__(self) -> None:
-        checked: dict[str, tuple[float, ...]] = {}
-        for name, remedy in (
-            ("times", "give a time [s]"),
-            ("per_length", "give a load from 0 N/m on"),
-        ):
+        for name in ("times", "per_length"):
             values = getattr(self, name)
             if not isinstance(values, tuple | list) or not values:
                 raise InvalidInput(
                     f"LoadHistory.{name} is {values!r}: give a tuple of numbers, one for each instant."
                 )
-            check = finite if name == "times" else in_range_from_zero
-            checked[name] = tuple(
-                check(f"LoadHistory.{name}[{number}]", value, remedy)
-                for number, value in enumerate(values)
-            )
-        times, loads = checked["times"], checked["per_length"]
+        times = each("LoadHistory.times", self.times, finite, "give a time [s]")
+        remedy = "give a load from 0 N/m on"
+        loads = each("LoadHistory.per_length", self.per_length, in_range_from_zero, remedy)
         if len(times) != len(loads):
             raise InvalidInput(
                 f"LoadHistory.per_length has {len(loads)} loads for {len(times)} times: give one for each."
@@ -213,25 +207,20 @@ class LoadHistory:
 
     def before(self, time: float) -> float:
         """Return the load [N/m] just before `time` [s]; zero up to the first instant."""
-        place = bisect_left(self.times, time)
-        if place == 0:
-            return 0.0
-        return self._between(place, time)
+        return self._between(bisect_left(self.times, time), time)
 
     def at(self, time: float) -> float:
-        """Return the load [N/m] from `time` [s] on; zero ahead of the first instant."""
-        place = bisect_right(self.times, time)
-        if place == 0:
-            return 0.0
-        return self._between(place, time)
+        """Return the load [N/m] from `time` [s] on; zero before the first instant."""
+        return self._between(bisect_right(self.times, time), time)
 
     def _between(self, place: int, time: float) -> float:
+        """Return the load [N/m] at `time` [s], after `place` instants."""
+        if place == 0:
+            return 0.0
         if place == len(self.times):
             return self.per_length[-1]
-        (t0, t1), (p0, p1) = (
-            self.times[place - 1 : place + 1],
-            self.per_length[place - 1 : place + 1],
-        )
+        t0, t1 = self.times[place - 1 : place + 1]
+        p0, p1 = self.per_length[place - 1 : place + 1]
         share = (time - t0) / (t1 - t0)
         return p0 * (1 - share) + p1 * share
 
@@ -312,7 +301,7 @@ class SineLoad:
         if time < 0:
             return 0.0
         load = self.mean_load + self.amplitude * sin(self._angle(time))
-        # a zero is met to rounding
+        # a load that should be zero has a rounding error
         return load if load > ROUNDING * self.largest else 0.0
 
     def mean(self, start: float, end: float) -> float:

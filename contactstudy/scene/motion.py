@@ -3,13 +3,7 @@
 from dataclasses import dataclass
 from math import inf
 
-from contactstudy.domain.checks import (
-    InvalidInput,
-    answers_typos,
-    in_range_from_zero,
-    set_fields,
-    whole,
-)
+from contactstudy.domain.checks import answers_typos, body_index, in_range_from_zero, set_fields
 from contactstudy.domain.units import MetresPerSecond, PerPascal
 
 
@@ -73,10 +67,7 @@ class Wear:
             "Wear.coefficient", self.coefficient, "give a coefficient from 0 1/Pa on"
         )
         speed = in_range_from_zero("Wear.speed", self.speed, "give a speed from 0 m/s on")
-        remedy = "give 0 or 1, the body's place in Scene.solids"
-        body = whole("Wear.body", self.body, 0, remedy)
-        if body > 1:
-            raise InvalidInput(f"Wear.body is {self.body!r}: {remedy}.")
+        body = body_index("Wear.body", self.body)
         set_fields(self, coefficient=coefficient, speed=speed, body=body)
 
     @property

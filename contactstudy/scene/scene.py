@@ -17,9 +17,9 @@ from contactstudy.elasticity.convolution import superposed
 from contactstudy.problem.constraint import Compressive, Constraint, HardnessLimited, PrescribedLoad
 from contactstudy.problem.memory import refuse_too_large
 from contactstudy.problem.problem import Derived, Problem, Scales
-from contactstudy.scene.bodies import Body, Layered, Particular, contact_modulus, response
+from contactstudy.scene.bodies import Body, Layered, RestrictedBody, contact_modulus, response
 from contactstudy.scene.load import ChangingLoad, ConstantLoad, TotalLoad
-from contactstudy.scene.shapes.shape import Shape
+from contactstudy.scene.shapes.shape import Detail, Shape
 
 if TYPE_CHECKING:
     from contactstudy.scene.friction import Friction
@@ -61,11 +61,10 @@ class ShapesSource:
     @property
     def finest(self) -> tuple[float, float]:
         """Shortest wavelengths (across, along) [m] of all shapes that name theirs; infinite if none does."""
-        details = [shape.detail for shape in self.shapes if hasattr(shape, "detail")]
-        return (
-            min((detail.finest[0] for detail in details), default=inf),
-            min((detail.finest[1] for detail in details), default=inf),
+        across, along = zip(
+            (inf, inf), *(detail.finest for detail in _details(self.shapes)), strict=True
         )
+        return min(across), min(along)
 
     @property
     def names_scales(self) -> bool:
@@ -106,11 +105,15 @@ def sized(shapes: tuple[Shape, ...], grid: Grid) -> tuple[Shape, ...]:
 
 def ends_along(shapes: tuple[Shape, ...], grid: Grid) -> bool:
     """Return whether a roller ends within the period of `grid`, so that contact may reach its ends."""
-    lengths = [shape.detail.roller for shape in shapes if hasattr(shape, "detail")]
-    return any(0 < length <= grid.period * (1 + 1e-9) for length in lengths)
+    return any(0 < detail.roller <= grid.period * (1 + 1e-9) for detail in _details(shapes))
 
 
-# The modulus of layered bodies and the half-width that follows from it settle to a per mille in so many steps.
+def _details(shapes: tuple[Shape, ...]) -> list[Detail]:
+    """Return the length scales of the shapes that name theirs."""
+    return [shape.detail for shape in shapes if hasattr(shape, "detail")]
+
+
+# Iterations after which the modulus of layered bodies and the half-width converge to 0.1 %.
 PASSES = 12
 
 
@@ -177,7 +180,7 @@ class Scene:
         self._check_outputs()
         self._check_effects()
         for solid in self.solids:
-            if isinstance(solid, Particular):
+            if isinstance(solid, RestrictedBody):
                 solid.check(self)
 
     def _check_solids(self) -> None:
@@ -198,8 +201,7 @@ class Scene:
         if not isinstance(self.load, ConstantLoad):
             _instance("Scene.load", self.load, ChangingLoad, remedy)
         if isinstance(self.load, TotalLoad) and self.load.length is None:
-            rollers = [shape.detail.roller for shape in self.shapes if hasattr(shape, "detail")]
-            lengths = [length for length in rollers if 0 < length < inf]
+            lengths = [d.roller for d in _details(self.shapes) if 0 < d.roller < inf]
             if not lengths:
                 raise InvalidInput(
                     "Scene.load is a TotalLoad, and no shape has the length of a roller: give "

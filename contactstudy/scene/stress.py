@@ -6,7 +6,14 @@ from math import isinf
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, answers_typos, finite, set_fields, whole
+from contactstudy.domain.checks import (
+    InvalidInput,
+    answers_typos,
+    body_index,
+    each,
+    non_negative,
+    set_fields,
+)
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.padding import Paddings
@@ -23,9 +30,11 @@ from contactstudy.problem.problem import Field
 from contactstudy.scene.bodies import Body, Homogeneous
 
 Z = {"axis": "Z", "positive": "down"}
-# Depths that are chosen, and the factors between them: first, and beside the best of these.
-AUTO, COARSE_STEP, FINE_STEP = "auto", 1.35, 1.1
-# Numbers that all chosen depths may fill.
+# Value of `depths` that chooses them.
+AUTO = "auto"
+# Ratio of successive depths in the search for the largest stress: first, and then around the best of these.
+COARSE_STEP, FINE_STEP = 1.35, 1.1
+# Largest number of values in the result for all chosen depths.
 MOST = 2**25
 
 
@@ -59,18 +68,10 @@ class SubsurfaceStress:
         remedy = 'give a tuple of depths [m], such as (1e-4, 2e-4), or "auto"'
         if self.depths != AUTO and (not isinstance(self.depths, tuple | list) or not self.depths):
             raise InvalidInput(f"SubsurfaceStress.depths is {self.depths!r}: {remedy}.")
-        remedy = "give a depth from 0 m on"
-        depths = []
-        for number, depth in enumerate(self.depths if self.depths != AUTO else ()):
-            field = f"SubsurfaceStress.depths[{number}]"
-            depths.append(finite(field, depth, remedy))
-            if depths[-1] < 0:
-                raise InvalidInput(f"{field} is {depth!r}: {remedy}.")
-        remedy = "give 0 or 1, the body's place in Scene.solids"
-        solid = whole("SubsurfaceStress.solid", self.solid, 0, remedy)
-        if solid > 1:
-            raise InvalidInput(f"SubsurfaceStress.solid is {self.solid!r}: {remedy}.")
-        set_fields(self, depths=tuple(depths) or AUTO, solid=solid)
+        given = self.depths if self.depths != AUTO else ()
+        depths = each("SubsurfaceStress.depths", given, non_negative, "give a depth from 0 m on")
+        solid = body_index("SubsurfaceStress.solid", self.solid)
+        set_fields(self, depths=depths or AUTO, solid=solid)
 
     def check(self, solids: tuple[Body, ...]) -> None:
         """Raise :class:`~contactstudy.InvalidInput` for a rigid body, one that is no half-space, or one that yields."""
@@ -102,8 +103,8 @@ class SubsurfaceStress:
 class StressBelow:
     """Linear map from pressure to stress on one grid, with the images that `paddings` see.
 
-    Pressure is padded and summed as for the displacement; where a window of images ends on a pair of cells just as
-    far on one side as on the other, either side counts half.
+    Pressure is padded and summed as for the displacement. Where a window of images ends at two cells that are equally
+    far on either side, each of them counts half.
 
     Parameters
     ----------
@@ -138,7 +139,7 @@ class StressBelow:
             )
         stress = self._due(COMPONENTS, pressure)
         if self.shear is not None:
-            # Cerruti's, for those who name a friction
+            # imported only for scenes with friction
             from contactstudy.elasticity.kernels import traction
 
             families = traction.CERRUTI_ACROSS, traction.CERRUTI_ALONG
@@ -163,18 +164,18 @@ class StressBelow:
                 stress[number, level] = TRANSFORMS.backward(waves, self.grid.cells, padded)
         return stress
 
-    def telling_depths(self, pressure: Array) -> tuple[float, ...]:
-        """Return depths [m] from the surface to below the contact, one of them at the largest von Mises stress to 1 %.
+    def chosen_depths(self, pressure: Array) -> tuple[float, ...]:
+        """Return depths [m] from the surface to below the contact that include the largest von Mises stress, to 1 %.
 
-        Beside its largest value the stress is flat, so that steps of a third in depth find the right neighbours, and
-        steps of a tenth between these its largest value. On a large grid that depth alone is returned.
+        Near its maximum the stress changes slowly with depth, so that steps by a third find the neighbouring depths, and
+        steps by a tenth between them the maximum. On a large grid only the depth of the maximum is returned.
         """
         rows = np.flatnonzero(pressure.any(axis=1))
         cell = min(self.grid.cell)
         contact = (rows[-1] - rows[0] + 1) * self.grid.cell[0] if rows.size else cell
         largest: dict[float, float] = {}
 
-        def look(depths: Iterable[float]) -> float:
+        def depth_of_largest(depths: Iterable[float]) -> float:
             for depth in depths:
                 stress = replace(self, depths=(float(depth),))(pressure)
                 largest[float(depth)] = float(von_mises(stress).max())
@@ -182,16 +183,16 @@ class StressBelow:
 
         deepest = max(contact, 2 * cell)
         count = 2 + int(np.ceil(np.log(2 * deepest / cell) / np.log(COARSE_STEP)))
-        best = look([0.0, *np.geomspace(cell / 2, deepest, count)])
+        best = depth_of_largest([0.0, *np.geomspace(cell / 2, deepest, count)])
         if best > 0:
-            best = look(best * FINE_STEP ** np.array([-2.0, -1.0, 1.0, 2.0]))
+            best = depth_of_largest(best * FINE_STEP ** np.array([-2.0, -1.0, 1.0, 2.0]))
         size = (len(COMPONENTS) + 1) * len(largest) * pressure.size
         return tuple(sorted(largest)) if size <= MOST else (best,)
 
     def fields(self, pressure: Array) -> Mapping[str, Field]:
         """Return ``stress``, ``von_mises`` and their coordinates ``component`` and ``z``."""
         if not self.depths:
-            return replace(self, depths=self.telling_depths(pressure)).fields(pressure)
+            return replace(self, depths=self.chosen_depths(pressure)).fields(pressure)
         stress = self(pressure)
         dimensions = ("component", "z", "x", "y")
         names = np.array(list(COMPONENTS))

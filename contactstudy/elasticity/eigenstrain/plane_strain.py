@@ -338,7 +338,7 @@ class HalfLines:
     operator: PlaneStrainOperator
 
     def stress(self, left: Array, right: Array) -> Array:
-        """Return the deviatoric stress (3, layers, x, 1) [Pa] that the profiles cause in the volume, without pressure."""
+        """Return the deviatoric stress (3, layers, x, 1) [Pa] of the profiles in the volume, without pressure."""
         return -self.operator.deviator(self._relaxed(left, right))
 
     def tensor(self, left: Array, right: Array) -> Array:

@@ -121,8 +121,8 @@ class RowOperator:
     An :class:`~contactstudy.elasticity.eigenstrain.volume.EigenstrainOperator`. The mean along the length is plane
     strain and antiplane shear, in closed form on an infinite axis. The part that varies along the length is a
     sum of waves that repeat across, with periods so long that an image contributes no more than the share `WRAP`. Waves
-    longer than two cells act on all layers; shorter waves, which represent the edges of cells, act on their own layer and
-    on adjacent ones.
+    longer than two cells act on all layers. Shorter waves, which represent the edges of cells, act on their own and on
+    adjacent layers.
     """
 
     volume: Volume

@@ -49,9 +49,8 @@ class Window:
             whole("Window.tiles[1]", along, 1, "give at least 1 window along"),
         )
         count = tiles[0] * tiles[1]
-        number = whole("Window.number", self.number, 0, f"give a number from 0 to {count - 1}")
-        if number >= count:
-            raise InvalidInput(f"Window.number is {number}: give a number from 0 to {count - 1}.")
+        remedy = f"give a number from 0 to {count - 1}"
+        number = whole("Window.number", self.number, 0, remedy, at_most=count - 1)
         set_fields(self, tiles=tiles, number=number)
 
     def of(self, points: Array) -> Array:

@@ -52,7 +52,8 @@ class CoatingDisplacement:
         """Return the response to an infinite row of images along y; x is a column, y a row."""
         shift = 2 * dx * dy / period * np.log(self.datum)
         image = shift + image_row(x, y, dx, dy, period, 2 * self.thickness)
-        return self._remainder.row(x, y, dx, dy, period) + self.response.contrast * image
+        remainder = self._remainder.row(x, y, dx, dy, period)
+        return np.asarray(remainder + self.response.contrast * image)
 
     def lattice(
         self, x: Array, y: Array, dx: float, dy: float, width: float, period: float

@@ -2,15 +2,17 @@
 
 import shlex
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from datetime import UTC, datetime
+from enum import Enum
 from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
 
 from contactstudy.accuracy.estimate import ErrorEstimate
+from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.padding import across_and_along
 from contactstudy.domain.version import VERSION
@@ -55,9 +57,9 @@ def flags(
 
 
 def _statuses(dimension: str, statuses: Sequence[Status], long_name: str) -> xr.Variable:
-    """Return how solves ended, along `dimension`."""
-    names = [status.name for status in Status]
-    return flags((dimension,), [names.index(status.name) for status in statuses], names, long_name)
+    """Return the statuses of solves along `dimension`, as CF flags."""
+    values = [list(Status).index(status) for status in statuses]
+    return flags((dimension,), values, list(Status.__members__), long_name)
 
 
 def _of_field(field: Field) -> xr.Variable:
@@ -121,7 +123,9 @@ def to_dataset(solution: Solution, error: ErrorEstimate | None = None) -> xr.Dat
     }
     if isinstance(description, PosedScene):
         numbers |= _of_scene(description)
-    dataset = dataset.assign(numbers | {"status": _status(solution.status)})
+    status = _status(solution.status)
+    status.attrs = {"units": "1", **status.attrs}
+    dataset = dataset.assign(numbers | {"status": status})
     if isinstance(description, PosedScene):
         dataset.attrs |= _measured(description) | {"scene": scene_attribute(description)}
     dataset = dataset.assign(_sheared(solution.traction)).assign(_outputs(solution))
@@ -131,16 +135,17 @@ def to_dataset(solution: Solution, error: ErrorEstimate | None = None) -> xr.Dat
 def _of_scene(posed: PosedScene) -> dict[str, xr.Variable]:
     """Return the load, and Hertz's values where there are any."""
     values = {"load_per_length": labelled((), posed.scene.load.largest, "N m-1", "load per length")}
-    if (hertz := posed.scene.hertz) is not None:
-        values |= {
-            "hertz_half_width": labelled(
-                (), hertz.half_width, "m", "half-width of Hertz's line contact"
-            ),
-            "hertz_peak_pressure": labelled(
-                (), hertz.peak_pressure, "Pa", "peak pressure of Hertz's line contact"
-            ),
-        }
-    return values
+    hertz = posed.scene.hertz
+    return values if hertz is None else values | _hertz(hertz)
+
+
+def _hertz(hertz: HertzLine) -> dict[str, xr.Variable]:
+    """Return half-width and peak pressure of Hertz's line contact."""
+    half_width, peak = hertz.half_width, hertz.peak_pressure
+    return {
+        "hertz_half_width": labelled((), half_width, "m", "half-width of Hertz's line contact"),
+        "hertz_peak_pressure": labelled((), peak, "Pa", "peak pressure of Hertz's line contact"),
+    }
 
 
 def _measured(posed: PosedScene) -> dict[str, str]:
@@ -153,12 +158,11 @@ def _measured(posed: PosedScene) -> dict[str, str]:
     return {"measured_surfaces": "\n".join(surfaces)} if surfaces else {}
 
 
-def _status(status: Status) -> xr.Variable:
-    """Return how a solve ended as a CF flag, with the sentence as its comment."""
-    flag = flags(
-        (), list(Status).index(status), [member.name for member in Status], "how the solver ended"
-    )
-    flag.attrs = {"units": "1", **flag.attrs, "comment": str(status)}
+def _status(status: Enum) -> xr.Variable:
+    """Return the status of a solve as a CF flag, with its sentence as the comment."""
+    kind = type(status)
+    flag = flags((), list(kind).index(status), list(kind.__members__), "how the solver ended")
+    flag.attrs["comment"] = str(status)
     return flag
 
 
@@ -257,17 +261,9 @@ def evolution_dataset(evolution: "Evolution") -> xr.Dataset:
 
 
 def _memories_over_time(evolution: "Evolution") -> dict[str, xr.Variable]:
-    """Return what bodies and wear keep, at every instant, such as worn depth and plastic strain."""
+    """Return the fields that bodies and wear remember, such as worn depth and plastic strain, at every instant."""
     frames = evolution.frames
-    fields = {
-        name: labelled(
-            ("time", *field.dimensions),
-            np.stack([frame.fields[name].values for frame in frames]),
-            field.units,
-            field.long_name,
-        )
-        for name, field in frames[0].fields.items()
-    }
+    fields = _over_time([frame.fields for frame in frames])
     if evolution.joint is not None:
         states = [frame.joint_state for frame in frames]
         pressures = [frame.pressure for frame in frames]
@@ -280,13 +276,19 @@ def _outputs_over_time(evolution: "Evolution") -> dict[str, xr.Variable]:
     """Return the fields that ``Scene.outputs`` asks for, at every instant."""
     fields: dict[str, xr.Variable] = {}
     for output in evolution.outputs:
-        instants = [output.fields(frame.pressure) for frame in evolution.frames]
-        for name, field in instants[0].items():
-            variable = _of_field(field)
-            if field.dimensions != (name,):  # a coordinate is the same at every instant
-                values = np.stack([instant[name].values for instant in instants])
-                variable = xr.Variable(("time", *field.dimensions), values, variable.attrs)
-            fields[name] = variable
+        fields |= _over_time([output.fields(frame.pressure) for frame in evolution.frames])
+    return fields
+
+
+def _over_time(instants: Sequence[Mapping[str, Field]]) -> dict[str, xr.Variable]:
+    """Return fields of several instants along the dimension ``time``; coordinates are taken from the first."""
+    fields: dict[str, xr.Variable] = {}
+    for name, field in instants[0].items():
+        variable = _of_field(field)
+        if field.dimensions != (name,):
+            values = np.stack([instant[name].values for instant in instants])
+            variable = xr.Variable(("time", *field.dimensions), values, variable.attrs)
+        fields[name] = variable
     return fields
 
 
@@ -361,10 +363,6 @@ def _after_passes(rolling: "RepeatedRolling") -> dict[str, xr.Variable]:
 def film_dataset(contact: "LubricatedContact") -> xr.Dataset:
     """Return a lubricated contact with dimensions (x, y), units and long names; errors along ``cause``."""
     grid, plane = contact.grid, ("x", "y")
-    names = [status.name for status in type(contact.status)]
-    ended = flags((), names.index(contact.status.name), names, "how the solver ended")
-    ended.attrs["comment"] = str(contact.status)
-    hertz = contact.scales.hertz
     dataset = xr.Dataset(
         {
             "pressure": labelled(plane, contact.pressure, "Pa", "pressure of the film"),
@@ -380,15 +378,10 @@ def film_dataset(contact: "LubricatedContact") -> xr.Dataset:
             "peak_pressure": labelled((), contact.peak_pressure, "Pa", "peak pressure"),
             "friction": labelled((), contact.friction, "1", "friction force over load"),
             "power_loss": labelled((), contact.power_loss, "W m-1", "power lost per length"),
-            "hertz_half_width": labelled(
-                (), hertz.half_width, "m", "half-width of Hertz's line contact"
-            ),
-            "hertz_peak_pressure": labelled(
-                (), hertz.peak_pressure, "Pa", "peak pressure of Hertz's line contact"
-            ),
+            **_hertz(contact.scales.hertz),
             "residual": labelled((), contact.residual, "1", "residual of the solver"),
             "iterations": labelled((), contact.iterations, "1", "solver iterations"),
-            "status": ended,
+            "status": _status(contact.status),
         },
         coords={"x": ("x", grid.x, X), "y": ("y", grid.y, Y)},
         attrs=_attributes("lubricated line contact")

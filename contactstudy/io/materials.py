@@ -1,4 +1,4 @@
-"""Materials by name, with their elastic constants and where these are from."""
+"""Table of materials: names, elastic constants and their sources."""
 
 import tomllib
 from collections.abc import Mapping
@@ -24,9 +24,9 @@ class Material:
     poisson_ratio
         Poisson's ratio.
     source
-        Where the constants are from.
+        Publication that gives the constants.
     also
-        Other names.
+        Synonyms.
     """
 
     name: str
@@ -42,11 +42,7 @@ def materials() -> Mapping[str, Material]:
     text = (files("contactstudy.io") / "materials.toml").read_text(encoding="utf-8")
     return {
         name: Material(
-            name,
-            entry["youngs_modulus"] * 1e9,
-            entry["poisson_ratio"],
-            entry["source"],
-            tuple(entry["also"]),
+            name, entry.pop("youngs_modulus") * 1e9, also=tuple(entry.pop("also")), **entry
         )
         for name, entry in tomllib.loads(text).items()
     }
@@ -63,19 +59,14 @@ def material(name: str) -> HalfSpace:
 
 def _named(field: str, name: object) -> Material:
     """Return the material of that name, or of another name for it, in any case."""
-    names = {
-        alias.lower(): entry
-        for entry in materials().values()
-        for alias in (entry.name, *entry.also)
-    }
-    if not isinstance(name, str) or name.lower() not in names:
-        hint = suggestion(
-            str(name), [alias for m in materials().values() for alias in (m.name, *m.also)]
-        )
+    names = {alias: m for m in materials().values() for alias in (m.name, *m.also)}
+    lower_case = {alias.lower(): m for alias, m in names.items()}
+    if not isinstance(name, str) or name.lower() not in lower_case:
+        hint = suggestion(str(name), names)
         raise InvalidInput(
             f"{field} is {name!r}: {hint}, or give youngs_modulus and poisson_ratio."
         )
-    return names[name.lower()]
+    return lower_case[name.lower()]
 
 
 def with_materials(table: Mapping[str, Any]) -> dict[str, Any]:
@@ -88,11 +79,8 @@ def with_materials(table: Mapping[str, Any]) -> dict[str, Any]:
         if "material" not in inner:
             return inner
         constants = _named(f"{place}.material", inner.pop("material"))
-        elastic = {
-            "youngs_modulus": constants.youngs_modulus,
-            "poisson_ratio": constants.poisson_ratio,
-        }
-        return elastic | inner
+        modulus, ratio = constants.youngs_modulus, constants.poisson_ratio
+        return {"youngs_modulus": modulus, "poisson_ratio": ratio} | inner
 
     solids = table.get("solids")
     if not isinstance(solids, list):

@@ -1,4 +1,4 @@
-"""The numbers of a contact that are looked at first, with errors and units: as a table, as JSON, in a notebook."""
+"""Main quantities of a contact with their errors and units: as a table, as JSON, in a notebook."""
 
 from base64 import b64encode
 from collections.abc import Mapping, Sequence
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from contactstudy.lubrication.evolve_lubricated import FilmEvolution
     from contactstudy.lubrication.lubricated_contact import LubricatedContact
 
-# Units that a person reads, by the SI unit: the largest one that leaves a number above 1.
+# Units for display, by the SI unit, largest first: the first one in which the value is at least 1 is used.
 READ_AS: Mapping[str, tuple[tuple[float, str], ...]] = {
     "Pa": ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa")),
     "m": ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm")),
@@ -43,7 +43,7 @@ class Quantity:
     name
         Name in a dataset.
     long_name
-        Words for a person.
+        Name for display.
     value
         Value in the SI unit.
     units
@@ -63,9 +63,11 @@ class Quantity:
 
 
 def readable(value: float, units: str, digits: int = 4) -> str:
-    """Return a value in the unit that a person reads most easily, such as ``"0.5 GPa"``."""
+    """Return a value as text in a unit with few digits, such as ``"0.5 GPa"``."""
     scales = READ_AS.get(units, ((1.0, units),))
-    least = 1e-3 if units in ("m2", "m3") else 1.0  # whose units lie far apart
+    least = (
+        1e-3 if units in ("m2", "m3") else 1.0
+    )  # successive units of areas and volumes differ by 1e6 and more
     size = next((scale for scale in scales if abs(value) >= least * scale[0]), scales[-1])
     return f"{value / size[0]:.{digits}g} {size[1]}".strip() if value else f"0 {size[1]}".strip()
 
@@ -73,7 +75,7 @@ def readable(value: float, units: str, digits: int = 4) -> str:
 def quantities(
     solution: Solution, estimate: ErrorEstimate | None = None, von_mises: Any = None
 ) -> list[Quantity]:
-    """Return the numbers of a solution that are looked at first.
+    """Return the main quantities of a solution.
 
     Parameters
     ----------
@@ -136,21 +138,16 @@ def _yield_strength(solution: Solution) -> float:
 
 
 def rolling_quantities(rolling: "SteadyRolling") -> list[Quantity]:
-    """Return what moving a contact takes: its resistance over the load, and how far its pressure is ahead."""
+    """Return the rolling resistance over the load, and the distance of the pressure's centroid from the axis."""
+    resistance, error = rolling.resistance, rolling.resistance_error
     return [
-        Quantity(
-            "resistance",
-            "rolling resistance over load",
-            rolling.resistance,
-            "1",
-            rolling.resistance_error,
-        ),
+        Quantity("resistance", "rolling resistance over load", resistance, "1", error),
         Quantity("shift", "pressure ahead of the axis", rolling.shift, "m"),
     ]
 
 
 def march_quantities(evolution: "Evolution") -> list[Quantity]:
-    """Return the numbers of a march: largest values over time, and the state at its end."""
+    """Return the main quantities of a march: largest values over time, and the state at its end."""
     last, area = evolution.frames[-1], evolution.grid.cell_area
     error = evolution.step_error + evolution.grid_error
     numbers = [
@@ -178,24 +175,19 @@ def march_quantities(evolution: "Evolution") -> list[Quantity]:
 
 
 def film_quantities(contact: "LubricatedContact") -> list[Quantity]:
-    """Return the numbers of a lubricated contact that are looked at first."""
-    error = contact.error
-    film, lowest, drag, peak = (
-        (nan,) * 4
-        if error is None
-        else (
-            error.central_film.total,
-            error.minimum_film.total,
-            error.friction.total,
-            error.peak_pressure.total,
-        )
-    )
+    """Return the main quantities of a lubricated contact."""
     scales = contact.scales
+
+    def error(name: str) -> float:
+        return nan if contact.error is None else float(getattr(contact.error, name).total)
+
     return [
-        Quantity("central_film", "central film", contact.central_film, "m", film),
-        Quantity("minimum_film", "smallest film", contact.minimum_film, "m", lowest),
-        Quantity("peak_pressure", "peak pressure", contact.peak_pressure, "Pa", peak),
-        Quantity("friction", "friction force over load", contact.friction, "1", drag),
+        Quantity("central_film", "central film", contact.central_film, "m", error("central_film")),
+        Quantity("minimum_film", "smallest film", contact.minimum_film, "m", error("minimum_film")),
+        Quantity(
+            "peak_pressure", "peak pressure", contact.peak_pressure, "Pa", error("peak_pressure")
+        ),
+        Quantity("friction", "friction force over load", contact.friction, "1", error("friction")),
         Quantity("power_loss", "power lost per length", contact.power_loss, "W m-1"),
         Quantity("load_parameter", "Moes' M", scales.load_parameter, "1"),
         Quantity("viscosity_parameter", "Moes' L", scales.viscosity_parameter, "1"),
@@ -218,7 +210,7 @@ def film_march_quantities(evolution: "FilmEvolution") -> list[Quantity]:
 
 
 def _length(solution: Solution) -> float:
-    """Return the length [m] that the load is spread over: that of the roller if it is known, else of the grid."""
+    """Return the length [m] over which the load is spread: of the roller if it is known, else of the grid."""
     posed = solution.problem.description
     load = posed.scene.load if isinstance(posed, PosedScene) else None
     return getattr(load, "length", None) or solution.problem.grid.period

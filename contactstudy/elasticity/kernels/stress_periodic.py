@@ -133,7 +133,8 @@ def _smooth(
     )
     # not through BLAS, which would start threads for it
     along = np.einsum("uv,jv->uj", field(u[:, None], v[None, :]), from_y)
-    return np.einsum("iu,uj->ij", from_x, along) * sign(x, parity[0]) * sign(y, parity[1])
+    smooth = np.einsum("iu,uj->ij", from_x, along)
+    return np.asarray(smooth * sign(x, parity[0]) * sign(y, parity[1]))
 
 
 def _interpolation(at: Array, end: float, count: int) -> tuple[Array, Array]:

@@ -243,7 +243,7 @@ class RowOperator:
 
     @cached_property
     def _groups(self) -> tuple["WaveGroup", ...]:
-        """All waves along the length except the mean, in groups."""
+        """Groups of all waves along the length except the mean."""
         return tuple(_groups(self.volume, self.moduli))
 
 

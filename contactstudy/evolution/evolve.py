@@ -163,14 +163,14 @@ def evolve(
         for name, value, default in (
             ("step_error", step_error, StepError.COMPANION),
             ("scheme", scheme, Scheme.IMPLICIT),
-            ("solver", solver, PreconditionedCG()),
-            ("precision", precision, Precision.DOUBLE),
+            ("options", options, SolveOptions(options.tolerance)),
             ("folder", folder, None),
         ):
             if value != default:
                 raise InvalidInput(
                     f"evolve.{name} is {value!r}, which is for dry contacts: leave it out beside Scene.lubrication."
                 )
+        tolerance = options.tolerance
         return evolve_lubricated(
             scene, grid, padding, times=times, error=error, tolerance=tolerance, progress=progress
         )

@@ -51,7 +51,6 @@ from contactstudy.scene.lubrication import (
     Newtonian,
     Roelands,
     ShearLaw,
-    SpeedHistory,
     ViscosityLaw,
 )
 from contactstudy.scene.motion import Rolling, Wear
@@ -265,68 +264,50 @@ class Document:
     solve: SolveOptions = field(default_factory=SolveOptions)
 
 
-# Types that stand for others in a file.
-STANDING_IN: Mapping[type, type] = {
+# Classes that describe a shape in a file, where these differ from the shape itself.
+DESCRIPTIONS: Mapping[type, type] = {
     Carried: CarriedFile,
     Crown: CrownFile,
     LundbergProfile: ProfileFile,
     MeasuredSurface: MeasuredFile,
 }
-# What may stand where a file says kind = "...", by the type that is wanted there.
+
+
+def _kinds(*classes: type) -> dict[str, type]:
+    """Return the classes that describe `classes` in a file, by the names of the latter."""
+    return {kind.__name__: DESCRIPTIONS.get(kind, kind) for kind in classes}
+
+
+# Classes that ``kind = "..."`` may name in a file, by the type of the field.
 KINDS: Mapping[Any, Mapping[str, type]] = {
-    wanted: {kind.__name__: STANDING_IN.get(kind, kind) for kind in kinds}
-    for wanted, kinds in (
-        (
-            Shape,
-            (
-                Cylinder,
-                Crown,
-                LundbergProfile,
-                FiniteLength,
-                Waviness,
-                Texture,
-                Roughness,
-                MeasuredSurface,
-                Sphere,
-                Carried,
-            ),
-        ),
-        (
-            Padding,
-            (
-                ZeroPadding,
-                DuplicatedPadding,
-                Superposition,
-                CircularSuperposition,
-                ExactPeriodicity,
-            ),
-        ),
-        (Friction, (Sliding, PartialSlip)),
-        (Output, (SubsurfaceStress,)),
-        (Profile, (Parabolic, Cosine, FlatBottomed)),
-        (Missing, (RefuseMissing, HarmonicFill)),
-        (Seam, (AsMeasured, Mirrored, Tapered)),
-        (Solver, (PreconditionedCG, PolonskyKeer)),
-        (ViscosityLaw, (Roelands, Barus)),
-        (DensityLaw, (DowsonHigginson, ConstantDensity)),
-        (ShearLaw, (Newtonian, Eyring, LimitingShear)),
-        (ChangingSpeed, (SpeedHistory,)),
-    )
-} | {
-    Body: {
-        "HalfSpace": HalfSpace,
-        "CoatedHalfSpace": CoatedHalfSpace,
-        "ViscoelasticHalfSpace": ViscoelasticHalfSpace,
-        "ElasticPlasticHalfSpace": ElasticPlasticHalfSpace,
-        NO_KIND: HalfSpace,
-    },
-    ChangingLoad: {
-        "LineLoad": LineLoad,
-        "TotalLoad": TotalLoad,
-        "LoadHistory": LoadHistory,
-        "SineLoad": SineLoad,
-        NO_KIND: LineLoad,
-    },
+    Shape: _kinds(
+        Cylinder,
+        Crown,
+        LundbergProfile,
+        FiniteLength,
+        Waviness,
+        Texture,
+        Roughness,
+        MeasuredSurface,
+        Sphere,
+        Carried,
+    ),
+    Padding: _kinds(
+        ZeroPadding, DuplicatedPadding, Superposition, CircularSuperposition, ExactPeriodicity
+    ),
+    Body: _kinds(HalfSpace, CoatedHalfSpace, ViscoelasticHalfSpace, ElasticPlasticHalfSpace)
+    | {NO_KIND: HalfSpace},
+    ChangingLoad: _kinds(LineLoad, TotalLoad, LoadHistory, SineLoad) | {NO_KIND: LineLoad},
+    Friction: _kinds(Sliding, PartialSlip),
+    Output: _kinds(SubsurfaceStress),
+    Profile: _kinds(Parabolic, Cosine, FlatBottomed),
+    Missing: _kinds(RefuseMissing, HarmonicFill),
+    Seam: _kinds(AsMeasured, Mirrored, Tapered),
+    Solver: _kinds(PreconditionedCG, PolonskyKeer),
+    ViscosityLaw: _kinds(Roelands, Barus),
+    DensityLaw: _kinds(DowsonHigginson, ConstantDensity),
+    ShearLaw: _kinds(Newtonian, Eyring, LimitingShear),
+    ChangingSpeed: _kinds(SpeedHistory),
 }
 
 
@@ -395,7 +376,7 @@ class SceneFile:
         return evolve(
             self.scene,
             *self._where(planned),
-            times=self.time_steps.of(
+            times=self.time_steps.instants_of(
                 self.scene.load, getattr(self.scene.lubrication, "mean_speed", None)
             ),
             error=self.time_steps.error,
@@ -456,12 +437,12 @@ def read_scene(path: str | PathLike[str]) -> SceneFile:
         raise InvalidInput(f"{path}: {error}") from error
     document = structured(raw, Document, KINDS, str(path))
     try:
-        return replace(scene_file_of(document, path.parent), vary=groups)
+        return replace(scene_file_from(document, path.parent), vary=groups)
     except InvalidInput as error:
         raise InvalidInput(f"{path}: {error}") from error
 
 
-def scene_file_of(document: Document, folder: Path = Path()) -> SceneFile:
+def scene_file_from(document: Document, folder: Path = Path()) -> SceneFile:
     """Return the scene of `document`; files of surfaces start at `folder`."""
     modulus = contact_modulus(document.solids)
     curvature = sum(getattr(shape, "curvature", 0.0) for shape in document.shapes)

@@ -45,7 +45,7 @@ def quantity(field: str, value: object, unit: Unit) -> float:
         raise InvalidInput(f"{field} is {value!r}: {remedy}.")
     if not match[2] and match[1].endswith("inf"):  # infinite in any unit
         return float(match[1])
-    pint = import_for("a unit", "pint")  # heavier than all else here
+    pint = import_for("a unit", "pint")  # slow to import, and needed only here
     registry = _registry()
     try:
         read = registry.Quantity(
@@ -71,24 +71,24 @@ def _registry() -> Any:
     return UnitRegistry(non_int_type=Decimal)
 
 
-# The kinds of a type by their names; NO_KIND is the one of a table that names none.
+# Classes that a table may stand for, by the type of the field and their names; NO_KIND is the default.
 NO_KIND = ""
 Kinds = Mapping[Any, Mapping[str, type]]
-Wanted = TypeVar("Wanted")
+Target = TypeVar("Target")
 
 
-def structured(raw: object, wanted: type[Wanted], kinds: Kinds, source: str) -> Wanted:
-    """Return tables, lists, texts and numbers as the dataclass `wanted`.
+def structured(raw: object, target: type[Target], kinds: Kinds, source: str) -> Target:
+    """Return tables, lists, texts and numbers as the dataclass `target`.
 
     Parameters
     ----------
     raw
         Tables as a TOML file has them.
-    wanted
+    target
         Dataclass of all of them.
     kinds
-        Names of the dataclasses that a type can be. A table says which by its key ``kind``; without one it is the
-        kind under ``NO_KIND``, or the only one that has its keys. A name alone is a table with nothing else.
+        Dataclasses that a type can be, by name. The key ``kind`` of a table chooses one. Without it, the table is of
+        the kind under ``NO_KIND``, or of the only kind that has all its keys. A name alone is a table without keys.
     source
         Name of the file, with which messages begin.
 
@@ -98,7 +98,7 @@ def structured(raw: object, wanted: type[Wanted], kinds: Kinds, source: str) -> 
         With a line for every key that cannot be used.
     """
     try:
-        return _Structure(kinds).converter.structure(raw, wanted)
+        return _Structure(kinds).converter.structure(raw, target)
     except cattrs.BaseValidationError as error:
         raise InvalidInput(_sentences(source, error)) from error
 
@@ -110,9 +110,9 @@ class _Structure:
         self.kinds = kinds
         self.converter = cattrs.Converter(forbid_extra_keys=True)
         hooks: tuple[tuple[Callable[[Any], bool], Callable[[Any, Any], Any]], ...] = (
-            (lambda wanted: get_origin(wanted) is Annotated, _number),
-            (lambda wanted: isinstance(wanted, type) and issubclass(wanted, Enum), _member),
-            (lambda wanted: get_origin(wanted) is tuple, self._tuple),
+            (lambda target: get_origin(target) is Annotated, _number),
+            (lambda target: isinstance(target, type) and issubclass(target, Enum), _member),
+            (lambda target: get_origin(target) is tuple, self._tuple),
             (self._has_kinds, self._of_kind),
         )
         self.converter.register_structure_hook_factory(is_dataclass, self._dataclass)
@@ -121,12 +121,12 @@ class _Structure:
         for applies, hook in hooks:
             self.converter.register_structure_hook_func(applies, hook)
 
-    def _has_kinds(self, wanted: Any) -> bool:
-        return wanted in self.kinds or get_origin(wanted) in (Union, UnionType)
+    def _has_kinds(self, target: Any) -> bool:
+        return target in self.kinds or get_origin(target) in (Union, UnionType)
 
-    def _tuple(self, value: object, wanted: Any) -> tuple[Any, ...]:
+    def _tuple(self, value: object, target: Any) -> tuple[Any, ...]:
         """Return a list as a tuple, of any length or of one type for each entry."""
-        first, *following = get_args(wanted)
+        first, *following = get_args(target)
         if isinstance(value, Mapping):
             raise InvalidInput(
                 "it is one table: write its name in double brackets, once for each entry."
@@ -141,11 +141,11 @@ class _Structure:
         entries: Any = list.__class_getitem__(first)
         return tuple(self.converter.structure(value, entries))
 
-    def _of_kind(self, value: object, wanted: Any) -> Any:
-        """Return a table, or a name that stands for one, as the dataclass that its kind or its keys say."""
-        kinds = dict(self.kinds.get(wanted, {}))
+    def _of_kind(self, value: object, target: Any) -> Any:
+        """Return a table, or the name of a kind, as the dataclass that its kind or its keys choose."""
+        kinds = dict(self.kinds.get(target, {}))
         plain = []
-        for option in get_args(wanted):
+        for option in get_args(target):
             if option in self.kinds:
                 kinds |= self.kinds[option]
             elif isinstance(option, type) and is_dataclass(option):
@@ -162,15 +162,17 @@ class _Structure:
         fields_of = {key: entry for key, entry in value.items() if key != "kind"}
         return self.converter.structure(fields_of, _kind_of(value, kinds))
 
-    def _dataclass(self, wanted: type) -> Any:
-        base: Any = make_dict_structure_fn(wanted, self.converter)
+    def _dataclass(self, target: type) -> Any:
+        base: Any = make_dict_structure_fn(target, self.converter)
 
         def read(value: object, _: Any) -> Any:
             if not isinstance(value, Mapping):
                 raise InvalidInput(f"it is {value!r}: give a table.")
-            if value.get("kind") == wanted.__name__:  # named, though there is only one
+            if (
+                value.get("kind") == target.__name__
+            ):  # the kind may be given although there is only one
                 value = {key: entry for key, entry in value.items() if key != "kind"}
-            return base(value, wanted)
+            return base(value, target)
 
         return read
 
@@ -194,8 +196,8 @@ def _kind_of(table: Mapping[str, object], kinds: Mapping[str, type]) -> type:
     return named[chosen]
 
 
-def _number(value: object, wanted: Any) -> float:
-    unit = next(note for note in wanted.__metadata__ if isinstance(note, Unit))
+def _number(value: object, target: Any) -> float:
+    unit = next(note for note in target.__metadata__ if isinstance(note, Unit))
     return quantity("it", value, unit)
 
 
@@ -211,9 +213,9 @@ def _text(value: object, _: Any) -> str:
     return value
 
 
-def _member(value: object, wanted: Any) -> Enum:
+def _member(value: object, target: Any) -> Enum:
     """Return the member of an enumeration with that name, in any case."""
-    names: dict[str, Enum] = {member.name.lower(): member for member in wanted}
+    names: dict[str, Enum] = {member.name.lower(): member for member in target}
     if not isinstance(value, str) or value.lower() not in names:
         raise InvalidInput(f"it is {value!r}: {suggestion(str(value), names)}.")
     return names[value.lower()]
@@ -228,7 +230,7 @@ def _sentences(source: str, error: cattrs.BaseValidationError) -> str:
     return "\n".join(lines)
 
 
-def _sentence(error: BaseException, wanted: type | None) -> str:
+def _sentence(error: BaseException, target: type | None) -> str:
     if isinstance(error, ForbiddenExtraKeysError):
         names = [entry.name for entry in fields(error.cl)]
         unknown = sorted(error.extra_fields)

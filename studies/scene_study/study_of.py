@@ -11,7 +11,7 @@ import contactstudy as cs
 from contactstudy import InvalidInput, MeasuredSurface, Roughness, Scene
 from contactstudy.domain.checks import divides
 from contactstudy.domain.memory import available_bytes
-from contactstudy.io.scene_file import SceneFile, read_scene, scene_file_of
+from contactstudy.io.scene_file import SceneFile, read_scene, scene_file_from
 from contactstudy.io.scene_writer import scene_text
 from contactstudy.planning.cost import memory
 from contactstudy.planning.grid_requirements import Needs, halvable
@@ -337,7 +337,7 @@ def _file_at(described: SceneFile, axes: list[Variation], point: tuple[Value, ..
     document = document_of(described)
     for varied, value in sorted(zip(axes, point, strict=True), key=lambda pair: _rank(pair[0])):
         document = varied.apply(document, value)
-    return scene_file_of(document)
+    return scene_file_from(document)
 
 
 def _rank(varied: Variation) -> int:

@@ -134,4 +134,4 @@ def test_every_effect_in_time_reads_back(changes: dict[str, object], tmp_path: P
     steps = replace(described.time_steps, end=2.0, instants=3, error=1e-2)
     found = read_back(replace(described, time_steps=steps), tmp_path)
     assert found.time_steps == steps
-    assert steps.of(written.load) == [0.0, 1.0, 2.0]
+    assert steps.instants_of(written.load) == [0.0, 1.0, 2.0]

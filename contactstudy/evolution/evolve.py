@@ -163,7 +163,7 @@ def evolve(
         for name, value, default in (
             ("step_error", step_error, StepError.COMPANION),
             ("scheme", scheme, Scheme.IMPLICIT),
-            ("options", options, SolveOptions(options.tolerance)),
+            ("options", options, SolveOptions(options.tolerance, options.max_iterations)),
             ("folder", folder, None),
         ):
             if value != default:

@@ -51,6 +51,7 @@ from contactstudy.scene.lubrication import (
     Newtonian,
     Roelands,
     ShearLaw,
+    SpeedHistory,
     ViscosityLaw,
 )
 from contactstudy.scene.motion import Rolling, Wear

@@ -1,4 +1,4 @@
-"""Checks of values that a user gives; each failure is one sentence."""
+"""Checks of user input; the message of each error is one sentence."""
 
 import math
 from collections.abc import Callable, Iterable
@@ -27,7 +27,7 @@ class NotDefined(InvalidInput):
 
 
 def answers_typos(cls: type[Described]) -> type[Described]:
-    """Make the constructor of a dataclass answer an unknown keyword with the most similar field."""
+    """Make the constructor of a dataclass suggest the most similar field for an unknown keyword."""
     construct = cls.__init__
     names = [field.name for field in fields(cls) if field.init]  # type: ignore[arg-type]
 

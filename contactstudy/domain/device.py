@@ -1,4 +1,4 @@
-"""Devices that a problem is solved on, and its precision: the cores of this machine, a graphics processor, a library."""
+"""Devices and precision of a solve: the cores of this machine, a graphics processor, or another array library."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -15,7 +15,7 @@ from numpy.typing import DTypeLike, NDArray
 from contactstudy.domain.checks import InvalidInput, set_fields, whole
 from contactstudy.domain.memory import available_bytes
 
-# In a solve, an array of the device's own library. Others: an array of any numbers, one of a single element.
+# During a solve these are arrays of the device's library: of floats, of any numbers, of one element.
 Array = NDArray[np.floating[Any]]
 Field = Any
 Scalar = Any
@@ -30,7 +30,7 @@ class FourierTransforms(Protocol):
     def ifft(self, x: Field, /, *, axis: int) -> Field: ...
 
 
-# The standard says what each does: https://data-apis.org/array-api/2024.12
+# Functions are documented in the standard: https://data-apis.org/array-api/2024.12
 # ruff: noqa: D102
 class Namespace(Protocol):
     """Part of the array API standard, version 2024.12, that a solve uses; numpy follows it."""

@@ -1,4 +1,4 @@
-"""Fields (x, y) worked through by rows, in blocks that stay in the cache or in parts, one a thread; and their sums."""
+"""Operations on fields (x, y) by blocks of rows that fit into the cache, shared among threads, and sums of fields."""
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -15,21 +15,21 @@ from contactstudy.domain.device import Array, Cpu, Numbers, arrays, device, thre
 
 T = TypeVar("T")
 
-# Cells of a block: half a dozen blocks of double precision fit into the cache of a core.
+# Cells in a block: six blocks of double precision fit into the cache of a core.
 BLOCK = 2**15
-# From this number of cells on, compiled loops save more in some dozen solves than it takes to load them.
+# From this number of cells on, compiled loops save more time in about a dozen solves than loading them takes.
 LARGE = 2**14
-# Rows of fewer cells take a compiled loop longer to begin than to work through.
+# In rows of fewer cells, the overhead of a compiled loop exceeds its work.
 NARROWEST = 4
-# Cells of a part at least: to wake another thread takes as long as a pass over some 100 000 cells.
+# Smallest number of cells for a thread: waking a thread takes as long as a pass over about 100 000 cells.
 PART = 2**18
 
 
 def in_blocks(work: Callable[..., T], *fields: Numbers) -> list[T]:
     """Call `work` on the same block of rows of all `fields` (x, y), for every block, and return the results in order.
 
-    Blocks do not depend on the number of threads, so that sums over blocks do not either. Fields that fit into one
-    block, and those on a device that is no :class:`Cpu`, are worked on as they are.
+    Blocks, and so sums over blocks, do not depend on the number of threads. `work` is called once with whole fields if
+    they fit into one block, or are on a device that is not a :class:`Cpu`.
     """
     if fields[0].size <= BLOCK or not isinstance(device(), Cpu):
         return [work(*fields)]
@@ -50,8 +50,8 @@ def sums(work: Callable[..., tuple[float, ...]], *fields: Array) -> tuple[float,
 def in_parts(work: Callable[[slice], object], shape: tuple[int, ...]) -> None:
     """Call `work` on one part of the rows of a field of that `shape` in each thread.
 
-    Every part but the last has an even number of rows. This is for compiled passes: in other threads there is no device
-    in use.
+    Every part but the last has an even number of rows. `work` may only use compiled loops, since no device is set in
+    other threads.
     """
     rows, columns = shape
     count = max(1, min(threads(), rows * columns // PART))
@@ -102,7 +102,7 @@ def _alone(work: Callable[[list[slice]], T], blocks: list[slice]) -> T:
 
 
 def compiled_loops(shape: tuple[int, ...]) -> Any:
-    """Return the module of compiled loops for fields of that `shape` (x, y), or None where none are there or pay."""
+    """Return the module of compiled loops for fields of that `shape` (x, y); None if they are missing or too slow."""
     rows, columns = shape
     pays = rows * columns >= LARGE and columns >= NARROWEST
     return _loops() if pays and isinstance(device(), Cpu) else None
@@ -110,10 +110,10 @@ def compiled_loops(shape: tuple[int, ...]) -> Any:
 
 @cache
 def _loops() -> Any:
-    """Return the module of compiled loops, or None where numba is missing or does not work."""
+    """Return the module of compiled loops; None if numba is missing or does not work."""
     if find_spec("numba") is None:
         return None
-    # raised by a numba for another numpy, or without a folder for compiled code
+    # raised by numba for another version of numpy, or without a folder for compiled code
     with suppress(ImportError, RuntimeError):
         return import_module("contactstudy.domain.compiled")
     return None

@@ -1,6 +1,6 @@
-"""Files that are written whole or not at all, that show their own damage, and that one process at a time may hold.
+"""Atomic replacement of files, checksums that detect damage, and locks between processes.
 
-Systems differ in how files are opened, read at a place, locked and brought to the disk: here, and nowhere else.
+All differences between operating systems in opening, reading, locking and syncing files are in this module.
 """
 
 import errno
@@ -22,11 +22,13 @@ from typing import Any, BinaryIO
 from contactstudy.domain.checks import InvalidInput
 
 PARTIAL = re.compile(r"^\..+\.(\d+)\.partial(\.\w+)?$")
-ROOM = 2**20  # bytes: where a disk has less, a library's vague error means that it is full
-# one of the two is there: the first on Linux and macOS, the other on Windows
+ROOM = (
+    2**20
+)  # bytes: with less free space, an unspecific error of a library means that the disk is full
+# one of the two exists: the first on Linux and macOS, the other on Windows
 _fcntl: Any = import_module("fcntl") if find_spec("fcntl") else None
 _msvcrt: Any = None if _fcntl else import_module("msvcrt")
-# bytes as they are, not for processes that are started, no links, no waiting for a pipe; where there are such flags
+# binary mode, not inherited by child processes, no symbolic links, no waiting for a pipe; as far as the system has them
 ALWAYS = sum(getattr(os, name, 0) for name in ("O_BINARY", "O_CLOEXEC", "O_NOFOLLOW", "O_NONBLOCK"))
 # the byte that is locked on Windows: far beyond what is written, which stays readable
 LOCKED_BYTE = 2**30
@@ -55,16 +57,16 @@ def read_at(descriptor: int, size: int, start: int) -> bytes:
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """Give a path to write to, and put what was written in the place of ``path``, on the disk, when the block ends.
+    """Yield a temporary path, and replace ``path`` by the file written there when the block ends, synced to the disk.
 
-    Until then, and after a kill or an error at any moment, ``path`` is what it was before. The folder of ``path``
-    is made if need be.
+    Until then, and after a kill or an error at any moment, ``path`` is unchanged. The folder of ``path`` is created if
+    it does not exist.
     """
     path.parent.mkdir(exist_ok=True)
     partial = path.with_name(f".{path.name}.{os.getpid()}.partial{path.suffix}")
     try:
         yield partial
-        with partial.open("r+b") as file:  # Windows brings to the disk only what may be written to
+        with partial.open("r+b") as file:  # Windows syncs only files that are open for writing
             os.fsync(file.fileno())
         partial.replace(path)
         _sync_folder(path.parent)
@@ -74,7 +76,7 @@ def replacing(path: Path) -> Iterator[Path]:
 
 
 def _sync_folder(folder: Path) -> None:
-    """Bring the names in ``folder`` to the disk, where a folder can be opened."""
+    """Sync the entries of ``folder`` to the disk, on systems that can open a folder."""
     with suppress(OSError):
         descriptor = os.open(folder, os.O_RDONLY)
         try:
@@ -84,7 +86,7 @@ def _sync_folder(folder: Path) -> None:
 
 
 def remove_partial_files(folder: Path) -> None:
-    """Remove what killed processes have left in ``folder`` and in the folders in it."""
+    """Remove the partial files of killed processes from ``folder`` and its direct subfolders."""
     with suppress(OSError):
         for path in (*folder.glob(".*.partial*"), *folder.glob("*/.*.partial*")):
             match = PARTIAL.match(path.name)
@@ -93,7 +95,7 @@ def remove_partial_files(folder: Path) -> None:
 
 
 def seal(path: Path) -> None:
-    """Append a checksum of its content to the file at ``path``; readers of netCDF do not look beyond its end."""
+    """Append a checksum of its content to the file at ``path``; readers of netCDF ignore it."""
     with path.open("r+b") as file:
         digest = _digest(file, path.stat().st_size)
         file.seek(0, os.SEEK_END)
@@ -101,7 +103,7 @@ def seal(path: Path) -> None:
 
 
 def is_damaged(path: Path) -> bool:
-    """Return whether the content of a sealed file differs from what was sealed; not so for a file without a seal."""
+    """Return whether the content of a file differs from its checksum; False for a file without one."""
     size = path.stat().st_size - len(SEAL) - DIGEST
     if size < 0:
         return False
@@ -113,14 +115,14 @@ def is_damaged(path: Path) -> bool:
 
 
 def write_sealed(path: Path, content: bytes) -> None:
-    """Write ``content`` under a checksum, in the place of ``path`` and on the disk when this returns."""
+    """Replace the file at ``path`` by ``content`` and its checksum, synced to the disk."""
     with replacing(path) as partial:
         partial.write_bytes(content)
         seal(partial)
 
 
 def read_sealed(path: Path) -> bytes | None:
-    """Return what :func:`write_sealed` wrote, or None where the file is damaged; raises OSError without a file."""
+    """Return the content written by :func:`write_sealed`, or None if it is damaged; raises OSError without a file."""
     raw = path.read_bytes()
     content, mark = raw[: -len(SEAL) - DIGEST], raw[-len(SEAL) - DIGEST : -DIGEST]
     return content if mark == SEAL and not is_damaged(path) else None
@@ -136,14 +138,14 @@ def _digest(file: BinaryIO, size: int) -> bytes:
 
 
 def set_aside(path: Path) -> Path:
-    """Rename a damaged file so that it blocks nothing and nothing is lost, and return its new path."""
+    """Rename a damaged file, so that it is kept under another name, and return its new path."""
     damaged = path.with_name(f"{path.name}.damaged")
     path.replace(damaged)
     return damaged
 
 
 def is_alive(process: int) -> bool:
-    """Return whether a process other than this one has the number ``process``."""
+    """Return whether another process with the id ``process`` is running."""
     import psutil  # needed only where such a file is found
 
     try:
@@ -153,7 +155,7 @@ def is_alive(process: int) -> bool:
 
 
 def reason(error: Exception, path: Path | None = None) -> str:
-    """Return in the system's words why a file could not be written; `path` tells whether there is no room."""
+    """Return the system's reason why a file could not be written; with its `path`, a full disk is recognised."""
     if isinstance(error, OSError) and error.errno == errno.ELOOP:
         return "it is a symbolic link, which is not followed"
     if path is not None:
@@ -167,12 +169,12 @@ def reason(error: Exception, path: Path | None = None) -> str:
                 return "the disk holds as many files as it can: no inode is left"
     if isinstance(error, OSError) and error.strerror:
         return error.strerror
-    # what HDF5 says of a size limit or a quota
+    # HDF5 reports a size limit or a quota so
     return "the file system takes no more" if "HDF error" in str(error) else str(error)
 
 
 def _lacks_inodes(folder: Path) -> bool:
-    """Return whether the file system counts its files and can take no other."""
+    """Return whether the file system limits its number of files and the limit is reached."""
     if not hasattr(os, "statvfs"):
         return False
     counts = os.statvfs(folder)
@@ -181,12 +183,12 @@ def _lacks_inodes(folder: Path) -> bool:
 
 @contextmanager
 def locked(path: Path, log: Callable[[str], object]) -> Iterator[None]:
-    """Hold the lock at ``path``; where another process holds it, say which one to ``log``, and wait for it.
+    """Hold the lock at ``path`` during the block; wait for another holder after passing its name to ``log``.
 
-    The file names its holder and is removed at the end. Where the file system has no locks, that name alone decides.
-    No library is used: those found either cannot tell who holds a lock on every system, or truncate the file.
-    Raises :class:`~contactstudy.InvalidInput` for a link in its place, and, without locks, for a holder on another
-    machine of which nobody can say whether it still runs.
+    The file names its holder and is removed at the end. On a file system without locks the name alone decides. Locking
+    libraries were not usable: they cannot name the holder of a lock on every system, or truncate the file. Raises
+    :class:`~contactstudy.InvalidInput` if the lock is a symbolic link, or, without locks, if its holder is on another
+    machine, where this program cannot see whether it is running.
     """
     try:
         descriptor = _acquire(path, log)
@@ -198,15 +200,15 @@ def locked(path: Path, log: Callable[[str], object]) -> Iterator[None]:
     try:
         yield
     finally:
-        with suppress(OSError):  # Windows removes no open file: there it stays, unlocked
-            # only this one: the folder may have been removed, and made again by another process
+        with suppress(OSError):  # Windows does not remove an open file: it stays, unlocked
+            # only this file: the folder may have been removed, and created again by another process
             if _is_at(descriptor, path):
                 path.unlink()
         os.close(descriptor)
 
 
 def _acquire(path: Path, log: Callable[[str], object]) -> int:
-    """Return the descriptor of the file at ``path``, locked and signed."""
+    """Lock the file at ``path``, write this process into it, and return its descriptor."""
     wait = False
     while True:
         descriptor = open_descriptor(path, os.O_RDWR | os.O_CREAT)
@@ -226,7 +228,7 @@ def _acquire(path: Path, log: Callable[[str], object]) -> int:
 
 
 def _holder(descriptor: int, path: Path, *, wait: bool) -> str | None:
-    """Lock the open file and return None, or return in words who holds it."""
+    """Lock the open file and return None, or return the name of the process that holds the lock."""
     try:
         lock_descriptor(descriptor, wait=wait)
     except BlockingIOError:
@@ -244,7 +246,7 @@ def _holder(descriptor: int, path: Path, *, wait: bool) -> str | None:
 
 
 def lock_descriptor(descriptor: int, *, wait: bool) -> None:
-    """Lock the open file until it is closed; without ``wait``, raises BlockingIOError where another has it."""
+    """Lock the open file until it is closed; without ``wait``, raise BlockingIOError if another process holds it."""
     if _fcntl:
         _fcntl.flock(descriptor, _fcntl.LOCK_EX if wait else _fcntl.LOCK_EX | _fcntl.LOCK_NB)
         return
@@ -275,14 +277,14 @@ def _sign(descriptor: int) -> None:
     """Write this process, its machine and the time as the whole content of the open file."""
     now = datetime.now(UTC).isoformat(timespec="seconds")
     signature = {"pid": os.getpid(), "host": socket.gethostname(), "since": now}
-    with suppress(OSError):  # on a full disk it is a lock all the same
+    with suppress(OSError):  # on a full disk the file is a lock without a name
         os.ftruncate(descriptor, 0)
         os.lseek(descriptor, 0, os.SEEK_SET)
         os.write(descriptor, json.dumps(signature).encode())
 
 
 def _signature(descriptor: int) -> dict[str, object] | None:
-    """Return who signed the open file; None for a file that has only just been made."""
+    """Return process, machine and time from the open lock file; None for a new file."""
     try:
         signed = json.loads(read_at(descriptor, 1000, 0))
         return {
@@ -302,7 +304,7 @@ def _in_words(signature: dict[str, object] | None) -> str:
 
 
 def _may_be_alive(signature: dict[str, object]) -> bool:
-    """Return whether the process that signed may still run: on another machine, any may."""
+    """Return whether the process in a lock file may be running; on another machine this is unknown, so True."""
     if signature["host"] != socket.gethostname():
         return True
     return is_alive(int(str(signature["pid"])))

@@ -28,8 +28,8 @@ class Grid:
     Raises
     ------
     InvalidInput
-        If there are fewer than two cells across or none along, if the extent is no positive length, or if cells are a
-        billion times as long as wide or as wide as long: their influence coefficients would be lost in rounding.
+        If there are fewer than two cells across or none along, if the extent is no positive length, or if the
+        aspect ratio of a cell exceeds 1e9, where its influence coefficients would be lost in rounding.
     """
 
     cells: tuple[int, int]

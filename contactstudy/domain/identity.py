@@ -1,4 +1,4 @@
-"""A computation as plain data that is the same for the same computation, and for no other."""
+"""Canonical representation of a computation as plain data: equal for equal computations, different for others."""
 
 import hashlib
 import json
@@ -15,8 +15,8 @@ from contactstudy.domain.checks import InvalidInput
 
 Tree = Any  # what JSON can hold
 
-# Fields that stand at their default are kept apart under this name, and are no part of the key: a
-# parameter that is new, and at its default, leaves the computation what it was.
+# Fields at their default are stored under this name and do not enter the key, so that a new parameter
+# at its default does not change the identity of a computation.
 DEFAULTS = "="
 
 
@@ -28,9 +28,9 @@ class IdentityRecord:
     kinds: dict[str, type] = field(default_factory=dict)
 
     def name(self, kind: type) -> str:
-        """Return the module and qualified name of a class, which tell it from every other.
+        """Return the module and qualified name of a class, which identify it.
 
-        Raises :class:`~contactstudy.InvalidInput` where another class has the same.
+        Raises :class:`~contactstudy.InvalidInput` if another class has the same name.
         """
         name = f"{kind.__module__}.{kind.__qualname__}"
         if self.kinds.setdefault(name, kind) is not kind:
@@ -39,11 +39,11 @@ class IdentityRecord:
 
 
 def canonical(value: object, memory: IdentityRecord | None = None) -> Tree:
-    """Return ``value`` as a tree that no other value has: exact numbers with their types, dataclasses by their fields.
+    """Return ``value`` as a tree that is unique to it: exact numbers with their types, dataclasses by their fields.
 
-    A number is written with all its digits; text in quotes; 1, 1.0, True, "1" and numpy's 1 are five values, and so
-    are 0.0 and -0.0. Fields that a dataclass does not compare are left out. Raises
-    :class:`~contactstudy.InvalidInput` for what has no value of its own, such as an object known by its address.
+    Numbers have all their digits and text is in quotes: 1, 1.0, True, "1" and numpy's 1 differ, as do 0.0 and -0.0.
+    Fields that a dataclass does not compare are left out. Raises :class:`~contactstudy.InvalidInput` for an object that
+    is identified only by its address.
     """
     memory = memory or IdentityRecord()
     if is_dataclass(value) and not isinstance(value, type):
@@ -82,7 +82,7 @@ def canonical(value: object, memory: IdentityRecord | None = None) -> Tree:
 
 
 def _record(value: Any, memory: IdentityRecord) -> Tree:
-    """Return the tree of a dataclass, with the fields at their defaults apart."""
+    """Return the tree of a dataclass, with the fields at their defaults under ``DEFAULTS``."""
     tree: dict[str, Tree] = {"": memory.name(type(value))}
     defaults: dict[str, Tree] = {}
     for part, default in _parts(type(value)):  # type: ignore[arg-type]
@@ -93,7 +93,7 @@ def _record(value: Any, memory: IdentityRecord) -> Tree:
 
 @cache
 def _parts(kind: type) -> tuple[tuple[str, Tree], ...]:
-    """Return the fields of a dataclass that tell its values apart, with the trees of their defaults."""
+    """Return the names of the fields that a dataclass compares, with the trees of their defaults."""
     parts = []
     for part in fields(kind):
         default: Tree = MISSING
@@ -107,12 +107,12 @@ def _parts(kind: type) -> tuple[tuple[str, Tree], ...]:
 
 
 def text(tree: Tree) -> str:
-    """Return ``tree`` as JSON, always the same for the same tree."""
+    """Return ``tree`` as JSON with sorted keys."""
     return json.dumps(tree, sort_keys=True, separators=(",", ":"))
 
 
 def key(tree: Tree) -> str:
-    """Return what the computation is called in the journal: a hash of ``tree`` without its defaults."""
+    """Return the key of a computation in the journal: a hash of ``tree`` without the fields at their defaults."""
     return hashlib.sha256(text(_bare(tree)).encode()).hexdigest()[:24]
 
 
@@ -124,7 +124,7 @@ def _bare(tree: Tree) -> Tree:
 
 
 def differences(stored: Tree, now: Tree, name: str = "case") -> list[str]:
-    """Say where two trees differ; a field that only one has, at its default, makes no difference."""
+    """Return a sentence for each difference of two trees; a field that only one has, at its default, does not count."""
     if not (isinstance(stored, dict) and isinstance(now, dict)):
         if isinstance(stored, list) and isinstance(now, list) and len(stored) == len(now):
             pairs = enumerate(zip(stored, now, strict=True))

@@ -1,4 +1,4 @@
-"""Imports on first use: of public names, and of packages that only some of them need."""
+"""Imports on first use: of public names, and of optional packages."""
 
 import ast
 import sys
@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 OWN = ("contactstudy", "studies")
-# name for pip, where it is not the package's own
+# name for pip, where it differs from the name of the package
 INSTALLS = {
     "altair": "'contactstudy[explore]'",
     "vl_convert": "'contactstudy[explore]'",
@@ -20,7 +20,7 @@ INSTALLS = {
 }
 
 
-# Methods that label or draw a value: the only calls upwards, each found by name when it is first made.
+# Methods that label or draw a value. They are the only calls to higher layers, and are looked up by name.
 PRESENTATIONS = {
     "Comparison.plot": "contactstudy.io.pictures.contact.compare_picture",
     "Evolution.to_dataset": "contactstudy.io.dataset.evolution_dataset",
@@ -35,7 +35,7 @@ PRESENTATIONS = {
 
 
 class MissingPackageError(ModuleNotFoundError):
-    """Error for a package that is not installed; one sentence says what needs it and what to install."""
+    """Error for a package that is not installed; the message names the feature that needs it and the remedy."""
 
 
 def import_for(use: str, module: str) -> Any:
@@ -60,9 +60,9 @@ def presentation(method: str) -> Callable[..., Any]:
 
 
 def missing_package(use: str, missing: ModuleNotFoundError) -> ModuleNotFoundError:
-    """Return the error `missing` as a sentence that names the `use`.
+    """Return the error `missing` with a message that names the `use`.
 
-    It is returned as it is where it has a sentence, or is about a module of this program.
+    An error about a module of this program, or one that has such a message, is returned unchanged.
     """
     package = (missing.name or "").partition(".")[0]
     if package in ("", *OWN) or isinstance(missing, MissingPackageError):

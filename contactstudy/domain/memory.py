@@ -1,4 +1,4 @@
-"""Memory left on this machine, so that a solve that does not fit is refused before it starts."""
+"""Available memory of this machine: a solve that does not fit is refused before it starts."""
 
 from contextlib import suppress
 from importlib import import_module
@@ -16,7 +16,7 @@ def available_bytes() -> float:
 def _of_system() -> float:
     """Return free memory and swap [bytes].
 
-    Linux tells them itself; on other systems psutil does, where it is installed.
+    They are read from Linux directly, and on other systems from psutil, if it is installed.
     """
     with suppress(OSError, ValueError, IndexError, KeyError):
         lines = Path("/proc/meminfo").read_text(encoding="utf-8").splitlines()

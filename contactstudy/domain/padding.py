@@ -1,7 +1,7 @@
 """Paddings: for one axis, the images of the pressure that act on a point.
 
-A padding states two things about one axis: the ``window`` of periods whose pressure acts on a point, and
-whether the convolution is circular (``wraps``, n points) or padded with zeros (2 n points).
+For one axis a padding defines the ``window`` of periods whose pressure acts on a point, and whether the
+convolution is circular (``wraps``, n points) or padded with zeros (2 n points).
 A line contact is usually free along x and periodic along y; either axis may take any padding.
 """
 

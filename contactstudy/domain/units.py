@@ -1,4 +1,4 @@
-"""SI units of quantities, kept with their types; texts with units are converted to them."""
+"""Types of physical quantities with their SI units, to which texts such as ``"10 mm"`` are converted."""
 
 from dataclasses import dataclass
 from typing import Annotated

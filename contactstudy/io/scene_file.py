@@ -227,7 +227,7 @@ class TimeSteps:
     instants: int = 41
     error: Number | None = None
 
-    def of(self, *values: object) -> list[float] | None:
+    def instants_of(self, *values: object) -> list[float] | None:
         """Return the instants [s], up to the last end of the histories in `values`; None if the error alone decides."""
         if self.times:
             return list(self.times)
@@ -236,7 +236,7 @@ class TimeSteps:
             raise InvalidInput(
                 "evolve has no end, nor has the load: give evolve.end or evolve.times [s]."
             )
-        end = max(one.end for one in histories) if self.end is None else self.end
+        end = max(history.end for history in histories) if self.end is None else self.end
         if self.end is None and self.error is not None:
             return None
         whole("evolve.instants", self.instants, 2, "give at least 2 instants")

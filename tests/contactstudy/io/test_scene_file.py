@@ -209,7 +209,7 @@ def test_instants_are_even_from_the_start_of_the_load_to_the_end() -> None:
     assert TimeSteps(instants=2).instants_of(load) == [1, 3]
     assert TimeSteps(end=3.0, instants=2).instants_of(cs.LineLoad(1.0)) == [0, 3]
     assert len(TimeSteps(end=7.0).instants_of(load) or []) == 41
-    assert TimeSteps(times=(2.0, 5.0), end=7.0).of(load) == [2, 5]
+    assert TimeSteps(times=(2.0, 5.0), end=7.0).instants_of(load) == [2, 5]
     # an error chooses its own, up to the end of the load
     assert TimeSteps(error=1e-3).instants_of(load) is None
     assert TimeSteps(error=1e-3, end=7.0, instants=2).instants_of(load) == [1, 7]

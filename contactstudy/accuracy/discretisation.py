@@ -10,6 +10,13 @@ from contactstudy.domain.fields import Array
 EDGES = 1 / 12
 
 
+def with_ends(field: Array, count: int, *, wraps: bool) -> Array:
+    """Return `field` (n, ...) with `count` more rows at either end: those of a closed axis, or the last one."""
+    before, after = (field[-count:], field[:count]) if wraps else (field[:1], field[-1:])
+    repeats = 1 if wraps else count
+    return np.concatenate([*[before] * repeats, field, *[after] * repeats])
+
+
 def discretisation(pressure: Array, wraps: tuple[bool, bool]) -> tuple[float, float]:
     """Return the relative errors of the peak pressure and of the pressure in L1 that the cells cause.
 
@@ -35,7 +42,7 @@ def discretisation(pressure: Array, wraps: tuple[bool, bool]) -> tuple[float, fl
             continue
         along = np.moveaxis(pressure, axis, 0)
         # at an open end the cell stands for its own neighbour
-        padded = np.pad(along, ((1, 1), (0, 0)), mode="wrap" if is_periodic else "edge")
+        padded = with_ends(along, 1, wraps=is_periodic)
         before, after = padded[:-2], padded[2:]
         bend = np.abs(before + after - 2 * along)
         within = (along > 0) & (before > 0) & (after > 0)
@@ -78,7 +85,7 @@ def contact_area(pressure: Array, wraps: tuple[bool, bool]) -> float:
         along = np.moveaxis(pressure, axis, 0)
         if len(along) == 1:
             continue
-        padded = np.pad(along, ((1, 1), (0, 0)), mode="wrap" if is_periodic else "edge")
+        padded = with_ends(along, 1, wraps=is_periodic)
         before, after = padded[:-2], padded[2:]
         beyond, uncertain, ends = 0.0, 0.0, 0
         for outer, inner in ((before, after), (after, before)):

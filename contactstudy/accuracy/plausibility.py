@@ -58,13 +58,18 @@ def _strength(body: object) -> float:
 
 
 def _slope(solution: Solution) -> float:
-    """Return the slope of the heights: its median over the grid, or its rms where neighbouring cells touch."""
+    """Return the slope of the heights: its median over the grid, or its rms where neighbouring cells touch.
+
+    It is 0 if no slope is above `SLOPE`.
+    """
     gap, touching = solution.problem.undeformed_gap, solution.pressure > 0
     largest = 0.0
     for axis, step in enumerate(solution.problem.grid.cell):
         if gap.shape[axis] < 3:
             continue
         slopes = np.abs(np.diff(gap, axis=axis)) / step
+        if slopes.max() <= SLOPE:  # as are median and rms
+            continue
         both = np.take(touching, range(1, gap.shape[axis]), axis) & np.take(
             touching, range(gap.shape[axis] - 1), axis
         )

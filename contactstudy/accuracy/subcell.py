@@ -1,11 +1,13 @@
 """Heights inside the cells, which a pressure on the grid cannot show."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import ceil, log, pi, prod
 
 import numpy as np
 
 from contactstudy.accuracy.coarser import on_cells
+from contactstudy.accuracy.discretisation import with_ends
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
@@ -98,23 +100,23 @@ def subcell(problem: Problem, pressure: Array, confidence: float) -> Subcell | N
         if points.shape[axis] == 1:
             continue
         modulus = _modulus(problem, axis)
-        missed, stands, edge, bend = (
-            np.broadcast_to(np.moveaxis(field, 0, axis), lines)
-            for field in _along(
-                np.moveaxis(centres, axis, 0),
-                np.moveaxis(points, axis, 0),
-                grid.cell[axis],
-                points_each,
-                wraps=padding.wraps,
-            )
+        along = HeightsAlong.from_heights(
+            np.moveaxis(centres, axis, 0),
+            np.moveaxis(points, axis, 0),
+            grid.cell[axis],
+            wraps=padding.wraps,
         )
-        if not source.names_scales:
-            standing += on_cells(stands * (modulus / grid.cell[axis]), grid.cells)
-        hidden += on_cells(missed * (modulus / grid.cell[axis]), grid.cells)
         pressed, halving = on_cells(beside, lines) > 0, modulus * log(2) / (2 * pi)
-        corner = max(corner, float(np.where(pressed, edge, 0.0).max()) * halving)
+
+        def spread(field: Array, axis: int = axis, lines: tuple[int, int] = lines) -> Array:
+            return np.broadcast_to(np.moveaxis(field, 0, axis), lines)
+
+        hidden += on_cells(spread(along.missed) * (modulus / grid.cell[axis]), grid.cells)
+        corner = max(corner, float(np.where(pressed, spread(along.corner()), 0.0).max()) * halving)
         if not source.names_scales:
-            kink = max(kink, float(np.where(pressed, bend, 0.0).max()) * halving)
+            stands = spread(along.standing) * (modulus / grid.cell[axis])
+            standing += on_cells(stands, grid.cells)
+            kink = max(kink, float(np.where(pressed, spread(along.kink()), 0.0).max()) * halving)
     rise = 0.0
     if not source.names_scales and min(grid.cells) >= 4:
         try:
@@ -209,8 +211,7 @@ def _cubic(extended: Array, place: float) -> Array:
 
 def _extended(centres: Array, *, wraps: bool) -> Array:
     """Return `centres` (n, ...) with two more at either end: those of a closed axis, or of the last cubic."""
-    ends = ((2, 2), *(((0, 0),) * (centres.ndim - 1)))
-    padded = np.pad(centres, ends, mode="wrap" if wraps else "edge")
+    padded = with_ends(centres, 2, wraps=wraps)
     if not wraps:
         for ghost in (1, 0):
             for side in (padded, padded[::-1]):
@@ -232,11 +233,9 @@ def _with_neighbours(pressure: Array, problem: Problem) -> Array:
     assert problem.paddings is not None
     largest = pressure
     for axis, padding in enumerate(problem.paddings):
-        ends = [(0, 0), (0, 0)]
-        ends[axis] = (1, 1)
-        padded = np.pad(largest, ends, mode="wrap" if padding.wraps else "edge")
-        parts = (np.take(padded, range(k, k + pressure.shape[axis]), axis) for k in range(3))
-        largest = np.maximum.reduce(list(parts))
+        along = with_ends(np.moveaxis(largest, axis, 0), 1, wraps=padding.wraps)
+        beside = np.maximum(np.maximum(along[:-2], along[1:-1]), along[2:])
+        largest = np.moveaxis(beside, 0, axis)
     return largest
 
 
@@ -249,69 +248,91 @@ def _modulus(problem: Problem, axis: int) -> float:
     return 2 * problem.grid.cell[axis] / (pi * displacement)
 
 
-def _along(
-    centres: Array, inside: Array, step: float, points: int, *, wraps: bool
-) -> tuple[Array, Array, Array, Array]:
-    """Return what a cubic through the centres misses in each cell [m], what stands out [m], its corner and its kink.
+@dataclass(frozen=True)
+class HeightsAlong:
+    """Heights inside the cells along one axis, of shapes (n, ...) for n cells.
 
-    A height ``|x|^n`` has the share ``(w / W)^(n - 1)`` of the bend over a cell W within w about its apex, which tells
-    n. The pressure there rises with the power n - 1 of the cell: all rises to come are that of a corner of the same bend
-    in a cell, over ``1 - 2^(1 - n)``. Corner and kink are given as slopes.
-
-    Parameters
+    Attributes
     ----------
-    centres
-        Heights (n, ...) at the cell centres [m].
-    inside
-        Heights (n points, ...) inside the cells [m].
-    step
-        Width of a cell [m].
-    points
-        Number of points in a cell.
+    missed
+        What a cubic through the centres misses in each cell [m].
+    standing
+        What stands above the centres of a cell and of both beside it [m]: a step between two of them hides no height.
+    bends
+        Bend of the slope between neighbouring points, out of the body (n points, ...).
     wraps
         Whether the axis wraps.
     """
-    count = len(centres)
-    mode = "wrap" if wraps else "edge"
-    padded = _extended(centres, wraps=wraps)
-    heights = inside.reshape(count, points, -1)
-    missed = np.zeros_like(heights[:, 0])
-    # above the centres of a cell and of both beside it: a step between two of them hides no height
-    upper = np.minimum.reduce([padded[1 : 1 + count], padded[2 : 2 + count], padded[3 : 3 + count]])
-    stands = np.maximum(upper - heights.min(axis=1), 0)
-    for point in range(points):
-        place = (point + 0.5) / points - 0.5
-        cubic = _cubic(padded, place)
-        np.maximum(missed, np.abs(heights[:, point] - cubic), out=missed)
-    beyond = ((1, 1), (0, 0))
-    slopes = np.diff(np.pad(inside, beyond, mode=mode), axis=0) * (points / step)  # type: ignore[call-overload]
-    bends = np.maximum(np.diff(slopes, axis=0), 0)
-    if not wraps:
-        bends[[0, -1]] = 0.0
-    pairs = bends + np.roll(bends, -1, axis=0)
-    cell_bend = bends.reshape(count, points, -1).sum(axis=1)
-    three_cells = cell_bend + np.roll(cell_bend, 1, axis=0) + np.roll(cell_bend, -1, axis=0)
-    strongest = pairs.reshape(count, points, -1).max(axis=1)
-    # what a smooth bend of these cells has between two points
-    smooth = (three_cells - strongest) * (2 / (3 * points - 2))
-    corner = np.where(strongest > CORNER * three_cells, strongest - smooth, 0.0)
-    # the bend within half a cell to either side of each pair
-    half = points // 2
-    sums = np.cumsum(np.pad(bends, ((half, half), (0, 0)), mode=mode), axis=0)  # type: ignore[call-overload]
-    around = np.concatenate([sums[points - 1 : points], sums[points:] - sums[:-points]])[
-        : len(bends)
-    ]
-    apex = pairs.reshape(count, points, -1).argmax(axis=1)[:, None]
-    about = np.take_along_axis(around.reshape(count, points, -1), apex, axis=1)[:, 0]
-    share = np.divide(strongest, about, out=np.ones_like(about), where=about > 0)
-    power = np.maximum(np.log(np.maximum(share, 1 / points)) / log(2 / points), FLATTEST)
-    from scipy import ndimage  # imported late: as slow to import as everything else
 
-    # an apex bends more than all about it; where a bend begins, half of the window is straight
-    highest_pair = ndimage.maximum_filter1d(pairs, points + 1, axis=0, mode="nearest")
-    window_peak = np.take_along_axis(highest_pair.reshape(count, points, -1), apex, axis=1)[:, 0]
-    is_apex = (strongest > 0) & (strongest >= window_peak) & (power < SMOOTH)
-    if not wraps:
-        is_apex[[0, -1]] = False
-    kink = np.where(is_apex, about / (1 - 2**-power), 0.0)
-    return missed, stands, corner, kink
+    missed: Array
+    standing: Array
+    bends: Array
+    wraps: bool
+
+    @classmethod
+    def from_heights(
+        cls, centres: Array, inside: Array, step: float, *, wraps: bool
+    ) -> "HeightsAlong":
+        """Return what heights (n, ...) at the centres, and (n points, ...) inside cells of width `step`, show [m]."""
+        count = len(centres)
+        points = len(inside) // count
+        padded = _extended(centres, wraps=wraps)
+        inside = np.ascontiguousarray(inside)  # along the length they are not, which takes longer
+        heights = inside.reshape(count, points, -1)
+        missed = np.zeros_like(heights[:, 0])
+        for point in range(points):
+            cubic = _cubic(padded, (point + 0.5) / points - 0.5)
+            np.maximum(missed, np.abs(heights[:, point] - cubic), out=missed)
+        beside = [padded[1 : 1 + count], padded[2 : 2 + count], padded[3 : 3 + count]]
+        standing = np.maximum(np.minimum.reduce(beside) - heights.min(axis=1), 0)
+        slopes = np.diff(with_ends(inside, 1, wraps=wraps), axis=0) * (points / step)
+        bends = np.maximum(np.diff(slopes, axis=0), 0)
+        if not wraps:
+            bends[[0, -1]] = 0.0
+        return cls(missed, standing, bends, wraps)
+
+    @cached_property
+    def _in_cells(self) -> tuple[Array, Array]:
+        """Bends of pairs of neighbouring points (n points, ...), and the same in their cells (n, points, ...)."""
+        pairs = self.bends + np.roll(self.bends, -1, axis=0)
+        return pairs, pairs.reshape(len(self.missed), -1, *pairs.shape[1:])
+
+    def corner(self) -> Array:
+        """Return the slope of the corner in each cell (n, ...), 0 where its bend is that of a smooth surface."""
+        _, pairs = self._in_cells
+        count, points = pairs.shape[:2]
+        cell_bend = self.bends.reshape(count, points, -1).sum(axis=1)
+        three_cells = cell_bend + np.roll(cell_bend, 1, axis=0) + np.roll(cell_bend, -1, axis=0)
+        strongest = pairs.max(axis=1)
+        # what a smooth bend of these cells has between two points
+        smooth = (three_cells - strongest) * (2 / (3 * points - 2))
+        return np.where(strongest > CORNER * three_cells, strongest - smooth, 0.0)
+
+    def kink(self) -> Array:
+        """Return the slope of all rises to come at a height ``|x|^n`` in each cell (n, ...), 0 where there is none.
+
+        It has the share ``(w / W)^(n - 1)`` of the bend over a cell W within w about its apex, which tells n. The
+        pressure there rises with the power n - 1 of the cell: all rises to come are that of a corner of the same bend in
+        a cell, over ``1 - 2^(1 - n)``.
+        """
+        from scipy import ndimage  # imported late: as slow to import as everything else
+
+        all_pairs, pairs = self._in_cells
+        points = pairs.shape[1]
+        strongest = pairs.max(axis=1)
+        # the bend within half a cell to either side of each pair
+        sums = np.cumsum(with_ends(self.bends, points // 2, wraps=self.wraps), axis=0)
+        around = np.concatenate([sums[points - 1 : points], sums[points:] - sums[:-points]])
+        apex = pairs.argmax(axis=1)[:, None]
+        about = np.take_along_axis(around[: len(all_pairs)].reshape(pairs.shape), apex, axis=1)[
+            :, 0
+        ]
+        share = np.divide(strongest, about, out=np.ones_like(about), where=about > 0)
+        power = np.maximum(np.log(np.maximum(share, 1 / points)) / log(2 / points), FLATTEST)
+        # an apex bends more than all about it; where a bend begins, half of the window is straight
+        highest = ndimage.maximum_filter1d(all_pairs, points + 1, axis=0, mode="nearest")
+        window_peak = np.take_along_axis(highest.reshape(pairs.shape), apex, axis=1)[:, 0]
+        is_apex = (strongest > 0) & (strongest >= window_peak) & (power < SMOOTH)
+        if not self.wraps:
+            is_apex[[0, -1]] = False
+        return np.where(is_apex, about / (1 - 2**-power), 0.0)

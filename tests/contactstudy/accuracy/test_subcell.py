@@ -10,8 +10,8 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.accuracy.subcell import (
+    HeightsAlong,
     Subcell,
-    _along,
     _lines,
     _modulus,
     _with_neighbours,
@@ -32,10 +32,13 @@ def places(points: int) -> np.ndarray:
 def along(
     heights: Any, points: int = 4, *, wraps: bool = False
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    first, second, third, _ = _along(
-        heights(CENTRES)[:, None], heights(places(points))[:, None], STEP, points, wraps=wraps
-    )
-    return first[:, 0], second[:, 0], third[:, 0]
+    found = sampled(heights, points, wraps=wraps)
+    return found.missed[:, 0], found.standing[:, 0], found.corner()[:, 0]
+
+
+def sampled(heights: Any, points: int, *, wraps: bool = False) -> HeightsAlong:
+    at_centres, inside = heights(CENTRES)[:, None], heights(places(points))[:, None]
+    return HeightsAlong.from_heights(at_centres, inside, STEP, wraps=wraps)
 
 
 @pytest.mark.parametrize("points", [4, 48])
@@ -76,18 +79,11 @@ def test_a_kink_is_a_corner_of_both_its_slopes_wherever_it_is(aside: float) -> N
 @pytest.mark.parametrize("power", [1.2, 1.5, 1.75])
 def test_the_power_of_a_rounded_apex_is_told_by_its_bends(power: float) -> None:
     """All rises to come under ``|x|^n``: the bend of a cell at the apex, over what a halving leaves of it."""
-    kinks = _along(
-        np.abs(CENTRES[:, None]) ** power,
-        np.abs(places(48)[:, None]) ** power,
-        STEP,
-        48,
-        wraps=False,
-    )[3][:, 0]
+    kinks = sampled(lambda x: np.abs(x) ** power, 48).kink()
     # from half a cell before the apex to as far behind
     bend = 2 * power * (STEP / 2) ** (power - 1)
     assert kinks.max() == pytest.approx(bend / (1 - 2 ** (1 - power)), rel=0.15)
-    smooth = _along(CENTRES[:, None] ** 2, places(48)[:, None] ** 2, STEP, 48, wraps=False)[3]
-    assert not smooth.any()
+    assert not sampled(np.square, 48).kink().any()
 
 
 def test_what_stands_out_is_measured_from_the_centres_of_three_cells() -> None:

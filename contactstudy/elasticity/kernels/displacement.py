@@ -21,7 +21,7 @@ MULTIPOLES = 64.0
 # points leave rho^-16 ~ 1e-16; beyond FAR cells rho >= 160 and 4 points do.
 NEAR, FAR = 2.5, 40.0
 NEAR_POINTS, FAR_POINTS = 8, 4
-# Lines that are worked out together: for few cells, calls cost more than numbers.
+# Lines or images that are worked out together: for few cells, calls cost more than numbers.
 TOGETHER = 2**12
 
 
@@ -279,9 +279,12 @@ def _images(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> 
     reach = np.hypot(across, along + half_y) / period
     images = max(1, int(np.ceil(reach / REACH)) - 1)
     total: Array = np.zeros(np.broadcast_shapes(x.shape, y.shape))
-    for m in range(-images, images + 1):
-        # in the lengths as given: to round them would move the edges
-        total += boussinesq_cell(x, y + m * period, 2 * half_x, 2 * half_y)
+    # in the lengths as given: to round them would move the edges
+    places = y + (np.arange(-images, images + 1) * period).reshape(-1, *[1] * y.ndim)
+    count = max(1, TOGETHER // max(total.size, 1))
+    for start in range(0, len(places), count):
+        part = places[start : start + count]
+        total += boussinesq_cell(x, part, 2 * half_x, 2 * half_y).sum(axis=0)
     total *= period / (4 * half_x * half_y)
     terms = int(np.log(ROUNDING) / (2 * np.log(reach / (images + 1)))) + 1
     powers_x = _even_powers(x / period, half_x / period, images, terms)

@@ -111,9 +111,15 @@ class Convolution:
         return float(total / self.work)
 
     def scaled(self, factor: float, precision: Precision) -> "Convolution":
-        """Return this operator times `factor`, in `precision`, on the device in use."""
+        """Return this operator times `factor`, in `precision`, on the device in use.
+
+        It shares the work arrays of this operator where both have the same numbers.
+        """
         spectrum = np.multiply(self.spectrum, factor, dtype=self.spectrum.dtype)
-        return replace(self, spectrum=device().put(spectrum.astype(precision.real, copy=False)))
+        scaled = replace(self, spectrum=device().put(spectrum.astype(precision.real, copy=False)))
+        if scaled.spectrum.dtype == self.spectrum.dtype:
+            scaled.__dict__["_work_arrays"] = self._work_arrays
+        return scaled
 
     @property
     def blocks(self) -> tuple[int, int]:

@@ -9,7 +9,7 @@ from contactstudy.accuracy.coarser import Change, change, coarse_solution, halve
 from contactstudy.accuracy.discretisation import contact_area, discretisation
 from contactstudy.accuracy.expected_error import ErrorParts
 from contactstudy.accuracy.plausibility import implausible
-from contactstudy.accuracy.subcell import Subcell, subcell
+from contactstudy.accuracy.subcell import CONFIDENCE, HeightsInside, Subcell
 from contactstudy.accuracy.truncation import truncation
 from contactstudy.domain.checks import InvalidInput, NotDefined
 from contactstudy.problem.constraint import violation
@@ -89,7 +89,11 @@ class _Cells:
 
 
 def error_estimate(
-    solution: Solution, *, coarse: Solution | None = None, confidence: float = 0.95
+    solution: Solution,
+    *,
+    coarse: Solution | None = None,
+    heights: HeightsInside | None = None,
+    confidence: float = CONFIDENCE,
 ) -> ErrorEstimate:
     """Estimate the errors of `solution`.
 
@@ -105,6 +109,8 @@ def error_estimate(
     coarse
         The same contact on cells of twice the size, if at hand, see
         :func:`~contactstudy.accuracy.coarser.coarse_solution`.
+    heights
+        The heights inside the cells, if at hand, such as those of an earlier instant on the same grid.
     confidence
         Probability, between 0 and 1, with which a feature over 3 % of a cell is found in a shape without a ``detail``.
         It sets the number of points examined in each cell.
@@ -140,7 +146,7 @@ def error_estimate(
     if problem.source is None or not problem.source.ends_along:
         peak_images, l1_images = truncation(solution.pressure, problem.grid, problem.paddings)
     peak_residual, l1_residual = _residual(solution)
-    cells = _cells(solution, coarse, confidence)
+    cells = _cells(solution, coarse, heights, confidence)
     if reason := _thin_coat_warning(problem):
         cells = replace(
             cells,
@@ -174,7 +180,9 @@ def _thin_coat_warning(problem: Problem) -> str:
     return ""
 
 
-def _cells(solution: Solution, coarse: Solution | None, confidence: float) -> _Cells:
+def _cells(
+    solution: Solution, coarse: Solution | None, heights: HeightsInside | None, confidence: float
+) -> _Cells:
     """Return the errors that the cells cause."""
     problem, pressure = solution.problem, solution.pressure
     assert problem.paddings is not None
@@ -186,13 +194,14 @@ def _cells(solution: Solution, coarse: Solution | None, confidence: float) -> _C
         return _Cells(inf, inf, inf, inf, (reason,))
     if reason := _unresolved_length(problem):
         return _Cells(inf, inf, inf, inf, (reason,))
-    inside = subcell(problem, pressure, confidence)
-    if inside is None:
+    heights = heights or HeightsInside.from_problem(problem, confidence)
+    if heights is None:
         reason = (
             "No bound by the cells: Problem.source does not say the heights on other grids, so nothing is "
             "known of them between the cell centres; make the problem from a Scene."
         )
         return _Cells(inf, inf, inf, inf, (reason,))
+    inside = heights.under(problem, pressure)
     if inside.stands_out:
         reason = (
             "No bound by the cells: between their centres the surface stands out by more than the contact "

@@ -17,6 +17,8 @@ from contactstudy.problem.problem import Problem
 POINTS, DENSE = 4, 48
 # Number of lines up to which all are examined; of more, one in SPARSE.
 LINES, SPARSE = 64, 4
+# Probability with which a feature is found, unless another is asked for.
+CONFIDENCE = 0.95
 # Share of a cell's area above which a feature is found with the requested confidence.
 FEATURE = 0.03
 # Steps of a two-dimensional sequence of low discrepancy to which points can be added one by one:
@@ -62,77 +64,115 @@ class Subcell:
     kink: float = 0.0
 
 
-def subcell(problem: Problem, pressure: Array, confidence: float) -> Subcell | None:
-    """Evaluate the heights inside the cells of `problem`, where pressure acts and in the cells beside.
+@dataclass(frozen=True, eq=False)
+class _HiddenAlong:
+    """What the heights inside the cells hide along one `axis`, examined on so many `lines` (across, along).
 
-    They are evaluated along lines through the cell centres, and for shapes that name no scales also at points off these
-    lines.
-
-    Parameters
-    ----------
-    problem
-        The contact.
-    pressure
-        Pressure (x, y) [Pa].
-    confidence
-        Probability with which a feature over 3 % of a cell is found, which sets the number of points off the lines.
-
-    Returns
-    -------
-    Subcell or None
-        None where the heights are not known inside the cells.
+    What cubics through the centres miss, `missed`, and what stands out, `standing`, are heights [m] in the cells of the
+    grid; `corner` and `kink` are slopes on the lines. What is needed only of shapes that name no scales is None.
     """
-    source, grid = problem.source, problem.grid
-    if source is None or problem.paddings is None:
-        return None
-    beside = _with_neighbours(pressure, problem)
+
+    axis: int
+    lines: tuple[int, int]
+    missed: Array
+    corner: Array
+    standing: Array | None
+    kink: Array | None
+
+
+@dataclass(frozen=True, eq=False)
+class HeightsInside:
+    """Heights inside the cells of a grid, which are the same under any pressure.
+
+    Attributes
+    ----------
+    along
+        What they hide along each axis.
+    off_lines
+        What :func:`_off_lines` finds, if a shape names no scales.
+    """
+
+    along: tuple[_HiddenAlong, ...]
+    off_lines: tuple[Array, Array, Array, Array] | None
+
+    @classmethod
+    def from_problem(
+        cls, problem: Problem, confidence: float = CONFIDENCE
+    ) -> "HeightsInside | None":
+        """Return the heights inside the cells of `problem`, or None where they are not known.
+
+        They are evaluated along lines through the cell centres, and for shapes that name no scales also at points off
+        these lines.
+
+        Parameters
+        ----------
+        problem
+            The contact.
+        confidence
+            Probability with which a feature over 3 % of a cell is found, which sets the number of points off the lines.
+        """
+        source, grid = problem.source, problem.grid
+        if source is None or problem.paddings is None:
+            return None
+        try:
+            parts = (_hidden_along(problem, axis) for axis in (0, 1) if grid.cells[axis] >= 4)
+            along = tuple(part for part in parts if part is not None)
+            examined = not source.names_scales and min(grid.cells) >= 4
+            return cls(along, _off_lines(problem, confidence) if examined else None)
+        except InvalidInput:
+            return None
+
+    def under(self, problem: Problem, pressure: Array) -> Subcell:
+        """Return what the heights hide where `pressure` (x, y) [Pa] acts, and in the cells beside."""
+        grid = problem.grid
+        beside = _with_neighbours(pressure, problem)
+        hidden, standing = np.zeros_like(pressure), np.zeros_like(pressure)
+        corner = kink = 0.0
+        for part in self.along:
+            modulus = _modulus(problem, part.axis)
+            stiffness, halving = modulus / grid.cell[part.axis], modulus * log(2) / (2 * pi)
+            pressed = on_cells(beside, part.lines) > 0
+            hidden += part.missed * stiffness
+            corner = max(corner, float(np.where(pressed, part.corner, 0.0).max()) * halving)
+            if part.standing is not None and part.kink is not None:
+                standing += part.standing * stiffness
+                kink = max(kink, float(np.where(pressed, part.kink, 0.0).max()) * halving)
+        rise, peak = 0.0, float(pressure.max())
+        if self.off_lines is not None:
+            missed, stands, narrow, unseen = self.off_lines
+            stiffness = max(_modulus(problem, axis) / grid.cell[axis] for axis in (0, 1))
+            hidden = np.maximum(hidden, missed * stiffness)
+            standing = np.maximum(standing, stands * stiffness)
+            risen = np.where(beside > 0, pressure + RISE * unseen * stiffness / narrow, 0.0)
+            rise = max(float(risen.max()) / peak - 1, 0.0)
+        hides = float(np.minimum(hidden, beside).sum() / pressure.sum())
+        stands_out = bool((standing > beside)[beside > 0].any())
+        return Subcell(hides, corner / peak, stands_out, rise, kink / peak)
+
+
+def _hidden_along(problem: Problem, axis: int) -> _HiddenAlong | None:
+    """Return what the heights inside the cells hide along an `axis`, or None where they do not vary along it."""
+    source, grid, paddings = problem.source, problem.grid, problem.paddings
+    assert source is not None
+    assert paddings is not None
     points_each = POINTS if source.names_scales else DENSE
-    hidden, standing = np.zeros_like(pressure), np.zeros_like(pressure)
-    corner = kink = 0.0
-    for axis, padding in enumerate(problem.paddings):
-        if grid.cells[axis] < 4:
-            continue
-        lines, inside = _lines(grid.cells, axis, 1), _lines(grid.cells, axis, points_each)
-        try:
-            centres, points = (source.gap(Grid(cells, grid.extent)) for cells in (lines, inside))
-        except InvalidInput:
-            return None
-        if points.shape[axis] == 1:
-            continue
-        modulus = _modulus(problem, axis)
-        along = HeightsAlong.from_heights(
-            np.moveaxis(centres, axis, 0),
-            np.moveaxis(points, axis, 0),
-            grid.cell[axis],
-            wraps=padding.wraps,
-        )
-        pressed, halving = on_cells(beside, lines) > 0, modulus * log(2) / (2 * pi)
+    lines, inside = _lines(grid.cells, axis, 1), _lines(grid.cells, axis, points_each)
+    centres, points = (source.gap(Grid(cells, grid.extent)) for cells in (lines, inside))
+    if points.shape[axis] == 1:
+        return None
+    at_centres, at_points = np.moveaxis(centres, axis, 0), np.moveaxis(points, axis, 0)
+    wraps = paddings[axis].wraps
+    heights = HeightsAlong.from_heights(at_centres, at_points, grid.cell[axis], wraps=wraps)
 
-        def spread(field: Array, axis: int = axis, lines: tuple[int, int] = lines) -> Array:
-            return np.broadcast_to(np.moveaxis(field, 0, axis), lines)
+    def on_lines(field: Array) -> Array:
+        return np.broadcast_to(np.moveaxis(field, 0, axis), lines)
 
-        hidden += on_cells(spread(along.missed) * (modulus / grid.cell[axis]), grid.cells)
-        corner = max(corner, float(np.where(pressed, spread(along.corner()), 0.0).max()) * halving)
-        if not source.names_scales:
-            stands = spread(along.standing) * (modulus / grid.cell[axis])
-            standing += on_cells(stands, grid.cells)
-            kink = max(kink, float(np.where(pressed, spread(along.kink()), 0.0).max()) * halving)
-    rise = 0.0
-    if not source.names_scales and min(grid.cells) >= 4:
-        try:
-            missed, stands, narrow, unseen = _off_lines(problem, confidence)
-        except InvalidInput:
-            return None
-        stiffness = max(_modulus(problem, axis) / grid.cell[axis] for axis in (0, 1))
-        hidden = np.maximum(hidden, missed * stiffness)
-        standing = np.maximum(standing, stands * stiffness)
-        risen = np.where(beside > 0, pressure + RISE * unseen * stiffness / narrow, 0.0)
-        rise = max(float(risen.max() / pressure.max()) - 1, 0.0)
-    hides = np.minimum(hidden, beside)
-    borne = pressure.sum()
-    stands_out = bool((standing > beside)[beside > 0].any())
-    peak = float(pressure.max())
-    return Subcell(float(hides.sum() / borne), corner / peak, stands_out, rise, kink / peak)
+    missed = on_cells(on_lines(heights.missed), grid.cells)
+    corner = on_lines(heights.corner())
+    if source.names_scales:
+        return _HiddenAlong(axis, lines, missed, corner, None, None)
+    standing = on_cells(on_lines(heights.standing), grid.cells)
+    return _HiddenAlong(axis, lines, missed, corner, standing, on_lines(heights.kink()))
 
 
 @dataclass(frozen=True)

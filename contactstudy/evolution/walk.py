@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import astuple, dataclass, replace
 from enum import Enum
+from functools import cached_property
 from math import inf
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 
 from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.accuracy.expected_error import ErrorParts
+from contactstudy.accuracy.subcell import HeightsInside
 from contactstudy.domain.checks import NotDefined
 from contactstudy.domain.fields import Array
 from contactstudy.evolution.checkpoint import Checkpoint
@@ -263,6 +265,11 @@ class Walk:
         total = max(float(instant.pressure.sum()) for instant in instants)
         return norm / total if total else 0.0
 
+    @cached_property
+    def _heights(self) -> HeightsInside | None:
+        """Heights inside the cells, which all instants share."""
+        return HeightsInside.from_problem(self.march.problem)
+
     def _grid_error(self, solution: Solution) -> tuple[ErrorParts, tuple[str, ...]]:
         """Estimate the error by the grid of this instant's contact, and give the reasons for what has no bound.
 
@@ -272,7 +279,7 @@ class Walk:
         if not pressure.any() or not np.isfinite(solution.residual):
             return ErrorParts(0.0, 0.0, 0.0), ()
         try:
-            estimate = error_estimate(solution)
+            estimate = error_estimate(solution, heights=self._heights)
         except NotDefined as reason:
             return ErrorParts(0.0, inf, 0.0), (f"No bound: {reason}",)
         total = float(pressure.sum())

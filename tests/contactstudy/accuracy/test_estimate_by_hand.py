@@ -6,6 +6,7 @@ The numbers of its parts are written here, so that each of its factors is one of
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import inf, pi
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ import contactstudy as cs
 from contactstudy.accuracy import estimate
 from contactstudy.accuracy.coarser import Change
 from contactstudy.accuracy.estimate import _has_isolated_cells, _spot_width
-from contactstudy.accuracy.subcell import Subcell
+from contactstudy.accuracy.subcell import HeightsInside, Subcell
 from tests.conftest import STEEL, LineContact
 
 # By smooth edges: of the peak pressure, in L1, of the area; and by images left out.
@@ -47,7 +48,11 @@ def estimated(line_contact: LineContact, monkeypatch: pytest.MonkeyPatch) -> Est
         of: cs.Solution = solution,
     ) -> cs.ErrorEstimate:
         monkeypatch.setattr(
-            estimate, "subcell", lambda *_: Subcell(uncertain, corner, stands_out=False)
+            HeightsInside,
+            "from_problem",
+            lambda *_: SimpleNamespace(
+                under=lambda *_: Subcell(uncertain, corner, stands_out=False)
+            ),
         )
         monkeypatch.setattr(estimate, "change", lambda *_: seen)
         # without a change nothing coarser may be asked for

@@ -11,11 +11,11 @@ import pytest
 import contactstudy as cs
 from contactstudy.accuracy.subcell import (
     HeightsAlong,
+    HeightsInside,
     Subcell,
     _lines,
     _modulus,
     _with_neighbours,
-    subcell,
 )
 from tests.conftest import LineContact
 
@@ -34,6 +34,11 @@ def along(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     found = sampled(heights, points, wraps=wraps)
     return found.missed[:, 0], found.standing[:, 0], found.corner()[:, 0]
+
+
+def subcell(problem: cs.Problem, pressure: np.ndarray, confidence: float) -> Subcell | None:
+    heights = HeightsInside.from_problem(problem, confidence)
+    return None if heights is None else heights.under(problem, pressure)
 
 
 def sampled(heights: Any, points: int, *, wraps: bool = False) -> HeightsAlong:

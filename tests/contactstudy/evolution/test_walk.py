@@ -25,7 +25,8 @@ def estimate(cells: float) -> Any:
 @pytest.fixture(autouse=True)
 def estimated(monkeypatch: pytest.MonkeyPatch) -> None:
     """Contacts that are known to 2 %."""
-    monkeypatch.setattr(walking, "error_estimate", lambda _: estimate(0.02))
+    monkeypatch.setattr(Walk, "_heights", None)
+    monkeypatch.setattr(walking, "error_estimate", lambda _, heights: estimate(0.02))
 
 
 @dataclass(eq=False)
@@ -308,7 +309,7 @@ def test_errors_by_cells_are_those_of_each_contact_with_parts_and_reasons() -> N
 def test_what_is_remembered_in_error_stays_in_later_frames(monkeypatch: pytest.MonkeyPatch) -> None:
     """The first contact is known to 10 %, the later ones to 1 % of a pressure that decays."""
     errors = iter([0.1, 0.01])
-    monkeypatch.setattr(walking, "error_estimate", lambda _: estimate(next(errors)))
+    monkeypatch.setattr(walking, "error_estimate", lambda _, heights: estimate(next(errors)))
     walk, _ = walked([0.0, 4.0], march=Decaying(HELD, memories=PATH))
     first, last = walk.frames
     assert first.grid_error_parts.discretisation == pytest.approx(REMEMBERED * 0.1)

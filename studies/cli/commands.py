@@ -4,12 +4,14 @@ import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import NoReturn
 
 import click
 
 from contactstudy import InvalidInput, __version__
 from contactstudy.domain.imports import missing_package
 from studies.cli.explore import explore
+from studies.cli.options import FORMAT, out_option
 from studies.cli.recommend import recommendation
 from studies.cli.scenes import plan, solve
 from studies.cli.show import compare, show
@@ -21,13 +23,7 @@ from studies.registry import BUILT_IN, OPTIONAL, load, load_drawing
 
 # What runs is imported by the commands that run, and what draws by those that draw: help comes at once.
 
-OUT = click.option(
-    "--out",
-    type=click.Path(path_type=Path, file_okay=True),
-    default=Path("outputs"),
-    show_default=True,
-    help="Folder for netCDF files, figures and report.",
-)
+OUT = out_option("Folder for netCDF files, figures and report.")
 WORKERS = click.option(
     "--workers",
     type=click.IntRange(min=0, max=1024),
@@ -41,16 +37,6 @@ REPEATS = click.option(
     default=2,
     show_default=True,
     help="Timed runs of each case, one at a time on one thread; the minimum is used.",
-)
-
-FORMAT = click.option(
-    "--format",
-    "formats",
-    type=click.Choice(["png", "pdf"]),
-    multiple=True,
-    default=["png"],
-    show_default=True,
-    help="Files of each figure; pdf is beside png.",
 )
 
 
@@ -84,13 +70,9 @@ def report(
         executor = cluster if workers else None
         for page_chapter in chosen:
             path = reporting.make(
-                page_chapter,
-                out,
-                options=options,
-                log=click.echo,
-                executor=executor,
+                page_chapter, out, options=options, log=click.echo, executor=executor,
                 formats=_with_png(formats),
-            )
+            )  # fmt: skip
             click.echo(f"report: wrote {path}")
     for path in reporting.write_stored(out, chosen):
         click.echo(f"report: wrote {path}")
@@ -256,12 +238,8 @@ def _with_png(formats: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(("png", *formats)))
 
 
-cli.add_command(compare)
-cli.add_command(explore)
-cli.add_command(plan)
-cli.add_command(show)
-cli.add_command(solve)
-cli.add_command(recommendation)
+for command in (compare, explore, plan, show, solve, recommendation):
+    cli.add_command(command)
 
 
 @cli.command()
@@ -324,20 +302,19 @@ def main() -> None:
     except (KeyboardInterrupt, click.Abort):
         click.echo("contactstudy: stopped; what a study had stored is kept.", err=True)
         sys.exit(130)
-    except BrokenPipeError:  # whoever read the output has enough
+    except BrokenPipeError:  # the reader of the output has closed it
         sys.stdout = None
         sys.exit(141)
     except ModuleNotFoundError as missing:
-        _say(str(missing_package("this command", missing)))
-        sys.exit(1)
+        _fail(str(missing_package("this command", missing)))
     except OSError as error:
-        _say(f"{error.strerror or error}{f': {error.filename}' if error.filename else ''}")
-        sys.exit(1)
+        _fail(f"{error.strerror or error}{f': {error.filename}' if error.filename else ''}")
     except MemoryError:
-        _say("there is not enough memory: ask for fewer cells, points or workers.")
-        sys.exit(1)
+        _fail("there is not enough memory: ask for fewer cells, points or workers.")
 
 
-def _say(text: str) -> None:
+def _fail(text: str) -> NoReturn:
+    """Print a message in one line, if it can be printed, and exit with code 1."""
     with suppress(OSError):
         click.echo(f"contactstudy: {one_line(text)}", err=True)
+    sys.exit(1)

@@ -8,6 +8,7 @@ import numpy as np
 
 from contactstudy import InvalidInput
 from contactstudy.domain.imports import import_for
+from studies.cli.options import out_option
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -27,9 +28,7 @@ STYLE = """<meta name="viewport" content="width=device-width, initial-scale=1">
 
 @click.command()
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option(
-    "--out", type=click.Path(path_type=Path), help="Folder of the page.  [default: that of FILE]"
-)
+@out_option("Folder of the page.  [default: that of FILE]", None)
 def explore(file: Path, out: Path | None) -> None:
     """Write one HTML page to look into FILE, a study or a solution, in any browser, without a network."""
     from contactstudy.domain.files import replacing
@@ -176,13 +175,8 @@ def _points(dataset: "xr.Dataset", axes: list[str]) -> "tuple[pd.DataFrame, list
         place = {value: number for number, value in enumerate(dataset[axis].values.tolist())}
         table[f"no. {axis}"] = [place[value] for value in table[axis]]
     status = dataset["case_status"].attrs
-    words = dict(
-        zip(
-            np.atleast_1d(status["flag_values"]).tolist(),
-            str(status["flag_meanings"]).split(),
-            strict=True,
-        )
-    )
+    values = np.atleast_1d(status["flag_values"]).tolist()
+    words = dict(zip(values, str(status["flag_meanings"]).split(), strict=True))
     table["case"] = [words.get(int(value), "?") for value in table.pop("case_status")]
     return table, variables
 
@@ -219,6 +213,8 @@ def contact_chart(altair: Any, dataset: "xr.Dataset") -> Any:
     pointer = altair.selection_point(
         "at", on="pointerover", fields=["y"], value=middle, empty=False
     )
+    viridis, below_map = altair.Scale(scheme="viridis"), altair.Legend(orient="bottom")
+    straight = altair.Scale(nice=False)
     cells = (
         altair.Chart(table)
         .transform_calculate(  # to beyond the next cell, so that no seams show
@@ -226,16 +222,11 @@ def contact_chart(altair: Any, dataset: "xr.Dataset") -> Any:
         )
         .mark_rect()
         .encode(
-            x=altair.X("y:Q", title="along [mm]", scale=altair.Scale(nice=False)),
+            x=altair.X("y:Q", title="along [mm]", scale=straight),
             x2="y2:Q",
-            y=altair.Y("x:Q", title="across [mm]", scale=altair.Scale(nice=False)),
+            y=altair.Y("x:Q", title="across [mm]", scale=straight),
             y2="x2:Q",
-            color=altair.Color(
-                "v:Q",
-                title=None,
-                scale=altair.Scale(scheme="viridis"),
-                legend=altair.Legend(orient="bottom"),
-            ),
+            color=altair.Color("v:Q", title=None, scale=viridis, legend=below_map),
             tooltip=tooltip,
         )
         .properties(width=NARROW, height=260, title=heading)

@@ -15,6 +15,7 @@ from contactstudy.accuracy.expected_error import Edges, Metric
 from contactstudy.domain.checks import positive
 from contactstudy.domain.units import BYTES, SECONDS
 from contactstudy.io.structuring import quantity
+from studies.cli.options import JSON, out_option
 from studies.model.axis import one_of
 
 if TYPE_CHECKING:
@@ -50,14 +51,8 @@ ERROR_OF = {
     show_default=True,
     help="Period in half-widths, if no SCENE is given.",
 )
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object, for scripts.")
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path),
-    default=Path("outputs"),
-    show_default=True,
-    help="Folder with pareto.nc, measured on this machine; without it a small case is timed.",
-)
+@JSON
+@out_option("Folder with pareto.nc, measured on this machine; without it a small case is timed.")
 def recommendation(
     scene: Path | None,
     error: float,
@@ -104,7 +99,7 @@ def recommendation(
 
 
 def _with_unit(text: str) -> str | float:
-    """Bytes, kilobytes or gigabytes: a bare number may mean any of them."""
+    """Return a memory limit; raise InvalidInput for a finite number without a unit."""
     number = _number(text)
     if isinstance(number, float) and isfinite(number):
         raise cs.InvalidInput(f"memory is {text!r}: give its unit too, such as 4GB or 500MB.")
@@ -112,7 +107,7 @@ def _with_unit(text: str) -> str | float:
 
 
 def _number(text: str) -> str | float:
-    """A bare number as such, so that it counts in the SI unit."""
+    """Return a text without a unit as a number, which is taken in the SI unit, and any other text unchanged."""
     try:
         return float(text)
     except ValueError:
@@ -124,17 +119,12 @@ def _source(costs: CostModel) -> str:
 
 
 def _fields(found: Recommendation, scene: Path | None, costs: CostModel) -> dict[str, Any]:
+    """Return a recommendation as values for JSON."""
     limits = found.limits
+    finite = {name: getattr(limits, name) for name in ("memory", "seconds")}
     return {
-        "asked": {
-            "error": limits.error,
-            "metric": limits.metric.name.lower(),
-            **{
-                name: value
-                for name in ("memory", "seconds")
-                if (value := getattr(limits, name)) < float("inf")
-            },
-        },
+        "asked": {"error": limits.error, "metric": limits.metric.name.lower()}
+        | {name: value for name, value in finite.items() if isfinite(value)},
         "meets": found.meets,
         "affordable": found.affordable,
         "seconds_from": _source(costs),
@@ -164,9 +154,9 @@ def _report_lines(
 ) -> list[str]:
     limits = found.limits
     request = f"{limits.metric.value} to {limits.error:.2g}"
-    if limits.memory < float("inf"):
+    if isfinite(limits.memory):
         request += f" in {limits.memory / 1e6:.3g} MB"
-    if limits.seconds < float("inf"):
+    if isfinite(limits.seconds):
         request += f" in {limits.seconds:.3g} s"
     lines = [f"{name}: {request}"]
     if found.meets:
@@ -175,12 +165,9 @@ def _report_lines(
         first, second = "no setting meets the requested error; the most accurate setting", "next"
     else:
         first, second = "no setting fits the time and memory limits; the fastest setting", "next"
-    lines += [f"  {first}: {_setting_text(found.best)}", f"    {_cost_text(found.best)}"]
-    if found.runner_up is not None:
-        lines += [
-            f"  {second}: {_setting_text(found.runner_up)}",
-            f"    {_cost_text(found.runner_up)}",
-        ]
+    for words, setting in ((first, found.best), (second, found.runner_up)):
+        if setting is not None:
+            lines += [f"  {words}: {_setting_text(setting)}", f"    {_cost_text(setting)}"]
     lines.append(f"  seconds are {_source(costs)}")
     lines.append(f"  {ERROR_OF[found.best.edges]}")
     lines += ["  in Python:", *(f"    {line}" for line in python(found.best, scene))]
@@ -196,7 +183,7 @@ def toml(setting: Setting) -> list[str]:
 
 
 def python(setting: Setting, scene: Path | None) -> list[str]:
-    """Lines of Python that solve the contact in the file ``scene`` so; without one, that of the sweeps."""
+    """Return lines of Python that solve the contact in the file `scene`, or that of the sweeps, with the setting."""
     where = "from studies.reference.line_contact import SCENE as scene"
     if scene is not None:
         where = f"scene = cs.read_scene({str(scene)!r}).scene"

@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING
 import click
 
 import contactstudy as cs
+from studies.cli.options import JSON, SCENE, out_option
 from studies.model.plain_text import thread_count
 
 if TYPE_CHECKING:
     from studies.cli.solving import SceneOutcome
 
-SCENE = click.argument("scene", type=click.Path(path_type=Path))
 THREADS = click.option(
     "--threads",
     type=click.IntRange(min=1),
@@ -40,7 +40,7 @@ LONG, LARGE = 60.0, 4e9
 @SCENE
 @THREADS
 @DEVICE
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object, for scripts.")
+@JSON
 def plan(scene: Path, threads: int | None, device: str, as_json: bool) -> None:  # noqa: FBT001 (click's own way)
     """Print the grid and padding that the scene in the TOML file SCENE needs, and its estimated cost."""
     described = cs.read_scene(scene)
@@ -73,13 +73,7 @@ def plan(scene: Path, threads: int | None, device: str, as_json: bool) -> None: 
 
 @click.command()
 @SCENE
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path, file_okay=True),
-    default=Path("outputs"),
-    show_default=True,
-    help="Folder for the netCDF file and the picture.",
-)
+@out_option("Folder for the netCDF file and the picture.")
 @THREADS
 @DEVICE
 @click.option(
@@ -87,7 +81,7 @@ def plan(scene: Path, threads: int | None, device: str, as_json: bool) -> None: 
     type=click.Path(path_type=Path),
     help="A file with a pressure to go on from, such as one that a stopped solve left.",
 )
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object, for scripts.")
+@JSON
 def solve(
     scene: Path,
     out: Path,
@@ -107,14 +101,11 @@ def solve(
     described = cs.read_scene(scene)
     rolls, changes = described.scene.rolling is not None, described.scene.changing is not None
     flows = described.scene.lubrication is not None
-    if (rolls or changes or flows) and not isinstance(on, cs.Cpu):
-        raise cs.InvalidInput(
-            "--device gpu is for a dry scene that neither changes in time nor rolls: leave it out."
-        )
-    if (rolls or changes or flows) and start is not None:
-        raise cs.InvalidInput(
-            "--start is for a dry scene that neither changes in time nor rolls: leave it out."
-        )
+    for option, is_given in (("--device gpu", device != "cpu"), ("--start", start is not None)):
+        if is_given and (rolls or changes or flows):
+            raise cs.InvalidInput(
+                f"{option} is for a dry scene that neither changes in time nor rolls: leave it out."
+            )
     folder = open_folder(out)
     check_kind(folder / f"{scene.stem}.nc", "solution")
     planned = _announced(scene, described, on)

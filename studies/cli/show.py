@@ -8,6 +8,7 @@ import numpy as np
 
 from contactstudy import InvalidInput
 from contactstudy.domain.imports import import_for
+from studies.cli.options import figures_option, out_option
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -17,11 +18,7 @@ FORMATS = ("png", "pdf", "svg", "vtk")
 
 @click.command()
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path),
-    help="Folder for the pictures.  [default: that of FILE]",
-)
+@out_option("Folder for the pictures.  [default: that of FILE]", None)
 @click.option(
     "--format",
     "formats",
@@ -29,9 +26,7 @@ FORMATS = ("png", "pdf", "svg", "vtk")
     show_default=True,
     help="png, pdf, svg or, of a solution, vtk for ParaView; several with commas.",
 )
-@click.option(
-    "--figures", type=click.Choice(["curves", "maps"]), default="curves", show_default=True
-)
+@figures_option()
 @click.option(
     "--csv",
     "as_table",
@@ -73,7 +68,7 @@ def show(
 
         name = str(dataset.attrs.get("study", file.stem))
         drawing = load_drawing(name) if name in BUILT_IN else default_drawing(figures)
-        drawn = {f"{file.stem}-{name.name}": name.figure for name in drawing.figure(dataset)}
+        drawn = {f"{file.stem}-{item.name}": item.figure for item in drawing.figure(dataset)}
     else:
         raise InvalidInput(
             f"{str(file)!r} is neither a solution nor a study: give a file that contactstudy solve or run wrote."
@@ -158,13 +153,9 @@ def _edges(centres: np.ndarray) -> np.ndarray:
 @click.command()
 @click.argument("first", metavar="A", type=click.Path(path_type=Path))
 @click.argument("second", metavar="B", type=click.Path(path_type=Path))
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path),
-    help="Folder for a picture of the difference.  [default: none is drawn]",
-)
+@out_option("Folder for a picture of the difference.  [default: none is drawn]", None)
 def compare(first: Path, second: Path, out: Path | None) -> None:
-    """Say how B differs from A: two solutions on any grids of one period, or two runs of one study."""
+    """Print how B differs from A: two solutions on any grids of one period, or two runs of one study."""
     import contactstudy as cs
     from contactstudy.domain.files import replacing
     from studies.report.changes import changes

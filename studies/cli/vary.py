@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from contactstudy import InvalidInput, read_scene
+from studies.cli.options import figures_option
 
 if TYPE_CHECKING:
     from studies.model.study import Study
@@ -20,12 +21,8 @@ VARY = click.option(
     help="A field of the scene file and its values, such as load.per_length=50:400:8 N/mm (8 values), "
     "50:400:8:log N/mm (in equal ratios), shapes.1.rms=0.1 um,0.2 um or surfaces=measured/*.x3p.",
 )
-FIGURES = click.option(
-    "--figures",
-    type=click.Choice(["curves", "maps"]),
-    default="curves",
-    show_default=True,
-    help="How two varied fields are drawn; for a scene, and a study without a figure of its own.",
+FIGURES = figures_option(
+    "How two varied fields are drawn; for a scene, and a study without a figure of its own."
 )
 
 

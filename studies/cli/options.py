@@ -1,0 +1,34 @@
+"""Options that several commands have."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import click
+
+Decorator = Callable[[Any], Any]
+
+SCENE = click.argument("scene", type=click.Path(path_type=Path))
+JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object, for scripts.")
+FORMAT = click.option(
+    "--format",
+    "formats",
+    type=click.Choice(["png", "pdf"]),
+    multiple=True,
+    default=["png"],
+    show_default=True,
+    help="Files of each figure; pdf is beside png.",
+)
+
+
+def out_option(text: str, default: str | None = "outputs") -> Decorator:
+    """Return the option --out, a folder, with a help text."""
+    folder = click.Path(path_type=Path, file_okay=True)
+    shown = default is not None
+    return click.option("--out", type=folder, default=default, show_default=shown, help=text)
+
+
+def figures_option(text: str | None = None) -> Decorator:
+    """Return the option --figures, the kind of the default drawing, with a help text."""
+    kinds = click.Choice(["curves", "maps"])
+    return click.option("--figures", type=kinds, default="curves", show_default=True, help=text)

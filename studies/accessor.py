@@ -1,4 +1,4 @@
-"""``dataset.study``: what one asks of a stored study again and again. ``import studies.accessor`` first."""
+"""Accessor ``dataset.study`` of a stored study (``import studies.accessor``): convergence, cost, tables, figures."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
+from scipy.stats import linregress
 
 from contactstudy import InvalidInput, NotDefined
-from contactstudy.domain.fields import Array
 from studies.advice.settings_table import pareto_front
 from studies.model.axis import one_of
 from studies.model.outcome import CaseStatus
@@ -33,7 +33,7 @@ class ConvergenceOrder:
 class StudyAccessor:
     """Convergence, cost against error, and tables of a stored study.
 
-    All raise :class:`~contactstudy.InvalidInput` for names that the dataset has not.
+    All methods raise :class:`~contactstudy.InvalidInput` for a name that the dataset does not have.
     """
 
     def __init__(self, dataset: xr.Dataset) -> None:
@@ -54,7 +54,7 @@ class StudyAccessor:
         )
 
     def order(self, error: str, axis: str, **at: object) -> ConvergenceOrder:
-        """The order of convergence of ``error`` along a numeric ``axis``, at one value of the others.
+        """Return the order of convergence of `error` along a numeric `axis`, at one value of each other axis.
 
         Least squares through the logarithms; points where the error is zero or missing are left out.
         """
@@ -69,19 +69,19 @@ class StudyAccessor:
             raise InvalidInput(
                 f"order of {error!r} has {int(is_there.sum())} points along {axis!r}: give three or more."
             )
-        slope, deviation = _slope(np.log(x[is_there].astype(float)), np.log(y[is_there]))
-        return ConvergenceOrder(-slope, deviation, int(is_there.sum()))
+        fit = linregress(np.log(x[is_there].astype(float)), np.log(y[is_there]))
+        return ConvergenceOrder(-float(fit.slope), float(fit.stderr), int(is_there.sum()))
 
     def pareto(self, error: str, cost: str | xr.DataArray | None = None) -> "pd.DataFrame":
-        """The settings that none beats in both, cheapest first, with their cost and error."""
+        """Return the Pareto front of the settings, cheapest first, with their cost and error."""
         table = self._priced(error, cost)
         front = pareto_front(table["cost"].to_numpy(), table[error].to_numpy())
         return table.iloc[front].reset_index(drop=True)
 
     def cheapest(self, error: str, at_most: float, cost: str | None = None) -> "pd.Series[object]":
-        """The cheapest setting whose ``error`` is ``at_most`` so large.
+        """Return the cheapest setting whose `error` is at most `at_most`.
 
-        Raises :class:`~contactstudy.InvalidInput` where there is none, and says the least there is.
+        Raises :class:`~contactstudy.InvalidInput` with the least error if there is no such setting.
         """
         table = self._priced(error, cost)
         good = table[table[error] <= at_most]
@@ -92,16 +92,16 @@ class StudyAccessor:
         return good.loc[good["cost"].idxmin()]
 
     def plot(self) -> "list[Figure]":
-        """The figures of the built-in study that the dataset was made by."""
+        """Return the figures of the built-in study whose dataset this is."""
         name = self._dataset.attrs.get("study")
         if name not in (*BUILT_IN, *OPTIONAL):
             raise NotDefined(
                 f"The dataset's attribute 'study' is {name!r}: only a dataset of a built-in study has figures."
             )
-        return [one.figure for one in load_drawing(str(name)).figure(self._dataset)]
+        return [drawn.figure for drawn in load_drawing(str(name)).figure(self._dataset)]
 
     def table(self, variables: Sequence[str] = ()) -> "pd.DataFrame":
-        """A row for every point: the axes, and ``variables`` (all that have no other dimension)."""
+        """Return a row for every point, with the axes and `variables`; by default all without further dimensions."""
         names = [self._variable(name).name for name in variables] or [
             name for name, variable in self._dataset.data_vars.items() if variable.dims == self.axes
         ]
@@ -124,15 +124,6 @@ class StudyAccessor:
 
 
 def _without_units(dataset: xr.Dataset) -> xr.Dataset:
-    """Plain numbers of a dataset that pint-xarray has quantified, with the units as text."""
+    """Return a dataset with plain numbers, and units as text, if pint-xarray has quantified it."""
     quantities = getattr(dataset, "pint", None)  # there where pint_xarray is imported
     return dataset if quantities is None else quantities.dequantify(format="~D")
-
-
-def _slope(x: Array, y: Array) -> tuple[float, float]:
-    """Return the slope of the least-squares line, with its standard error."""
-    centred = x - x.mean()
-    spread = float((centred**2).sum())
-    slope = float((centred * y).sum()) / spread
-    residual = y - y.mean() - slope * centred
-    return slope, float(np.sqrt((residual**2).sum() / (len(x) - 2) / spread))

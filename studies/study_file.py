@@ -38,7 +38,7 @@ def module_in(path: Path) -> ModuleType:
     module = ModuleType(name)
     sys.modules[name] = module
     with _blaming(path):
-        # these very bytes, which no cache of compiled files stands for, are what the numbers are known by
+        # compiled from these bytes, and not from a cache, since their hash identifies the numbers
         source = path.read_bytes()
         vars(module).update(__file__=str(path.absolute()), __source__=source)
         exec(compile(source, str(path.absolute()), "exec"), vars(module))
@@ -52,13 +52,13 @@ def module_in(path: Path) -> ModuleType:
             raise InvalidInput(f"{_where(path, part)}: {part} is no function: define it with def.")
     if isinstance(module.points, Axis):
         vars(module)["points"] = (module.points,)
-    given = module.points
-    if not isinstance(given, tuple | list) or not all(isinstance(one, Axis) for one in given):
+    points = module.points
+    if not isinstance(points, tuple | list) or not all(isinstance(axis, Axis) for axis in points):
         raise InvalidInput(
-            f"{_where(path, 'points')}: points is {one_line(repr(given), 60)}: give a tuple of "
+            f"{_where(path, 'points')}: points is {one_line(repr(points), 60)}: give a tuple of "
             "studies.Axis, such as (Axis('grid', (16, 32), 'cells'),)."
         )
-    if not given:
+    if not points:
         raise InvalidInput(f"{_where(path, 'points')}: points is empty: give one axis or more.")
     # worker processes cannot import this file: its functions are pickled by value
     from cloudpickle import register_pickle_by_value
@@ -90,27 +90,27 @@ def study_in(path: Path) -> Study:
 
 @contextmanager
 def _blaming(path: Path) -> Iterator[None]:
-    """Raise what goes wrong while the file is read as a sentence with its line."""
+    """Raise any error of the block as InvalidInput with the file and the line."""
     try:
         yield
     except KeyboardInterrupt:
         raise
     except BaseException as error:  # noqa: BLE001 (a file may do anything, also exit)
         line: int | None = None
-        own = str(path.absolute())
-        if isinstance(error, SyntaxError) and error.filename == own:
-            line, said = error.lineno, f"{type(error).__name__}: {error.msg}"
+        file = str(path.absolute())
+        if isinstance(error, SyntaxError) and error.filename == file:
+            line, message = error.lineno, f"{type(error).__name__}: {error.msg}"
         else:
             trace = error.__traceback__
             while trace is not None:
-                if trace.tb_frame.f_code.co_filename == own:
+                if trace.tb_frame.f_code.co_filename == file:
                     line = trace.tb_lineno
                 trace = trace.tb_next
-            said = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
-        said = str(error) if isinstance(error, InvalidInput) else one_line(said, 500)
+            message = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+        message = str(error) if isinstance(error, InvalidInput) else one_line(message, 500)
         at = "" if line is None else f", line {line}"
-        end = "" if said.endswith(".") else "."
-        raise InvalidInput(f"Study file {_short(path)}{at}: {said}{end}") from None
+        end = "" if message.endswith(".") else "."
+        raise InvalidInput(f"Study file {_short(path)}{at}: {message}{end}") from None
 
 
 def _where(path: Path, name: str) -> str:
@@ -122,7 +122,7 @@ def _where(path: Path, name: str) -> str:
                 targets = node.targets
             elif isinstance(node, ast.AnnAssign):
                 targets = [node.target]
-            named = {one.id for one in targets if isinstance(one, ast.Name)}
+            named = {target.id for target in targets if isinstance(target, ast.Name)}
             if name in named or getattr(node, "name", None) == name:
                 return f"Study file {_short(path)}, line {node.lineno}"
     return f"Study file {_short(path)}"

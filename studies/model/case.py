@@ -122,13 +122,7 @@ class EvolutionCase:
 
     def record(self, result: cs.Evolution) -> Mapping[str, xr.Variable]:
         """Return the numbers of the solver over all steps, and the worst status as CF flags."""
-        return {
-            "solver_status": solver_status(result.status, "how the worst step ended"),
-            "iterations": number(result.iterations, "solver iterations of all steps"),
-            "convolutions": number(result.convolutions, "transform pairs of the full grid"),
-            "residual": number(result.residual, "largest residual"),
-            "solves": number(result.steps, "solves"),
-        }
+        return march_record(result)
 
 
 @dataclass(frozen=True)
@@ -162,6 +156,17 @@ class OperatorCase:
     def record(self, result: cs.Convolution) -> Mapping[str, xr.Variable]:
         """Return the number of cells that are transformed."""
         return {"padded_cells": number(int(np.prod(result.padded)), "cells of the padded grid")}
+
+
+def march_record(result: cs.Evolution) -> Mapping[str, xr.Variable]:
+    """Return the numbers of the solver over all steps of a march, and the worst status as CF flags."""
+    return {
+        "solver_status": solver_status(result.status, "how the worst step ended"),
+        "iterations": number(result.iterations, "solver iterations of all steps"),
+        "convolutions": number(result.convolutions, "transform pairs of the full grid"),
+        "residual": number(result.residual, "largest residual"),
+        "solves": number(result.steps, "solves"),
+    }
 
 
 def solver_status(status: cs.Status, long_name: str) -> xr.Variable:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from contactstudy import InvalidInput
 from studies.model.plain_text import name_problem, one_line
@@ -95,36 +95,34 @@ class Drawing:
     def reduced(self) -> Drawing:
         """Return this drawing for datasets with further axes, with the chosen values in captions and findings."""
 
-        def figures(dataset: xr.Dataset) -> Sequence[CaptionedFigure]:
-            part, words = at_known_axes(dataset, self.axes)
-            drawn = self.figure(part)
-            if not words:
-                return drawn
-            return tuple(
-                replace(item, caption=f"{item.caption} Shown at {words}.") for item in drawn
-            )
+        def parts(
+            draw: Callable[[xr.Dataset], Sequence[Any]], text: str, form: str
+        ) -> Callable[[xr.Dataset], Sequence[Any]]:
+            """Return `draw` for the known axes, with a note of the other values in the attribute `text` of each item."""
 
-        def findings(dataset: xr.Dataset) -> Sequence[Finding]:
-            part, words = at_known_axes(dataset, self.axes)
-            drawn = self.findings(part)
-            if not words:
-                return drawn
-            return tuple(replace(item, measured=f"{item.measured} (At {words}.)") for item in drawn)
+            def drawn(dataset: xr.Dataset) -> Sequence[Any]:
+                part, values = at_known_axes(dataset, self.axes)
+                items = draw(part)
+                if not values:
+                    return items
+                note = form.format(values)
+                return tuple(
+                    replace(item, **{text: f"{getattr(item, text)} {note}"}) for item in items
+                )
 
-        def tables(dataset: xr.Dataset) -> Sequence[Table]:
-            part, words = at_known_axes(dataset, self.axes)
-            drawn = self.tables(part)
-            if not words:
-                return drawn
-            return tuple(
-                replace(item, caption=f"{item.caption} Shown at {words}.") for item in drawn
-            )
+            return drawn
 
-        return Drawing(figures, findings, tables) if self.axes else self
+        if not self.axes:
+            return self
+        return Drawing(
+            parts(self.figure, "caption", "Shown at {}."),
+            parts(self.findings, "measured", "(At {}.)"),
+            parts(self.tables, "caption", "Shown at {}."),
+        )
 
 
 def at_known_axes(dataset: xr.Dataset, known: Sequence[str]) -> tuple[xr.Dataset, str]:
-    """Return the dataset at the first value of every axis that is not in `known`, with words that name these values."""
+    """Return the dataset at the first value of every axis that is not in `known`, and a text with these values."""
     axes = dataset["case_status"].dims if "case_status" in dataset else ()
     unknown = [str(name) for name in axes if name not in known]
     words = ", ".join(

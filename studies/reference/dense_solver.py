@@ -1,4 +1,4 @@
-"""The discrete answer without transforms or iterations: a dense matrix, and sets of cells by pivoting."""
+"""Reference solution of the discrete problem by a dense matrix, with contact sets found by pivoting."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -22,11 +22,19 @@ PIVOTS = 100
 
 @dataclass(frozen=True, eq=False)
 class DenseAnswer:
-    """``pressure`` (width, length) and ``approach``, dimensionless; ``softest`` of the operator's waves.
+    """Reference solution of a contact, dimensionless.
 
-    ``softest`` is the smallest eigenvalue of the operator on the free cells of the answer and of the
-    solution it was found beside, for pressures that carry no load: where gaps are wrong, pressures are
-    wrong by no more than that over this, in the mean square. ``rounding`` is what it leaves of a gap.
+    Attributes
+    ----------
+    pressure
+        Pressure (x, y).
+    approach
+        Approach of the bodies.
+    softest
+        Smallest eigenvalue of the operator on the free cells of this solution and of the one compared with it, for
+        pressures without a load. The error of a pressure is at most the error of the gap over this, in the mean square.
+    rounding
+        Rounding error of a gap.
     """
 
     pressure: Array
@@ -38,10 +46,14 @@ class DenseAnswer:
 def answer(
     scene: cs.Scene, grid: cs.Grid, paddings: cs.Paddings, solution: cs.Solution
 ) -> DenseAnswer:
-    """Return the pressure that meets all conditions of contact to rounding, pivoting from ``solution``'s sets.
+    """Return the pressure that meets all conditions of contact to rounding, by pivoting from the sets of `solution`.
 
-    Raises ``ArithmeticError`` where pivoting comes to no end. Source: Hintermüller, Ito & Kunisch (2003),
-    Algorithm 2.1, for two limits.
+    Source: Hintermüller, Ito & Kunisch (2003), Algorithm 2.1, for two limits.
+
+    Raises
+    ------
+    ArithmeticError
+        If pivoting does not end.
     """
     scales = scene.scales(grid)
     factor = scales.pressure / (np.pi * scene.contact_modulus * scales.gap)
@@ -79,7 +91,7 @@ def answer(
 
 
 def _on(matrix: Array, free: np.ndarray, displacement: Array, load: float) -> tuple[Array, float]:
-    """Return the pressure on ``free`` cells that gives ``displacement`` plus an approach, under ``load``."""
+    """Return pressure and approach for the displacement of the free cells under a load."""
     count = int(free.sum())
     if not count:
         return np.zeros(0), 0.0
@@ -91,32 +103,35 @@ def _on(matrix: Array, free: np.ndarray, displacement: Array, load: float) -> tu
 
 
 def _softest(matrix: Array, free: np.ndarray) -> float:
+    """Return the smallest eigenvalue of the matrix on the free cells, for pressures without a load."""
     count = int(free.sum())
-    if count < 2:  # none moves alone; its own stands for how the load's equation rounds
+    if (
+        count < 2
+    ):  # a single cell cannot move: its coefficient bounds the rounding of the load equation
         return float(matrix[0, 0] - matrix.mean())
     part = matrix[np.ix_(free, free)]
     part = part - part.mean(axis=0)
     part -= part.mean(axis=1)[:, None]
-    # the mean itself is out of the way, beyond every other
+    # the mean is shifted to an eigenvalue beyond all others
     return float(np.linalg.eigvalsh(part + np.abs(part).sum() / count)[0])
 
 
-def stated_error(solution: cs.Solution, found: DenseAnswer) -> float:
-    """Return a bound of the pressure's distance from the discrete answer, in the problem's unit of pressure.
+def stated_error(solution: cs.Solution, reference: DenseAnswer) -> float:
+    """Return a bound of the error of the pressure, in the problem's unit of pressure.
 
-    From what the conditions of contact leave open, found again from the pressure, and from rounding, by the
-    softest wave; and from the load.
+    It follows from the violation of the conditions of contact, computed from the pressure, and from rounding, both over
+    the compliance of the softest wave, and from the error of the load.
     """
     bare, unit = solution.problem.bare(), solution.problem.scales.pressure
     pressure = solution.pressure / unit
     gap = bare.gap(pressure, bare.operator(pressure))
     free = bare.constraint.free(pressure)
-    residual_gap = gap.height * free + violation(pressure, gap.height, free)
-    unsure = (
-        float(np.linalg.norm(residual_gap)) + found.rounding * np.count_nonzero(pressure) ** 0.5
+    violated_gap = gap.height * free + violation(pressure, gap.height, free)
+    gap_error = (
+        float(np.linalg.norm(violated_gap)) + reference.rounding * np.count_nonzero(pressure) ** 0.5
     )
     unbalanced = bare.resultant.error(float(pressure.sum()))
-    return float(unsure / found.softest + pressure.max() * (unbalanced + ROUNDING))
+    return float(gap_error / reference.softest + pressure.max() * (unbalanced + ROUNDING))
 
 
 @lru_cache(maxsize=64)
@@ -130,6 +145,7 @@ def influence_matrix(grid: cs.Grid, paddings: cs.Paddings, datum: float) -> Arra
 
 
 def _coefficients(x: Array, y: Array, grid: cs.Grid, paddings: cs.Paddings, datum: float) -> Array:
+    """Return the influence coefficients [m] at all offsets between cells, with all images summed."""
     (dx, dy), (width, period) = grid.cell, grid.extent
     across, along = paddings
     if across.window is None and along.window is None:
@@ -149,7 +165,7 @@ def _coefficients(x: Array, y: Array, grid: cs.Grid, paddings: cs.Paddings, datu
 
 
 def _images(at: Callable[[Array], Array], padding: cs.Padding, d: Array, period: float) -> Array:
-    """Return the sum over a window; a window that wraps is even about its middle."""
+    """Return the sum of `at` over the images of a window; offsets of a window that wraps are even about its middle."""
     assert padding.window is not None
     if padding.wraps:
         d = np.minimum(np.abs(d), period - np.abs(d))

@@ -1,7 +1,8 @@
-"""What a hard case is: a contact, how it may end, and what its answer is held to."""
+"""Hard cases: a contact, the statuses in which a solve may end, and the reference for its pressure."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
@@ -38,10 +39,19 @@ EXACT_TO_ROUNDING = frozenset({cs.Status.CONVERGED, cs.Status.PRECISION_LIMIT})
 
 @dataclass(frozen=True)
 class Twin:
-    """An equivalent form of the same contact: its pressure, brought ``back``, differs by no more than ``within``.
+    """An equivalent form of the same contact.
 
-    Relative to the peak pressure. Where the heights are others, ``within`` comes on top of what their
-    difference over the softest wave allows.
+    Attributes
+    ----------
+    scene, grid
+        The contact.
+    back
+        Function that converts its pressure to the original form.
+    within
+        Largest difference of the converted pressure over the peak pressure. With `other_heights` it is added to the
+        difference of the heights over the compliance of the softest wave.
+    other_heights
+        Whether the heights differ from those of the original form.
     """
 
     scene: cs.Scene
@@ -53,9 +63,28 @@ class Twin:
 
 @dataclass(frozen=True)
 class HardCase:
-    """A scene on a grid with what is ``hard`` about it, and the statuses it may end in.
+    """A scene on a grid that is difficult to solve, with its reference solution.
 
-    Its pressure is held to the dense answer of :mod:`studies.reference.dense_solver`, or to that of its ``twin``.
+    Its pressure is compared with that of :mod:`studies.reference.dense_solver`, or with that of its `twin`.
+
+    Attributes
+    ----------
+    group
+        Name of the kind of difficulty.
+    hard
+        Description of the difficulty.
+    scene, grid
+        The contact.
+    ends
+        Statuses in which a solve may end.
+    twin
+        Equivalent form of the contact.
+    options
+        Options of a solve.
+    start
+        Function of problem and solver that returns the pressure to start from.
+    paddings
+        Names of the paddings to which the case applies.
     """
 
     group: str
@@ -74,7 +103,7 @@ class HardCase:
         return replace(self.options, solver=solver).solved(problem, start)
 
     def may_end(self, padding: str) -> frozenset[cs.Status]:
-        """Return the statuses it may end in with that padding: a free length cuts off whatever varies along it."""
+        """Return the statuses in which a solve with a padding may end; a free length cuts off what varies along it."""
         cut_off = padding == "zero" and cs.Status.CONVERGED in self.ends
         return self.ends | {cs.Status.CONTACT_AT_EDGE} if cut_off else self.ends
 
@@ -105,23 +134,28 @@ class HardCase:
 def grid(
     cells: tuple[int, int] = (24, 12), width: float = 2.4, period: float = 1.2, metre: float = 1.0
 ) -> cs.Grid:
-    """Extents in Hertz half-widths of the plain scene."""
+    """Return a grid whose extents are in Hertz half-widths of the plain scene, with lengths in another unit."""
     return cs.Grid(cells=cells, extent=(width * A * metre, period * A * metre))
 
 
 def bumpy(heights: Array, scene: cs.Scene = SCENE) -> cs.Scene:
-    """``scene`` with ``heights`` towards the other body, in multiples of what it flattens, on its cells."""
+    """Return a scene with heights (x, y) towards the other body, over the height that the contact flattens."""
     return replace(scene, shapes=(*scene.shapes, cs.MeasuredSurface(heights * FLATTENED)))
 
 
 def noise(cells: tuple[int, int] = (24, 12), seed: int = 1) -> Array:
-    """White: the grid's own wavelength is as strong as every other."""
+    """Return white noise (x, y) of unit variance."""
     return np.random.default_rng(seed).standard_normal(cells)
 
 
 FLAT = replace(SCENE, shapes=())
 CELLS = (24, 12)
 ROUGH = 0.1 * noise()
+
+
+def _divided(unit: float, pressure: Array) -> Array:
+    """Return a pressure in another unit."""
+    return pressure / unit
 
 
 def units() -> dict[str, HardCase]:
@@ -146,14 +180,14 @@ def units() -> dict[str, HardCase]:
             plain,
             grid(),
             AT_EDGE,
-            Twin(converted, grid(metre=metre), _Divided(pascal), 1e-10),
+            Twin(converted, grid(metre=metre), partial(_divided, pascal), 1e-10),
             options=cs.SolveOptions(tolerance=1e-12),
         )
     return cases
 
 
 def perturbation() -> dict[str, HardCase]:
-    """Return the rough contact nudged, moved, mirrored, over two periods, or with its curvature shared."""
+    """Return the rough contact with changed heights, shifted, mirrored, over two periods, or with two curved bodies."""
     scene = bumpy(ROUGH)
     double = np.tile(ROUGH, 2)
     half = replace(SCENE, shapes=(cs.Cylinder(0.02), cs.Cylinder(0.02)))
@@ -182,69 +216,27 @@ def perturbation() -> dict[str, HardCase]:
     return {
         "heights nudged by 1e-10": case(
             "heights move by 1e-10 of their rms",
-            Twin(bumpy(nudged), on, _as_it_is, 1e-11, other_heights=True),
+            Twin(bumpy(nudged), on, np.asarray, 1e-11, other_heights=True),
         ),
         "moved by whole cells": case(
             "the surface moves by five cells along",
-            Twin(bumpy(np.roll(ROUGH, 5, 1)), on, _Rolled(-5), 1e-9),
+            Twin(bumpy(np.roll(ROUGH, 5, 1)), on, lambda pressure: np.roll(pressure, -5, 1), 1e-9),
             wrapping,
         ),
         "mirrored along": case(
-            "the surface is mirrored along", Twin(bumpy(ROUGH[:, ::-1]), on, _Mirrored((1,)), 1e-9)
+            "the surface is mirrored along", Twin(bumpy(ROUGH[:, ::-1]), on, np.fliplr, 1e-9)
         ),
         "mirrored across": case(
-            "the surface is mirrored across", Twin(bumpy(ROUGH[::-1]), on, _Mirrored((0,)), 1e-9)
+            "the surface is mirrored across", Twin(bumpy(ROUGH[::-1]), on, np.flipud, 1e-9)
         ),
         "twice the period": case(
             "two periods are one",
-            Twin(bumpy(double), grid((24, 24), period=2.4), _First(12), 1e-9),
+            Twin(
+                bumpy(double), grid((24, 24), period=2.4), lambda pressure: pressure[:, :12], 1e-9
+            ),
             endless,
         ),
         "curved on both sides": case(
-            "half of the cylinder on either body", Twin(bumpy(ROUGH, half), on, _as_it_is, 1e-9)
+            "half of the cylinder on either body", Twin(bumpy(ROUGH, half), on, np.asarray, 1e-9)
         ),
     }
-
-
-@dataclass(frozen=True)
-class _Divided:
-    """A pressure in another unit."""
-
-    by: float
-
-    def __call__(self, pressure: Array) -> Array:
-        return pressure / self.by
-
-
-@dataclass(frozen=True)
-class _Rolled:
-    """A pressure moved along the length."""
-
-    by: int
-
-    def __call__(self, pressure: Array) -> Array:
-        return np.roll(pressure, self.by, axis=1)
-
-
-@dataclass(frozen=True)
-class _Mirrored:
-    """A pressure mirrored along axes."""
-
-    axes: tuple[int, ...]
-
-    def __call__(self, pressure: Array) -> Array:
-        return np.flip(pressure, self.axes)
-
-
-@dataclass(frozen=True)
-class _First:
-    """A pressure over the first period of several."""
-
-    cells: int
-
-    def __call__(self, pressure: Array) -> Array:
-        return pressure[:, : self.cells]
-
-
-def _as_it_is(pressure: Array) -> Array:
-    return pressure

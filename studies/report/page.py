@@ -212,31 +212,31 @@ def _check(figures: object, name: str) -> None:
         )
 
 
-def _save(one: CaptionedFigure, folder: Path, formats: Sequence[str]) -> bytes:
+def _save(drawn: CaptionedFigure, folder: Path, formats: Sequence[str]) -> bytes:
     """Save a figure in these formats; return its PNG."""
     # laid out once for all files: each would do it again
-    if engine := one.figure.get_layout_engine():
-        engine.execute(one.figure)
-        one.figure.set_layout_engine("none")
+    if engine := drawn.figure.get_layout_engine():
+        engine.execute(drawn.figure)
+        drawn.figure.set_layout_engine("none")
     picture = BytesIO()
     for suffix in formats:
         data = BytesIO()
-        one.figure.savefig(data, format=suffix)
-        with replacing(folder / f"{one.name}.{suffix}") as path:
+        drawn.figure.savefig(data, format=suffix)
+        with replacing(folder / f"{drawn.name}.{suffix}") as path:
             path.write_bytes(data.getvalue())
         picture = data if suffix == "png" else picture
     return picture.getvalue()
 
 
 def _embedded(
-    one: CaptionedFigure, folder: str, out: Path, formats: Sequence[str]
+    drawn: CaptionedFigure, folder: str, out: Path, formats: Sequence[str]
 ) -> Mapping[str, str]:
     return {
-        "png": base64.b64encode(_save(one, out / folder, formats)).decode(),
-        "files": " ".join(f"{folder}/{one.name}.{suffix}" for suffix in formats),
-        "caption": one.caption,
-        "width": f"{100 * one.figure.get_figwidth():.0f}",
-        "height": f"{100 * one.figure.get_figheight():.0f}",
+        "png": base64.b64encode(_save(drawn, out / folder, formats)).decode(),
+        "files": " ".join(f"{folder}/{drawn.name}.{suffix}" for suffix in formats),
+        "caption": drawn.caption,
+        "width": f"{100 * drawn.figure.get_figwidth():.0f}",
+        "height": f"{100 * drawn.figure.get_figheight():.0f}",
     }
 
 
@@ -248,19 +248,20 @@ def _with_claims_beside_the_paper(sections: Sequence[Section]) -> Sequence[Secti
     """Return the sections with all findings about the paper in its section, if there is one."""
     if "paper" not in [section.name for section in sections]:
         return sections
-    claims = [finding for section in sections for finding in section.findings if _is_claim(finding)]
-    claims.sort(key=lambda finding: finding.question)
-    arranged = []
-    for section in sections:
-        further = [finding for finding in section.findings if not _is_claim(finding)]
-        arranged.append(
-            replace(section, findings=claims + further if section.name == "paper" else further)
+    findings = [finding for section in sections for finding in section.findings]
+    claims = sorted(filter(_is_claim, findings), key=lambda finding: finding.question)
+    return [
+        replace(
+            section,
+            findings=claims * (section.name == "paper")
+            + [finding for finding in section.findings if not _is_claim(finding)],
         )
-    return arranged
+        for section in sections
+    ]
 
 
 def _others(chapter: Chapter, out: Path) -> Sequence[tuple[Chapter, bool]]:
-    """Return all other chapters, and each study that is in none, with whether its page is there."""
+    """Return all other chapters and the studies in no chapter, each with whether its page is there."""
     shown = {part.name for entry in CHAPTERS.values() for part in entry.parts}
     built_in = [entry for entry in CHAPTERS.values() if entry != chapter]
     return [(entry, (out / entry.page).is_file()) for entry in built_in] + [

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from types import NoneType, UnionType
-from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
+from typing import Any, Union, get_args, get_origin, get_type_hints
 
 from contactstudy import InvalidInput, MeasuredSurface
 from contactstudy.domain.checks import suggestion
@@ -64,16 +64,13 @@ class SceneField:
 
 def document_of(described: SceneFile) -> Document:
     """Return the keys of a scene file."""
-    scene = described.scene
-    across, along = (
-        described.padding if isinstance(described.padding, tuple) else (None, described.padding)
-    )
-    of_scene = {
-        key.name: getattr(scene, key.name) for key in fields(Document) if hasattr(scene, key.name)
-    }
-    beside: dict[str, Any] = {"grid": described.grid, "padding": along, "padding_across": across}
-    beside["evolve"] = described.time_steps
-    return Document(**(of_scene | beside), plan=described.plan_settings, solve=described.settings)
+    scene, padding = described.scene, described.padding
+    across, along = padding if isinstance(padding, tuple) else (None, padding)
+    names = [key.name for key in fields(Document) if hasattr(scene, key.name)]
+    entries: dict[str, Any] = {name: getattr(scene, name) for name in names}
+    entries |= {"grid": described.grid, "padding": along, "padding_across": across}
+    entries |= {"plan": described.plan_settings, "solve": described.settings}
+    return Document(**entries | {"evolve": described.time_steps})
 
 
 def find(document: Document, name: str) -> SceneField:
@@ -200,8 +197,3 @@ def without_none(annotation: Any) -> Any:
         options = tuple(option for option in get_args(annotation) if option is not NoneType)
         return options[0] if len(options) == 1 else Union[options]  # noqa: UP007 (made at run time)
     return annotation
-
-
-def is_number(annotation: Any) -> bool:
-    """Return whether a field is a number with a unit."""
-    return get_origin(annotation) is Annotated

@@ -16,7 +16,7 @@ from contactstudy.io.summary import (
 )
 from contactstudy.scene.load import ConstantLoad
 from studies.model.case import error_estimates, number
-from studies.scene_study.scene_case import MarchedScene, RolledScene, SceneCase, Solved
+from studies.scene_study.scene_case import FileCase, SceneCase, Solved
 
 # The error of the stiffness is the square of the relative error of the iteration.
 RESIDUAL = 3e-2
@@ -71,7 +71,7 @@ def normal_stiffness(solution: cs.Solution) -> float:
 
 
 def measures(
-    case: SceneCase | RolledScene | MarchedScene,
+    case: SceneCase | FileCase,
     result: Solved | cs.SteadyRolling | cs.Evolution | cs.FilmEvolution,
 ) -> Mapping[str, xr.Variable]:
     """Return the numbers of a contact: of a solution, of steady rolling, or of a march in time."""

@@ -1,7 +1,7 @@
 """Cases of a sweep over a scene: set up once for all loads, and started from the pressures of their neighbours."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import log, pi
 from time import perf_counter
 from typing import Any
@@ -13,7 +13,7 @@ import contactstudy as cs
 from contactstudy.domain.fields import Array
 from contactstudy.io.scene_file import TimeSteps
 from contactstudy.scene.scene import under_load
-from studies.model.case import Case, EvolutionCase, number
+from studies.model.case import Case, march_record, number
 from studies.model.film_case import film_status
 
 # Share of the pressure that would close a cell's gap alone, which is subtracted for the gap when pressures are
@@ -94,42 +94,12 @@ class SceneCase(Case):
 
 
 @dataclass(frozen=True)
-class RolledScene:
-    """A scene that rolls steadily, as a computation of a sweep."""
+class FileCase(Case):
+    """A contact that rolls steadily or changes in time, as a computation of a sweep."""
 
-    scene: cs.Scene
-    grid: cs.Grid
-    padding: cs.Padding | cs.Paddings
-    options: cs.SolveOptions
+    time_steps: TimeSteps = field(default_factory=TimeSteps)
 
-    def prepare(self) -> cs.SceneFile:
-        """Return the scene with its grid, padding and options."""
-        return cs.SceneFile(self.scene, settings=self.options, grid=self.grid, padding=self.padding)
-
-    def run(self, prepared: cs.SceneFile) -> cs.SteadyRolling:
-        """Solve the rolling contact."""
-        return prepared.roll()
-
-    def record(self, result: cs.SteadyRolling) -> Mapping[str, xr.Variable]:
-        """Return the numbers of the solver, and its status as CF flags."""
-        return Case.record(self, result.solution)  # type: ignore[arg-type]
-
-    def fields(self, result: cs.SteadyRolling) -> Mapping[str, xr.Variable]:
-        """Return pressure and gap over the grid."""
-        return _fields(cs.to_dataset(result.solution))
-
-
-@dataclass(frozen=True)
-class MarchedScene:
-    """A scene that changes in time, as a computation of a sweep."""
-
-    scene: cs.Scene
-    grid: cs.Grid
-    padding: cs.Padding | cs.Paddings
-    options: cs.SolveOptions
-    time_steps: TimeSteps
-
-    def prepare(self) -> cs.SceneFile:
+    def prepare(self) -> cs.SceneFile:  # type: ignore[override]
         """Return the scene with its grid, padding, options and instants."""
         return cs.SceneFile(
             self.scene,
@@ -139,24 +109,28 @@ class MarchedScene:
             time_steps=self.time_steps,
         )
 
-    def run(self, prepared: cs.SceneFile) -> cs.Evolution:
-        """March through the instants."""
-        return prepared.evolve()
+    def run(self, prepared: cs.SceneFile) -> Any:  # type: ignore[override]
+        """Solve the rolling contact, or march through the instants."""
+        return prepared.evolve() if self.scene.rolling is None else prepared.roll()
 
-    def record(self, result: cs.Evolution) -> Mapping[str, xr.Variable]:
-        """Return the numbers of the solver over all steps."""
-        return EvolutionCase.record(self, result)  # type: ignore[arg-type]
+    def record(self, result: Any) -> Mapping[str, xr.Variable]:
+        """Return the numbers of the solver, over all steps of a march."""
+        if isinstance(result, cs.Evolution):
+            return march_record(result)
+        return super().record(result.solution)
 
-    def fields(self, result: cs.Evolution) -> Mapping[str, xr.Variable]:
-        """Return the fields over time and grid."""
-        return _fields(result.to_dataset())
+    def fields(self, result: Any) -> Mapping[str, xr.Variable]:
+        """Return pressure and gap over the grid, and the fields of a march over time."""
+        if isinstance(result, cs.Evolution | cs.FilmEvolution):
+            return _fields(result.to_dataset())
+        return _fields(cs.to_dataset(result.solution))
 
 
 @dataclass(frozen=True)
-class MarchedFilm(MarchedScene):
+class MarchedFilm(FileCase):
     """A lubricated scene that changes in time, as a computation of a sweep."""
 
-    def record(self, result: cs.FilmEvolution) -> Mapping[str, xr.Variable]:  # type: ignore[override]
+    def record(self, result: cs.FilmEvolution) -> Mapping[str, xr.Variable]:
         """Return the numbers of the iteration over all steps, and the gravest status."""
         return {
             "solver_status": film_status(result.status),

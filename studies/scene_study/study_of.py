@@ -18,25 +18,16 @@ from contactstudy.planning.grid_requirements import Needs, halvable
 from contactstudy.planning.grid_search import affordable
 from contactstudy.planning.plan import SHARE, needs_of, robust_grid
 from studies.model.axis import Value, check_count
-from studies.model.case import Computation
+from studies.model.case import Case, Computation
 from studies.model.film_case import FilmCase, film_measures
 from studies.model.study import Point, Study
 from studies.scene_study.fields import document_of
 from studies.scene_study.measures import measures
-from studies.scene_study.scene_case import MarchedFilm, MarchedScene, RolledScene, SceneCase
+from studies.scene_study.scene_case import FileCase, MarchedFilm, SceneCase
 from studies.scene_study.variation import Variation, together, variation
 
 
-@dataclass(frozen=True)
-class Posed:
-    """A scene with the grid and the padding that it is solved with."""
-
-    scene: cs.Scene
-    grid: cs.Grid
-    padding: cs.Padding | cs.Paddings
-
-
-def posed(points: Sequence[SceneFile]) -> tuple[list[Posed], tuple[str, ...]]:
+def posed(points: Sequence[SceneFile]) -> tuple[list[Case], tuple[str, ...]]:
     """Return every point on its grid, and notes on the grids.
 
     Points whose file says the same of the grid and of the plan share a grid: the width of the widest, the
@@ -69,7 +60,7 @@ def posed(points: Sequence[SceneFile]) -> tuple[list[Posed], tuple[str, ...]]:
     return placed, tuple(dict.fromkeys(notes))
 
 
-def _on(point: SceneFile, grid: cs.Grid, extent: tuple[float, float] | None) -> Posed:
+def _on(point: SceneFile, grid: cs.Grid, extent: tuple[float, float] | None) -> Case:
     """Return one point on its grid, with random surfaces of the common extent."""
     shapes = tuple(
         replace(shape, extent=extent)
@@ -80,7 +71,7 @@ def _on(point: SceneFile, grid: cs.Grid, extent: tuple[float, float] | None) -> 
     for number, shape in enumerate(shapes):
         _check(f"Scene.shapes[{number}]", shape, grid)
     padding = point.padding or needs_of(point.scene).padding()
-    return Posed(replace(point.scene, shapes=shapes), grid, padding)
+    return Case(replace(point.scene, shapes=shapes), grid, padding, point.settings)
 
 
 def _check(name: str, shape: object, grid: cs.Grid) -> None:
@@ -109,9 +100,8 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
         ]
         return [_grid_of_plan(point) for point in points], notes
     if first.grid is not None:
-        return [first.grid] * len(points), [
-            f"grid {_size_text(first.grid)}, given, for {_counted(points)}"
-        ]
+        given = f"grid {_size_text(first.grid)}, given, for {_counted(points)}"
+        return [first.grid] * len(points), [given]
     needs = [needs_of(point.scene) for point in points]
     planned = _planned(points, needs)
     width = max(grid.extent[0] for grid in planned)
@@ -266,10 +256,7 @@ def study_of(
     points = list(product(*(varied.axis.values for varied in axes)))
     files = [_file_at(described, axes, point) for point in points]
     placed, notes = posed(files)
-    cases = {
-        point: _case(one_posed, file)
-        for point, one_posed, file in zip(points, placed, files, strict=True)
-    }
+    cases = dict(zip(points, map(_computation, placed, files), strict=True))
     if name is None:
         name = Path(scene).stem if isinstance(scene, str | PathLike) else "scene"
     return Study(
@@ -321,10 +308,8 @@ class _SceneAt:
 
 def _read(scene: Scene | SceneFile | str | PathLike[str]) -> tuple[SceneFile, Path]:
     """Return the scene file, and the folder at which its paths start."""
-    if isinstance(scene, Scene):
-        return SceneFile(scene), Path()
-    if isinstance(scene, SceneFile):
-        return scene, Path()
+    if isinstance(scene, Scene | SceneFile):
+        return SceneFile(scene) if isinstance(scene, Scene) else scene, Path()
     if isinstance(scene, str | PathLike):
         return read_scene(scene), Path(scene).parent
     raise InvalidInput(
@@ -346,15 +331,13 @@ def _rank(varied: Variation) -> int:
     return ORDER.index(last) if last in ORDER else len(ORDER)
 
 
-def _case(placed: Posed, file: SceneFile) -> Computation:
-    """Return the computation of a scene: a film, a contact that rolls or changes in time, or a single solve."""
-    contact = placed.scene, placed.grid, placed.padding
-    if placed.scene.lubrication is not None:
-        if placed.scene.changing is not None:
-            return MarchedFilm(*contact, file.settings, file.time_steps)
-        return FilmCase(*contact, file.settings)
-    if placed.scene.rolling is not None:
-        return RolledScene(*contact, file.settings)
-    if placed.scene.changing is not None:
-        return MarchedScene(*contact, file.settings, file.time_steps)
-    return SceneCase(*contact, file.settings)
+def _computation(case: Case, file: SceneFile) -> Case:
+    """Return the computation of a contact: a film, a march or rolling, or a single solve."""
+    contact = case.scene, case.grid, case.padding, case.options
+    if case.scene.lubrication is not None:
+        if case.scene.changing is not None:
+            return MarchedFilm(*contact, file.time_steps)
+        return FilmCase(*contact)
+    if case.scene.rolling is not None or case.scene.changing is not None:
+        return FileCase(*contact, file.time_steps)
+    return SceneCase(*contact)

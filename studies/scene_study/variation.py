@@ -3,7 +3,7 @@
 import re
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import dataclass, fields, is_dataclass, make_dataclass
 from glob import glob, has_magic
 from pathlib import Path
 from typing import Any
@@ -252,7 +252,8 @@ def variation(
     # an infinite value, such as a rigid body's modulus, has no place on a scale: such values are names
     if all(isinstance(label, int | float) and np.isfinite(label) for label in values):
         if any(isinstance(label, float) for label in values):
-            values = {_snapped(label): made for label, made in values.items()}
+            # equal values from different sums get one label
+            values = {float(f"{label:.15g}"): made for label, made in values.items()}
         values = dict(sorted(values.items())) if order == "rising" else values
     else:
         values = {
@@ -282,7 +283,8 @@ def _made(field: SceneField, raw: object) -> Any:
         raw = list(raw)
     kind = without_none(field.annotation)
     try:
-        return structured({"value": raw}, _Holder.of(kind), KINDS, field.name).value
+        holder = make_dataclass("Value", [("value", kind)], frozen=True)
+        return structured({"value": raw}, holder, KINDS, field.name).value
     except InvalidInput as error:
         sentence = str(error).replace(f"{field.name}: value: ", f"{field.name}: ")
         if field.name == "load" and not isinstance(raw, dict):
@@ -296,16 +298,6 @@ def _made(field: SceneField, raw: object) -> Any:
         raise InvalidInput(sentence) from None
 
 
-class _Holder:
-    """Maker of dataclasses with one field of a type that is known at run time."""
-
-    @staticmethod
-    def of(annotation: Any) -> Any:
-        from dataclasses import make_dataclass
-
-        return make_dataclass("Value", [("value", annotation)], frozen=True)
-
-
 def _label(made: Any, raw: object) -> Value:
     """Return the value on the axis: numbers and names as they are, dataclasses by their representation."""
     if isinstance(made, int | float | str) and not isinstance(made, bool):
@@ -315,11 +307,6 @@ def _label(made: Any, raw: object) -> Value:
     if is_dataclass(made):
         return repr(made)
     return str(raw)
-
-
-def _snapped(value: Value) -> float:
-    """Return a number rounded to 15 digits, so that equal values from different sums have one label."""
-    return float(f"{float(value):.15g}")
 
 
 def _axis(document: Document, field: SceneField, values: tuple[Value, ...]) -> Axis:
@@ -332,16 +319,9 @@ def _axis(document: Document, field: SceneField, values: tuple[Value, ...]) -> A
 
 def _long_name(document: Document, field: SceneField) -> str:
     """Return the long name of a field, such as "rms of Roughness"."""
-    owner: Any = document
-    for part in field.path[:-1]:
-        if is_dataclass(owner) and hasattr(owner, part):
-            owner = getattr(owner, part)
-        elif isinstance(owner, tuple) and part.isdigit():
-            owner = owner[int(part)]
     path = field.path
-    if (
-        len(path) > 2 and path[-1].isdigit() and path[-2] != "shapes"
-    ):  # an entry of a list of numbers
+    # an entry of a list of numbers
+    if len(path) > 2 and path[-1].isdigit() and path[-2] != "shapes":
         return f"{path[-2].replace('_', ' ')} {path[-1]} of {path[-3]}"
     name = path[-1].replace("_", " ")
     if field.path[0] == "shapes" and len(field.path) > 2:
@@ -390,11 +370,11 @@ def _surfaces(
 
 def _found(items: Iterable[Any], folder: Path) -> list[Any]:
     """Return surfaces with the files that patterns match, and with the entries of containers."""
-    items_found: list[Any] = []
+    surfaces: list[Any] = []
     for item in items:
         if not isinstance(item, str | Path):
             # containers of the package SurfaceTopography hold several
-            items_found += (
+            surfaces += (
                 list(item)
                 if hasattr(item, "__iter__")
                 and not hasattr(item, "dims")
@@ -415,22 +395,16 @@ def _found(items: Iterable[Any], folder: Path) -> list[Any]:
             raise InvalidInput(
                 f"surfaces has {pattern!r}, which no file matches: give files that are there."
             )
-        items_found += matched
-    return items_found
+        surfaces += matched
+    return surfaces
 
 
 def _surface(item: Any, present: MeasuredSurface) -> MeasuredSurface:
     """Return a surface prepared like the one that the scene has."""
     if isinstance(item, MeasuredSurface):
         return item
-    if isinstance(item, str | Path):
-        surface = MeasuredSurface.read(
-            item, missing=present.missing, trend=present.trend, seam=present.seam
-        )
-    else:
-        surface = MeasuredSurface(
-            item, missing=present.missing, trend=present.trend, seam=present.seam
-        )
+    make = MeasuredSurface.read if isinstance(item, str | Path) else MeasuredSurface
+    surface = make(item, missing=present.missing, trend=present.trend, seam=present.seam)
     surface = surface if present.window is None else surface.cut(present.window)
     return surface.turned() if present.is_turned else surface
 
@@ -438,11 +412,7 @@ def _surface(item: Any, present: MeasuredSurface) -> MeasuredSurface:
 def _windows(document: Document, given: object) -> Variation:
     """Return equal windows of a surface as an axis, such as ``2x6`` across and along."""
     field = SceneField(("shapes", _only_surface(document, "windows"), "window"), Window)
-    text = (
-        given
-        if isinstance(given, str)
-        else "x".join(str(number) for number in _listed(WINDOWS, given))
-    )
+    text = given if isinstance(given, str) else "x".join(map(str, _listed(WINDOWS, given)))
     parts = text.replace(" ", "").split("x")
     if len(parts) != 2 or not all(part.isdigit() for part in parts):
         raise InvalidInput(f"windows is {text!r}: give how many across and along, such as 2x6.")
@@ -466,8 +436,4 @@ def _with_surface(document: Document, path: tuple[str, ...], new: Any) -> Docume
         surface = shape.cut(new)
     else:
         surface = shape.turned() if (new is Turn.QUARTER) != shape.is_turned else shape
-    shapes = tuple(
-        surface if place == number else shape_there
-        for place, shape_there in enumerate(document.shapes)
-    )
-    return replace(document, shapes=shapes)
+    return replaced(document, path[:2], surface)  # type: ignore[no-any-return]

@@ -13,7 +13,7 @@ from typing import Any, Self
 from contactstudy import InvalidInput
 from contactstudy.domain.files import open_descriptor, read_at, reason, replacing
 from studies.model.outcome import Outcome, Sample
-from studies.store.journal_lines import START, VariableTypes, decoded, encoded, short_hash
+from studies.store.journal_lines import START, decoded, encoded, encoded_variable, short_hash
 from studies.store.records import FORMAT, ODD, CaseIdentity, Contents, RecordFile
 
 # Seconds after which lines are synced to the disk, which takes 0.3 ms; shorter cases are synced together.
@@ -25,10 +25,9 @@ class Journal:
 
     Every line starts with a checksum of its content. A line that fails it goes to ``<path>.damaged`` when the
     journal is opened for writing, and its content counts as not stored; a torn last line is cut off. Lines are ``run``
-    (versions, machine, time), ``kind`` (see :class:`~studies.store.journal_lines.VariableTypes`), ``axis``, ``begin``,
-    ``case``, ``time``, ``untimed``, ``retime`` and ``score``. Each names what it refers to, so that
-    none depends on its place; ``run``, ``kind`` and ``axis``, which many lines need, are written twice.
-    Only one process at a time may write.
+    (versions, machine, time), ``axis``, ``begin``, ``case``, ``time``, ``untimed``, ``retime`` and ``score``. Each
+    line names the run that it belongs to, so that its place does not matter. ``run`` and ``axis``, which many lines
+    need, are written twice. Only one process at a time may write.
 
     Parameters
     ----------
@@ -117,9 +116,6 @@ class Journal:
 
     def add(self, identity: CaseIdentity, outcome: Outcome) -> bool:
         """Write a case, and return whether all cases so far are on disk."""
-        new, variables = self._source.kinds.encode(outcome.variables)
-        for name, kind in new.items():
-            self._write({"kind": name, "is": kind}, copies=2)
         line: dict[str, Any] = {
             "case": identity.key,
             "of": self._run,
@@ -128,7 +124,7 @@ class Journal:
             "tree": identity.tree,
             "seconds": outcome.seconds,
             "cpu": outcome.cpu,
-            "values": variables,
+            "values": {name: encoded_variable(v) for name, v in outcome.variables.items()},
         }
         if outcome.failure is not None:
             line["failure"] = asdict(outcome.failure)
@@ -230,7 +226,7 @@ class Journal:
     def _read(self) -> None:
         """Read the journal from the start."""
         self._close()
-        self._source = RecordFile(-1, VariableTypes())
+        self._source = RecordFile(-1)
         self.contents = Contents(self._context, self._machine, self._source)
         self._descriptor, self._end = -1, 0
         self._damaged: list[tuple[int, int]] = []
@@ -259,7 +255,6 @@ class Journal:
                 self._damaged.append((self._end, len(raw)))
             self._lacks_line_feed = not raw.endswith(b"\n")
             self._end += len(raw)
-        self.contents.finish()
         if not is_journal and first and not (first.startswith(START) or START.startswith(first)):
             raise InvalidInput(
                 f"Journal {str(self.path)!r} is not a journal of this program: move the file away, or give "

@@ -1,9 +1,8 @@
-"""Lines of a journal: JSON that starts with a checksum of its content, and variables in them, to the last bit."""
+"""Lines of a journal: JSON that starts with a checksum of its content, with variables that read back exactly."""
 
 import base64
 import hashlib
 import json
-import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -39,114 +38,46 @@ def _checksum(content: bytes) -> bytes:
 
 
 def short_hash(tree: object) -> str:
-    """Return twelve digits of a hash of a value's JSON, the name of what is written once and referred to."""
+    """Return twelve digits of a hash of a value's JSON, by which later lines refer to a run."""
     text = json.dumps(tree, separators=(",", ":"), sort_keys=True).encode()
     return hashlib.blake2b(text, digest_size=6).hexdigest()
 
 
 Json = Any
+PLAIN = {"<f8": float, "<i8": int}  # dtypes of a scalar that JSON holds as a number
 
 
-class VariableTypes:
-    """Types of variables (dimensions, dtype, attributes), each written once and then referred to by a name.
+def encoded_variable(variable: xr.Variable) -> Json:
+    """Return dimensions, dtype, shape, attributes and value of a variable, for JSON.
 
-    The name is a hash of the content. A scalar real or whole number stands as JSON, whose shortest
-    decimals read back exactly; anything else as the base64 of its bytes.
+    A scalar real or whole number stays a number, whose shortest decimals read back exactly; any other value becomes
+    the base64 of its bytes.
     """
-
-    def __init__(self) -> None:
-        self._known: dict[str, Json] = {}
-        self._names: dict[object, str] = {}
-
-    def encode(
-        self, variables: Mapping[str, xr.Variable]
-    ) -> tuple[Mapping[str, Json], Mapping[str, Json]]:
-        """Return the types that are new, by their names, and the variables as pairs of type name and value."""
-        new: dict[str, Json] = {}
-        written = {}
-        for name, variable in variables.items():
-            values = np.asarray(variable.values)
-            kind = self._name(variable.dims, values, variable.attrs, new)
-            is_plain = values.ndim == 0 and values.dtype.str in ("<f8", "<i8")
-            written[name] = [kind, values.item() if is_plain else _to_text(values)]
-        return new, written
-
-    def add(self, name: str, kind: Json) -> None:
-        """Add a type that was read; raise an error of Python's for one that :meth:`encode` does not make."""
-        dims, dtype, shape, attrs = kind
-        if name != short_hash(kind) or np.dtype(dtype).kind not in "biufcSUmM":
-            raise ValueError(kind)
-        xr.Variable(dims, np.empty([0 for _ in shape], dtype))
-        {key: _attribute(value) for key, value in attrs.items()}
-        if any(type(size) is not int or size < 0 for size in shape):
-            raise ValueError(kind)
-        self._known[name] = kind
-
-    def fit(self, variables: Mapping[str, Json]) -> bool:
-        """Return whether the types of all variables are known; raise an error of Python's for a value of another one."""
-        return all(self._fits(*variable) for variable in variables.values())
-
-    def _fits(self, kind: str, payload: Json) -> bool:
-        """Return whether the type of a value is known; raise an error where the value is not of that type."""
-        if kind not in self._known:
-            return False
-        _, dtype, shape, _ = self._known[kind]
-        if isinstance(payload, str):
-            size = len(base64.b64decode(payload, validate=True))
-            if size != np.dtype(dtype).itemsize * math.prod(shape):
-                raise ValueError(payload)
-        elif (
-            shape
-            or payload != payload
-            or {"<f8": float, "<i8": int}.get(dtype) is not type(payload)
-        ):
-            raise TypeError(payload)
-        return True
-
-    def decode(self, variables: Mapping[str, Json]) -> Mapping[str, xr.Variable]:
-        """Return the variables that :meth:`encode` encoded."""
-        return {
-            name: self._decoded(*encoded_variable) for name, encoded_variable in variables.items()
-        }
-
-    def _decoded(self, kind: str, payload: Json) -> xr.Variable:
-        """Return a variable from the name of its type and its value."""
-        dims, dtype, shape, attrs = self._known[kind]
-        if isinstance(payload, str):
-            flat = np.frombuffer(base64.b64decode(payload), np.dtype(dtype))
-            values = flat.reshape(shape).copy()
-        else:
-            values = np.array(payload, dtype)
-        return xr.Variable(tuple(dims), values, {k: _attribute(v) for k, v in attrs.items()})
-
-    def _name(
-        self,
-        dims: tuple[Any, ...],
-        values: np.ndarray,
-        attrs: Mapping[Any, Any],
-        new: dict[str, Json],
-    ) -> str:
-        """Return the name of a variable's type, and add the type to `new` at its first use."""
-        try:
-            # 1, 1.0 and True are equal as keys of a dict, but differ as attributes
-            typed_attrs = tuple((name, type(value), value) for name, value in attrs.items())
-            signature: object = (dims, values.dtype.str, values.shape, typed_attrs)
-            if signature in self._names:
-                return self._names[signature]
-        except TypeError:  # an attribute that is an array
-            signature = None
-        kind = [list(dims), values.dtype.str, list(values.shape), _plain_attributes(attrs)]
-        name = short_hash(kind)
-        if name not in self._known:
-            self._known[name] = new[name] = kind
-        if signature is not None:
-            self._names[signature] = name
-        return name
+    values = np.asarray(variable.values)
+    if values.ndim == 0 and values.dtype.str in PLAIN:
+        value = values.item()
+    else:
+        value = base64.b64encode(np.ascontiguousarray(values).tobytes()).decode()
+    kind = [list(variable.dims), values.dtype.str, list(values.shape)]
+    return [*kind, _plain_attributes(variable.attrs), value]
 
 
-def _to_text(values: np.ndarray) -> str:
-    """Return the bytes of an array as base64."""
-    return base64.b64encode(np.ascontiguousarray(values).tobytes()).decode()
+def decoded_variable(fields: Json) -> xr.Variable:
+    """Return the variable that :func:`encoded_variable` encoded."""
+    dims, _, _, attrs, _ = fields
+    attributes = {name: _attribute(value) for name, value in attrs.items()}
+    return xr.Variable(tuple(dims), decoded_values(fields), attributes)
+
+
+def decoded_values(fields: Json) -> np.ndarray:
+    """Return the values of an encoded variable; raise a built-in error for values that are not of its type."""
+    _, dtype, shape, _, value = fields
+    if isinstance(value, str):
+        flat = np.frombuffer(base64.b64decode(value, validate=True), np.dtype(dtype))
+        return flat.reshape(shape).copy()
+    if type(value) is not PLAIN[dtype]:
+        raise TypeError(value)
+    return np.array(value, dtype)
 
 
 def _plain_attributes(attrs: Mapping[Any, Any]) -> dict[str, Json]:

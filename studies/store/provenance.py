@@ -1,4 +1,4 @@
-"""Provenance of numbers: versions, revision, machine, command, time."""
+"""Provenance of stored numbers: versions, revision, machine, command and time."""
 
 import json
 import os
@@ -52,16 +52,8 @@ def _revision() -> str:
     if not (checkout / ".git").exists():
         return _installed()
     try:
-        command = [
-            "git",
-            "-C",
-            str(checkout),
-            "describe",
-            "--always",
-            "--dirty",
-            "--abbrev=40",
-            "--exclude=*",
-        ]
+        describe = ["describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
+        command = ["git", "-C", str(checkout), *describe]
         completed = subprocess.run(command, capture_output=True, text=True, timeout=10, check=True)
     except (OSError, subprocess.SubprocessError):
         return "unknown (not a git checkout)"

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from contactstudy import InvalidInput
@@ -14,9 +15,9 @@ from contactstudy.domain.identity import Tree, differences, text
 from studies.model.outcome import CaseStatus, Failure, Outcome, Sample
 from studies.model.plain_text import is_storable, name_problem
 from studies.store.fingerprint import agree
-from studies.store.journal_lines import VariableTypes, decoded
+from studies.store.journal_lines import decoded, decoded_values, decoded_variable
 
-FORMAT = 2
+FORMAT = 3
 # errors that a line may raise which this version does not write
 ODD = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError)
 
@@ -78,7 +79,7 @@ class Record:
         """Outcome of the case."""
         line = self.source.line(self)
         failure = Failure(**line["failure"]) if "failure" in line else None
-        variables = self.source.kinds.decode(line["values"])
+        variables = {name: decoded_variable(entry) for name, entry in line["values"].items()}
         return Outcome(self.case_status, variables, failure, self.seconds, {}, self.cpu)
 
     @property
@@ -89,7 +90,7 @@ class Record:
     def variable(self, name: str) -> xr.Variable | None:
         """Return the measured variable with the name `name`; None if there is none."""
         values = self.source.line(self)["values"]
-        return self.source.kinds.decode({name: values[name]})[name] if name in values else None
+        return decoded_variable(values[name]) if name in values else None
 
     def is_of(self, identity: CaseIdentity) -> bool:
         """Return whether this record is of exactly this case, its defaults included."""
@@ -100,10 +101,9 @@ class Record:
 
 @dataclass(eq=False)
 class RecordFile:
-    """The open file that records are read from, and the types of its variables."""
+    """The open file that records are read from."""
 
     descriptor: int
-    kinds: VariableTypes
 
     def line(self, record: Record) -> dict[str, Any]:
         """Return the line of a record from the file."""
@@ -165,7 +165,6 @@ class Contents:
     epoch: int = 0
     # the versions and machine of each run, and whether they are the present ones
     _runs: dict[str, tuple[Mapping[str, Any], bool]] = field(default_factory=dict)
-    _incomplete: list[str] = field(default_factory=list)
 
     def take(self, line: Mapping[str, Any], start: int, size: int) -> None:
         """Take in a line of `size` bytes at `start`.
@@ -179,8 +178,6 @@ class Contents:
         """
         if "run" in line:
             self._take_run(line)
-        elif "kind" in line:
-            self.source.kinds.add(line["kind"], line["is"])
         elif "begin" in line:
             self.begun = _text(line["begin"])
         elif "retime" in line:
@@ -242,12 +239,13 @@ class Contents:
             failure = Failure(**line["failure"])
             for part in (failure.kind, failure.sentence, failure.stage):
                 _text(part)
-        for name in line["values"]:
+        for name, entry in line["values"].items():
             _name(name)
+            values = decoded_values(entry)
+            if values.dtype.kind == "f" and np.isnan(values).any():
+                raise ValueError(name)
         for name, value in line["point"].items():
             _text(name), _text(value)
-        if not self.source.kinds.fit(line["values"]):
-            self._incomplete.append(line["case"])  # its kinds may come after it
         return Record(
             _text(line["case"]),
             CaseStatus[line["status"].upper()],
@@ -259,20 +257,6 @@ class Contents:
             size,
             self.source,
         )
-
-    def finish(self) -> None:
-        """Drop the cases whose variables cannot be read although all lines were."""
-        for key in self._incomplete:
-            for records in (self.records, self.other_records):
-                if key in records and not self._fits(records[key]):
-                    del records[key]
-
-    def _fits(self, record: Record) -> bool:
-        """Return whether all variables of a case can be read."""
-        try:
-            return self.source.kinds.fit(self.source.line(record)["values"])
-        except ODD:
-            return False
 
     def _turn_epoch(self, epoch: object) -> bool:
         """Forget timed runs of earlier epochs, and return whether `epoch` is the present one."""

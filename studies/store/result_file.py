@@ -19,7 +19,7 @@ from studies.model.outcome import CaseStatus, Outcome
 from studies.model.plain_text import one_line
 from studies.model.study import Study
 from studies.store.journal import Journal
-from studies.store.journal_lines import VariableTypes
+from studies.store.journal_lines import decoded_variable, encoded_variable
 from studies.store.netcdf import read, write
 from studies.store.request import Request
 from studies.store.table import PointTable, assemble
@@ -27,11 +27,9 @@ from studies.store.table import PointTable, assemble
 
 def save_fields(folder: Path, key: str, variables: Mapping[str, xr.Variable]) -> None:
     """Write the fields of the case `key` to a file, which is on the disk when this returns."""
-    kinds, values = VariableTypes().encode(variables)
+    content = {name: encoded_variable(variable) for name, variable in variables.items()}
     try:
-        write_sealed(
-            folder / f"{key}.json", json.dumps({"kinds": kinds, "values": values}).encode()
-        )
+        write_sealed(folder / f"{key}.json", json.dumps(content).encode())
     except OSError as error:
         raise InvalidInput(
             f"Fields in {str(folder)!r} cannot be written ({reason(error, folder / key)}): what was stored is "
@@ -60,13 +58,8 @@ def load_fields(folder: Path, key: str) -> xr.Dataset | None:
     content = read_sealed(folder / f"{key}.json")
     if content is None:
         return None
-    line, kinds = json.loads(content), VariableTypes()
-    for name, kind in line["kinds"].items():
-        kinds.add(name, kind)
-    variables = kinds.decode(line["values"])
-    coords = {name: variable for name, variable in variables.items() if variable.dims == (name,)}
-    data = {name: variable for name, variable in variables.items() if name not in coords}
-    return xr.Dataset(data, coords)
+    # a variable named like its dimension becomes its coordinate
+    return xr.Dataset({name: decoded_variable(v) for name, v in json.loads(content).items()})
 
 
 OFTEN = 60.0  # least seconds between two writes while cases are computed

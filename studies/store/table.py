@@ -2,7 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import astuple, dataclass, field
 from itertools import product
 from math import prod
 from typing import Any
@@ -82,12 +82,11 @@ def assemble(
     rows: dict[Hashable, int] = {}
     index = np.array([rows.setdefault(case, len(rows)) for case in cases], dtype=int).reshape(shape)
     outcomes = [outcome_of(case) for case in rows]
-    coords: dict[str, xr.Variable] = {
-        axis.name: xr.Variable(
-            (axis.name,), list(axis.values), {"long_name": axis.long_name} | _units(axis)
-        )
-        for axis in axes
-    }
+    coords: dict[str, xr.Variable] = {}
+    for axis in axes:
+        units = {} if axis.kind is str else {"units": axis.units}
+        attrs = {"long_name": axis.long_name} | units
+        coords[axis.name] = xr.Variable((axis.name,), list(axis.values), attrs)
     data: dict[str, xr.Variable] = {}
     left_out: list[str] = []
     for name, column in _chosen(_columns(outcomes), index.size, left_out):
@@ -141,14 +140,11 @@ def _about_cases(
         ("case_key", keys, "key of the case, also in the journal and of the group of its fields")
     ]
     if any(failure is not nothing for failure in failures):
+        kinds, sentences, stages = zip(*map(astuple, failures), strict=True)
         texts += [
-            ("error", [failure.sentence for failure in failures], "why the case has no numbers"),
-            ("error_type", [failure.kind for failure in failures], "type of the error"),
-            (
-                "error_stage",
-                [failure.stage for failure in failures],
-                "whether set-up, solve or measure failed",
-            ),
+            ("error", sentences, "why the case has no numbers"),
+            ("error_type", kinds, "type of the error"),
+            ("error_stage", stages, "whether set-up, solve or measure failed"),
         ]
     for name, values, long_name in texts:
         column = np.array(values, dtype=object)[index]
@@ -158,9 +154,10 @@ def _about_cases(
 
 def points_of(dataset: xr.Dataset, study: Study) -> xr.Dataset:
     """Return the points of `dataset` that `study` asks for; for numbers, those nearest to its values."""
-    exact = {axis.name: list(axis.values) for axis in study.points if axis.kind is str}
-    nearest = {axis.name: list(axis.values) for axis in study.points if axis.kind is not str}
-    return dataset.sel(exact).sel(nearest, method="nearest") if nearest else dataset.sel(exact)
+    for axis in study.points:
+        method = None if axis.kind is str else "nearest"
+        dataset = dataset.sel({axis.name: list(axis.values)}, method=method)
+    return dataset
 
 
 def _signature(variable: xr.Variable) -> Signature:
@@ -190,28 +187,22 @@ def _chosen(
                 f"{name} of {count - len(column.rows)} of {count} cases, which differs from the others' in "
                 "dimensions, type or units"
             )
-        column_sizes = column.kind.sizes
-        clash = [dim for dim, size in column_sizes.items() if sizes.get(dim, size) != size]
-        clash += [
+        clash = [
             dim
-            for dim in column_sizes
-            if dim in columns and dim != name and not _is_coordinate(columns, dim)
+            for dim, size in column.kind.sizes.items()
+            if sizes.get(dim, size) != size
+            or (dim in columns and dim != name and not _is_coordinate(columns, dim))
         ]
         if clash:
             left_out.append(f"{name}, since another variable has another {clash[0]}")
             continue
-        sizes.update(column_sizes)
+        sizes.update(column.kind.sizes)
         yield name, column
 
 
 def _is_coordinate(columns: Mapping[str, Mapping[Signature, _Column]], dim: Hashable) -> bool:
     """Return whether every variable of this name is a coordinate."""
     return all(column.kind.dims == (dim,) for column in columns[str(dim)].values())
-
-
-def _units(axis: Axis) -> dict[str, str]:
-    """Return the unit of an axis as an attribute; nothing for an axis of names."""
-    return {} if axis.kind is str else {"units": axis.units}
 
 
 LARGEST = 1_000_000  # points
@@ -253,18 +244,11 @@ def stored_table(study: Study, request: Request, contents: Contents) -> PointTab
         else:
             name, is_kept[place] = _stored(study, values, contents, memory)
         keys.append(name)
-    is_kept = is_kept.reshape(shape)
-    chosen = [
-        np.asarray(
-            is_kept.any(axis=tuple(another for another in range(len(axes)) if another != place))
-        ).reshape(-1)
-        for place in range(len(axes))
-    ]
+    chosen = [np.unique(places) for places in is_kept.reshape(shape).nonzero()]
     axes_in_use = tuple(
-        Axis(axis.name, tuple(value for value, is_in in zip(axis.values, mask, strict=True) if is_in),
-             axis.long_name, axis.units)
-        for axis, mask in zip(axes, chosen, strict=True)
-    )  # fmt: skip
+        Axis(axis.name, tuple(axis.values[place] for place in places), axis.long_name, axis.units)
+        for axis, places in zip(axes, chosen, strict=True)
+    )
     keys_in_use = np.array(keys, dtype=object).reshape(shape)[np.ix_(*chosen)]
     return PointTable(axes_in_use, keys_in_use.ravel().tolist())
 

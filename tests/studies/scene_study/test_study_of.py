@@ -197,7 +197,9 @@ class Asked:
 def point(load: float, *shapes: cs.Shape, grid: cs.Grid | None = None, error: float = 0.1) -> Any:
     """A point of a sweep; its plan is told by its load."""
     scene = cs.Scene(cs.LineLoad(load), (STEEL, STEEL), (cs.Cylinder(0.01), *shapes))
-    return SimpleNamespace(scene=scene, grid=grid, padding=None, plan_settings=Asked(error))
+    return SimpleNamespace(
+        scene=scene, grid=grid, padding=None, plan_settings=Asked(error), settings=cs.SolveOptions()
+    )
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ from contactstudy import InvalidInput
 from studies.model.outcome import CaseStatus, Outcome, Sample
 from studies.store import journal as module
 from studies.store.journal import Journal
-from studies.store.journal_lines import encoded, short_hash
+from studies.store.journal_lines import encoded
 from studies.store.records import CaseIdentity
 
 CONTEXT = {"code": "1"}
@@ -183,7 +183,7 @@ def test_a_hole_in_one_of_two_copies_loses_no_case_beside_the_one_between_them(
         journal.add(identity("between"), outcome())
         journal.add(identity("a"), outcome())
     lines = path.read_bytes().splitlines(keepends=True)
-    for name in (b'"run":', b'"kind":', b'"axis":'):
+    for name in (b'"run":', b'"axis":'):
         twice = [n for n, line in enumerate(lines) if name in line[:40]]
         assert len(twice) == 2
         for number in twice:
@@ -200,8 +200,7 @@ def test_a_hole_in_one_of_two_copies_loses_no_case_beside_the_one_between_them(
 CASE = {
     "case": "a", "status": "ok", "point": {"number": "a"}, "tree": {"": "Case"}, "seconds": 1.0, "cpu": 1.0,
 }  # fmt: skip
-KIND = [[], "<f8", [], {}]
-ROW = [["k"], "<f8", [2], {}]
+NUMBER, ROW = [[], "<f8", [], {}], [["k"], "<f8", [2], {}]
 ODD: dict[str, list[dict[str, object]]] = {
     "no seconds": [{name: value for name, value in CASE.items() if name != "seconds"}],
     "nan seconds": [CASE | {"seconds": float("nan")}],
@@ -209,20 +208,19 @@ ODD: dict[str, list[dict[str, object]]] = {
     "no tree": [{name: value for name, value in CASE.items() if name != "tree"}],
     "a key that is no text": [CASE | {"case": [1]}],
     "values that are text": [CASE | {"values": "x"}],
-    "a value that is a list": [CASE | {"values": {"s": [short_hash(KIND), [1, 2]]}}],
-    "a value that is nan": [CASE | {"values": {"s": [short_hash(KIND), float("nan")]}}],
-    "a value that is whole": [CASE | {"values": {"s": [short_hash(KIND), 1]}}],
-    "a value of bad letters": [CASE | {"values": {"s": [short_hash(ROW), "!!!"]}}],
-    "a value that is too short": [CASE | {"values": {"s": [short_hash(ROW), "AAAA"]}}],
-    "a name for a group": [CASE | {"values": {"a/b": [short_hash(KIND), 1.0]}}],
+    "a value that is a list": [CASE | {"values": {"s": [*NUMBER, [1, 2]]}}],
+    "a value that is nan": [CASE | {"values": {"s": [*NUMBER, float("nan")]}}],
+    "a value that is whole": [CASE | {"values": {"s": [*NUMBER, 1]}}],
+    "a value of bad letters": [CASE | {"values": {"s": [*ROW, "!!!"]}}],
+    "a value that is too short": [CASE | {"values": {"s": [*ROW, "AAAA"]}}],
+    "a value of objects": [CASE | {"values": {"s": [[], "|O", [], {}, "AAAAAAAAAAA="]}}],
+    "a value of nonsense": [CASE | {"values": {"s": [[], "zz", [], {}, "AAAA"]}}],
+    "a value without a type": [CASE | {"values": {"s": [[], 1.0]}}],
+    "a name for a group": [CASE | {"values": {"a/b": [*NUMBER, 1.0]}}],
     "more in a failure": [CASE | {"failure": {"kind": "a", "sentence": "b", "stage": "c", "d": 1}}],
     "a failure that moves a cursor": [
         CASE | {"failure": {"kind": "a", "sentence": "\x1b[31m", "stage": "c"}}
     ],
-    "a kind of objects": [{"kind": short_hash([[], "|O", [], {}]), "is": [[], "|O", [], {}]}],
-    "a kind of nonsense": [{"kind": short_hash([[], "zz", [], {}]), "is": [[], "zz", [], {}]}],
-    "a kind under another name": [{"kind": "zz", "is": KIND}],
-    "a kind without dimensions": [{"kind": "zz", "is": [[]]}],
     "an axis of tables": [{"axis": "a", "values": [{"x": 1}]}],
     "a sample of others": [{"time": "a", "epoch": 0, "sample": {"x": 1}}],
     "an epoch that is text": [{"time": "a", "epoch": "9", "sample": {}}, {"retime": "a"}],
@@ -245,8 +243,6 @@ def test_a_line_that_no_version_wrote_is_set_aside_though_its_checksum_is_right(
         run = journal._run
         path = journal.path
     with path.open("ab") as file:
-        for shape in (KIND, ROW):
-            file.write(encoded({"kind": short_hash(shape), "is": shape}))
         for line in ODD[kind]:
             file.write(encoded({"of": run, "values": {}} | line))
     with opened(tmp_path) as journal:
@@ -261,6 +257,6 @@ def test_a_journal_of_another_format_is_left_as_it_is(tmp_path: Path) -> None:
     path = tmp_path / "x.journal.jsonl"
     path.write_bytes(encoded({"run": "a", "format": 9, "context": {}, "machine": "here"}))
     with pytest.raises(
-        InvalidInput, match=r"of format 9, and this version reads format 2\): use the"
+        InvalidInput, match=r"of format 9, and this version reads format 3\): use the"
     ):
         opened(tmp_path)

@@ -11,7 +11,13 @@ import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studies.store.journal_lines import VariableTypes, decoded, encoded, short_hash
+from studies.store.journal_lines import (
+    decoded,
+    decoded_variable,
+    encoded,
+    encoded_variable,
+    short_hash,
+)
 
 LINE = {"case": "a", "value": 1.5}
 REST = b'","case":"a","value":1.5}'
@@ -43,12 +49,8 @@ def test_a_name_is_twelve_digits_whatever_the_order_of_keys() -> None:
 
 
 def there_and_back(variables: dict[str, xr.Variable]) -> dict[str, xr.Variable]:
-    writer, reader = VariableTypes(), VariableTypes()
-    kinds, values = writer.encode(variables)
-    kinds, values = json.loads(json.dumps([kinds, values]))
-    for name, kind in kinds.items():
-        reader.add(name, kind)
-    return dict(reader.decode(values))
+    written = json.dumps({name: encoded_variable(variable) for name, variable in variables.items()})
+    return {name: decoded_variable(fields) for name, fields in json.loads(written).items()}
 
 
 @given(st.floats())
@@ -96,19 +98,7 @@ def test_attributes_come_back_with_their_types() -> None:
     assert back["one"] == np.float32(0.1)
 
 
-def test_what_is_the_same_of_many_is_written_once_under_a_name_that_says_what_it_is() -> None:
-    types = VariableTypes()
-    first, values = types.encode({"a": xr.Variable((), 1.0, {"units": "m"})})
-    second, others = types.encode({"a": xr.Variable((), 2.0, {"units": "m"})})
-    (name,) = first
-    assert (second, values, others) == ({}, {"a": [name, 1.0]}, {"a": [name, 2.0]})
-    apart, _ = types.encode({"a": xr.Variable((), 2.0, {"units": "mm"})})
-    assert list(apart) != [name]
-    assert list(VariableTypes().encode({"b": xr.Variable((), 3.0, {"units": "m"})})[0]) == [name]
-
-
 def test_attributes_that_are_equal_as_numbers_but_of_other_types_are_told_apart() -> None:
-    types = VariableTypes()
-    encoded = {str(x): types.encode({"a": xr.Variable((), 1.0, {"x": x})})[1] for x in (1, 1.0)}
-    back = [type(types.decode(values)["a"].attrs["x"]) for values in encoded.values()]
+    variables = {str(x): xr.Variable((), 1.0, {"x": x}) for x in (1, 1.0)}
+    back = [type(variable.attrs["x"]) for variable in there_and_back(variables).values()]
     assert back == [int, float]

@@ -2,6 +2,7 @@
 
 import tomllib
 from collections.abc import Sequence
+from itertools import islice, product
 from textwrap import fill
 from typing import Any
 
@@ -13,11 +14,12 @@ from matplotlib.axes import Axes
 from contactstudy import InvalidInput
 from studies.model.drawing import CaptionedFigure
 from studies.model.outcome import CaseStatus
-from studies.report.style import add_legend, panels
+from studies.report.style import COLORS, captioned, panels
 
-# What is drawn of a contact, if it was recorded; of other studies the first six measures.
-DRAWN = ("contact_share", "peak_pressure", "mean_pressure", "approach", "stiffness", "mean_gap")
-STRESS = ("von_mises_max",)
+# Measures of a contact that are drawn if they are stored; of other studies the first six measures are.
+DRAWN = (
+    "contact_share", "peak_pressure", "mean_pressure", "approach", "stiffness", "mean_gap", "von_mises_max",
+)  # fmt: skip
 MOST_PANELS, MOST_LINES, MOST_FIGURES = 6, 8, 12
 SIZES: dict[str, Sequence[tuple[float, str]]] = {
     "m": ((1e-9, "nm"), (1e-6, "µm"), (1e-3, "mm"), (1.0, "m")),
@@ -39,37 +41,27 @@ def maps(dataset: xr.Dataset) -> Sequence[CaptionedFigure]:
 
 
 def _figures(dataset: xr.Dataset, kind: str) -> Sequence[CaptionedFigure]:
-    axes = _by_length(dataset)
-    names = _measures(dataset)
+    """Return a figure of the measures for each point on the axes after the first two."""
+    axes, names = _by_length(dataset), _measures(dataset)
     if not names:
         raise InvalidInput(
             "The study has no measure to draw: let measures give a number that is not nan."
         )
     good = dataset.where(dataset["case_status"] == CaseStatus.OK)
     shown, further = axes[:2], axes[2:]
+    is_map = kind == "maps" and len(shown) == 2 and all(_varies(dataset[axis]) for axis in shown)
+    stem = "maps" if is_map else "curves"
     figures = []
-    stacked = good.stack(point=further) if further else None
-    count = 1 if stacked is None else stacked.sizes["point"]
-    for number in range(min(count, MOST_FIGURES)):
-        part, place = good, ""
-        if stacked is not None:
-            values = stacked["point"].values[number]
-            at = dict(zip(further, values, strict=True))
-            part, place = (
-                good.sel(at),
-                ", ".join(f"{_named(dataset[a])} {_short(v)}" for a, v in at.items()),
-            )
-        numeric = [name for name in shown if _is_numeric(dataset[name]) and dataset.sizes[name] > 1]
-        draw = _map if kind == "maps" and len(numeric) == 2 else _curve
+    points = product(*(dataset[axis].values for axis in further))
+    for number, point in enumerate(islice(points, MOST_FIGURES), 1):
+        at = dict(zip(further, point, strict=True))
+        place = ", ".join(f"{_name(dataset[axis])} {_short(value)}" for axis, value in at.items())
         figure, panes = panels(len(names), columns=min(3, len(names)))
         for name, ax in zip(names, panes, strict=True):
-            draw(ax, part[name], shown)
-        add_legend(figure)
-        stem = kind if draw is _map else "curves"
-        name = stem if stacked is None else f"{stem}-{number + 1}"
+            (_map if is_map else _curve)(ax, good.sel(at)[name], shown)
         parts = [str(dataset.attrs.get("title", "Study")), place, _held(dataset, axes)]
         caption = f"{'; '.join(part for part in parts if part)}."
-        figures.append(CaptionedFigure(name, figure, caption))
+        figures.append(captioned(f"{stem}-{number}" if further else stem, figure, caption))
     return figures
 
 
@@ -91,104 +83,92 @@ def _held(dataset: xr.Dataset, axes: Sequence[str]) -> str:
 
 
 def _by_length(dataset: xr.Dataset) -> list[str]:
-    """Return the axes: numeric ones before names, and of those the longest first; the load before all that vary."""
-    names = [str(name) for name in dataset["case_status"].dims]
+    """Return the axes: a varied load first, then numbers before names, and of these the longest first."""
 
     def rank(name: str) -> tuple[bool, bool, int]:
-        varies = dataset.sizes[name] > 1
-        load = name == "load_per_length" and varies
-        return not load, not (_is_numeric(dataset[name]) and varies), -dataset.sizes[name]
+        varies = _varies(dataset[name])
+        return not (name == "load_per_length" and varies), not varies, -dataset.sizes[name]
 
-    return sorted(names, key=rank)
+    return sorted(map(str, dataset["case_status"].dims), key=rank)
 
 
 def _measures(dataset: xr.Dataset) -> list[str]:
+    """Return the names of the variables to draw: numbers at every point, times only where there is nothing else."""
     dims = dataset["case_status"].dims
     present = [
         str(name)
         for name, variable in dataset.data_vars.items()
         if variable.dims == dims and variable.dtype.kind == "f" and variable.notnull().any()
     ]
-    preferred = [name for name in (*DRAWN, *STRESS) if name in present]
-    if "stiffness" in preferred and "von_mises_max" in preferred:
+    preferred = [name for name in DRAWN if name in present]
+    if {"stiffness", "von_mises_max"} <= set(preferred):
         preferred.remove("mean_gap")
     times = [name for name in present if "_time" in name]
-    further = [
-        name for name in present if name not in times and name not in ("convolutions", "residual")
-    ]
-    return (preferred or further or times)[:MOST_PANELS]
+    others = [name for name in present if name not in (*times, "convolutions", "residual")]
+    return (preferred or others or times)[:MOST_PANELS]
 
 
 def _curve(ax: Axes, values: xr.DataArray, shown: Sequence[str]) -> None:
-    first, *families = shown or ["point"]
-    size, unit = _scale(values)
-    if first == "point":
-        ax.plot([0], [float(values) / size], marker="o")
-        ax.set(ylabel=_label(values, unit), xticks=[])
+    """Draw a measure over the first axis, with a line for each value of the second."""
+    y, label = _scaled(values)
+    if not shown:
+        ax.plot([0], [float(y)], marker="o")
+        ax.set(ylabel=label, xticks=[])
         return
-    x = values[first]
-    numeric = _is_numeric(x)
-    x_size, x_unit = _scale(x) if numeric else (1.0, "")
-    places = x.values / x_size if numeric else np.arange(x.size)
-    lines = values / size if not families else (values / size).transpose(families[0], first)
-    if not families:
-        ax.plot(places, lines, marker="o", color="#0072B2")
+    first, *families = shown
+    numbers = values[first]
+    x, x_label = (
+        _scaled(numbers) if _is_numeric(numbers) else (np.arange(numbers.size), _label(numbers))
+    )
+    if families:
+        _family(ax, x, y.transpose(families[0], first), families[0])
     else:
-        _family(ax, places, lines, families[0])
-    if numeric and _spans(x):
+        ax.plot(x, y, marker="o", color=COLORS[0])
+    if _is_numeric(numbers) and _spans(numbers):
         ax.set_xscale("log")
     if _spans(values):
         ax.set_yscale("log")
-    ax.set(xlabel=_label(x, x_unit), ylabel=_label(values, unit))
-    if not numeric:
-        texts = [str(value)[:24] for value in x.values]
-        ax.set_xticks(np.arange(x.size), texts, rotation=30 if max(map(len, texts)) > 5 else 0)
+    ax.set(xlabel=x_label, ylabel=label)
+    if not _is_numeric(numbers):
+        texts = [str(value)[:24] for value in numbers.values]
+        ax.set_xticks(x, texts, rotation=30 if max(map(len, texts)) > 5 else 0)
 
 
-def _family(ax: Axes, places: Any, lines: xr.DataArray, axis: str) -> None:
-    """Draw a line for each value; of many values, thin lines and their mean."""
-    values = lines[axis].values
-    if len(values) > MOST_LINES:
-        ax.plot(places, lines.values.T, color="0.6", linewidth=0.7)
-        ax.plot([], [], color="0.6", linewidth=0.7, label=f"each {_named(lines[axis])}")
-        ax.plot(places, lines.mean(axis), color="#0072B2", marker="o", label="mean")
+def _family(ax: Axes, x: Any, lines: xr.DataArray, axis: str) -> None:
+    """Draw a line for each value of an axis; for many values, thin lines and their mean."""
+    values, name = lines[axis], _name(lines[axis])
+    if values.size > MOST_LINES:
+        ax.plot(x, lines.values.T, color="0.6", linewidth=0.7)
+        ax.plot([], [], color="0.6", linewidth=0.7, label=f"each {name}")
+        ax.plot(x, lines.mean(axis), color=COLORS[0], marker="o", label="mean")
         return
-    tones = colormaps["viridis"](np.linspace(0, 0.85, len(values)))
-    size, unit = _scale(lines[axis]) if _is_numeric(lines[axis]) else (1.0, "")
-    for value, line, tone in zip(values, lines.values, tones, strict=True):
-        text = _short(value / size) if _is_numeric(lines[axis]) else str(value)[:30]
-        ax.plot(
-            places,
-            line,
-            marker="o",
-            color=tone,
-            label=f"{_named(lines[axis])} {text} {unit}".rstrip(),
-        )
+    tones = colormaps["viridis"](np.linspace(0, 0.85, values.size))
+    size, unit = _scale(values) if _is_numeric(values) else (1.0, "")
+    for value, line, tone in zip(values.values, lines.values, tones, strict=True):
+        text = _short(value / size) if _is_numeric(values) else str(value)[:30]
+        ax.plot(x, line, marker="o", color=tone, label=f"{name} {text} {unit}".rstrip())
 
 
 def _map(ax: Axes, values: xr.DataArray, shown: Sequence[str]) -> None:
-    first, second = shown
-    size, unit = _scale(values)
-    x_size, x_unit = _scale(values[first])
-    y_size, y_unit = _scale(values[second])
-    plane = (values / size).transpose(second, first)
-    mesh = ax.pcolormesh(
-        values[first] / x_size, values[second] / y_size, plane, cmap="viridis", shading="nearest"
-    )
-    for axis, set_scale in ((first, ax.set_xscale), (second, ax.set_yscale)):
-        if _spans(values[axis]):
-            set_scale("log")
-    ax.set(
-        xlabel=_label(values[first], x_unit),
-        ylabel=_label(values[second], y_unit),
-        title=_label(values, unit),
-    )
+    """Draw a measure as a map over two axes."""
+    (x, x_label), (y, y_label) = (_scaled(values[axis]) for axis in shown)
+    plane, title = _scaled(values.transpose(*reversed(shown)))
+    mesh = ax.pcolormesh(x, y, plane, cmap="viridis", shading="nearest")
+    for axis, set_scale in zip(shown, (ax.set_xscale, ax.set_yscale), strict=True):
+        set_scale("log" if _spans(values[axis]) else "linear")
+    ax.set(xlabel=x_label, ylabel=y_label, title=title)
     ax.grid(visible=False)
     ax.figure.colorbar(mesh, ax=ax)
 
 
 def _is_numeric(values: xr.DataArray) -> bool:
-    return bool(values.dtype.kind in "if")
+    """Return whether an axis has numbers."""
+    return values.dtype.kind in "if"
+
+
+def _varies(values: xr.DataArray) -> bool:
+    """Return whether an axis has several numbers."""
+    return _is_numeric(values) and values.size > 1
 
 
 def _spans(values: xr.DataArray) -> bool:
@@ -207,19 +187,26 @@ def _scale(values: xr.DataArray) -> tuple[float, str]:
     return fitting[-1]
 
 
-def _label(values: xr.DataArray, unit: str) -> str:
-    name = (
-        str(values.attrs.get("long_name", values.name)).split(", counted")[0].split(", d load")[0]
-    )
+def _scaled(values: xr.DataArray) -> tuple[xr.DataArray, str]:
+    """Return numbers in the unit in which the largest is short, and their label."""
+    size, unit = _scale(values)
+    return values / size, _label(values, unit)
+
+
+def _label(values: xr.DataArray, unit: str = "") -> str:
+    """Return the label of an axis of a panel: the long name without its explanation, and the unit."""
+    text = str(values.attrs.get("long_name", values.name))
+    name = text.split(", counted")[0].split(", d load")[0]
     return fill(f"{name} [{unit}]" if unit else name, 30)
 
 
-def _named(values: xr.DataArray) -> str:
+def _name(values: xr.DataArray) -> str:
     """Return a short name of an axis for a legend."""
     return str(values.attrs.get("long_name", values.name)).split(",")[0]
 
 
 def _short(value: Any) -> str:
+    """Return a value of an axis in few digits."""
     return f"{value:.3g}" if isinstance(value, int | float | np.number) else str(value)
 
 

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from importlib.util import find_spec
-from queue import Empty, SimpleQueue
+from queue import SimpleQueue
 from time import monotonic
 from typing import TYPE_CHECKING, Any, Self
 
@@ -33,9 +33,9 @@ if TYPE_CHECKING:
 BATCH = 0.25  # seconds of work in a batch of small cases
 LARGEST = 200  # cases in a batch
 AHEAD = 3  # batches for each thread of a worker, so that it does not wait for the next
-LOOK = 1.0  # seconds between two looks at the workers and at batches that were lost
-PAUSE = 0.05  # seconds between two looks at what was computed
-LAST = 5.0  # seconds for what workers have finished, when a run is stopped
+LOOK = 1.0  # seconds between two checks of the workers and of lost batches
+PAUSE = 0.05  # seconds between two checks for outcomes
+LAST = 5.0  # seconds to collect finished batches when a run is stopped
 LOOPBACK = "127.0.0.1:0"
 
 
@@ -55,8 +55,8 @@ class Supervisors:
         self._all: list[WorkerSupervisor] = []
 
     @contextmanager
-    def one_for(self, work: bytes) -> Iterator[WorkerSupervisor]:
-        """Lend a supervisor with the pickled `work` to a block: an idle one, or a new one."""
+    def reserved(self, work: bytes) -> Iterator[WorkerSupervisor]:
+        """Reserve a supervisor with the pickled `work` for a block: an idle one, or a new one."""
         with self._turn:
             if not self._idle:
                 self._idle.append(WorkerSupervisor(work))
@@ -78,7 +78,7 @@ class Supervisors:
             supervisor.end()
 
 
-# of the runs of this process, by their tokens; and of all runs elsewhere that this dask worker computes for
+# supervisors of each run of this process, by its token; and those of this dask worker for runs elsewhere
 RUNS: dict[str, Supervisors] = {}
 ELSEWHERE = Supervisors()
 
@@ -98,7 +98,7 @@ def compute_batch(
     if supervisors is None:  # the run in this process is over
         return []
     outcomes = []
-    with supervisors.one_for(work) as supervisor:
+    with supervisors.reserved(work) as supervisor:
         for name, outcome in zip(names, supervisor.run(batch, names), strict=False):
             outcomes.append(outcome)
             if supervisors.deliver is not None:
@@ -180,7 +180,7 @@ class Cluster:
                 n_workers=1,
                 threads_per_worker=self.workers,
                 processes=False,
-                # none of them listens to another machine, which it would without an address
+                # without an address, they would listen to other machines
                 dashboard_address=LOOPBACK,
                 worker_dashboard_address=LOOPBACK,
                 memory_limit=0,  # the memory of a case is that of its own process
@@ -215,7 +215,7 @@ class Cluster:
 
 
 class _Flow:
-    """A run on a cluster: keeps every thread busy with a few batches, and learns their size on the way."""
+    """A run on a cluster: keeps every thread busy with a few batches, and adapts their size to the time of a case."""
 
     def __init__(
         self,
@@ -233,10 +233,9 @@ class _Flow:
         self._cluster, self._client, self._token, self._stop = cluster, client, token, stop
         self._cases, self._payload = cases, payload
         self._outcomes, self._finished = outcomes, finished
-        self._waiting = deque(cases)
-        self._open = set(cases)
+        self._waiting, self._open = deque(cases), set(cases)
         self._running: dict[Any, list[str]] = {}
-        # a batch that fails is looked at here, and not raised: the others go on
+        # an error of a batch is handled here and not raised, so that the others go on
         self._completed = as_completed([], loop=client.loop, with_results=True, raise_errors=False)
         self._mean = BATCH
         self._threads, self._looked_at, self._idle_since = 1, -1.0, monotonic()
@@ -256,7 +255,7 @@ class _Flow:
                 for future, result in completed:
                     self._take(future, result)
         except BaseException:
-            # nobody will read what they compute now
+            # their further outcomes are not read
             self._cluster.supervisors.end()
             self._take_last()
             raise
@@ -273,27 +272,36 @@ class _Flow:
 
     def _take_delivered(self) -> None:
         """Report the outcomes that threads of this process have delivered."""
-        with suppress(Empty):
-            while True:
-                self._report(*self._outcomes.get_nowait())
+        while not self._outcomes.empty():
+            self._report(*self._outcomes.get())
 
     def _take(self, future: Any, result: Any) -> None:
         """Report a completed batch, and send its unfinished cases again."""
         names = self._running.pop(future, None)
-        if names is None:  # it was thought to be lost, and given to another
+        if names is None:  # it counted as lost, and was sent to another worker
             return
         if future.status == "finished" and isinstance(result, list):
             for name, outcome in zip(names, result, strict=False):
                 self._report(name, outcome)
-            for name in names[len(result) :]:  # which cannot be read together
-                self._submit([name])
+            self._send_singly(names[len(result) :])  # which cannot be unpickled together
         elif future.status == "error":
             self._handle_failure(future, names)
-        elif future.status == "pending":  # the worker that had its result died before it gave it
-            self._running[future] = names
-            self._completed.add(future)
+        elif (
+            future.status == "pending"
+        ):  # its worker died with the result, and dask computes it again
+            self._track(future, names)
         else:
             self._send_again(names)
+
+    def _track(self, future: Any, names: list[str]) -> None:
+        """Wait for a batch."""
+        self._running[future] = names
+        self._completed.add(future)
+
+    def _send_singly(self, names: Sequence[str]) -> None:
+        """Send cases in batches of one."""
+        for name in names:
+            self._submit([name])
 
     def _send_again(self, names: Sequence[str]) -> None:
         """Put unfinished cases at the front of those that wait."""
@@ -350,18 +358,16 @@ class _Flow:
         try:
             batch = cloudpickle.dumps(tuple(self._cases[name] for name in names))
         except Exception as error:  # noqa: BLE001 (a study's class may do anything)
-            if len(names) == 1:
-                self._report(names[0], failed(error, "setup", 0.0))
+            if len(names) > 1:
+                self._send_singly(names)
             else:
-                for name in names:
-                    self._submit([name])
+                self._report(names[0], failed(error, "setup", 0.0))
             return
         # impure: a case asked for again is to be computed again
         future = self._client.submit(
             compute_batch, self._token, self._payload, batch, names, dict(versions()), pure=False
         )
-        self._running[future] = names
-        self._completed.add(future)
+        self._track(future, names)
 
     def _handle_failure(self, future: Any, names: list[str]) -> None:
         """Send the cases of a failed batch singly, to find the one that kills workers; raise errors that concern all."""
@@ -375,9 +381,8 @@ class _Flow:
                 f"A dask worker cannot compute cases ({type(error).__name__}: {error}): install the same "
                 "version of contactstudy there."
             )
-        if len(names) > 1:  # one of them is to blame; alone it will show
-            for name in names:
-                self._submit([name])
+        if len(names) > 1:  # one case killed the workers: sent singly, it is found
+            self._send_singly(names)
             return
         sentence = f"Killed: workers died while they held it, the last {error.last_worker.address}"
         failure = Failure("Killed", sentence, "unknown")

@@ -89,7 +89,7 @@ class InProcess:
                 with stop.interruptible():
                     outcome = compute(case, work)
                 if os.getpid() != number:
-                    # the case has forked, and this is the other one: the run is not its to go on with
+                    # a case has forked, and this is its child, which must not go on with the run
                     os._exit(0)
                 surroundings.restore(name)
                 finished(name, outcome)

@@ -126,7 +126,7 @@ def _stopping() -> Iterator[Stop]:
     try:
         with stop:
             yield stop
-            stop.check()  # who asked during the last write wants no figures either
+            stop.check()  # a signal during the last write stops the program, too
     except StopRun as stopped:
         raise end_like(stopped) from None
 
@@ -148,6 +148,12 @@ class _Run:
         self.file = ResultFile(study, request, journal, requested_table(study, request))
         self.inventory = Inventory(study, request, journal, options, self.file.fields_folder)
         self.log: Log = lambda text: log(f"{study.name}: {text}")
+        self.work = Work(
+            study.measures,
+            options.fields == "kept",
+            options.time_limit,
+            frozenset(axis.name for axis in study.points),
+        )
 
     def go(self, executor: "Executor | None", closing: ExitStack) -> xr.Dataset:
         """Compute, time and write the missing cases, and return the Dataset.
@@ -165,7 +171,7 @@ class _Run:
             if missing and self.inventory.times_missing():
                 self.file.write()
             activity = "timing"
-            take_times(self.inventory, self._work, self.stop, self.log)
+            take_times(self.inventory, self.work, self.stop, self.log)
         except _FirstFailureError:
             self.file.skipped = {name for name in missing if self.inventory.record(name) is None}
             self.log("stopped at the first failure; what was not reached is marked as skipped")
@@ -175,7 +181,7 @@ class _Run:
             self.log(f"stopped while {activity}; {state}; run the same command to go on")
             raise
         except BaseException:
-            # whatever it was: the netCDF says what the journal says, if there is room for it
+            # after any error the netCDF file has what the journal has, if the disk has room
             with suppress(Exception):
                 self._write_once_more()
             raise
@@ -247,19 +253,9 @@ class _Run:
 
         with Progress(self.study.name, "solving", len(missing), "case", self.log) as progress:
             cases = {name: self.request.cases[name] for name in missing}
-            executor.run(cases, self._work, finished, self.stop)
+            executor.run(cases, self.work, finished, self.stop)
             self.journal.sync()
             progress.add(unsynced)
-
-    @property
-    def _work(self) -> Work:
-        """Instructions for every case of this run."""
-        return Work(
-            self.study.measures,
-            self.options.fields == "kept",
-            self.options.time_limit,
-            frozenset(axis.name for axis in self.study.points),
-        )
 
     def _executor(self, missing: Sequence[str], closing: ExitStack) -> "Executor":
         """Return the executor that the options ask for."""
@@ -278,11 +274,10 @@ class _Run:
 
     def _score(self, predicted: Forecast, missing: Sequence[str]) -> None:
         """Write the accuracy of the forecast to the journal."""
-        records = {name: self.inventory.record(name) for name in missing}
         seconds = {
             name: record.cpu
-            for name, record in records.items()
-            if record is not None and record.case_status is CaseStatus.OK
+            for name in missing
+            if (record := self.inventory.record(name)) and record.case_status is CaseStatus.OK
         }
         if attributes := score(predicted, seconds):
             self.journal.score(attributes)
@@ -300,8 +295,8 @@ class _Run:
             self.log(f"left out: {dataset.attrs['left_out']}")
         for sentence in summary_messages(self.inventory.records()):
             self.log(sentence)
-        untimed = self.journal.contents.untimed
-        if reasons := [untimed[name] for name in untimed if name in self.request.cases]:
+        untimed = self.journal.contents.untimed.items()
+        if reasons := [reason for name, reason in untimed if name in self.request.cases]:
             self.log(
                 f"{len(reasons)} cases have no times, the first since {reasons[0]}; --retime tries again"
             )

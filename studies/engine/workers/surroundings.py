@@ -38,7 +38,7 @@ def _set_warnings(filters: list[Any]) -> None:
 
 def _set_xarray_options(options: dict[str, Any]) -> None:
     now = xr.get_options()
-    # those alone: to set some, to anything, is deprecated
+    # changed options alone, since setting some options at all is deprecated
     xr.set_options(**{name: value for name, value in options.items() if now[name] != value})
 
 

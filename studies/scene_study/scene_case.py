@@ -130,7 +130,7 @@ class FileCase(Case):
 class MarchedFilm(FileCase):
     """A lubricated scene that changes in time, as a computation of a sweep."""
 
-    def record(self, result: cs.FilmEvolution) -> Mapping[str, xr.Variable]:
+    def record(self, result: cs.FilmEvolution) -> Mapping[str, xr.Variable]:  # type: ignore[override]
         """Return the numbers of the iteration over all steps, and the gravest status."""
         return {
             "solver_status": film_status(result.status),

@@ -4,11 +4,11 @@ from .accuracy.estimate import ErrorEstimate, error_estimate
 from .accuracy.expected_error import ErrorParts
 from .domain.checks import InvalidInput, NotDefined
 from .domain.device import Cpu, Gpu, Precision
-from .domain.grid import Grid
-from .domain.padding import (
+from .domain.grid import (
     CircularSuperposition,
     DuplicatedPadding,
     ExactPeriodicity,
+    Grid,
     Padding,
     Paddings,
     Superposition,

@@ -3,8 +3,7 @@
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import Cpu, Device, Precision
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
-from contactstudy.domain.padding import Padding, Paddings
+from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG

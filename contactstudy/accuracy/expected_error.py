@@ -6,8 +6,7 @@ from math import inf, pi, sqrt
 
 from contactstudy.accuracy.contact_edge import worst_edge_error
 from contactstudy.accuracy.truncation import expected_truncation
-from contactstudy.domain.grid import Grid
-from contactstudy.domain.padding import Padding
+from contactstudy.domain.grid import Grid, Padding
 
 
 class Metric(Enum):

@@ -7,8 +7,7 @@ import numpy as np
 
 from contactstudy.domain.checks import NotDefined
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
-from contactstudy.domain.padding import Padding, Paddings
+from contactstudy.domain.grid import Grid, Padding, Paddings
 
 # L1 change of Hertz's ellipse over the small share by which it is made narrower.
 NARROWER = 4 / np.pi

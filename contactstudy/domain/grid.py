@@ -1,10 +1,24 @@
-"""A grid of equal rectangular cells over the width and one period of the length."""
+"""The grid of cells over the width and one period of the length, and its padding along both axes.
+
+For one axis a padding defines the ``window`` of periods whose pressure acts on a point, and whether the
+convolution is circular (``wraps``, n points) or padded with zeros (2 n points). A line contact is usually free along x
+and periodic along y; either axis may take any padding.
+"""
 
 from dataclasses import dataclass
+from math import inf
+from typing import ClassVar, Protocol
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, answers_typos, in_range, pair, whole
+from contactstudy.domain.checks import (
+    InvalidInput,
+    answers_typos,
+    in_range,
+    pair,
+    set_fields,
+    whole,
+)
 from contactstudy.domain.fields import Array
 from contactstudy.domain.units import Metres
 
@@ -84,3 +98,156 @@ class Grid:
 def _centres(count: int, step: float) -> Array:
     """Return the centres of `count` cells of size `step`, antisymmetric to the last bit."""
     return np.asarray((2 * np.arange(count) - (count - 1)) * (step / 2))
+
+
+class Padding(Protocol):
+    """Representation of one axis: which images of the pressure act on a point, and whether the axis is a circle."""
+
+    @property
+    def wraps(self) -> bool:
+        """True if the convolution along this axis is circular."""
+        ...
+
+    @property
+    def window(self) -> range | None:
+        """Periods whose pressure acts on a point, relative to its own (0); None for all of them.
+
+        The image in period m is at the offset ``d + m L``, with d >= 0 the offset in period 0.
+        """
+        ...
+
+    def reach(self, period: float) -> float:
+        """Return the distance to each side whose pressure acts on a point in the middle, in the unit of `period`."""
+        ...
+
+
+@answers_typos
+@dataclass(frozen=True)
+class ZeroPadding:
+    """Padding with zeros, the classical DC-FFT: no images, not periodic (Liu, Wang & Liu 2000)."""
+
+    wraps: ClassVar[bool] = False
+    window: ClassVar[range] = range(1)
+
+    def reach(self, period: float) -> float:
+        """Return half a period, which is the domain itself."""
+        return period / 2
+
+
+@answers_typos
+@dataclass(frozen=True)
+class DuplicatedPadding:
+    """Padding with a copy of the pressure in the padded half of the axis (Liu, Wang & Liu 2000).
+
+    The pressure within one period to either side then acts on every point. The doubled transform equals a circular one
+    with the folded coefficients ``K(d) + K(d - L)``, which is used here.
+    """
+
+    wraps: ClassVar[bool] = True
+    window: ClassVar[range] = range(-1, 1)
+
+    def reach(self, period: float) -> float:
+        """Return one period, which is the reach from any point."""
+        return period
+
+
+@dataclass(frozen=True)
+class _Counted:
+    """Padding with a number of images on each side; the subclass defines what they are counted from."""
+
+    images: int
+
+    def __post_init__(self) -> None:
+        field = f"{type(self).__name__}.images"
+        remedy = "give a whole number of periods from 0 on"
+        set_fields(self, images=whole(field, self.images, 0, remedy))
+
+    @property
+    def window(self) -> range:
+        """Periods whose pressure acts on a point, `images` on each side."""
+        return range(-self.images, self.images + 1)
+
+    def reach(self, period: float) -> float:
+        """Return half a period and `images` more."""
+        return (self.images + 0.5) * period
+
+
+@answers_typos
+@dataclass(frozen=True)
+class Superposition(_Counted):
+    """Padding with zeros, and coefficients summed over images on each side.
+
+    The window of images is centred on the domain and not on the observer, so that points near the ends of the domain see
+    more pressure on one side.
+
+    Parameters
+    ----------
+    images
+        Number of periods on each side, from 0 on; 0 is :class:`ZeroPadding`.
+    """
+
+    wraps: ClassVar[bool] = False
+
+
+@answers_typos
+@dataclass(frozen=True)
+class CircularSuperposition(_Counted):
+    """Circular axis with coefficients summed over images on each side of the observer.
+
+    The pressure within ``images + 1/2`` periods to either side acts on every point, so a uniform contact stays uniform,
+    with a transform of half the size of :class:`Superposition`. This is how semi-periodic contacts are computed in
+    ContactMechanics (with 10 images) and slippy.
+
+    Parameters
+    ----------
+    images
+        Number of periods on each side, from 0 on.
+    """
+
+    wraps: ClassVar[bool] = True
+
+
+@answers_typos
+@dataclass(frozen=True)
+class ExactPeriodicity:
+    """Circular axis with the sum over infinitely many images, in closed form.
+
+    The displacement under infinitely many loads is bounded only up to a rigid shift. Along one axis it is relative to a
+    point at the scene's length scale (for a cylinder, the Hertz half-width) from the axis, under the mean line load
+    concentrated on the axis; along both axes it is relative to its mean.
+    """
+
+    wraps: ClassVar[bool] = True
+    window: ClassVar[None] = None
+
+    def reach(self, period: float) -> float:
+        """Return infinity."""
+        return inf
+
+
+# The padding across the width and the one along the length.
+Paddings = tuple[Padding, Padding]
+
+
+def across_and_along(padding: Padding | Paddings) -> Paddings:
+    """Return the paddings of both axes, (across, along).
+
+    Parameters
+    ----------
+    padding
+        Padding of the length, with a free width, or a tuple of two.
+
+    Raises
+    ------
+    InvalidInput
+        If it is neither.
+    """
+    both = padding if isinstance(padding, tuple) else (ZeroPadding(), padding)
+    if len(both) != 2 or any(
+        isinstance(axis, type) or not hasattr(axis, "window") for axis in both
+    ):
+        raise InvalidInput(
+            f"padding is {padding!r}: give one for the length, such as ExactPeriodicity(), or a "
+            "tuple of two, (across, along)."
+        )
+    return both

@@ -7,8 +7,7 @@ from typing import ClassVar, Protocol
 import numpy as np
 
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
-from contactstudy.domain.padding import Padding, Paddings
+from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.elasticity.kernels.displacement import (
     boussinesq_cell,
     boussinesq_cell_doubly_periodic,

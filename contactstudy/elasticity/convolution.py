@@ -12,8 +12,7 @@ from scipy import fft
 from contactstudy.domain.checks import InvalidInput, positive
 from contactstudy.domain.device import Cpu, Precision, arrays, device
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
-from contactstudy.domain.padding import Padding, Paddings, across_and_along
+from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along
 from contactstudy.elasticity.approximate_inverse import ExactInverse, SpectralInverse, sampled
 from contactstudy.elasticity.coefficients import Coefficients, Displacement, kernel
 from contactstudy.elasticity.transforms import Waves, scale, transforms

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
-from contactstudy.domain.padding import Paddings
+from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.elasticity.coefficients import Coefficients, Displacement, kernel
 from contactstudy.elasticity.convolution import padded_cells, spread
 from contactstudy.elasticity.kernels.stress_cell import stress_cell

@@ -14,8 +14,7 @@ from numpy.typing import ArrayLike
 
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import Precision
-from contactstudy.domain.grid import Grid
-from contactstudy.domain.padding import Padding, Paddings
+from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.elasticity.coefficients import Displacement
 from contactstudy.evolution.checkpoint import Checkpoint
 from contactstudy.evolution.evolution import Evolution

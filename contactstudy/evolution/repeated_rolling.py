@@ -8,9 +8,8 @@ import numpy as np
 
 from contactstudy.domain.checks import InvalidInput, positive, whole
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
+from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.imports import presentation
-from contactstudy.domain.padding import Padding, Paddings
 from contactstudy.elasticity.eigenstrain.plane_strain import PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import Volume
 from contactstudy.evolution.march import worst

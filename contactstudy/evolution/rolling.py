@@ -11,8 +11,7 @@ import numpy as np
 from contactstudy.accuracy.coarser import halved
 from contactstudy.accuracy.estimate import ErrorEstimate, error_estimate
 from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.grid import Grid
-from contactstudy.domain.padding import Padding, Paddings
+from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.elasticity.coefficients import Coefficients, Displacement
 from contactstudy.elasticity.convolution import antisymmetric, superposed
 from contactstudy.elasticity.viscoelastic import Trailing

@@ -14,7 +14,7 @@ import xarray as xr
 from contactstudy.accuracy.estimate import ErrorEstimate
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.padding import across_and_along
+from contactstudy.domain.grid import across_and_along
 from contactstudy.domain.version import VERSION
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
 from contactstudy.io.scene_writer import scene_text

@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any
 from contactstudy.domain.checks import InvalidInput, whole
 from contactstudy.domain.device import Cpu, Device
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
-from contactstudy.domain.padding import (
+from contactstudy.domain.grid import (
     CircularSuperposition,
     DuplicatedPadding,
     ExactPeriodicity,
+    Grid,
     Padding,
     Paddings,
     Superposition,

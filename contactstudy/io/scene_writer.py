@@ -8,9 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.grid import Grid
+from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.imports import import_for
-from contactstudy.domain.padding import Padding, Paddings
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
 from contactstudy.solvers.solve import SolveOptions

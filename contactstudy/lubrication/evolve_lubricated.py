@@ -14,9 +14,8 @@ from numpy.typing import ArrayLike
 
 from contactstudy.domain.checks import InvalidInput, finite, positive
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
+from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.domain.imports import presentation
-from contactstudy.domain.padding import ExactPeriodicity, Padding, Paddings
 from contactstudy.lubrication.film_equation import Film, Storage
 from contactstudy.lubrication.lubricated_contact import FilmStatus, LubricatedContact
 from contactstudy.lubrication.posed_film import PosedFilm, lubricated_scales, pose

@@ -10,9 +10,8 @@ import numpy as np
 
 from contactstudy.analytic import HertzLine, moes_film
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
+from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.imports import presentation
-from contactstudy.domain.padding import Padding, Paddings
 from contactstudy.scene.lubrication import Lubrication
 from contactstudy.scene.scene import Scene
 

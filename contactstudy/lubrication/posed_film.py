@@ -10,8 +10,7 @@ import numpy as np
 from contactstudy.domain.checks import InvalidInput, NotDefined
 from contactstudy.domain.device import Precision
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
-from contactstudy.domain.padding import Padding, Paddings, across_and_along
+from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along
 from contactstudy.elasticity.convolution import Convolution, superposed
 from contactstudy.lubrication.film_equation import Film, FilmEquation, Mask
 from contactstudy.lubrication.lubricated_contact import FilmScales, LubricatedContact

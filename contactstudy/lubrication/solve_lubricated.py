@@ -7,8 +7,7 @@ import numpy as np
 
 from contactstudy.domain.checks import InvalidInput, positive, whole
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
-from contactstudy.domain.padding import ExactPeriodicity, Padding, Paddings
+from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.lubrication.lubricated_contact import (
     FilmError,
     FilmErrorParts,

@@ -5,8 +5,7 @@ from math import inf, sqrt
 
 import numpy as np
 
-from contactstudy.domain.grid import Grid
-from contactstudy.domain.padding import Padding, Paddings
+from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.lubrication.along_length import KrylovStep
 from contactstudy.lubrication.film_equation import Film, Mask
 from contactstudy.lubrication.lubricated_contact import (

@@ -10,9 +10,9 @@ import numpy as np
 
 from contactstudy.domain.device import ONE_THREAD, Device, using
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
-from contactstudy.domain.padding import (
+from contactstudy.domain.grid import (
     CircularSuperposition,
+    Grid,
     Padding,
     Paddings,
     Superposition,

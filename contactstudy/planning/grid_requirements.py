@@ -10,8 +10,7 @@ from contactstudy.accuracy.estimate import IN_COAT, STIFF_COAT
 from contactstudy.accuracy.expected_error import l1_factor, smooth_l1
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import InvalidInput, positive
-from contactstudy.domain.grid import Grid
-from contactstudy.domain.padding import ExactPeriodicity, Padding, Paddings, ZeroPadding
+from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings, ZeroPadding
 from contactstudy.scene.bodies import Layered
 from contactstudy.scene.shapes.shape import Detail
 

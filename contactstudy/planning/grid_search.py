@@ -9,8 +9,7 @@ import numpy as np
 from contactstudy.accuracy.coarser import change
 from contactstudy.accuracy.estimate import SHARP_EDGE, error_estimate
 from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.grid import Grid
-from contactstudy.domain.padding import Padding, Paddings
+from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.planning.cost import (
     DIGITS,
     SMOOTH_CONVOLUTIONS,

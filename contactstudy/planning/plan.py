@@ -5,10 +5,8 @@ from dataclasses import dataclass, replace
 from math import inf, prod
 
 from contactstudy.domain.checks import InvalidInput, NotDefined, positive
-from contactstudy.domain.device import ONE_THREAD, Device, checked
-from contactstudy.domain.grid import Grid
-from contactstudy.domain.memory import available_bytes
-from contactstudy.domain.padding import ExactPeriodicity, Padding, Paddings, across_and_along
+from contactstudy.domain.device import ONE_THREAD, Device, available_bytes, checked
+from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings, across_and_along
 from contactstudy.planning.cost import (
     memory,
     times_faster,

@@ -3,10 +3,8 @@
 from math import prod
 
 from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.device import Device, Precision
-from contactstudy.domain.grid import Grid
-from contactstudy.domain.memory import available_bytes
-from contactstudy.domain.padding import Paddings
+from contactstudy.domain.device import Device, Precision, available_bytes
+from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.elasticity.convolution import Convolution, padded_cells
 from contactstudy.problem.problem import Problem
 

@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 
 from contactstudy.domain.device import Device, Precision, device
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
-from contactstudy.domain.padding import Paddings
+from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.problem.constraint import Constraint, Resultant
 from contactstudy.problem.operator import Operator

@@ -8,8 +8,7 @@ import numpy as np
 
 from contactstudy.domain.checks import InvalidInput, answers_typos, finite, in_range, set_fields
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
-from contactstudy.domain.padding import Paddings
+from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.units import NewtonsPerMetre, Number
 from contactstudy.elasticity.tangential import (
     Correlated,

@@ -10,8 +10,7 @@ import numpy as np
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import InvalidInput, answers_typos, in_range, set_fields
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
-from contactstudy.domain.padding import Padding, Paddings, across_and_along
+from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along
 from contactstudy.domain.units import Pascals
 from contactstudy.elasticity.convolution import superposed
 from contactstudy.problem.constraint import Compressive, Constraint, HardnessLimited, PrescribedLoad

@@ -15,8 +15,7 @@ from contactstudy.domain.checks import (
     set_fields,
 )
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
-from contactstudy.domain.padding import Paddings
+from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.units import Metres
 from contactstudy.elasticity.coefficients import kernel
 from contactstudy.elasticity.convolution import padded_cells, spread

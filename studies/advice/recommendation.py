@@ -8,8 +8,8 @@ import contactstudy as cs
 from contactstudy.accuracy.expected_error import L1_LEFT, Edges, ErrorParts, HertzianContact, Metric
 from contactstudy.accuracy.truncation import expected_truncation
 from contactstudy.domain.checks import positive
-from contactstudy.domain.memory import available_bytes
-from contactstudy.domain.padding import Paddings
+from contactstudy.domain.device import available_bytes
+from contactstudy.domain.grid import Paddings
 from contactstudy.planning.cost import (
     ROUGH_CONVOLUTIONS,
     SMOOTH_CONVOLUTIONS,

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 import contactstudy as cs
-from contactstudy.domain.padding import across_and_along
+from contactstudy.domain.grid import across_and_along
 from contactstudy.elasticity.coefficients import Displacement, kernel
 from studies.model.case import Case, OperatorCase, number
 from studies.model.study import Point, Study

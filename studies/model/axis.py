@@ -10,7 +10,7 @@ import numpy as np
 
 from contactstudy import InvalidInput
 from contactstudy.domain.checks import suggestion
-from contactstudy.domain.memory import available_bytes
+from contactstudy.domain.device import available_bytes
 from studies.model.plain_text import is_storable, name_problem, one_line
 
 Value = str | int | float

@@ -8,7 +8,7 @@ import numpy as np
 
 import contactstudy as cs
 from contactstudy.domain.fields import Array
-from contactstudy.domain.padding import across_and_along
+from contactstudy.domain.grid import across_and_along
 from studies.reference.dense_solver import answer, stated_error
 from studies.reference.line_contact import HERTZ, SCENE, STEEL
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import contactstudy as cs
 from contactstudy import InvalidInput, MeasuredSurface, Roughness, Scene
 from contactstudy.domain.checks import divides
-from contactstudy.domain.memory import available_bytes
+from contactstudy.domain.device import available_bytes
 from contactstudy.io.scene_file import SceneFile, read_scene, scene_file_from
 from contactstudy.io.scene_writer import scene_text
 from contactstudy.planning.cost import memory

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.domain.padding import across_and_along
+from contactstudy.domain.grid import across_and_along
 from studies.reference.dense_solver import answer
 from studies.reference.hard_case import EXACT, FREE, P_H, PADDINGS, SOLVERS, bumpy, grid, noise
 from studies.reference.line_contact import SCENE

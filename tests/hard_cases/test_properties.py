@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import contactstudy as cs
-from contactstudy.domain.padding import across_and_along
+from contactstudy.domain.grid import across_and_along
 from studies.reference.dense_solver import answer, stated_error
 from studies.reference.hard_case import PADDINGS, SOLVERS, bumpy, grid, noise
 from studies.reference.line_contact import SCENE

@@ -21,7 +21,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from contactstudy import InvalidInput
-from contactstudy.domain.memory import available_bytes
+from contactstudy.domain.device import available_bytes
 from studies.engine.options import RunOptions
 from studies.engine.run import run
 from contactstudy.domain.files import locked

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from contactstudy.domain import memory
+from contactstudy.domain import device as memory
 
 
 def test_the_least_of_three_counts_and_nothing_is_less_than_none(

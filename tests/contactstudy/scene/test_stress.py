@@ -10,7 +10,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import contactstudy as cs
-from contactstudy.domain.padding import across_and_along
+from contactstudy.domain.grid import across_and_along
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, stress_cell
 from contactstudy.elasticity.kernels.stress_periodic import (
     stress_cell_doubly_periodic,

@@ -9,7 +9,7 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.accuracy.expected_error import Edges, Metric
-from contactstudy.domain.padding import Paddings
+from contactstudy.domain.grid import Paddings
 from contactstudy.planning.cost import (
     SMOOTH_CONVOLUTIONS,
     CostModel,

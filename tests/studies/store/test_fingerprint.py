@@ -259,7 +259,7 @@ def test_a_fingerprint_has_the_twelve_digits_that_stored_cases_go_by(tmp_path: P
 
 @pytest.mark.parametrize(
     ("path", "effect"),
-    [("analytic.py", "other"), ("domain/padding.py", "other"), ("io/dataset.py", "same"), ("planning/plan.py", "same")],
+    [("analytic.py", "other"), ("domain/grid.py", "other"), ("io/dataset.py", "same"), ("planning/plan.py", "same")],
 )  # fmt: skip
 def test_only_core_code_that_can_change_a_number_counts(
     path: str, effect: str, tmp_path: Path

@@ -12,7 +12,7 @@ from click.testing import CliRunner
 
 import contactstudy as cs
 from studies.cli.commands import cli
-from studies.cli.explore import MOST_CELLS, contact_chart, page_of
+from studies.cli.explore import MOST_CELLS, contact_chart, page_of, study_chart
 from tests.conftest import LineContact
 
 altair = pytest.importorskip("altair")
@@ -109,3 +109,16 @@ def test_the_command_writes_a_page_beside_the_file(study: xr.Dataset, tmp_path: 
 def test_a_file_of_another_kind_is_refused() -> None:
     with pytest.raises(cs.InvalidInput, match="neither a solution nor a study"):
         page_of(xr.Dataset(), "nothing")
+
+
+@pytest.mark.parametrize(
+    ("values", "logarithmic"), [([1.0, 31.0], True), ([1.0, 30.0], False), ([0.0, 100.0], False)]
+)
+def test_an_axis_is_logarithmic_if_it_spans_more_than_a_factor_of_30(
+    values: list[float],
+    logarithmic: bool,  # noqa: FBT001
+    study: xr.Dataset,
+) -> None:
+    chart = study_chart(altair, study.isel(load=slice(2)).assign_coords(load=values))
+    [shown_so] = [each.value for each in chart.params if each.name == "logx"]
+    assert shown_so == logarithmic

@@ -5,6 +5,7 @@ import pytest
 import contactstudy as cs
 from studies.definitions.line_contact import POINT_CELLS as CELLS
 from studies.definitions.line_contact import point_displacement
+from studies.registry import load
 
 HALF_A_UNIT = 5e-5
 
@@ -38,3 +39,14 @@ def test_zero_padding_lies_on_the_point_contact() -> None:
     assert hertz.displacement(beside_edge) / hertz.approach == pytest.approx(
         0.3006, abs=HALF_A_UNIT
     )
+
+
+def test_the_pressure_of_fig_5_is_that_in_the_middle_of_the_length() -> None:
+    """A window of one image makes the pressure vary along the length, so that the place matters."""
+    study = load("paper").override({"padding": "superposed", "images": "1"})
+    [case] = study.cases()
+    solution = case.run(case.prepare())
+    scaled = solution.pressure / case.scene.hertz.peak_pressure
+    found = study.measures(case, solution)
+    assert found["pressure"].values == pytest.approx(scaled[:, 64], rel=1e-12)
+    assert scaled[:, 64] != pytest.approx(scaled[:, 42], rel=1e-3)

@@ -6,7 +6,7 @@ each field once; they pay on large fields of the two constraints of this package
 
 from collections.abc import Callable
 from math import inf
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import DTypeLike
@@ -35,6 +35,15 @@ from contactstudy.problem.constraint import (
 
 # Heights beyond this need double precision: in single precision their squares and sums would overflow.
 FAR = 1e15
+
+
+class Direction(NamedTuple):
+    """Direction of a step: `level` less the `closing` pressure, plus `conjugate` times the last step, in the `cells`."""
+
+    closing: Array
+    cells: Array
+    level: float
+    conjugate: float
 
 
 class ArrayPasses:
@@ -132,20 +141,9 @@ class ArrayPasses:
 
         return sums(sums_of, *fields)
 
-    def trial(
-        self,
-        pressure: Array,
-        closing: Array,
-        cells: Array,
-        level: float,
-        conjugate: float,
-        step_length: float,
-        step: Array,
-    ) -> bool:
-        """Write the pressure one step ahead over the last `step`, and return whether a limit cuts it.
-
-        The direction is `level` less the `closing` pressure, plus `conjugate` times the last step, in the `cells`.
-        """
+    def trial(self, pressure: Array, direction: Direction, step_length: float, step: Array) -> bool:
+        """Write the pressure one step ahead over the last `step`, and return whether a limit cuts it."""
+        closing, cells, level, conjugate = direction
 
         def take_step(step: Array, closing: Array, cells: Array, pressure: Array) -> bool:
             if conjugate:
@@ -257,18 +255,9 @@ class CompiledPasses:
         """Return the sums that make a direction conjugate, in the order of :meth:`ArrayPasses.products`."""
         return tuple(_rows(self._loops.products, *fields, results=7).sum(axis=1).tolist())
 
-    def trial(
-        self,
-        pressure: Array,
-        closing: Array,
-        cells: Array,
-        level: float,
-        conjugate: float,
-        step_length: float,
-        step: Array,
-    ) -> bool:
+    def trial(self, pressure: Array, direction: Direction, step_length: float, step: Array) -> bool:
         """Write the pressure one step ahead over the last `step`, and return whether a limit cuts it."""
-        fields = pressure, closing, cells, level, conjugate, step_length, self._limit, step
+        fields = pressure, *direction, step_length, self._limit, step
         return bool(_rows(self._loops.trial, *fields, results=1).any())
 
     def levelled(self, trial: Array, cells: Array, resultant: Resultant) -> Array:

@@ -8,7 +8,7 @@ from contactstudy.domain.fields import Array, total
 from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.problem.constraint import Gap
 from contactstudy.problem.operator import ApproximateInverse, Extension
-from contactstudy.problem.passes import Passes
+from contactstudy.problem.passes import Direction, Passes
 from contactstudy.solvers.iterate import Iterate, Stall
 from contactstudy.solvers.polonsky_keer import PolonskyKeer
 
@@ -85,10 +85,11 @@ def trial_along(
     overwritten.
     """
     passes = problem.passes
-    level, conjugate = _direction(passes, gap.height, closing, cells, conjugate_to)
+    direction = Direction(
+        closing, cells, *_direction(passes, gap.height, closing, cells, conjugate_to)
+    )
     trial = arrays().empty_like(pressure) if last is None else last.step
-    cut = passes.trial(pressure, closing, cells, level, conjugate, step_length, trial)
-    return trial, cut
+    return trial, passes.trial(pressure, direction, step_length, trial)
 
 
 def _direction(

@@ -198,15 +198,19 @@ class Roughness:
         nx, ny = grid.cells
         if self.extent is not None and self.extent[0] != grid.extent[0]:
             # waves that do not fit the grid's width are summed as they are
-            across = np.exp(2j * np.pi * (grid.x[:, None] * kx.T)) @ waves
-            folded = _folded(
-                across * np.exp(2j * np.pi * (ky * grid.y[0])), np.arange(nx), ky, grid
-            )
-            return np.asarray(fft.ifft(folded, axis=1).real * ny)
-        # the phase of every wave at the first cell's centre
-        waves *= np.exp(2j * np.pi * (kx * grid.x[0] + ky * grid.y[0]))
-        rows = np.round(kx * grid.extent[0]).astype(int).ravel() % nx
-        return np.asarray(fft.ifft2(_folded(waves, rows, ky, grid)).real * (nx * ny))
+            rows = np.exp(2j * np.pi * (grid.x[:, None] * kx.T)) @ waves
+        else:
+            # with the phase of every wave at the first cell's centre
+            waves *= np.exp(2j * np.pi * kx * grid.x[0])
+            rows = fft.ifft(_folded(waves, kx * grid.extent[0], nx), axis=0) * nx
+        rows *= np.exp(2j * np.pi * ky * grid.y[0])
+        # the heights are real: the upper half of the waves is the lower half, conjugate
+        columns = np.round(ky * grid.period).astype(int).ravel() % ny
+        upper = columns > ny // 2
+        rows[:, upper] = rows[:, upper].conj()
+        half = _folded(rows.T, np.where(upper, ny - columns, columns), ny // 2 + 1)
+        half[1 : (ny + 1) // 2] /= 2
+        return np.asarray(fft.irfft(half.T, ny, axis=1) * ny)
 
     def _waves(self, grid: Grid) -> tuple[np.ndarray, tuple[Array, Array]]:
         """Return complex amplitudes [m] of half the plane of waves, and their wave numbers [1/m]."""
@@ -241,9 +245,8 @@ class Roughness:
         return waves * (self._rms / np.sqrt(power)), (kx, ky)
 
 
-def _folded(waves: np.ndarray, rows: np.ndarray, ky: Array, grid: Grid) -> np.ndarray:
-    """Return waves by the grid's own wave numbers; those shorter than two cells look like longer ones."""
-    columns = np.round(ky * grid.period).astype(int).ravel() % grid.cells[1]
-    folded = np.zeros(grid.cells, dtype=complex)
-    np.add.at(folded, np.ix_(rows, columns), waves)
+def _folded(waves: np.ndarray, numbers: np.ndarray, count: int) -> np.ndarray:
+    """Return the rows of `waves` summed by their wave `numbers` on `count` points: short ones look like longer ones."""
+    folded = np.zeros((count, waves.shape[1]), dtype=complex)
+    np.add.at(folded, np.round(numbers).astype(int).ravel() % count, waves)
     return folded

@@ -123,7 +123,7 @@ def plan(
 
 
 def robust_grid(scene: Scene, error: float | None, period: float | None) -> Grid:
-    """Return the grid planned for a scene and similar ones: by estimates alone, without trials of this scene.
+    """Return the grid planned for a scene at rest and similar ones: by estimates alone, without trials of this scene.
 
     Parameters
     ----------
@@ -132,9 +132,7 @@ def robust_grid(scene: Scene, error: float | None, period: float | None) -> Grid
     error, period
         As for :func:`plan`.
     """
-    if scene.lubrication is None and scene.changing is None and scene.rolling is None:
-        return _plan_at_rest(scene, error, period, None, ONE_THREAD, tries=False).grid
-    return plan(scene, error=error, period=period).grid
+    return _plan_at_rest(scene, error, period, None, ONE_THREAD, tries=False).grid
 
 
 def _plan_at_rest(

@@ -169,8 +169,10 @@ def _planned(points: Sequence[SceneFile], needs: Sequence[Needs]) -> list[cs.Gri
 
 def _grid_of_plan(point: SceneFile) -> cs.Grid:
     """Return the grid that is planned for a point and similar ones."""
-    settings = point.plan_settings
-    return robust_grid(point.scene, settings.error, settings.period)
+    scene, settings = point.scene, point.plan_settings
+    if scene.lubrication is None and scene.changing is None and scene.rolling is None:
+        return robust_grid(scene, settings.error, settings.period)
+    return point.plan().grid
 
 
 def _fitting(grid: cs.Grid, point: SceneFile) -> cs.Grid:

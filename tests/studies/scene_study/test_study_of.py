@@ -414,6 +414,22 @@ def test_a_scene_that_rolls_or_changes_is_swept(
         assert second == pytest.approx(2 * first, rel=1e-6)
 
 
+def test_the_common_grid_of_what_wears_is_as_wide_as_it_wears(tmp_path: Path) -> None:
+    """At the end of the file the contact is some ten times as wide as at first: ``a^3 = 1.5 R k s P``."""
+    wears = YIELDING.split("[grid]")[0].replace("ElasticPlasticHalfSpace", "HalfSpace")
+    wears = wears.replace('yield_stress = "1 GPa"\nhardening_modulus = "10 GPa"\n', "")
+    wears += (
+        '[wear]\ncoefficient = 1e-15\nspeed = "1 m/s"\n[evolve]\nend = 1e4\n[plan]\nerror = 0.1\n'
+    )
+    wears = wears.replace(
+        'per_length = ["100 N/mm", "1 kN/mm"]', 'per_length = ["1 kN/mm", "1 kN/mm"]'
+    )
+    (tmp_path / "scene.toml").write_text(wears)
+    study = studies.study_of(tmp_path / "scene.toml", {"wear.coefficient": "1e-15,2e-15"})
+    [width] = {case.grid.extent[0] for case in study.cases()}  # type: ignore[attr-defined]
+    assert width > 2 * (1.5 * 0.01 * 2e-15 * 1e4 * 1e6) ** (1 / 3)
+
+
 def test_fields_of_one_group_change_together(smooth: Path) -> None:
     study = studies.study_of(
         smooth,

@@ -197,7 +197,7 @@ def test_a_solve_that_is_stopped_leaves_its_pressure_and_goes_on_from_it(
         def see(residual: float, pressure: np.ndarray) -> None:
             self.see(residual, pressure)
             seen.append(residual)
-            if len(seen) == 8:
+            if len(seen) == 4:
                 signal.raise_signal(signal.SIGINT)
 
         return before(Watched(see, self.solver), *arguments, **named)  # type: ignore[arg-type]

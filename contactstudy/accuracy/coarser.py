@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from contactstudy.accuracy.discretisation import axis_first
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
@@ -23,7 +24,7 @@ def on_cells(field: Array, cells: tuple[int, int]) -> Array:
         Number of cells (across, along) of the other grid.
     """
     for axis, count in enumerate(cells):
-        along = np.moveaxis(field, axis, 0)
+        along = axis_first(field, axis)
         present = len(along)
         if present == count:
             continue
@@ -32,7 +33,7 @@ def on_cells(field: Array, cells: tuple[int, int]) -> Array:
         border = np.arange(count + 1) * (present / count)
         full_cells = np.minimum(border.astype(int), present - 1)
         integral = sums[full_cells] + (border - full_cells)[:, None] * along[full_cells]
-        field = np.moveaxis(np.diff(integral, axis=0) * (count / present), 0, axis)
+        field = axis_first(np.diff(integral, axis=0) * (count / present), axis)
     return field
 
 

@@ -10,6 +10,11 @@ from contactstudy.domain.fields import Array
 EDGES = 1 / 12
 
 
+def axis_first(field: Array, axis: int) -> Array:
+    """Return a `field` (x, y) with its `axis` first; done twice, it is the field again."""
+    return field.T if axis else field
+
+
 def with_ends(field: Array, count: int, *, wraps: bool) -> Array:
     """Return `field` (n, ...) with `count` more rows at either end: those of a closed axis, or the last one."""
     before, after = (field[-count:], field[:count]) if wraps else (field[:1], field[-1:])
@@ -40,7 +45,7 @@ def discretisation(pressure: Array, wraps: tuple[bool, bool]) -> tuple[float, fl
     for axis, is_periodic in enumerate(wraps):
         if pressure.shape[axis] == 1:
             continue
-        along = np.moveaxis(pressure, axis, 0)
+        along = axis_first(pressure, axis)
         # at an open end the cell stands for its own neighbour
         padded = with_ends(along, 1, wraps=is_periodic)
         before, after = padded[:-2], padded[2:]
@@ -54,7 +59,7 @@ def discretisation(pressure: Array, wraps: tuple[bool, bool]) -> tuple[float, fl
             plateau = along[end & (inner >= level)]
             l1 += np.minimum(plateau, level - plateau).sum()
         slope, bent = (
-            float(np.moveaxis(field, 0, axis)[highest]) for field in ((after - before) / 2, bend)
+            float(axis_first(field, axis)[highest]) for field in ((after - before) / 2, bend)
         )
         # the parabola's vertex is slope / bent cells away
         beside += slope**2 / bent / 2 - bent / 24 if bent > 0 else 0.0
@@ -82,7 +87,7 @@ def contact_area(pressure: Array, wraps: tuple[bool, bool]) -> float:
     """
     touching, excess = np.count_nonzero(pressure), 0.0
     for axis, is_periodic in enumerate(wraps):
-        along = np.moveaxis(pressure, axis, 0)
+        along = axis_first(pressure, axis)
         if len(along) == 1:
             continue
         padded = with_ends(along, 1, wraps=is_periodic)

@@ -6,7 +6,7 @@ from math import inf
 import numpy as np
 
 from contactstudy.accuracy.coarser import Change, change, coarse_solution, halved
-from contactstudy.accuracy.discretisation import contact_area, discretisation
+from contactstudy.accuracy.discretisation import axis_first, contact_area, discretisation
 from contactstudy.accuracy.expected_error import ErrorParts
 from contactstudy.accuracy.plausibility import implausible
 from contactstudy.accuracy.subcell import CONFIDENCE, HeightsInside, Subcell
@@ -299,7 +299,7 @@ def _spot_width(pressure: np.ndarray, wraps: tuple[bool, bool]) -> int:
     peak = np.unravel_index(np.argmax(pressure), pressure.shape)
     fewest = pressure.size
     for axis, is_periodic in enumerate(wraps):
-        row = np.moveaxis(pressure, axis, 0)[:, peak[1 - axis]] > 0
+        row = axis_first(pressure, axis)[:, peak[1 - axis]] > 0
         if len(row) > 1 and not row.all():
             row = np.roll(row, len(row) // 2 - int(peak[axis])) if is_periodic else row
             middle = len(row) // 2 if is_periodic else int(peak[axis])

@@ -7,7 +7,7 @@ from math import ceil, log, pi, prod
 import numpy as np
 
 from contactstudy.accuracy.coarser import on_cells
-from contactstudy.accuracy.discretisation import with_ends
+from contactstudy.accuracy.discretisation import axis_first, with_ends
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
@@ -160,12 +160,12 @@ def _hidden_along(problem: Problem, axis: int) -> _HiddenAlong | None:
     centres, points = (source.gap(Grid(cells, grid.extent)) for cells in (lines, inside))
     if points.shape[axis] == 1:
         return None
-    at_centres, at_points = np.moveaxis(centres, axis, 0), np.moveaxis(points, axis, 0)
+    at_centres, at_points = axis_first(centres, axis), axis_first(points, axis)
     wraps = paddings[axis].wraps
     heights = HeightsAlong.from_heights(at_centres, at_points, grid.cell[axis], wraps=wraps)
 
     def on_lines(field: Array) -> Array:
-        return np.broadcast_to(np.moveaxis(field, 0, axis), lines)
+        return np.broadcast_to(axis_first(field, axis), lines)
 
     missed = on_cells(on_lines(heights.missed), grid.cells)
     corner = on_lines(heights.corner())
@@ -230,8 +230,8 @@ def _off_lines(problem: Problem, confidence: float) -> tuple[Array, Array, Array
     share = np.divide(squares, largest, out=np.ones(grid.cells), where=largest > 0)
     shown = np.zeros(grid.cells)
     for axis, is_periodic in enumerate(wraps):
-        padded = _extended(np.moveaxis(centres, axis, 0), wraps=is_periodic)[1:-1]
-        np.maximum(shown, np.moveaxis(np.abs(np.diff(padded, n=2, axis=0)), 0, axis), out=shown)
+        padded = _extended(axis_first(centres, axis), wraps=is_periodic)[1:-1]
+        np.maximum(shown, axis_first(np.abs(np.diff(padded, n=2, axis=0)), axis), out=shown)
     return missed, stands, np.sqrt(2 * share / pi), np.maximum(missed - SHOWN * shown, 0)
 
 
@@ -273,9 +273,9 @@ def _with_neighbours(pressure: Array, problem: Problem) -> Array:
     assert problem.paddings is not None
     largest = pressure
     for axis, padding in enumerate(problem.paddings):
-        along = with_ends(np.moveaxis(largest, axis, 0), 1, wraps=padding.wraps)
+        along = with_ends(axis_first(largest, axis), 1, wraps=padding.wraps)
         beside = np.maximum(np.maximum(along[:-2], along[1:-1]), along[2:])
-        largest = np.moveaxis(beside, 0, axis)
+        largest = axis_first(beside, axis)
     return largest
 
 

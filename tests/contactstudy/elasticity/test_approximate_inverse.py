@@ -149,6 +149,7 @@ def stiffness_ratios(cells: int, contact: Array, seen: Array) -> Array:
     return np.sort(np.linalg.eigvals(first @ second).real)
 
 
+@pytest.mark.whole
 def test_a_contact_in_pieces_is_not_taken_for_softer_nor_much_stiffer_than_it_is() -> None:
     """The extension's energy is not below the least, and within a small factor whatever the cells."""
     largest = []

@@ -32,6 +32,7 @@ def test_an_elastic_scene_forgets_its_path() -> None:
         np.testing.assert_allclose(frame.pressure, alone.pressure, atol=1e-5 * alone.pressure.max())
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("error", [1e-2, 2e-3])
 def test_steps_keep_to_the_error_asked_for(error: float) -> None:
     """Against a march with 400 steps, whose own error is a small part of that of any of these."""
@@ -72,6 +73,7 @@ class KilledError(Exception):
     """The process is gone."""
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize("error", [None, 5e-3], ids=["given steps", "chosen steps"])
 def test_a_march_that_was_killed_goes_on_to_the_same_bits(
     tmp_path: Path, error: float | None
@@ -305,6 +307,7 @@ def test_before_the_first_load_the_bodies_just_touch() -> None:
     assert found.status is cs.Status.CONVERGED
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize("intervals", [1, 2, 3, 4, 5])
 def test_the_error_of_given_steps_is_bounded_for_any_number_of_them(intervals: int) -> None:
     """Against 400 steps; a single step, too, is compared with two."""

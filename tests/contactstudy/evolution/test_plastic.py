@@ -253,6 +253,7 @@ def test_a_body_that_nothing_makes_yield_is_an_elastic_one(yield_stress: float) 
         )
 
 
+@pytest.mark.whole
 def test_two_equal_bodies_that_yield_share_the_gap_evenly() -> None:
     """Each sees half of the gap, so that one of them under a cylinder of twice the radius bears the same pressure."""
     one = pressed(3)
@@ -314,6 +315,7 @@ def slowly(scene: cs.Scene, grid: cs.Grid) -> np.ndarray:
     ).pressure[-1]
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("ratio", [2, 3])
 def test_steps_are_chosen_for_an_error(ratio: float) -> None:
     """Also where yield begins in the last of them, of which a step twice as long knows little."""

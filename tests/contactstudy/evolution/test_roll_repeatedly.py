@@ -43,6 +43,7 @@ def test_below_the_shakedown_limit_nothing_yields_after_the_first_pass() -> None
     assert found.shaken_down == 2
 
 
+@pytest.mark.whole
 def test_above_it_every_pass_yields_and_moves_the_surface_forward() -> None:
     found = rolled(4.4 * K, 3)
     assert (found.yielding > 0.1 * Y / E).all()

@@ -75,6 +75,7 @@ def test_a_start_from_rest_ends_in_the_full_film() -> None:
     assert films[-1] == pytest.approx(steady.central_film, rel=1e-3)
 
 
+@pytest.mark.whole
 def test_a_load_that_grows_squeezes_the_film_to_that_of_the_larger_load() -> None:
     scene = by_moes(20, 5)
     passage = A / speed_of(scene)

@@ -22,7 +22,7 @@ REFERENCE = (
 )
 
 
-@pytest.mark.cases(2)
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(("load", "viscosity", "inlet", "central", "smallest"), REFERENCE)
 def test_the_film_is_that_of_graded_cells(
     load: float, viscosity: float, inlet: float, central: float, smallest: float
@@ -84,6 +84,7 @@ def test_the_error_that_is_asked_for_is_reached() -> None:
     assert contact.error.minimum_film.total <= 5e-3
 
 
+@pytest.mark.whole
 def test_the_peak_beside_a_spike_has_no_estimate_and_says_why() -> None:
     error = cs.solve_lubricated(by_moes(20, 10), error=2e-2).error
     assert error is not None
@@ -198,7 +199,7 @@ def test_a_softer_coat_lowers_the_peak_and_keeps_the_flow() -> None:
     assert soft.flux_spread < 1e-6
 
 
-@pytest.mark.cases(1)
+@pytest.mark.whole
 @pytest.mark.parametrize("viscosity", [0, 5])
 def test_slower_films_go_over_into_the_dry_contact(viscosity: float) -> None:
     cells = grid(400, 3.0)

@@ -44,6 +44,7 @@ def test_rolling_takes_passes() -> None:
     assert found.solution.status is cs.Status.CONVERGED
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("ratio", [2.5, 4.0])
 def test_a_plan_makes_room_for_what_yields(ratio: float) -> None:
     """Width and layers hold the plastic zone; steps are foreseen within a factor of three."""

@@ -36,6 +36,7 @@ def test_a_planned_smooth_contact_meets_its_error(error: float, line_contact: Li
     assert error / 8 < l1(line_contact, solution) < 2 * error
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("share", [0.15, 0.6, 2.2])
 def test_a_planned_rough_contact_meets_its_error(share: float, line_contact: LineContact) -> None:
     scene, error = rough(line_contact, share), 0.05
@@ -74,6 +75,7 @@ def test_where_nothing_varies_along_the_length_the_plan_is_one_dimensional(
         assert plane.approach == pytest.approx(line.approach, rel=1e-9)
 
 
+@pytest.mark.cases(3)
 def test_a_plan_runs_as_it_stands_for_every_kind_of_shape(line_contact: LineContact) -> None:
     a = line_contact.hertz.half_width
     heights = 1e-8 * np.random.default_rng(0).standard_normal((32, 24))
@@ -144,6 +146,7 @@ def test_a_plan_that_cannot_be_made_says_what_it_lacks(line_contact: LineContact
         cs.plan(with_shapes(line_contact, Bump()))
 
 
+@pytest.mark.whole
 def test_a_planned_texture_meets_its_error_whatever_its_lands(line_contact: LineContact) -> None:
     a, gap = line_contact.hertz.half_width, line_contact.hertz.half_width**2 / 0.01 / 2
     for share, profile in ((0.3, cs.Parabolic()), (0.9, cs.FlatBottomed()), (0.7, cs.Cosine())):

@@ -256,6 +256,7 @@ def test_stress_not_asked_for_costs_nothing(
     np.testing.assert_array_equal(*pressures)
 
 
+@pytest.mark.whole
 def test_stress_not_asked_for_is_not_imported() -> None:
     code = (
         "import sys, contactstudy as cs; s = cs.HalfSpace(youngs_modulus=1e9, poisson_ratio=0.3); "
@@ -305,6 +306,7 @@ def test_two_outputs_of_one_kind_are_refused() -> None:
 # --- depths that are chosen ----------------------------------------------------------------------
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("cells", [(40, 1), (150, 1), (32, 16)])
 def test_chosen_depths_show_the_largest_stress_to_one_per_cent(
     cells: tuple[int, int], line_contact: LineContact

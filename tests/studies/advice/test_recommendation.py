@@ -143,6 +143,7 @@ def small_pareto(tmp_path_factory: pytest.TempPathFactory) -> xr.Dataset:
     return dataset
 
 
+@pytest.mark.whole
 def test_no_stored_setting_foreseen_to_meet_the_error_is_much_faster(
     small_pareto: xr.Dataset,
 ) -> None:

@@ -47,6 +47,7 @@ def test_run_leaves_a_dataset_and_its_figures(tmp_path: Path) -> None:
     assert "2 distinct cases" in done.stdout
 
 
+@pytest.mark.cases(3)
 @POSIX
 @pytest.mark.parametrize(
     ("arguments", "sentence"),

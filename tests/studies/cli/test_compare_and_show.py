@@ -103,6 +103,7 @@ def test_what_is_not_of_one_kind_is_not_compared(folder: Path) -> None:
         said("compare", folder / "out" / "smooth.nc", folder / "study" / "smooth.nc")
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("name", ["smooth", "rough"])
 def test_a_solution_is_drawn_in_every_format(folder: Path, tmp_path: Path, name: str) -> None:
     said("show", folder / "out" / f"{name}.nc", "--out", tmp_path, "--format", "png,pdf,svg,vtk")

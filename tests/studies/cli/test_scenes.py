@@ -39,6 +39,7 @@ def test_the_smooth_example_is_hertz(tmp_path: Path) -> None:
     assert float(dataset["pressure_l1_error_estimate"].sum()) < 1e-3
 
 
+@pytest.mark.whole
 def test_the_rough_example_yields_at_its_hardness(tmp_path: Path) -> None:
     dataset = solved("rough", tmp_path)
     pressure = dataset["pressure"]
@@ -53,6 +54,7 @@ def test_the_rough_example_yields_at_its_hardness(tmp_path: Path) -> None:
     assert carried == pytest.approx(1e5, rel=1e-9)
 
 
+@pytest.mark.whole
 def test_the_roller_example_has_no_edge_peak_and_shows_its_stress(tmp_path: Path) -> None:
     dataset = solved("roller", tmp_path)
     peak = float(dataset["hertz_peak_pressure"])

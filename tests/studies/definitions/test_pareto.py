@@ -33,6 +33,7 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> xr.Dataset:
     return dataset
 
 
+@pytest.mark.whole
 def test_one_cell_along_the_length_is_as_accurate_as_many(swept: xr.Dataset) -> None:
     errors = swept["corrected_error_l1"].sel(solver="preconditioned_cg", grid=64).isel(images=0)
     line, exact = (errors.sel(padding=name, period=2.4).item() for name in (LINE, "exact"))

@@ -21,6 +21,7 @@ def test_a_program_that_is_not_there_is_a_failed_case_that_says_so(tmp_path: Pat
     assert load_drawing("peers").figure(dataset)
 
 
+@pytest.mark.whole
 def test_a_program_without_threads_fails_on_two_and_says_so(tmp_path: Path) -> None:
     axes = {"grid": "32", "program": "contactstudy,ContactMechanics", "boundary": "free"}
     study = load("peers").override(axes | {"threads": "1,2"})

@@ -106,6 +106,7 @@ def study(how: str, where: str) -> Study:
     return Study("forking", "Cases, one of which forks.", (axis,), scene_at, measures, "none")
 
 
+@pytest.mark.cases(3)
 @POSIX
 @pytest.mark.parametrize(
     ("how", "where", "workers"),

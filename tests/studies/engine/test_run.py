@@ -27,6 +27,7 @@ def dataset(small_run: Path) -> xr.Dataset:
     return read(small_run / "padding.nc")
 
 
+@pytest.mark.whole
 def test_every_selection_is_filled(dataset: xr.Dataset) -> None:
     axes = ("padding", "images", "period", "grid")
     assert tuple(dataset.sizes) == (*axes, "repeat")

@@ -55,6 +55,7 @@ def test_a_dry_run_counts_the_timed_runs_that_are_missing(tmp_path: Path) -> Non
     ]
 
 
+@pytest.mark.whole
 def test_repeats_that_are_missing_are_taken_and_no_more(tmp_path: Path) -> None:
     for repeats, taken in ((1, 1), (3, 3), (2, 3)):
         run(trouble.study([1, 2]), tmp_path, workers=0, repeats=repeats, log=lambda text: None)

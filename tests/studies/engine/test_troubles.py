@@ -117,6 +117,7 @@ def test_four_troubles_among_twenty_are_labelled(address: str | None, tmp_path: 
     examine(run(trouble.study(), tmp_path, options=settings, log=quiet))
 
 
+@pytest.mark.whole
 def test_every_case_of_a_batch_in_which_several_die_is_answered(address: str | None) -> None:
     numbers = [1, DIES, 2, DIES, DIES, RAISES, 4] * 4
     with Cluster(2, address) as cluster:
@@ -127,6 +128,7 @@ def test_every_case_of_a_batch_in_which_several_die_is_answered(address: str | N
             assert float(outcome.variables["square"]) == number**2
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("where", ["written", "read"])
 def test_a_case_that_cannot_be_sent_fails_alone(address: str | None, where: str) -> None:
     # the first ones go alone; by the fortieth, what a case takes is known, and it goes with others
@@ -174,6 +176,7 @@ def test_an_executor_that_was_stopped_starts_anew(address: str | None) -> None:
     assert float(outcome.variables["square"]) == 4
 
 
+@pytest.mark.whole
 def test_what_threads_here_had_computed_when_a_run_was_stopped_is_not_lost(tmp_path: Path) -> None:
     """The first outcome stops the run, and is taken only when all but the two that hang are computed."""
     log = tmp_path / "log"
@@ -268,6 +271,7 @@ def test_a_scheduler_that_is_not_there_is_said() -> None:
         compute(nowhere, [Trouble(1.0)], Work(trouble.measures))
 
 
+@pytest.mark.whole
 def test_the_first_failure_stops_a_run_that_is_to_stop(tmp_path: Path) -> None:
     settings = RunOptions(workers=0, after_failure="stop", repeats=1)
     dataset = run(trouble.study(), tmp_path, options=settings, log=quiet)

@@ -34,6 +34,7 @@ def test_a_path_gives_the_numbers_of_single_solves(rough: Path) -> None:
         assert change < 1e-6
 
 
+@pytest.mark.whole
 def test_a_path_needs_fewer_convolutions_than_single_solves(rough: Path) -> None:
     cases = studies.study_of(rough, {"load.per_length": "20:100:20 N/mm"}).cases()
     warm = sum(case.run(case.prepare()).solution.convolutions for case in cases)

@@ -91,6 +91,7 @@ def test_scenes_of_python_are_varied_like_files(smooth: Path) -> None:
     assert all(case.scene.hardness == 3e9 for case in scenes(study))
 
 
+@pytest.mark.whole
 def test_one_rough_surface_and_one_grid_for_all_loads(rough: Path) -> None:
     study = studies.study_of(
         rough, {"load.per_length": "20:100:3 N/mm", "shapes.1.rms": "0.1 um,0.2 um"}

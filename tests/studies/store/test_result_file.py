@@ -86,6 +86,7 @@ def test_a_damaged_file_of_fields_is_set_aside_and_its_case_computed_anew(tmp_pa
         assert len(tree["fields"].children) == 2
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize("place", [0, 20, 200, 5000])
 def test_a_damaged_study_file_is_set_aside_and_made_again(tmp_path: Path, place: int) -> None:
     study = load("grid").override({"padding": "exact", "grid": "16"})
@@ -107,6 +108,7 @@ def test_the_root_opens_as_a_plain_dataset(out: Path) -> None:
         assert (dataset["case_status"] == 1).all()
 
 
+@pytest.mark.whole
 def test_what_lacks_its_fields_is_computed_for_them_and_nothing_else(tmp_path: Path) -> None:
     study = load("grid").override({"padding": "exact", "grid": "16"})
     run(study, tmp_path, workers=0, repeats=1, log=quiet)

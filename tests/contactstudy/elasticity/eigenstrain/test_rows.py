@@ -39,6 +39,7 @@ def dense(operator: RowOperator) -> np.ndarray:
     return np.array(columns).T * root[:, None] / root
 
 
+@pytest.mark.whole
 def test_the_energy_is_symmetric_and_between_zero_and_that_of_a_body_that_cannot_give_way() -> None:
     matrix = dense(small())
     assert np.abs(matrix - matrix.T).max() < 1e-12

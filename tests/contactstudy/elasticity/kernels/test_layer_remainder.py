@@ -76,6 +76,7 @@ def test_a_row_is_the_sum_of_its_images(name: str, thickness: float) -> None:
     np.testing.assert_allclose(found, summed, atol=1e-11 * np.abs(found).max())
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize("name", LAYERS)
 @pytest.mark.parametrize(
     ("thickness", "extent", "cells"),

@@ -309,6 +309,7 @@ def test_strip_has_its_textbook_stress() -> None:
 EXTENTS = [(2.0, 1.3), (1.3, 2.0), (0.2, 3.0)]
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(("width", "period"), EXTENTS)
 def test_uniform_pressure_compresses_without_spreading(width: float, period: float) -> None:
     """Uniaxial strain: ``xx = yy = -nu / (1 - nu)``."""

@@ -59,6 +59,7 @@ def test_far_from_a_row_nothing_is_left_of_the_period(name: str) -> None:
     np.testing.assert_allclose(row[0], row[1], atol=1e-12)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("family", [CERRUTI_ACROSS, CERRUTI_ALONG], ids=["across", "along"])
 @pytest.mark.parametrize("extent", [(2.0, 5.0)])
 def test_a_lattice_is_in_equilibrium_and_turns_with_its_axes(

@@ -77,6 +77,7 @@ def study(numbers: list[int]) -> Study:
     )
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("workers", [0, 1])
 def test_the_answer_of_a_case_does_not_depend_on_the_cases_before_it(
     workers: int, tmp_path: Path

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ConvergenceOrder:
-    """``|error| ~ axis ** -order``, with the standard error of the fit and the number of points in it."""
+    """Order of convergence, ``|error| ~ axis ** -order``, with its standard error and the number of fitted points."""
 
     order: float
     uncertainty: float
@@ -41,7 +41,7 @@ class StudyAccessor:
 
     @property
     def axes(self) -> tuple[str, ...]:
-        """The axes of the study."""
+        """Names of the axes of the study."""
         return tuple(str(name) for name in self._dataset["case_status"].dims)
 
     @property
@@ -111,6 +111,7 @@ class StudyAccessor:
         return flat.to_dataframe(dim_order=list(self.axes)).reset_index()
 
     def _priced(self, error: str, cost: str | xr.DataArray | None) -> "pd.DataFrame":
+        """Return a table of all good points with their cost and the absolute error."""
         price = self.cost if cost is None else cost
         price = self._variable(price) if isinstance(price, str) else price
         both = xr.Dataset({error: abs(self._variable(error)), "cost": price})
@@ -120,6 +121,7 @@ class StudyAccessor:
         return table.dropna(subset=[error, "cost"]).drop_duplicates([error, "cost"])
 
     def _variable(self, name: str) -> xr.DataArray:
+        """Return a variable; raise InvalidInput if there is none with the name."""
         return self._dataset[one_of("variable", name, [str(n) for n in self._dataset.data_vars])]
 
 

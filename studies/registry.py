@@ -1,4 +1,4 @@
-"""The studies there are: by name, or in a Python file.
+"""Registry of studies: built-in ones by name, others in a Python file.
 
 A study is defined in ``studies/definitions`` and drawn in ``studies/report/drawings``, in the module of its name or
 in that of its family. Both are imported when they are asked for: what lists, runs or distributes studies imports no
@@ -31,7 +31,7 @@ BUILT_IN = tuple(name for names in FAMILIES.values() for name in names if name n
 
 
 def load(name: str) -> Study:
-    """Return the built-in study of that name, or the one in a Python file.
+    """Return the built-in study of a name, or the study in a Python file.
 
     Raises :class:`~contactstudy.InvalidInput` if there is none, or if a file lacks one of its names.
     """
@@ -48,7 +48,7 @@ def load(name: str) -> Study:
 
 
 def load_drawing(name: str, figures: str = "curves") -> Drawing:
-    """Return how the study of that name, or the one in a Python file, is drawn.
+    """Return the drawing of the study of a name, or of the study in a Python file.
 
     A scene, and a file without a figure of its own, have the default ``figures``: "curves" or "maps".
     """
@@ -67,8 +67,8 @@ def load_drawing(name: str, figures: str = "curves") -> Drawing:
 
 
 def default_drawing(figures: str = "curves") -> Drawing:
-    """Return figures that are chosen by what was varied."""
-    # by name: pages draw what is registered here
+    """Return the default drawing, whose figures follow from the varied axes."""
+    # imported by name, since pages import this registry
     drawn = importlib.import_module("studies.report.default_drawing").FIGURES
     return Drawing(drawn[one_of("figures", figures, drawn)])
 

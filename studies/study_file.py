@@ -1,4 +1,4 @@
-"""A study in a Python file: read, and checked before anything runs."""
+"""Studies in Python files, which are read and checked before anything runs."""
 
 import ast
 import sys
@@ -17,14 +17,14 @@ FUNCTIONS = ("scene_at", "measures", "figure", "findings", "tables")
 
 
 def module_name(path: Path) -> str:
-    """Return the name of the module of a study file: a file called time.py does not replace Python's module."""
+    """Return the module name of a study file, by which a file time.py does not replace Python's module."""
     return f"study_in_file_{path.stem}"
 
 
 def module_in(path: Path) -> ModuleType:
-    """Return the module in ``path``, with the names that a study needs.
+    """Return the module in `path`, with the names that a study needs.
 
-    Raises :class:`~contactstudy.InvalidInput`, with file and line, for whatever is wrong with it.
+    Raises :class:`~contactstudy.InvalidInput`, with file and line, for any error in it.
     """
     try:
         is_file = path.is_file()
@@ -114,7 +114,7 @@ def _blaming(path: Path) -> Iterator[None]:
 
 
 def _where(path: Path, name: str) -> str:
-    """Name the file and the line that defines ``name``."""
+    """Return a text with the file and the line that defines `name`."""
     with suppress(OSError, SyntaxError, ValueError):
         for node in ast.parse(path.read_bytes()).body:
             targets: list[ast.expr] = []
@@ -129,4 +129,5 @@ def _where(path: Path, name: str) -> str:
 
 
 def _short(path: Path) -> str:
+    """Return a path in quotes, cut off after 100 characters."""
     return repr(one_line(path, 100))

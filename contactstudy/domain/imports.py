@@ -84,7 +84,8 @@ def names_on_first_use(
     places: dict[str, tuple[str, str]] = {}
     for statement in stub.body:
         if isinstance(statement, ast.ImportFrom):
-            module = f"{package}.{statement.module}" if statement.module else package
+            parts = (package if statement.level else "", statement.module or "")
+            module = ".".join(filter(None, parts))
             places |= {alias.name: (module, alias.name) for alias in statement.names}
 
     def find(name: str) -> Any:

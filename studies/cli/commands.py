@@ -4,7 +4,7 @@ import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import click
 
@@ -145,23 +145,18 @@ def report(
 @click.pass_context
 def run(
     context: click.Context,
+    /,
     study: str,
     out: Path,
-    workers: int,
     repeats: int,
-    scheduler: str | None,
     no_times: bool,  # noqa: FBT001 (click gives it by name)
-    time_limit: float | None,
     retry: tuple[str, ...],
-    after_failure: str,
-    fields: str,
-    old_times: str,
-    table: str,
     vary: tuple[str, ...],
     figures: str,
     formats: tuple[str, ...],
     yes: bool,  # noqa: FBT001
     dry_run: bool,  # noqa: FBT001
+    **settings: Any,  # further options of a run
 ) -> None:
     """Run STUDY, a built-in name, a .py file or a scene in a .toml file, over its axes or those given here.
 
@@ -177,17 +172,9 @@ def run(
     chosen = load_scene_study(study, vary, context.args) or load(study).override(
         _axes(context.args), most=most
     )
+    statuses_again = frozenset(status for name in retry for status in RETRIES[name])
     options = RunOptions(
-        workers=workers,
-        scheduler=scheduler,
-        time_limit=time_limit,
-        repeats=0 if no_times else repeats,
-        old_times=old_times,
-        retry=frozenset(case_status for name in retry for case_status in RETRIES[name]),
-        after_failure=after_failure,
-        fields=fields,
-        table=table,
-        most_points=most,
+        repeats=0 if no_times else repeats, retry=statuses_again, most_points=most, **settings
     )
     if dry_run:
         estimate_cost(chosen, out, options=options, log=click.echo)
@@ -197,7 +184,7 @@ def run(
     if not (statuses == CaseStatus.OK).any():
         click.echo(f"{chosen.name}: no case gave numbers, so there is nothing to draw.", err=True)
         sys.exit(1)
-    if after_failure == "stop" and not (statuses == CaseStatus.OK).all():
+    if options.after_failure == "stop" and not (statuses == CaseStatus.OK).all():
         sys.exit(1)
     from studies.report import page as reporting
 
@@ -234,7 +221,7 @@ def draw(study: tuple[str, ...], out: Path, formats: tuple[str, ...]) -> None:
 
 
 def _with_png(formats: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the formats of figures: PNG, which pages show, and those asked for."""
+    """Return the requested formats of figures, with PNG, which pages show."""
     return tuple(dict.fromkeys(("png", *formats)))
 
 
@@ -253,7 +240,7 @@ def studies() -> None:
 
 @contextmanager
 def _drawing(name: str) -> Iterator[None]:
-    """Report an error of a figure in one sentence: the numbers are stored already."""
+    """Report an error of a figure in one sentence, which says that the numbers are stored."""
     try:
         yield
     except InvalidInput:
@@ -290,7 +277,7 @@ def _axes(arguments: list[str]) -> Mapping[str, str]:
 
 
 def main() -> None:
-    """The command: bad input ends in one sentence and exit code 2, Ctrl-C in one and 130."""
+    """Run the command; report invalid input in one sentence with exit code 2, and Ctrl-C with exit code 130."""
     try:
         cli.main(standalone_mode=False)
     except InvalidInput as error:

@@ -1,4 +1,4 @@
-"""``contactstudy explore FILE.nc``: one HTML file to look into a study or a contact, which works offline."""
+"""``contactstudy explore FILE.nc``: one HTML page that shows a study or a contact interactively, without a network."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -43,7 +43,7 @@ def explore(file: Path, out: Path | None) -> None:
 
 
 def page_of(dataset: "xr.Dataset", name: str) -> str:
-    """Return a page that stands alone, for a stored study or solution.
+    """Return the self-contained HTML page of a stored study or solution.
 
     Raises :class:`~contactstudy.InvalidInput` for a dataset of another kind.
     """
@@ -75,7 +75,7 @@ BY = "(colour == 'none' ? '' : ', by ' + labels[colour])"
 
 
 def study_chart(altair: Any, dataset: "xr.Dataset") -> Any:
-    """Return a chart of any variable over any axis, coloured by another, with a slider for each axis left."""
+    """Return a chart of any variable over any axis, coloured by another, with a slider for each further axis."""
     axes = [str(axis) for axis in dataset["case_status"].dims]
     table, variables = _points(dataset, axes)
     sliders = _sliders(altair, dataset, axes)
@@ -121,7 +121,7 @@ def _choices(
     variables: list[str],
     table: "pd.DataFrame",
 ) -> list[Any]:
-    """Return what the reader chooses, and the texts that the chart looks up."""
+    """Return the parameters of the chart: the choices of the reader, and the texts and labels of the axes."""
     texts = {
         axis: [str(value) for value in dataset[axis].values]
         for axis in axes
@@ -146,7 +146,7 @@ def _choices(
 
 
 def _sliders(altair: Any, dataset: "xr.Dataset", axes: list[str]) -> dict[str, Any]:
-    """Return a slider for each axis; a single axis needs none."""
+    """Return a slider for each of several axes, by the name of the axis."""
     sliders = {}
     for number, axis in enumerate(axes if len(axes) > 1 else []):
         last = dataset.sizes[axis] - 1
@@ -186,7 +186,7 @@ FIELDS = {"pressure": ("pressure [MPa]", 1e-6), "gap": ("gap [µm]", 1e6)}
 
 
 def contact_chart(altair: Any, dataset: "xr.Dataset") -> Any:
-    """Return a map of a contact, and the cross-section at the place that the pointer was last over."""
+    """Return a map of a contact, with the cross-section at the last position of the pointer."""
     table, steps = _cells(dataset)
     labels = {name: label for name, (label, _) in FIELDS.items()}
     choices = [
@@ -240,7 +240,7 @@ def contact_chart(altair: Any, dataset: "xr.Dataset") -> Any:
 
 
 def _cells(dataset: "xr.Dataset") -> "tuple[pd.DataFrame, list[float]]":
-    """Return a row for each cell, or block of cells of a fine contact, and the sides of a cell [mm]."""
+    """Return a row for each cell, or block of cells of a fine grid, and the sides of a cell or block [mm]."""
     cells_in_block = dataset.sizes["x"] * dataset.sizes["y"] / MOST_CELLS
     block = max(1, int(np.ceil(np.sqrt(cells_in_block))))
     coarse = dataset[list(FIELDS)]
@@ -255,10 +255,12 @@ def _cells(dataset: "xr.Dataset") -> "tuple[pd.DataFrame, list[float]]":
 
 
 def _choice(altair: Any, name: str, label: str, options: list[str], value: str) -> Any:
+    """Return a parameter with a list of options."""
     return altair.param(name, bind=altair.binding_select(options=options, name=label), value=value)
 
 
 def _label(dataset: "xr.Dataset", name: str) -> str:
+    """Return the long name of a variable with its unit."""
     attributes = dataset[name].attrs
     units = attributes.get("units", "1")
     text = str(attributes.get("long_name", name))
@@ -266,10 +268,12 @@ def _label(dataset: "xr.Dataset", name: str) -> str:
 
 
 def _plain(value: object) -> str:
+    """Return a value of an axis as text."""
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
 def _spans_decades(values: "pd.Series[Any]") -> bool:
+    """Return whether positive numbers span more than a factor of 30."""
     numbers = values.to_numpy()
     return bool(
         numbers.dtype.kind in "if" and numbers.min() > 0 and numbers.max() > 30 * numbers.min()

@@ -1,4 +1,4 @@
-"""Entry point of the command; it imports little, so that Ctrl-C works from the start."""
+"""Entry point of the command, which imports little, so that Ctrl-C is handled from the start."""
 
 import sys
 from io import TextIOWrapper
@@ -7,7 +7,7 @@ from contactstudy.domain.imports import missing_package
 
 
 def main() -> None:
-    """Import the rest and run it."""
+    """Import the commands and run them."""
     for stream in (sys.stdout, sys.stderr):
         # a file on Windows may be in an encoding that lacks a letter
         if isinstance(stream, TextIOWrapper):

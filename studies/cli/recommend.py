@@ -115,25 +115,27 @@ def _number(text: str) -> str | float:
 
 
 def _source(costs: CostModel) -> str:
+    """Return a text on the origin of the predicted times."""
     return "fitted to the times in pareto.nc" if costs.timings else "measured on a small case now"
 
 
-def _fields(found: Recommendation, scene: Path | None, costs: CostModel) -> dict[str, Any]:
+def _fields(recommended: Recommendation, scene: Path | None, costs: CostModel) -> dict[str, Any]:
     """Return a recommendation as values for JSON."""
-    limits = found.limits
+    limits = recommended.limits
     finite = {name: getattr(limits, name) for name in ("memory", "seconds")}
     return {
         "asked": {"error": limits.error, "metric": limits.metric.name.lower()}
         | {name: value for name, value in finite.items() if isfinite(value)},
-        "meets": found.meets,
-        "affordable": found.affordable,
+        "meets": recommended.meets,
+        "affordable": recommended.affordable,
         "seconds_from": _source(costs),
-        "best": _setting(found.best, scene),
-        "runner_up": _setting(found.runner_up, scene) if found.runner_up else None,
+        "best": _setting(recommended.best, scene),
+        "runner_up": _setting(recommended.runner_up, scene) if recommended.runner_up else None,
     }
 
 
 def _setting(setting: Setting, scene: Path | None) -> dict[str, Any]:
+    """Return a setting as values for JSON."""
     return {
         "mode": setting.mode,
         "padding": repr(setting.padding),
@@ -150,28 +152,33 @@ def _setting(setting: Setting, scene: Path | None) -> dict[str, Any]:
 
 
 def _report_lines(
-    found: Recommendation, name: str, scene: Path | None, costs: CostModel
+    recommended: Recommendation, name: str, scene: Path | None, costs: CostModel
 ) -> list[str]:
-    limits = found.limits
+    """Return the lines that a terminal shows of a recommendation."""
+    limits = recommended.limits
     request = f"{limits.metric.value} to {limits.error:.2g}"
     if isfinite(limits.memory):
         request += f" in {limits.memory / 1e6:.3g} MB"
     if isfinite(limits.seconds):
         request += f" in {limits.seconds:.3g} s"
     lines = [f"{name}: {request}"]
-    if found.meets:
+    if recommended.meets:
         first, second = "use", "runner-up"
-    elif found.affordable:
+    elif recommended.affordable:
         first, second = "no setting meets the requested error; the most accurate setting", "next"
     else:
         first, second = "no setting fits the time and memory limits; the fastest setting", "next"
-    for words, setting in ((first, found.best), (second, found.runner_up)):
+    for words, setting in ((first, recommended.best), (second, recommended.runner_up)):
         if setting is not None:
             lines += [f"  {words}: {_setting_text(setting)}", f"    {_cost_text(setting)}"]
     lines.append(f"  seconds are {_source(costs)}")
-    lines.append(f"  {ERROR_OF[found.best.edges]}")
-    lines += ["  in Python:", *(f"    {line}" for line in python(found.best, scene))]
-    return [*lines, "  in the scene file:", *(f"    {line}".rstrip() for line in toml(found.best))]
+    lines.append(f"  {ERROR_OF[recommended.best.edges]}")
+    lines += ["  in Python:", *(f"    {line}" for line in python(recommended.best, scene))]
+    return [
+        *lines,
+        "  in the scene file:",
+        *(f"    {line}".rstrip() for line in toml(recommended.best)),
+    ]
 
 
 def toml(setting: Setting) -> list[str]:
@@ -205,6 +212,7 @@ def python(setting: Setting, scene: Path | None) -> list[str]:
 
 
 def _setting_text(setting: Setting) -> str:
+    """Return a text with mode, cells, extent and tolerance of a setting."""
     cells, extent = setting.grid.cells, setting.grid.extent
     mode = {"line": "exact, one cell along the length", "free": "zero padding along both axes"}
     named = mode.get(setting.mode, setting.mode)
@@ -216,6 +224,7 @@ def _setting_text(setting: Setting) -> str:
 
 
 def _cost_text(setting: Setting) -> str:
+    """Return a text with estimated error, time and memory of a setting."""
     parts = setting.error
     return (
         f"estimated error <= {parts.total:.2g} (truncation {parts.truncation:.1g}, discretisation "

@@ -79,7 +79,7 @@ def plan(scene: Path, threads: int | None, device: str, as_json: bool) -> None: 
 @click.option(
     "--start",
     type=click.Path(path_type=Path),
-    help="A file with a pressure to go on from, such as one that a stopped solve left.",
+    help="A file with a pressure to start from, such as that of a stopped solve.",
 )
 @JSON
 def solve(
@@ -127,7 +127,7 @@ def solve(
 
 
 def _announced(scene: Path, described: cs.SceneFile, on: cs.Cpu | cs.Gpu) -> cs.Plan | None:
-    """Return the plan, None without a curved shape; print its warnings, and its cost where that is large."""
+    """Return the plan, or None without a curved shape; print its warnings, and its cost if that is large."""
     if described.scene.hertz is None:
         return None
     planned = described.plan(on=on)
@@ -142,7 +142,7 @@ def _announced(scene: Path, described: cs.SceneFile, on: cs.Cpu | cs.Gpu) -> cs.
 
 
 def _rollers(scene: cs.Scene, grid: cs.Grid) -> list[str]:
-    """Return whether a profiled roller needs a FiniteLength on a grid, a sentence for each."""
+    """Return a sentence for each profiled roller that ends on or inside a grid, on whether it needs a FiniteLength."""
     if any(isinstance(shape, cs.FiniteLength) for shape in scene.shapes):
         return []
     notes = []
@@ -163,7 +163,7 @@ def _rollers(scene: cs.Scene, grid: cs.Grid) -> list[str]:
 
 
 def _surfaces(described: cs.SceneFile) -> list[str]:
-    """Return what was done to the measured surfaces, a sentence each."""
+    """Return a sentence for each measured surface, on how it was prepared."""
     return [
         f"shapes[{number}]: {shape.description}"
         for number, shape in enumerate(described.scene.shapes)
@@ -218,7 +218,7 @@ def _print(
 
 
 def _device(name: str, threads: int | None) -> cs.Cpu | cs.Gpu:
-    """Return the device of that name."""
+    """Return the device of a name, with a number of threads."""
     if name == "cpu":
         return cs.Cpu(threads or _cores())
     if threads is not None:

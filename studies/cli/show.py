@@ -81,7 +81,7 @@ def show(
 
 
 def _csv(dataset: "xr.Dataset") -> str:
-    """Return a table: a row for each point of a study or instant of a march, or one of a solution's numbers."""
+    """Return a table as CSV, with a row for each point of a study or instant of a march, or one row for a solution."""
     if "case_status" in dataset:
         axes = [str(name) for name in dataset["case_status"].dims]
     else:
@@ -103,12 +103,13 @@ def _csv(dataset: "xr.Dataset") -> str:
 
 
 def _header(dataset: "xr.Dataset", name: str) -> str:
+    """Return the head of a column, with its unit."""
     units = dataset[name].attrs.get("units", "1") if name in dataset.variables else "1"
     return name if units == "1" else f"{name} [{units}]"
 
 
 def _in_words(variable: "xr.DataArray") -> "xr.DataArray":
-    """Return a flag by its meanings, and any other variable as it is."""
+    """Return a flag variable with the meaning of each value, and any other variable unchanged."""
     meanings = str(variable.attrs.get("flag_meanings", "")).split()
     if not meanings:
         return variable
@@ -144,6 +145,7 @@ def _vtk(dataset: "xr.Dataset", stem: Path) -> str:
 
 
 def _edges(centres: np.ndarray) -> np.ndarray:
+    """Return the edges of cells with these centres [m]."""
     if len(centres) == 1:
         return np.array([-0.5, 0.5]) * (abs(float(centres[0])) or 1e-6)
     step = float(centres[-1] - centres[0]) / (len(centres) - 1)

@@ -1,4 +1,4 @@
-"""Solve the scene of a file in a terminal: progress, what is kept when it is stopped, and the outcome."""
+"""Solution of a scene file in a terminal: progress, the pressure kept after a stop, and the outcome."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class SceneOutcome:
 
 
 class SolveProgress:
-    """Residual on its way to the tolerance, and the latest pressure, dimensionless."""
+    """Progress of a solve: its residual beside the tolerance, and its latest pressure, dimensionless."""
 
     def __init__(self, tolerance: float, bar: tqdm[None]) -> None:
         self.tolerance, self._bar = tolerance, bar
@@ -69,7 +69,7 @@ class SolveProgress:
 
 @contextmanager
 def progress(name: str, tolerance: float) -> Iterator[SolveProgress]:
-    """Show a bar in a terminal, and nothing elsewhere."""
+    """Show the progress of a solve as a bar if the output is a terminal."""
     with tqdm(
         total=100, desc=name, bar_format=RESIDUAL_BAR, disable=None, leave=False, delay=1
     ) as bar:

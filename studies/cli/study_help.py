@@ -15,7 +15,7 @@ class StudyCommand(click.Command):
     """A command with an argument ``study``, whose help lists the axes of the study given."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Parse as usual; remember the study first, since help is printed before other arguments are parsed."""
+        """Parse the arguments; the study is stored first, since help is printed before other arguments are parsed."""
         parsed, _, _ = self.make_parser(ctx).parse_args(list(args))
         ctx.meta[STUDY] = parsed.get("study")
         return super().parse_args(ctx, args)
@@ -39,6 +39,7 @@ class StudyCommand(click.Command):
 
 
 def _row(axis: Axis) -> tuple[str, str]:
+    """Return option and help text of an axis."""
     units = "" if axis.units == "1" else f" [{axis.units}]"
     values = ", ".join(str(value) for value in axis.values[:MOST_VALUES])
     if len(axis.values) > MOST_VALUES:

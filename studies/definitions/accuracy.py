@@ -17,11 +17,11 @@ from studies.reference.accuracy.matrix import matrix
 
 points = (Axis("case", tuple(matrix()), "contact with a known truth"),)
 
-# of small grids, and nothing is said about them
+# the grids are small, and their times are not reported
 times = "none"
 
 METRICS = tuple(field.name for field in fields(Errors))
-# A truth that is not known, and so not stored as nan.
+# stored where the true error is not known, since nan marks a failure
 UNKNOWN = -1.0
 KINDS = tuple(dict.fromkeys(case.kind for case in matrix().values()))
 

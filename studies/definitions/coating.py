@@ -1,4 +1,4 @@
-"""Coated bodies: what a layer's thickness and stiffness do to a line contact and below it."""
+"""Coated bodies: effect of the thickness and stiffness of a layer on a line contact and on the stress below it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -125,7 +125,7 @@ class ImageAlone:
         return self.coating.response.contrast * image_cell(x, y, dx, dy, self._depth)
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
-        """Return the coefficients of infinitely many images along y, but for a rigid shift."""
+        """Return the coefficients of infinitely many images along y, up to a rigid shift."""
         return self.coating.response.contrast * image_row(x, y, dx, dy, period, self._depth)
 
     def lattice(
@@ -137,6 +137,7 @@ class ImageAlone:
 
 
 def _image_alone(case: Case, body: CoatedHalfSpace) -> cs.Solution:
+    """Return the solution with the coating replaced by its single image."""
     problem = case.prepare()
     terms = {
         ImageAlone(coefficients)
@@ -149,6 +150,7 @@ def _image_alone(case: Case, body: CoatedHalfSpace) -> cs.Solution:
 
 
 def _reference_error(ratio: float, cells: int) -> float | None:
+    """Return the largest relative error of the peak pressure of the reference contacts; None for a ratio without."""
     errors = []
     for reference_ratio, wide, load, peak in REFERENCE:
         if reference_ratio != ratio:
@@ -164,15 +166,15 @@ def _reference_error(ratio: float, cells: int) -> float | None:
     return max(map(float, errors), default=None)
 
 
-# Widths of the grid in the period that stress at the interface is found on: it errs by (a / period)^2.
+# Period for the stress at the interface, in widths of the grid; its relative error is (a / period)^2.
 PADDED = 32
 
 
 def interface(body: CoatedHalfSpace, pressure: Array, step: float) -> tuple[float, float]:
     """Return the largest shear and tension [Pa] in the coating at the interface, in plane strain.
 
-    By the layered problem itself, wave by wave: Airy functions in the layer and below it, and six
-    conditions (Burmister 1945), not by the coefficients that the contact was solved with.
+    The layered problem is solved for each wave, with Airy functions in the layer and below it and six conditions
+    (Burmister 1945), independently of the coefficients of the contact.
     """
     count = PADDED * pressure.size
     waves = np.fft.rfft(pressure, count)
@@ -181,7 +183,7 @@ def interface(body: CoatedHalfSpace, pressure: Array, step: float) -> tuple[floa
     inside = k < 40
     shear, along = np.zeros(waves.size), np.zeros(waves.size)
     shear[1:][inside], along[1:][inside] = _at_interface(body, k[inside])
-    # the surface goes on beyond the load, so the longest wave is the limit of long ones, and not confined
+    # the mean is the limit of long waves, since the surface continues beyond the load
     along[0] = 2 * along[1] - along[2]
     # s_xz is odd where the pressure is even
     return (
@@ -191,17 +193,18 @@ def interface(body: CoatedHalfSpace, pressure: Array, step: float) -> tuple[floa
 
 
 def _at_interface(body: CoatedHalfSpace, k: Array) -> tuple[Array, Array]:
-    """s_xz and s_xx in the layer at depth h under unit pressure ``cos(q x)``, k = q h; unit wave number."""
+    """Return s_xz and s_xx in the layer at its interface under the pressure ``cos(q x)``, for k = q h."""
     ratio = body.coating.youngs_modulus / body.substrate.youngs_modulus
     ratio *= (1 + body.substrate.poisson_ratio) / (1 + body.coating.poisson_ratio)
     zero, unit = np.zeros_like(k), np.ones_like(k)
     fade = np.exp(-k)
 
     def falling(z: Array, e: Array) -> list[list[Array]]:
-        """phi and three derivatives of ``exp(-z)`` and ``z exp(-z)``, e the exponential."""
+        """Return ``exp(-z)`` and ``z exp(-z)``, each with three derivatives; e is the exponential."""
         return [[e, -e, e, -e], [z * e, (1 - z) * e, (z - 2) * e, (3 - z) * e]]
 
     def rising(z: Array, e: Array) -> list[list[Array]]:
+        """Return ``exp(z)`` and ``z exp(z)``, each with three derivatives; e is the exponential."""
         return [[e, e, e, e], [z * e, (1 + z) * e, (z + 2) * e, (3 + z) * e]]
 
     top = falling(zero, unit) + rising(zero, fade)
@@ -209,6 +212,7 @@ def _at_interface(body: CoatedHalfSpace, k: Array) -> tuple[Array, Array]:
     below = falling(zero, unit)
 
     def rows(d: list[Array], weight: float, nu: float) -> list[Array]:
+        """Return the normal and shear stress and both displacements of an Airy function with three derivatives."""
         return [
             d[0],
             d[1],

@@ -1,4 +1,4 @@
-"""A viscoelastic contact under a load that is held: what accuracy in time costs."""
+"""A viscoelastic contact under a constant load: cost of accuracy in time."""
 
 from collections.abc import Mapping
 from math import inf, pi
@@ -27,12 +27,12 @@ points = (
     Axis("grid", (64, 256), "cells across the width"),
 )
 
-# transform pairs tell the cost, so that nothing is timed
+# the cost is counted in transform pairs, so that nothing is timed
 times = "none"
 
 
 def scene_at(point: Point) -> EvolutionCase:
-    """Return the load held, with steps of one length."""
+    """Return a march under the constant load, with equal steps."""
     steps = whole("steps", point["steps"], 2, "give at least 2 steps")
     cells = whole("grid", point["grid"], 4, "give at least 4 cells across the width")
     times = tuple(np.linspace(0, END, steps + 1).tolist())
@@ -43,7 +43,7 @@ def scene_at(point: Point) -> EvolutionCase:
 def measures(case: EvolutionCase, result: cs.Evolution) -> Mapping[str, xr.Variable]:
     """Return half-width and peak pressure over time, and errors against the closed form."""
     x = case.grid.x
-    # away from the first step, which follows a jump; a whole number of records of every number of steps
+    # records at the same times for every number of steps, without the first step, which follows a jump
     places = np.unique(np.linspace(0, len(result.frames) - 1, RECORDS + 1).round().astype(int))
     frames = [result.frames[place] for place in places]
     time = np.linspace(0, END, RECORDS + 1)

@@ -1,4 +1,4 @@
-"""What each effect costs as it is added to a scene."""
+"""Cost of each effect as it is added to a scene."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -21,6 +21,7 @@ WIDTH, PERIOD = 3.6, 0.9  # half-widths: square cells, a quarter as many along a
 
 
 def _with(scene: cs.Scene, shape: cs.Shape) -> cs.Scene:
+    """Return a scene with a further shape."""
     return replace(scene, shapes=(*scene.shapes, shape))
 
 
@@ -101,7 +102,7 @@ class SolveWithOutputs:
 
 @dataclass(frozen=True)
 class LastStep(EvolutionCase):
-    """A march of which the last step is recorded."""
+    """A march whose last step alone is recorded."""
 
     def record(self, result: cs.Evolution) -> Mapping[str, xr.Variable]:
         """Return the solver's numbers of the last step."""

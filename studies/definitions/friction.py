@@ -1,4 +1,4 @@
-"""Friction: stress under a sliding contact, the zone that sticks, and how far a superposition holds."""
+"""Friction: stress under a sliding contact, the sticking zone, and the error of a superposition."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -32,7 +32,7 @@ points = (
 
 @dataclass(frozen=True)
 class Rough(Case):
-    """A case with the cells of the rough contact beside it."""
+    """A line contact, with the number of cells of the rough contact that is solved beside it."""
 
     cells_rough: int = 48
 
@@ -82,6 +82,7 @@ def measures(case: Rough, solution: cs.Solution) -> Mapping[str, xr.Variable]:
 
 
 def _along(dimension: str, values: object, long_name: str) -> xr.Variable:
+    """Return dimensionless values along a dimension."""
     return xr.Variable((dimension,), np.asarray(values), {"units": "1", "long_name": long_name})
 
 
@@ -109,7 +110,7 @@ def _stress(case: Rough, pressure: Array) -> tuple[list[float], list[float]]:
 
 
 def _sphere(case: Rough, share: float) -> float:
-    """Return the radius that sticks under a sphere over that in contact, both of circles of equal area."""
+    """Return the radius of the sticking zone under a sphere over that of the contact, from their areas."""
     width = 2.5 * A
     n = case.cells_rough
     modulus = case.scene.contact_modulus
@@ -125,7 +126,7 @@ def _sphere(case: Rough, share: float) -> float:
 
 
 def _superposition(case: Rough) -> tuple[float, float]:
-    """Return the error of the superposition of two normal contacts on a rough surface, under half the largest force."""
+    """Return error and transverse shear of the superposition of two normal contacts under half the largest force."""
     rough = cs.Roughness(
         0.3 * A**2 / (2 * HERTZ.radius), hurst=0.8, roll_off=0.8 * A, cut_off=0.2 * A, seed=1
     )

@@ -53,9 +53,9 @@ def operator_at(point: Point) -> OperatorCase:
 
 
 def kernel_error(case: OperatorCase, result: cs.Convolution) -> Mapping[str, xr.Variable]:
-    """Return the largest error of a coefficient that the convolution uses, without a rigid shift of all.
+    """Return the largest error of the coefficients of the convolution, without a common rigid shift.
 
-    In units of ``2 dx dy / L``, the weight of the logarithm: so it is the error of that logarithm.
+    It is over ``2 dx dy / L``, the weight of the logarithm, and thus the error of the logarithm.
     """
     window, exact = (
         kernel(case.grid, across_and_along(padding), Displacement(case.datum))

@@ -1,4 +1,4 @@
-"""What accuracy costs: every mode, n, period, grid, tolerance and solver, as solved and corrected."""
+"""Cost of accuracy: every mode, n, period, grid, tolerance and solver, as solved and corrected."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -29,7 +29,7 @@ points = (
 
 
 def scene_at(point: Point) -> Case:
-    """Return the sweeps' line contact with a solver and a tolerance; of "line" one cell along the length."""
+    """Return the sweeps' line contact with a solver and a tolerance, with one cell along the length for "line"."""
     solver = SOLVERS[one_of("solver", point["solver"], SOLVERS)]
     lined = point["padding"] == LINE
     # one computation for all periods
@@ -41,7 +41,7 @@ def scene_at(point: Point) -> Case:
 
 
 def measures(case: Case, solution: cs.Solution) -> Mapping[str, xr.Variable]:
-    """Return the sweeps' errors against Hertz, and the L1 error with the edge's own error taken off."""
+    """Return the sweeps' errors against Hertz, and the L1 error of the pressure corrected at the edge."""
     hertz = case.scene.hertz
     assert hertz is not None
     true = hertz.pressure(case.grid.x)[:, None]
@@ -50,6 +50,6 @@ def measures(case: Case, solution: cs.Solution) -> Mapping[str, xr.Variable]:
         **line_contact.measures(case, solution),
         "corrected_error_l1": number(
             line_contact.l1_error(corrected, true, line_contact.load_on(case.grid)),
-            "relative L1 error of the pressure, with the edge's own error taken off",
+            "relative L1 error of the pressure, corrected at the edge",
         ),
     }

@@ -1,7 +1,7 @@
-"""This program beside others: time, and error against the same discrete problem solved further.
+"""This program beside others: time, and error against the converged solution of the same discrete problem.
 
-The other programs are optional: ``pip install 'contactstudy[peers]'``. A program that is not there, or
-has no such boundary or no threads, is a failed case that says so.
+The other programs are optional: ``pip install 'contactstudy[peers]'``. A program that is not installed, or
+lacks a boundary condition or threads, is a failed case with a sentence on it.
 """
 
 from collections.abc import Callable, Mapping
@@ -51,7 +51,7 @@ class ProgramRun:
         return cs.Grid(cells=(self.cells, self.cells), extent=(WIDTH * A, WIDTH * A))
 
     def problem(self) -> cs.Problem:
-        """Return the problem as this program has it."""
+        """Return the problem of this package."""
         scene = cs.Scene(SCENE.load, SCENE.solids, (SHAPES[self.boundary],))
         return scene.problem(self.grid, PADDINGS[self.boundary])
 
@@ -77,11 +77,13 @@ class ProgramRun:
 
 
 def _contactstudy(program_run: ProgramRun) -> Callable[[], Array]:
+    """Return the solve of this package, whose result is the pressure (x, y) [Pa]."""
     problem, on = program_run.problem(), cs.Cpu(threads=program_run.threads)
     return lambda: cs.solve(problem, tolerance=TOLERANCE, on=on).pressure
 
 
 def _contact_mechanics(program_run: ProgramRun) -> Callable[[], Array]:
+    """Return the solve of ContactMechanics, whose result is the pressure (x, y) [Pa]."""
     if program_run.threads > 1:
         raise NotImplementedError("ContactMechanics has no threads: it shares work by MPI alone")
     import ContactMechanics as peer
@@ -111,6 +113,7 @@ def _contact_mechanics(program_run: ProgramRun) -> Callable[[], Array]:
 
 
 def _tamaas(program_run: ProgramRun) -> Callable[[], Array]:
+    """Return the solve of tamaas, whose result is the pressure (x, y) [Pa]."""
     import tamaas as peer
 
     if program_run.boundary == "semi-periodic":
@@ -138,6 +141,7 @@ def _tamaas(program_run: ProgramRun) -> Callable[[], Array]:
 
 
 def _aspher(program_run: ProgramRun) -> Callable[[], Array]:
+    """Return the solve of aspher, whose result is the pressure (x, y) [Pa]."""
     import aspher as peer
 
     if program_run.boundary == "semi-periodic":

@@ -1,4 +1,4 @@
-"""A cylinder pressed into a half-space that yields, and lifted off: beside known contacts and a hardness cap."""
+"""A cylinder pressed into a yielding half-space and unloaded, beside known contacts and a hardness."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -42,12 +42,12 @@ points = (
     Axis("grid", (24, 48), "cells across the width"),
 )
 
-# solves tell the cost, so that nothing is timed
+# the cost is counted in solves, so that nothing is timed
 times = "none"
 
 
 def scene_at(point: Point) -> EvolutionCase:
-    """Return a march that loads by equal steps, then unloads in one."""
+    """Return a march that loads in equal steps and unloads in one step."""
     peak = positive("pressure", point["pressure"], "give a peak pressure above 0 yield stresses")
     hardening = non_negative("hardening", point["hardening"], "give a modulus from 0 on")
     steps = whole("steps", point["steps"], 2, "give at least 2 steps")
@@ -64,7 +64,7 @@ def scene_at(point: Point) -> EvolutionCase:
 
 
 def measures(case: EvolutionCase, result: cs.Evolution) -> Mapping[str, xr.Variable]:
-    """Return the contact under the largest load, the dent it leaves, and both with a hardness in place of yield."""
+    """Return the contact under the largest load and the remaining dent, and both with a hardness in place of yield."""
     peak = case.scene.load.largest * 2 / pi
     x = case.grid.x
     loaded, last = result.frames[-2:]
@@ -133,9 +133,11 @@ def _capped(case: EvolutionCase) -> cs.Solution:
 
 
 def _half_width(pressure: Array, x: Array) -> float:
+    """Return the half-width of the contact."""
     return float(half_widths(pressure, x)[0])
 
 
 def _dent(surface: Array, x: Array) -> float:
+    """Return the depth of the surface on the axis below that at the distance FAR."""
     middle, far = np.interp((0.0, FAR), x, surface)
     return float(middle - far)

@@ -1,4 +1,4 @@
-"""Rough surfaces: how far the smooth contact's answer shifts, and what each padding adds to that."""
+"""Rough surfaces: change of the contact by roughness, and the error of each padding."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -50,7 +50,7 @@ ERRORS = {
 
 @dataclass(frozen=True)
 class PaddingComparison:
-    """A surface with exact periodicity, and the number of images of the paddings held against it."""
+    """A contact with exact periodicity, and the number of images of the paddings compared with it."""
 
     exact: Case
     images: int
@@ -60,7 +60,7 @@ class PaddingComparison:
         return self.exact.prepare()
 
     def run(self, prepared: cs.Problem) -> cs.Solution:
-        """Solve the exact case: the cost of the others is the subject of other studies."""
+        """Solve the exact case; other studies measure the cost of the others."""
         return self.exact.run(prepared)
 
     def record(self, result: cs.Solution) -> Mapping[str, xr.Variable]:
@@ -69,7 +69,7 @@ class PaddingComparison:
 
 
 def scene_at(point: Point) -> PaddingComparison:
-    """Return the sweeps' cylinder with a rough surface on it; with zero rms, all other choices are one case."""
+    """Return the sweeps' cylinder with a rough surface; with zero rms all surfaces are one case."""
     rms = non_negative("rms", point["rms"], "give an rms height of 0 or more")
     cells = whole("grid", point["grid"], 2, "give at least 2 cells across the width")
     period = positive("period", point["period"], "give a period above 0 half-widths")
@@ -93,7 +93,7 @@ def scene_at(point: Point) -> PaddingComparison:
 
 
 def measures(case: PaddingComparison, solution: cs.Solution) -> Mapping[str, xr.Variable]:
-    """Return the answer with every padding, and its error against the exact one on this surface and grid."""
+    """Return the solution with every padding, and its error against exact periodicity on this surface and grid."""
     exact = case.exact
     flat = replace(exact, scene=SCENE, grid=replace(exact.grid, cells=(exact.grid.cells[0], 1)))
     smooth = flat.run(flat.prepare()).pressure
@@ -112,7 +112,7 @@ def measures(case: PaddingComparison, solution: cs.Solution) -> Mapping[str, xr.
                 )
             }
         )
-        # without images the length is cut off, which is what is compared here
+        # zero padding cuts off the length, so that contact at its ends is no failure
         whole_width = not answer.pressure[list(answer.problem.open_edges)].any()
         solved = answer.status in (cs.Status.CONVERGED, cs.Status.CONTACT_AT_EDGE)
         ends.append(solved and whole_width)
@@ -133,10 +133,10 @@ def measures(case: PaddingComparison, solution: cs.Solution) -> Mapping[str, xr.
 
 
 def _more_curved(exact: Case, problem: cs.Problem, padding: cs.Padding) -> cs.Solution:
-    """Solve with exact periodicity on the more curved cylinder that a window of images stands for.
+    """Solve with exact periodicity on a cylinder with the additional curvature that a window of images causes.
 
     Beyond the window's reach D the logarithm lacks ``(x - x')^2 / (2 D^2)``. Under the load of any pressure
-    that is one parabola and a tilt, so the law knows nothing of the surface.
+    that is a parabola and a tilt, whatever the surface.
     """
     curvature = 2 * truncation_error(HERTZ.half_width, padding.reach(exact.grid.period))
     opened = sum(shape.gap(exact.grid) for shape in SCENE.shapes) * curvature
@@ -144,6 +144,7 @@ def _more_curved(exact: Case, problem: cs.Problem, padding: cs.Padding) -> cs.So
 
 
 def _answers(pressure: Array, smooth: Array, grid: cs.Grid) -> dict[str, float]:
+    """Return the quantities of ``ANSWERS`` of a pressure (x, y)."""
     load = pressure.sum(axis=0)
     touched = np.abs(grid.x)[(pressure > 0).any(axis=1)]
     return {
@@ -157,6 +158,7 @@ def _answers(pressure: Array, smooth: Array, grid: cs.Grid) -> dict[str, float]:
 
 
 def _errors(pressure: Array, exact: Array, grid: cs.Grid) -> dict[str, float]:
+    """Return the errors of a pressure (x, y) against that with exact periodicity."""
     return {
         "pressure_error_l1": l1_error(pressure, exact, exact.sum()),
         "half_width_error": _half_width(pressure, grid) / _half_width(exact, grid) - 1,

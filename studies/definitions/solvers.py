@@ -60,12 +60,12 @@ def measures(case: Case, result: cs.Solution) -> Mapping[str, xr.Variable]:
     }
 
 
-# Iterations after which a solve holds no more than before: all its fields are there after the second.
+# Iterations after which the memory of a solve does not grow: all fields are allocated after the second.
 ENOUGH = 3
 
 
 def peak_bytes(compute: Callable[[], object]) -> int:
-    """Return the largest number of bytes that ``compute`` holds of what Python and numpy take."""
+    """Return the peak memory [bytes] that Python and numpy allocate in `compute`."""
     tracemalloc.start()
     try:
         compute()

@@ -1,4 +1,4 @@
-"""Hard cases: how each ended, with every padding and both solvers, and how far from the right answer."""
+"""Hard cases: status and error with every padding and both solvers."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -25,12 +25,12 @@ points = (
     Axis("solver", tuple(SOLVERS), "solver"),
 )
 
-# of small grids, and nothing is said about them
+# the grids are small, and their times are not reported
 times = "none"
 
 
-# What became of a case: its error is within what is stated, or a status says why there is no answer, or
-# neither; or the question makes no sense with that padding.
+# Verdicts: the error is within the stated one; a status explains why there is no solution; neither; or the case does
+# not apply to the padding.
 VERDICTS = ("within_stated_error", "explained_by_status", "wrong", "not_applicable")
 
 
@@ -44,7 +44,7 @@ class HardCaseRun:
 
     @property
     def applies(self) -> bool:
-        """Return whether the case makes sense with this padding."""
+        """True if the case applies to this padding."""
         return self.padding in CASES[self.case].paddings
 
     def prepare(self) -> cs.Problem:

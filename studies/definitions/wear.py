@@ -1,4 +1,4 @@
-"""A cylinder that wears to twice its half-width and more: implicit and explicit steps, error against cost."""
+"""A cylinder that wears to more than twice its half-width: error against cost of implicit and explicit steps."""
 
 from collections.abc import Mapping
 from functools import cache
@@ -36,12 +36,12 @@ points = (
     Axis("grid", (64,), "cells across the width"),
 )
 
-# solves tell the cost, so that nothing is timed
+# the cost is counted in solves, so that nothing is timed
 times = "none"
 
 
 def scene_at(point: Point) -> EvolutionCase:
-    """Return a march by steps of one length, from the unworn cylinder on."""
+    """Return a march in equal steps from the unworn cylinder."""
     scheme = one_of("scheme", point["scheme"], SCHEMES)
     steps = whole("steps", point["steps"], 2, "give at least 2 steps")
     cells = whole("grid", point["grid"], 4, "give at least 4 cells across the width")
@@ -49,6 +49,7 @@ def scene_at(point: Point) -> EvolutionCase:
 
 
 def _case(cells: int, steps: int, scheme: str) -> EvolutionCase:
+    """Return a march in equal steps with a scheme."""
     times = tuple(np.linspace(0, DISTANCE, steps + 1).tolist())
     grid = cs.Grid((cells, 1), (WIDTH, 1.0))
     return EvolutionCase(

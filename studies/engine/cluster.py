@@ -1,7 +1,7 @@
 """Cases through dask.distributed: on threads of this process by default, or on the workers of any scheduler.
 
-Each thread of a dask worker drives a supervised process of its own, since dask has no time limit of a task, and gives
-up innocent tasks beside one that kills its worker.
+Each thread of a dask worker drives a supervised process of its own, since dask has no time limit for a task, and gives
+up other tasks beside one that kills its worker.
 """
 
 import logging
@@ -86,7 +86,7 @@ ELSEWHERE = Supervisors()
 def compute_batch(
     token: str, work: bytes, batch: bytes, names: Sequence[str], expected: Mapping[str, str]
 ) -> list[Outcome]:
-    """Compute a batch of cases on a dask worker, in a process that stays for the next batch.
+    """Compute a batch of cases on a dask worker, in a process that is kept for the next batch.
 
     Returns fewer outcomes than ``names`` where the run is over, or where the cases cannot be read together.
     """
@@ -110,7 +110,7 @@ def compute_batch(
 class Cluster:
     """An executor on dask, in a ``with`` statement.
 
-    The processes that compute stay from one study to the next. If one dies, its case alone is lost; if a dask
+    The worker processes are kept from one study to the next. If one dies, its case alone is lost; if a dask
     worker is lost, the scheduler gives its cases to another.
 
     Parameters

@@ -1,4 +1,4 @@
-"""Ctrl-C, and the signals that end a process, end a run where nothing is half done."""
+"""Signals that stop a run, such as Ctrl-C, at a point where all results are stored."""
 
 import signal
 import threading
@@ -9,13 +9,13 @@ from typing import Any, Self
 
 from studies.engine.workers.compute import StopRun
 
-# those that this system has
+# the signals of this system
 SIGNALS = tuple(
     getattr(signal, name)
     for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
     if hasattr(signal, name)
 )
-PATIENCE = 3  # times that somebody asks before the process ends wherever it is
+PATIENCE = 3  # signals after which the process ends at once
 
 
 class Stop:
@@ -35,7 +35,7 @@ class Stop:
         if threading.current_thread() is threading.main_thread():
             for number in SIGNALS:
                 before = signal.getsignal(number)
-                # what is ignored (nohup) stays so, and a handler of the caller's stays his
+                # ignored signals (nohup) stay ignored, and a handler of the caller is kept
                 if before in (signal.SIG_DFL, signal.default_int_handler):
                     self._before[number] = signal.signal(number, self._note)
         return self

@@ -1,4 +1,4 @@
-"""The time limit of a case: its alarm, the deadline of its supervisor, the limit of a timed run, what is said of it."""
+"""The time limit of a case: its alarm, the deadline of its supervisor, the limit of a timed run, and its message."""
 
 import signal
 import threading
@@ -15,7 +15,7 @@ CAN_INTERRUPT = hasattr(signal, "setitimer")
 
 
 class TimeLimitError(BaseException):
-    """Raised in a case that takes too long; no Exception, so that a study's own code does not catch it."""
+    """Raised in a case that takes too long; not an Exception, so that code of a study does not catch it."""
 
 
 @contextmanager

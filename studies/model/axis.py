@@ -1,4 +1,4 @@
-"""Axes of a study: their values, and how a user writes them."""
+"""Axes of a study: their values, and the notation of values in text."""
 
 import math
 import re
@@ -209,7 +209,7 @@ def _shortened(value: object) -> str:
 
 
 def _without_rounding(values: Sequence[Value]) -> list[Value]:
-    """Return, for each number, the first in ``values`` that differs from it by rounding alone."""
+    """Return, for each number, the first in `values` that is equal to it up to rounding."""
     numbers = [float(value) for value in values]
     span = max(numbers) - min(numbers)
     groups: list[list[int]] = []

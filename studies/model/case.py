@@ -1,4 +1,4 @@
-"""Computations of a study: values that say what to compute, and how accurately."""
+"""Computations of a study, as values that define the contact and the accuracy."""
 
 from collections.abc import Hashable, Mapping
 from dataclasses import asdict, dataclass, field

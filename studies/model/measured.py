@@ -93,8 +93,8 @@ def _variable(name: object, value: object, source: str, taken: frozenset[str]) -
     if name in taken:
         raise InvalidInput(f"{source} gives {name!r}: this name is taken, choose another.")
 
-    def refuse(found: object, remedy: str) -> InvalidInput:
-        return InvalidInput(f"{source} gives {name!r} as {_short(found)}: {remedy}.")
+    def refuse(wrong: object, remedy: str) -> InvalidInput:
+        return InvalidInput(f"{source} gives {name!r} as {_short(wrong)}: {remedy}.")
 
     if isinstance(value, xr.DataArray):
         value = value.variable

@@ -227,20 +227,16 @@ def timing_variables(
 
     def seconds(attribute: str) -> np.ndarray:
         rows = [[getattr(sample, attribute) for sample in runs] for runs in samples]
-        filled = [row + [np.nan] * (repeats - len(row)) for row in rows]
-        return np.array(filled, dtype=float).reshape(len(samples), repeats)
+        filled = [row + [np.nan] * (max(repeats, 1) - len(row)) for row in rows]
+        return np.array(filled, dtype=float).reshape(len(samples), max(repeats, 1))
 
     def variable(values: np.ndarray, what: str, *further_dims: str) -> xr.Variable:
         return xr.Variable(names + further_dims, values[index], {"units": "s", "long_name": what})
 
     for part, what in PARTS.items():
-        wall, cpu = seconds(part), seconds(f"{part}_cpu")
-        least, middle, least_cpu = np.full((3, len(samples)), np.nan)
-        for row, runs in enumerate(samples):
-            if runs:
-                chosen = wall[row, : len(runs)]
-                least[row], middle[row] = chosen.min(), np.median(chosen)
-                least_cpu[row] = cpu[row, chosen.argmin()]
+        wall, cpu = np.ma.masked_invalid(seconds(part)), seconds(f"{part}_cpu")
+        least, middle = (np.ma.filled(of(wall, axis=1), np.nan) for of in (np.ma.min, np.ma.median))
+        least_cpu = np.take_along_axis(cpu, wall.argmin(axis=1)[:, None], axis=1)[:, 0]
         name = f"{part}_time"
         data[name] = variable(least, f"wall time {what}, one case at a time, least of the repeats")
         data[f"{name}_median"] = variable(middle, f"wall time {what}, median of the repeats")
@@ -248,7 +244,7 @@ def timing_variables(
             least_cpu, f"CPU time {what}, in the repeat of least wall time"
         )
         if repeats:
-            data[f"{name}_all"] = variable(wall, f"wall time {what}, every repeat", "repeat")
+            data[f"{name}_all"] = variable(wall.data, f"wall time {what}, every repeat", "repeat")
     pace = min((sample.pace for runs in samples for sample in runs), default=np.inf)
     marks = [
         int(is_contended(runs, pace)) if runs else CONTENDED.index("not_timed") for runs in samples

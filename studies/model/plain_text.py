@@ -20,7 +20,7 @@ def one_line(text: object, longest: int = LONGEST) -> str:
     except Exception as error:  # noqa: BLE001 (an error whose own __str__ raises)
         return f"(no text: its __str__ raises {type(error).__name__})"
     raw, is_cut = raw[:longest], len(raw) > longest
-    shown = _CONTROL.sub(lambda found: ascii(found[0])[1:-1], re.sub(r"\s*[\n\r\t]\s*", " ", raw))
+    shown = _CONTROL.sub(lambda match: ascii(match[0])[1:-1], re.sub(r"\s*[\n\r\t]\s*", " ", raw))
     return shown + (" ..." if is_cut else "")
 
 

@@ -1,1 +1,1 @@
-"""What answers are compared with: the smooth line contact, the dense solver, hard cases. May import `model`."""
+"""References for solutions: the smooth line contact, the dense solver, hard cases. May import `model`."""

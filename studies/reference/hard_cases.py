@@ -28,6 +28,8 @@ from studies.reference.line_contact import SCENE, STEEL
 
 
 def _distance() -> dict[str, HardCase]:
+    """Return contacts with extreme periods, aspects and numbers of cells."""
+
     def case(hard: str, cells: tuple[int, int], width: float, period: float) -> HardCase:
         ends = AT_EDGE if cells[0] < 4 else ENDED
         return HardCase("distance", hard, SCENE, grid(cells, width, period), ends)
@@ -50,6 +52,8 @@ def _distance() -> dict[str, HardCase]:
 
 
 def _load() -> dict[str, HardCase]:
+    """Return contacts with extreme loads and contact areas."""
+
     def case(hard: str, scene: cs.Scene, on: cs.Grid, ends: frozenset[cs.Status]) -> HardCase:
         return HardCase("load", hard, scene, on, ends)
 
@@ -88,6 +92,8 @@ def _load() -> dict[str, HardCase]:
 
 
 def _material() -> dict[str, HardCase]:
+    """Return contacts with extreme moduli, Poisson's ratios and hardnesses."""
+
     def pair(first: cs.HalfSpace, second: cs.HalfSpace) -> cs.Scene:
         return replace(SCENE, solids=(first, second))
 
@@ -144,6 +150,8 @@ def _material() -> dict[str, HardCase]:
 
 
 def _surface() -> dict[str, HardCase]:
+    """Return contacts with steps, spikes and rough surfaces."""
+
     def case(hard: str, heights: Array, width: float = 2.4) -> HardCase:
         return HardCase("surface", hard, bumpy(heights), grid(heights.shape, width), AT_EDGE)
 
@@ -173,16 +181,19 @@ def _surface() -> dict[str, HardCase]:
 
 
 def _corner(problem: cs.Problem, solver: cs.Solver) -> Array:
+    """Return a pressure on one corner cell."""
     pressure = np.zeros_like(problem.undeformed_gap)
     pressure[0, 0] = 1.0
     return pressure
 
 
 def _interrupted(problem: cs.Problem, solver: cs.Solver) -> Array:
+    """Return the pressure after five iterations."""
     return cs.solve(problem, max_iterations=5, solver=solver).pressure
 
 
 def _solver() -> dict[str, HardCase]:
+    """Return contacts with extreme tolerances, limits and starts."""
     rough = HardCase("solver", "", bumpy(3 * ROUGH), grid(), AT_EDGE)
     limited = frozenset({cs.Status.ITERATION_LIMIT})
     # heights of 0.1 flatten at four times their load

@@ -21,7 +21,7 @@ FLATTENING = HERTZ.half_width**2 / (
     2 * HERTZ.radius
 )  # [m], height of the cylinder over the contact
 WIDTH = 2.4  # of the domain, in half-widths: the paper's choice
-# Where nothing varies along the length one cell stands for all of it, whatever the period.
+# mode with one cell along a length on which nothing varies, whatever the period
 LINE = "line"
 
 PADDINGS: dict[str, Callable[[int], cs.Padding]] = {
@@ -33,7 +33,7 @@ PADDINGS: dict[str, Callable[[int], cs.Padding]] = {
 }
 
 
-# Those that count images, and so have an n.
+# paddings with a number n of images
 COUNTS_IMAGES = frozenset(name for name, make in PADDINGS.items() if make(0) != make(1))
 
 
@@ -44,7 +44,7 @@ def axes(
     period: tuple[float, ...] = (2.4,),
     grid: tuple[int, ...] = (128,),
 ) -> tuple[Axis, ...]:
-    """Return the four axes of a sweep, at the paper's setting unless told otherwise."""
+    """Return the four axes of a sweep, by default at the paper's setting."""
     return (
         Axis("padding", padding, "representation of the periodic direction"),
         Axis("images", images, "periods superposed on each side"),
@@ -54,13 +54,13 @@ def axes(
 
 
 def padding_at(padding: str, images: int) -> cs.Padding:
-    """Return the padding of that name; ``images`` matters to those that count them."""
+    """Return the padding of a name, with a number of images where it has one."""
     make = PADDINGS[one_of("padding", padding, PADDINGS)]
     return make(whole("images", images, 0, "give a whole number of periods from 0 on"))
 
 
 def scene_at(point: Point) -> Case:
-    """Return a steel cylinder on a steel flat, square numbers of cells, the period in half-widths."""
+    """Return a steel cylinder on a steel flat, with as many cells across as along, and the period in half-widths."""
     cells = whole("grid", point["grid"], 2, "give at least 2 cells across the width")
     period = positive("period", point["period"], "give a period above 0 half-widths")
     a = HERTZ.half_width
@@ -93,7 +93,7 @@ def measures(case: Case, solution: cs.Solution) -> Mapping[str, xr.Variable]:
         ),
         "corrected_error_max": number(
             float(np.abs(corrected_pressure(pressure) - true).max()),
-            "largest pressure error over Hertz peak pressure, with the edge's own error taken off",
+            "largest pressure error over Hertz peak pressure, corrected at the edge",
         ),
         "pressure_error_l1": number(
             l1_error(solution.pressure, hertz.pressure(grid.x)[:, None], load_on(grid, hertz)),
@@ -122,17 +122,17 @@ def load_on(grid: cs.Grid, hertz: cs.analytic.HertzLine = HERTZ) -> float:
 
 
 def covers(dataset: xr.Dataset, names: set[str], **values: set[float]) -> bool:
-    """Return whether a sweep has these paddings and values of its axes, and all its cases came to an end.
+    """Return whether a sweep has these paddings and values of its axes, and all its cases have numbers.
 
-    A finding about cases that are missing is left out: a sentence that fits any numbers says nothing.
+    Findings are left out otherwise.
     """
     has_values = all(
         needed <= set(dataset[axis].values.tolist()) for axis, needed in values.items()
     )
-    held_paddings = {str(name) for name in dataset["padding"].values}
+    present_paddings = {str(name) for name in dataset["padding"].values}
     return (
         has_values
-        and names <= held_paddings
+        and names <= present_paddings
         and bool((dataset["case_status"] == CaseStatus.OK).all())
     )
 

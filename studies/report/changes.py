@@ -1,4 +1,4 @@
-"""What changed from one run of a study to another."""
+"""Differences between two runs of a study."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""The chapters of the report: the studies of each, over which axes they run there, and what of them is shown."""
+"""Chapters of the report: their studies, the values of the axes, and the figures shown."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -21,7 +21,7 @@ SECONDS = {
 
 @dataclass(frozen=True)
 class Part:
-    """A study in a chapter: other values of its ``axes`` there, and which of its ``figures`` are shown (None: all).
+    """A study in a chapter, with other values of its `axes`, and the names of the `figures` shown (None for all).
 
     Each case is timed at most ``repeats`` times: twice where a front of error against time is shown.
     """
@@ -104,7 +104,7 @@ CHAPTERS = {
 
 
 def chapters(names: Sequence[str]) -> Sequence[Chapter]:
-    """Return the chapters of these names, each of which may be "all" or a study; the main one for none.
+    """Return the chapters of some names, which may also be "all" or studies; the main chapter for no name.
 
     Raises :class:`~contactstudy.InvalidInput` for a name that is neither.
     """
@@ -120,6 +120,7 @@ def single(name: str) -> Chapter:
 
 
 def _chapter(name: str) -> Chapter:
+    """Return the chapter of a name, which may also be a study."""
     if name in CHAPTERS:
         return CHAPTERS[name]
     studies = (*BUILT_IN, *OPTIONAL)

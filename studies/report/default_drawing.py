@@ -1,4 +1,4 @@
-"""Figures of any study, chosen by what was varied: curves for one axis, families for two, maps on request."""
+"""Figures of any study by its varied axes: curves for one axis, families of curves for two, maps on request."""
 
 import tomllib
 from collections.abc import Sequence
@@ -59,25 +59,25 @@ def _figures(dataset: xr.Dataset, kind: str) -> Sequence[CaptionedFigure]:
         figure, panes = panels(len(names), columns=min(3, len(names)))
         for name, ax in zip(names, panes, strict=True):
             (_map if is_map else _curve)(ax, good.sel(at)[name], shown)
-        parts = [str(dataset.attrs.get("title", "Study")), place, _held(dataset, axes)]
+        parts = [str(dataset.attrs.get("title", "Study")), place, _constants(dataset, axes)]
         caption = f"{'; '.join(part for part in parts if part)}."
         figures.append(captioned(f"{stem}-{number}" if further else stem, figure, caption))
     return figures
 
 
-def _held(dataset: xr.Dataset, axes: Sequence[str]) -> str:
-    """Return what the scene of a sweep holds constant of its hardness, load and speed, as its file has it."""
+def _constants(dataset: xr.Dataset, axes: Sequence[str]) -> str:
+    """Return hardness, load and speed of the scene of a sweep that are not varied, as written in its file."""
     try:
         scene = tomllib.loads(str(dataset.attrs.get("scene", "")))
     except tomllib.TOMLDecodeError:  # a scene in Python
         return ""
-    held = {"hardness": scene.get("hardness")}
+    constants = {"hardness": scene.get("hardness")}
     for table, key in (("load", "total"), ("load", "per_length"), ("rolling", "speed")):
         entries = scene.get(table)
-        held[f"{table} {key}"] = entries.get(key) if isinstance(entries, dict) else None
+        constants[f"{table} {key}"] = entries.get(key) if isinstance(entries, dict) else None
     return ", ".join(
         f"{name.replace('_', ' ')} {value}"
-        for name, value in held.items()
+        for name, value in constants.items()
         if isinstance(value, str | float | int) and name.replace(" ", "_") not in axes
     )
 

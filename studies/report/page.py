@@ -1,4 +1,4 @@
-"""Stored studies -> figures -> self-contained pages, one for each chapter."""
+"""Pages of the report: figures from stored studies, in one self-contained page for each chapter."""
 
 import base64
 from collections.abc import Iterable, Mapping, Sequence
@@ -70,9 +70,9 @@ def draw(
 
 
 def stored(study: Study, out: Path) -> xr.Dataset:
-    """Return what is stored of ``study``.
+    """Return the stored Dataset of a study.
 
-    Raises :class:`~contactstudy.InvalidInput` where that has other axes, as of an earlier version.
+    Raises :class:`~contactstudy.InvalidInput` for a file with other axes, such as one of an earlier version.
     """
     path = out / f"{study.name}.nc"
     dataset = read(path)
@@ -89,7 +89,7 @@ def stored(study: Study, out: Path) -> xr.Dataset:
 def section(
     part: Part, dataset: xr.Dataset, out: Path, formats: Sequence[str] = FORMATS
 ) -> Section:
-    """Draw what a chapter shows of a study, and return it with what the study says."""
+    """Draw the part of a study that a chapter shows, and return it with findings and tables."""
     study, drawing = part.study(), load_drawing(part.name)
     if not (dataset["case_status"] == CaseStatus.OK).any():
         drawing = NOTHING_TO_DRAW
@@ -173,7 +173,7 @@ def write_page(
 
 
 def write_stored(out: Path, done: Iterable[Chapter] = ()) -> Sequence[Path]:
-    """Write the pages of all other chapters whose data are stored, where there is none or data are newer."""
+    """Write the pages of all other chapters whose data are stored, if a page is missing or older than its data."""
     pages = []
     for chapter in [*CHAPTERS.values(), *map(single, BUILT_IN)]:
         files = [out / f"{part.name}.nc" for part in chapter.parts]
@@ -204,6 +204,7 @@ def swept(study: Study, dataset: xr.Dataset) -> str:
 
 
 def _check(figures: object, name: str) -> None:
+    """Raise InvalidInput unless a study's figures are a sequence of CaptionedFigure."""
     is_row = isinstance(figures, list | tuple)
     if not is_row or not all(isinstance(figure, CaptionedFigure) for figure in figures):  # type: ignore[attr-defined]
         raise InvalidInput(
@@ -241,6 +242,7 @@ def _embedded(
 
 
 def _is_claim(finding: Finding) -> bool:
+    """Return whether a finding is about a claim of the paper."""
     return finding.question.startswith(CLAIM)
 
 

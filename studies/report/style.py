@@ -105,7 +105,7 @@ def paddings(dataset: xr.Dataset) -> list[str]:
 
 
 def variation_text(dataset: xr.Dataset) -> str:
-    """Return in words by how much the pressure of one setting varies along the length."""
+    """Return a text with the variation of the pressure of a setting along the length."""
     variation = float(dataset["length_variation"])
     return f"{percent(variation)} of p_{{H}}" if variation > 1e-12 else "rounding only"
 
@@ -120,14 +120,11 @@ def power(base: str, exponent: float, digits: int = 2) -> str:
 
 def marked(text: str) -> Markup:
     """Return ``text`` as HTML, with its marks for indices and powers as tags."""
-
-    def tag(mark: re.Match[str]) -> str:
-        name = "sub" if mark[1] == "_" else "sup"
-        return f"<{name}>{mark[2]}</{name}>"
-
-    return Markup(MARK.sub(tag, str(escape(text))))
+    tags = {"_": "sub", "^": "sup"}
+    html = MARK.sub(lambda mark: f"<{tags[mark[1]]}>{mark[2]}</{tags[mark[1]]}>", str(escape(text)))
+    return Markup(html)
 
 
 def plain(text: str) -> str:
-    """Return ``text`` without marks, for places that cannot show them."""
+    """Return a text without its marks, for plain text."""
     return MARK.sub(r"\1\2", text)

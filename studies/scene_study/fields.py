@@ -156,7 +156,7 @@ def _at(document: Document, path: Path) -> SceneField:
 
 
 def _is_of_file(value: object, part: str) -> bool:
-    """Return whether a key of a measured surface stands in its file only."""
+    """Return whether a key of a measured surface is known from its file only."""
     return isinstance(value, MeasuredSurface) and part in OF_FILE
 
 

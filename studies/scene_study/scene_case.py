@@ -131,7 +131,7 @@ class MarchedFilm(FileCase):
     """A lubricated scene that changes in time, as a computation of a sweep."""
 
     def record(self, result: cs.FilmEvolution) -> Mapping[str, xr.Variable]:  # type: ignore[override]
-        """Return the numbers of the iteration over all steps, and the gravest status."""
+        """Return the numbers of the iteration over all steps, and the worst status."""
         return {
             "solver_status": film_status(result.status),
             "iterations": number(result.iterations, "steps of Newton's method"),
@@ -141,7 +141,7 @@ class MarchedFilm(FileCase):
 
 
 def _fields(dataset: xr.Dataset) -> Mapping[str, xr.Variable]:
-    """Return the variables with dimensions, less the displacement, which the gap contains."""
+    """Return the variables with dimensions, without the displacement, which follows from the gap."""
     names = [name for name, variable in dataset.variables.items() if variable.ndim]
     return {str(name): dataset[name].variable for name in names if name != "displacement"}
 
@@ -155,7 +155,7 @@ class _Last:
         self.solved: list[tuple[float, Array, Array]] = []
 
     def problem_like(self, case: SceneCase) -> cs.Problem:
-        """Return the problem of a case but for its load, which is the last one where possible."""
+        """Return the problem of a case with another load; the last problem if it differs in the load alone."""
         kind = (replace(case.scene, load=_at_half_width(case)), case.grid, case.padding)
         if self.problem is None or kind != self.kind:
             self.kind, self.problem, self.solved = None, None, []

@@ -30,7 +30,7 @@ from studies.scene_study.variation import Variation, together, variation
 def posed(points: Sequence[SceneFile]) -> tuple[list[Case], tuple[str, ...]]:
     """Return every point on its grid, and notes on the grids.
 
-    Points whose file says the same of the grid and of the plan share a grid: the width of the widest, the
+    Points with the same grid and plan settings in their file share a grid, with the width of the widest and the
     cells of the finest. Random surfaces without an extent get that of the widest grid, so that each is
     the same surface at all points.
 
@@ -100,8 +100,8 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
         ]
         return [_grid_of_plan(point) for point in points], notes
     if first.grid is not None:
-        given = f"grid {_size_text(first.grid)}, given, for {_counted(points)}"
-        return [first.grid] * len(points), [given]
+        note = f"grid {_size_text(first.grid)}, given, for {_counted(points)}"
+        return [first.grid] * len(points), [note]
     needs = [needs_of(point.scene) for point in points]
     planned = _planned(points, needs)
     width = max(grid.extent[0] for grid in planned)
@@ -150,7 +150,7 @@ PLANNED = 8
 
 
 def _planned(points: Sequence[SceneFile], needs: Sequence[Needs]) -> list[cs.Grid]:
-    """Return a grid for each point: its plan's, or for many points, with the finest cells of the plans of some."""
+    """Return a planned grid for each point; of many points some are planned, and their finest cells are used for all."""
     if len(points) <= PLANNED:
         return [_grid_of_plan(point) for point in points]
     by_width = sorted(range(len(points)), key=lambda number: needs[number].half_width)
@@ -182,7 +182,7 @@ def _fitting(grid: cs.Grid, point: SceneFile) -> cs.Grid:
 
 
 def _extent(grids: Sequence[cs.Grid]) -> tuple[tuple[float, float] | None, list[str]]:
-    """Return the extent of random surfaces that name none, and a note on it; None where the periods differ."""
+    """Return the extent of random surfaces without one, and a note on it; None if the periods have no common part."""
     width, period = max(grid.extent[0] for grid in grids), min(grid.period for grid in grids)
     if any(abs(grid.period / period - round(grid.period / period)) > 1e-9 for grid in grids):
         differ = (
@@ -205,7 +205,7 @@ def _counted(points: Sequence[SceneFile]) -> str:
     return f"{len(points)} points" if len(points) > 1 else "1 point"
 
 
-ORDER = ("file", "window", "turn")  # what makes a surface comes before what is done with it
+ORDER = ("file", "window", "turn")  # a surface is read before it is cut and turned
 MOST = 100_000
 
 

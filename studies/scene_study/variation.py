@@ -355,7 +355,7 @@ def _surfaces(
     if not isinstance(items, Iterable):
         items = [items]
     values: dict[Value, Any] = {}
-    for number, item in enumerate(_found(items, folder)):
+    for number, item in enumerate(_resolved(items, folder)):
         surface = _surface(item, present)
         name = Path(item).name if isinstance(item, str | Path) else getattr(item, "name", None)
         name = str(name or (Path(surface.file).name if surface.file else f"surface {number}"))
@@ -368,8 +368,8 @@ def _surfaces(
     return Variation(axis, ((field, values),))
 
 
-def _found(items: Iterable[Any], folder: Path) -> list[Any]:
-    """Return surfaces with the files that patterns match, and with the entries of containers."""
+def _resolved(items: Iterable[Any], folder: Path) -> list[Any]:
+    """Return surfaces with patterns replaced by the files that they match, and containers by their entries."""
     surfaces: list[Any] = []
     for item in items:
         if not isinstance(item, str | Path):

@@ -85,7 +85,7 @@ def study_fingerprint(study: Study, kinds: Iterable[type]) -> dict[str, str]:
 
 
 def _function(function: object) -> str:
-    """Return what tells a function from the others of its module: its name, defaults, and what it closes over."""
+    """Return the identity of a function within its module: its name, its defaults and its closure."""
     named = function if hasattr(function, "__qualname__") else type(function)
     values = [getattr(function, "__defaults__", None), getattr(function, "__kwdefaults__", None)]
     with suppress(ValueError):  # a name that is not bound yet
@@ -94,7 +94,7 @@ def _function(function: object) -> str:
     for value in values:
         with suppress(InvalidInput):
             constants.append(text(canonical(value)))
-    if "<lambda>" in named.__qualname__:  # which have their places alone
+    if "<lambda>" in named.__qualname__:  # which differ in their line alone
         constants.append(str(getattr(getattr(function, "__code__", None), "co_firstlineno", 0)))
     return f"{named.__module__}.{named.__qualname__} {_hash(*constants)}"
 
@@ -105,7 +105,7 @@ def agree(stored: Mapping[str, str], now: Mapping[str, str]) -> bool:
 
 
 def disagreements(stored: Mapping[str, str], now: Mapping[str, str]) -> list[str]:
-    """Return sentences on where two contexts differ; a class of cases that only one of them has makes no difference."""
+    """Return sentences on where two contexts differ; classes of cases that only one of them has are ignored."""
     return [
         f"{name} was {stored.get(name, 'absent')} and is {now.get(name, 'absent')}"
         for name in sorted(stored.keys() | now.keys())

@@ -1,4 +1,4 @@
-"""The journal of a study: its results, line by line as they come; a line is never changed."""
+"""The journal of a study: one line for each result, added as it arrives and never changed."""
 
 import os
 import weakref
@@ -111,7 +111,7 @@ class Journal:
         self.contents.score = scores
 
     def begin(self, key: str) -> None:
-        """Write that this process itself begins a case: if it dies, the next run knows in which case."""
+        """Write that this process begins a case, so that the next run knows the case in which a run died."""
         self._write({"begin": key})
 
     def add(self, identity: CaseIdentity, outcome: Outcome) -> bool:
@@ -146,7 +146,7 @@ class Journal:
             self.sync()
 
     def cannot_time(self, key: str, reason: str) -> None:
-        """Write that the case `key` has no times, and why: the next run does not try it again."""
+        """Write why the case `key` has no times; the next run does not time it."""
         self._write(
             {"untimed": key, "of": self._run, "epoch": self.contents.epoch, "reason": reason}
         )
@@ -217,7 +217,7 @@ class Journal:
         )
 
     def _keep_open(self, descriptor: int) -> None:
-        """Take a descriptor as that of the journal, and close the previous one."""
+        """Use a descriptor for the journal, and close the previous one."""
         self._close()
         self._descriptor = self._source.descriptor = descriptor
         # records are read from it for as long as there are some

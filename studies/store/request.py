@@ -1,4 +1,4 @@
-"""Requests of studies: their cases, with their keys, and why stored results do not serve."""
+"""Requests of studies: their cases and keys, and the reasons why stored results cannot be used."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

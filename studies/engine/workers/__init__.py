@@ -1,1 +1,1 @@
-"""Worker processes: cases computed in a process of their own, and what is said between it and this one."""
+"""Worker processes, which compute cases, and the messages between them and their supervisors."""

@@ -1,4 +1,4 @@
-"""One case, computed and measured, or run once against the clock; whatever goes wrong is its outcome."""
+"""Computation and timing of one case, where any error is an outcome of the case."""
 
 from time import perf_counter, process_time
 
@@ -25,7 +25,7 @@ WAVE = np.outer(np.cos(np.arange(128.0)), np.sin(np.arange(128.0)))
 
 
 class StopRun(BaseException):
-    """Raised to stop the run: the only error during a case that is not the case's own."""
+    """Raised to stop the run; any other error during a case is a failure of the case."""
 
 
 def compute(case: Computation, work: Work) -> Outcome:
@@ -68,7 +68,7 @@ def timed(case: Computation, limit: float | None) -> Sample | Failure:
         return too_late(limit, "timing")
     except StopRun:
         raise
-    except BaseException as error:  # noqa: BLE001 (it was computed before, so this is chance)
+    except BaseException as error:  # noqa: BLE001 (any error of a study's own code)
         return failure_of(error, "timing")
 
 
@@ -110,5 +110,5 @@ def failure_of(error: BaseException, stage: str) -> Failure:
 
 
 def warm_up() -> None:
-    """Make xarray look for optional packages, which takes 0.3 s at its first variable: not part of any case."""
+    """Make xarray look for optional packages, which takes 0.3 s at its first variable, before a case is timed."""
     xr.Variable((), 0.0)

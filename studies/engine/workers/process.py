@@ -141,10 +141,10 @@ class WorkerProcess:
 
 
 def _start(end: socket.socket, mark: str) -> subprocess.Popen[bytes]:
-    """Start a keeper that has ``end``; raises OSError where there can be no more processes.
+    """Start a keeper with the socket `end`; raise OSError where no more processes can be started.
 
-    Its standard input says which socket that is, and stays open for as long as this process lives. It is in a
-    session or group of its own: a terminal's Ctrl-C is for this process.
+    The socket is named on its standard input, which stays open until this process ends. The keeper is in a session
+    or group of its own, so that Ctrl-C in a terminal reaches this process alone.
     """
     # -P: a file of the user's may be called like a module of Python's
     command = [sys.executable, "-P", "-m", "studies.engine.workers.worker"]
@@ -171,9 +171,9 @@ def _start(end: socket.socket, mark: str) -> subprocess.Popen[bytes]:
 
 
 def take_over() -> tuple[socket.socket, int, int]:
-    """Return a keeper's socket, its supervisor's number, and a descriptor to read when that one has ended.
+    """Return the socket of a keeper, the number of its supervisor, and a pipe that closes when the supervisor ends.
 
-    What a case starts inherits neither, and finds an empty standard input.
+    Processes that a case starts inherit neither, and have an empty standard input.
     """
     line = b""
     while not line.endswith(b"\n"):
@@ -216,9 +216,9 @@ def release(number: int) -> None:
 
 
 def end_all(worker: int, mark: str, spared: int | None = None) -> None:
-    """Kill ``worker``, the process group that it leads where there are groups, and all that bears its ``mark``.
+    """Kill the process `worker`, its process group where the system has groups, and all processes with its `mark`.
 
-    The process ``spared`` bears the mark and lives on.
+    The process `spared` has the mark and is not killed.
     """
     for process in psutil.process_iter() if mark else ():
         with suppress(psutil.Error, OSError):  # it has ended, or is another user's
@@ -235,7 +235,7 @@ def end_all(worker: int, mark: str, spared: int | None = None) -> None:
 
 
 def _has_ended(process: subprocess.Popen[Any]) -> bool:
-    """Return whether the process has ended; where the system can, its number stays its own until it is waited for."""
+    """Return whether the process has ended; where the system can, its number stays reserved until it is waited for."""
     if process.returncode is not None:
         return True
     if hasattr(os, "waitid"):

@@ -1,8 +1,7 @@
-"""Cases in a process of their own, so that one that hangs or dies takes no other with it.
+"""Supervisors of worker processes: a case that hangs or dies affects no other case.
 
-Not a pool from a library: those limit and lose a whole batch, where here each case of a batch is known
-by itself; they take whatever comes through their pipe for an answer, also from a process that a case has
-forked; and those of multiprocessing may not be started inside a dask worker.
+Pools of libraries are not used, since they limit and lose a whole batch, they accept answers from a process that a case
+has forked, and those of multiprocessing may not be started inside a dask worker.
 """
 
 import pickle
@@ -31,7 +30,7 @@ from studies.model.case import Computation
 from studies.model.outcome import CaseStatus, Failure, Outcome, Sample
 
 STARTS = 3  # processes that may end before their first case
-# sent from outside, by a person or for want of memory; a second process shows whether the case was to blame
+# signals from a person, or for lack of memory; a second try shows whether the case causes them
 FROM_OUTSIDE = frozenset({"SIGTERM", "SIGKILL", "SIGINT", "SIGHUP", "SIGQUIT"})
 Answer = Outcome | Sample | Failure
 
@@ -99,10 +98,10 @@ class WorkerSupervisor:
     def _answers(
         self, cases: bytes, names: Sequence[str], task: Task, limit: float | None
     ) -> Iterator[Answer]:
-        """Yield the answer to each order.
+        """Yield the answer for each case.
 
-        After a death the remaining orders go to a new process. An order whose process was ended from outside is sent
-        again, once.
+        After the end of a process the remaining cases go to a new one. A case whose process was ended from outside is
+        sent again, once.
         """
         answered, retried = 0, -1
         while answered < len(names):
@@ -207,7 +206,7 @@ def _started() -> WorkerProcess:
 
 
 def _ending(code: int | None) -> str:
-    """Return in words how a process ended."""
+    """Return a text on how a process ended."""
     name = _signal(code)
     hint = ", perhaps for want of memory" if name == "SIGKILL" else ""
     if code is None:

@@ -1,4 +1,4 @@
-"""State of the interpreter that a case may change, restored before the next case so that their order does not matter.
+"""State of the interpreter that a case may change, restored before each case, so that their order has no effect.
 
 Modules that a case imports or changes, and its effects outside the process, cannot be restored.
 """

@@ -88,7 +88,7 @@ def _is_complete(dataset: xr.Dataset) -> bool:
 
 
 def _solvers_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
-    """Return which solver is the faster."""
+    """Return the ratio of the times of the solvers."""
     if not set(dataset["solver"].values) >= set(SOLVERS) or not _is_complete(dataset):
         return ()
     finest = dataset.isel(grid=-1)
@@ -167,7 +167,7 @@ def _surfaces(dataset: xr.Dataset) -> dict[str, dict[str, object]]:
 
 
 def _ways(dataset: xr.Dataset) -> dict[str, dict[str, object]]:
-    """Return the selections of precision, device and threads, by words that follow the name of a surface."""
+    """Return the selections of precision, device and threads, with the text that follows the name of a surface."""
     precisions, devices, threads = (dataset[axis].values.tolist() for axis in WAYS)
     selections: dict[str, dict[str, object]] = {}
     for precision, device, count in product(precisions, devices, threads):

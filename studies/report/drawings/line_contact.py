@@ -245,7 +245,7 @@ def _period_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
         ax.set(xlabel=PERIOD_LABEL, ylabel=LABELS[variable])
     for name in paddings(dataset):
         reach = padding_at(name, int(chosen["images"])).reach(1.0) * periods
-        # the law is one for windows beyond the contact; without neighbours the length has ends as well
+        # the law holds for windows beyond the contact; zero padding also cuts off the length
         beyond = reach > 1
         if np.isfinite(reach).all() and name != "zero":
             law = truncation_error(1, reach[beyond])
@@ -431,7 +431,7 @@ def _grid_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
 
 
 def _grid_laws(variable: str, chosen: xr.Dataset) -> tuple[str, Sequence[Array]]:
-    """Return the name of what theory says of an error over the grid, and its values."""
+    """Return the name of the theoretical law of an error over the grid, and its values."""
     cells = chosen["grid"].values
     if variable == "axis_pressure_error":
         reaches = [
@@ -516,10 +516,10 @@ def _kernel_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
 
 
 def _kernel_law(period: float, half: Array) -> Any:
-    """Return the error of the logarithm that a window of n + 1/2 = `half` periods leaves.
+    """Return the error of the logarithm for a window of n + 1/2 = `half` periods.
 
-    ln r gains x^2 / (4 D^2) from what lies beyond D, and loses y^2 / (2 D^2) to an observer y off the window's
-    centre, up to L / 2 between two images: half of that span to either side.
+    The part beyond the reach D changes ln r by x^2 / (4 D^2), and by -y^2 / (2 D^2) for an observer at the distance y
+    from the centre of the window, which is at most L / 2 between two images. The error is half of that span.
     """
     return (WIDTH**2 / 4 + period**2 / 8) / (2 * (half * period) ** 2)
 

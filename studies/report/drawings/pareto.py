@@ -104,7 +104,7 @@ def _decades(dataset: xr.Dataset) -> CaptionedFigure:
 
 
 DECADES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5)
-# A peak's or a half-width's error has a sign: that of the images may by chance undo that of the cells.
+# Errors of the peak and of the half-width have a sign, so that those of images and cells may cancel.
 L1 = STORED_ERRORS["pressure in L1"]
 
 
@@ -151,9 +151,9 @@ def decades(dataset: xr.Dataset) -> dict[tuple[str, str], tuple[float, ...]]:
 
 
 def savings(dataset: xr.Dataset) -> dict[str, dict[float, tuple[float, float]]]:
-    """Return for each padding the most it saves at each period, and at which L1 error (see ``Settings``).
+    """Return the largest saving of each padding at each period, and its L1 error (see ``Settings``).
 
-    Among the modes that have cells along the length: with one cell alone nothing else would ever pay.
+    Modes with one cell along the length, which are always the cheapest, are left out.
     """
     saved: dict[str, dict[float, tuple[float, float]]] = {}
     for period in dataset["period"].values.tolist():
@@ -241,8 +241,10 @@ def recommendation_check(dataset: xr.Dataset) -> tuple[str, str]:
 
 
 def _join_periods(periods: Iterable[float]) -> str:
+    """Return periods separated by commas."""
     return ", ".join(f"{period:g}" for period in periods)
 
 
 def _join_and(names: list[str]) -> str:
+    """Return names as a list in a sentence."""
     return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)

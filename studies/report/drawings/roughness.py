@@ -124,7 +124,7 @@ def law_of(dataset: xr.Dataset) -> float:
 
 
 def _over_rms(ax: Axes, values: xr.DataArray, label: str, **style: Any) -> None:
-    """Draw the median and the span of all surfaces at each rms; the rms stand side by side, for one may be zero."""
+    """Draw the median and the span of all surfaces at each rms, at equal distances, since one rms may be zero."""
     surfaces = [name for name in values.dims if name != "rms"]
     place = np.arange(values.sizes["rms"])
     ax.plot(place, values.median(surfaces), label=label, **style)

@@ -30,6 +30,7 @@ def _groups(dataset: xr.Dataset) -> dict[str, xr.Dataset]:
 
 
 def _count(dataset: xr.Dataset, verdict: int) -> int:
+    """Return the number of solves with a verdict."""
     return int((dataset["verdict"] == verdict).sum())
 
 
@@ -124,7 +125,7 @@ LABELS = {
 }
 # Quantities with a narrow bound; the bound of the mean gap holds, but may be wide.
 PROMISED = ("l1", "peak_pressure", "contact_area")
-SMALLEST = 1e-7  # where errors of nothing are drawn
+SMALLEST = 1e-7  # where errors of zero are drawn
 
 
 def _accuracy_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:

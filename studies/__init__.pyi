@@ -1,0 +1,28 @@
+# The public names, each with the module that defines it, imported on first use.
+from contactstudy.io.pictures.figure import panels
+
+from .engine.options import RunOptions
+from .engine.run import run
+from .model.axis import Axis
+from .model.case import Case, OperatorCase, error_estimates
+from .model.drawing import CaptionedFigure, Drawing, Finding, Table
+from .model.study import Study
+from .registry import load
+from .scene_study.study_of import study_of
+
+__all__ = [
+    "Axis",
+    "CaptionedFigure",
+    "Case",
+    "Drawing",
+    "Finding",
+    "OperatorCase",
+    "RunOptions",
+    "Study",
+    "Table",
+    "error_estimates",
+    "load",
+    "panels",
+    "run",
+    "study_of",
+]

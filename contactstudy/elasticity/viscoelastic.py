@@ -110,7 +110,7 @@ def _zeros(equilibrium: float, moduli: Array, rates: Array, low: Array, high: Ar
     return np.asarray(np.sqrt(low) * np.sqrt(high))
 
 
-# Gauss points in a panel: coefficients are smooth from one cell to the next, a kink at half a cell apart.
+# Gauss points in a panel: coefficients are smooth from one cell to the next, except for a kink at half a cell.
 POINTS = 8
 # Number of times that panels are halved towards the kink.
 HALVINGS = 10
@@ -124,16 +124,16 @@ Field = Callable[[Array], Array]
 class Trailing:
     """Influence coefficients of a displacement that lags behind a moving pressure.
 
-    They are a part of ``V(x) = int_0^inf exp(-t / length) / length K(x + t) dt`` with K those of `inner`: the
-    displacement that follows a pressure which moves to larger x at a speed v, in a body that takes the time ``length /
-    v`` for it.
+    They are a part of ``V(x) = int_0^inf exp(-t / length) / length K(x + t) dt`` with the coefficients K of
+    `inner`: the displacement behind a pressure that moves to larger x at a speed v, in a body with the time constant
+    ``length / v``.
 
     Parameters
     ----------
     inner
         Coefficients K.
     length
-        Distance travelled in the time that the body takes.
+        Distance travelled during the time constant of the body.
     sign
         1 for the part that is even along the axis of motion, -1 for the odd one.
     axis

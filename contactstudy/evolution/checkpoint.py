@@ -92,7 +92,7 @@ class Checkpoint:
 
     @contextmanager
     def _blamed(self) -> Iterator[None]:
-        """Raise an error of a damaged file as a sentence that names the folder."""
+        """Convert an error that shows a damaged file into an InvalidInput that names the folder."""
         try:
             yield
         except (OSError, LookupError, TypeError, ValueError, EOFError, BadZipFile) as error:

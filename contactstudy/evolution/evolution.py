@@ -28,8 +28,8 @@ UNKNOWN = ErrorParts(0.0, inf, 0.0)
 class Frame:
     """A contact at one recorded instant.
 
-    Steps, iterations and convolutions are counted since the previous frame, with those of rejected steps and of the
-    companion march. Errors are relative L1 errors of the pressure, infinite where there is no estimate, and relative to
+    Steps, iterations and convolutions are counted since the previous frame, and include rejected steps and the companion
+    march. Errors are relative L1 errors of the pressure, infinite where there is no estimate, and relative to
     the pressure of the largest load where bodies yield.
 
     Attributes
@@ -61,7 +61,7 @@ class Frame:
     convolutions
         Transform pairs of the full grid.
     joint_state
-        State found together with the pressure, such as plastic strain, in arrays by name.
+        State solved for together with the pressure, such as plastic strain, as arrays by name.
     grid_error_parts
         The error on this grid by cause.
     warnings
@@ -102,9 +102,9 @@ class Evolution:
     frames
         The recorded instants, in the order of time.
     rejected
-        Pairs of steps that were tried and found too long.
+        Number of pairs of steps that were rejected as too long.
     restarts
-        Marches that were given up, since their steps added up to too large an error.
+        Number of times that the march was started again, because its steps added up to too large an error.
     outputs
         Fields that are derived from the pressure when a dataset is made.
     description
@@ -159,7 +159,7 @@ class Evolution:
 
     @property
     def steps(self) -> int:
-        """Number of solves, with those of rejected steps and of the companion march."""
+        """Number of solves, including rejected steps and the companion march."""
         return sum(frame.steps for frame in self.frames)
 
     @property

@@ -28,7 +28,7 @@ from contactstudy.scene.scene import ShapesSource
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions
 
-# A contact solved together with a memory needs this share of the tolerance, since the memory sees its error.
+# Factor on the tolerance of a contact that is solved together with a memory, which depends on the contact's error.
 CLOSER = 0.01
 # The single, implicit stage of a step that has no stages.
 WHOLE = ((1.0, 0.0),)
@@ -325,7 +325,7 @@ class March:
     def _scales(self, load: float, softer: float) -> Scales:
         """Return the scales of a contact under `load` [N/m] whose compliance is `softer` times that of the march.
 
-        The width of a curved contact grows like the root of both, a flat contact keeps its width.
+        The width of a curved contact grows with the square root of load and compliance; a flat contact keeps its width.
         """
         scales = self.problem.scales
         ratio = load / self.load.largest

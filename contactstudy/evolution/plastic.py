@@ -210,10 +210,10 @@ class PlasticMemory:
     ) -> tuple[Solution, State]:
         """Solve a step for contact and plastic strain together, in volumes that hold everything that yields.
 
-        Parameters and result are those of :meth:`~contactstudy.evolution.memory.JointMemory.settled`.
+        See :meth:`~contactstudy.evolution.memory.JointMemory.settled` for parameters and result.
         """
         while True:
-            # first, since the state of a march that goes on may be in larger volumes than these
+            # first, because the state of a continued march may be in larger volumes
             strains, equivalents = self._in_volumes(state)
             bodies = YieldingBodies(
                 tuple(self.operators), tuple(body.hardening for body in self.bodies)
@@ -334,7 +334,7 @@ class PlasticMemory:
         return any_grown
 
 
-# Plastic strain that a step adds, over that before it, from which the step is abrupt. A step that doubles the load adds
+# A step is abrupt if it adds more than this multiple of the plastic strain before it. A step that doubles the load adds
 # about 3 times the plastic strain.
 ABRUPT = 4.0
 # Statuses of a contact that stopped before its tolerance.

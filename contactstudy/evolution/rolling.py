@@ -24,10 +24,11 @@ from contactstudy.solvers.lagged import LaggedSolution, solve_lagged
 from contactstudy.solvers.solution import Solution
 from contactstudy.solvers.solve import SolveOptions
 
-# Fine cells a cell, and fine cells in all at most, on which the delayed displacement under the pressure is found.
+# Fine cells per cell, and the largest number of fine cells, for the delayed displacement under the pressure.
 FINE, MOST = 8, 2**17
-# Upper estimates of the resistance's error over its change from cells of twice the size, and over the pressure's error,
-# measured on smooth, wavy and rough cylinders against cells of an eighth; change at which passes end on coarse cells.
+# Factors of the upper estimate of the resistance's error: on its change from cells of twice the size, and on the
+# pressure's error, measured on smooth, wavy and rough cylinders against cells of an eighth of the size. On coarse cells,
+# passes end at the change SETTLED.
 CHANGED, LEAST, SETTLED = 2.0, 0.15, 1e-4
 
 
@@ -56,7 +57,7 @@ class SteadyRolling:
 
     @property
     def shift(self) -> float:
-        """Distance [m] of the pressure's centroid ahead of the axis."""
+        """Distance [m] of the pressure's centroid in front of the axis."""
         pressure = self.solution.pressure
         x = self.solution.problem.grid.x
         return float(x @ pressure.sum(axis=1) / pressure.sum())
@@ -123,8 +124,8 @@ def solve_rolling(
 ) -> SteadyRolling:
     """Solve `scene` moving at its ``rolling`` speed, in the frame of the contact.
 
-    The delayed displacement is a convolution with coefficients that trail behind the contact, infinitely far: no wake is
-    cut off. Their even part is in the operator, their odd part is lagged from pass to pass.
+    The delayed displacement is a convolution with coefficients that extend infinitely far behind the contact, so that no
+    wake is cut off. Their even part is in the operator, their odd part is lagged from pass to pass.
 
     Parameters
     ----------
@@ -137,7 +138,7 @@ def solve_rolling(
     change
         Relative L1 change of the pressure below which passes end, see :func:`~contactstudy.solvers.lagged.solve_lagged`.
     max_passes
-        Passes after which the solve ends without having settled.
+        Largest number of passes.
 
     Returns
     -------

@@ -121,7 +121,7 @@ class Walk:
             self._save()
 
     def _approach(self, mark: Mark) -> "_Outcome":
-        """March to `mark`, which lies ahead."""
+        """March to `mark`, which is later than the present time."""
         if self.control is None or not self.march.all_memories:
             return self._one_step(mark)
         return self._pairs_of_steps(mark)
@@ -337,7 +337,7 @@ class Walk:
             self._settle()
 
     def _settle(self) -> None:
-        """Give the frames that wait for it the present step error, and write them to the checkpoint."""
+        """Set the present step error in the waiting frames, and write them to the checkpoint."""
         for frame in self.waiting:
             finished = replace(frame, step_error=self.step_error) if self.companion else frame
             if self.checkpoint is not None:

@@ -1,4 +1,4 @@
-"""Comparison of two contacts on two grids: by how much they differ, where, and in what their scenes differ."""
+"""Comparison of two contacts on two grids: differences of pressure and numbers, and of their scenes."""
 
 import tomllib
 from collections.abc import Iterable, Mapping
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-# Sentences on differing keys of two scenes: so many are shown.
+# Largest number of differing keys of two scenes that are listed.
 SHOWN = 12
 
 
@@ -34,7 +34,7 @@ class Comparison:
     peak_pressure, contact_area, load
         ``b / a - 1``.
     approach
-        ``b - a`` [m], if both count from one place, as they do on one grid with one load.
+        ``b - a`` [m], meaningful if both have the same datum, as on one grid with one load.
     largest, at
         Largest ``|p_b - p_a|`` [Pa], and the place (x, y) [m] where it is.
     difference
@@ -59,7 +59,7 @@ class Comparison:
             f"pressure in L1: {100 * self.l1:.3g} %",
             f"peak pressure: {100 * self.peak_pressure:+.3g} %",
             f"contact area: {100 * self.contact_area:+.3g} %",
-            f"load: {100 * round(self.load, 9):+.3g} %",  # which rounding changes by less
+            f"load: {100 * round(self.load, 9):+.3g} %",  # without rounding errors
             f"approach: {'+' * (self.approach > 0)}{readable(self.approach, 'm')}",
             f"largest difference: {readable(self.largest, 'Pa')} at x = {x}, y = {y}",
         ]
@@ -87,8 +87,8 @@ def compare(a: Solution | xr.Dataset, b: Solution | xr.Dataset) -> Comparison:
     Raises
     ------
     InvalidInput
-        For contacts of two periods or of two kinds, such as a roller with free ends and one period of an endless
-        one, and for a dataset that is of no contact.
+        For contacts of two periods or of two kinds, such as a roller with free ends and one period of an infinite
+        one, and for a dataset that does not hold a contact.
     """
     first, second = _labelled("a", a), _labelled("b", b)
     tables = _scene(first), _scene(second)
@@ -130,7 +130,7 @@ def compare(a: Solution | xr.Dataset, b: Solution | xr.Dataset) -> Comparison:
 
 
 def _scene(dataset: xr.Dataset) -> dict[str, object]:
-    """Return the keys of the scene in a dataset by their paths, less those of its grid; none if it has no scene."""
+    """Return the values of the scene in a dataset by their paths, without its grid; empty if it has no scene."""
     text = str(dataset.attrs.get("scene", ""))
     try:
         return {} if text.startswith("#") else _flat(tomllib.loads(text), "")
@@ -198,7 +198,7 @@ def _labelled(name: str, contact: Any) -> xr.Dataset:
 
 
 def _edges(dataset: xr.Dataset, axis: str) -> Array:
-    """Return the edges of the cells whose centres the dataset has; of one cell alone, edges of unit distance."""
+    """Return the edges of the cells along an axis; the edges of a single cell are -0.5 and 0.5."""
     centres = dataset[axis].values
     if len(centres) > 1:
         step = float(centres[-1] - centres[0]) / (len(centres) - 1)
@@ -220,14 +220,14 @@ def _one_period(first: xr.Dataset, second: xr.Dataset, a: Array, b: Array) -> tu
 
 
 def _union(a: Array, b: Array) -> Array:
-    """Return the edges of both grids, with those that differ in rounding as one."""
+    """Return the edges of both grids; edges that differ only by rounding are merged."""
     edges = np.unique(np.concatenate([a, b]))
     near = np.diff(edges) > 1e-9 * (edges[-1] - edges[0])
     return np.asarray(edges[np.concatenate([[True], near])])
 
 
 def _on(pressure: Array, x: Array, y: Array, to_x: Array, to_y: Array) -> Array:
-    """Return the pressure on finer cells: that of the cell around each centre, zero beyond the grid."""
+    """Return the pressure on finer cells, zero beyond the grid."""
     rows, row_on_grid = _places(x, to_x)
     columns, column_on_grid = _places(y, to_y)
     on_grid = row_on_grid[:, None] & column_on_grid[None, :]

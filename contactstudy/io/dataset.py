@@ -84,12 +84,12 @@ def with_numbers(dataset: xr.Dataset, numbers: Sequence[Quantity]) -> xr.Dataset
 
 
 def to_dataset(solution: Solution, error: ErrorEstimate | None = None) -> xr.Dataset:
-    """Return a solution with dimensions (x, y), units, long names, and the scene it is of.
+    """Return a solution as a dataset over (x, y) with units, long names and its scene.
 
-    Coordinates are cell centres [m]. What may differ between two solutions is a variable without dimensions:
-    load, Hertz's values, contact area, approach, ``status`` (a CF flag). The attribute ``scene`` is the scene as
-    TOML with its grid and padding, which :func:`~contactstudy.read_scene` reads back. What ``Scene.outputs`` asks
-    for is computed here.
+    Coordinates are cell centres [m]. Values that may differ between solutions are variables without dimensions: load,
+    Hertz's values, contact area, approach, ``status`` (a CF flag). The attribute ``scene`` is the scene as TOML with its
+    grid and padding, which :func:`~contactstudy.read_scene` reads back. The fields of ``Scene.outputs`` are computed
+    here.
 
     Parameters
     ----------
@@ -175,7 +175,7 @@ def scene_attribute(posed: PosedScene) -> str:
 
 
 def _sheared(traction: Traction | None) -> dict[str, xr.Variable]:
-    """Return the two components of shear, and where the bodies stick; nothing without friction."""
+    """Return the two components of shear and the area of stick; empty without friction."""
     if traction is None:
         return {}
     (across, along), stick = traction.shear, traction.stick.astype(np.int8)
@@ -188,7 +188,7 @@ def _sheared(traction: Traction | None) -> dict[str, xr.Variable]:
 
 
 def _outputs(solution: Solution) -> dict[str, xr.Variable]:
-    """Return the fields that ``Scene.outputs`` asks for, under the pressure and the shear of the solution."""
+    """Return the fields of ``Scene.outputs`` under the pressure and the shear of the solution."""
     fields: dict[str, xr.Variable] = {}
     for output in solution.problem.outputs:
         if solution.traction is not None and isinstance(output, Sheared):
@@ -216,7 +216,7 @@ def _with_errors(dataset: xr.Dataset, estimate: ErrorEstimate) -> xr.Dataset:
 def evolution_dataset(evolution: "Evolution") -> xr.Dataset:
     """Return a march with dimensions (time, x, y), units and long names; ``status`` as CF flags.
 
-    What ``Scene.outputs`` asks for is computed here, at every instant.
+    The fields of ``Scene.outputs`` are computed here, at every instant.
     """
     frames, grid = evolution.frames, evolution.grid
 
@@ -273,7 +273,7 @@ def _memories_over_time(evolution: "Evolution") -> dict[str, xr.Variable]:
 
 
 def _outputs_over_time(evolution: "Evolution") -> dict[str, xr.Variable]:
-    """Return the fields that ``Scene.outputs`` asks for, at every instant."""
+    """Return the fields of ``Scene.outputs`` at every instant."""
     fields: dict[str, xr.Variable] = {}
     for output in evolution.outputs:
         fields |= _over_time([output.fields(frame.pressure) for frame in evolution.frames])

@@ -92,7 +92,7 @@ if TYPE_CHECKING:
     from contactstudy.lubrication.lubricated_contact import LubricatedContact
 
 
-# Curvature [1/m] and contact modulus [Pa] of the scene that a shape stands in.
+# Curvature [1/m] and contact modulus [Pa] of the scene to which a shape belongs.
 Surroundings = tuple[float, float]
 
 
@@ -100,12 +100,12 @@ class Turn(Enum):
     """Orientation of a measured surface on the grid."""
 
     NONE = "as measured"
-    QUARTER = "what ran along the length runs across it"
+    QUARTER = "turned by a quarter: the length of the measurement runs across the contact"
 
 
 @dataclass(frozen=True)
 class MeasuredFile:
-    """Measured surface given by its file; a path that is not absolute starts at the scene's folder."""
+    """Measured surface given by its file; a relative path starts at the folder of the scene file."""
 
     file: str
     extent: tuple[Metres, Metres] | None = None
@@ -314,7 +314,7 @@ KINDS: Mapping[Any, Mapping[str, type]] = {
 
 @dataclass(frozen=True)
 class SceneFile:
-    """Scene with the grid, padding and solver that its file names; what it leaves open is planned.
+    """Contents of a scene file: the scene, and grid, padding and options if given; a missing grid is planned.
 
     Parameters
     ----------
@@ -325,7 +325,7 @@ class SceneFile:
     settings
         Options of a solve.
     grid, padding
-        Those of the file, or None.
+        Grid and padding of the file, or None.
     time_steps
         Instants of a scene that changes in time.
     vary
@@ -415,7 +415,7 @@ def read_scene(path: str | PathLike[str]) -> SceneFile:
 
     Tables ``load``, ``solids`` (two), ``shapes`` and ``outputs`` (each with its ``kind``), ``friction``,
     ``wear``, ``rolling``, ``lubrication``, ``grid``, ``padding``, ``plan``, ``solve``, ``evolve`` and ``vary``,
-    and the key ``hardness``, take the fields of the values of these names. A solid may name its ``material``.
+    and the key ``hardness``, have the fields of the corresponding classes as keys. A solid may name its ``material``.
 
     Raises
     ------
@@ -479,7 +479,7 @@ def scene_file_from(document: Document, folder: Path = Path()) -> SceneFile:
 
 
 def _groups(vary: object) -> tuple[Mapping[str, object], ...]:
-    """Return the varied fields in groups: each field of a table alone, those of one table of a list together."""
+    """Return the varied fields in groups: one group for each field of a table, or for each table of a list."""
     if isinstance(vary, Mapping):
         return tuple({field: values} for field, values in _paths(vary).items())
     if isinstance(vary, list) and all(isinstance(group, Mapping) and group for group in vary):

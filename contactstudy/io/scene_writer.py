@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def write_scene(described: "Scene | SceneFile", path: str | PathLike[str]) -> None:
-    """Write a scene, or all that a scene file says, to a TOML file.
+    """Write a scene, or the contents of a scene file, to a TOML file.
 
     The heights of a measured surface that was not read from a file are written beside it, as netCDF.
 
@@ -67,7 +67,7 @@ def scene_text(
 ) -> str:
     """Return the TOML of `scene`, with its grid and padding if they are given.
 
-    Heights that are in no file are written `beside` a path; without one, their digest stands for them. Raises
+    Heights that no file holds are written `beside` a path; without one, their digest replaces them. Raises
     :class:`~contactstudy.InvalidInput` for a shape or a body that no file can hold.
     """
     return _text(scene, {"grid": grid, **_paddings(padding)}, beside)
@@ -120,7 +120,7 @@ def _is_default(field: Field[Any], value: object) -> bool:
 
 
 def _plain(value: object, name: str) -> Any:
-    """Return a value as TOML has it: tables with their kind, lists, texts, numbers."""
+    """Return a value as types of TOML: tables with their kind, lists, texts, numbers."""
     if isinstance(value, Enum):
         return value.name.lower()
     if is_dataclass(value) and type(value).__module__.startswith("contactstudy."):

@@ -23,8 +23,8 @@ class Body(Protocol):
     def response(self, datum: float) -> Mapping[Coefficients, float]:
         """Return the surface displacement under unit pressure: coefficients [m] with their weights [1/Pa].
 
-        Bodies with equal coefficients share their evaluation. Displacement is counted from the lateral distance
-        `datum` [m], where an infinite row of images leaves that open.
+        Equal coefficients of both bodies are computed once. Displacement is relative to a point at the lateral
+        distance `datum` [m] where an infinite row of images leaves a constant undefined.
         """
         ...
 

@@ -15,7 +15,7 @@ from contactstudy.scene.bodies import HalfSpace
 
 # Up to this ratio of shear moduli the coefficients are verified.
 LARGEST_RATIO = 1e4
-# A contact of half-width a gives way about like a wave of wave number WAVE / a.
+# The compliance in a contact of half-width a is about that of a wave of pressure with the wave number WAVE / a.
 WAVE = 1.2
 
 
@@ -61,7 +61,7 @@ class CoatedHalfSpace:
 
     @property
     def compliance(self) -> float:
-        """Compliance of the coating alone [1/Pa], felt in contacts far narrower than the coating is thick."""
+        """Compliance of the coating alone [1/Pa], which holds in contacts far narrower than the coating is thick."""
         return self.coating.compliance
 
     def compliance_at(self, half_width: float) -> float:

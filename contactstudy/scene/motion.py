@@ -12,7 +12,7 @@ from contactstudy.domain.units import MetresPerSecond, PerPascal
 class Rolling:
     """Steady rolling: the contact moves to larger x at a constant speed over both bodies.
 
-    Heights move with the contact. The bodies have been rolling for ever; see :func:`~contactstudy.solve_rolling`.
+    Heights move with the contact. All transients have decayed; see :func:`~contactstudy.solve_rolling`.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ class Wear:
     """Sliding wear after Archard (1953), ``dw/ds = coefficient p``.
 
     Both bodies together lose a depth w [m] along a sliding distance s [m], under the pressure p. The worn profile
-    is that of a contact that stays where it is on the wearing body. On a roller that turns, wear spreads over the
+    holds for a contact that does not move on the wearing body. On a roller that turns, wear spreads over the
     circumference: multiply the coefficient by the contact width over the circumference. A scene with wear changes
     in time; see :func:`~contactstudy.evolve`.
 

@@ -98,7 +98,7 @@ class ShapesSource:
 
 
 def sized(shapes: tuple[Shape, ...], grid: Grid) -> tuple[Shape, ...]:
-    """Return `shapes` with the extent of `grid` given to heights that stand cell for cell on it."""
+    """Return `shapes`, where heights that are given cell by cell get the extent of `grid`."""
     return tuple(shape.sized(grid) if hasattr(shape, "sized") else shape for shape in shapes)
 
 
@@ -351,7 +351,7 @@ class Scene:
         return f"Scene.shapes[{carried.index(True)}]" if any(carried) else None
 
     def _open_ends(self, gap: Array, grid: Grid, along: Padding) -> tuple[int, ...]:
-        """Return the end rows of a free length along which the surface varies and no roller ends."""
+        """Return the end rows of a free length if the surface varies along it and no roller ends there; else empty."""
         varies = bool((gap != gap[:, :1]).any())
         return (0, -1) if varies and _is_free(along) and not ends_along(self.shapes, grid) else ()
 

@@ -1,6 +1,6 @@
 """A block of waves: stress and displacement by plastic strain and pressure that are constant in cells.
 
-Waves shorter than two cells are what the edges of cells are made of; a grid of cells sees them as longer waves.
+Waves shorter than two cells represent the edges of cells; at the middles of cells they equal longer waves.
 """
 
 from collections.abc import Callable, Iterator
@@ -26,11 +26,11 @@ from contactstudy.elasticity.eigenstrain.wave import (
     pressed,
 )
 
-# Waves of 2, 1 ... cells that are taken one by one, up to this number; all shorter ones together.
+# Number of orders of short waves that are summed one by one; shorter waves are summed together.
 ORDERS = 2
-# Depth in cells from which on short waves of pressure have died out; those of strain come back from half of it.
+# Depth in cells at which short waves of pressure have decayed; short waves of strain from half that depth are reflected.
 DEEP = 3.0
-# Layers from which short waves no longer reach the surface are all taken at this multiple of that depth.
+# Layers from which short waves do not reach the surface are treated as if they were at this multiple of that depth.
 DEEPEST = 1e3
 # Distance in cells between layers that act on one another by short waves.
 NEAR = 0.6
@@ -279,7 +279,7 @@ class Waves:
 
     @cached_property
     def _short(self) -> ShortWaves:
-        """Short waves that cells do not tell from these."""
+        """Short waves that have the same values at the middles of cells as these."""
         x, y = np.repeat(self.across, len(self.along)), np.tile(self.along, len(self.across))
         return ShortWaves(self.volume, self.moduli, x, y)
 

@@ -53,8 +53,8 @@ def boussinesq_cell(x: ArrayLike, y: ArrayLike, dx: ArrayLike, dy: ArrayLike) ->
     across, along = (x / diagonal) ** 2, (y / diagonal) ** 2
     square = np.asarray(across + along)
     close = square < MULTIPOLES**2
-    # Close to the cell, where this is replaced, it need only be finite. In place: anew, arrays as large
-    # as a grid cost more than what is done with them.
+    # Close to the cell the value is replaced below and only has to be finite. Operations are in place, since
+    # allocating arrays as large as a grid takes longer than the arithmetic.
     inverse = np.reciprocal(np.maximum(square, MULTIPOLES**2, out=square), out=square)
     cosine = np.asarray(across - along)
     cosine *= inverse
@@ -97,7 +97,7 @@ def multipoles(c: Array, q: Array, e: Array) -> Array:
 
 
 def _close(x: Array, y: Array, half_x: Array, half_y: Array) -> Array:
-    """Return the integral of 1/r over cells that are too near, or too long, to be seen as points."""
+    """Return the integral of 1/r over cells that are too near, or too long, for an expansion in multipoles."""
     across, along = x / half_x, y / half_y
     steps = np.maximum(across, along)
     near, far = steps < 2 * NEAR, steps >= 2 * FAR
@@ -113,7 +113,7 @@ def _close(x: Array, y: Array, half_x: Array, half_y: Array) -> Array:
 
 def line(x: Array, y: Array, half: Array) -> Array:
     """Return the integral of 1/r along a segment of half-length `half`, at `x` aside and `y` along its axis."""
-    # Seen from outside the first form cancels, from inside the second.
+    # The first form loses digits outside the segment, the second inside.
     within = y < 2 * half
     result = np.empty(x.shape)
     u, v, h = x[within], y[within], half[within]
@@ -131,7 +131,7 @@ def _edges(x: Array, y: Array, half_x: Array, half_y: Array) -> Array:
     for u, v, half_u, half_v in ((x, y, half_x, half_y), (y, x, half_y, half_x)):
         for outward in (1, -1):
             distance = u + outward * half_u
-            # An edge seen from its own line has no share; any distance but zero stands in for it.
+            # An edge contributes nothing to points on its line; any nonzero distance avoids a division by zero.
             aside = np.where(distance == 0, 1.0, np.abs(distance))
             total += outward * distance * line(aside, v, half_v)
     return total
@@ -214,7 +214,7 @@ def boussinesq_cell_periodic(
 def _repeated(x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
     """Return the sum S of :func:`boussinesq_cell_periodic` for one size of cell."""
     shape = np.broadcast_shapes(x.shape, y.shape)
-    # Exact, where a rounded y / period would move the observer by many of its smallest cells.
+    # fmod is exact; a rounded quotient y / period would move the observer by many of the smallest cells.
     x, y = np.abs(x), np.fmod(np.abs(y), period)
     y = np.minimum(y, period - y)
     if dy == period:  # nothing varies along y: plane strain
@@ -266,7 +266,7 @@ def _mean_over_cell(x: Array, y: Array, half_x: Array, half_y: float, period: fl
 
 
 def _share(lengths: Array, rows: NDArray[np.bool_]) -> Array:
-    """Return the `lengths` that belong to some `rows` of x, which are one each or the same for all."""
+    """Return the `lengths` of some `rows` of x; a single length holds for all rows."""
     return lengths[rows] if len(lengths) == len(rows) else lengths
 
 
@@ -296,7 +296,7 @@ def _images(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> 
 
 def _even_powers(x: Array, half: Array, images: int, terms: int) -> Array:
     """Return ``x^0, x^2, x^4, ...`` averaged over a segment about each x, shape (x, terms), lengths in periods."""
-    # no end of a cell comes nearer to the further images than this
+    # smallest distance between the ends of a cell and the further images, in half-lengths
     points = points_within(images / float(half.max()))
     return np.asarray(
         sum(
@@ -448,7 +448,7 @@ def _further_rows(x: Array, y: Array, dx: float, dy: float, width: float, period
     No cell of these rows reaches the axis.
     """
     x, y = paired(x, y)
-    # beyond these, at more than FOURIER_END periods from any cell, nothing is left but logarithms
+    # beyond these rows, at more than FOURIER_END periods from any cell, only the logarithms remain
     rows = int(np.ceil(FOURIER_END * period / width)) + 1
     waves = [
         harmonics_across(side * x + m * width, dx / 2, period)

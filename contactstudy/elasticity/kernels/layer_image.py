@@ -1,4 +1,4 @@
-"""A loaded cell as seen from a depth: its image below the surface, alone, in a row, in a lattice."""
+"""Potential of a loaded cell at a distance from its plane: of one cell, of a row, of a lattice of images."""
 
 from collections.abc import Callable
 from itertools import pairwise
@@ -29,9 +29,9 @@ STRIPS, STRIPS_END = 15, 7.2
 
 
 def image_cell(x: ArrayLike, y: ArrayLike, dx: float, dy: float, depth: float) -> Array:
-    """Return the integral of ``1 / sqrt(r^2 + depth^2)`` over a rectangular cell: the cell seen from a depth.
+    """Return the integral of ``1 / sqrt(r^2 + depth^2)`` over a rectangular cell: its potential at a depth.
 
-    The error is below 1e-14 of the result at the origin, or of its own beyond the cell.
+    The error is below 1e-14 of the result at the origin, and below 1e-14 of the result itself beyond the cell.
 
     Parameters
     ----------

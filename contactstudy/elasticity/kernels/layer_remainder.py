@@ -271,8 +271,8 @@ class RemainderRow:
     def _groups(self, farthest: float) -> list[tuple[int, int, float, float]]:
         """Return groups of harmonics.
 
-        A group is its first and last harmonic, the last exclusive, how far across they are felt, and the period across
-        to sum with.
+        A group is its first and last harmonic, the last exclusive, the distance across beyond which they are negligible,
+        and the period across of their sum.
         """
         groups, first = [], 1
         while first <= self._count:
@@ -296,15 +296,15 @@ class RemainderRow:
         """Return the varying part (x, y) by harmonics along y.
 
         Each is an integral over waves across by the trapezoidal rule. The integrand is analytic within the harmonic's
-        own wave number of the real axis, so that the rule, which repeats the coefficients across, leaves nothing once
-        the repeats have decayed.
+        own wave number of the real axis, so that the rule, which makes the coefficients periodic across, is exact once
+        they decay within the period.
         """
         total = np.zeros((x.size, y.size))
         for first, end, reach, across in self._groups(float(x.max(initial=0.0))):
             rows = np.flatnonzero(x <= reach)
             along = 2 * np.pi / self.period * np.arange(first, end)
             step = 2 * np.pi / across
-            # no wave is longer than the group's first harmonic lets it be
+            # the shortest wave across, given the group's first harmonic along
             last = np.sqrt(max((LAST_WAVE / self.remainder.thickness) ** 2 - along[0] ** 2, 0.0))
             crossing = step * np.arange(int(last / step) + 1)
             weight = 4 * step * np.sinc(crossing * self.dx / (2 * np.pi))

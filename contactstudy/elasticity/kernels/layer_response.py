@@ -121,7 +121,7 @@ ORDER = 22
 LAST_WAVE = 20.0
 # Gauss points on each piece of k, at most two oscillations long.
 POINTS = 18
-# exp(-x) is cut off beyond this x.
+# exp(-x) is neglected beyond this x.
 LOST = 42.0
 
 

@@ -18,7 +18,7 @@ from contactstudy.elasticity.kernels.stress_cell import (
     strip,
 )
 
-# Distance from the axis, in periods, beyond which nothing is left of the period: exp(-2 pi 6) ~ 1e-17.
+# Distance from the axis, in periods, beyond which the stress does not vary along it: exp(-2 pi 6) ~ 1e-17.
 PLANE = 6.0
 # Positions that stand for the images at more than twice the distance from the axis: each gains a
 # factor of rho^2 = 8^2.

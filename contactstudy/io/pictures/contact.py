@@ -29,9 +29,9 @@ STRESS: dict[str, Any] = {"color": "#D55E00"}
 
 def picture(solved: xr.Dataset) -> Figure:
     """Draw a contact as :func:`~contactstudy.to_dataset` labels it: pressure, cross-sections, gap and stress."""
-    lined = solved.sizes["y"] == 1
+    plane_strain = solved.sizes["y"] == 1
     stressed = "von_mises" in solved
-    drawn = [_across, _gap] if lined else [_map, _along, _across, _gap]
+    drawn = [_across, _gap] if plane_strain else [_map, _along, _across, _gap]
     drawn += [_stress] if stressed else []
     with mpl.rc_context(SETTINGS):
         figure, axes = panels(len(drawn), columns=2 if len(drawn) < 5 else 3, width=4.6, height=3.4)
@@ -125,9 +125,9 @@ def _stress(ax: Axes, solved: xr.Dataset) -> None:
     ax.grid(visible=False)
 
 
-def compare_picture(found: Comparison) -> Figure:
+def compare_picture(comparison: Comparison) -> Figure:
     """Draw the difference of two contacts as a map, and both pressures across its largest place."""
-    fields = found.difference
+    fields = comparison.difference
     size, pascals = scaled(fields["a"], PRESSURES)
     width, metres = scaled(fields["x"], LENGTHS)
     with mpl.rc_context(SETTINGS):
@@ -145,7 +145,7 @@ def compare_picture(found: Comparison) -> Figure:
             )
             axes[0].grid(visible=False)
             figure.colorbar(mesh, ax=axes[0])
-        section = fields.sel(y=found.at[1], method="nearest")
+        section = fields.sel(y=comparison.at[1], method="nearest")
         x = fields["x"] / width
         axes[-1].plot(x, section["a"] / size, label="a", color="#0072B2")
         axes[-1].plot(x, section["b"] / size, label="b", color="#D55E00", linestyle="--")

@@ -39,9 +39,10 @@ from contactstudy.scene.surfaces.preparation import (
 class MeasuredSurface:
     """Measured surface.
 
-    The surface is centred on the grid, which shows its middle where it is smaller; a grid is no wider than the
-    surface, and a longer period a whole number of the surface's. Cells have the means of a smooth surface with the
-    heights given, the same on every grid. Two surfaces are equal if `digest`, of all heights, and all else agree.
+    The surface is centred on the grid; a smaller grid contains its middle part. A grid must not be wider than the
+    surface, and a longer period must be a whole multiple of the surface's. Heights of cells are means of one smooth
+    surface through the points, on every grid. Two surfaces are equal if the `digest` of all heights and all other
+    fields agree.
 
     Parameters
     ----------
@@ -50,8 +51,8 @@ class MeasuredSurface:
         a point is missing, an xarray.DataArray whose coordinates give the sizes, or a ``Topography`` of the library
         SurfaceTopography. A file is read by :meth:`read`.
     extent
-        Size (width, length) [m] of all points, each standing for an equal cell; without it, heights stand cell for
-        cell on the grid.
+        Size (width, length) [m] of all points, each standing for an equal cell; without it, heights are
+        those of the grid's cells.
     missing
         Rule for missing points, applied first.
     trend
@@ -65,7 +66,7 @@ class MeasuredSurface:
     window
         Window that was cut from the surface, if any.
     unit, file_extent
-        Unit and size [m] that were given for a file that has none.
+        Unit and size [m] that were given for a file without them.
 
     Raises
     ------
@@ -125,7 +126,7 @@ class MeasuredSurface:
         trend: Trend = Trend.PLANE,
         seam: Seam | None = None,
     ) -> Self:
-        """Return the surface in a file, less its tilt and tapered at its ends unless told otherwise.
+        """Read a surface from a file; by default its tilt is subtracted and its ends are tapered.
 
         Parameters
         ----------
@@ -133,9 +134,9 @@ class MeasuredSurface:
             Rows of numbers (npy, csv, txt, asc), points in columns x, y, height (xyz), netCDF, or X3P, OPD, SUR and
             whatever else the library SurfaceTopography reads (extra ``measured``).
         extent
-            Size (width, length) [m] of a file that has none. Rows of numbers without it stand cell for cell.
+            Size (width, length) [m] of a file without sizes. Rows of numbers without it are heights of the grid's cells.
         unit
-            Unit of the numbers of a file that has none, such as ``"um"``.
+            Unit of the numbers in a file without units, such as ``"um"``.
         missing, trend, seam
             As for the class; the defaults are to refuse missing points, ``Trend.PLANE`` and ``Tapered()``.
 
@@ -183,14 +184,14 @@ class MeasuredSurface:
                 for side, n, m in zip(extent, points.shape, self.heights.shape, strict=True)
             ]
             extent = sides[0], sides[1]
-        # a window of a window, or of a surface that was turned, is none that a file can name
+        # a file cannot express a window of a window, or of a turned surface
         file = None if self.window or self.is_turned else self.file
         return replace(self, heights=points, extent=extent, file=file, window=window)
 
     def turned(self) -> Self:
         """Return this surface turned by a quarter, so that what ran along the length runs across it."""
         extent = None if self.extent is None else (self.extent[1], self.extent[0])
-        turned = not self.is_turned  # twice is a half turn, which no file says
+        turned = not self.is_turned  # two quarters are a half turn, which a file cannot express
         file = self.file if turned else None
         return replace(
             self, heights=np.rot90(self.heights), extent=extent, file=file, is_turned=turned
@@ -213,7 +214,9 @@ class MeasuredSurface:
         heights = self._complete()
         extent = self.extent or heights.shape
         steps = extent[0] / self.heights.shape[0], extent[1] / self.heights.shape[1]
-        with np.errstate(over="ignore", invalid="ignore"):  # a solve says what such heights come to
+        with np.errstate(
+            over="ignore", invalid="ignore"
+        ):  # the solve reports heights that overflow
             across, along = (
                 np.diff(heights, axis=axis) / step if heights.shape[axis] > 1 else np.zeros(1)
                 for axis, step in enumerate(steps)

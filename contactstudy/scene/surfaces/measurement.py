@@ -52,8 +52,8 @@ def read(
     that lack them. Raises :class:`~contactstudy.InvalidInput` for a file that cannot be read, or lacks a unit.
     """
     suffix, name = Path(path).suffix.lower(), fspath(path)
-    if suffix == ".nc" and (ours := _written(path)) is not None:
-        return ours
+    if suffix == ".nc" and (written := _written(path)) is not None:
+        return written
     if suffix in ROWS and (values := _numbers(name, suffix)) is not None:
         if unit not in LENGTHS:
             raise InvalidInput(
@@ -65,7 +65,7 @@ def read(
             sizes = sizes[0] * LENGTHS[unit], sizes[1] * LENGTHS[unit]
         return _plane(points * LENGTHS[unit]), sizes if extent is None else extent
     with warnings.catch_warnings():
-        # that there is no MPI, for which nobody asked
+        # the library warns that MPI is missing, which is not needed
         warnings.simplefilter("ignore", ImportWarning)
         topography = import_for("MeasuredSurface.read", "SurfaceTopography")
     try:
@@ -117,7 +117,9 @@ def _numbers(name: str, suffix: str) -> Array | None:
         values = values[1:]
     if values.size and not np.isnan(values).all():
         return np.asarray(values)
-    if suffix == ".asc":  # others write headers of many kinds
+    if (
+        suffix == ".asc"
+    ):  # such files may have one of many kinds of headers, which the library reads
         return None
     raise InvalidInput(
         f"path is {name!r}: give rows of equally many numbers, separated by commas, semicolons, tabs or blanks."

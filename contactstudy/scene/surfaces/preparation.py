@@ -23,7 +23,7 @@ from contactstudy.domain.fields import Array
 class Window:
     """Rectangular window of a measured surface that is cut into equal ones.
 
-    Points left over where the tiles do not divide them belong to none, at the far ends.
+    If the tiles do not divide the number of points, the remaining points at the far ends belong to no window.
 
     Parameters
     ----------
@@ -154,9 +154,9 @@ def _membrane(heights: Array, holes: NDArray[np.bool_]) -> Array:
         within = (i >= 0) & (i < heights.shape[0]) & (j >= 0) & (j < heights.shape[1])
         row_in_system, neighbour = np.flatnonzero(within), (i[within], j[within])
         neighbours[row_in_system] += 1
-        open_too = holes[neighbour]
-        pairs.append((row_in_system[open_too], number[neighbour][open_too]))
-        np.add.at(border_sum, row_in_system[~open_too], heights[neighbour][~open_too])
+        is_hole = holes[neighbour]
+        pairs.append((row_in_system[is_hole], number[neighbour][is_hole]))
+        np.add.at(border_sum, row_in_system[~is_hole], heights[neighbour][~is_hole])
     rows, columns = (np.concatenate(side) for side in zip(*pairs, strict=True))
     links = sparse.coo_array((np.ones(len(rows)), (rows, columns)), shape=(count, count))
     return np.asarray(spsolve((sparse.diags_array(neighbours) - links).tocsc(), border_sum))
@@ -195,7 +195,7 @@ class Trend(Enum):
 
 
 def _from_middle(count: int) -> Array:
-    """Return positions of points from -1 to 1, so that powers of them stay apart."""
+    """Return positions of points from -1 to 1, which keeps the fit of their powers well conditioned."""
     return np.asarray((2 * np.arange(count) - (count - 1)) / max(count - 1, 1), dtype=np.float64)
 
 
@@ -314,7 +314,7 @@ def cell_means(
     mean = heights.mean(axis=axis, keepdims=True)
     integral = np.cumsum(heights - mean, axis=axis)
     start = np.zeros_like(mean)
-    # rounding aside, the integral of what is left of the mean closes to zero
+    # the integral of the deviation from the mean is zero at both ends, except for rounding
     inner = np.take(integral, range(count - 1), axis=axis)
     integral = np.concatenate([start, inner, start], axis=axis) * (extent / count)
     borders = (np.arange(count + 1) / count - 0.5) * extent

@@ -25,6 +25,11 @@ class HertzLine:
         R [m], with 1/R = 1/R1 + 1/R2.
     contact_modulus
         E* [Pa].
+
+    Raises
+    ------
+    InvalidInput
+        If a value is not above 0.
     """
 
     load_per_length: float
@@ -32,9 +37,7 @@ class HertzLine:
     contact_modulus: float
 
     def __post_init__(self) -> None:
-        _keep_positive(
-            self, "hertz_line", load_per_length="load", radius="radius", contact_modulus="modulus"
-        )
+        _keep_positive(self, load_per_length="load", radius="radius", contact_modulus="modulus")
 
     @property
     def half_width(self) -> float:
@@ -155,6 +158,11 @@ class HertzPoint:
         R [m].
     contact_modulus
         E* [Pa].
+
+    Raises
+    ------
+    InvalidInput
+        If a value is not above 0.
     """
 
     load: float
@@ -162,7 +170,7 @@ class HertzPoint:
     contact_modulus: float
 
     def __post_init__(self) -> None:
-        _keep_positive(self, "hertz_point", load="load", radius="radius", contact_modulus="modulus")
+        _keep_positive(self, load="load", radius="radius", contact_modulus="modulus")
 
     @property
     def contact_radius(self) -> float:
@@ -219,6 +227,11 @@ class Westergaard:
         Wavelength [m].
     contact_modulus
         E* [Pa].
+
+    Raises
+    ------
+    InvalidInput
+        If a value is not above 0.
     """
 
     mean_pressure: float
@@ -228,7 +241,7 @@ class Westergaard:
 
     def __post_init__(self) -> None:
         _keep_positive(
-            self, "westergaard", mean_pressure="pressure", amplitude="height",
+            self, mean_pressure="pressure", amplitude="height",
             wavelength="length", contact_modulus="modulus",
         )  # fmt: skip
 
@@ -272,77 +285,15 @@ def _graded() -> tuple[Array, Array]:
     return (edges[:-1, None] + sizes * (points + 1) / 2).ravel(), (sizes * gauss / 2).ravel()
 
 
-def _keep_positive(instance: object, function: str, **fields: str) -> None:
-    """Replace `fields` of an instance by finite floats above 0, or raise InvalidInput."""
+def _keep_positive(instance: object, **fields: str) -> None:
+    """Replace `fields` of an instance, given with the names of their quantities, by floats above 0.
+
+    Raises :class:`~contactstudy.InvalidInput` for other values.
+    """
     for name, quantity in fields.items():
-        value = positive(
-            f"{function}.{name}", getattr(instance, name), f"give a {quantity} above 0"
-        )
+        field = f"{type(instance).__name__}.{name}"
+        value = positive(field, getattr(instance, name), f"give a {quantity} above 0")
         set_fields(instance, **{name: value})
-
-
-def hertz_line(load_per_length: float, radius: float, contact_modulus: float) -> HertzLine:
-    """Return Hertz's line contact.
-
-    Parameters
-    ----------
-    load_per_length
-        W [N/m].
-    radius
-        R [m], with 1/R = 1/R1 + 1/R2.
-    contact_modulus
-        E* [Pa].
-
-    Raises
-    ------
-    InvalidInput
-        If a value is not above 0.
-    """
-    return HertzLine(load_per_length, radius, contact_modulus)
-
-
-def hertz_point(load: float, radius: float, contact_modulus: float) -> HertzPoint:
-    """Return Hertz's contact of a sphere on a flat.
-
-    Parameters
-    ----------
-    load
-        P [N].
-    radius
-        R [m].
-    contact_modulus
-        E* [Pa].
-
-    Raises
-    ------
-    InvalidInput
-        If a value is not above 0.
-    """
-    return HertzPoint(load, radius, contact_modulus)
-
-
-def westergaard(
-    mean_pressure: float, amplitude: float, wavelength: float, contact_modulus: float
-) -> Westergaard:
-    """Return Westergaard's contact of a wavy surface with a flat.
-
-    Parameters
-    ----------
-    mean_pressure
-        Mean pressure [Pa].
-    amplitude
-        Amplitude of the heights [m].
-    wavelength
-        Wavelength [m].
-    contact_modulus
-        E* [Pa].
-
-    Raises
-    ------
-    InvalidInput
-        If a value is not above 0.
-    """
-    return Westergaard(mean_pressure, amplitude, wavelength, contact_modulus)
 
 
 def moes_film(load_parameter: float, viscosity_parameter: float) -> float:

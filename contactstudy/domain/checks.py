@@ -77,6 +77,11 @@ def in_range(field: str, value: object, remedy: str) -> float:
     return number
 
 
+def in_range_or_infinite(field: str, value: object, remedy: str) -> float:
+    """Return `value` as a float above zero within the limits or infinite, or raise :class:`InvalidInput`."""
+    return math.inf if value == math.inf else in_range(field, value, remedy)
+
+
 def non_negative(field: str, value: object, remedy: str) -> float:
     """Return `value` as a finite float not below zero, or raise :class:`InvalidInput` with `field` and `remedy`."""
     number = finite(field, value, remedy)

@@ -159,16 +159,11 @@ def evolve(
     if scene.lubrication is not None:
         from contactstudy.lubrication.evolve_lubricated import evolve_lubricated
 
-        for name, value, default in (
-            ("step_error", step_error, StepError.COMPANION),
-            ("scheme", scheme, Scheme.IMPLICIT),
-            ("options", options, SolveOptions(options.tolerance, options.max_iterations)),
-            ("folder", folder, None),
-        ):
-            if value != default:
-                raise InvalidInput(
-                    f"evolve.{name} is {value!r}, which is for dry contacts: leave it out beside Scene.lubrication."
-                )
+        _refuse_in_film("step_error", step_error, StepError.COMPANION)
+        _refuse_in_film("scheme", scheme, Scheme.IMPLICIT)
+        defaults = SolveOptions(options.tolerance, options.max_iterations)
+        _refuse_in_film("options", options, defaults)
+        _refuse_in_film("folder", folder, None)
         tolerance = options.tolerance
         return evolve_lubricated(
             scene, grid, padding, times=times, error=error, tolerance=tolerance, progress=progress
@@ -206,6 +201,14 @@ def evolve(
         PosedScene(scene, grid, padding),
         march.joint,
     )
+
+
+def _refuse_in_film(name: str, value: object, default: object) -> None:
+    """Raise InvalidInput for an argument that only dry contacts have, unless it is at its default."""
+    if value != default:
+        raise InvalidInput(
+            f"evolve.{name} is {value!r}, which is for dry contacts: leave it out beside Scene.lubrication."
+        )
 
 
 def _march(

@@ -6,7 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
-from contactstudy.domain.checks import InvalidInput, answers_typos, finite, in_range, set_fields
+from contactstudy.domain.checks import (
+    InvalidInput,
+    answers_typos,
+    finite,
+    in_range_or_infinite,
+    set_fields,
+)
 from contactstudy.domain.units import Number, Pascals
 from contactstudy.elasticity.coefficients import Coefficients, Displacement
 
@@ -71,15 +77,11 @@ class HalfSpace:
 
     def __post_init__(self) -> None:
         remedy = "give a modulus above 0 Pa, or inf for a rigid body"
-        if self.youngs_modulus != math.inf:
-            modulus = in_range("HalfSpace.youngs_modulus", self.youngs_modulus, remedy)
-            set_fields(self, youngs_modulus=modulus)
+        modulus = in_range_or_infinite("HalfSpace.youngs_modulus", self.youngs_modulus, remedy)
         ratio = poisson_ratio("HalfSpace.poisson_ratio", self.poisson_ratio)
-        set_fields(self, poisson_ratio=ratio)
-        if self.yield_strength != math.inf:
-            remedy = "give a stress above 0 Pa, or inf if it is not known"
-            strength = in_range("HalfSpace.yield_strength", self.yield_strength, remedy)
-            set_fields(self, yield_strength=strength)
+        remedy = "give a stress above 0 Pa, or inf if it is not known"
+        strength = in_range_or_infinite("HalfSpace.yield_strength", self.yield_strength, remedy)
+        set_fields(self, youngs_modulus=modulus, poisson_ratio=ratio, yield_strength=strength)
 
     @property
     def compliance(self) -> float:

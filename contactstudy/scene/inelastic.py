@@ -10,6 +10,9 @@ from contactstudy.domain.checks import (
     answers_typos,
     in_range,
     in_range_from_zero,
+    in_range_or_infinite,
+    pair,
+    sequence,
     set_fields,
 )
 from contactstudy.domain.units import Number, Pascals, Seconds
@@ -57,22 +60,19 @@ class ViscoelasticHalfSpace:
         ratio = poisson_ratio("ViscoelasticHalfSpace.poisson_ratio", self.poisson_ratio)
         field = "ViscoelasticHalfSpace.relaxation"
         remedy = "give pairs of a modulus [Pa] and a time [s], such as ((1e6, 0.1), (2e6, 1.0))"
-        if not isinstance(self.relaxation, tuple | list):
-            raise InvalidInput(f"{field} is {self.relaxation!r}: {remedy}.")
-        pairs = []
-        for number, pair in enumerate(self.relaxation):
-            if not isinstance(pair, tuple | list) or len(pair) != 2:
-                raise InvalidInput(f"{field}[{number}] is {pair!r}: {remedy}.")
-            modulus = in_range(f"{field}[{number}][0]", pair[0], "give a modulus above 0 Pa")
-            time = in_range(f"{field}[{number}][1]", pair[1], "give a time above 0 s")
-            pairs.append((modulus, time))
-        if equilibrium == 0 and not pairs:
+        terms = []
+        for number, term in enumerate(sequence(field, self.relaxation, remedy)):
+            first, second = pair(f"{field}[{number}]", term, remedy)
+            modulus = in_range(f"{field}[{number}][0]", first, "give a modulus above 0 Pa")
+            time = in_range(f"{field}[{number}][1]", second, "give a time above 0 s")
+            terms.append((modulus, time))
+        if equilibrium == 0 and not terms:
             raise InvalidInput(
                 "ViscoelasticHalfSpace.equilibrium_modulus is 0 and there is no relaxation: give a "
                 "modulus above 0 Pa, or pairs of a modulus and a time."
             )
         set_fields(
-            self, equilibrium_modulus=equilibrium, poisson_ratio=ratio, relaxation=tuple(pairs)
+            self, equilibrium_modulus=equilibrium, poisson_ratio=ratio, relaxation=tuple(terms)
         )
 
     @cached_property
@@ -144,13 +144,10 @@ class ElasticPlasticHalfSpace:
         name = "ElasticPlasticHalfSpace"
         remedy = "give a modulus above 0 Pa, or a rigid HalfSpace for a body that does not yield"
         modulus = in_range(f"{name}.youngs_modulus", self.youngs_modulus, remedy)
-        if self.yield_stress != math.inf:
-            remedy = "give a stress above 0 Pa, or inf for a body that does not yield"
-            set_fields(
-                self, yield_stress=in_range(f"{name}.yield_stress", self.yield_stress, remedy)
-            )
         ratio = poisson_ratio(f"{name}.poisson_ratio", self.poisson_ratio)
-        set_fields(self, youngs_modulus=modulus, poisson_ratio=ratio)
+        remedy = "give a stress above 0 Pa, or inf for a body that does not yield"
+        stress = in_range_or_infinite(f"{name}.yield_stress", self.yield_stress, remedy)
+        set_fields(self, youngs_modulus=modulus, poisson_ratio=ratio, yield_stress=stress)
         for field in ("hardening_modulus", "kinematic_modulus"):
             remedy = "give a modulus from 0 Pa on"
             value = in_range_from_zero(f"{name}.{field}", getattr(self, field), remedy)

@@ -3,12 +3,12 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import inf, log2
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
 
 from contactstudy.analytic import HertzLine
-from contactstudy.domain.checks import InvalidInput, answers_typos, in_range, set_fields
+from contactstudy.domain.checks import InvalidInput, answers_typos, in_range_or_infinite, set_fields
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along
 from contactstudy.domain.units import Pascals
@@ -169,7 +169,7 @@ class Scene:
             ("shapes", "give a tuple of shapes, such as (Cylinder(radius=0.01),)"),
             ("outputs", "give a tuple of outputs, such as (SubsurfaceStress(depths=(1e-4,)),)"),
         ):
-            _typed(f"Scene.{name}", getattr(self, name), tuple | list, remedy)
+            _instance(f"Scene.{name}", getattr(self, name), tuple | list, remedy)
             set_fields(self, **{name: tuple(getattr(self, name))})
         self._check_solids()
         for number, shape in enumerate(self.shapes):
@@ -190,9 +190,8 @@ class Scene:
         for number, solid in enumerate(self.solids):
             _instance(f"Scene.solids[{number}]", solid, Body, "give a body, such as a HalfSpace")
         contact_modulus(self.solids)
-        if self.hardness != inf:
-            remedy = "give a pressure above 0 Pa, or inf for no limit"
-            set_fields(self, hardness=in_range("Scene.hardness", self.hardness, remedy))
+        remedy = "give a pressure above 0 Pa, or inf for no limit"
+        set_fields(self, hardness=in_range_or_infinite("Scene.hardness", self.hardness, remedy))
 
     def _check_load(self) -> None:
         """Check the load; a total load takes the length of the shortest roller if it has none."""
@@ -223,11 +222,11 @@ class Scene:
         if self.wear is not None:
             from contactstudy.scene.motion import Wear
 
-            _typed("Scene.wear", self.wear, Wear, "give a Wear, or None")
+            _instance("Scene.wear", self.wear, Wear, "give a Wear, or None")
         if self.rolling is not None:
             from contactstudy.scene.motion import Rolling
 
-            _typed("Scene.rolling", self.rolling, Rolling, "give a Rolling, or None")
+            _instance("Scene.rolling", self.rolling, Rolling, "give a Rolling, or None")
         if self.friction is not None:
             from contactstudy.scene.friction import Friction
 
@@ -237,7 +236,7 @@ class Scene:
         if self.lubrication is not None:
             from contactstudy.scene.lubrication import Lubrication
 
-            _typed(
+            _instance(
                 "Scene.lubrication", self.lubrication, Lubrication, "give a Lubrication, or None"
             )
             self.lubrication.check(self)
@@ -291,7 +290,7 @@ class Scene:
         InvalidInput
             If the arguments are of another kind, the scene changes in time or rolls, or memory does not suffice.
         """
-        _typed("grid", grid, Grid, "give a Grid")
+        _instance("grid", grid, Grid, "give a Grid")
         if self.rolling is not None:
             raise InvalidInput(
                 "Scene.rolling moves the contact, which takes more than one problem: call "
@@ -379,13 +378,8 @@ def _is_free(padding: Padding) -> bool:
     return not padding.wraps and padding.window is not None and len(padding.window) == 1
 
 
-def _typed(field: str, value: object, kind: type | object, remedy: str) -> None:
-    if not isinstance(value, kind):  # type: ignore[arg-type]
-        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
-
-
-def _instance(field: str, value: object, kind: type, remedy: str) -> None:
-    """Raise :class:`~contactstudy.InvalidInput` unless `value` is an instance with the members of `kind`."""
+def _instance(field: str, value: object, kind: Any, remedy: str) -> None:
+    """Raise :class:`~contactstudy.InvalidInput` unless `value` is an instance of `kind`, which may be a protocol."""
     if isinstance(value, type) or not isinstance(value, kind):
         raise InvalidInput(f"{field} is {value!r}: {remedy}.")
 

@@ -24,7 +24,7 @@ from studies.reference.line_contact import STEEL
 RIGID = cs.HalfSpace(inf, 0.3)
 LOAD, RADIUS = 1e5, 0.01
 # On the substrate alone.
-HERTZ = cs.analytic.hertz_line(LOAD, RADIUS, 1 / STEEL.compliance)
+HERTZ = cs.analytic.HertzLine(LOAD, RADIUS, 1 / STEEL.compliance)
 A, P_H = HERTZ.half_width, HERTZ.peak_pressure
 # Beyond the wider of the contacts on either material.
 ROOM = 1.3

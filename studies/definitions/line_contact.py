@@ -112,7 +112,7 @@ def point_displacement(along: cs.Padding | cs.Paddings) -> Mapping[str, xr.Varia
 
     It is divided by the displacement at the centre of one such contact alone (Hertz).
     """
-    hertz = cs.analytic.hertz_point(load=1.0, radius=1.0, contact_modulus=1.0)
+    hertz = cs.analytic.HertzPoint(load=1.0, radius=1.0, contact_modulus=1.0)
     a = hertz.contact_radius
     cells = cs.Grid(cells=(POINT_CELLS, POINT_CELLS), extent=(POINT_WIDTH * a, POINT_WIDTH * a))
     pressure = hertz.pressure(np.hypot(*np.meshgrid(cells.x, cells.y, indexing="ij")))

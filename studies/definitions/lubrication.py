@@ -18,7 +18,7 @@ from studies.model.study import Point
 RADIUS, LOAD, VISCOSITY = 0.01, 1e5, 0.04
 STEEL = cs.HalfSpace(210e9, 0.3)
 DRY = cs.Scene(cs.LineLoad(LOAD), (STEEL, STEEL), (cs.Cylinder(RADIUS),))
-HERTZ = cs.analytic.hertz_line(LOAD, RADIUS, DRY.contact_modulus)
+HERTZ = cs.analytic.HertzLine(LOAD, RADIUS, DRY.contact_modulus)
 # The inlet begins so many half-widths from the axis, or so many times sqrt(2 H).
 INLET, FILMS = 4.5, 6.0
 # Waves of the surface [a]: random, an eighth of the length and more.

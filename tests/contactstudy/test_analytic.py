@@ -5,8 +5,8 @@ from scipy.integrate import quad
 import contactstudy as cs
 from contactstudy.analytic import truncation_error
 
-LINE = cs.analytic.hertz_line(load_per_length=1e5, radius=0.01, contact_modulus=1.15e11)
-POINT = cs.analytic.hertz_point(load=100.0, radius=0.01, contact_modulus=1.15e11)
+LINE = cs.analytic.HertzLine(load_per_length=1e5, radius=0.01, contact_modulus=1.15e11)
+POINT = cs.analytic.HertzPoint(load=100.0, radius=0.01, contact_modulus=1.15e11)
 
 
 def test_hertz_line_pressure_carries_its_load() -> None:
@@ -59,7 +59,7 @@ def test_hertz_point_peak_pressure_carries_its_load() -> None:
 def westergaard(share: float) -> cs.analytic.Westergaard:
     """Of the pressure that closes every gap."""
     closing = np.pi * 2e11 * 1e-6 / 1e-3
-    return cs.analytic.westergaard(share * closing, 1e-6, 1e-3, 2e11)
+    return cs.analytic.Westergaard(share * closing, 1e-6, 1e-3, 2e11)
 
 
 @pytest.mark.parametrize("share", [0.01, 0.3, 0.9, 1.0, 1.5])
@@ -98,7 +98,7 @@ def test_lightly_loaded_westergaard_is_hertz() -> None:
         wave = westergaard(share)
         radius = wave.wavelength**2 / (4 * np.pi**2 * wave.amplitude)
         load = wave.mean_pressure * wave.wavelength
-        line = cs.analytic.hertz_line(load, radius, wave.contact_modulus)
+        line = cs.analytic.HertzLine(load, radius, wave.contact_modulus)
         assert wave.half_width == pytest.approx(line.half_width, rel=share)
         assert wave.peak_pressure == pytest.approx(line.peak_pressure, rel=share)
 
@@ -110,5 +110,5 @@ def test_truncation_error_is_one_eighth_of_the_squared_ratio() -> None:
 @pytest.mark.parametrize("field", ["load_per_length", "radius", "contact_modulus"])
 def test_hertz_line_refuses_what_is_not_above_zero(field: str) -> None:
     good = {"load_per_length": 1.0, "radius": 1.0, "contact_modulus": 1.0}
-    with pytest.raises(cs.InvalidInput, match=rf"^hertz_line\.{field} is -1\.0: "):
-        cs.analytic.hertz_line(**(good | {field: -1.0}))
+    with pytest.raises(cs.InvalidInput, match=rf"^HertzLine\.{field} is -1\.0: "):
+        cs.analytic.HertzLine(**(good | {field: -1.0}))

@@ -276,7 +276,7 @@ def gaps() -> Iterator[AccuracyCase]:
 
 def point_loads() -> Iterator[AccuracyCase]:
     """A rough sphere on a free length."""
-    point = cs.analytic.hertz_point(30.0, 0.01, MODULUS)
+    point = cs.analytic.HertzPoint(30.0, 0.01, MODULUS)
     size = 2.6 * point.contact_radius
     grown = point.peak_pressure * point.contact_radius / MODULUS
     for number, cut_off in enumerate((3.0, 8.0)):

@@ -62,7 +62,7 @@ def few_cells() -> Iterator[AccuracyCase]:
 
 def spheres() -> Iterator[AccuracyCase]:
     """Point contacts on a free length."""
-    point = cs.analytic.hertz_point(30.0, 0.01, MODULUS)
+    point = cs.analytic.HertzPoint(30.0, 0.01, MODULUS)
     for cells in (24, 33, 64):
         for width in (2.2, 2.6, 3.1):
             length = width * point.contact_radius
@@ -81,7 +81,7 @@ def waves() -> Iterator[AccuracyCase]:
     for cells in (25, 64):
         for share in (0.05, 0.3, 0.6, 0.9, 0.97):
             closing = pi * MODULUS * height / length
-            wave = cs.analytic.westergaard(share * closing, height, length, MODULUS)
+            wave = cs.analytic.Westergaard(share * closing, height, length, MODULUS)
             truth = ClosedForm(
                 _wave(wave),
                 wave.peak_pressure,

@@ -30,7 +30,7 @@ def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
 
 def _displacement(dataset: xr.Dataset) -> CaptionedFigure:
     shown = [name for name in ("zero", "duplicated") if name in paddings(dataset)]
-    hertz = cs.analytic.hertz_point(load=1.0, radius=1.0, contact_modulus=1.0)
+    hertz = cs.analytic.HertzPoint(load=1.0, radius=1.0, contact_modulus=1.0)
     fig, axes = panels(2, width=4.2)
     for ax, direction in zip(axes, TITLES, strict=True):
         offset = dataset["offset"]

@@ -67,7 +67,7 @@ def test_edge_does_not_depend_on_the_cells_along(line_contact: LineContact) -> N
 
 def test_edge_of_a_sphere_is_found_where_it_runs_along_the_cells() -> None:
     """Rows through the middle; further out the edge crosses the cells, and only its cell is told."""
-    contact, modulus = cs.analytic.hertz_point(30.0, 0.01, 1.0), 1.0
+    contact, modulus = cs.analytic.HertzPoint(30.0, 0.01, 1.0), 1.0
     solids = (cs.HalfSpace(youngs_modulus=1.0, poisson_ratio=0.0), cs.HalfSpace(np.inf, 0.0))
     a, length = contact.contact_radius, 2.5 * contact.contact_radius
     scene = cs.Scene(cs.LineLoad(30.0 / length), solids, (cs.Sphere(0.01),))

@@ -35,7 +35,7 @@ def hertz_lines(line_contact: LineContact) -> Iterator[tuple[float, float]]:
 
 
 def hertz_points(line_contact: LineContact) -> Iterator[tuple[float, float]]:
-    point = cs.analytic.hertz_point(30.0, 0.01, MODULUS)
+    point = cs.analytic.HertzPoint(30.0, 0.01, MODULUS)
     for cells in (24, 33, 48, 64):
         for width in np.linspace(2.2, 3.4, 5):
             length = width * point.contact_radius
@@ -52,7 +52,7 @@ def wavy_surfaces(line_contact: LineContact) -> Iterator[tuple[float, float]]:
     for cells in (16, 25, 32, 64, 129):
         for share in np.linspace(0.05, 0.95, 7):
             closing = math.pi * MODULUS * height / length
-            wave = cs.analytic.westergaard(share * closing, height, length, MODULUS)
+            wave = cs.analytic.Westergaard(share * closing, height, length, MODULUS)
             load = cs.LineLoad(wave.mean_pressure * length)
             shapes = (cs.Waviness(height, across=length),)
             grid = cs.Grid(cells=(cells, 1), extent=(length, length))

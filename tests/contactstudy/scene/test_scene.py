@@ -68,8 +68,8 @@ def test_numbers_of_any_kind_are_kept_as_floats(kind: type) -> None:
     assert load.per_length == 10_000.0
     assert type(cs.Cylinder(kind(2)).radius) is float
     assert type(cs.Superposition(np.uint8(3)).images) is int
-    hertz = cs.analytic.hertz_line(kind(100), kind(1), kind(1000))
-    assert hertz == cs.analytic.hertz_line(100.0, 1.0, 1000.0)
+    hertz = cs.analytic.HertzLine(kind(100), kind(1), kind(1000))
+    assert hertz == cs.analytic.HertzLine(100.0, 1.0, 1000.0)
 
 
 def test_a_number_beyond_floats_is_refused() -> None:

@@ -157,7 +157,7 @@ def test_greatest_shear_is_0_300_of_the_peak_pressure_at_0_786_half_widths(
 
 def test_point_contact_has_hubers_stress_on_the_axis() -> None:
     """Under Hertz's own pressure, sampled: the error falls like the cell to 3/2, the edge's share."""
-    hertz = cs.analytic.hertz_point(1.0, 1.0, 1.0)
+    hertz = cs.analytic.HertzPoint(1.0, 1.0, 1.0)
     a, depths = hertz.contact_radius, (0.3, 0.481, 1.0, 2.0)
     expected = hertz.axis_stress(np.array(depths) * a, NU)
     errors = []

@@ -189,7 +189,7 @@ def test_contact_cut_off_by_a_free_length_is_flagged_but_not_a_rollers_own_end(
 ) -> None:
     free = (cs.ZeroPadding(), cs.ZeroPadding())
     solids, load = line_contact.scene.solids, cs.LineLoad(3e4)
-    width = 6 * cs.analytic.hertz_line(3e4, 0.01, line_contact.scene.contact_modulus).half_width
+    width = 6 * cs.analytic.HertzLine(3e4, 0.01, line_contact.scene.contact_modulus).half_width
     grid = cs.Grid((24, 12), (width, width / 8))
     sphere = cs.Scene(load, solids, (cs.Sphere(0.01),))
     assert cs.solve(sphere.problem(grid, free)).status is cs.Status.CONTACT_AT_EDGE
@@ -244,7 +244,7 @@ def test_random_small_rough_contacts_end_well() -> None:
 
 def test_a_sphere_on_a_free_surface_is_hertz_point_contact() -> None:
     """Free along both axes; errors of the cell that holds the edge aside, of second order in the cell."""
-    hertz = cs.analytic.hertz_point(load=100.0, radius=0.01, contact_modulus=1.15e11)
+    hertz = cs.analytic.HertzPoint(load=100.0, radius=0.01, contact_modulus=1.15e11)
     a, cells = hertz.contact_radius, 64
     grid = cs.Grid(cells=(cells, cells), extent=(2.5 * a, 2.5 * a))
     solid = cs.HalfSpace(youngs_modulus=2.3e11, poisson_ratio=0.0)

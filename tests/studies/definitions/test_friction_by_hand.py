@@ -97,7 +97,7 @@ def test_a_sphere_has_the_cylinder_s_half_width_for_a_radius(
     assert scene.shapes == (cs.Sphere(HERTZ.radius),)
     assert scene.solids == case.scene.solids
     force = scene.load.largest * 2.5 * A
-    ball = cs.analytic.hertz_point(force, HERTZ.radius, case.scene.contact_modulus)
+    ball = cs.analytic.HertzPoint(force, HERTZ.radius, case.scene.contact_modulus)
     assert ball.contact_radius == pytest.approx(A)
     slip = scene.friction
     assert isinstance(slip, PartialSlip)

@@ -24,7 +24,7 @@ def test_creep_is_of_a_load_that_is_held_for_two_times_of_creep() -> None:
     case: Any = load("creep").scene_at({"steps": 20, "grid": 64})
     assert case.grid == cs.Grid((64, 1), (0.36, 1.0))
     assert np.diff(case.times) == pytest.approx(np.full(20, 0.1))
-    hertz = cs.analytic.hertz_line(case.scene.load.largest, 1.0, 1.0)
+    hertz = cs.analytic.HertzLine(case.scene.load.largest, 1.0, 1.0)
     assert hertz.half_width == pytest.approx(0.1)
     # Lee and Radok: the half-width grows like the root of the compliance
     for t in (0.3, 1.0):
@@ -84,7 +84,7 @@ def test_wear_goes_on_to_twice_the_half_width_of_a_rigid_cylinder() -> None:
     case: Any = load("wear").scene_at({"scheme": "explicit", "steps": 16, "grid": 64})
     assert case.grid == cs.Grid((64, 1), (0.5, 1.0))
     assert case.scheme == "EXPLICIT"
-    hertz = cs.analytic.hertz_line(case.scene.load.largest, 1.0, 1.0)
+    hertz = cs.analytic.HertzLine(case.scene.load.largest, 1.0, 1.0)
     assert hertz.half_width == pytest.approx(0.1)
     assert len(case.times) == 17
     assert case.times[0] == 0
@@ -164,7 +164,7 @@ def test_yield_is_recorded_over_hertz_s_contact_and_the_yield_strain(
     case: Any = load("plastic").scene_at(
         {"pressure": peak, "hardening": 0.1, "steps": 8, "grid": 48}
     )
-    hertz = cs.analytic.hertz_line(
+    hertz = cs.analytic.HertzLine(
         case.scene.load.largest, case.scene.shapes[0].radius, 1000 / (1 - 0.3**2)
     )
     assert hertz.half_width == pytest.approx(1)

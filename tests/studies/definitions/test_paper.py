@@ -29,7 +29,7 @@ def test_displacement_under_a_periodic_point_pressure(
 
 
 def test_zero_padding_lies_on_the_point_contact() -> None:
-    hertz = cs.analytic.hertz_point(load=1.0, radius=1.0, contact_modulus=1.0)
+    hertz = cs.analytic.HertzPoint(load=1.0, radius=1.0, contact_modulus=1.0)
     a, cell = hertz.contact_radius, 3 * hertz.contact_radius / CELLS
     beside_centre = (2 * (cell / 2) ** 2) ** 0.5
     assert hertz.displacement(beside_centre) / hertz.approach == pytest.approx(

@@ -174,7 +174,7 @@ def test_programs_are_compared_on_a_cylinder_a_sphere_and_a_rough_flat() -> None
     assert isinstance(ball, cs.Sphere)
     # larger than 1.2 half-widths, to which the grid goes, and smaller than that times the root of two
     force = SCENE.load.largest * 2.4 * A
-    point = cs.analytic.hertz_point(force, ball.radius, HERTZ.contact_modulus)
+    point = cs.analytic.HertzPoint(force, ball.radius, HERTZ.contact_modulus)
     assert 1.2 * A < point.contact_radius < 1.2 * 2**0.5 * A
     assert ball.radius == 0.02
     rough = peers.SHAPES["periodic"]

@@ -179,7 +179,7 @@ def test_farther_than_twice_the_step_before_nothing_is_extrapolated() -> None:
 
 def test_heights_count_from_half_the_width_and_approaches_too_where_images_have_no_end() -> None:
     load = scene_case._at_half_width(CASE).largest
-    hertz = cs.analytic.hertz_line(load, 0.01, SCENE.contact_modulus)
+    hertz = cs.analytic.HertzLine(load, 0.01, SCENE.contact_modulus)
     assert hertz.half_width == pytest.approx(4e-5)
     flat = SceneCase(cs.Scene(cs.LineLoad(2e4), (STEEL, STEEL), ()), GRID, cs.ZeroPadding())
     assert scene_case._at_half_width(flat) == cs.LineLoad(1.0)

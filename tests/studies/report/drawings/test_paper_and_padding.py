@@ -43,7 +43,7 @@ def paper(*images: int) -> xr.Dataset:
 def test_the_displacement_stands_over_the_offset_beside_that_of_one_contact() -> None:
     dataset = paper()
     stored = dataset.isel(images=-1)
-    hertz = cs.analytic.hertz_point(load=1.0, radius=1.0, contact_modulus=1.0)
+    hertz = cs.analytic.HertzPoint(load=1.0, radius=1.0, contact_modulus=1.0)
     offset = dataset["offset"].values
     inside, outside = np.abs(offset) < 1, np.abs(offset) > 1
     for ax, name in zip(panels("paper", dataset), ("x", "y"), strict=True):

@@ -276,27 +276,22 @@ class PlasticMemory:
             residual = np.stack([wide.tensor_of_strain(strain) for strain in strains])
             total = residual + np.stack([wide.tensor_of_pressure(p) for p in pressures])
             tensors = np.einsum("ct,ncl...->ntl...", wide.basis, np.stack(strains))
-            cells = "time", f"z{suffix}", "x", "y"
+            layer = (f"z{suffix}",)
+            cells = "time", *layer, "x", "y"
             components = "time", "component", *cells[1:]
             down = {"axis": "Z", "positive": "down"}
             sign = "tension positive, mean over a cell"
+            stress, unloaded = f"stress, {sign}", f"stress without the pressure, {sign}"
+            depth, thickness = "depth of a layer", "thickness of a layer"
             fields |= {
                 f"plastic_strain{suffix}": Field(components, tensors, "1", "plastic strain"),
                 f"equivalent_plastic_strain{suffix}": Field(
                     cells, np.stack(equivalents), "1", "equivalent plastic strain"
                 ),
-                f"stress{suffix}": Field(components, total, "Pa", f"stress, {sign}", NEAR_EDGE),
-                f"residual_stress{suffix}": Field(
-                    components,
-                    residual,
-                    "Pa",
-                    f"stress without the pressure, {sign}",
-                    NEAR_EDGE,
-                ),
-                f"z{suffix}": Field((f"z{suffix}",), volume.depths, "m", "depth of a layer", down),
-                f"layer_thickness{suffix}": Field(
-                    (f"z{suffix}",), volume.thicknesses, "m", "thickness of a layer"
-                ),
+                f"stress{suffix}": Field(components, total, "Pa", stress, NEAR_EDGE),
+                f"residual_stress{suffix}": Field(components, residual, "Pa", unloaded, NEAR_EDGE),
+                f"z{suffix}": Field(layer, volume.depths, "m", depth, down),
+                f"layer_thickness{suffix}": Field(layer, volume.thicknesses, "m", thickness),
             }
         return fields
 

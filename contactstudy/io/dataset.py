@@ -220,34 +220,37 @@ def evolution_dataset(evolution: "Evolution") -> xr.Dataset:
     """
     frames, grid = evolution.frames, evolution.grid
 
-    def over_time(name: str, units: str, long_name: str, *dimensions: str) -> xr.Variable:
-        values = np.stack([getattr(frame, name) for frame in frames])
-        return labelled(("time", *dimensions), values, units, long_name)
+    def over_time(*labels: tuple[str, ...]) -> dict[str, xr.Variable]:
+        return {
+            name: labelled(
+                ("time", *dimensions),
+                np.stack([getattr(frame, name) for frame in frames]),
+                units,
+                long_name,
+            )
+            for name, units, long_name, *dimensions in labels
+        }
 
+    area = labelled("time", evolution.contact_area, "m2", "area in contact, over the grid")
+    statuses = [frame.status for frame in frames]
     dataset = xr.Dataset(
-        {
-            "pressure": over_time("pressure", "Pa", "contact pressure", "x", "y"),
-            "gap": over_time("gap", "m", "gap after deformation", "x", "y"),
-            "load": over_time("load", "N m-1", "load per length"),
-            "approach": over_time("approach", "m", "approach of the bodies"),
-            "peak_pressure": over_time("peak_pressure", "Pa", "peak pressure"),
-            "contact_area": labelled(
-                "time", evolution.contact_area, "m2", "area in contact, over the grid"
-            ),
-            "step_error": over_time("step_error", "1", "estimated L1 error by steps in time"),
-            "grid_error": over_time("grid_error", "1", "estimated L1 error by cells"),
-            "residual": over_time("residual", "1", "residual of the solver"),
-            "steps": over_time("steps", "1", "solves since the instant before"),
-            "iterations": over_time("iterations", "1", "iterations since the instant before"),
-            "convolutions": over_time(
-                "convolutions", "1", "transform pairs since the instant before"
-            ),
-            "status": _statuses(
-                "time",
-                [frame.status for frame in frames],
-                "worst status since the instant before",
-            ),
-        },
+        over_time(
+            ("pressure", "Pa", "contact pressure", "x", "y"),
+            ("gap", "m", "gap after deformation", "x", "y"),
+            ("load", "N m-1", "load per length"),
+            ("approach", "m", "approach of the bodies"),
+            ("peak_pressure", "Pa", "peak pressure"),
+        )
+        | {"contact_area": area}
+        | over_time(
+            ("step_error", "1", "estimated L1 error by steps in time"),
+            ("grid_error", "1", "estimated L1 error by cells"),
+            ("residual", "1", "residual of the solver"),
+            ("steps", "1", "solves since the instant before"),
+            ("iterations", "1", "iterations since the instant before"),
+            ("convolutions", "1", "transform pairs since the instant before"),
+        )
+        | {"status": _statuses("time", statuses, "worst status since the instant before")},
         coords={
             "time": ("time", evolution.times, TIME),
             "x": ("x", grid.x, X),
@@ -295,27 +298,18 @@ def _over_time(instants: Sequence[Mapping[str, Field]]) -> dict[str, xr.Variable
 def rolling_dataset(rolling: "RepeatedRolling") -> xr.Dataset:
     """Return the state after each pass over (pass, component, z), and the last window over (component, z, x)."""
     passes, track, volume = rolling.passes, rolling.track, rolling.track.operator.volume
+    window = "component", "z", "x"
+    pressure = passes[-1].solution.pressure[:, 0]
+    strain = np.einsum("ct,cl...->tl...", track.operator.basis, track.strain)[..., 0]
+    below = "plastic strain below the contact in the last pass"
+    stress = rolling.removed.residual_stress()[..., 0]
+    unloaded = "stress where the last contact was lifted off, tension positive"
     return xr.Dataset(
         {
             **_after_passes(rolling),
-            "pressure": labelled(
-                "x",
-                passes[-1].solution.pressure[:, 0],
-                "Pa",
-                "contact pressure in the last pass",
-            ),
-            "window_plastic_strain": labelled(
-                ("component", "z", "x"),
-                np.einsum("ct,cl...->tl...", track.operator.basis, track.strain)[..., 0],
-                "1",
-                "plastic strain below the contact in the last pass",
-            ),
-            "window_residual_stress": labelled(
-                ("component", "z", "x"),
-                rolling.removed.residual_stress()[..., 0],
-                "Pa",
-                "stress where the last contact was lifted off, tension positive",
-            ),
+            "pressure": labelled("x", pressure, "Pa", "contact pressure in the last pass"),
+            "window_plastic_strain": labelled(window, strain, "1", below),
+            "window_residual_stress": labelled(window, stress, "Pa", unloaded),
         },
         coords={
             "pass": ("pass", np.arange(1, len(passes) + 1), {"long_name": "number of the pass"}),
@@ -331,32 +325,26 @@ def rolling_dataset(rolling: "RepeatedRolling") -> xr.Dataset:
 def _after_passes(rolling: "RepeatedRolling") -> dict[str, xr.Variable]:
     """Return strain, stress and displacement after each pass."""
 
-    def after(name: str, units: str, long_name: str, *dimensions: str) -> xr.Variable:
-        return labelled(("pass", *dimensions), getattr(rolling, name), units, long_name)
+    def after(*labels: tuple[str, ...]) -> dict[str, xr.Variable]:
+        return {
+            name: labelled(("pass", *dimensions), getattr(rolling, name), units, long_name)
+            for name, units, long_name, *dimensions in labels
+        }
 
-    distances = [one_pass.distance for one_pass in rolling.passes]
-    return {
-        "plastic_strain": after("plastic_strain", "1", "plastic strain", "component", "z"),
-        "equivalent_plastic_strain": after(
-            "equivalent_plastic_strain", "1", "equivalent plastic strain", "z"
-        ),
-        "residual_stress": after(
-            "residual_stress",
-            "Pa",
-            "stress far behind the contact, tension positive",
-            "component",
-            "z",
-        ),
-        "shear": after("shear", "1", "shear strain added by the pass", "z"),
-        "forward_displacement": after(
-            "forward_displacement", "m", "surface moved against the travel by the pass"
-        ),
-        "yielding": after("yielding", "1", "largest equivalent plastic strain added by the pass"),
-        "peak_pressure": after("peak_pressure", "Pa", "peak pressure at the end of the pass"),
+    stress = "stress far behind the contact, tension positive"
+    distances = [each_pass.distance for each_pass in rolling.passes]
+    statuses = [each_pass.status for each_pass in rolling.passes]
+    return after(
+        ("plastic_strain", "1", "plastic strain", "component", "z"),
+        ("equivalent_plastic_strain", "1", "equivalent plastic strain", "z"),
+        ("residual_stress", "Pa", stress, "component", "z"),
+        ("shear", "1", "shear strain added by the pass", "z"),
+        ("forward_displacement", "m", "surface moved against the travel by the pass"),
+        ("yielding", "1", "largest equivalent plastic strain added by the pass"),
+        ("peak_pressure", "Pa", "peak pressure at the end of the pass"),
+    ) | {
         "distance": labelled("pass", np.array(distances), "m", "distance rolled"),
-        "status": _statuses(
-            "pass", [one_pass.status for one_pass in rolling.passes], "worst status of the steps"
-        ),
+        "status": _statuses("pass", statuses, "worst status of the steps"),
     }
 
 

@@ -219,7 +219,7 @@ class Components(Enum):
 
 
 @dataclass(frozen=True, eq=False)
-class Direction:
+class WaveDirection:
     """Wave number `q` [1/m] and direction (`c`, `s`) of waves, each (waves,).
 
     `weight` is the share of a wave that the mean over a cell leaves, for strain and for stress together.

@@ -17,9 +17,9 @@ from contactstudy.domain.fields import Array
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 from contactstudy.elasticity.eigenstrain.wave import (
     Components,
-    Direction,
     Layer,
     Sources,
+    WaveDirection,
     by_another,
     by_itself,
     by_layers,
@@ -67,13 +67,13 @@ class ShortWaves:
     x: Array
     y: Array
 
-    def shifted(self, across: int, along: int) -> Direction:
+    def shifted(self, across: int, along: int) -> WaveDirection:
         """Return the waves that have `across` and `along` more periods to a cell than the long ones."""
         dx, dy = self.volume.grid.cell
         x, y = self.x + 2 * pi * across / dx, self.y + 2 * pi * along / dy
         q = np.hypot(x, y)
         weight = (np.sinc(x * dx / (2 * pi)) * np.sinc(y * dy / (2 * pi))) ** 2
-        return Direction(q, x / q, y / q, weight)
+        return WaveDirection(q, x / q, y / q, weight)
 
     def stress_of_pressure(self, components: Components) -> Array:
         """Return the stress (components, layers, waves) by unit pressure in the short waves."""
@@ -145,7 +145,7 @@ class ShortWaves:
             total += direction.weight * direction.stress(tensor, components)
         return total
 
-    def _directions(self) -> Iterator[Direction]:
+    def _directions(self) -> Iterator[WaveDirection]:
         """Yield the short waves that are taken one by one, then those that stand for all shorter ones."""
         (dx, dy), orders = self.volume.grid.cell, range(-ORDERS, ORDERS + 1)
         for shift in product(orders, repeat=2):
@@ -159,11 +159,11 @@ class ShortWaves:
         for step, weight, c in ((dx, 1 - across, 1.0), (dy, across * (1 - along), 0.0)):
             q = 2 * pi * (2 * ORDERS + 1) / step
             for side in (1, -1):
-                yield Direction(q * unit, side * c * unit, side * (1 - c) * unit, weight / 2)
+                yield WaveDirection(q * unit, side * c * unit, side * (1 - c) * unit, weight / 2)
 
 
 def own_stress(
-    direction: Direction, layer: Layer, top: float, moduli: Moduli, components: Components
+    direction: WaveDirection, layer: Layer, top: float, moduli: Moduli, components: Components
 ) -> Array:
     """Return the stress (components, 5, waves) in a `layer` by each of its own unit strains.
 
@@ -174,7 +174,7 @@ def own_stress(
     return direction.stress(tensor, components)
 
 
-def _unit_strains(direction: Direction, moduli: Moduli) -> Sources:
+def _unit_strains(direction: WaveDirection, moduli: Moduli) -> Sources:
     """Return the sources of five unit strains, one after another."""
     return Sources.from_strain(
         direction.strain(np.eye(5)[..., None] * np.ones(len(direction.q))), moduli
@@ -284,8 +284,8 @@ class Waves:
         return ShortWaves(self.volume, self.moduli, x, y)
 
     @cached_property
-    def _direction(self) -> Direction:
-        """Direction of these waves, with their weights."""
+    def _direction(self) -> WaveDirection:
+        """WaveDirection of these waves, with their weights."""
         return self._short.shifted(0, 0)
 
     @cached_property

@@ -209,8 +209,8 @@ def _cells(
         )
         return _Cells(inf, inf, inf, inf, (reason,))
     yields, sharp_end = _at_hardness(solution), _at_sharp_end(problem, pressure)
-    at_end = problem.source is not None and problem.source.ends_along
-    at_end = at_end and bool(pressure[:, [0, -1]].any())
+    ends = problem.source is not None and problem.source.ends_along
+    at_end = ends and pressure[:, [0, -1]].any()
     regular = not (yields or at_end) and _spot_width(pressure, wraps) >= FEW
     if regular and inside.uncertain <= SMOOTH * l1 and inside.corner <= SHARP:
         peak *= 1 + PEAK_RESOLVED * inside.uncertain / l1 if l1 else 1.0

@@ -129,15 +129,6 @@ def forecast(scene: Scene, needs: Needs, grid: Grid) -> GridForecast:
 
     The estimated error of the finest of them is shared between the axes in proportion to the changes of the pressure
     when the cells are halved along one axis alone, which also show the rates.
-
-    Parameters
-    ----------
-    scene
-        The scene.
-    needs
-        Its requirements.
-    grid
-        The grid.
     """
     padding = needs.padding()
     fewest = _fewest(needs, grid)

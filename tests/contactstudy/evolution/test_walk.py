@@ -306,15 +306,19 @@ def test_errors_by_cells_are_those_of_each_contact_with_parts_and_reasons() -> N
         assert frame.warnings == ("coarse",)
 
 
-def test_what_is_remembered_in_error_stays_in_later_frames(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("memories", [1, 2])
+def test_what_is_remembered_in_error_stays_in_later_frames(
+    memories: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """The first contact is known to 10 %, the later ones to 1 % of a pressure that decays."""
+    factor = REMEMBERED**memories
     errors = iter([0.1, 0.01])
     monkeypatch.setattr(walking, "error_estimate", lambda _, heights: estimate(next(errors)))
-    walk, _ = walked([0.0, 4.0], march=Decaying(HELD, memories=PATH))
+    walk, _ = walked([0.0, 4.0], march=Decaying(HELD, memories=(PATH,) * memories))
     first, last = walk.frames
-    assert first.grid_error_parts.discretisation == pytest.approx(REMEMBERED * 0.1)
+    assert first.grid_error_parts.discretisation == pytest.approx(factor * 0.1)
     carried = 0.1 * first.pressure.sum() / last.pressure.sum()
-    assert last.grid_error_parts.discretisation == pytest.approx(REMEMBERED * carried)
+    assert last.grid_error_parts.discretisation == pytest.approx(factor * carried)
 
 
 def test_errors_by_cells_of_bodies_that_yield_are_over_the_largest_load() -> None:

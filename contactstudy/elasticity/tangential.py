@@ -124,9 +124,13 @@ class ShearResponse:
         """Return the displacement [m] under `shear` [Pa], both (component, x, y), by four transforms."""
         padded, cells = self.xx.padded, self.xx.cells
         x, y = (transformed(component, padded) for component in shear)
-        across = self.xx.spectrum * x + self.xy.spectrum * y
-        along = self.xy.spectrum * x + self.yy.spectrum * y
-        return np.stack([TRANSFORMS.backward(waves, cells, padded) for waves in (across, along)])
+        across = self.xx.spectrum * x
+        across += self.xy.spectrum * y
+        # in place: new arrays cost as much as a transform
+        x *= self.xy.spectrum
+        y *= self.yy.spectrum
+        x += y
+        return np.stack([TRANSFORMS.backward(waves, cells, padded) for waves in (across, x)])
 
     @property
     def largest(self) -> float:

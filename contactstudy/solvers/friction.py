@@ -146,17 +146,17 @@ class CoulombDisks:
         radius = self.coefficient * normal.pressure
         total = np.array([self.share * radius.sum(), 0.0])
         scale = self.coefficient * problem.scales.gap
-        shear = _nearest(normal.traction.shear, radius, total)
+        disks = Disks(radius, total)
+        shear = disks.nearest(normal.traction.shear)
         extrapolated, inertia, step = shear, 1.0, 1 / self.response.largest
         residual, iteration, best = np.inf, 0, np.inf
         last_improvement = 0
         while True:
             displacement = self.response(extrapolated)
-            trial = _nearest(extrapolated - step * displacement, radius, total)
-            residual = float(
-                np.abs(trial - extrapolated).sum() / (np.abs(trial).sum() * step * scale)
-            )
-            residual *= float(np.abs(trial).max())
+            trial = disks.nearest(extrapolated - step * displacement)
+            size = np.abs(trial)
+            residual = float(np.abs(trial - extrapolated).sum() / (size.sum() * step * scale))
+            residual *= float(size.max())
             if residual < 0.7 * best:
                 best, last_improvement = residual, iteration
             iteration += 1
@@ -165,7 +165,7 @@ class CoulombDisks:
                 shear = trial
                 break
             change = trial - shear
-            if np.sum((extrapolated - trial) * change) > 0:
+            if np.einsum("cxy,cxy->", extrapolated - trial, change) > 0:
                 inertia = 1.0
             following = (1 + np.sqrt(1 + 4 * inertia**2)) / 2
             extrapolated = trial + (inertia - 1) / following * change
@@ -200,37 +200,51 @@ def _with_traction(
     )
 
 
-def _nearest(trial: Array, radius: Array, total: Array) -> Array:
-    """Return the traction (2, x, y) nearest to a `trial` one with ``|q| <= radius`` in each cell and the sum `total`.
+class Disks:
+    """Convex set of tractions (2, x, y) with ``|q| <= radius`` (x, y) in each cell and the sum `total` (2,)."""
 
-    The trial is shifted by one vector and cut off at the disks. The vector is found by Newton's method on two unknowns,
-    damped, whose residual is the gradient of a convex function.
-    """
-    cells = radius > 0
-    x, y, r = trial[0][cells], trial[1][cells], radius[cells]
-    shift = (total - np.array([x.sum(), y.sum()])) / r.size
-    size, ridge = float(r.sum()), 1e-12 * r.size
-    reach = 4 * float(max(r.max(), np.abs(x).max(initial=0.0), np.abs(y).max(initial=0.0)))
-    u = v = cut = np.zeros(0)
-    error = np.inf
-    for _ in range(NEWTON):
-        u, v = x + shift[0], y + shift[1]
-        distance = np.hypot(u, v)
-        farther = np.maximum(distance, r)
-        cut = r / farther
-        missing = total - np.array([(cut * u).sum(), (cut * v).sum()])
-        worst = float(np.abs(missing).max())
-        if worst <= 1e-14 * size or (worst >= error * (1 - 1e-3) and worst <= 1e-10 * size):
-            break
-        error = worst
-        # derivative of a cell: the identity within, cut (1 - e e^T) on the rim, e = (u, v) / distance
-        rim = (distance > r) * cut / farther**2
-        diagonal, across = float(cut.sum()) + ridge, rim * u
-        xx, xy = diagonal - float((across * u).sum()), -float((across * v).sum())
-        yy = diagonal - float((rim * v * v).sum())
-        direction = np.linalg.solve(np.array([[xx, xy], [xy, yy]]), missing)
-        longest = float(np.abs(direction).max())
-        shift = shift + (min(1.0, reach / longest) if longest else 1.0) * direction
-    result = np.zeros_like(trial)
-    result[0][cells], result[1][cells] = cut * u, cut * v
-    return result
+    def __init__(self, radius: Array, total: Array) -> None:
+        self._cells, self._total = np.flatnonzero(radius), total
+        self._radius = radius.ravel()[self._cells]
+        self._shift: Array | None = None
+
+    def nearest(self, trial: Array) -> Array:
+        """Return the traction of this set that is nearest to a `trial` one.
+
+        The trial is shifted by one vector and cut off at the disks. The vector is found by Newton's method on two
+        unknowns, damped, whose residual is the gradient of a convex function. It begins with the vector found before.
+        """
+        total, r = self._total, self._radius
+        x, y = trial.reshape(2, -1)[:, self._cells]
+        shift = self._shift
+        if shift is None:
+            shift = (total - np.array([x.sum(), y.sum()])) / r.size
+        size, ridge = float(r.sum()), 1e-12 * r.size
+        reach = 4 * float(max(r.max(), np.abs(x).max(initial=0.0), np.abs(y).max(initial=0.0)))
+        u = v = cut = np.zeros(0)
+        error = np.inf
+        for _ in range(NEWTON):
+            u, v = x + shift[0], y + shift[1]
+            distance = np.sqrt(u * u + v * v)
+            farther = np.maximum(distance, r)
+            cut = r / farther
+            missing = total - np.array([np.einsum("i,i->", cut, u), np.einsum("i,i->", cut, v)])
+            worst = float(np.abs(missing).max())
+            if worst <= 1e-14 * size or (worst >= error * (1 - 1e-3) and worst <= 1e-10 * size):
+                break
+            error = worst
+            # derivative of a cell: the identity within, cut (1 - e e^T) on the rim, e = (u, v) / distance
+            rim = (distance > r) * cut / farther**2
+            diagonal, across = float(cut.sum()) + ridge, rim * u
+            xx, xy = (
+                diagonal - float(np.einsum("i,i->", across, u)),
+                -float(np.einsum("i,i->", across, v)),
+            )
+            yy = diagonal - float(np.einsum("i,i->", rim * v, v))
+            direction = np.linalg.solve(np.array([[xx, xy], [xy, yy]]), missing)
+            longest = float(np.abs(direction).max())
+            shift = shift + (min(1.0, reach / longest) if longest else 1.0) * direction
+        self._shift = shift
+        result = np.zeros_like(trial)
+        result.reshape(2, -1)[:, self._cells] = cut * u, cut * v
+        return result

@@ -12,7 +12,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.elasticity.tangential import shear_response
 from contactstudy.scene.friction import dundurs
-from contactstudy.solvers.friction import CoulombDisks, Superposed, _nearest
+from contactstudy.solvers.friction import CoulombDisks, Disks, Superposed
 from tests.conftest import STEEL
 
 RIGID = cs.HalfSpace(infinite, 0.3)
@@ -181,12 +181,12 @@ def test_the_nearest_field_on_disks_is_nearest() -> None:
     trial = chance.normal(size=(2, 9, 7))
     for share in (0.01, 0.6, 0.999):
         total = np.array([share * radius.sum(), 0.0])
-        found = _nearest(trial, radius, total)
+        found = Disks(radius, total).nearest(trial)
         assert (np.hypot(*found) <= radius * (1 + 1e-14)).all()
         assert found.sum(axis=(1, 2)) == pytest.approx(total, abs=1e-9)
         # no admissible direction comes nearer: others of the same sum, on their disks
         for _ in range(20):
-            other = _nearest(chance.normal(size=(2, 9, 7)), radius, total)
+            other = Disks(radius, total).nearest(chance.normal(size=(2, 9, 7)))
             assert ((trial - found) * (other - found)).sum() <= 1e-7
 
 

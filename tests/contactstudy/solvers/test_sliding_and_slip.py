@@ -12,9 +12,9 @@ from contactstudy.problem.problem import Problem, Scales
 from contactstudy.solvers import friction
 from contactstudy.solvers.friction import (
     CoulombDisks,
+    Disks,
     FullSliding,
     Superposed,
-    _nearest,
     _uneven_change,
     _with_traction,
 )
@@ -243,11 +243,11 @@ def test_the_nearest_field_is_shifted_and_cut_off_towards_the_middles_of_the_dis
     trial = np.stack([field(1.0, 1.2, -1.0, 9.0), field(2.0, 1.6, 0.0, 9.0)])
     still = np.array([1.0 + 0.6 - 1.0, 2.0 + 0.8])
     np.testing.assert_allclose(
-        _nearest(trial, radius, still)[:, :, 0], [[1, 0.6, -1, 0], [2, 0.8, 0, 0]], atol=1e-9
+        Disks(radius, still).nearest(trial)[:, :, 0], [[1, 0.6, -1, 0], [2, 0.8, 0, 0]], atol=1e-9
     )
     # one shift for all, whose cut-off sums to the total
     total = np.array([1.5, 2.0])
-    found = _nearest(trial, radius, total)
+    found = Disks(radius, total).nearest(trial)
     assert found.sum(axis=(1, 2)) == pytest.approx(total)
     shift = found[:, 0, 0] - trial[:, 0, 0]
     assert found[:, 2, 0] == pytest.approx(trial[:, 2, 0] + shift)
@@ -259,6 +259,6 @@ def test_the_nearest_field_is_shifted_and_cut_off_towards_the_middles_of_the_dis
 def test_all_cells_on_their_rims_carry_all_that_friction_can() -> None:
     radius = field(1.0, 0.5, 0.25)
     trial = np.stack([field(0.1, -0.3, 0.2), field(0.0, 0.1, -0.1)])
-    found = _nearest(trial, radius, np.array([1.75 * 0.999, 0.0]))
+    found = Disks(radius, np.array([1.75 * 0.999, 0.0])).nearest(trial)
     assert found.sum(axis=(1, 2)) == pytest.approx([1.75 * 0.999, 0], abs=1e-9)
     assert (np.hypot(*found) <= radius * (1 + 1e-12)).all()

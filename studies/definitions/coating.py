@@ -80,29 +80,23 @@ def measures(case: Case, solution: cs.Solution) -> Mapping[str, xr.Variable]:
     without = np.abs(alone.pressure - pressure).sum() / pressure.sum()
     edges = half_widths(pressure, x)
     reference_error = _reference_error(ratio, case.grid.cells[0])
-    return {
-        "half_width": number(float(edges[0]) / A, "half-width over Hertz's on the substrate"),
-        "peak_pressure": number(highest / P_H, "peak pressure over Hertz's on the substrate"),
-        "interface_shear": number(
-            shear / highest, "largest shear at the interface over the peak pressure"
+    measured = {
+        "half_width": (float(edges[0]) / A, "half-width over Hertz's on the substrate"),
+        "peak_pressure": (highest / P_H, "peak pressure over Hertz's on the substrate"),
+        "interface_shear": (
+            shear / highest,
+            "largest shear at the interface over the peak pressure",
         ),
-        "interface_tension": number(
+        "interface_tension": (
             tension / highest,
             "largest tension in the coating at the interface over the peak pressure",
         ),
-        "image_error": number(
-            float(without), "L1 error of the pressure with the image at 2 h alone"
-        ),
-    } | (
-        {}
-        if reference_error is None
-        else {
-            "reference_error": number(
-                reference_error,
-                "largest relative error of the peak pressure of contacts that are known",
-            )
-        }
-    )
+        "image_error": (float(without), "L1 error of the pressure with the image at 2 h alone"),
+    }
+    if reference_error is not None:
+        what = "largest relative error of the peak pressure of contacts that are known"
+        measured["reference_error"] = reference_error, what
+    return {name: number(value, long_name) for name, (value, long_name) in measured.items()}
 
 
 @dataclass(frozen=True)

@@ -77,27 +77,17 @@ points = (
 
 
 @dataclass(frozen=True)
-class SolveWithOutputs:
-    """A case to solve with all outputs that its scene asks for."""
-
-    case: Case
-
-    def prepare(self) -> cs.Problem:
-        """Return the problem: influence coefficients, transforms, gap."""
-        return self.case.prepare()
+class SolveWithOutputs(Case):
+    """A case that is solved with all outputs of its scene."""
 
     def run(self, prepared: cs.Problem) -> cs.Solution:
         """Solve, then compute the outputs; return the solution."""
-        solution = self.case.run(prepared)
+        solution = super().run(prepared)
         for output in prepared.outputs:
             if solution.traction is not None and isinstance(output, Sheared):
                 output = output.under(solution.shear)
             output.fields(solution.pressure)
         return solution
-
-    def record(self, result: cs.Solution) -> Mapping[str, xr.Variable]:
-        """Return the solver's numbers of the case."""
-        return self.case.record(result)
 
 
 @dataclass(frozen=True)
@@ -121,7 +111,7 @@ def scene_at(point: Point) -> SolveWithOutputs | EvolutionCase:
     grid = cs.Grid(cells=(cells, along), extent=(WIDTH * A, PERIOD * A))
     if effect in IN_TIME:
         return LastStep(IN_TIME[effect], grid, cs.ExactPeriodicity(), (0.0, 0.2), step_error="NONE")
-    return SolveWithOutputs(Case(SCENES[effect], grid, cs.ExactPeriodicity()))
+    return SolveWithOutputs(SCENES[effect], grid, cs.ExactPeriodicity())
 
 
 def measures(case: Computation, result: cs.Solution | cs.Evolution) -> Mapping[str, xr.Variable]:

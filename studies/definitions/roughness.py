@@ -49,23 +49,10 @@ ERRORS = {
 
 
 @dataclass(frozen=True)
-class PaddingComparison:
+class PaddingComparison(Case):
     """A contact with exact periodicity, and the number of images of the paddings compared with it."""
 
-    exact: Case
-    images: int
-
-    def prepare(self) -> cs.Problem:
-        """Return the problem of the exact case."""
-        return self.exact.prepare()
-
-    def run(self, prepared: cs.Problem) -> cs.Solution:
-        """Solve the exact case; other studies measure the cost of the others."""
-        return self.exact.run(prepared)
-
-    def record(self, result: cs.Solution) -> Mapping[str, xr.Variable]:
-        """Return the solver's numbers of the exact case."""
-        return self.exact.record(result)
+    images: int = 0
 
 
 def scene_at(point: Point) -> PaddingComparison:
@@ -83,29 +70,27 @@ def scene_at(point: Point) -> PaddingComparison:
         peklenik=float(point["peklenik"]),
         extent=(WIDTH * A, LENGTH * A),
     )
-    case = Case(
+    return PaddingComparison(
         scene=replace(SCENE, shapes=SCENE.shapes + ((shape,) if rms else ())),
         grid=cs.Grid((cells, max(1, round(cells * period / WIDTH))), (WIDTH * A, period * A)),
         padding=cs.ExactPeriodicity(),
+        images=whole("images", point["images"], 0, "give a whole number of periods from 0 on"),
     )
-    images = whole("images", point["images"], 0, "give a whole number of periods from 0 on")
-    return PaddingComparison(case, images)
 
 
 def measures(case: PaddingComparison, solution: cs.Solution) -> Mapping[str, xr.Variable]:
     """Return the solution with every padding, and its error against exact periodicity on this surface and grid."""
-    exact = case.exact
-    flat = replace(exact, scene=SCENE, grid=replace(exact.grid, cells=(exact.grid.cells[0], 1)))
+    flat = replace(case, scene=SCENE, grid=replace(case.grid, cells=(case.grid.cells[0], 1)))
     smooth = flat.run(flat.prepare()).pressure
     rows, ends = [], []
     for name in PADDINGS:
         padding = padding_at(name, case.images)
-        padded = replace(exact, padding=padding)
+        padded = replace(case, padding=padding)
         answer = solution if name == "exact" else padded.run(padded.prepare())
-        curved = solution if name == "exact" else _more_curved(exact, solution.problem, padding)
+        curved = solution if name == "exact" else _more_curved(case, solution.problem, padding)
         rows.append(
-            _answers(answer.pressure, smooth, exact.grid)
-            | _errors(answer.pressure, solution.pressure, exact.grid)
+            _answers(answer.pressure, smooth, case.grid)
+            | _errors(answer.pressure, solution.pressure, case.grid)
             | {
                 "curved_difference": l1_error(
                     answer.pressure, curved.pressure, curved.pressure.sum()

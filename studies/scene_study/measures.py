@@ -26,9 +26,9 @@ MOST = 60
 def normal_stiffness(solution: cs.Solution) -> float:
     """Return the normal stiffness d load / d approach [N/m per m of length], with the cells in contact fixed.
 
-    It follows from the pressure increment that carries a unit of load and moves all cells in contact alike, found
-    by projected conjugate gradients (Hestenes & Stiefel 1952), in which a rigid shift of the operator has no effect.
-    Cells at the hardness carry no increment. The result is nan where no cell can.
+    It follows from the pressure increment that carries a unit of load and displaces all cells in contact equally, by
+    projected conjugate gradients (Hestenes & Stiefel 1952), in which a rigid shift of the operator has no effect.
+    Cells at the hardness carry no increment. The result is nan if no cell carries one.
     """
     problem = solution.problem
     free = problem.constraint.free(solution.pressure) > 0

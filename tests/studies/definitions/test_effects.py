@@ -15,7 +15,7 @@ def test_one_cell_along_gives_the_pressure_of_many() -> None:
     one, many = (
         scene_at({"effect": f"smooth, {dimension}", "grid": 128}) for dimension in ("1-D", "2-D")
     )
-    assert (one.case.grid.cells, many.case.grid.cells) == ((128, 1), (128, 32))
+    assert (one.grid.cells, many.grid.cells) == ((128, 1), (128, 32))
     line, plane = (cs.solve(whole.prepare(), tolerance=1e-12).pressure for whole in (one, many))
     np.testing.assert_allclose(plane, np.broadcast_to(line, plane.shape), atol=1e-9 * line.max())
 

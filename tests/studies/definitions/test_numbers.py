@@ -169,7 +169,7 @@ def test_a_free_length_is_compared_with_an_endless_one() -> None:
     case = study.scene_at(point)
     solution = case.run(case.prepare())
     zero = xr.Dataset(study.measures(case, solution)).sel(padding="zero")
-    scene, grid = case.exact.scene, case.exact.grid
+    scene, grid = case.scene, case.grid
     alone = cs.solve(scene.problem(grid, cs.ZeroPadding())).pressure
     endless = cs.solve(scene.problem(grid, cs.ExactPeriodicity())).pressure
     load_along = alone.mean(axis=0)

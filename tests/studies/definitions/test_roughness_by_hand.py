@@ -78,7 +78,7 @@ def test_a_padding_is_done_where_it_converged_within_the_width(
 ) -> None:
     point = {"rms": 0.1, "hurst": 0.8, "peklenik": 1.0, "seed": 1, "images": 6, "period": 2.4}
     case = roughness.scene_at(point | {"grid": 4})
-    pressure = np.ones(case.exact.grid.cells)
+    pressure = np.ones(case.grid.cells)
     pressure[0] = 1.0 if at_edge else 0.0
     solution: Any = SimpleNamespace(
         pressure=pressure, problem=SimpleNamespace(open_edges=(0,)), status=status
@@ -93,6 +93,6 @@ def test_a_padding_is_done_where_it_converged_within_the_width(
 def test_two_cells_across_and_no_images_are_a_case() -> None:
     point = {"rms": 0.0, "hurst": 0.8, "peklenik": 1.0, "seed": 1, "images": 0, "period": 2.4}
     case = roughness.scene_at(point | {"grid": 2})
-    assert (case.exact.grid.cells[0], case.images) == (2, 0)
+    assert (case.grid.cells[0], case.images) == (2, 0)
     with pytest.raises(cs.InvalidInput, match="at least 2 cells"):
         roughness.scene_at(point | {"grid": 1})

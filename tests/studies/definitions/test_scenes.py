@@ -48,7 +48,7 @@ def test_the_study_of_solvers_has_three_surfaces_on_a_width_of_4_8_and_a_period_
 
 
 def test_effects_are_on_a_width_of_3_6_and_a_period_of_0_9_with_square_cells() -> None:
-    two, one = (of("effect_cost", effect=f"smooth, {n}-D", grid=64).case for n in (2, 1))
+    two, one = (of("effect_cost", effect=f"smooth, {n}-D", grid=64) for n in (2, 1))
     assert (two.grid.cells, one.grid.cells) == ((64, 16), (64, 1))
     assert half_widths(3.6, 0.9) == two.grid.extent
     assert two.grid.cell[0] == pytest.approx(two.grid.cell[1])
@@ -125,7 +125,7 @@ def test_rough_surfaces_repeat_after_3_2_across_and_2_4_along() -> None:
         "rms": 0.1, "hurst": 0.3, "peklenik": 2.0, "seed": 2, "images": 6, "period": 4.8, "grid": 80,
     }  # fmt: skip
     comparison = rough_scene(point)
-    case, shape = comparison.exact, comparison.exact.scene.shapes[1]
+    case, shape = comparison, comparison.scene.shapes[1]
     # square cells
     assert case.grid.cells == (80, 120)
     assert half_widths(3.2, 4.8) == case.grid.extent
@@ -134,7 +134,7 @@ def test_rough_surfaces_repeat_after_3_2_across_and_2_4_along() -> None:
     assert half_widths(0.3, 0.1) == (shape.roll_off, shape.cut_off)
     assert shape.rms == pytest.approx(0.1 * FLATTENING)
     assert (shape.hurst, shape.peklenik, shape.seed) == (0.3, 2.0, 2)
-    assert len(rough_scene(point | {"rms": 0.0}).exact.scene.shapes) == 1
+    assert len(rough_scene(point | {"rms": 0.0}).scene.shapes) == 1
 
 
 def test_coatings_are_pressed_by_a_rigid_cylinder_with_room_for_the_wider_contact() -> None:

@@ -66,7 +66,7 @@ class Subcell:
 
 @dataclass(frozen=True, eq=False)
 class _HiddenAlong:
-    """What the heights inside the cells hide along one `axis`, examined on so many `lines` (across, along).
+    """Heights hidden inside the cells along one `axis`, examined on so many `lines` (across, along).
 
     What cubics through the centres miss, `missed`, and what stands out, `standing`, are heights [m] in the cells of the
     grid; `corner` and `kink` are slopes on the lines. What is needed only of shapes that name no scales is None.
@@ -151,7 +151,7 @@ class HeightsInside:
 
 
 def _hidden_along(problem: Problem, axis: int) -> _HiddenAlong | None:
-    """Return what the heights inside the cells hide along an `axis`, or None where they do not vary along it."""
+    """Return the heights hidden inside the cells along an `axis`, or None where they do not vary along it."""
     source, grid, paddings = problem.source, problem.grid, problem.paddings
     assert source is not None
     assert paddings is not None

@@ -83,16 +83,21 @@ def test_sums_over_a_disc_of_images_tend_to_it() -> None:
     assert_allclose(np.array(errors[:-1]) / errors[1:], 2, rtol=0.1)
 
 
-@pytest.mark.parametrize("x", [0.0, 0.1, 0.35, 0.5, 0.9, 1.0])
-def test_a_cell_as_long_as_the_period_is_a_row_of_line_loads(x: float) -> None:
+@stored
+def judged_line_loads(x: float, dx: float, width: float) -> mp.mpf:
     """``-2 ln |2 sin(pi x / W)|`` (Johnson 1985, sect. 13.2), integrated over the cell."""
-    width, dx, period = 1.0, 0.125, 0.7
     with mp.workdps(30):
         edges = [mp.mpf(x) - dx / 2, mp.mpf(x), mp.mpf(x) + dx / 2]
         poles = [mp.mpf(n) for n in (0, 1) if edges[0] < n < edges[2]]
-        integral = mp.quad(
+        return mp.quad(
             lambda t: -2 * mp.log(abs(2 * mp.sin(mp.pi * t / width))), sorted({*edges, *poles})
         )
+
+
+@pytest.mark.parametrize("x", [0.0, 0.1, 0.35, 0.5, 0.9, 1.0])
+def test_a_cell_as_long_as_the_period_is_a_row_of_line_loads(x: float) -> None:
+    width, dx, period = 1.0, 0.125, 0.7
+    integral = judged_line_loads(x, dx, width)
     for y in (0.0, 0.2, 0.35):
         found = boussinesq_cell_doubly_periodic(x, y, dx, period, width, period)
         assert float(found) == pytest.approx(float(integral), abs=1e-13 * dx)

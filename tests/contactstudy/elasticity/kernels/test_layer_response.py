@@ -9,13 +9,17 @@ from mpmath import exp as mp_exp
 
 from contactstudy.elasticity.kernels.layer_response import LayerResponse
 from tests.contactstudy.elasticity.kernels.layer_materials import LAYERS
+from tests.fifty_digits import stored
 
 
 def rest(layer: LayerResponse, k: float) -> float:
     return float(np.real(layer.remainder(np.array([k])))[0])
 
 
-def solved(layer: LayerResponse, k: float) -> mpf:
+@stored
+def solved(
+    shear_ratio: float, coating_poisson_ratio: float, substrate_poisson_ratio: float, k: float
+) -> mpf:
     """1 + D by the layered problem in plane strain: Airy functions, six conditions, 60 digits.
 
     With unit wave number and the layer from z = 0 to k: ``phi = (a + b z) e^-z + (c + d z) e^z`` in the
@@ -31,8 +35,8 @@ def solved(layer: LayerResponse, k: float) -> mpf:
         ]
         below = [lambda z: mp_exp(h - z), lambda z: z * mp_exp(h - z)]
         bodies = (
-            (above, 1, mpf(layer.coating_poisson_ratio)),
-            (below, mpf(layer.shear_ratio), mpf(layer.substrate_poisson_ratio)),
+            (above, 1, mpf(coating_poisson_ratio)),
+            (below, mpf(shear_ratio), mpf(substrate_poisson_ratio)),
         )
 
         def at(body: Any, z: mpf) -> list[list[mpf]]:
@@ -57,14 +61,15 @@ def solved(layer: LayerResponse, k: float) -> mpf:
                 system[2 + row, 4 + column] = -bottom[column][row]
         strength = lu_solve(system, right)
         moved = sum(strength[column] * surface[column][3] for column in range(4))
-        return moved / (2 * (1 - mpf(layer.coating_poisson_ratio)))
+        return moved / (2 * (1 - mpf(coating_poisson_ratio)))
 
 
 @pytest.mark.parametrize("name", LAYERS)
 @pytest.mark.parametrize("k", [1e-4, 0.013, 0.4, 1.7, 6.0])
 def test_the_response_is_that_of_the_layered_boundary_value_problem(name: str, k: float) -> None:
     layer = LAYERS[name]
-    wanted = solved(layer, k)
+    materials = layer.shear_ratio, layer.coating_poisson_ratio, layer.substrate_poisson_ratio
+    wanted = solved(*materials, k)
     found = 1 + layer.contrast * np.exp(-2 * k) + rest(layer, k)
     # roundings of d0 and of R, and those of d0 e^-2k in a sum that may cancel
     rounding = 16 * np.finfo(float).eps * (1 + abs(layer.contrast))

@@ -104,24 +104,32 @@ class TotalLoad:
 ConstantLoad = LineLoad | TotalLoad
 
 
-@runtime_checkable
-class ChangingLoad(Protocol):
-    """Load per length [N/m] as a function of time [s]."""
+class History(Protocol):
+    """A quantity as a function of time [s]."""
 
     @property
     def largest(self) -> float:
-        """Largest load [N/m]."""
+        """Largest value, above zero."""
         ...
 
     @property
     def start(self) -> float:
-        """First time [s]; the load is zero before."""
+        """First time [s] that the history describes."""
         ...
 
     @property
     def end(self) -> float:
-        """Last time [s] that the load describes."""
+        """Last time [s] that the history describes."""
         ...
+
+    def at(self, time: float) -> float:
+        """Return the value from `time` [s] on, after any jump there."""
+        ...
+
+
+@runtime_checkable
+class ChangingLoad(History, Protocol):
+    """Load per length [N/m] as a function of time [s]; it is zero before its start."""
 
     def breaks(self, end: float) -> tuple[float, ...]:
         """Return the times [s] up to `end` at which the load or its rate jumps."""
@@ -129,10 +137,6 @@ class ChangingLoad(Protocol):
 
     def before(self, time: float) -> float:
         """Return the load [N/m] just before `time` [s], before any jump there."""
-        ...
-
-    def at(self, time: float) -> float:
-        """Return the load [N/m] from `time` [s] on, after any jump there."""
         ...
 
     def mean(self, start: float, end: float) -> float:

@@ -1,4 +1,4 @@
-"""What lubricates a contact: a lubricant with its laws, and the motion that draws it in."""
+"""Lubrication of a contact: the lubricant with its laws, and the motion that draws it in."""
 
 from dataclasses import dataclass
 from math import inf
@@ -9,6 +9,7 @@ import numpy as np
 from contactstudy.domain.checks import (
     InvalidInput,
     answers_typos,
+    each,
     finite,
     in_range,
     in_range_from_zero,
@@ -24,10 +25,11 @@ from contactstudy.domain.units import (
     Seconds,
 )
 from contactstudy.scene.bodies import BodyContext
+from contactstudy.scene.load import History
 
 
 class Flooded(BodyContext, Protocol):
-    """The fields of a scene that bear on whether a film is known."""
+    """Properties of a scene that decide whether it can have a film."""
 
     @property
     def wear(self) -> object | None:
@@ -261,27 +263,8 @@ Cavitation = ElrodAdams | ReynoldsCavitation
 
 
 @runtime_checkable
-class ChangingSpeed(Protocol):
+class ChangingSpeed(History, Protocol):
     """Mean speed [m/s] as a function of time [s]."""
-
-    @property
-    def largest(self) -> float:
-        """Largest speed [m/s], above zero."""
-        ...
-
-    @property
-    def start(self) -> float:
-        """First time [s] that the speed describes."""
-        ...
-
-    @property
-    def end(self) -> float:
-        """Last time [s] that the speed describes."""
-        ...
-
-    def at(self, time: float) -> float:
-        """Return the speed [m/s] at ``time`` [s]."""
-        ...
 
 
 @answers_typos
@@ -312,16 +295,9 @@ class SpeedHistory:
                 raise InvalidInput(
                     f"SpeedHistory.{name} is {values!r}: give a tuple of two or more numbers, one for each instant."
                 )
-        times = tuple(
-            finite(f"SpeedHistory.times[{number}]", time, "give a time [s]")
-            for number, time in enumerate(self.times)
-        )
-        speeds = tuple(
-            in_range_from_zero(
-                f"SpeedHistory.mean_speed[{number}]", speed, "give a speed from 0 m/s on"
-            )
-            for number, speed in enumerate(self.mean_speed)
-        )
+        times = each("SpeedHistory.times", self.times, finite, "give a time [s]")
+        remedy = "give a speed from 0 m/s on"
+        speeds = each("SpeedHistory.mean_speed", self.mean_speed, in_range_from_zero, remedy)
         if len(times) != len(speeds):
             raise InvalidInput(
                 f"SpeedHistory.mean_speed has {len(speeds)} speeds for {len(times)} times: give one for each."

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import ndimage
 
-from contactstudy.domain.checks import InvalidInput, answers_typos, whole
+from contactstudy.domain.checks import InvalidInput, answers_typos, body_index
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.scene.shapes.shape import Detail, Shape
@@ -47,9 +47,7 @@ class Carried:
     body: int = 0
 
     def __post_init__(self) -> None:
-        whole("Carried.body", self.body, 0, "give 0 or 1, the body's place in Scene.solids")
-        if self.body > 1:
-            raise InvalidInput(f"Carried.body is {self.body!r}: give 0 or 1.")
+        body_index("Carried.body", self.body)
         if (
             isinstance(self.shape, type)
             or not isinstance(self.shape, Shape)

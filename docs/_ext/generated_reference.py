@@ -18,8 +18,8 @@ from sphinx.util.typing import stringify_annotation
 
 import contactstudy as cs
 from contactstudy.domain.units import Unit
+from contactstudy.io.document import KINDS, NO_KIND, Document
 from contactstudy.io.materials import materials
-from contactstudy.io.scene_file import KINDS, NO_KIND, Document
 from studies.model.outcome import CaseStatus
 from studies.registry import BUILT_IN, OPTIONAL, load
 
@@ -71,8 +71,8 @@ INNER = (
     "elasticity.viscoelastic.Creep",
     "evolution.evolution.Frame",
     "evolution.memory.JointMemory",
-    "io.scene_file.PlanSettings",
-    "io.scene_file.TimeSteps",
+    "io.document.PlanSettings",
+    "io.document.TimeSteps",
     "problem.problem.Derived",
     "problem.problem.Field",
     "problem.problem.FrictionLaw",

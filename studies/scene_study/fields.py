@@ -8,7 +8,8 @@ from typing import Any, Union, get_args, get_origin, get_type_hints
 from contactstudy import InvalidInput, MeasuredSurface
 from contactstudy.domain.checks import suggestion
 from contactstudy.domain.units import Unit
-from contactstudy.io.scene_file import Document, MeasuredFile, SceneFile
+from contactstudy.io.document import Document, MeasuredFile
+from contactstudy.io.scene_file import SceneFile
 
 Path = tuple[str, ...]
 

@@ -11,7 +11,7 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.domain.fields import Array
-from contactstudy.io.scene_file import TimeSteps
+from contactstudy.io.document import TimeSteps
 from contactstudy.scene.scene import under_load
 from studies.model.case import Case, march_record, number
 from studies.model.film_case import film_status

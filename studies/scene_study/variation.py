@@ -12,7 +12,7 @@ import numpy as np
 
 import contactstudy as cs
 from contactstudy import InvalidInput, MeasuredSurface, Window
-from contactstudy.io.scene_file import KINDS, Document, Turn
+from contactstudy.io.document import KINDS, Document, Turn
 from contactstudy.io.structuring import structured
 from studies.model.axis import NUMBER, Axis, Value, check_count, values_between
 from studies.scene_study.fields import SceneField, document_of, find, replaced, without_none

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.io.document import TimeSteps
 from contactstudy.io.materials import materials
-from contactstudy.io.scene_file import TimeSteps
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 GOOD = """

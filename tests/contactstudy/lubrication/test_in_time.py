@@ -157,7 +157,9 @@ def test_a_march_is_labelled_with_its_times() -> None:
 def test_evolve_marches_a_lubricated_scene() -> None:
     scene = by_moes(20, 5)
     times = [0.0, 1e-5]
-    march = cs.evolve(scene, grid(64, 4.5), cs.ExactPeriodicity(), times=times, tolerance=1e-6)
+    march = cs.evolve(
+        scene, grid(64, 4.5), cs.ExactPeriodicity(), times=times, options=cs.SolveOptions(1e-6)
+    )
     assert isinstance(march, cs.FilmEvolution)
     same = cs.evolve_lubricated(scene, grid(64, 4.5), times=times)
     assert march.central_film.tolist() == same.central_film.tolist()

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import contactstudy as cs
-from contactstudy.io.scene_file import TimeSteps
+from contactstudy.io.document import TimeSteps
 from studies.model.film_case import FilmCase, film_measures
 from studies.scene_study.study_of import study_of
 

@@ -1,0 +1,290 @@
+"""Keys of a scene file and their types: what :func:`~contactstudy.read_scene` can read."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from math import inf
+from pathlib import Path
+from typing import Any
+
+from contactstudy.domain.checks import InvalidInput, whole
+from contactstudy.domain.grid import (
+    CircularSuperposition,
+    DuplicatedPadding,
+    ExactPeriodicity,
+    Grid,
+    Padding,
+    Superposition,
+    ZeroPadding,
+)
+from contactstudy.domain.units import Metres, NewtonsPerMetre, Number, Pascals, Seconds
+from contactstudy.io.structuring import NO_KIND
+from contactstudy.scene.bodies import Body, HalfSpace
+from contactstudy.scene.coated import CoatedHalfSpace
+from contactstudy.scene.friction import Friction, PartialSlip, Sliding
+from contactstudy.scene.inelastic import ElasticPlasticHalfSpace, ViscoelasticHalfSpace
+from contactstudy.scene.load import ChangingLoad, LineLoad, LoadHistory, SineLoad, TotalLoad
+from contactstudy.scene.lubrication import (
+    Barus,
+    ChangingSpeed,
+    ConstantDensity,
+    DensityLaw,
+    DowsonHigginson,
+    Eyring,
+    LimitingShear,
+    Lubrication,
+    Newtonian,
+    Roelands,
+    ShearLaw,
+    SpeedHistory,
+    ViscosityLaw,
+)
+from contactstudy.scene.motion import Rolling, Wear
+from contactstudy.scene.scene import Output
+from contactstudy.scene.shapes.carried import Carried
+from contactstudy.scene.shapes.roller import Crown, Cylinder, FiniteLength, LundbergProfile, Sphere
+from contactstudy.scene.shapes.roughness import Roughness
+from contactstudy.scene.shapes.shape import Shape
+from contactstudy.scene.shapes.texture import (
+    Cosine,
+    FlatBottomed,
+    Parabolic,
+    Profile,
+    Texture,
+    Waviness,
+)
+from contactstudy.scene.stress import SubsurfaceStress
+from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
+from contactstudy.scene.surfaces.preparation import (
+    AsMeasured,
+    HarmonicFill,
+    Mirrored,
+    Missing,
+    RefuseMissing,
+    Seam,
+    Tapered,
+    Trend,
+    Window,
+)
+from contactstudy.solvers.polonsky_keer import PolonskyKeer
+from contactstudy.solvers.preconditioned_cg import PreconditionedCG
+from contactstudy.solvers.solve import SolveOptions, Solver
+
+# Curvature [1/m] and contact modulus [Pa] of the scene to which a shape belongs.
+Surroundings = tuple[float, float]
+
+
+class Turn(Enum):
+    """Orientation of a measured surface on the grid."""
+
+    NONE = "as measured"
+    QUARTER = "turned by a quarter: the length of the measurement runs across the contact"
+
+
+@dataclass(frozen=True)
+class MeasuredFile:
+    """Measured surface given by its file; a relative path starts at the folder of the scene file."""
+
+    file: str
+    extent: tuple[Metres, Metres] | None = None
+    unit: str | None = None
+    missing: Missing = field(default_factory=RefuseMissing)
+    trend: Trend = Trend.PLANE
+    seam: Seam = field(default_factory=Tapered)
+    turn: Turn = Turn.NONE
+    window: Window | None = None
+
+    def shape(self, folder: Path, _: Surroundings) -> MeasuredSurface:
+        """Return the surface, read from the file."""
+        path = folder / self.file
+        if not path.is_file():
+            raise InvalidInput(f"MeasuredSurface.file is {self.file!r}: give a file that is there.")
+        surface = MeasuredSurface.read(
+            path,
+            extent=self.extent,
+            unit=self.unit,
+            missing=self.missing,
+            trend=self.trend,
+            seam=self.seam,
+        )
+        surface = surface if self.window is None else surface.cut(self.window)
+        return surface.turned() if self.turn is Turn.QUARTER else surface
+
+
+@dataclass(frozen=True)
+class CrownFile:
+    """Crown given by its radius, or by its drop at both ends of a length."""
+
+    radius: Metres | None = None
+    end_drop: Metres | None = None
+    length: Metres | None = None
+
+    def shape(self, _folder: Path, _: Surroundings) -> Crown:
+        """Return the crown."""
+        if self.radius is not None and self.end_drop is None and self.length is None:
+            return Crown(self.radius)
+        if self.radius is None and self.end_drop is not None and self.length is not None:
+            return Crown.of_drop(self.end_drop, self.length)
+        raise InvalidInput("Crown is not described: give its radius, or its end_drop and length.")
+
+
+@dataclass(frozen=True)
+class ProfileFile:
+    """Logarithmic profile given by amplitude and drop, by the load it is made for, or by ISO/TS 16281."""
+
+    length: Metres
+    amplitude: Metres | None = None
+    end_drop: Metres | None = None
+    straight: Metres = 0.0
+    for_load: NewtonsPerMetre | None = None
+    iso_16281_diameter: Metres | None = None
+
+    def shape(self, _folder: Path, surroundings: Surroundings) -> LundbergProfile:
+        """Return the profile; one for a load needs the curvature and the modulus of the scene."""
+        drops = self.amplitude, self.end_drop
+        ways = [
+            drops != (None, None),
+            self.for_load is not None,
+            self.iso_16281_diameter is not None,
+        ]
+        if sum(ways) != 1 or (ways[0] and None in drops):
+            raise InvalidInput(
+                "LundbergProfile is not described by one way: give amplitude and end_drop, for_load (the load per "
+                "length that it spreads evenly), or iso_16281_diameter."
+            )
+        if self.iso_16281_diameter is not None:
+            return LundbergProfile.iso_16281(self.iso_16281_diameter, self.length)
+        if self.for_load is not None:
+            curvature, modulus = surroundings
+            if curvature <= 0:
+                raise InvalidInput(
+                    "LundbergProfile.for_load is for a round roller: give a Cylinder."
+                )
+            return LundbergProfile.for_load(
+                self.for_load, contact_modulus=modulus, radius=1 / curvature, length=self.length
+            )
+        assert self.amplitude is not None
+        assert self.end_drop is not None
+        return LundbergProfile(self.amplitude, self.end_drop, self.length, self.straight)
+
+
+@dataclass(frozen=True)
+class CarriedFile:
+    """Shape that a body carries, which may be given by a file."""
+
+    shape: Shape
+    body: int = 0
+
+
+@dataclass(frozen=True)
+class PlanSettings:
+    """Accuracy and period that a plan must meet, for a scene whose file names no grid."""
+
+    error: Number | None = None
+    period: Metres | None = None
+
+
+@dataclass(frozen=True)
+class TimeSteps:
+    """Instants of a contact that changes in time.
+
+    Parameters
+    ----------
+    times
+        The instants [s]; none for evenly spaced ones.
+    end
+        Last instant [s], that of the load if None.
+    instants
+        Number of evenly spaced instants.
+    error
+        Largest L1 error by which steps between instants are chosen, or None for one step each.
+    """
+
+    times: tuple[Seconds, ...] = ()
+    end: Seconds | None = None
+    instants: int = 41
+    error: Number | None = None
+
+    def instants_of(self, *values: object) -> list[float] | None:
+        """Return the instants [s], up to the last end of the histories in `values`; None if the error alone decides."""
+        if self.times:
+            return list(self.times)
+        histories = [value for value in values if isinstance(value, ChangingLoad | ChangingSpeed)]
+        if self.end is None and not histories:
+            raise InvalidInput(
+                "evolve has no end, nor has the load: give evolve.end or evolve.times [s]."
+            )
+        end = max(history.end for history in histories) if self.end is None else self.end
+        if self.end is None and self.error is not None:
+            return None
+        whole("evolve.instants", self.instants, 2, "give at least 2 instants")
+        start = histories[0].start if histories else 0.0
+        return [start + (end - start) * n / (self.instants - 1) for n in range(self.instants)]
+
+
+@dataclass(frozen=True)
+class Document:
+    """Keys of a scene file."""
+
+    load: ChangingLoad
+    solids: tuple[Body, Body]
+    shapes: tuple[Shape, ...] = ()
+    hardness: Pascals = inf
+    outputs: tuple[Output, ...] = ()
+    friction: Friction | None = None
+    wear: Wear | None = None
+    rolling: Rolling | None = None
+    lubrication: Lubrication | None = None
+    evolve: TimeSteps = field(default_factory=TimeSteps)
+    grid: Grid | None = None
+    padding: Padding | None = None
+    padding_across: Padding | None = None
+    plan: PlanSettings = field(default_factory=PlanSettings)
+    solve: SolveOptions = field(default_factory=SolveOptions)
+
+
+# Classes that describe a shape in a file, where these differ from the shape itself.
+DESCRIPTIONS: Mapping[type, type] = {
+    Carried: CarriedFile,
+    Crown: CrownFile,
+    LundbergProfile: ProfileFile,
+    MeasuredSurface: MeasuredFile,
+}
+
+
+def _kinds(*classes: type) -> dict[str, type]:
+    """Return the classes that describe `classes` in a file, by the names of the latter."""
+    return {kind.__name__: DESCRIPTIONS.get(kind, kind) for kind in classes}
+
+
+# Classes that ``kind = "..."`` may name in a file, by the type of the field.
+KINDS: Mapping[Any, Mapping[str, type]] = {
+    Shape: _kinds(
+        Cylinder,
+        Crown,
+        LundbergProfile,
+        FiniteLength,
+        Waviness,
+        Texture,
+        Roughness,
+        MeasuredSurface,
+        Sphere,
+        Carried,
+    ),
+    Padding: _kinds(
+        ZeroPadding, DuplicatedPadding, Superposition, CircularSuperposition, ExactPeriodicity
+    ),
+    Body: _kinds(HalfSpace, CoatedHalfSpace, ViscoelasticHalfSpace, ElasticPlasticHalfSpace)
+    | {NO_KIND: HalfSpace},
+    ChangingLoad: _kinds(LineLoad, TotalLoad, LoadHistory, SineLoad) | {NO_KIND: LineLoad},
+    Friction: _kinds(Sliding, PartialSlip),
+    Output: _kinds(SubsurfaceStress),
+    Profile: _kinds(Parabolic, Cosine, FlatBottomed),
+    Missing: _kinds(RefuseMissing, HarmonicFill),
+    Seam: _kinds(AsMeasured, Mirrored, Tapered),
+    Solver: _kinds(PreconditionedCG, PolonskyKeer),
+    ViscosityLaw: _kinds(Roelands, Barus),
+    DensityLaw: _kinds(DowsonHigginson, ConstantDensity),
+    ShearLaw: _kinds(Newtonian, Eyring, LimitingShear),
+    ChangingSpeed: _kinds(SpeedHistory),
+}

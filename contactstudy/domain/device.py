@@ -344,7 +344,7 @@ def _of_container() -> float:
 
 
 def _of_process() -> float:
-    """Return what the limit of the address space leaves, if the system sets one [bytes]."""
+    """Return the memory [bytes] left below the limit of the address space; infinite without a limit."""
     with suppress(ImportError, OSError, ValueError, IndexError):
         resource = import_module("resource")
         soft, _ = resource.getrlimit(resource.RLIMIT_AS)

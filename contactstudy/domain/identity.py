@@ -143,7 +143,7 @@ def differences(stored: Tree, now: Tree, name: str = "case") -> list[str]:
 
 
 def _fields(tree: dict[str, Tree]) -> dict[str, Tree]:
-    """Return the fields of a dataclass in a tree, those at their defaults included."""
+    """Return the fields of a dataclass in a tree, including fields at their defaults."""
     parts = {name: item for name, item in tree.items() if name not in ("", DEFAULTS)}
     return parts | dict(tree.get(DEFAULTS, {}))
 

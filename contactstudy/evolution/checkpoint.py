@@ -162,7 +162,7 @@ class MarchState:
 
 
 def _converter(arrays: dict[str, Array]) -> Any:
-    """Return a converter of dataclasses to what JSON holds and back, with the arrays in them by name in `arrays`."""
+    """Return a converter between dataclasses and values for JSON; arrays are replaced by their names in `arrays`."""
     converter = import_for("evolve.folder", "cattrs").Converter(detailed_validation=False)
 
     def put(values: Array) -> str:

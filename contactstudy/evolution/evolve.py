@@ -32,7 +32,7 @@ from contactstudy.solvers.solve import SolveOptions
 
 
 def memories(scene: Scene, datum: float) -> tuple[Memory, ...]:
-    """Return the creep memory of each viscoelastic body, then the memory of wear, for what `scene` has of them.
+    """Return the creep memories of the viscoelastic bodies of `scene`, followed by its memory of wear, if any.
 
     Parameters
     ----------

@@ -280,7 +280,7 @@ class March:
         )
 
     def _gap(self, contributions: Iterable[Contribution]) -> Array:
-        """Return the undeformed gap (x, y) [m] with what memories add to it."""
+        """Return the undeformed gap (x, y) [m] plus the contributions of all memories."""
         gap = self.problem.undeformed_gap
         strains: dict[Coefficients, Array] = {}
         for contribution in contributions:
@@ -323,7 +323,7 @@ class March:
         }
 
     def _scales(self, load: float, softer: float) -> Scales:
-        """Return the scales of a contact under `load` [N/m] whose compliance is `softer` times that of the march.
+        """Return the scales of a contact under `load` [N/m] with `softer` times the compliance of the march.
 
         The width of a curved contact grows with the square root of load and compliance; a flat contact keeps its width.
         """

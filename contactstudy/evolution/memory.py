@@ -94,7 +94,7 @@ class Memory(AnyMemory, Protocol):
     """Protocol of a memory whose change in a step follows from the pressures at both ends of the step."""
 
     def contribution(self, state: State, pressure: Array, step: Step) -> Contribution:
-        """Return what this memory adds to the problem at the end of a step.
+        """Return the contribution of this memory to the problem at the end of a step.
 
         Parameters
         ----------
@@ -262,7 +262,7 @@ class WearMemory:
         return {"worn_depth": np.zeros(shape)}
 
     def contribution(self, state: State, pressure: Array, step: Step) -> Contribution:
-        """Return the depth worn so far as a gap, and what the pressure at the end wears as a local compliance."""
+        """Return the depth worn so far as a gap, and the wear by the pressure at the end as a local compliance."""
         before, after = self._shares(step)
         worn = state["worn_depth"]
         if before:

@@ -190,7 +190,7 @@ class RepeatedRolling:
         return np.stack([with_zero_layers(profile, len(self.depths)) for profile in profiles])
 
     def _added_per_pass(self, kept: Array) -> Array:
-        """Return what each pass adds to values (pass, ...) that are kept from pass to pass."""
+        """Return the increase by each pass of a quantity (pass, ...) that is zero before the first."""
         return np.diff(kept, axis=0, prepend=np.zeros_like(kept[:1]))
 
 

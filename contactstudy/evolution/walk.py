@@ -296,7 +296,7 @@ class Walk:
         return ErrorParts(*(share * part for part in astuple(parts))), estimate.warnings
 
     def _share(self, pressures: float) -> float:
-        """Return a sum of cell pressures [Pa] over that of the largest load."""
+        """Return a sum of cell pressures [Pa] divided by the sum under the largest load."""
         grid = self.march.problem.grid
         return pressures * grid.cell_area / grid.period / self.march.load.largest
 

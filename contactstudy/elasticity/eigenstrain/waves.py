@@ -146,7 +146,7 @@ class ShortWaves:
         return total
 
     def _directions(self) -> Iterator[WaveDirection]:
-        """Yield the short waves that are taken one by one, then those that stand for all shorter ones."""
+        """Yield the short waves of the first `ORDERS`, then waves that represent all shorter ones together."""
         (dx, dy), orders = self.volume.grid.cell, range(-ORDERS, ORDERS + 1)
         for shift in product(orders, repeat=2):
             if any(shift):

@@ -228,7 +228,7 @@ def _repeated(x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
 
 
 def paired(x: Array, y: Array) -> tuple[Array, Array]:
-    """Return x as a column and y as a row if the axes of x all come before those of y, else both flat.
+    """Return x as a column and y as a row if all axes of x precede the axes of y, else both flat.
 
     What depends on one of them is then computed only once.
     """
@@ -443,7 +443,7 @@ def boussinesq_cell_doubly_periodic(
 
 
 def _further_rows(x: Array, y: Array, dx: float, dy: float, width: float, period: float) -> Array:
-    """Return the sum over all rows except those at 0 and at W, in units of ``dx dy / period``.
+    """Return the sum over all rows except the rows at 0 and at W, in units of ``dx dy / period``.
 
     No cell of these rows reaches the axis.
     """

@@ -189,7 +189,7 @@ class MeasuredSurface:
         return replace(self, heights=points, extent=extent, file=file, window=window)
 
     def turned(self) -> Self:
-        """Return this surface turned by a quarter, so that what ran along the length runs across it."""
+        """Return this surface turned by a quarter: its length then runs across the contact."""
         extent = None if self.extent is None else (self.extent[1], self.extent[0])
         turned = not self.is_turned  # two quarters are a half turn, which a file cannot express
         file = self.file if turned else None

@@ -22,7 +22,15 @@ from tests.mutation.forked import first_failure, import_libraries
 from tests.mutation.mutations import KNOWN, Mutation, chosen, mutations
 
 ROOT = Path(__file__).parents[2]
-COPIED = ("contactstudy", "studies", "tests", "docs", "examples", "README.md", "pyproject.toml")
+FOLDERS = ("contactstudy", "studies", "tests", "docs", "examples")
+FILES = (
+    "README.md",
+    "CONTRIBUTING.md",
+    "CHANGELOG.md",
+    "CITATION.cff",
+    "LICENSE",
+    "pyproject.toml",
+)
 KILLED, SURVIVED, OUT_OF_TIME = "killed by", "survived", "ran out of time"
 
 
@@ -107,9 +115,10 @@ class Campaign:
 def _compiled_copy(folder: Path) -> Path:
     """The project, its modules and tests compiled, so that no fork has to."""
     folder.mkdir()
-    for name in COPIED:
-        source = ROOT / name
-        (shutil.copytree if source.is_dir() else shutil.copy2)(source, folder / name)
+    for name in FOLDERS:
+        shutil.copytree(ROOT / name, folder / name)
+    for name in FILES:
+        shutil.copy2(ROOT / name, folder)
     command = [
         sys.executable,
         "-m",

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+import contactstudy.solvers.settle as settle_module
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 from contactstudy.solvers.settle import (
     ContactTangent,
@@ -205,6 +206,32 @@ def test_each_cell_flows_until_its_stress_is_on_the_yield_surface() -> None:
     # linear hardening along a straight path: one step of Newton, and one solution of the contact for it
     assert found.iterations == 1
     assert len(found.contacts) == 2
+
+
+@pytest.mark.parametrize(("share", "contacts"), [(0.3, 2), (1.4, 2), (2.5, 3)])
+def test_a_step_that_lowers_the_energy_is_taken_and_one_that_raises_it_is_halved(
+    share: float, contacts: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Along the step the energy is a parabola with its minimum at 1: it rises beyond 2."""
+
+    def lift(body: Local, strain: np.ndarray) -> np.ndarray:
+        unit = (
+            body.stress_of_pressure(np.ones(GRID.cells)) * np.diff(body.volume.edges)[:, None, None]
+        )
+        found = np.zeros(GRID.cells)
+        found[body.volume.rows] = (unit * strain).sum(axis=(0, 1))
+        return found
+
+    def loaded(gap: np.ndarray) -> Any:
+        solution = contact(gap)
+        solution.problem.undeformed_gap = gap
+        return solution
+
+    monkeypatch.setattr(Local, "lift", lift)
+    monkeypatch.setattr(settle_module, "ITERATIONS", 1)
+    monkeypatch.setattr(settle_module, "_newton_step", lambda *given: share * _newton_step(*given))
+    found = settle(BODIES, loaded, lambda _: None, np.zeros((3, 8)), np.zeros(8), 1e-12)
+    assert (found.iterations, len(found.contacts)) == (1, contacts)
 
 
 def test_the_residual_is_the_largest_error_over_the_yield_strain() -> None:

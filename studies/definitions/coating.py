@@ -17,7 +17,7 @@ from contactstudy.elasticity.kernels.layer_image import image_cell, image_lattic
 from contactstudy.scene.bodies import response
 from contactstudy.scene.coated import CoatedHalfSpace
 from studies.model.axis import Axis
-from studies.model.case import Case, number
+from studies.model.case import Case, numbers
 from studies.model.study import Point
 from studies.reference.line_contact import STEEL
 
@@ -96,7 +96,7 @@ def measures(case: Case, solution: cs.Solution) -> Mapping[str, xr.Variable]:
     if reference_error is not None:
         what = "largest relative error of the peak pressure of contacts that are known"
         measured["reference_error"] = reference_error, what
-    return {name: number(value, long_name) for name, (value, long_name) in measured.items()}
+    return numbers(measured)
 
 
 @dataclass(frozen=True)

@@ -53,6 +53,9 @@ def measures(case: EvolutionCase, result: cs.Evolution) -> Mapping[str, xr.Varia
         filled = np.pad(np.array(values, dtype=float), padded, constant_values=np.nan)
         return xr.Variable("time", filled, {"units": "1", "long_name": long_name})
 
+    def largest(error: str) -> float:
+        return max(float(getattr(frame, error)) for frame in frames[1:])
+
     errors = []
     for frame in frames[1:]:
         exact = CLOSED.pressure(x, frame.time)
@@ -70,10 +73,6 @@ def measures(case: EvolutionCase, result: cs.Evolution) -> Mapping[str, xr.Varia
         ),
         "pressure_error_l1": number(max(errors), "largest relative L1 error of the pressure"),
         "last_error_l1": number(errors[-1], "relative L1 error of the pressure at the end"),
-        "step_error": number(
-            max(frame.step_error for frame in frames[1:]), "estimated L1 error by the steps"
-        ),
-        "grid_error": number(
-            max(frame.grid_error for frame in frames[1:]), "estimated L1 error by the cells"
-        ),
+        "step_error": number(largest("step_error"), "estimated L1 error by the steps"),
+        "grid_error": number(largest("grid_error"), "estimated L1 error by the cells"),
     }

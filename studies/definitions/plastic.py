@@ -12,7 +12,7 @@ from contactstudy.accuracy.contact_edge import half_widths
 from contactstudy.domain.checks import non_negative, positive, whole
 from contactstudy.domain.fields import Array
 from studies.model.axis import Axis
-from studies.model.case import EvolutionCase, number
+from studies.model.case import EvolutionCase, numbers
 from studies.model.study import Point
 
 # Hertz's half-width and the yield stress are 1.
@@ -115,10 +115,7 @@ def measures(case: EvolutionCase, result: cs.Evolution) -> Mapping[str, xr.Varia
     layers = {
         "layers": (len(last.joint_state["edges0"]) - 1, "layers of the volume that may yield")
     }
-    return {
-        name: number(float(value), text)
-        for name, (value, text) in (answers | errors | cap | layers).items()
-    }
+    return numbers(answers | errors | cap | layers)
 
 
 def _capped(case: EvolutionCase) -> cs.Solution:

@@ -181,12 +181,17 @@ def number(value: float, long_name: str) -> xr.Variable:
     return xr.Variable((), value, {"units": "1", "long_name": long_name})
 
 
+def numbers(measured: Mapping[str, tuple[float, str]]) -> dict[str, xr.Variable]:
+    """Return dimensionless numbers as variables by name, from values with their long names."""
+    return {name: number(float(value), long_name) for name, (value, long_name) in measured.items()}
+
+
 def contact_share(pressure: np.ndarray) -> xr.Variable:
     """Return the share of the cells that bear pressure (x, y)."""
     return number(float((pressure > 0).mean()), "share of cells in contact")
 
 
-def error_estimates(solution: cs.Solution) -> Mapping[str, xr.Variable]:
+def error_estimates(solution: cs.Solution) -> dict[str, xr.Variable]:
     """Return the estimated errors of the peak pressure and the pressure in L1, in all and by cause.
 
     They have the names ``<metric>_estimate`` and ``<metric>_estimate_<cause>``.

@@ -10,7 +10,7 @@ from contactstudy.accuracy.contact_edge import corrected_pressure, half_widths
 from contactstudy.domain.checks import positive, whole
 from contactstudy.domain.fields import Array
 from studies.model.axis import Axis, one_of
-from studies.model.case import Case, error_estimates, number
+from studies.model.case import Case, error_estimates, numbers
 from studies.model.outcome import CaseStatus
 from studies.model.study import Point
 
@@ -77,35 +77,31 @@ def measures(case: Case, solution: cs.Solution) -> Mapping[str, xr.Variable]:
     assert hertz is not None
     pressure = solution.pressure / hertz.peak_pressure
     true = hertz.pressure(grid.x)[:, None] / hertz.peak_pressure
-    error = pressure - true
+    error = np.abs(pressure - true).max()
     axis = np.abs(grid.x) < 0.75 * grid.cell[0]
     edge = half_widths(pressure, grid.x).mean() / hertz.half_width
-    return {
-        "axis_pressure_error": number(
-            float(pressure[axis].mean() - 1),
+    true_pressure = hertz.pressure(grid.x)[:, None]
+    l1 = l1_error(solution.pressure, true_pressure, load_on(grid, hertz))
+    corrected = np.abs(corrected_pressure(pressure) - true).max()
+    measured = {
+        "axis_pressure_error": (
+            pressure[axis].mean() - 1,
             "relative error of the pressure beside the axis, its mean along the length",
         ),
-        "peak_pressure_error": number(
-            float(pressure.max() - 1), "relative error of the peak pressure anywhere"
-        ),
-        "pressure_error_max": number(
-            float(np.abs(error).max()), "largest pressure error over Hertz peak pressure"
-        ),
-        "corrected_error_max": number(
-            float(np.abs(corrected_pressure(pressure) - true).max()),
+        "peak_pressure_error": (pressure.max() - 1, "relative error of the peak pressure anywhere"),
+        "pressure_error_max": (error, "largest pressure error over Hertz peak pressure"),
+        "corrected_error_max": (
+            corrected,
             "largest pressure error over Hertz peak pressure, corrected at the edge",
         ),
-        "pressure_error_l1": number(
-            l1_error(solution.pressure, hertz.pressure(grid.x)[:, None], load_on(grid, hertz)),
-            "relative L1 error of the pressure",
-        ),
-        "half_width_error": number(float(edge - 1), "relative error of the contact half-width"),
-        "length_variation": number(
-            float(np.ptp(pressure, axis=1).max()),
+        "pressure_error_l1": (l1, "relative L1 error of the pressure"),
+        "half_width_error": (edge - 1, "relative error of the contact half-width"),
+        "length_variation": (
+            np.ptp(pressure, axis=1).max(),
             "pressure variation along the length over peak pressure",
         ),
-        **error_estimates(solution),
     }
+    return numbers(measured) | error_estimates(solution)
 
 
 def l1_error(pressure: Array, reference: Array, total: float) -> float:

@@ -12,6 +12,7 @@ from contactstudy.domain.grid import Grid
 from contactstudy.planning.cost import DIGITS, timed
 from contactstudy.planning.grid_requirements import Needs
 from contactstudy.planning.grid_search import (
+    FASTEST,
     TOLERANCE,
     GridForecast,
     bound,
@@ -24,17 +25,21 @@ from contactstudy.solvers.solve import SolveOptions
 
 # Cells of the reference at most, and along an axis over those of the planned grid: at most, and at least.
 REFERENCE, FINER, LEAST_FINER = 2**17, 12.0, 1.4
-# Ratio of the cells along an axis from one tried grid to the next, and cells left free beside the contact.
-STEP, FREE = 2**0.25, 2.2
+# Ratio of the cells along an axis from one tried grid to the next, of few and of many cells planned, and the number from
+# which they are many; cells left free beside the contact.
+STEP, LARGE_STEP, MANY, FREE = 2**0.25, 2**0.5, 2**12, 2.2
 # Cells of a tried grid along an axis, at least, and at most over those planned.
 LEAST, LARGER = 6, 2.5
 # A measured error may be this many times smaller than forecast; from one grid to another that ratio varies by SCATTER,
 # with the place of the contact's edges in their cells.
 SLACK, SCATTER = 10.0, 1.5
 # Cells of all tried grids together, half of them for grids that are expected to miss the error by less than SCATTER.
-EFFORT = 2**16
+# A grid of less than CHEAP cells is tried though it is expected to miss it by SCATTER squared.
+EFFORT, CHEAP = 2**17, 2**9
 # Share of the requested error that a measured one may take: the error of the reference is only estimated.
 KEPT = 0.9
+# Share of the forecast error that each axis has at least.
+LEAST_SHARE = 0.1
 # Weight of the prior in the fit of measured errors, where a trial counts 1.
 PRIOR = 0.5
 
@@ -69,10 +74,11 @@ def cheapest(scene: Scene, needs: Needs, planned: GridForecast, error: float) ->
     tried: list[tuple[float, float, float]] = []
     effort = 0
     for grid in _candidates(needs, planned, reference, SLACK * error):
-        across, along = planned.errors_of(grid.cell)
-        # at last only grids that are expected to reach the error
-        allowed = SCATTER if effort < EFFORT else KEPT
-        hopeless = tried and _expected(tried, across, along) > allowed * error
+        shares = _optimistic(planned, grid)
+        # a few hundred cells cost nothing; at last only grids that are expected to reach the error
+        cheap = prod(grid.cells) < CHEAP
+        allowed = KEPT if effort > EFFORT else SCATTER**2 if cheap else SCATTER
+        hopeless = tried and _expected(tried, *shares) > allowed * error
         if hopeless and grid != present:
             continue
         effort += prod(grid.cells)
@@ -82,9 +88,10 @@ def cheapest(scene: Scene, needs: Needs, planned: GridForecast, error: float) ->
         if trial.status is not Status.CONVERGED:
             continue
         measured = hypot(_difference(trial, reference), reference_error)
-        tried.append((across, along, measured))
+        tried.append((*shares, measured))
         if measured <= KEPT * error:
             _, timing = timed(lambda grid: scene.problem(grid, padding), grid, 10.0**-DIGITS)
+            across, along = planned.errors_of(grid.cell)
             ratio = float(measured / (across + along))
             return replace(
                 planned,
@@ -95,6 +102,15 @@ def cheapest(scene: Scene, needs: Needs, planned: GridForecast, error: float) ->
                 reference=cells,
             )
     return planned
+
+
+def _optimistic(planned: GridForecast, grid: Grid) -> tuple[float, float]:
+    """Return the shares (across, along) of the error on `grid`, if both fall as those of smooth contacts."""
+    across, along = (
+        max(error, LEAST_SHARE * planned.error) * (size / present) ** FASTEST
+        for error, size, present in zip(planned.errors, grid.cell, planned.grid.cell, strict=True)
+    )
+    return across, along if grid.cells[1] > 1 else 0.0
 
 
 def _expected(tried: list[tuple[float, float, float]], across: float, along: float) -> float:
@@ -117,13 +133,14 @@ def _candidates(
     """Return grids about the contact with forecast errors up to `error`, those of fewest cells first."""
     fine = reference.problem.grid
     width = contact_width(reference)
+    step = STEP if prod(planned.grid.cells) < MANY else LARGE_STEP
     counts = []
     for extent, finest, present in zip(
         (width, fine.period), needs.finest, planned.grid.cells, strict=True
     ):
         least = min(present, max(LEAST, ceil(extent / finest * (1 - 1e-9))))
-        steps = int(log(LARGER * present / least) / log(STEP)) + 1 if present > 1 else 1
-        counts.append(sorted({round(least * STEP**k) for k in range(steps)} | {present}))
+        steps = int(log(LARGER * present / least) / log(step)) + 1 if present > 1 else 1
+        counts.append(sorted({round(least * step**k) for k in range(steps)} | {present}))
     grids = []
     for nx, ny in product(*counts):
         # a whole number of cells of the reference, symmetric about the axis; random heights depend on the extent

@@ -77,6 +77,11 @@ class FilmScales:
         film = moes_film(self.load_parameter, self.viscosity_parameter)
         return film * pi / (8 * self.load_parameter)
 
+    @property
+    def reach(self) -> float:
+        """Half the width that bears pressure, over Hertz's half-width: a thick film bears it over ``sqrt(2 H)``."""
+        return max(1.0, sqrt(2 * self.expected_film))
+
 
 @dataclass(frozen=True)
 class FilmErrorParts:

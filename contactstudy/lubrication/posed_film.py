@@ -23,6 +23,8 @@ from contactstudy.solvers.solve import SolveOptions
 
 # An outlet reaches so many half-widths, or further by so many times sqrt(2 H).
 OUTLET, OUTLET_GROWTH = 1.5, 2.5
+# Least width of a grid over that of the contact.
+NARROWEST = 1.2
 # Heights over a^2 / R that vary along the length by this much are no roughness on a line contact.
 # More than EDGE is the end of a roller.
 CROWNED, EDGE = 0.5, 300.0
@@ -113,10 +115,16 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
             f"padding is {padding!r}: a film flows in at one side and out at the other, and is periodic along the "
             "length, give one for the length that wraps, such as ExactPeriodicity()."
         )
-    if grid.cell[0] > scales.hertz.half_width:
-        least = ceil(grid.extent[0] / scales.hertz.half_width)
+    bearing = scales.reach * scales.hertz.half_width
+    if grid.cell[0] > bearing:
+        least = ceil(grid.extent[0] / bearing)
         raise InvalidInput(
-            f"Grid.cells[0] is {grid.cells[0]}, of cells wider than Hertz's half-width: give {least} at the least."
+            f"Grid.cells[0] is {grid.cells[0]}, of cells wider than half the contact: give {least} at the least."
+        )
+    if grid.extent[0] < 2 * NARROWEST * bearing:
+        raise InvalidInput(
+            f"Grid.extent[0] is {grid.extent[0]:.4g} m, too narrow for a film that bears load over {2 * bearing:.4g} m: "
+            f"give {2 * NARROWEST * bearing:.4g} m at the least, or take film_grid(scene)."
         )
     assert isinstance(scene.load, ConstantLoad)
     problem = replace(scene, lubrication=None, outputs=()).problem(grid, paddings)
@@ -192,12 +200,15 @@ def _halved(values: Array, axis: int, ends: Literal["edge", "wrap"]) -> Array:
 
 
 def hertz_start(posed: PosedFilm) -> Film:
-    """Return Hertz's pressure, that of the dry contact under a crown, and the separation of the film of Moes."""
+    """Return Hertz's pressure, that of the dry contact under a crown, and the separation of the film of Moes.
+
+    Hertz's pressure is as wide as a thick film bears load.
+    """
     equation = posed.equation
     if posed.is_crowned:
         pressure = _dry_pressure(posed)
     else:
-        hertz = np.sqrt(np.clip(1 - posed.x**2, 0, None))
+        hertz = np.sqrt(np.clip(1 - (posed.x / posed.scales.reach) ** 2, 0, None))
         pressure = np.repeat(hertz[:, None], equation.gap.shape[1], axis=1)
     pressure[equation.fixed] = 0
     pressure *= equation.load / (pressure.sum() * equation.cell[0] / pressure.shape[1])

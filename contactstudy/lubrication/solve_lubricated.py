@@ -22,8 +22,8 @@ from contactstudy.scene.scene import Scene
 
 # Cells of half an inlet sweep give the smallest film within this error.
 HALF_SWEEP_ERROR = 0.02
-# An inlet is no shorter than this [a].
-INLET = 3.0
+# An inlet is no shorter than this [a]. No more than this share of the contact counts as an inlet sweep.
+INLET, WIDEST = 1.5, 0.1
 # Rounds of refinement towards an error, and the most cells across of plane strain.
 REFINEMENTS, MOST_CELLS = 4, 3200
 # Cells for the shortest wave of a surface.
@@ -32,8 +32,12 @@ PER_WAVE = 8
 SHORTER_INLET, HIDDEN = 4 / 3, 0.2
 # Of the change from a quarter to half the cells, the share that the next change may have, unless it happens to vanish.
 NEXT = 1 / 3
+# Cells of the coarsest grid of an estimate, at least.
+FEWEST = 8
 # A second peak of pressure, this much higher than the valley before it [of the highest], is a spike.
-SPIKE = 0.02
+# Where a spike adds more than this share to the friction, and so many times as much as with half the cells, friction
+# has no estimate.
+SPIKE, SPIKE_DRAG, SPIKE_GROWTH = 0.02, 0.01, 1.5
 
 
 def film_grid(
@@ -63,10 +67,10 @@ def film_grid(
     """
     scales = lubricated_scales(scene)
     film, a = scales.expected_film, scales.hertz.half_width
-    inlet = longer * max(INLET, sqrt(2 * INLET_ERROR * film / error))
-    sweep = (film / SWEEP) ** (2 / 3)
+    inlet = longer * max(INLET, 1 + sqrt(2 * INLET_ERROR * film / error))
+    sweep = min((film / SWEEP) ** (2 / 3), WIDEST * scales.reach)
     cell = sweep / 2 * min(1.0, sqrt(error / 2 / HALF_SWEEP_ERROR)) / finer
-    cell = min(cell, 0.05, finest[0] / a / PER_WAVE)
+    cell = min(cell, finest[0] / a / PER_WAVE)
     across = min(LEVELS * ceil(2 * inlet / cell / LEVELS), MOST_CELLS)
     along = 1 if finest[1] == inf else LEVELS * ceil(PER_WAVE * period / finest[1] / LEVELS)
     return Grid((across, along), (2 * inlet * a, period))
@@ -151,6 +155,8 @@ def _with_error(
     start: LubricatedContact | None,
 ) -> LubricatedContact:
     """Solve on the grids of the estimate and on ``grid``, each from the one before."""
+    if (reason := _too_coarse(scene, grid)) is not None:
+        return replace(solve_on(scene, grid, padding, controls, start), error=_unknown(reason))
     quarter, half, longer = _grids_of_estimate(grid)
     coarsest = solve_on(scene, quarter, padding, controls, start)
     coarse = solve_on(scene, half, padding, controls, coarsest)
@@ -173,8 +179,10 @@ def film_error(contact: LubricatedContact) -> FilmError:
     quarter, since the error may change its sign, and of the smallest film no less than a fifth of its rise over the
     next cell. Inlet: 4/3 of the change, as its error falls with the inlet's length squared. Where half
     the cells do not resolve the film no estimate is finite, nor is that of a peak beside a spike, which is as high as
-    the cells are fine.
+    the cells are fine, nor that of the friction where the spike adds to it more and more.
     """
+    if (reason := _too_coarse(contact.scene, contact.grid)) is not None:
+        return _unknown(reason)
     controls = FilmControls()
     return _compared(
         contact,
@@ -185,12 +193,27 @@ def film_error(contact: LubricatedContact) -> FilmError:
     )
 
 
+def _too_coarse(scene: Scene, grid: Grid) -> str | None:
+    """Return why a quarter of the cells are too few to estimate an error with; None if they are not."""
+    scales = lubricated_scales(scene)
+    cells = grid.cells[0] // 4
+    if cells >= FEWEST and grid.extent[0] / cells <= scales.reach * scales.hertz.half_width:
+        return None
+    return f"A quarter of {grid.cells[0]} cells shows no film, so that no error is known: give more cells across."
+
+
+def _unknown(reason: str) -> FilmError:
+    """Return an error without a bound."""
+    parts = FilmErrorParts(inf, inf, inf)
+    return FilmError(parts, parts, parts, parts, parts, reason)
+
+
 def _grids_of_estimate(grid: Grid) -> tuple[Grid, Grid, Grid]:
     """Return the grid with a quarter of the cells across, with half, and with half over twice the width."""
     (nx, ny), (width, period) = grid.cells, grid.extent
-    half = max(nx // 2, 8)
+    half = nx // 2
     return (
-        Grid((max(half // 2, 8), ny), (width, period)),
+        Grid((half // 2, ny), (width, period)),
         Grid((half, ny), (width, period)),
         Grid((2 * half, ny), (2 * width, period)),
     )
@@ -237,19 +260,42 @@ def _compared(
             "The peak pressure has no estimate: it may be that of the spike before the outlet, which grows with the "
             "number of cells."
         )
+    friction = parts("friction")
+    drag = _drag_of_spike(contact)
+    friction = replace(friction, discretisation=max(friction.discretisation, drag))
+    if drag > max(SPIKE_DRAG, SPIKE_GROWTH * _drag_of_spike(coarse)):
+        friction = replace(friction, discretisation=inf)
+        reason = (
+            "Peak pressure and friction have no estimate: the spike before the outlet grows with the cells across, and "
+            f"adds {100 * drag:.0f} % of the friction: give the lubricant a shear law with a limit, such as Eyring()."
+        )
     smallest = parts("minimum_film")
     hidden = HIDDEN * rise_beside_lowest(contact.film)
     smallest = replace(smallest, discretisation=max(smallest.discretisation, hidden))
-    return FilmError(parts("central_film"), smallest, parts("friction"), pressure, peak, reason)
+    return FilmError(parts("central_film"), smallest, friction, pressure, peak, reason)
 
 
 def has_spike(pressure: Array) -> bool:
     """Return whether the mean pressure over the length (x, y) has a second peak downstream of a valley."""
+    return _valley(pressure)[1] > SPIKE * float(pressure.mean(axis=1).max())
+
+
+def _valley(pressure: Array) -> tuple[int, float]:
+    """Return the row of the deepest valley of the mean pressure that it rises from again, and that rise."""
     mean = pressure.mean(axis=1)
     falls = np.maximum.accumulate(mean) - mean
-    # the deepest valley that pressure rises from again
     rises = np.maximum.accumulate(mean[::-1])[::-1] - mean
-    return bool(np.minimum(falls, rises).max() > SPIKE * mean.max())
+    depth = np.minimum(falls, rises)
+    return int(depth.argmax()), float(depth.max())
+
+
+def _drag_of_spike(contact: LubricatedContact) -> float:
+    """Return the share of the friction by which the stress downstream of a valley exceeds that in it."""
+    stress = np.abs(contact.shear.mean(axis=1))
+    if not (has_spike(contact.pressure) and stress.any()):
+        return 0.0
+    after = stress[_valley(contact.pressure)[0] :]
+    return float(np.clip(after - after[0], 0, None).sum() / stress.sum())
 
 
 def _pressure_at(x: Array, contact: LubricatedContact) -> Array:

@@ -37,6 +37,26 @@ def test_the_film_is_that_of_graded_cells(
         assert in_moes_units(contact, film) == pytest.approx(expected, rel=bound)
 
 
+# M = 1000: L, film on the axis and smallest film, as above
+HEAVY = ((0, 0.6264, 0.4986), (5, 2.0726, 1.5470), (20, 5.3241, 3.9812))
+
+
+@pytest.mark.whole
+@pytest.mark.parametrize(("viscosity", "central", "smallest"), HEAVY)
+def test_heavy_loads_are_within_their_error_of_graded_cells(
+    viscosity: float, central: float, smallest: float
+) -> None:
+    contact = cs.solve_lubricated(by_moes(1000, viscosity), error=2e-2)
+    error = contact.error
+    assert error is not None
+    assert error.central_film.total < 4e-2
+    for film, parts, expected in (
+        (contact.central_film, error.central_film, central),
+        (contact.minimum_film, error.minimum_film, smallest),
+    ):
+        assert in_moes_units(contact, film) == pytest.approx(expected, rel=parts.total + 2e-4)
+
+
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("cells", [100, 200])
 def test_every_operating_point_converges_from_a_cold_start(cells: int) -> None:

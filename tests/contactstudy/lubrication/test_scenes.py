@@ -97,5 +97,5 @@ def test_limiting_shear_bounds_the_stress_by_a_share_of_the_pressure() -> None:
 
 
 def test_cells_wider_than_the_contact_are_refused() -> None:
-    with pytest.raises(cs.InvalidInput, match="wider than Hertz's half-width: give 18"):
+    with pytest.raises(cs.InvalidInput, match="wider than half the contact: give 18"):
         cs.solve_lubricated(by_moes(20, 5), grid(12, 9.0))

@@ -114,7 +114,7 @@ def test_the_peak_beside_a_spike_has_no_estimate_and_says_why() -> None:
 
 def test_films_agree_with_the_formula_of_moes_within_its_five_percent() -> None:
     for load, viscosity in ((20, 0), (20, 5), (100, 10)):
-        contact = cs.solve_lubricated(by_moes(load, viscosity), grid(800, 6.5))
+        contact = cs.solve_lubricated(by_moes(load, viscosity), grid(400, 6.5))
         film = in_moes_units(contact, contact.central_film)
         formula = cs.analytic.moes_film(load, viscosity)
         assert film == pytest.approx(formula, rel=0.05)

@@ -70,7 +70,8 @@ def test_a_plan_says_what_it_will_be_and_what_it_will_cost(tmp_path: Path) -> No
     path = EXAMPLES / "rough.toml"
     text = run("plan", str(path), "--threads", "1")
     assert text.exit_code == 0
-    cells = cs.read_scene(path).plan().grid.cells
+    planned = cs.read_scene(path).plan()
+    cells = planned.grid.cells
     for words in (
         f"{cells[0]} x {cells[1]} cells",
         "padding exact",
@@ -82,8 +83,7 @@ def test_a_plan_says_what_it_will_be_and_what_it_will_cost(tmp_path: Path) -> No
     as_json = run("plan", str(path), "--json", "--threads", "3")
     fields = json.loads(as_json.output)
     assert fields["on"] == "Cpu(threads=3)"
-    planned = cs.read_scene(path).plan()
-    assert fields["grid"]["cells"] == list(planned.grid.cells)
+    assert fields["grid"]["cells"] == list(cells)
     assert fields["error"] == planned.error
     assert not list(tmp_path.iterdir())
 

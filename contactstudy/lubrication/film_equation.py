@@ -201,15 +201,7 @@ class FilmEquation:
             (-1, 0): -before(across.film_before),
         }
         if content.shape[1] > 1:
-            along = _conducted(cells, cells.next_along(), dx / (self.resistance * dy**2))
-            last = _FaceFlow(*(np.roll(values, 1, axis=1) for values in along))
-            residual += along.flux - last.flux
-            for bands, ahead, behind, last_ahead, last_behind in (
-                (pressure, along.pressure_behind, along.pressure_before, *last[1:3]),
-                (height, along.film_behind, along.film_before, *last[3:5]),
-            ):
-                bands[0, 0] = bands[0, 0] + behind - last_behind
-                bands[0, 1], bands[0, -1] = ahead, -last_ahead
+            residual += _balance_along(cells, dx / (self.resistance * dy**2), pressure, height)
         drawn = {
             (0, 0): after(wedge_own),
             (-1, 0): after(wedge_upstream) - before(wedge_own),
@@ -285,6 +277,24 @@ def _conducted(before: _FaceSide, behind: _FaceSide, factor: float) -> _FaceFlow
         total * (2 / before.film - 1 / both) * fall,
         total * (2 / behind.film - 1 / both) * fall,
     )
+
+
+def _balance_along(
+    cells: _FaceSide,
+    factor: float,
+    pressure: dict[tuple[int, int], Array],
+    film: dict[tuple[int, int], Array],
+) -> Array:
+    """Return the balance of the flow along the length, and add its derivatives to the bands."""
+    along = _conducted(cells, cells.next_along(), factor)
+    last = _FaceFlow(*(np.roll(values, 1, axis=1) for values in along))
+    for bands, ahead, behind, last_ahead, last_behind in (
+        (pressure, along.pressure_behind, along.pressure_before, *last[1:3]),
+        (film, along.film_behind, along.film_before, *last[3:5]),
+    ):
+        bands[0, 0] = bands[0, 0] + behind - last_behind
+        bands[0, 1], bands[0, -1] = ahead, -last_ahead
+    return np.asarray(along.flux - last.flux)
 
 
 def _drawn_along(content: Array) -> tuple[Array, Array, Array]:

@@ -171,3 +171,19 @@ def test_numbers_come_first_and_json_has_the_same(tmp_path: Path) -> None:
     assert found["numbers"]["peak_pressure"]["value"] == float(dataset["pressure"].max())
     assert found["numbers"]["approach"]["value"] == float(dataset["approach"])
     assert all(Path(file).is_file() for file in found["files"])
+
+
+def test_a_film_that_changes_in_time_is_marched_and_drawn(tmp_path: Path) -> None:
+    text = (EXAMPLES / "oil.toml").read_text(encoding="utf-8")
+    history = '{times = ["0 us", "50 us"], mean_speed = ["0.5 m/s", "1 m/s"]}'
+    text = text.replace('mean_speed = "1 m/s"', f"mean_speed = {history}")
+    text += '\n[grid]\ncells = [100, 1]\nextent = ["1.2 mm", "1 mm"]\n\n[evolve]\ninstants = 3\n'
+    (tmp_path / "start.toml").write_text(text, encoding="utf-8")
+    result = run("solve", str(tmp_path / "start.toml"), "--out", str(tmp_path / "out"))
+    assert result.exit_code == 0, result.output
+    assert "central film at the end" in result.output
+    dataset = xr.load_dataset(tmp_path / "out" / "start.nc")
+    assert dataset["film"].dims == ("time", "x", "y")
+    assert dataset["mean_speed"].values == pytest.approx([0.5, 0.75, 1.0])
+    assert float(dataset["step_error"]) <= 1e-3
+    assert (tmp_path / "out" / "start.png").stat().st_size > 10_000

@@ -28,6 +28,14 @@ def on_cells(field: Array, cells: tuple[int, int]) -> Array:
         present = len(along)
         if present == count:
             continue
+        if count % present == 0:
+            field = axis_first(np.repeat(along, count // present, axis=0), axis)
+            continue
+        if present % count == 0:
+            merged = present // count
+            sums = sum((along[k::merged] for k in range(1, merged)), start=along[::merged])
+            field = axis_first(sums / merged, axis)
+            continue
         # the integral up to each border of the new cells, which is linear inside a given cell
         sums = np.concatenate([np.zeros((1, along.shape[1])), np.cumsum(along, axis=0)])
         border = np.arange(count + 1) * (present / count)
@@ -102,10 +110,16 @@ def change(fine: Solution, coarse: Solution) -> Change:
     )
 
 
-def coarse_solution(problem: Problem) -> Solution | None:
-    """Return the solution on cells of twice the size, as accurate as its difference needs; None where there is none."""
+def coarse_solution(problem: Problem, pressure: Array | None = None) -> Solution | None:
+    """Return the solution on cells of twice the size, as accurate as its difference needs; None where there is none.
+
+    It begins with the means of a `pressure` (x, y) [Pa] on the grid of `problem`, if one is given.
+    """
     coarse = coarser_problem(problem)
-    return None if coarse is None else SolveOptions(TOLERANCE).solved(coarse)
+    if coarse is None:
+        return None
+    start = None if pressure is None else on_cells(pressure, coarse.grid.cells)
+    return SolveOptions(TOLERANCE).solved(coarse, start)
 
 
 def start_from(coarse: Solution, problem: Problem) -> Array:

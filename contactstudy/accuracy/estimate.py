@@ -97,10 +97,11 @@ def error_estimate(
 ) -> ErrorEstimate:
     """Estimate the errors of `solution`.
 
-    Where heights and edges are smooth, the solution itself shows them. Otherwise the same contact is solved once more on
-    cells of twice the size, its heights sampled anew, and the heights are examined inside the cells. That costs a fifth
-    to two thirds of a solve of a few hundred cells a side. An error is infinite, with the reason in ``warnings``, where
-    no bound can be given: no solution, a contact cut off, the pressure at a sharp edge, heights finer than the cells.
+    Where heights and edges are smooth, the solution itself shows them. Otherwise the same contact is solved once more
+    on cells of twice the size, its heights sampled anew, and the heights are examined inside the cells. That costs
+    two to three solves of a hundred cells a side, and about one of some hundred. An error is infinite, with the
+    reason in ``warnings``, where no bound can be given: no solution, a contact cut off, the pressure at a sharp edge,
+    heights finer than the cells.
 
     Parameters
     ----------
@@ -216,7 +217,7 @@ def _cells(
         peak *= 1 + PEAK_RESOLVED * inside.uncertain / l1 if l1 else 1.0
         peak += inside.rise + inside.kink
         return _with_area_warning(_Cells(peak, l1, area, _smooth_gap_error(solution, l1)))
-    coarse = coarse or coarse_solution(problem)
+    coarse = coarse or coarse_solution(problem, pressure)
     if coarse is None or coarse.status in (Status.NOT_FINITE, Status.NO_ADMISSIBLE_PRESSURE):
         reason = "No bound by the cells: there is no solution on cells of twice the size to compare with."
         return _Cells(inf, inf, inf, inf, (reason,))

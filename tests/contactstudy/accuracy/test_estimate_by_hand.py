@@ -56,7 +56,7 @@ def estimated(line_contact: LineContact, monkeypatch: pytest.MonkeyPatch) -> Est
         )
         monkeypatch.setattr(estimate, "change", lambda *_: seen)
         # without a change nothing coarser may be asked for
-        monkeypatch.setattr(estimate, "coarse_solution", lambda _: 1 / 0 if seen is None else of)
+        monkeypatch.setattr(estimate, "coarse_solution", lambda *_: 1 / 0 if seen is None else of)
         return cs.error_estimate(of)
 
     return Estimated(solution, show)

@@ -19,6 +19,7 @@ from contactstudy.lubrication.posed_film import LEVELS, lubricated_scales
 from contactstudy.lubrication.pseudo_time import FilmControls
 from contactstudy.lubrication.steady_film import INLET_ERROR, SWEEP, solve_on
 from contactstudy.scene.scene import Scene
+from contactstudy.scene.shapes.roughness import Roughness
 
 # Cells of half an inlet sweep give the smallest film within this error.
 HALF_SWEEP_ERROR = 0.02
@@ -157,6 +158,7 @@ def _with_error(
     """Solve on the grids of the estimate and on ``grid``, each from the one before."""
     if (reason := _too_coarse(scene, grid)) is not None:
         return replace(solve_on(scene, grid, padding, controls, start), error=_unknown(reason))
+    scene = _same_surface(scene, grid)
     quarter, half, longer = _grids_of_estimate(grid)
     coarsest = solve_on(scene, quarter, padding, controls, start)
     coarse = solve_on(scene, half, padding, controls, coarsest)
@@ -183,14 +185,25 @@ def film_error(contact: LubricatedContact) -> FilmError:
     """
     if (reason := _too_coarse(contact.scene, contact.grid)) is not None:
         return _unknown(reason)
-    controls = FilmControls()
+    controls, scene = FilmControls(), _same_surface(contact.scene, contact.grid)
     return _compared(
         contact,
         *(
-            solve_on(contact.scene, grid, contact.padding, controls, contact)
+            solve_on(scene, grid, contact.padding, controls, contact)
             for grid in _grids_of_estimate(contact.grid)
         ),
     )
+
+
+def _same_surface(scene: Scene, grid: Grid) -> Scene:
+    """Return the scene with random surfaces of the size of ``grid``, so that a wider one shows the same."""
+    shapes = tuple(
+        replace(shape, extent=grid.extent)
+        if isinstance(shape, Roughness) and shape.extent is None
+        else shape
+        for shape in scene.shapes
+    )
+    return replace(scene, shapes=shapes)
 
 
 def _too_coarse(scene: Scene, grid: Grid) -> str | None:

@@ -83,6 +83,15 @@ def test_a_rough_film_under_a_coat_converges(seed: int) -> None:
     assert contact.flux_spread < 1e-6
 
 
+def test_a_longer_inlet_has_the_same_random_surface() -> None:
+    heights = cs.Roughness(3e-8, hurst=0.8, roll_off=A, cut_off=A / 2, seed=1)
+    of_grid, fixed = (
+        cs.film_error(cs.solve_lubricated(by_moes(20, 5, one), grid(64, 3.0, 16), tolerance=1e-6))
+        for one in (heights, replace(heights, extent=(6 * A, A)))
+    )
+    assert of_grid.central_film.inlet == pytest.approx(fixed.central_film.inlet, rel=1e-3)
+
+
 def test_friction_that_hangs_on_a_spike_has_no_error_unless_its_stress_is_limited() -> None:
     newtonian, eyring = (
         cs.solve_lubricated(by_moes(6.5, 7.5, shear=shear), error=2e-2).error

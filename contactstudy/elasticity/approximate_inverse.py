@@ -11,7 +11,6 @@ holes in the contact, and more slowly within. That is the kernel of ``G = (1 + t
 mixture of Poisson's kernels, and falls like ``r^-3/2`` up to the length that ``t`` stands for.
 """
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable
 from math import log2
 from typing import Any
@@ -33,20 +32,6 @@ ROUNDINGS = 100
 LONGEST = 4.0
 
 
-class Extension(ABC):
-    """Linear map from displacements of a `contact` (x, y), which is 1 there and 0 elsewhere, to those of all cells."""
-
-    contact: Array
-
-    @abstractmethod
-    def __call__(self, displacement: Array) -> Array:
-        """Return a `displacement` (x, y), which is zero outside the contact, extended to all cells."""
-
-    @abstractmethod
-    def closing(self, extended: Array) -> Array:
-        """Return the pressure (x, y) on the contact that makes an `extended` displacement."""
-
-
 class ExactInverse:
     """Solution of the linear equations of the cells in contact, for one row of few cells.
 
@@ -66,8 +51,8 @@ class ExactInverse:
         return ExactExtension(contact, self._compliance)
 
 
-class ExactExtension(Extension):
-    """Displacement of all cells of one row under the pressure that makes a displacement of the contact."""
+class ExactExtension:
+    """Extension of a contact within one row: the displacement under the pressure that makes that of the contact."""
 
     def __init__(self, contact: Array, compliance: Array) -> None:
         self.contact, self._cells = contact, np.flatnonzero(contact)
@@ -171,7 +156,7 @@ class SpectralInverse:
         return self._transforms.filtered(field, factors, self._waves)
 
 
-class FullExtension(Extension):
+class FullExtension:
     """Extension of a contact of all cells: they stay as they are.
 
     `pressure` is the map from a displacement of all cells to their pressure.

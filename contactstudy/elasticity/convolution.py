@@ -112,11 +112,12 @@ class Convolution:
     def scaled(self, factor: float, precision: Precision) -> "Convolution":
         """Return this operator times `factor`, in `precision`, on the device in use.
 
-        It shares the work arrays of this operator where both have the same numbers.
+        On the processor it shares the work arrays of this operator where both have the same precision.
         """
         spectrum = np.multiply(self.spectrum, factor, dtype=self.spectrum.dtype)
         scaled = replace(self, spectrum=device().put(spectrum.astype(precision.real, copy=False)))
-        if scaled.spectrum.dtype == self.spectrum.dtype:
+        on_processor = isinstance(scaled.spectrum, np.ndarray)
+        if on_processor and scaled.spectrum.dtype == self.spectrum.dtype:
             scaled.__dict__["_work_arrays"] = self._work_arrays
         return scaled
 

@@ -82,7 +82,7 @@ KNOWN = (
         "grid.period / grid.cell_area",
         "2 * grid.period / grid.cell_area",
     ),
-    KnownMutation("studies/reference/line_contact.py", "float(edge - 1)", "float(1 - edge)"),
+    KnownMutation("studies/reference/line_contact.py", "(edge - 1,", "(1 - edge,"),
     KnownMutation(
         "contactstudy/io/pictures/contact.py",
         'solved["y"] / length, middle',

@@ -31,6 +31,7 @@ def test_the_lightest_loads_have_the_film_of_martin(load: float) -> None:
     assert film == pytest.approx(2.447484, rel=bound)
 
 
+@pytest.mark.whole
 def test_a_load_of_ten_newtons_per_metre_has_a_film_by_error() -> None:
     contact = cs.solve_lubricated(at(10.0, 1.0), error=1e-2)
     assert contact.status is cs.FilmStatus.CONVERGED
@@ -83,6 +84,7 @@ def test_a_rough_film_under_a_coat_converges(seed: int) -> None:
     assert contact.flux_spread < 1e-6
 
 
+@pytest.mark.whole
 def test_a_longer_inlet_has_the_same_random_surface() -> None:
     heights = cs.Roughness(3e-8, hurst=0.8, roll_off=A, cut_off=A / 2, seed=1)
     of_grid, fixed = (

@@ -60,6 +60,7 @@ def test_what_cannot_be_had_is_said_with_the_best_there_is() -> None:
     assert "no setting fits" in run("--seconds", "1 ns").output
 
 
+@pytest.mark.whole
 def test_a_scene_in_a_file_is_recommended_a_grid() -> None:
     rough = fields(str(EXAMPLES / "rough.toml"), "--error", "0.05")
     planned = cs.read_scene(EXAMPLES / "rough.toml").plan()
@@ -94,6 +95,7 @@ def test_bad_arguments_are_one_sentence(words: list[str], sentence: str) -> None
     assert "\n" not in str(result.exception)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("scene", [None, "roller.toml"])
 def test_the_lines_of_python_run_as_they_stand(scene: str | None) -> None:
     words = () if scene is None else (str(EXAMPLES / scene),)

@@ -67,7 +67,7 @@ def test_the_roller_example_has_no_edge_peak_and_shows_its_stress(tmp_path: Path
 
 
 def test_a_plan_says_what_it_will_be_and_what_it_will_cost(tmp_path: Path) -> None:
-    path = EXAMPLES / "rough.toml"
+    path = EXAMPLES / "smooth.toml"
     text = run("plan", str(path), "--threads", "1")
     assert text.exit_code == 0
     planned = cs.read_scene(path).plan()

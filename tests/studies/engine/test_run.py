@@ -161,6 +161,7 @@ def test_measures_do_not_depend_on_the_unit_of_length() -> None:
     np.testing.assert_allclose(found[0], found[1], rtol=0, atol=1e-9)
 
 
+@pytest.mark.whole
 def test_a_case_that_another_study_in_the_folder_holds_is_not_computed_again(
     tmp_path: Path,
 ) -> None:

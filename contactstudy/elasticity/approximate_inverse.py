@@ -157,7 +157,7 @@ class SpectralInverse:
 
 
 class FullExtension:
-    """Extension of a contact of all cells: they stay as they are.
+    """Extension of a contact that holds a share of every cell: its displacement there counts for the whole cell.
 
     `pressure` is the map from a displacement of all cells to their pressure.
     """
@@ -166,11 +166,11 @@ class FullExtension:
         self.contact, self._pressure = contact, pressure
 
     def __call__(self, displacement: Array) -> Array:
-        """Return the `displacement` (x, y)."""
-        return displacement
+        """Return the `displacement` (x, y), which is weighted by the shares, without these weights."""
+        return displacement / self.contact
 
     def transposed(self, pressure: Array) -> Array:
-        """Return the `pressure` (x, y)."""
+        """Return the `pressure` (x, y): the transposed map, weighted by the shares."""
         return pressure
 
     def closing(self, extended: Array) -> Array:

@@ -255,7 +255,8 @@ class _Flow:
                 for future, result in completed:
                     self._take(future, result)
         except BaseException:
-            # their further outcomes are not read
+            # batches that dask still holds begin nothing, and further outcomes are not read
+            RUNS.pop(self._token, None)
             self._cluster.supervisors.end()
             self._take_last()
             raise

@@ -129,6 +129,11 @@ def start_from(coarse: Solution, problem: Problem) -> Array:
 
 def _unknown_to(source: Source, problem: Problem) -> Array | None:
     """Return the heights (x, y) [m] in `problem` that its source does not contain; None where there are none."""
-    added = problem.undeformed_gap - source.gap(problem.grid)
+    known = source.gap(problem.grid)
+    if problem.undeformed_gap is known:
+        return None
+    added = problem.undeformed_gap - known
+    if not added.any():
+        return None
     largest_gap = np.abs(problem.undeformed_gap).max()
     return added if np.abs(added).max() > 1e-9 * largest_gap else None

@@ -22,6 +22,14 @@ def with_ends(field: Array, count: int, *, wraps: bool) -> Array:
     return np.concatenate([*[before] * repeats, field, *[after] * repeats])
 
 
+def around_contact(pressure: Array) -> slice:
+    """Return the rows (x, y) of `pressure` in contact and one more on each side; all rows if one reaches an edge."""
+    touching = np.flatnonzero(pressure.max(axis=1) > 0)
+    if not touching.size or touching[0] == 0 or touching[-1] == len(pressure) - 1:
+        return slice(None)
+    return slice(int(touching[0]) - 1, int(touching[-1]) + 2)
+
+
 def discretisation(pressure: Array, wraps: tuple[bool, bool]) -> tuple[float, float]:
     """Return the relative errors of the peak pressure and of the pressure in L1 that the cells cause.
 
@@ -49,18 +57,21 @@ def discretisation(pressure: Array, wraps: tuple[bool, bool]) -> tuple[float, fl
         # at an open end the cell stands for its own neighbour
         padded = with_ends(along, 1, wraps=is_periodic)
         before, after = padded[:-2], padded[2:]
-        bend = np.abs(before + after - 2 * along)
-        within = (along > 0) & (before > 0) & (after > 0)
-        l1 += bend[within].sum() / 12
-        for outer, inner in ((before, after), (after, before)):
-            end = (along > 0) & (outer == 0)
-            l1 += edge_error(along[end], inner[end]).sum()
+        bend = before + after
+        bend -= 2 * along
+        np.abs(bend, out=bend)
+        touching = padded > 0
+        inside = touching[1:-1]
+        l1 += (bend * (inside & touching[:-2] & touching[2:])).sum() / 12
+        for outer, inner in ((touching[:-2], after), (touching[2:], before)):
+            end = np.nonzero(inside & ~outer)
+            last, second = along[end], inner[end]
+            l1 += edge_error(last, second).sum()
             # a plateau ends half-way in its last cell, which has the mean pressure
-            plateau = along[end & (inner >= level)]
+            plateau = last[second >= level]
             l1 += np.minimum(plateau, level - plateau).sum()
-        slope, bent = (
-            float(axis_first(field, axis)[highest]) for field in ((after - before) / 2, bend)
-        )
+        place = highest[::-1] if axis else highest
+        slope, bent = float(after[place] - before[place]) / 2, float(bend[place])
         # the parabola's vertex is slope / bent cells away
         beside += slope**2 / bent / 2 - bent / 24 if bent > 0 else 0.0
         edges = max(edges, EDGES * bent)
@@ -85,22 +96,22 @@ def contact_area(pressure: Array, wraps: tuple[bool, bool]) -> float:
     wraps
         Whether the surface wraps across and along.
     """
-    touching, excess = np.count_nonzero(pressure), 0.0
+    cells, highest, excess = np.count_nonzero(pressure), pressure.max(), 0.0
     for axis, is_periodic in enumerate(wraps):
         along = axis_first(pressure, axis)
         if len(along) == 1:
             continue
         padded = with_ends(along, 1, wraps=is_periodic)
-        before, after = padded[:-2], padded[2:]
+        touching = padded > 0
         beyond, uncertain, ends = 0.0, 0.0, 0
-        for outer, inner in ((before, after), (after, before)):
-            end = (along > 0) & (outer == 0)
+        for outer, inner in ((touching[:-2], padded[2:]), (touching[2:], padded[:-2])):
+            end = np.nonzero(touching[1:-1] & ~outer)
+            last, second = along[end], inner[end]
             # a plateau ends anywhere in its last cell; a straight one at the same place in every row
-            plateau = end & (inner >= pressure.max())
+            plateau = second >= highest
             uncertain += HALF * np.count_nonzero(plateau)
-            end &= ~plateau
-            beyond += float((0.5 - edge_place(along[end], inner[end])).sum())
-            ends += int(np.count_nonzero(end))
+            beyond += float((0.5 - edge_place(last[~plateau], second[~plateau])).sum())
+            ends += len(last) - int(np.count_nonzero(plateau))
         excess = max(excess, abs(beyond) + ALL * ends + EACH * ends**0.5 + uncertain)
-    share = excess / touching
+    share = excess / cells
     return share / (1 - share) if share < 1 else float("inf")

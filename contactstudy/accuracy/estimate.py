@@ -6,7 +6,12 @@ from math import inf
 import numpy as np
 
 from contactstudy.accuracy.coarser import Change, change, coarse_solution, halved
-from contactstudy.accuracy.discretisation import axis_first, contact_area, discretisation
+from contactstudy.accuracy.discretisation import (
+    around_contact,
+    axis_first,
+    contact_area,
+    discretisation,
+)
 from contactstudy.accuracy.expected_error import ErrorParts
 from contactstudy.accuracy.plausibility import implausible
 from contactstudy.accuracy.subcell import CONFIDENCE, HeightsInside, Subcell
@@ -14,7 +19,7 @@ from contactstudy.accuracy.truncation import truncation
 from contactstudy.domain.checks import InvalidInput, NotDefined
 from contactstudy.problem.constraint import violation
 from contactstudy.problem.problem import Problem
-from contactstudy.scene.bodies import Layered
+from contactstudy.scene.bodies import is_layered
 from contactstudy.scene.scene import PosedScene
 from contactstudy.solvers.solution import Solution, Status
 
@@ -169,7 +174,7 @@ def _thin_coat_warning(problem: Problem) -> str:
     if not isinstance(problem.description, PosedScene):
         return ""
     for coat in problem.description.scene.solids:
-        if not isinstance(coat, Layered):
+        if not is_layered(coat):
             continue
         stiffer = coat.substrate.compliance / coat.compliance
         cells = coat.thickness / problem.grid.cell[0]
@@ -185,7 +190,8 @@ def _cells(
     solution: Solution, coarse: Solution | None, heights: HeightsInside | None, confidence: float
 ) -> _Cells:
     """Return the errors that the cells cause."""
-    problem, pressure = solution.problem, solution.pressure
+    problem = solution.problem
+    pressure = solution.pressure[around_contact(solution.pressure)]
     assert problem.paddings is not None
     wraps = problem.paddings[0].wraps, problem.paddings[1].wraps
     peak, l1 = discretisation(pressure, wraps)
@@ -202,7 +208,7 @@ def _cells(
             "known of them between the cell centres; make the problem from a Scene."
         )
         return _Cells(inf, inf, inf, inf, (reason,))
-    inside = heights.under(problem, pressure)
+    inside = heights.under(problem, solution.pressure)
     if inside.stands_out:
         reason = (
             "No bound by the cells: between their centres the surface stands out by more than the contact "
@@ -217,7 +223,7 @@ def _cells(
         peak *= 1 + PEAK_RESOLVED * inside.uncertain / l1 if l1 else 1.0
         peak += inside.rise + inside.kink
         return _with_area_warning(_Cells(peak, l1, area, _smooth_gap_error(solution, l1)))
-    coarse = coarse or coarse_solution(problem, pressure)
+    coarse = coarse or coarse_solution(problem, solution.pressure)
     if coarse is None or coarse.status in (Status.NOT_FINITE, Status.NO_ADMISSIBLE_PRESSURE):
         reason = "No bound by the cells: there is no solution on cells of twice the size to compare with."
         return _Cells(inf, inf, inf, inf, (reason,))
@@ -237,7 +243,9 @@ def _cells(
         max(
             area, _relative_loss(AREA_CHANGE * changes.contact_area), HIDDEN / 2 * inside.uncertain
         ),
-        max(GAP_CHANGE * changes.mean_gap, GAP_EDGES * l1, _sampling_error(solution)),
+        max(
+            GAP_CHANGE * changes.mean_gap, GAP_EDGES * l1, _sampling_error(solution, coarse.problem)
+        ),
     )
     return _with_area_warning(
         _unbounded(estimate, problem, inside, changes, sharp_end=sharp_end, exact=yields or bounded)
@@ -249,29 +257,31 @@ def _smooth_gap_error(solution: Solution, l1: float) -> float:
 
     They move the approach by a share of the depth that the contact flattens.
     """
-    touching = solution.pressure > 0
-    if not solution.mean_gap > 0 or not touching.any():
+    rows, mean_gap = around_contact(solution.pressure), solution.mean_gap
+    touching = solution.pressure[rows] > 0
+    if not mean_gap > 0 or not touching.any():
         return l1
-    depth = float(np.ptp(solution.problem.undeformed_gap[touching]))
-    return GAP_DEPTH * l1 * depth / solution.mean_gap + _sampling_error(solution)
+    depth = float(np.ptp(solution.problem.undeformed_gap[rows][touching]))
+    return GAP_DEPTH * l1 * depth / mean_gap + _sampling_error(solution)
 
 
-def _sampling_error(solution: Solution) -> float:
+def _sampling_error(solution: Solution, coarse: Problem | None = None) -> float:
     """Return the relative error of the mean gap by heights that are sampled at the centres of cells.
 
-    On ever finer cells their mean changes no more than from cells of twice the size.
+    On ever finer cells their mean changes no more than from cells of twice the size, those of `coarse`.
     """
-    problem, means = solution.problem, []
-    if problem.source is None or not solution.mean_gap > 0:
+    problem, mean_gap, means = solution.problem, solution.mean_gap, []
+    if problem.source is None or not mean_gap > 0:
         return 0.0
-    for grid in (problem.grid, halved(problem.grid)):
+    known = coarse.source if coarse is not None and coarse.source is not None else problem.source
+    for source, grid in ((problem.source, problem.grid), (known, halved(problem.grid))):
         try:
-            rows = problem.source.gap(grid).mean(axis=0)
+            rows = source.gap(grid).mean(axis=0)
         except InvalidInput:
             return 0.0
-        lengths = getattr(problem.source, "row_lengths", lambda _: None)(grid)
+        lengths = getattr(source, "row_lengths", lambda _: None)(grid)
         means.append(float(np.average(np.broadcast_to(rows, grid.cells[1]), weights=lengths)))
-    return abs(means[0] - means[1]) / solution.mean_gap
+    return abs(means[0] - means[1]) / mean_gap
 
 
 def _with_area_warning(cells: _Cells) -> _Cells:
@@ -358,9 +368,8 @@ def _unresolved_length(problem: Problem) -> str:
 
 def _at_hardness(solution: Solution) -> bool:
     """Return whether the peak pressure is a limit of the constraint, which finer cells have too."""
-    pressure = solution.pressure
-    free = solution.problem.constraint.free(pressure)
-    return bool(((pressure == pressure.max()) & (free == 0)).any())
+    free = solution.problem.constraint.free(solution.pressure)
+    return bool(free.flat[np.argmax(solution.pressure)] == 0)
 
 
 def _at_sharp_end(problem: Problem, pressure: np.ndarray) -> bool:
@@ -375,22 +384,20 @@ def _at_sharp_end(problem: Problem, pressure: np.ndarray) -> bool:
 
 def _residual(solution: Solution) -> tuple[float, float]:
     """Return the errors of peak pressure and pressure in L1 by the remaining gap: the pressure that would close it."""
-    problem = solution.problem
-    scales, operator = problem.scales, problem.bare().operator
-    pressure, gap = solution.pressure / scales.pressure, solution.gap / scales.gap
-    free = problem.constraint.free(solution.pressure) > 0
-    cells = free.astype(np.float64)
-    closing = np.zeros_like(gap)
-    if free.any():  # not where all pressures are at a limit
-        extension = operator.approximate_inverse().extension(cells)
-        closing = extension.closing(extension(np.where(free, -gap, 0.0)))
-        closing = np.where(free, closing - closing.mean(where=free), 0.0)
-
+    pressure, gap, operator = solution.pressure, solution.gap, solution.problem.operator
+    cells = solution.problem.constraint.free(pressure)
     # cells at a limit that should not be there
-    bound = violation(pressure, gap, cells) / operator.self_compliance
-    missing = MARGIN * (np.abs(closing) + bound)
+    missing = violation(pressure, gap, cells)
+    missing /= operator.self_compliance
+    if count := np.count_nonzero(cells):  # 0 where all pressures are at a limit
+        extension = operator.approximate_inverse().extension(cells)
+        closing = extension.closing(extension(-gap * cells))
+        closing -= float((closing * cells).sum()) / count
+        closing *= cells
+        missing += np.abs(closing, out=closing)
+    missing *= MARGIN
     l1 = float(missing.sum() / pressure.sum())
     # another cell may have the peak; and the inverse, which ignores the ends of a length that does not wrap, is more
     # accurate for the sum than for a single cell
-    peak = float(pressure.max())
-    return max(float((pressure + missing).max()) / peak - 1, l1), l1
+    missing += pressure
+    return max(float(missing.max() / pressure.max()) - 1, l1), l1

@@ -67,9 +67,10 @@ def _slope(solution: Solution) -> float:
     for axis, step in enumerate(solution.problem.grid.cell):
         if gap.shape[axis] < 3:
             continue
-        slopes = np.abs(np.diff(gap, axis=axis)) / step
-        if slopes.max() <= SLOPE:  # as are median and rms
+        slopes = np.diff(gap, axis=axis)
+        if max(slopes.max(), -slopes.min()) <= SLOPE * step:  # as are median and rms
             continue
+        slopes = np.abs(slopes) / step
         both = np.take(touching, range(1, gap.shape[axis]), axis) & np.take(
             touching, range(gap.shape[axis] - 1), axis
         )

@@ -7,10 +7,11 @@ from math import ceil, log, pi, prod
 import numpy as np
 
 from contactstudy.accuracy.coarser import on_cells
-from contactstudy.accuracy.discretisation import axis_first, with_ends
+from contactstudy.accuracy.discretisation import around_contact, axis_first, with_ends
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
+from contactstudy.elasticity.convolution import Convolution
 from contactstudy.problem.problem import Problem
 
 # Points in a cell, along one axis at a time: where the shapes name their scales, and where one does not.
@@ -79,6 +80,13 @@ class _HiddenAlong:
     standing: Array | None
     kink: Array | None
 
+    def largest(self, slopes: Array, pressure: Array, problem: Problem) -> float:
+        """Return the largest of the `slopes` on the lines where `pressure` (x, y) acts, and in the cells beside."""
+        if not slopes.any():
+            return 0.0
+        pressed = on_cells(_with_neighbours(pressure, problem), self.lines) > 0
+        return float(np.where(pressed, slopes, 0.0).max())
+
 
 @dataclass(frozen=True, eq=False)
 class HeightsInside:
@@ -124,29 +132,29 @@ class HeightsInside:
 
     def under(self, problem: Problem, pressure: Array) -> Subcell:
         """Return what the heights hide where `pressure` (x, y) [Pa] acts, and in the cells beside."""
-        grid = problem.grid
-        beside = _with_neighbours(pressure, problem)
-        hidden, standing = np.zeros_like(pressure), np.zeros_like(pressure)
+        rows = around_contact(pressure)
+        bearing = pressure[rows]
+        beside = _with_neighbours(bearing, problem)
+        hidden, standing = np.zeros_like(bearing), np.zeros_like(bearing)
         corner = kink = 0.0
         for part in self.along:
             modulus = _modulus(problem, part.axis)
-            stiffness, halving = modulus / grid.cell[part.axis], modulus * log(2) / (2 * pi)
-            pressed = on_cells(beside, part.lines) > 0
-            hidden += part.missed * stiffness
-            corner = max(corner, float(np.where(pressed, part.corner, 0.0).max()) * halving)
+            stiffness, halving = modulus / problem.grid.cell[part.axis], modulus * log(2) / (2 * pi)
+            hidden += part.missed[rows] * stiffness
+            corner = max(corner, part.largest(part.corner, pressure, problem) * halving)
             if part.standing is not None and part.kink is not None:
-                standing += part.standing * stiffness
-                kink = max(kink, float(np.where(pressed, part.kink, 0.0).max()) * halving)
-        rise, peak = 0.0, float(pressure.max())
+                standing += part.standing[rows] * stiffness
+                kink = max(kink, part.largest(part.kink, pressure, problem) * halving)
+        rise, peak = 0.0, float(bearing.max())
         if self.off_lines is not None:
-            missed, stands, narrow, unseen = self.off_lines
-            stiffness = max(_modulus(problem, axis) / grid.cell[axis] for axis in (0, 1))
+            missed, stands, narrow, unseen = (field[rows] for field in self.off_lines)
+            stiffness = max(_modulus(problem, axis) / problem.grid.cell[axis] for axis in (0, 1))
             hidden = np.maximum(hidden, missed * stiffness)
             standing = np.maximum(standing, stands * stiffness)
-            risen = np.where(beside > 0, pressure + RISE * unseen * stiffness / narrow, 0.0)
+            risen = np.where(beside > 0, bearing + RISE * unseen * stiffness / narrow, 0.0)
             rise = max(float(risen.max()) / peak - 1, 0.0)
-        hides = float(np.minimum(hidden, beside).sum() / pressure.sum())
-        stands_out = bool((standing > beside)[beside > 0].any())
+        hides = float(np.minimum(hidden, beside, out=hidden).sum() / bearing.sum())
+        stands_out = bool(((standing > beside) & (beside > 0)).any())
         return Subcell(hides, corner / peak, stands_out, rise, kink / peak)
 
 
@@ -242,10 +250,10 @@ def _cubic(extended: Array, place: float) -> Array:
     """
     count = len(extended) - 4
     nodes = range(-1, 3) if place > 0 else range(-2, 2)
-    total = np.zeros((count, *extended.shape[1:]))
+    total, term = (np.zeros((count, *extended.shape[1:])) for _ in range(2))
     for node in nodes:
         weight = prod((place - near) / (node - near) for near in nodes if near != node)
-        total += weight * extended[2 + node : 2 + node + count]
+        total += np.multiply(weight, extended[2 + node : 2 + node + count], out=term)
     return total
 
 
@@ -281,11 +289,14 @@ def _with_neighbours(pressure: Array, problem: Problem) -> Array:
 
 def _modulus(problem: Problem, axis: int) -> float:
     """Return E* [Pa] from the displacement under an alternating pressure, ``2 dx / (pi E*)`` for a half-space."""
-    nx, ny = problem.grid.cells
-    signs = (-1.0) ** np.arange((nx, ny)[axis])
-    wave = np.ascontiguousarray(np.broadcast_to(signs[:, None] if axis == 0 else signs, (nx, ny)))
-    displacement = float((problem.operator(wave) * wave).mean())
-    return 2 * problem.grid.cell[axis] / (pi * displacement)
+    across, along = (np.ones(count) for count in problem.grid.cells)
+    (along if axis else across)[1::2] = -1
+    if isinstance(problem.operator, Convolution):
+        work = problem.operator.work_of_product(across, along)
+    else:
+        wave = across[:, None] * along
+        work = float((problem.operator(wave) * wave).sum())
+    return 2 * problem.grid.cell[axis] * prod(problem.grid.cells) / (pi * work)
 
 
 @dataclass(frozen=True)
@@ -296,18 +307,21 @@ class HeightsAlong:
     ----------
     missed
         What a cubic through the centres misses in each cell [m].
-    standing
-        What stands above the centres of a cell and of both beside it [m]: a step between two of them hides no height.
     bends
         Bend of the slope between neighbouring points, out of the body (n points, ...).
     wraps
         Whether the axis wraps.
+    padded
+        Heights at the centres, and at two more at either end (n + 4, ...) [m].
+    heights
+        Heights inside the cells (n, points, ...) [m].
     """
 
     missed: Array
-    standing: Array
     bends: Array
     wraps: bool
+    padded: Array
+    heights: Array
 
     @classmethod
     def from_heights(
@@ -316,25 +330,33 @@ class HeightsAlong:
         """Return what heights (n, ...) at the centres, and (n points, ...) inside cells of width `step`, show [m]."""
         count = len(centres)
         points = len(inside) // count
-        padded = _extended(centres, wraps=wraps)
+        padded = np.ascontiguousarray(_extended(centres, wraps=wraps))
         inside = np.ascontiguousarray(inside)  # along the length they are not, which takes longer
         heights = inside.reshape(count, points, -1)
         missed = np.zeros_like(heights[:, 0])
         for point in range(points):
             cubic = _cubic(padded, (point + 0.5) / points - 0.5)
-            np.maximum(missed, np.abs(heights[:, point] - cubic), out=missed)
-        beside = [padded[1 : 1 + count], padded[2 : 2 + count], padded[3 : 3 + count]]
-        standing = np.maximum(np.minimum.reduce(beside) - heights.min(axis=1), 0)
-        slopes = np.diff(with_ends(inside, 1, wraps=wraps), axis=0) * (points / step)
-        bends = np.maximum(np.diff(slopes, axis=0), 0)
+            cubic -= heights[:, point]
+            np.maximum(missed, np.abs(cubic, out=cubic), out=missed)
+        bends = np.diff(with_ends(inside, 1, wraps=wraps), n=2, axis=0)
+        np.maximum(bends, 0, out=bends)
+        bends *= points / step
         if not wraps:
             bends[[0, -1]] = 0.0
-        return cls(missed, standing, bends, wraps)
+        return cls(missed, bends, wraps, padded, heights)
+
+    @property
+    def standing(self) -> Array:
+        """Heights above the centres of a cell and of both beside it (n, ...) [m]: a step between two hides no height."""
+        lowest = np.minimum(np.minimum(self.padded[1:-3], self.padded[2:-2]), self.padded[3:-1])
+        return np.asarray(np.maximum(lowest - self.heights.min(axis=1), 0))
 
     @cached_property
     def _in_cells(self) -> tuple[Array, Array]:
         """Bends of pairs of neighbouring points (n points, ...), and the same in their cells (n, points, ...)."""
-        pairs = self.bends + np.roll(self.bends, -1, axis=0)
+        pairs = np.empty_like(self.bends)
+        np.add(self.bends[:-1], self.bends[1:], out=pairs[:-1])
+        np.add(self.bends[-1], self.bends[0], out=pairs[-1])
         return pairs, pairs.reshape(len(self.missed), -1, *pairs.shape[1:])
 
     def corner(self) -> Array:

@@ -22,6 +22,8 @@ COARSEST = 32
 # One row of so many cells is preconditioned by its own equations.
 FEW = 64
 SHIFT = 10.0
+# Waves with less than this share of the energy of the largest are none.
+ROUNDING = 1e-28
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,6 +110,17 @@ class Convolution:
             stored_once += xp.sum(self.spectrum[:, -1])
         total = 2 * xp.sum(self.spectrum) - stored_once - self.spectrum[0, 0]
         return float(total / self.work)
+
+    def work_of_product(self, across: Array, along: Array) -> float:
+        """Return the sum of pressure times displacement under the pressure ``across[:, None] * along``.
+
+        It follows from the spectrum, which is even, without a transform of the field.
+        """
+        px, py = self.padded
+        of_x, of_y = np.abs(fft.fft(across, px)) ** 2, np.abs(fft.rfft(along, py)) ** 2
+        of_y[1 : (py + 1) // 2] *= 2  # stored once
+        waves = np.flatnonzero(of_y > ROUNDING * of_y.max())
+        return float(np.einsum("x,xy,y", of_x, self.spectrum[:, waves], of_y[waves]) / self.work)
 
     def scaled(self, factor: float, precision: Precision) -> "Convolution":
         """Return this operator times `factor`, in `precision`, on the device in use.

@@ -4,7 +4,7 @@ import math
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
+from typing import Protocol, TypeGuard, runtime_checkable
 
 from contactstudy.domain.checks import (
     InvalidInput,
@@ -129,6 +129,11 @@ class Layered(Protocol):
         ...
 
 
+def is_layered(solid: object) -> TypeGuard[Layered]:
+    """Return whether a body is :class:`Layered`: ``isinstance`` of a protocol takes as long as a tenth of a set-up."""
+    return hasattr(solid, "compliance_at")
+
+
 @runtime_checkable
 class Inelastic(Protocol):
     """Body that responds like an elastic half-space to a first, sudden load."""
@@ -181,7 +186,7 @@ def contact_modulus(solids: tuple[Body, ...], half_width: float | None = None) -
     """
     total = sum(
         solid.compliance_at(half_width)
-        if half_width is not None and isinstance(solid, Layered)
+        if half_width is not None and is_layered(solid)
         else solid.compliance
         for solid in solids
     )

@@ -1,8 +1,9 @@
 """A scene names the effects of a contact and makes a problem of them on a grid."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from math import inf, log2
+from operator import is_
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -16,7 +17,13 @@ from contactstudy.elasticity.convolution import superposed
 from contactstudy.problem.constraint import Compressive, Constraint, HardnessLimited, PrescribedLoad
 from contactstudy.problem.memory import refuse_too_large
 from contactstudy.problem.problem import Derived, Problem, Scales
-from contactstudy.scene.bodies import Body, Layered, RestrictedBody, contact_modulus, response
+from contactstudy.scene.bodies import (
+    Body,
+    RestrictedBody,
+    contact_modulus,
+    is_layered,
+    response,
+)
 from contactstudy.scene.load import ChangingLoad, ConstantLoad, TotalLoad
 from contactstudy.scene.shapes.shape import Detail, Shape
 
@@ -51,11 +58,14 @@ class ShapesSource:
         Whether one of them ends a roller within the grid.
     make
         Function that makes the problem on a grid.
+    sampled
+        A grid with the gap on it, which a problem holds anyway; None to sample every grid anew.
     """
 
     shapes: tuple[Shape, ...]
     ends_along: bool
     make: Callable[[Grid], Problem]
+    sampled: tuple[Grid, Array] | None = None
 
     @property
     def finest(self) -> tuple[float, float]:
@@ -72,13 +82,13 @@ class ShapesSource:
 
     def gap(self, grid: Grid) -> Array:
         """Return the summed gap [m] of all shapes, of shape (x, y) or (x, 1) if nothing varies along the length."""
-        total: Array = sum((shape.gap(grid) for shape in self.shapes), start=grid.x[:, None] * 0)
-        return total
+        if self.sampled is not None and self.sampled[0] == grid:
+            return self.sampled[1]
+        return summed_gap(self.shapes, grid)
 
     def gap_without_scales(self, grid: Grid) -> Array:
         """Return the summed gap [m] of the shapes without a ``detail``, as :meth:`gap`."""
-        unknown = (shape for shape in self.shapes if not hasattr(shape, "detail"))
-        return sum((shape.gap(grid) for shape in unknown), start=grid.x[:, None] * 0)
+        return summed_gap([shape for shape in self.shapes if not hasattr(shape, "detail")], grid)
 
     def row_lengths(self, grid: Grid) -> Array | None:
         """Return the length of both bodies that each row of `grid` stands for, in cells; None where none ends."""
@@ -95,6 +105,11 @@ class ShapesSource:
     def with_step(self, step: Callable[[Problem], Problem]) -> "ShapesSource":
         """Return this source with `step` applied to each problem that it makes."""
         return replace(self, make=lambda grid: step(self.make(grid)))
+
+
+def summed_gap(shapes: Iterable[Shape], grid: Grid) -> Array:
+    """Return the summed gap [m] of `shapes`, of shape (x, y) or (x, 1) if nothing varies along the length."""
+    return sum((shape.gap(grid) for shape in shapes), start=np.zeros((grid.cells[0], 1)))
 
 
 def sized(shapes: tuple[Shape, ...], grid: Grid) -> tuple[Shape, ...]:
@@ -256,7 +271,7 @@ class Scene:
         if curvature <= 0:
             return None
         contact = HertzLine(self.load.largest, 1 / curvature, self.contact_modulus)
-        if any(isinstance(solid, Layered) for solid in self.solids):
+        if any(map(is_layered, self.solids)):
             for _ in range(PASSES):
                 modulus = contact_modulus(self.solids, contact.half_width)
                 contact = replace(contact, contact_modulus=modulus)
@@ -309,10 +324,12 @@ class Scene:
         assert isinstance(self.load, ConstantLoad)  # another changes in time
         paddings = across_and_along(padding)
         refuse_too_large(grid, paddings)
-        gap = np.zeros(grid.cells)
-        for shape in self.shapes:
-            gap += shape.gap(grid)
-        scales, source = self.scales(grid), self.source_on(grid, padding)
+        heights = summed_gap(self.shapes, grid)
+        gap = (
+            heights if heights.shape == grid.cells else np.broadcast_to(heights, grid.cells).copy()
+        )
+        scales = self.scales(grid)
+        source = replace(self.source_on(grid, padding), sampled=(grid, heights))
         return Problem(
             grid=grid,
             undeformed_gap=gap,
@@ -322,7 +339,7 @@ class Scene:
             scales=scales,
             paddings=paddings,
             open_edges=(0, -1) if _is_free(paddings[0]) else (),
-            open_ends=self._open_ends(gap, grid, paddings[1]),
+            open_ends=self._open_ends(heights, grid, paddings[1]),
             source=source,
             outputs=tuple(output.of(self.solids, grid, paddings) for output in self.outputs),
             description=PosedScene(self, grid, padding),
@@ -351,12 +368,16 @@ class Scene:
 
     def _open_ends(self, gap: Array, grid: Grid, along: Padding) -> tuple[int, ...]:
         """Return the end rows of a free length if the surface varies along it and no roller ends there; else empty."""
-        varies = bool((gap != gap[:, :1]).any())
-        return (0, -1) if varies and _is_free(along) and not ends_along(self.shapes, grid) else ()
+        if not _is_free(along) or ends_along(self.shapes, grid):
+            return ()
+        return (0, -1) if (gap != gap[:, :1]).any() else ()
 
     def source_on(self, grid: Grid, padding: Padding | Paddings) -> ShapesSource:
         """Return the source from which the problem is made again on grids other than `grid`."""
-        scene = replace(self, shapes=sized(self.shapes, grid))
+        shapes = sized(self.shapes, grid)
+        # a scene that stays the same is not checked again
+        same = all(map(is_, shapes, self.shapes))
+        scene = self if same else replace(self, shapes=shapes)
         ended = ends_along(self.shapes, grid)
         return ShapesSource(scene.shapes, ended, lambda other: scene.problem(other, padding))
 

@@ -248,5 +248,9 @@ class Roughness:
 def _folded(waves: np.ndarray, numbers: np.ndarray, count: int) -> np.ndarray:
     """Return the rows of `waves` summed by their wave `numbers` on `count` points: short ones look like longer ones."""
     folded = np.zeros((count, waves.shape[1]), dtype=complex)
-    np.add.at(folded, np.round(numbers).astype(int).ravel() % count, waves)
+    places = np.round(numbers).astype(int).ravel() % count
+    if np.bincount(places).max() == 1:  # an assignment takes a fifth of the time
+        folded[places] = waves
+    else:
+        np.add.at(folded, places, waves)
     return folded

@@ -39,7 +39,7 @@ def estimated(line_contact: LineContact, monkeypatch: pytest.MonkeyPatch) -> Est
     monkeypatch.setattr(estimate, "discretisation", lambda *_: (PEAK, L1))
     monkeypatch.setattr(estimate, "contact_area", lambda *_: AREA)
     monkeypatch.setattr(estimate, "truncation", lambda *_: (PEAK_CUT, L1_CUT))
-    monkeypatch.setattr(estimate, "_sampling_error", lambda _: SAMPLED)
+    monkeypatch.setattr(estimate, "_sampling_error", lambda *_: SAMPLED)
 
     def show(
         uncertain: float,

@@ -130,6 +130,16 @@ def test_the_finest_of_all_counts_and_heights_add_up() -> None:
     assert both.problem(GRID) is GRID
 
 
+def test_the_heights_of_a_problem_are_not_sampled_again() -> None:
+    scene = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01), LONG))
+    problem = scene.problem(GRID, cs.ExactPeriodicity())
+    assert problem.source is not None
+    assert problem.source.gap(GRID) is problem.undeformed_gap
+    finer = cs.Grid((16, 12), GRID.extent)
+    expected = sum(shape.gap(finer) for shape in scene.shapes)
+    np.testing.assert_array_equal(problem.source.gap(finer), expected)
+
+
 @pytest.mark.parametrize(
     ("length", "ends"), [(2.9, True), (3.0, True), (3.0 * (1 + 1e-10), True), (3.01, False)]
 )

@@ -15,7 +15,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along
 from contactstudy.elasticity.approximate_inverse import ExactInverse, SpectralInverse, sampled
 from contactstudy.elasticity.coefficients import Coefficients, Displacement, kernel
-from contactstudy.elasticity.transforms import Waves, scale, transforms
+from contactstudy.elasticity.transforms import Waves, even_waves, scale, transforms
 
 # Axes of fewer cells than this are not coarsened: a coarser grid would no longer see the contact.
 COARSEST = 32
@@ -251,10 +251,11 @@ def superposed(
         start=np.zeros(()),
     )
     # the coefficients are even along both axes, so their transform is real and even
-    for axis in (1, 0):
-        around = np.take(half, _around(half.shape[axis], padded[axis]), axis)
-        half = fft.rfft(around, axis=axis).real
-    return Convolution(half[_around(len(half), padded[0])], grid.cells, padded)
+    for axis, points in enumerate(padded):
+        half = _half_way_round(half, points, axis)
+    half = even_waves(half, padded)
+    spectrum = np.concatenate([half, half[(padded[0] - 1) // 2 : 0 : -1]])
+    return Convolution(spectrum, grid.cells, padded)
 
 
 def antisymmetric(
@@ -309,6 +310,17 @@ def spread(coefficients: Array, padded: tuple[int, int], parity: tuple[int, int]
             sign = np.sign(n - 2 * index) * (index > 0)
             around *= np.expand_dims(sign, 1 - axis)
     return around
+
+
+def _half_way_round(coefficients: Array, points: int, axis: int) -> Array:
+    """Return `coefficients` from the offset zero to half-way round an axis of so many `points`.
+
+    Points that no pair of cells uses repeat the last known coefficients.
+    """
+    known, wanted = coefficients.shape[axis], points // 2 + 1
+    if known == wanted:
+        return coefficients
+    return np.asarray(np.take(coefficients, np.minimum(np.arange(wanted), known - 1), axis))
 
 
 def _around(known: int, padded: int) -> np.ndarray[tuple[int], np.dtype[np.intp]]:

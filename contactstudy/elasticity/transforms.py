@@ -154,6 +154,11 @@ class Ducc:
             )
         return np.ascontiguousarray(field[:, : cells[1]])
 
+    def cosines(self, field: Array, axes: tuple[int, ...]) -> Array:
+        """Return the cosine transform (DCT-I) of `field` along some axes."""
+        waves: Array = self._fft.dct(field, type=1, axes=axes)
+        return waves
+
     def filtered(self, field: Array, factors: Array, work: Waves | None) -> Array:
         """Return a periodic `field` with its waves multiplied by `factors`, by one call each way."""
         count = self._threads()
@@ -173,6 +178,28 @@ class Ducc:
 
 TRANSFORMS: Transforms = Ducc() if find_spec("ducc0") else SciPy()
 STANDARD = Standard()
+
+
+def even_waves(half: Array, points: tuple[int, int]) -> Array:
+    """Return the real transform of a field (x, y) of `points` that is even along both axes, from zero to half-way round.
+
+    Parameters
+    ----------
+    half
+        Values at the offsets from zero to half-way round (points // 2 + 1 along each axis).
+    points
+        Points of the field along both axes.
+    """
+    # of an even number of points it is a cosine transform, at half the time
+    even = tuple(axis for axis in (0, 1) if points[axis] % 2 == 0)
+    if even and isinstance(TRANSFORMS, Ducc):
+        half = TRANSFORMS.cosines(half, even)
+    elif even:
+        half = fft.dctn(half, type=1, axes=even)
+    for axis in {0, 1}.difference(even):
+        mirrored = np.concatenate([half, np.flip(np.delete(half, 0, axis), axis)], axis)
+        half = fft.rfft(mirrored, axis=axis).real
+    return np.asarray(half)
 
 
 def transforms() -> Transforms:

@@ -7,6 +7,7 @@ is a length: of one cell, of a row of its images along the length, of a lattice 
 from collections.abc import Callable
 from functools import cache
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
@@ -15,12 +16,13 @@ from scipy.special import binom, digamma, gammaln, k0, xlog1py, zeta
 
 from contactstudy.domain.fields import Array, product
 
-# Beyond MULTIPOLES half-diagonals of a cell, four moments leave at most 64^-8 / 9 ~ 4e-16.
-MULTIPOLES = 64.0
+# Beyond MULTIPOLES half-diagonals of a cell, four moments leave at most 64^-8 / 9 ~ 4e-16; beyond MIDDLE, eight leave
+# 10^-16 / 17.
+MULTIPOLES, FEW_MOMENTS = 64.0, 4
+MIDDLE, MORE_MOMENTS = 10.0, 8
 # Beyond NEAR cells a line's field is analytic in a Bernstein ellipse of rho >= 9.9, so that 8 Gauss
-# points leave rho^-16 ~ 1e-16; beyond FAR cells rho >= 160 and 4 points do.
-NEAR, FAR = 2.5, 40.0
-NEAR_POINTS, FAR_POINTS = 8, 4
+# points leave rho^-16 ~ 1e-16.
+NEAR, NEAR_POINTS = 2.5, 8
 # Lines or images that are worked out together: for few cells, calls cost more than numbers.
 TOGETHER = 2**12
 
@@ -51,6 +53,7 @@ def boussinesq_cell(x: ArrayLike, y: ArrayLike, dx: ArrayLike, dy: ArrayLike) ->
     half_x, half_y = dx / 2, dy / 2
     diagonal = np.hypot(half_x, half_y)
     across, along = (x / diagonal) ** 2, (y / diagonal) ** 2
+    elongation = (half_x / diagonal) ** 2 - (half_y / diagonal) ** 2
     square = np.asarray(across + along)
     close = square < MULTIPOLES**2
     # Close to the cell the value is replaced below and only has to be finite. Operations are in place, since
@@ -58,94 +61,137 @@ def boussinesq_cell(x: ArrayLike, y: ArrayLike, dx: ArrayLike, dy: ArrayLike) ->
     inverse = np.reciprocal(np.maximum(square, MULTIPOLES**2, out=square), out=square)
     cosine = np.asarray(across - along)
     cosine *= inverse
-    result = multipoles(cosine, inverse, (half_x / diagonal) ** 2 - (half_y / diagonal) ** 2)
+    result = multipoles(cosine, inverse, elongation, FEW_MOMENTS)
     result *= 4 * half_x * (half_y / diagonal)
     if close.any():
-        sides = np.broadcast_arrays(x, y, half_x, half_y)
-        result[close] = _close(*(a[close] for a in sides))
+        places = (np.broadcast_to(a, close.shape)[close] for a in (x, y))
+        result[close] = _close(*places, *(_chosen(a, close) for a in (half_x, half_y)))
     return result
 
 
-def multipoles(c: Array, q: Array, e: Array) -> Array:
+def _chosen(lengths: Array, cells: NDArray[np.bool_]) -> Array:
+    """Return the `lengths` of some `cells` in one row; a single length holds for all cells."""
+    if lengths.size == 1 != cells.size:
+        return lengths.ravel()
+    # a broadcast that changes nothing takes as long as the arithmetic on some hundred cells
+    same = lengths.shape == cells.shape
+    return (lengths if same else np.broadcast_to(lengths, cells.shape))[cells]
+
+
+def multipoles(c: Array, q: Array, e: Array, terms: int) -> Array:
     """Return the mean of ``1 / |r - s|`` over the points s of a cell, in the unit of its half-diagonal d.
 
     ``c = cos 2 theta`` for the direction of r, ``q = (d / r)^2``, ``e = (dx^2 - dy^2) / (dx^2 + dy^2)``. It is
     ``sqrt(q)`` times the sum of ``q^k < (s / d)^2k P_2k(cos(r, s)) >``.
     """
-    ee = e * e
-    moments = (
-        (1.0,),
-        (1 / 12, e / 4),
-        ((28 - 67 * ee) / 480, e / 16, 7 * (4 * ee - 1) / 96),
-        (
-            (18 - 37 * ee) / 896,
-            7 * e * (4 - 7 * ee) / 128,
-            3 * (4 * ee - 1) / 128,
-            33 * e * (2 * ee - 1) / 128,
-        ),
-    )
+    shape = e.item() if e.size == 1 else e  # a number is faster than an array of one
     total, moment = np.zeros_like(q), np.empty_like(q)
-    for polynomial in reversed(moments):
+    for polynomials in reversed(_moments(terms)):
         total *= q
-        moment[...] = polynomial[-1]
-        for coefficient in polynomial[-2::-1]:
+        moment[...] = _polynomial(polynomials[-1], shape)
+        for coefficients in polynomials[-2::-1]:
             moment *= c
-            moment += coefficient
+            moment += _polynomial(coefficients, shape)
         total += moment
     total *= np.sqrt(q, out=moment)
     return total
 
 
+@cache
+def _moments(terms: int) -> list[list[list[float]]]:
+    """Return the coefficients (k, m, n) of ``c^m e^n`` in ``< (s / d)^2k P_2k(cos(r, s)) >``, see :func:`multipoles`.
+
+    P_2k is a sum of ``cos 2 m (theta - phi)``, phi the direction of s, whose factors are those of
+    ``((1 - z) (1 - 1 / z))^(-1/2)``. Averaged over the cell, ``s^2k cos 2 m phi`` is a polynomial in the squares of its
+    half-sides, which are ``(1 + e) / 2`` and ``(1 - e) / 2``.
+    """
+    root = binom(2 * np.arange(2 * terms), np.arange(2 * terms)) / 4.0 ** np.arange(2 * terms)
+    moments = []
+    for k in range(terms):
+        sides = [np.convolve(_powers_of_sum(i), _powers_of_sum(k - i, -1)) for i in range(k + 1)]
+        i = np.arange(k + 1)
+        means = np.array(sides) / (2.0**k * (2 * i + 1) * (2 * (k - i) + 1))[:, None]
+        moment = np.zeros((k + 1, k + 1))
+        for m in range(k + 1):
+            wave = binom(2 * m, 2 * i[: m + 1]) * (-1.0) ** (m - i[: m + 1])
+            factor = (2 if m else 1) * root[k - m] * root[k + m]
+            in_c = np.polynomial.chebyshev.cheb2poly([0] * m + [factor])
+            moment[: m + 1] += np.outer(in_c, np.convolve(wave, _powers_of_sum(k - m)) @ means)
+        moments.append(moment.tolist())
+    return moments
+
+
+def _powers_of_sum(exponent: int, sign: int = 1) -> Array:
+    """Return the coefficients of ``t^0, t^1, ...`` in ``(1 + sign t)^exponent``."""
+    i = np.arange(exponent + 1)
+    return np.asarray(binom(exponent, i) * float(sign) ** i)
+
+
+def _polynomial(coefficients: list[float], t: Any) -> Any:
+    """Return the polynomial with these `coefficients` of ``t^0, t^1, ...`` at `t`."""
+    total = 0.0 * t
+    for coefficient in reversed(coefficients):
+        total = total * t + coefficient
+    return total
+
+
 def _close(x: Array, y: Array, half_x: Array, half_y: Array) -> Array:
-    """Return the integral of 1/r over cells that are too near, or too long, for an expansion in multipoles."""
+    """Return the integral of 1/r over cells that are too near, or too long, for an expansion in four multipoles."""
     across, along = x / half_x, y / half_y
-    steps = np.maximum(across, along)
-    near, far = steps < 2 * NEAR, steps >= 2 * FAR
+    near = np.maximum(across, along) < 2 * NEAR
+    diagonal = np.hypot(half_x, half_y)
+    square = (x / diagonal) ** 2 + (y / diagonal) ** 2
+    beyond = ~near & (square >= MIDDLE**2)
+    between = ~(near | beyond)
     result = np.empty(x.shape)
-    result[near] = _edges(x[near], y[near], half_x[near], half_y[near])
-    for zone, points in ((~near & ~far, NEAR_POINTS), (far, FAR_POINTS)):
-        wide = zone & (across >= along)
-        result[wide] = _lines(x[wide], y[wide], half_x[wide], half_y[wide], points)
-        long = zone & ~wide
-        result[long] = _lines(y[long], x[long], half_y[long], half_x[long], points)
+    result[near] = _edges(*(_chosen(a, near) for a in (x, y, half_x, half_y)))
+    if beyond.any():
+        u, v, h, w, d = (_chosen(a, beyond) for a in (x, y, half_x, half_y, diagonal))
+        q = 1 / square[beyond]
+        c, e = ((u / d) ** 2 - (v / d) ** 2) * q, (h / d) ** 2 - (w / d) ** 2
+        result[beyond] = 4 * h * (w / d) * multipoles(c, q, e, MORE_MOMENTS)
+    if between.any():
+        u, v, h, w = (_chosen(a, between) for a in (x, y, half_x, half_y))
+        wide = across[between] >= along[between]
+        ordered = (np.where(wide, *pair) for pair in ((u, v), (v, u), (h, w), (w, h)))
+        result[between] = _lines(*ordered)
     return result
 
 
 def line(x: Array, y: Array, half: Array) -> Array:
     """Return the integral of 1/r along a segment of half-length `half`, at `x` aside and `y` along its axis."""
     # The first form loses digits outside the segment, the second inside.
-    within = y < 2 * half
     result = np.empty(x.shape)
-    u, v, h = x[within], y[within], half[within]
+    within = y < 2 * half
+    if within.shape != x.shape:
+        within = np.broadcast_to(within, x.shape)
+    u, v, h = (_chosen(a, within) for a in (x, y, half))
     result[within] = np.arcsinh((v + h) / u) - np.arcsinh((v - h) / u)
-    u, v, h = x[~within], y[~within], half[~within]
+    within = ~within
+    u, v, h = (_chosen(a, within) for a in (x, y, half))
     # 2 artanh(2 h / ends), at a quarter of that function's time
     ends = np.hypot(u, v + h) + np.hypot(u, v - h)
-    result[~within] = np.log1p(4 * h / (ends - 2 * h))
+    result[within] = np.log1p(4 * h / (ends - 2 * h))
     return result
 
 
 def _edges(x: Array, y: Array, half_x: Array, half_y: Array) -> Array:
     """Return the integral of 1/r over a cell by its four edges (divergence theorem on ``(x, y) / r``)."""
-    total = np.zeros(x.shape)
-    for u, v, half_u, half_v in ((x, y, half_x, half_y), (y, x, half_y, half_x)):
-        for outward in (1, -1):
-            distance = u + outward * half_u
-            # An edge contributes nothing to points on its line; any nonzero distance avoids a division by zero.
-            aside = np.where(distance == 0, 1.0, np.abs(distance))
-            total += outward * distance * line(aside, v, half_v)
-    return total
+    outward = np.stack([x + half_x, y + half_y, half_x - x, half_y - y])
+    along, half = np.stack([y, x, y, x]), np.stack(np.broadcast_arrays(half_y, half_x) * 2)
+    # An edge contributes nothing to points on its line; any nonzero distance avoids a division by zero.
+    aside = np.where(outward == 0, 1.0, np.abs(outward))
+    return np.asarray((outward * line(aside, along, half)).sum(axis=0))
 
 
-def _lines(x: Array, y: Array, half_x: Array, half_y: Array, points: int) -> Array:
-    """Return the integral of 1/r over a cell by Gauss `points` across it, each a line along it."""
-    nodes, weights = np.array(gauss(points)).T[:, :, None]
+def _lines(x: Array, y: Array, half_x: Array, half_y: Array) -> Array:
+    """Return the integral of 1/r over a cell by Gauss points across it, each a line along it."""
+    nodes, weights = np.array(gauss(NEAR_POINTS)).T[:, :, None]
     total = np.zeros(x.shape)
     count = max(1, TOGETHER // max(x.size, 1))
-    for start in range(0, points if x.size else 0, count):
+    for start in range(0, NEAR_POINTS, count):
         part = slice(start, start + count)
-        places = x + nodes[part] * half_x
-        lines = line(places, *(np.broadcast_to(field, places.shape) for field in (y, half_y)))
+        lines = line(x + nodes[part] * half_x, y, half_y)
         total += (weights[part] * lines).sum(axis=0)
     return 2 * half_x * total
 
@@ -160,6 +206,8 @@ def gauss(points: int) -> tuple[tuple[float, float], ...]:
 # Lengths in periods: where the Fourier form takes over from images (its 13 terms end at exp(-13 pi)
 # ~ 1e-18); where only its logarithm is left.
 HANDOVER, FOURIER_END, FOURIER_TERMS = 0.5, 6.0, 13
+# Beyond this K0 is below 1e-18.
+VANISHED = 40.0
 # Images are summed one by one up to those so far away that observer and cell reach less than this part
 # of the way there: multipoles then fall by a factor of 4.7 from one to the next.
 REACH = 0.46
@@ -297,13 +345,10 @@ def _images(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> 
 def _even_powers(x: Array, half: Array, images: int, terms: int) -> Array:
     """Return ``x^0, x^2, x^4, ...`` averaged over a segment about each x, shape (x, terms), lengths in periods."""
     # smallest distance between the ends of a cell and the further images, in half-lengths
-    points = points_within(images / float(half.max()))
-    return np.asarray(
-        sum(
-            weight * np.vander(((x + node * half) ** 2).ravel(), terms, increasing=True)
-            for node, weight in points
-        )
-    )
+    nodes, weights = np.array(points_within(images / float(half.max()))).T
+    squares = (x.reshape(-1, 1) + half.reshape(-1, 1) * nodes) ** 2
+    powers = np.vander(squares.ravel(), terms, increasing=True)
+    return np.asarray(np.einsum("p,xpt->xt", weights, powers.reshape(*squares.shape, terms)))
 
 
 @cache
@@ -354,10 +399,14 @@ def harmonics_across(x: Array, half_x: Array | float, period: float) -> Array:
     # fewer harmonics are left farther from the axis
     inner = float(np.fmin.reduce((x - half_x) / period, axis=None, initial=FOURIER_END))
     wave = 2 * np.pi / period * np.arange(1, int(np.ceil(FOURIER_TERMS * HANDOVER / inner)) + 1)
-    points = points_within(float(np.fmin.reduce(x / half_x, axis=None, initial=np.inf)))
-    return np.asarray(
-        sum(4 * weight * k0((x + node * half_x).reshape(-1, 1) * wave) for node, weight in points)
-    )
+    away = float(np.fmin.reduce(x / half_x, axis=None, initial=np.inf))
+    nodes, weights = np.array(points_within(away)).T
+    places = x.reshape(-1, 1) + np.reshape(half_x, (-1, 1)) * nodes
+    argument = places[:, :, None] * wave
+    decaying = argument < VANISHED
+    waves = np.zeros(argument.shape)
+    waves[decaying] = k0(argument[decaying])
+    return np.asarray(np.einsum("p,xpj->xj", 4 * weights, waves))
 
 
 def harmonics_along(y: Array, half_y: float, period: float, count: int) -> Array:

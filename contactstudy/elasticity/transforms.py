@@ -92,6 +92,10 @@ class SciPy(_InTwoSteps):
         field = fft.irfft(rows, padded[1], axis=1, overwrite_x=True, workers=workers)
         return np.ascontiguousarray(field[:, : cells[1]])
 
+    def cosines(self, field: Array, axes: tuple[int, ...]) -> Array:
+        """Return the cosine transform (DCT-I) of `field` along some axes."""
+        return np.asarray(fft.dctn(field, type=1, axes=axes))
+
 
 class Ducc:
     """Transforms by ducc0.fft, on the threads of the device, into the work array."""
@@ -176,7 +180,7 @@ class Ducc:
         return filtered
 
 
-TRANSFORMS: Transforms = Ducc() if find_spec("ducc0") else SciPy()
+TRANSFORMS: Ducc | SciPy = Ducc() if find_spec("ducc0") else SciPy()
 STANDARD = Standard()
 
 
@@ -192,10 +196,8 @@ def even_waves(half: Array, points: tuple[int, int]) -> Array:
     """
     # of an even number of points it is a cosine transform, at half the time
     even = tuple(axis for axis in (0, 1) if points[axis] % 2 == 0)
-    if even and isinstance(TRANSFORMS, Ducc):
+    if even:
         half = TRANSFORMS.cosines(half, even)
-    elif even:
-        half = fft.dctn(half, type=1, axes=even)
     for axis in {0, 1}.difference(even):
         mirrored = np.concatenate([half, np.flip(np.delete(half, 0, axis), axis)], axis)
         half = fft.rfft(mirrored, axis=axis).real

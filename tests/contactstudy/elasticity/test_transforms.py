@@ -29,7 +29,7 @@ SIZES = [
 @pytest.mark.parametrize("transforms", KINDS, ids=lambda kind: type(kind).__name__)
 @pytest.mark.parametrize("points", [(8, 6), (7, 4), (6, 1), (5, 3)])
 def test_waves_of_an_even_field_follow_from_its_first_quarter(
-    points: tuple[int, int], transforms: Transforms, monkeypatch: pytest.MonkeyPatch
+    points: tuple[int, int], transforms: SciPy, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(available, "TRANSFORMS", transforms)
     half = np.random.default_rng(4).standard_normal([n // 2 + 1 for n in points])

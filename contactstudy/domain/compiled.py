@@ -285,6 +285,14 @@ def advance(
 
 
 @exact
+def scale(waves: Any, factors: Array) -> None:
+    """Multiply complex `waves` by real `factors`, one for each wave, in place."""
+    for i in range(factors.shape[0]):
+        for j in range(factors.shape[1]):
+            waves[i, j] *= factors[i, j]
+
+
+@exact
 def block_means(field: Array, means: Array, begin: int, end: int) -> None:
     """Write the means of a field over blocks of 2 x 2 cells, for the blocks of rows `begin` to `end`."""
     for k in range(begin, end):

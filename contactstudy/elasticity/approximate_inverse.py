@@ -284,9 +284,12 @@ def sampled(spectrum: Array, cells: tuple[int, int], padded: tuple[int, int]) ->
     """Return the spectrum of a padded grid at the waves of the unpadded one, above zero."""
     xp, put = arrays(), device().put
     (nx, ny), (px, py) = cells, padded
-    across = np.round(np.arange(nx) * (px / nx)).astype(int) % px
-    along = np.minimum(np.round(np.arange(ny // 2 + 1) * (py / ny)).astype(int), py // 2)
-    values = xp.take(xp.take(spectrum, put(across), axis=0), put(along), axis=1)
+    if px % nx == 0 and py % ny == 0:
+        values = spectrum[:: px // nx, : ny // 2 * (py // ny) + 1 : py // ny]
+    else:
+        across = np.round(np.arange(nx) * (px / nx)).astype(int) % px
+        along = np.minimum(np.round(np.arange(ny // 2 + 1) * (py / ny)).astype(int), py // 2)
+        values = xp.take(xp.take(spectrum, put(across), axis=0), put(along), axis=1)
     # a window of images may make a coefficient zero or negative; that of the half-space is positive
     sizes = xp.abs(values)
     smallest = float(xp.min(sizes[1:, :])) if nx > 1 else float(xp.max(sizes))

@@ -150,16 +150,15 @@ class Convolution:
         fold the upper half of the frequencies onto the lower.
         """
         spectrum, (px, py), (across, along) = self.spectrum, self.padded, self.blocks
-        xp, put = arrays(), device().put
         if across == 2:
-            weighted = spectrum * put(np.cos(np.pi * np.arange(px) / px)[:, None] ** 2)
-            spectrum = weighted[: px // 2, :] + weighted[px // 2 :, :]
+            weights = np.cos(np.pi / px * np.arange(px // 2)[:, None]) ** 2
+            spectrum = _folded(spectrum[: px // 2, :], spectrum[px // 2 :, :], weights)
         if along == 2:
-            weighted = spectrum * put(np.cos(np.pi * np.arange(py // 2 + 1) / py) ** 2)
+            weights = np.cos(np.pi / py * np.arange(py // 4 + 1)[None, :]) ** 2
+            mirrored = arrays().flip(spectrum, axis=1)
             columns = py // 4 + 1
-            spectrum = weighted[:, :columns] + xp.flip(weighted, axis=1)[:, :columns]
+            spectrum = _folded(spectrum[:, :columns], mirrored[:, :columns], weights)
         cells = self.cells[0] // across, self.cells[1] // along
-        spectrum = xp.astype(spectrum, self.spectrum.dtype, copy=False)
         return Convolution(spectrum, cells, (px // across, py // along))
 
     def approximate_inverse(
@@ -187,6 +186,14 @@ class Convolution:
         row += SHIFT * np.abs(row).max()
         index = np.arange(len(row))
         return np.asarray(row[np.abs(index[:, None] - index)])
+
+
+def _folded(low: Array, high: Array, weights: Array) -> Array:
+    """Return the mean of two parts of a spectrum, `low` with these `weights` and `high` with their complements to 1."""
+    folded = low - high
+    folded *= arrays().astype(device().put(weights), folded.dtype, copy=False)
+    folded += high
+    return folded
 
 
 def convolution(

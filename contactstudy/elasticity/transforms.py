@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from contactstudy.domain.device import Cpu, arrays, device, threads
-from contactstudy.domain.fields import Array, in_blocks
+from contactstudy.domain.fields import Array, compiled_loops, in_blocks, in_parts
 
 Waves = NDArray[np.complexfloating[Any, Any]]
 
@@ -211,4 +211,8 @@ def transforms() -> Transforms:
 
 def scale(waves: Waves, factors: Array) -> None:
     """Multiply `waves` by `factors`, one for each wave, in place."""
-    in_blocks(imul, waves, factors)
+    loops = compiled_loops(waves.shape)
+    if loops is None or factors.dtype.kind != "f":
+        in_blocks(imul, waves, factors)
+    else:
+        in_parts(lambda rows: loops.scale(waves[rows], factors[rows]), waves.shape)

@@ -40,6 +40,13 @@ class Gap:
     farthest: float | None = None
 
 
+def in_double(field: Array, factor: float) -> Array:
+    """Return a numpy array `field` times `factor` in double precision, in place if it has that precision."""
+    double = np.asarray(field, dtype=np.float64)
+    double *= factor
+    return double
+
+
 def violation(pressure: Array, height: Array, free: Array) -> Array:
     """Return by how much cells (x, y) that are not `free` violate a limit: by penetration, or by an open gap.
 
@@ -64,7 +71,7 @@ class Constraint(Protocol):
     def in_unit(self, pressure: Array, unit: float) -> Array:
         """Return a `pressure` that is in this set in another unit, times `unit`, as a pressure of this set.
 
-        Cells at a limit there are at the limit here, to the last bit.
+        Cells at a limit there are at the limit here, to the last bit. The given pressure may be overwritten.
         """
         ...
 
@@ -160,8 +167,8 @@ class Compressive:
         return self
 
     def in_unit(self, pressure: Array, unit: float) -> Array:
-        """Return `pressure` times `unit`, in double precision."""
-        return np.multiply(pressure, unit, dtype=np.float64)
+        """Return `pressure` times `unit`, in double precision; it may be overwritten."""
+        return in_double(pressure, unit)
 
     def capacity(self, cells: int) -> float:
         """Return infinity: there is no upper limit."""
@@ -269,7 +276,7 @@ class HardnessLimited:
     def in_unit(self, pressure: Array, unit: float) -> Array:
         """Return `pressure` times `unit`; cells that yielded have this hardness to the last bit."""
         yielding = pressure >= self.scaled(1 / unit).hardness
-        return np.where(yielding, self.hardness, np.multiply(pressure, unit, dtype=np.float64))
+        return np.where(yielding, self.hardness, in_double(pressure, unit))
 
     def capacity(self, cells: int) -> float:
         """Return the load of a number of `cells` at the hardness."""

@@ -154,7 +154,8 @@ class Problem:
 
     def bare(self, precision: Precision = Precision.DOUBLE) -> BareProblem:
         """Return this problem in its own scales, with its highest point at zero, on the device in use."""
-        heights = (self.undeformed_gap - self.datum) / self.scales.gap
+        heights = self.undeformed_gap - self.datum
+        heights /= self.scales.gap
         return BareProblem(
             device().put(heights.astype(precision.real, copy=False)),
             self.operator.scaled(self.scales.pressure / self.scales.gap, precision),

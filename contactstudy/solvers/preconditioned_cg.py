@@ -180,9 +180,9 @@ class PreconditionedCG:
     def _begin(
         self, problem: BareProblem, start: Array | None, tolerance: float
     ) -> tuple[Array, float]:
-        """Return a new array with the pressure to begin with, and the convolutions it took."""
+        """Return a new array with the admissible pressure to begin with, and the convolutions it took."""
         if start is not None:
-            return arrays().asarray(start, copy=True), 0.0
+            return problem.admit(arrays().asarray(start, copy=True)), 0.0
         shape = problem.undeformed_gap.shape
         coarse = problem.coarsened() if prod(shape) > SMALL else None
         if coarse is None:
@@ -192,7 +192,7 @@ class PreconditionedCG:
         last = self._descend(coarse, None, enough, self.patience)
         blocks = [n // m for n, m in zip(shape, last.pressure.shape, strict=True)]
         xp = arrays()
-        fine = xp.repeat(xp.repeat(last.pressure, blocks[0], axis=0), blocks[1], axis=1)
+        fine = xp.repeat(xp.repeat(last.pressure, blocks[1], axis=1), blocks[0], axis=0)
         return fine, last.convolutions * coarse.operator.work / problem.operator.work
 
     def _descend(
@@ -207,14 +207,12 @@ class PreconditionedCG:
         inverse = operator.approximate_inverse(passes.preconditioner(problem.undeformed_gap))
         preconditioner = ContactPreconditioner(problem, inverse)
         pressure, work = self._begin(problem, start, tolerance)
-        pressure = problem.admit(pressure)
         displacement = operator(pressure)
         work += 1
         gap: Gap | None = None
         last: PressureStep | None = None
         step_length = 1.0
         cut = False
-        compliance = operator.self_compliance
         rounding = 16 * float(arrays().finfo(pressure.dtype).eps)
         stall = Stall(self.patience)
         iteration = 0
@@ -241,7 +239,7 @@ class PreconditionedCG:
             if slope >= 0:
                 # balancing the load has turned the step uphill: that to the nearest pressure never is
                 cut, step_length = True, max(step_length / 4, SHORTEST)
-                trial[...] = pressure - gap.height / compliance
+                trial[...] = pressure - gap.height / operator.self_compliance
                 trial = problem.nearest(trial)
                 slope = passes.slope(trial, pressure, gap.height)
             trial_displacement = operator(trial)

@@ -13,7 +13,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.units import Number
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.problem.bare_problem import BareProblem
-from contactstudy.problem.constraint import Compressive, Gap, HardnessLimited
+from contactstudy.problem.constraint import Compressive, Gap, HardnessLimited, in_double
 from contactstudy.problem.memory import refuse_on, refuse_solve
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.iterate import Iterate
@@ -129,16 +129,18 @@ class SolveOptions:
             )
         pressure, displacement = on.take(last.pressure), on.take(last.displacement)
         last = replace(last, pressure=pressure, displacement=displacement)
-        scales = problem.scales
-        displacement = np.multiply(displacement, scales.gap, dtype=np.float64)
+        status, scales = _status(bare, last, self, problem), problem.scales
+        displacement = in_double(displacement, scales.gap)
         approach = last.approach * scales.gap + problem.datum
+        gap = problem.undeformed_gap + displacement
+        gap -= approach
         return Solution(
             problem=problem,
             pressure=problem.constraint.in_unit(pressure, scales.pressure),
             displacement=displacement,
-            gap=problem.undeformed_gap + displacement - approach,
+            gap=gap,
             approach=approach,
-            status=_status(bare, last, self, problem),
+            status=status,
             iterations=last.iterations,
             convolutions=last.convolutions,
             residual=last.residual,

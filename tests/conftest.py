@@ -7,6 +7,7 @@ six cases it runs six, or as many as its mark ``cases`` says, from the first to 
 
 import os
 import signal
+import sys
 from collections import defaultdict
 from dataclasses import dataclass
 
@@ -66,6 +67,10 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "steady"))
 type(pytest.approx(1.0)).DEFAULT_ABSOLUTE_TOLERANCE = property(
     lambda self: 1e-12 if self.expected == 0 else 0.0
 )
+
+# Processes that tests start compile the program once, and not each for itself.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 
 # A shell without job control starts what runs in the background deaf to Ctrl-C, and its children with it.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:

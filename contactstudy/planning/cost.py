@@ -34,8 +34,8 @@ SMOOTH_CONVOLUTIONS, ROUGH_CONVOLUTIONS, DIGITS = 35.0, 42.0, 8
 SAMPLE, SAMPLE_IMAGES = 128, (1, 6)
 # Largest number of cells along an axis of the convolution that is timed on a device.
 LARGE_SAMPLE = 512
-# Seconds for which a quick solve is repeated: the first one fills caches, and a busy machine interrupts.
-LONG_ENOUGH = 0.1
+# Seconds for which a quick solve or convolution is repeated: the first one fills caches, and a busy machine interrupts.
+LONG_ENOUGH = 0.02
 # Overhead of a transform of any size, in units of N log N: the time of a transform of 80 x 80 cells.
 CALLS = 5e4
 
@@ -131,7 +131,7 @@ def log_work(count: float) -> float:
 def timed(
     problem_on: Callable[[Grid], Problem], grid: Grid, tolerance: float
 ) -> tuple[Solution, Timing]:
-    """Solve on `grid`, and return the solution with the least seconds of as many runs as fit into a tenth of a second.
+    """Solve on `grid`, and return the solution with the least seconds of as many runs as fit into 0.04 s.
 
     Parameters
     ----------
@@ -145,7 +145,7 @@ def timed(
     setups: list[float] = []
     solves: list[float] = []
     started = process_time()
-    while len(setups) < 1 or process_time() - started < LONG_ENOUGH / 2:
+    while len(setups) < 1 or process_time() - started < 2 * LONG_ENOUGH:
         start = process_time()
         problem = problem_on(grid)
         ready = process_time()

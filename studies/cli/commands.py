@@ -11,7 +11,7 @@ import click
 from contactstudy import InvalidInput, __version__
 from contactstudy.domain.imports import missing_package
 from studies.cli.explore import explore
-from studies.cli.options import FORMAT, out_option
+from studies.cli.options import FORMAT, out_option, with_png
 from studies.cli.recommend import recommendation
 from studies.cli.scenes import plan, solve
 from studies.cli.show import compare, show
@@ -71,7 +71,7 @@ def report(
         for page_chapter in chosen:
             path = reporting.make(
                 page_chapter, out, options=options, log=click.echo, executor=executor,
-                formats=_with_png(formats),
+                formats=with_png(formats),
             )  # fmt: skip
             click.echo(f"report: wrote {path}")
     for path in reporting.write_stored(out, chosen):
@@ -189,7 +189,7 @@ def run(
     from studies.report import page as reporting
 
     with _drawing(chosen.name):
-        reporting.draw(chosen, load_drawing(study, figures), out, _with_png(formats))
+        reporting.draw(chosen, load_drawing(study, figures), out, with_png(formats))
     click.echo(f"{chosen.name}: drew {out / chosen.name}")
 
 
@@ -208,21 +208,16 @@ def draw(study: tuple[str, ...], out: Path, formats: tuple[str, ...]) -> None:
     for name in study:
         chosen = load(name)
         with _drawing(chosen.name):
-            reporting.draw(chosen, load_drawing(name), out, _with_png(formats))
+            reporting.draw(chosen, load_drawing(name), out, with_png(formats))
         click.echo(f"{name}: drew {out / chosen.name}")
     if not study:
         with _drawing("report"):
             pages = [
-                reporting.write(MAIN, out, _with_png(formats)),
+                reporting.write(MAIN, out, with_png(formats)),
                 *reporting.write_stored(out, [MAIN]),
             ]
         for path in pages:
             click.echo(f"report: wrote {path}")
-
-
-def _with_png(formats: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the requested formats of figures, with PNG, which pages show."""
-    return tuple(dict.fromkeys(("png", *formats)))
 
 
 for command in (compare, explore, plan, show, solve, recommendation):

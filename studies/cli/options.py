@@ -21,6 +21,11 @@ FORMAT = click.option(
 )
 
 
+def with_png(formats: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the requested formats of figures, with PNG, which pages show."""
+    return tuple(dict.fromkeys(("png", *formats)))
+
+
 def out_option(text: str, default: str | None = "outputs") -> Decorator:
     """Return the option --out, a folder, with a help text."""
     folder = click.Path(path_type=Path, file_okay=True)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import click
 
 import contactstudy as cs
-from studies.cli.options import JSON, SCENE, out_option
+from studies.cli.options import FORMAT, JSON, SCENE, out_option, with_png
 from studies.model.plain_text import thread_count
 
 if TYPE_CHECKING:
@@ -81,6 +81,7 @@ def plan(scene: Path, threads: int | None, device: str, as_json: bool) -> None: 
     type=click.Path(path_type=Path),
     help="A file with a pressure to start from, such as that of a stopped solve.",
 )
+@FORMAT
 @JSON
 def solve(
     scene: Path,
@@ -88,6 +89,7 @@ def solve(
     threads: int | None,
     device: str,
     start: Path | None,
+    formats: tuple[str, ...],
     as_json: bool,  # noqa: FBT001 (click's own way)
 ) -> None:
     """Solve the scene in the TOML file SCENE; write its fields as netCDF and a picture of them.
@@ -120,7 +122,7 @@ def solve(
         outcome = still(described, planned, scene, folder, start=start, on=on)
     seconds = perf_counter() - begin
     outcome.notes[:0] = _surfaces(described)
-    files = _stored(outcome, folder / f"{scene.stem}.nc")
+    files = _stored(outcome, folder / f"{scene.stem}.nc", with_png(formats))
     _print(scene, outcome, seconds, files, as_json=as_json)
     if outcome.status.name != "CONVERGED":
         sys.exit(1)
@@ -171,8 +173,8 @@ def _surfaces(described: cs.SceneFile) -> list[str]:
     ]
 
 
-def _stored(outcome: SceneOutcome, path: Path) -> list[Path]:
-    """Write the dataset and its picture; return the files."""
+def _stored(outcome: SceneOutcome, path: Path, formats: tuple[str, ...]) -> list[Path]:
+    """Write the dataset, and its picture in each format; return the files."""
     from contactstudy.domain.files import replacing
     from studies.store.netcdf import write
     from studies.store.provenance import provenance
@@ -182,10 +184,10 @@ def _stored(outcome: SceneOutcome, path: Path) -> list[Path]:
     files = [path]
     if outcome.picture is not None:
         figure = outcome.picture()
-        for suffix in (".png", ".pdf"):
-            with replacing(path.with_suffix(suffix)) as partial:
+        for suffix in formats:
+            files.append(path.with_suffix(f".{suffix}"))
+            with replacing(files[-1]) as partial:
                 figure.savefig(partial)
-            files.append(path.with_suffix(suffix))
     outcome.done()
     return files
 

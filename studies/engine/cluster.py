@@ -140,6 +140,16 @@ class Cluster:
         self.supervisors.end()
         self.rest()
 
+    @contextmanager
+    def timer(self, work: bytes) -> Iterator[WorkerSupervisor]:
+        """Provide the supervisor of a process of this machine that has read the pickled `work`, for a block."""
+        with self.supervisors.reserved(work) as supervisor:
+            try:
+                yield supervisor
+            except BaseException:  # an answer may be under way
+                self.supervisors.end()
+                raise
+
     def rest(self) -> None:
         """Close the connection, and the dask of this process: an idle one takes 3 % of a core."""
         self._client = None

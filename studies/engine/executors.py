@@ -1,7 +1,8 @@
 """Executors, which compute cases: their protocol, and the one that computes in this process."""
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -39,6 +40,10 @@ class Executor(Protocol):
         stop
             Raises where a signal asks to stop.
         """
+        ...
+
+    def timer(self, work: bytes) -> AbstractContextManager[WorkerSupervisor]:
+        """Provide the supervisor of a process that has read the pickled `work` and does nothing else, for a block."""
         ...
 
     def rest(self) -> None:
@@ -94,20 +99,31 @@ class InProcess:
                 surroundings.restore(name)
                 finished(name, outcome)
 
+    def timer(self, work: bytes) -> AbstractContextManager[WorkerSupervisor]:
+        """Provide the supervisor of a process of its own, which ends with the block."""
+        return own_process(work)
+
     def rest(self) -> None:
         """Do nothing: there is nothing to close."""
 
 
+@contextmanager
+def own_process(work: bytes) -> Iterator[WorkerSupervisor]:
+    """Provide the supervisor of a process that has read the pickled `work` and ends with the block."""
+    supervisor = WorkerSupervisor(work)
+    try:
+        yield supervisor
+    finally:
+        supervisor.end()
+
+
 def _run_alone(name: str, case: Computation, work: Work, finished: Finished, stop: Stop) -> None:
     """Compute one case in a separate process."""
-    supervisor = WorkerSupervisor(packed(work))
-    try:
+    with own_process(packed(work)) as supervisor:
         with stop.interruptible():
             outcomes = list(supervisor.run(cloudpickle.dumps((case,)), [name]))
         for outcome in outcomes:
             finished(name, _with_advice(outcome))
-    finally:
-        supervisor.end()
 
 
 def _with_advice(outcome: Outcome) -> Outcome:

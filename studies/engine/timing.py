@@ -1,8 +1,8 @@
 """Times that can be trusted: one case at a time, one thread, in rounds, every sample kept."""
 
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack
 from itertools import chain
+from typing import TYPE_CHECKING
 
 from studies.engine.forecast import mode
 from studies.engine.inventory import Inventory
@@ -11,13 +11,25 @@ from studies.engine.stop import Stop
 from studies.engine.time_limit import limit_of_timed_run
 from studies.model.outcome import Failure, Sample, Work
 
+if TYPE_CHECKING:
+    from studies.engine.executors import Executor
+
 # What a process does but once (imports, memory from the system) is done by an untimed run of the longest
 # case of each kind that is shorter than this; in a longer one it is lost.
 WARM_UP = 0.3
 
 
-def take_times(inventory: Inventory, work: Work, stop: Stop, log: Callable[[str], object]) -> None:
-    """Take the missing timed runs in a separate process, since a case may die there although it did not before."""
+def take_times(
+    inventory: Inventory,
+    work: Work,
+    executor: "Executor | None",
+    stop: Stop,
+    log: Callable[[str], object],
+) -> None:
+    """Take the missing timed runs in a separate process, since a case may die there although it did not before.
+
+    It is a process of the executor, or one of its own where nothing had to be computed.
+    """
     journal, cases = inventory.journal, inventory.request.cases
     counts = inventory.times_missing()
     if inventory.options.old_times == "dropped":
@@ -25,18 +37,16 @@ def take_times(inventory: Inventory, work: Work, stop: Stop, log: Callable[[str]
     if not counts:
         return
     # what processes need is imported where there are some
-    from studies.engine.executors import packed
-    from studies.engine.workers.supervisor import WorkerSupervisor
+    from studies.engine.executors import own_process, packed
 
     expected = {name: journal.contents.records[name].seconds for name in counts}
     modes = {name: mode(inventory.request.identities[name].tree) for name in counts}
-    worker = WorkerSupervisor(packed(work))
-    with ExitStack() as closing:
-        closing.callback(worker.end)
-        total = sum(counts.values())
-        progress = closing.enter_context(
-            Progress(inventory.study.name, "timing", total, "run", log)
-        )
+    timer = executor.timer if executor else own_process
+    total = sum(counts.values())
+    with (
+        timer(packed(work)) as worker,
+        Progress(inventory.study.name, "timing", total, "run", log) as progress,
+    ):
 
         def time_once(name: str) -> Sample | Failure | None:
             limit = limit_of_timed_run(expected[name], inventory.options.time_limit)

@@ -6,7 +6,7 @@ import importlib.util
 import secrets
 import sys
 import sysconfig
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from functools import cache, partial
 from importlib.machinery import ModuleSpec, PathFinder
@@ -135,7 +135,7 @@ def _add(name: str, file: Path, hashes: dict[str, str]) -> None:
     hashes[label] = _hash(numerical, _constants(module))
     if file.suffix == ".py":
         package = name if file.name == "__init__.py" else name.rpartition(".")[0]
-        for imported in _imports(ast.parse(numerical), package):
+        for imported in _imports(numerical, package):
             spec = _spec(imported)
             if spec is not None and spec.origin and _counts(imported, Path(spec.origin)):
                 _add(imported, Path(spec.origin), hashes)
@@ -191,9 +191,11 @@ def _constants(module: ModuleType | None) -> str:
     return text(constants)
 
 
-def _imports(tree: ast.Module, package: str) -> Iterator[str]:
-    """Yield the names of all modules that the code may import."""
-    for node in ast.walk(tree):
+@cache
+def _imports(source: bytes, package: str) -> tuple[str, ...]:
+    """Return the names of all modules that the code `source` of a module in `package` may import, parents first."""
+    found: list[str] = []
+    for node in ast.walk(ast.parse(source)):
         match node:
             case ast.Import():
                 names = [alias.name for alias in node.names]
@@ -209,7 +211,8 @@ def _imports(tree: ast.Module, package: str) -> Iterator[str]:
                 continue
         for name in names:
             parts = name.split(".")
-            yield from (".".join(parts[: k + 1]) for k in range(len(parts)))
+            found += (".".join(parts[: k + 1]) for k in range(len(parts)))
+    return tuple(dict.fromkeys(found))
 
 
 def _spec(name: str) -> ModuleSpec | None:

@@ -2,6 +2,7 @@ import os
 import signal
 import subprocess
 import sys
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
@@ -10,10 +11,9 @@ import xarray as xr
 from click.testing import CliRunner, Result
 
 from contactstudy import InvalidInput
-from studies.cli.commands import cli
+from studies.cli.commands import cli, main
 from studies.model.outcome import CaseStatus
 from studies.registry import BUILT_IN, OPTIONAL, load
-from tests.conftest import HANGS
 from tests.studies.conftest import POSIX
 
 COMMAND = str(Path(sys.executable).with_name("contactstudy"))
@@ -33,21 +33,37 @@ SMALL = [
 ]
 
 
-def call(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [COMMAND, *arguments], capture_output=True, text=True, cwd=cwd, timeout=HANGS
-    )
+Call = Callable[..., subprocess.CompletedProcess[str]]
 
 
-def test_run_leaves_a_dataset_and_its_figures(tmp_path: Path) -> None:
-    done = call("run", "period", "--out", "here", *SMALL, cwd=tmp_path)
+@pytest.fixture
+def call(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> Call:
+    """The command, run in this process in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+
+    def called(*arguments: str) -> subprocess.CompletedProcess[str]:
+        monkeypatch.setattr(sys, "argv", ["contactstudy", *arguments])
+        capfd.readouterr()
+        try:
+            main()
+            code = 0
+        except SystemExit as ended:
+            code = ended.code
+        return subprocess.CompletedProcess(sys.argv, code, *capfd.readouterr())
+
+    return called
+
+
+def test_run_leaves_a_dataset_and_its_figures(call: Call, tmp_path: Path) -> None:
+    done = call("run", "period", "--out", "here", *SMALL)
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "here" / "period.nc").is_file()
     assert not (tmp_path / "here" / "period" / "period.pdf").exists()  # on request
     assert "2 distinct cases" in done.stdout
 
 
-@pytest.mark.cases(3)
 @POSIX
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
@@ -83,9 +99,9 @@ def test_run_leaves_a_dataset_and_its_figures(tmp_path: Path) -> None:
     ids=lambda part: " ".join(part) if isinstance(part, list) else "",
 )
 def test_bad_input_is_one_sentence_and_leaves_nothing(
-    arguments: list[str], sentence: str, tmp_path: Path
+    arguments: list[str], sentence: str, call: Call, tmp_path: Path
 ) -> None:
-    done = call(*arguments, cwd=tmp_path)
+    done = call(*arguments)
     assert done.returncode == 2
     assert done.stderr == f"contactstudy: {sentence}\n"
     assert list(tmp_path.iterdir()) == []
@@ -94,8 +110,8 @@ def test_bad_input_is_one_sentence_and_leaves_nothing(
 @pytest.mark.parametrize(
     "arguments", [["nothing"], ["report", "--workers", "-1"], ["run"], ["report", "--sideways"]]
 )
-def test_a_wrong_word_is_an_error_without_traceback(arguments: list[str], tmp_path: Path) -> None:
-    done = call(*arguments, cwd=tmp_path)
+def test_a_wrong_word_is_an_error_without_traceback(arguments: list[str], call: Call) -> None:
+    done = call(*arguments)
     assert done.returncode == 2
     assert "Error: " in done.stderr
     assert "Traceback" not in done.stderr
@@ -122,22 +138,24 @@ def figure(dataset):
 '''
 
 
-def test_a_study_of_ones_own_runs_under_any_name_and_fails_in_a_sentence(tmp_path: Path) -> None:
+def test_a_study_of_ones_own_runs_under_any_name_and_fails_in_a_sentence(
+    call: Call, tmp_path: Path
+) -> None:
     path = tmp_path / "json.py"
     path.write_text(OWN.replace("MAX", "max"))
-    done = call("run", "json.py", "--workers", "1", "--repeats", "1", cwd=tmp_path)
+    done = call("run", "json.py", "--workers", "1", "--repeats", "1")
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "outputs" / "json.nc").is_file()
-    assert call("draw", "json.py", cwd=tmp_path).returncode == 0
+    assert call("draw", "json.py").returncode == 0
     path.write_text(OWN)
-    done = call("run", "json.py", "--workers", "0", "--repeats", "1", cwd=tmp_path)
+    done = call("run", "json.py", "--workers", "0", "--repeats", "1")
     assert done.returncode == 1
     assert "2 of 2 cases failed, the first with AttributeError in measures" in done.stdout
     assert done.stderr == "json: no case gave numbers, so there is nothing to draw.\n"
 
 
-def test_studies_are_listed_with_their_axes(tmp_path: Path) -> None:
-    done = call("studies", cwd=tmp_path)
+def test_studies_are_listed_with_their_axes(call: Call) -> None:
+    done = call("studies")
     lines = done.stdout.splitlines()
     assert len(lines) == len((*BUILT_IN, *OPTIONAL))
     assert len(done.stdout) < 4000

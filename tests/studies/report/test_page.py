@@ -3,7 +3,7 @@
 import os
 import re
 import shutil
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
@@ -13,6 +13,7 @@ import xarray as xr
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from contactstudy import InvalidInput
+from studies.engine.cluster import Cluster
 from studies.engine.options import RunOptions
 from studies.engine.run import run
 from studies.model.drawing import CaptionedFigure, Drawing, Finding, Table
@@ -54,9 +55,10 @@ def few(name: str) -> Study:
     return study.override(OWN.get(name, axes))
 
 
-def run_few(names: object, folder: Path) -> None:
-    for name in names:  # type: ignore[attr-defined]
-        run(few(name), folder, workers=0, repeats=1, log=quiet)
+def run_few(names: Iterable[str], folder: Path) -> None:
+    with Cluster(1) as cluster:
+        for name in names:
+            run(few(name), folder, repeats=1, log=quiet, executor=cluster)
 
 
 @pytest.fixture(scope="module")
@@ -188,7 +190,7 @@ def test_a_chapter_is_run_and_drawn_with_a_line_a_study_and_later_drawn_by_itsel
     axes = {"padding": "exact,duplicated", "images": "1", "grid": "16"}
     chapter = Chapter("two", "Two studies", (Part("period", axes), Part("images", axes)))
     lines: list[str] = []
-    options = RunOptions(workers=0, repeats=1)
+    options = RunOptions(workers=0, repeats=0)
     formats = ("png", "pdf")
     path = report.make(chapter, tmp_path, options=options, log=lines.append, formats=formats)
     assert [line.partition(" points")[0] for line in lines] == [

@@ -68,7 +68,9 @@ type(pytest.approx(1.0)).DEFAULT_ABSOLUTE_TOLERANCE = property(
     lambda self: 1e-12 if self.expected == 0 else 0.0
 )
 
-# Processes that tests start compile the program once, and not each for itself.
+# Processes of the tests share the cores, on which threads of linear algebra would wait for each other; and what one of
+# them has compiled, no other compiles.
+os.environ["OPENBLAS_NUM_THREADS"] = "1"
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
 

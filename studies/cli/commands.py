@@ -188,7 +188,7 @@ def run(
         sys.exit(1)
     from studies.report import page as reporting
 
-    with _drawing(chosen.name):
+    with _drawing(chosen.name, timed=not no_times):
         reporting.draw(chosen, load_drawing(study, figures), out, with_png(formats))
     click.echo(f"{chosen.name}: drew {out / chosen.name}")
 
@@ -234,8 +234,8 @@ def studies() -> None:
 
 
 @contextmanager
-def _drawing(name: str) -> Iterator[None]:
-    """Report an error of a figure in one sentence, which says that the numbers are stored."""
+def _drawing(name: str, *, timed: bool = True) -> Iterator[None]:
+    """Report an error of a figure in one sentence, which says that the numbers are stored, perhaps without times."""
     try:
         yield
     except InvalidInput:
@@ -246,9 +246,13 @@ def _drawing(name: str) -> Iterator[None]:
             "and run draw."
         ) from None
     except Exception as error:  # noqa: BLE001 (a study file may do anything)
+        remedy = (
+            "what is stored is not what the figure needs, or its code is wrong; mend it and run draw."
+            if timed
+            else "its figures may need times, which are taken without --no-times."
+        )
         raise click.ClickException(
-            f"{name} cannot be drawn ({type(error).__name__}{place_of(error)}: {one_line(error, 300)}): what is "
-            "stored is not what the figure needs, or its code is wrong; mend it and run draw."
+            f"{name} cannot be drawn ({type(error).__name__}{place_of(error)}: {one_line(error, 300)}): {remedy}"
         ) from None
 
 

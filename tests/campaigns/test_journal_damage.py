@@ -19,7 +19,7 @@ from tests.campaigns.victim import Kill, study
 from tests.studies.conftest import quiet
 
 NUMBERS = range(12)
-ALONE = RunOptions(workers=0, repeats=1)
+ALONE = RunOptions(workers=0, repeats=0)
 Said = dict[str, object]
 
 

@@ -85,7 +85,8 @@ def _rate(dataset: xr.Dataset, variable: str) -> float:
 
 
 def _padding_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
-    return _price(dataset), _reach(dataset.isel(grid=-1))
+    is_timed = bool(dataset["solve_time"].notnull().any())
+    return (*([_price(dataset)] if is_timed else []), _reach(dataset.isel(grid=-1)))
 
 
 def _price(dataset: xr.Dataset) -> CaptionedFigure:

@@ -64,6 +64,16 @@ def test_run_leaves_a_dataset_and_its_figures(call: Call, tmp_path: Path) -> Non
     assert "2 distinct cases" in done.stdout
 
 
+def test_without_times_a_study_shows_what_needs_none(call: Call, tmp_path: Path) -> None:
+    few = ("--no-times", "--workers", "0", "--grid", "16", "--period", "2.4")
+    done = call("run", "padding", *few)
+    assert done.returncode == 0, done.stderr
+    assert [path.name for path in tmp_path.glob("outputs/padding/*")] == ["reach.png"]
+    done = call("run", "pareto", *few, "--padding", "exact")
+    assert done.returncode == 1
+    assert done.stderr.endswith("its figures may need times, which are taken without --no-times.\n")
+
+
 @POSIX
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
@@ -143,12 +153,12 @@ def test_a_study_of_ones_own_runs_under_any_name_and_fails_in_a_sentence(
 ) -> None:
     path = tmp_path / "json.py"
     path.write_text(OWN.replace("MAX", "max"))
-    done = call("run", "json.py", "--workers", "1", "--repeats", "1")
+    done = call("run", "json.py", "--workers", "1", "--no-times")
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "outputs" / "json.nc").is_file()
     assert call("draw", "json.py").returncode == 0
     path.write_text(OWN)
-    done = call("run", "json.py", "--workers", "0", "--repeats", "1")
+    done = call("run", "json.py", "--workers", "0", "--no-times")
     assert done.returncode == 1
     assert "2 of 2 cases failed, the first with AttributeError in measures" in done.stdout
     assert done.stderr == "json: no case gave numbers, so there is nothing to draw.\n"

@@ -141,7 +141,7 @@ def test_what_cannot_be_shown_is_answered_in_a_sentence(
 def test_a_file_of_another_kind_is_not_replaced_nor_drawn(folder: Path) -> None:
     solution, study = folder / "out" / "smooth.nc", folder / "study" / "smooth.nc"
     kept = solution.read_bytes()
-    vary = ["--vary", "load.per_length=80 N/mm", "--workers", "0", "--repeats", "1"]
+    vary = ["--vary", "load.per_length=80 N/mm", "--workers", "0", "--no-times"]
     with pytest.raises(cs.InvalidInput, match="holds a solution, which the study would replace"):
         said("run", folder / "smooth.toml", *vary, "--out", solution.parent)
     with pytest.raises(cs.InvalidInput, match="holds a study, which the solution would replace"):

@@ -14,7 +14,7 @@ from tests.studies.conftest import quiet
 @pytest.mark.whole
 def test_the_error_of_creep_falls_with_the_steps_under_its_estimate(tmp_path: Path) -> None:
     study = load("creep").override({"steps": "10,20,40", "grid": "64,512"})
-    dataset = run(study, tmp_path, workers=0, repeats=1, log=quiet)
+    dataset = run(study, tmp_path, workers=0, repeats=0, log=quiet)
     assert (dataset["solver_status"] == 0).all()
     fine = dataset.sel(grid=512)
     error = fine["pressure_error_l1"].values
@@ -33,7 +33,7 @@ def test_the_error_of_creep_falls_with_the_steps_under_its_estimate(tmp_path: Pa
 @pytest.mark.whole
 def test_explicit_wear_breaks_before_its_limit_and_implicit_never(tmp_path: Path) -> None:
     study = load("wear").override({"steps": "16,32,128"})
-    stored = run(study, tmp_path, workers=0, repeats=1, log=quiet)
+    stored = run(study, tmp_path, workers=0, repeats=0, log=quiet)
     dataset = stored.isel(grid=0)
     error = dataset["pressure_error_l1"]
     stable = dataset["longest_explicit"].sel(scheme="explicit") > 1

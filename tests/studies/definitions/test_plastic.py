@@ -14,7 +14,7 @@ from tests.studies.conftest import quiet
 def test_a_contact_that_yields_nears_the_known_one_and_a_hardness_does_not(tmp_path: Path) -> None:
     """Errors are of first order in the steps: 0.75 % of the pressure with 8, by finite elements too."""
     study = load("plastic").override({"pressure": "1.5,3", "steps": "4,8", "grid": "48"})
-    dataset = run(study, tmp_path, workers=0, repeats=1, log=quiet).isel(grid=0, hardening=0)
+    dataset = run(study, tmp_path, workers=0, repeats=0, log=quiet).isel(grid=0, hardening=0)
     assert (dataset["solver_status"] == 0).all()
     known = dataset.sel(pressure=3.0)
     error = known["peak_pressure_error"].values

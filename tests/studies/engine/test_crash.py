@@ -28,7 +28,7 @@ from tests.studies.engine.trouble import Trouble
 
 resource = pytest.importorskip("resource", reason="this system has no limits of POSIX")
 ROOT = Path(__file__).parents[3]
-ALONE = RunOptions(workers=0, repeats=1)
+ALONE = RunOptions(workers=0, repeats=0)
 SCRIPT = """
 import sys
 from pathlib import Path
@@ -96,7 +96,7 @@ def test_a_kill_loses_nothing_but_what_is_being_computed(
     }
     log = tmp_path / "log of the second"
     study = trouble.study([n + 0.5 for n in range(30)], str(log))
-    dataset = run(study, tmp_path, options=replace(ALONE, repeats=0), log=quiet)
+    dataset = run(study, tmp_path, options=ALONE, log=quiet)
     assert sorted(map(float, lines(log))) == [n + 0.5 for n in range(12, 30)]
     assert (dataset["case_status"] == CaseStatus.OK).all()
     np.testing.assert_array_equal(dataset["square"], dataset["number"] ** 2)
@@ -111,7 +111,7 @@ def test_a_torn_last_line_is_cut_off(tmp_path: Path) -> None:
     cases = [line for line in whole.splitlines(keepends=True) if b'"case":' in line[:40]]
     journal.write_bytes(whole[: whole.index(cases[-1]) + 40])
     log.unlink()
-    dataset = run(study, tmp_path, options=replace(ALONE, repeats=0), log=quiet)
+    dataset = run(study, tmp_path, options=ALONE, log=quiet)
     assert lines(log) == ["2.0"]
     assert (dataset["case_status"] == CaseStatus.OK).all()
 
@@ -140,7 +140,7 @@ def test_a_new_parameter_at_its_default_reruns_nothing(tmp_path: Path) -> None:
     offset = Axis("offset", (0.0, 1.0), "what is added")
     count = len(lines(log))
     grown = replace(study, points=(*study.points, offset), scene_at=scene_at)
-    after = run(grown, tmp_path, options=replace(ALONE, repeats=0), log=quiet)
+    after = run(grown, tmp_path, options=ALONE, log=quiet)
     assert len(lines(log)) - count == 2
     old = after.sel(offset=0.0)
     for name in ("square", "third", "powers"):
@@ -180,9 +180,9 @@ def test_a_changed_measure_scene_or_version_is_said_and_not_mixed_in(
 def test_failures_are_kept_until_they_are_to_be_tried_again(tmp_path: Path) -> None:
     log = tmp_path / "log"
     study = trouble.study([1, trouble.RAISES], str(log))
-    run(study, tmp_path, options=replace(ALONE, repeats=0), log=quiet)
+    run(study, tmp_path, options=ALONE, log=quiet)
     log.unlink()
-    run(study, tmp_path, options=replace(ALONE, repeats=0), log=quiet)
+    run(study, tmp_path, options=ALONE, log=quiet)
     assert lines(log) == []
     again = replace(ALONE, repeats=0, retry=frozenset({CaseStatus.FAILED}))
     run(study, tmp_path, options=again, log=quiet)

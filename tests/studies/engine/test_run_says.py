@@ -16,7 +16,7 @@ from studies.engine.run import estimate_cost, run
 from tests.studies.engine import trouble
 from tests.studies.engine.trouble import RAISES
 
-ONE = RunOptions(workers=0, repeats=1)
+ONE = RunOptions(workers=0, repeats=0)
 
 
 def said(numbers: list[float], out: Path, options: RunOptions = ONE) -> list[str]:
@@ -39,7 +39,7 @@ def test_a_run_says_how_many_cases_are_stored_and_how_many_are_to_compute(tmp_pa
 
 def test_a_dry_run_counts_the_timed_runs_that_are_missing(tmp_path: Path) -> None:
     """Of two good cases with one of three, and of three cases that are not computed yet; none of what failed."""
-    said([1, 2, RAISES], tmp_path)
+    said([1, 2, RAISES], tmp_path, replace(ONE, repeats=1))
     lines: list[str] = []
     options = RunOptions(workers=0, repeats=3)
     estimate_cost(

@@ -39,7 +39,7 @@ def test_a_write_takes_a_twentieth_of_the_time_and_waits_a_minute_at_least(
     assert written.next_write == pytest.approx(100 + took + pause)
 
 
-KEPT = RunOptions(workers=0, repeats=1, fields="kept")
+KEPT = RunOptions(workers=0, repeats=0, fields="kept")
 
 
 @pytest.fixture(scope="module")
@@ -90,14 +90,14 @@ def test_a_damaged_file_of_fields_is_set_aside_and_its_case_computed_anew(tmp_pa
 @pytest.mark.parametrize("place", [0, 20, 200, 5000])
 def test_a_damaged_study_file_is_set_aside_and_made_again(tmp_path: Path, place: int) -> None:
     study = load("grid").override({"padding": "exact", "grid": "16"})
-    before = run(study, tmp_path, workers=0, repeats=1, log=quiet)
+    before = run(study, tmp_path, workers=0, repeats=0, log=quiet)
     path = tmp_path / "grid.nc"
     raw = path.read_bytes()
     path.write_bytes(raw[:place])
     with pytest.raises(InvalidInput, match=r"^Study file .* cannot be read"):
         read(path)
     said: list[str] = []
-    after = run(study, tmp_path, workers=0, repeats=1, log=said.append)
+    after = run(study, tmp_path, workers=0, repeats=0, log=said.append)
     assert any("set aside as grid.nc.damaged" in line for line in said)
     xr.testing.assert_equal(before, after)
 
@@ -111,7 +111,7 @@ def test_the_root_opens_as_a_plain_dataset(out: Path) -> None:
 @pytest.mark.whole
 def test_what_lacks_its_fields_is_computed_for_them_and_nothing_else(tmp_path: Path) -> None:
     study = load("grid").override({"padding": "exact", "grid": "16"})
-    run(study, tmp_path, workers=0, repeats=1, log=quiet)
+    run(study, tmp_path, workers=0, repeats=0, log=quiet)
     assert not (tmp_path / "grid.fields").exists()
     said: list[str] = []
     grown = study.override({"grid": "16,24"})

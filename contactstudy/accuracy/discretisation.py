@@ -64,7 +64,7 @@ def discretisation(pressure: Array, wraps: tuple[bool, bool]) -> tuple[float, fl
         inside = touching[1:-1]
         l1 += (bend * (inside & touching[:-2] & touching[2:])).sum() / 12
         for outer, inner in ((touching[:-2], after), (touching[2:], before)):
-            end = np.nonzero(inside & ~outer)
+            end = inside & ~outer
             last, second = along[end], inner[end]
             l1 += edge_error(last, second).sum()
             # a plateau ends half-way in its last cell, which has the mean pressure
@@ -105,7 +105,7 @@ def contact_area(pressure: Array, wraps: tuple[bool, bool]) -> float:
         touching = padded > 0
         beyond, uncertain, ends = 0.0, 0.0, 0
         for outer, inner in ((touching[:-2], padded[2:]), (touching[2:], padded[:-2])):
-            end = np.nonzero(touching[1:-1] & ~outer)
+            end = touching[1:-1] & ~outer
             last, second = along[end], inner[end]
             # a plateau ends anywhere in its last cell; a straight one at the same place in every row
             plateau = second >= highest

@@ -17,6 +17,8 @@ from contactstudy.accuracy.plausibility import implausible
 from contactstudy.accuracy.subcell import CONFIDENCE, HeightsInside, Subcell
 from contactstudy.accuracy.truncation import truncation
 from contactstudy.domain.checks import InvalidInput, NotDefined
+from contactstudy.domain.device import Precision
+from contactstudy.domain.fields import LARGE, Array, in_blocks, inner
 from contactstudy.problem.constraint import violation
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import is_layered
@@ -368,8 +370,9 @@ def _unresolved_length(problem: Problem) -> str:
 
 def _at_hardness(solution: Solution) -> bool:
     """Return whether the peak pressure is a limit of the constraint, which finer cells have too."""
-    free = solution.problem.constraint.free(solution.pressure)
-    return bool(free.flat[np.argmax(solution.pressure)] == 0)
+    row, column = np.unravel_index(np.argmax(solution.pressure), solution.pressure.shape)
+    free = solution.problem.constraint.free(solution.pressure[row : row + 1])
+    return bool(free[0, column] == 0)
 
 
 def _at_sharp_end(problem: Problem, pressure: np.ndarray) -> bool:
@@ -384,20 +387,33 @@ def _at_sharp_end(problem: Problem, pressure: np.ndarray) -> bool:
 
 def _residual(solution: Solution) -> tuple[float, float]:
     """Return the errors of peak pressure and pressure in L1 by the remaining gap: the pressure that would close it."""
-    pressure, gap, operator = solution.pressure, solution.gap, solution.problem.operator
-    cells = solution.problem.constraint.free(pressure)
-    # cells at a limit that should not be there
-    missing = violation(pressure, gap, cells)
-    missing /= operator.self_compliance
-    if count := np.count_nonzero(cells):  # 0 where all pressures are at a limit
-        extension = operator.approximate_inverse().extension(cells)
-        closing = extension.closing(extension(-gap * cells))
-        closing -= float((closing * cells).sum()) / count
-        closing *= cells
-        missing += np.abs(closing, out=closing)
-    missing *= MARGIN
-    l1 = float(missing.sum() / pressure.sum())
+    pressure, gap, scales = solution.pressure, solution.gap, solution.problem.scales
+    scale = scales.pressure / scales.gap
+    operator = solution.problem.operator.scaled(scale, Precision.DOUBLE)
+    compliance = operator.self_compliance
+    # half as many digits take half the time
+    inverse = operator.approximate_inverse(Precision.SINGLE if pressure.size >= LARGE else None)
+    cells = solution.problem.constraint.free(pressure).astype(inverse.real, copy=False)
+    closing, level = np.empty_like(cells), 0.0
+
+    def of_cells(height: Array, gap: Array, cells: Array) -> None:
+        np.multiply(gap / scales.gap, cells, out=height, casting="same_kind")
+
+    in_blocks(of_cells, closing, gap, cells)
+    if count := np.count_nonzero(cells):  # not where all pressures are at a limit
+        extension = inverse.extension(cells)
+        closing = extension.closing(extension(closing))
+        level = inner(closing, cells) / count
+
+    def missing(pressure: Array, gap: Array, cells: Array, closing: Array) -> tuple[float, ...]:
+        # cells at a limit that should not be there, and the pressure that closes the others
+        bound = violation(pressure, gap, cells) / (scales.gap * compliance)
+        bound += np.abs((closing - level) * cells)
+        bound *= MARGIN * scales.pressure
+        return float(bound.sum()), float((pressure + bound).max())
+
+    sums, peaks = zip(*in_blocks(missing, pressure, gap, cells, closing), strict=True)
+    l1 = float(sum(sums) / pressure.sum())
     # another cell may have the peak; and the inverse, which ignores the ends of a length that does not wrap, is more
     # accurate for the sum than for a single cell
-    missing += pressure
-    return max(float(missing.max() / pressure.max()) - 1, l1), l1
+    return max(float(max(peaks) / pressure.max()) - 1, l1), l1

@@ -4,6 +4,7 @@ from math import inf, sqrt
 
 import numpy as np
 
+from contactstudy.domain.fields import BLOCK, Array
 from contactstudy.scene.scene import PosedScene
 from contactstudy.solvers.solution import Solution
 
@@ -67,13 +68,22 @@ def _slope(solution: Solution) -> float:
     for axis, step in enumerate(solution.problem.grid.cell):
         if gap.shape[axis] < 3:
             continue
-        slopes = np.diff(gap, axis=axis)
-        if max(slopes.max(), -slopes.min()) <= SLOPE * step:  # as are median and rms
+        if _steepest(gap, axis) <= SLOPE * step:  # as are median and rms
             continue
-        slopes = np.abs(slopes) / step
+        slopes = np.abs(np.diff(gap, axis=axis)) / step
         both = np.take(touching, range(1, gap.shape[axis]), axis) & np.take(
             touching, range(gap.shape[axis] - 1), axis
         )
         within = sqrt(float((slopes[both] ** 2).mean())) if both.any() else 0.0
         largest = max(largest, float(np.median(slopes)), within)
+    return largest
+
+
+def _steepest(field: Array, axis: int) -> float:
+    """Return the largest difference between neighbours along an axis, by blocks of rows that share one."""
+    rows = max(1, BLOCK // field.shape[1])
+    largest = 0.0
+    for begin in range(0, len(field) - 1, rows):
+        differences = np.diff(field[begin : begin + rows + 1], axis=axis)
+        largest = max(largest, float(differences.max()), -float(differences.min()))
     return largest

@@ -1,7 +1,7 @@
 """Heights inside the cells, which a pressure on the grid cannot show."""
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from math import ceil, log, pi, prod
 
 import numpy as np
@@ -9,7 +9,7 @@ import numpy as np
 from contactstudy.accuracy.coarser import on_cells
 from contactstudy.accuracy.discretisation import around_contact, axis_first, with_ends
 from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.fields import Array
+from contactstudy.domain.fields import BLOCK, Array
 from contactstudy.domain.grid import Grid
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.problem.problem import Problem
@@ -80,12 +80,13 @@ class _HiddenAlong:
     standing: Array | None
     kink: Array | None
 
-    def largest(self, slopes: Array, pressure: Array, problem: Problem) -> float:
-        """Return the largest of the `slopes` on the lines where `pressure` (x, y) acts, and in the cells beside."""
+    def largest(self, slopes: Array, pressure: Array, rows: slice) -> float:
+        """Return the largest of the `slopes` on the lines where a `pressure` acts, which is zero but in some `rows`."""
         if not slopes.any():
             return 0.0
-        pressed = on_cells(_with_neighbours(pressure, problem), self.lines) > 0
-        return float(np.where(pressed, slopes, 0.0).max())
+        everywhere = np.zeros_like(self.missed)
+        everywhere[rows] = pressure
+        return float(np.where(on_cells(everywhere, self.lines) > 0, slopes, 0.0).max())
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,10 +142,10 @@ class HeightsInside:
             modulus = _modulus(problem, part.axis)
             stiffness, halving = modulus / problem.grid.cell[part.axis], modulus * log(2) / (2 * pi)
             hidden += part.missed[rows] * stiffness
-            corner = max(corner, part.largest(part.corner, pressure, problem) * halving)
+            corner = max(corner, part.largest(part.corner, beside, rows) * halving)
             if part.standing is not None and part.kink is not None:
                 standing += part.standing[rows] * stiffness
-                kink = max(kink, part.largest(part.kink, pressure, problem) * halving)
+                kink = max(kink, part.largest(part.kink, beside, rows) * halving)
         rise, peak = 0.0, float(bearing.max())
         if self.off_lines is not None:
             missed, stands, narrow, unseen = (field[rows] for field in self.off_lines)
@@ -165,22 +166,27 @@ def _hidden_along(problem: Problem, axis: int) -> _HiddenAlong | None:
     assert paddings is not None
     points_each = POINTS if source.names_scales else DENSE
     lines, inside = _lines(grid.cells, axis, 1), _lines(grid.cells, axis, points_each)
-    centres, points = (source.gap(Grid(cells, grid.extent)) for cells in (lines, inside))
-    if points.shape[axis] == 1:
+    points = axis_first(source.gap(Grid(inside, grid.extent)), axis)
+    if len(points) == 1:
         return None
-    at_centres, at_points = axis_first(centres, axis), axis_first(points, axis)
-    wraps = paddings[axis].wraps
-    heights = HeightsAlong.from_heights(at_centres, at_points, grid.cell[axis], wraps=wraps)
-
-    def on_lines(field: Array) -> Array:
-        return np.broadcast_to(axis_first(field, axis), lines)
-
-    missed = on_cells(on_lines(heights.missed), grid.cells)
-    corner = on_lines(heights.corner())
+    coarser = grid if lines == grid.cells else Grid(lines, grid.extent)
+    centres, examined = axis_first(source.gap(coarser), axis), []
+    # some lines at a time, whose arrays fit into the cache
+    together = max(1, BLOCK // len(points))
+    for begin in range(0, points.shape[1], together):
+        beside = slice(begin, begin + together)
+        parts = centres[:, beside], points[:, beside]
+        found = HeightsAlong.from_heights(*parts, grid.cell[axis], wraps=paddings[axis].wraps)
+        known = found.missed, found.corner()
+        examined.append(known if source.names_scales else (*known, found.standing, found.kink()))
+    on_lines = [
+        np.broadcast_to(axis_first(np.concatenate(fields, axis=1), axis), lines)
+        for fields in zip(*examined, strict=True)
+    ]
+    missed, corner = on_cells(on_lines[0], grid.cells), on_lines[1]
     if source.names_scales:
         return _HiddenAlong(axis, lines, missed, corner, None, None)
-    standing = on_cells(on_lines(heights.standing), grid.cells)
-    return _HiddenAlong(axis, lines, missed, corner, standing, on_lines(heights.kink()))
+    return _HiddenAlong(axis, lines, missed, corner, on_cells(on_lines[2], grid.cells), on_lines[3])
 
 
 @dataclass(frozen=True)
@@ -249,12 +255,25 @@ def _cubic(extended: Array, place: float) -> Array:
     The points (n + 4, ...) are the centres, `extended` by two at either end.
     """
     count = len(extended) - 4
-    nodes = range(-1, 3) if place > 0 else range(-2, 2)
+    nodes = _nodes(place)
     total, term = (np.zeros((count, *extended.shape[1:])) for _ in range(2))
-    for node in nodes:
-        weight = prod((place - near) / (node - near) for near in nodes if near != node)
+    for node, weight in zip(nodes, _weights(place), strict=True):
         total += np.multiply(weight, extended[2 + node : 2 + node + count], out=term)
     return total
+
+
+def _nodes(place: float) -> range:
+    """Return the four nodes of a cubic nearest to a `place`, in cells from the centre."""
+    return range(-1, 3) if place > 0 else range(-2, 2)
+
+
+@cache
+def _weights(place: float) -> tuple[float, ...]:
+    """Return the weights of the four nodes of a cubic at a `place`, see :func:`_cubic`."""
+    nodes = _nodes(place)
+    return tuple(
+        prod((place - near) / (node - near) for near in nodes if near != node) for node in nodes
+    )
 
 
 def _extended(centres: Array, *, wraps: bool) -> Array:

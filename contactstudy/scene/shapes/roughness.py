@@ -202,7 +202,7 @@ class Roughness:
         else:
             # with the phase of every wave at the first cell's centre
             waves *= np.exp(2j * np.pi * kx * grid.x[0])
-            rows = fft.ifft(_folded(waves, kx * grid.extent[0], nx), axis=0) * nx
+            rows = fft.ifft(_folded(waves, kx * grid.extent[0], nx), axis=0, norm="forward")
         rows *= np.exp(2j * np.pi * ky * grid.y[0])
         # the heights are real: the upper half of the waves is the lower half, conjugate
         columns = np.round(ky * grid.period).astype(int).ravel() % ny
@@ -210,7 +210,7 @@ class Roughness:
         rows[:, upper] = rows[:, upper].conj()
         half = _folded(rows.T, np.where(upper, ny - columns, columns), ny // 2 + 1)
         half[1 : (ny + 1) // 2] /= 2
-        return np.asarray(fft.irfft(half.T, ny, axis=1) * ny)
+        return np.asarray(fft.irfft(half.T, ny, axis=1, norm="forward"))
 
     def _waves(self, grid: Grid) -> tuple[np.ndarray, tuple[Array, Array]]:
         """Return complex amplitudes [m] of half the plane of waves, and their wave numbers [1/m]."""

@@ -101,11 +101,12 @@ def contact(pressure: Array, height: Array, limit: float, cells: Array, unlevel:
 @exact
 def joined(
     pressure: Array, height: Array, extended: Array, step_length: float, limit: float, contact: Array,
-    cells: Array, results: Array,
+    unlevel: Array, results: Array,
 ) -> None:  # fmt: skip
-    """Write the contact with the cells at a limit that should leave it after a step, and for each row their number.
+    """Add to a contact the cells at a limit that should leave it after a step, and for each row write their number.
 
-    The step changes the gap everywhere by a share `step_length` of the `extended` gap.
+    `unlevel`, the gap of the contact, gets theirs. The step changes the gap everywhere by a share `step_length` of the
+    `extended` gap.
     """
     for i in range(pressure.shape[0]):
         count = 0
@@ -113,16 +114,9 @@ def joined(
             bearing, expected = pressure[i, j], height[i, j] - step_length * extended[i, j]
             leaves = ((bearing == 0) & (expected < 0)) | ((bearing >= limit) & (expected > 0))
             count += 1 if leaves else 0
-            cells[i, j] = 1.0 if leaves else contact[i, j]
+            contact[i, j] = 1.0 if leaves else contact[i, j]
+            unlevel[i, j] = height[i, j] if leaves else unlevel[i, j]
         results[i, 0] = count
-
-
-@exact
-def product(field: Array, cells: Array, out: Array) -> None:
-    """Multiply two fields cell by cell, into a third."""
-    for i in range(out.shape[0]):
-        for j in range(out.shape[1]):
-            out[i, j] = field[i, j] * cells[i, j]
 
 
 @summing
@@ -138,94 +132,91 @@ def totals(cells: Array, closing: Array, results: Array) -> None:
 
 @summing
 def products(
-    gap: Array, closing: Array, cells: Array, step: Array, response: Array, results: Array
-) -> None:
-    """Write for each row the sums that make a direction conjugate.
+    gap: Array, closing: Array, cells: Array, before: Array, after: Array, moved_before: Array,
+    moved_after: Array, results: Array,
+) -> None:  # fmt: skip
+    """Write for each row the sums that make a direction conjugate to the last step.
 
-    These are the number of cells, the sum of the closing pressure, and the products of gap and closing pressure, closing
-    pressure and response, cells and response, gap of the cells and step, cells and step.
+    That step took the pressure from `before` to `after`, and the displacement likewise; it counts from after to before.
+    The sums are the number of cells, the sum of the closing pressure, and the products of gap and closing pressure,
+    closing pressure and response, cells and response, gap of the cells and step, cells and step.
     """
     for i in range(gap.shape[0]):
         count = closed = downhill = along = over = along_gap = shifted = 0.0
         for j in range(gap.shape[1]):
-            closes, change = closing[i, j], step[i, j] * cells[i, j]
+            change = cells[i, j] * (before[i, j] - after[i, j])
+            response = moved_before[i, j] - moved_after[i, j]
             count += cells[i, j]
-            closed += closes
-            downhill += gap[i, j] * closes
-            along += closes * response[i, j]
-            over += cells[i, j] * response[i, j]
+            closed += closing[i, j]
+            downhill += gap[i, j] * closing[i, j]
+            along += closing[i, j] * response
+            over += cells[i, j] * response
             along_gap += gap[i, j] * change
             shifted += change
         results[i, 0], results[i, 1], results[i, 2], results[i, 3] = count, closed, downhill, along
         results[i, 4], results[i, 5], results[i, 6] = over, along_gap, shifted
 
 
-@exact
+@summing
 def trial(
-    pressure: Array, closing: Array, cells: Array, level: float, conjugate: float, step_length: float,
-    limit: float, step: Array, results: Array,
+    pressure: Array, height: Array, closing: Array, cells: Array, level: float, conjugate: float,
+    step_length: float, limit: float, step: Array, results: Array,
 ) -> None:  # fmt: skip
-    """Write the pressure one step ahead over the last `step`, and for each row the number of cells beyond a limit.
+    """Write the pressure one step ahead, without tension, over the pressure before the last `step`.
 
-    The direction is `level` less the `closing` pressure, plus `conjugate` times the last step, in the `cells`.
+    The direction is `level` less the `closing` pressure, plus `conjugate` times the last step, from its end to its
+    beginning, in the `cells`. Each row gets the number of cells that were beyond a limit, the load, the number of cells
+    that bear it and the work of the gap on the step; the first row also gets the largest pressure of all rows.
     """
+    columns = pressure.shape[1]
+    largest = np.zeros(columns)
     for i in range(pressure.shape[0]):
-        cut = 0
-        for j in range(pressure.shape[1]):
+        cut = load = bearing = work = 0.0
+        for j in range(columns):
             direction = level - closing[i, j]
             if conjugate != 0:
-                direction += conjugate * step[i, j]
-            trial_pressure = direction * cells[i, j] * step_length + pressure[i, j]
-            step[i, j] = trial_pressure
-            cut += 1 if (trial_pressure < 0) | (trial_pressure > limit) else 0
-        results[i, 0] = cut
-
-
-@exact
-def chosen(trial: Array, cells: Array, results: Array) -> None:
-    """Set tension and the pressure outside the `cells` to zero, in place.
-
-    Each row gets its load and the number of cells that bear it; the first row also gets the largest pressure of all
-    rows.
-    """
-    columns = trial.shape[1]
-    largest = np.zeros(columns)
-    for i in range(trial.shape[0]):
+                direction += conjugate * (step[i, j] - pressure[i, j])
+            change = direction * cells[i, j] * step_length
+            ahead = pressure[i, j] + change
+            work += height[i, j] * change
+            cut += 1.0 if (ahead < 0) | (ahead > limit) else 0.0
+            step[i, j] = 0.0 if ahead <= 0 else ahead  # and nan stays
         for j in range(columns):
-            compressive = trial[i, j] * cells[i, j]
-            trial[i, j] = 0.0 if compressive <= 0 else compressive  # and nan stays
-        results[i, 0], results[i, 1] = _load_above(trial[i], 0.0)
-        results[i, 2] = 0.0
-        for j in range(columns):
-            largest[j] = trial[i, j] if trial[i, j] > largest[j] else largest[j]
-    results[0, 2] = largest.max()
-
-
-@exact
-def lowered(trial: Array, shift: float, results: Array) -> None:
-    """Write for each row the load left of a pressure lowered by a shift, and the number of cells that bear it."""
-    for i in range(trial.shape[0]):
-        results[i, 0], results[i, 1] = _load_above(trial[i], shift)
+            load += step[i, j]
+            bearing += 1.0 if step[i, j] > 0 else 0.0
+            largest[j] = step[i, j] if step[i, j] > largest[j] else largest[j]
+        results[i, 0], results[i, 1], results[i, 2], results[i, 3] = cut, load, bearing, work
+        results[i, 4] = 0.0
+    results[0, 4] = largest.max()
 
 
 @summing
-def _load_above(pressure: Array, shift: float) -> Any:
-    """Return the load left of a row of pressures lowered by a shift, and the number of cells that bear it."""
-    borne, cells = 0.0, 0.0
-    for j in range(pressure.size):
-        lowered_pressure = pressure[j] - shift
-        borne += 0.0 if lowered_pressure <= 0 else lowered_pressure
-        cells += 1.0 if lowered_pressure > 0 else 0.0
-    return borne, cells
-
-
-@exact
-def lower(trial: Array, shift: float, scale: float) -> None:
-    """Lower a pressure by a shift, cut it off at zero and multiply it by a factor, in place."""
+def lowered(trial: Array, shift: float, results: Array) -> None:
+    """Write for each row the load left of a pressure lowered by a shift, and the number of cells that bear it."""
     for i in range(trial.shape[0]):
+        borne, cells = 0.0, 0.0
+        for j in range(trial.shape[1]):
+            lowered_pressure = trial[i, j] - shift
+            borne += 0.0 if lowered_pressure <= 0 else lowered_pressure
+            cells += 1.0 if lowered_pressure > 0 else 0.0
+        results[i, 0], results[i, 1] = borne, cells
+
+
+@summing
+def lower(
+    trial: Array, shift: float, scale: float, pressure: Array, height: Array, results: Array
+) -> None:
+    """Lower a trial pressure by a shift, cut it off at zero and multiply it by a factor, in place.
+
+    Each row gets the work of the gap on the step from `pressure`.
+    """
+    for i in range(trial.shape[0]):
+        work = 0.0
         for j in range(trial.shape[1]):
             lowered_pressure = trial[i, j] - shift
             trial[i, j] = (0.0 if lowered_pressure <= 0 else lowered_pressure) * scale
+            work += height[i, j] * (trial[i, j] - pressure[i, j])
+        results[i, 0] = work
 
 
 @summing
@@ -266,22 +257,14 @@ def advance(
     trial: Array, pressure: Array, trial_displacement: Array, displacement: Array, share: float,
     limit: float,
 ) -> None:  # fmt: skip
-    """Take a `share` of a step: the trial fields become the pressure and displacement that it leads to, in place.
-
-    The changes of both, old less new, are written over `pressure` and `displacement`.
-    """
+    """Take a `share` of a step: the trial fields become the pressure and displacement that it leads to, in place."""
     for i in range(trial.shape[0]):
         for j in range(trial.shape[1]):
-            pressure[i, j] -= trial[i, j]
-            displacement[i, j] -= trial_displacement[i, j]
-        if share != 1:
-            for j in range(trial.shape[1]):
-                after = trial[i, j] + (1 - share) * pressure[i, j]
-                after = 0.0 if after < 0 else after
-                trial[i, j] = limit if after > limit else after
-                trial_displacement[i, j] += (1 - share) * displacement[i, j]
-                pressure[i, j] *= share
-                displacement[i, j] *= share
+            after = pressure[i, j] + share * (trial[i, j] - pressure[i, j])
+            after = 0.0 if after < 0 else after
+            trial[i, j] = limit if after > limit else after
+            change = trial_displacement[i, j] - displacement[i, j]
+            trial_displacement[i, j] = displacement[i, j] + share * change
 
 
 @exact

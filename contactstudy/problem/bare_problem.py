@@ -85,10 +85,6 @@ class BareProblem:
         """Replace a `trial` pressure by the nearest admissible one, in place."""
         return self.resultant.nearest(trial, self.constraint)
 
-    def levelled(self, trial: Array, cells: Array) -> Array:
-        """Cut a `trial` pressure off at the limits and shift its `cells` to meet the resultant, in place."""
-        return self.passes.levelled(trial, cells, self.resultant)
-
     def residual(self, pressure: Array, gap: Gap) -> float:
         """Return the dimensionless residual: the largest of complementarity, penetration and error of the load.
 

@@ -5,7 +5,7 @@ each field once; they pay on large fields of the two constraints of this package
 """
 
 from collections.abc import Callable
-from math import inf
+from math import inf, nan
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -44,6 +44,20 @@ class Direction(NamedTuple):
     cells: Array
     level: float
     conjugate: float
+
+
+class Trial(NamedTuple):
+    """What a pass finds as it writes a trial pressure: whether a limit cuts it, its sum, and the energy's slope.
+
+    The slope is that of the pressure before a limit cuts it. Where compiled, tension has been cut off, and the number of
+    cells that bear pressure is known, and the `largest` one.
+    """
+
+    cut: bool
+    load: float
+    slope: float
+    bearing: float = nan
+    largest: float = nan
 
 
 class ArrayPasses:
@@ -85,32 +99,26 @@ class ArrayPasses:
         return cells, unlevel
 
     def joined(
-        self, pressure: Array, height: Array, extended: Array, step_length: float, contact: Array
-    ) -> Array:
-        """Return the `contact` with the cells at a limit that should leave it after a step, or itself if there are none.
+        self, pressure: Array, height: Array, extended: Array, step_length: float, contact: Array,
+        unlevel: Array,
+    ) -> bool:  # fmt: skip
+        """Add to a contact the cells at a limit that should leave it after a step, and return whether there are any.
 
-        The step changes the gap everywhere by a share `step_length` of the `extended` gap.
+        `unlevel`, the gap of the contact, gets theirs. The step changes the gap everywhere by a share `step_length` of
+        the `extended` gap.
         """
-        cells = arrays().empty_like(contact)
 
         def add(
-            cells: Array, contact: Array, pressure: Array, height: Array, extended: Array
+            contact: Array, unlevel: Array, pressure: Array, height: Array, extended: Array
         ) -> bool:
             released = self.constraint.to_release(pressure, height - step_length * extended)
-            cells[...] = contact + released
-            return bool(arrays().any(released))
+            found = bool(arrays().any(released))
+            if found:
+                contact[...] = contact + released
+                unlevel[...] = unlevel + height * released
+            return found
 
-        joined = any(in_blocks(add, cells, contact, pressure, height, extended))
-        return cells if joined else contact
-
-    def product(self, height: Array, cells: Array, out: Array) -> Array:
-        """Multiply the gap by `cells`, which are 1 or 0, into `out`."""
-
-        def multiply(height: Array, cells: Array, out: Array) -> None:
-            out[...] = height * cells
-
-        in_blocks(multiply, height, cells, out)
-        return out
+        return any(in_blocks(add, contact, unlevel, pressure, height, extended))
 
     def totals(self, cells: Array, closing: Array) -> tuple[float, ...]:
         """Return the number of `cells`, and the sum of the pressure that would close them."""
@@ -118,17 +126,18 @@ class ArrayPasses:
         return sums(lambda *blocks: tuple(float(xp.sum(block)) for block in blocks), cells, closing)
 
     def products(self, *fields: Array) -> tuple[float, ...]:
-        """Return the sums that make a direction conjugate.
+        """Return the sums that make a direction conjugate to the last step, which counts from its end to its beginning.
 
-        The `fields` are gap, closing pressure, cells, step and response. The sums are the number of cells, the sum of
-        the closing pressure, and the products of gap and closing pressure, closing pressure and response, cells and
-        response, gap of the cells and step, cells and step.
+        The `fields` are gap, closing pressure, cells, pressure before and after the step, and displacement before and
+        after it. The sums are the number of cells, the sum of the closing pressure, and the products of gap and closing
+        pressure, closing pressure and response, cells and response, gap of the cells and step, cells and step.
         """
 
         def sums_of(
-            height: Array, closing: Array, cells: Array, step: Array, response: Array
-        ) -> tuple[float, ...]:
-            change, xp = cells * step, arrays()
+            height: Array, closing: Array, cells: Array, before: Array, after: Array,
+            moved_before: Array, moved_after: Array,
+        ) -> tuple[float, ...]:  # fmt: skip
+            change, response, xp = cells * (before - after), moved_before - moved_after, arrays()
             return (
                 float(xp.sum(cells)),
                 float(xp.sum(closing)),
@@ -141,12 +150,17 @@ class ArrayPasses:
 
         return sums(sums_of, *fields)
 
-    def trial(self, pressure: Array, direction: Direction, step_length: float, step: Array) -> bool:
-        """Write the pressure one step ahead over the last `step`, and return whether a limit cuts it."""
+    def trial(
+        self, pressure: Array, height: Array, direction: Direction, step_length: float, step: Array
+    ) -> Trial:
+        """Write the pressure one step ahead over the pressure before the last `step`."""
         closing, cells, level, conjugate = direction
 
-        def take_step(step: Array, closing: Array, cells: Array, pressure: Array) -> bool:
+        def take_step(
+            step: Array, closing: Array, cells: Array, pressure: Array, height: Array
+        ) -> tuple[float, ...]:
             if conjugate:
+                step -= pressure
                 step *= conjugate
                 step -= closing
                 step += level
@@ -155,14 +169,23 @@ class ArrayPasses:
             step *= cells
             if step_length != 1:
                 step *= step_length
+            slope = dot(height, step)
             step += pressure
-            return self.constraint.cuts(step)
+            return float(self.constraint.cuts(step)), float(arrays().sum(step)), slope
 
-        return any(in_blocks(take_step, step, closing, cells, pressure))
+        cut, load, slope = sums(take_step, step, closing, cells, pressure, height)
+        return Trial(cut > 0, load, slope)
 
-    def levelled(self, trial: Array, cells: Array, resultant: Resultant) -> Array:
-        """Cut a trial pressure off at the limits and shift its `cells` to meet the `resultant`, in place."""
-        return resultant.levelled(trial, cells, self.constraint)
+    def levelled(
+        self, trial: Array, found: Trial, cells: Array, resultant: Resultant, pressure: Array,
+        height: Array,
+    ) -> float:  # fmt: skip
+        """Cut a trial pressure off at the limits and shift its `cells` to meet the `resultant`, in place.
+
+        `found` is what has been found of the trial. Returns the slope of the energy along the step from `pressure`.
+        """
+        resultant.levelled(trial, cells, self.constraint)
+        return self.slope(trial, pressure, height)
 
     def slope(self, trial: Array, pressure: Array, height: Array) -> float:
         """Return how fast the energy grows along the step to `trial`."""
@@ -188,21 +211,16 @@ class ArrayPasses:
         self, trial: Array, pressure: Array, trial_displacement: Array, displacement: Array,
         share: float,
     ) -> None:  # fmt: skip
-        """Take a `share` of a step: the trial fields become the pressure and displacement that it leads to, in place.
-
-        The changes of both, old less new, are written over `pressure` and `displacement`.
-        """
+        """Take a `share` of a step: the trial fields become the pressure and displacement that it leads to, in place."""
 
         def take_step(before: Array, after: Array) -> None:
-            before -= after
-            if share != 1:
-                after += (1 - share) * before
-                before *= share
+            after -= before
+            after *= share
+            after += before
 
         in_blocks(take_step, displacement, trial_displacement)
         in_blocks(take_step, pressure, trial)
-        if share != 1:
-            self.constraint.clip(trial)
+        self.constraint.clip(trial)
 
 
 class CompiledPasses:
@@ -235,17 +253,12 @@ class CompiledPasses:
         return cells, unlevel
 
     def joined(
-        self, pressure: Array, height: Array, extended: Array, step_length: float, contact: Array
-    ) -> Array:
-        """Return the `contact` with the cells at a limit that should leave it after a step, or itself."""
-        cells = np.empty_like(contact)
-        fields = pressure, height, extended, step_length, self._limit, contact, cells
-        return cells if _rows(self._loops.joined, *fields, results=1).any() else contact
-
-    def product(self, height: Array, cells: Array, out: Array) -> Array:
-        """Multiply the gap by `cells`, which are 1 or 0, into `out`."""
-        _rows(self._loops.product, height, cells, out)
-        return out
+        self, pressure: Array, height: Array, extended: Array, step_length: float, contact: Array,
+        unlevel: Array,
+    ) -> bool:  # fmt: skip
+        """Add to a contact the cells that should leave a limit after a step, as :meth:`ArrayPasses.joined` does."""
+        fields = pressure, height, extended, step_length, self._limit, contact, unlevel
+        return bool(_rows(self._loops.joined, *fields, results=1).any())
 
     def totals(self, cells: Array, closing: Array) -> tuple[float, ...]:
         """Return the number of `cells`, and the sum of the pressure that would close them."""
@@ -255,20 +268,30 @@ class CompiledPasses:
         """Return the sums that make a direction conjugate, in the order of :meth:`ArrayPasses.products`."""
         return tuple(_rows(self._loops.products, *fields, results=7).sum(axis=1).tolist())
 
-    def trial(self, pressure: Array, direction: Direction, step_length: float, step: Array) -> bool:
-        """Write the pressure one step ahead over the last `step`, and return whether a limit cuts it."""
-        fields = pressure, *direction, step_length, self._limit, step
-        return bool(_rows(self._loops.trial, *fields, results=1).any())
+    def trial(
+        self, pressure: Array, height: Array, direction: Direction, step_length: float, step: Array
+    ) -> Trial:
+        """Write the pressure one step ahead, without tension, over the pressure before the last `step`."""
+        fields = pressure, height, *direction, step_length, self._limit, step
+        sums = _rows(self._loops.trial, *fields, results=5)
+        cut, load, bearing, slope = sums[:4].sum(axis=1).tolist()
+        return Trial(cut > 0, load, slope, bearing, float(sums[4].max()))
 
-    def levelled(self, trial: Array, cells: Array, resultant: Resultant) -> Array:
-        """Cut a trial pressure off at the limits and shift its `cells` to meet the `resultant`, in place."""
-        if self._limit < inf or not isinstance(resultant, PrescribedLoad):
-            return resultant.levelled(trial, cells, self.constraint)
-        load = resultant.total
-        sums = _rows(self._loops.chosen, trial, cells, results=3)
-        borne, bearing = sums[:2].sum(axis=1).tolist()
-        if sums[2].max() > load:  # numbers of this size would drown the load
-            return resultant.levelled(trial, cells, self.constraint)
+    def levelled(
+        self, trial: Array, found: Trial, cells: Array, resultant: Resultant, pressure: Array,
+        height: Array,
+    ) -> float:  # fmt: skip
+        """Cut a trial pressure off at the limits and shift its `cells`, in place, as :meth:`ArrayPasses.levelled` does.
+
+        Cells outside `cells` bear nothing where there is no upper limit.
+        """
+        if (
+            self._limit < inf
+            or not isinstance(resultant, PrescribedLoad)
+            or found.largest > resultant.total  # numbers of this size would drown the load
+        ):
+            resultant.levelled(trial, cells, self.constraint)
+            return self.slope(trial, pressure, height)
 
         def lowered(shift: float) -> tuple[float, float]:
             borne, bearing = (
@@ -276,9 +299,10 @@ class CompiledPasses:
             )
             return borne, bearing
 
-        shift, factor = lowered_to(load, borne, bearing, lowered, float(np.finfo(trial.dtype).eps))
-        _rows(self._loops.lower, trial, shift, factor)
-        return trial
+        epsilon = float(np.finfo(trial.dtype).eps)
+        shift, factor = lowered_to(resultant.total, found.load, found.bearing, lowered, epsilon)
+        fields = trial, shift, factor, pressure, height
+        return float(_rows(self._loops.lower, *fields, results=1).sum())
 
     def slope(self, trial: Array, pressure: Array, height: Array) -> float:
         """Return how fast the energy grows along the step to `trial`."""

@@ -4,21 +4,23 @@ from dataclasses import dataclass
 from math import prod
 
 from contactstudy.domain.device import arrays
-from contactstudy.domain.fields import Array, total
+from contactstudy.domain.fields import Array
 from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.problem.constraint import Gap
 from contactstudy.problem.operator import ApproximateInverse, Extension
-from contactstudy.problem.passes import Direction, Passes
+from contactstudy.problem.passes import Direction, Passes, Trial
 from contactstudy.solvers.iterate import Iterate, Stall
 from contactstudy.solvers.polonsky_keer import PolonskyKeer
 
 
 @dataclass(frozen=True)
 class PressureStep:
-    """Step of the pressure, the displacement it made, and their inner product `curvature`."""
+    """Pressure and displacement before and after a step, and the inner product `curvature` of their changes."""
 
-    step: Array
-    response: Array
+    before: Array
+    after: Array
+    displacement_before: Array
+    displacement_after: Array
     curvature: float
 
 
@@ -49,14 +51,15 @@ class ContactPreconditioner:
         passes = self.problem.passes
         contact, unlevel = passes.contact(pressure, gap.height, self.inverse.real)
         extension = self._extension(contact)
+        cells = extension.contact
         del contact
         extended = extension(unlevel)
-        cells = passes.joined(pressure, gap.height, extended, step_length, extension.contact)
-        joined = cells is not extension.contact
+        joined = passes.joined(pressure, gap.height, extended, step_length, cells, unlevel)
         if joined:
-            del extension, extended  # or they would stand beside those of more cells
+            self.extension = None  # it was that of fewer cells,
+            del extension, extended  # and would stand beside that of more
             extension = self._extension(cells)
-            extended = extension(passes.product(gap.height, cells, unlevel))
+            extended = extension(unlevel)
         del unlevel
         return extension.closing(extended), cells, joined
 
@@ -77,19 +80,17 @@ def trial_along(
     last: PressureStep | None,
     conjugate_to: PressureStep | None,
     step_length: float,
-) -> tuple[Array, bool]:
-    """Return the pressure (x, y) one step ahead, and whether a limit cuts it.
+) -> tuple[Array, Trial]:
+    """Return the pressure (x, y) one step ahead, and what has been found of it.
 
     The direction is against `closing` and conjugate to a step of the same cells, if there is one, where that is
-    downhill. It is zero outside `cells`, and such that the load stays as it is. The arrays of the `last` step are
+    downhill. It is zero outside `cells`, and such that the load stays as it is. The pressure before the `last` step is
     overwritten.
     """
-    passes = problem.passes
-    direction = Direction(
-        closing, cells, *_direction(passes, gap.height, closing, cells, conjugate_to)
-    )
-    trial = arrays().empty_like(pressure) if last is None else last.step
-    return trial, passes.trial(pressure, direction, step_length, trial)
+    passes, height = problem.passes, gap.height
+    direction = Direction(closing, cells, *_direction(passes, height, closing, cells, conjugate_to))
+    trial = arrays().empty_like(pressure) if last is None else last.before
+    return trial, passes.trial(pressure, height, direction, step_length, trial)
 
 
 def _direction(
@@ -99,13 +100,33 @@ def _direction(
     if last is None or last.curvature <= 0:
         count, closed = passes.totals(cells, closing)
         return closed / count, 0.0
-    sums = passes.products(height, closing, cells, last.step, last.response)
+    steps = last.before, last.after, last.displacement_before, last.displacement_after
+    sums = passes.products(height, closing, cells, *steps)
     count, closed, downhill, along, across, uphill, shifted = sums
     level = closed / count
     conjugate = (along - level * across) / last.curvature
     if conjugate * uphill < downhill:
         return level - conjugate * shifted / count, conjugate
     return level, 0.0
+
+
+def step_to_nearest(problem: BareProblem, trial: Array, pressure: Array, gap: Gap) -> float:
+    """Write over `trial` the nearest pressure to a step against the `gap`, and return the energy's slope along it."""
+    trial[...] = pressure - gap.height / problem.operator.self_compliance
+    trial[...] = problem.nearest(trial)
+    return problem.passes.slope(trial, pressure, gap.height)
+
+
+def share_to_take(
+    passes: Passes, trial: Array, pressure: Array, best: float, *, cut: bool
+) -> float:
+    """Return the share to take of a step to `trial`: `best`, that of least energy, unless limits are in the way."""
+    if cut:
+        # zeros are left where tension was; beyond the whole they would turn to tension
+        return 1.0 if best > WHOLE else best
+    # nor beyond it to just where a cell meets a limit: rounding would say which of many did
+    meets = best > 1 and passes.meets_a_limit(trial, pressure, best)
+    return 1.0 if meets else best
 
 
 # A trial step that meets a limit is taken whole where that lowers the energy: half the best step is less.
@@ -116,6 +137,9 @@ LONGEST, SHORTEST = 1.0, 0.1
 # On grids of more cells along an axis a start is the closer, the smaller the cells are: smooth contacts of 1024 x 1024
 # cells then take 3 iterations for 6.
 LOOSE = 128
+# A start has the error of its interpolation, however far the coarser grid was solved: on rough surfaces it has about a
+# third of the residual that the coarser grid began with.
+REDUCTION = 0.05
 # Grids of so few cells begin on springs: an iteration costs nearly as much on coarser ones.
 SMALL = 4096
 
@@ -137,7 +161,7 @@ class PreconditionedCG:
     ----------
     coarse_tolerance
         Residual at which coarser grids, which give the start, end; on grids of more than 128 cells along an axis it is
-        smaller by the square of their number.
+        smaller by the square of their number. They also end at a 20th of the residual that they began with.
     patience
         Iterations without a halving of the residual after which Polonsky & Keer's scheme goes on from there, and the
         solution's note says so.
@@ -189,7 +213,7 @@ class PreconditionedCG:
             return problem.on_springs(), 1.0
         share = min(1.0, (LOOSE / max(shape)) ** 2)
         enough = max(tolerance, share * self.coarse_tolerance)
-        last = self._descend(coarse, None, enough, self.patience)
+        last = self._descend(coarse, None, enough, self.patience, REDUCTION)
         blocks = [n // m for n, m in zip(shape, last.pressure.shape, strict=True)]
         xp = arrays()
         fine = xp.repeat(xp.repeat(last.pressure, blocks[1], axis=1), blocks[0], axis=0)
@@ -201,8 +225,12 @@ class PreconditionedCG:
         start: Array | None,
         tolerance: float,
         max_iterations: int,
+        reduction: float = 0.0,
     ) -> Iterate:
-        """Return the state in which the iteration from `start`, or from coarser grids, ends or stalls."""
+        """Return the state in which the iteration from `start`, or from coarser grids, ends or stalls.
+
+        It also ends at a residual of this `reduction` times the first one.
+        """
         operator, passes = problem.operator, problem.passes
         inverse = operator.approximate_inverse(passes.preconditioner(problem.undeformed_gap))
         preconditioner = ContactPreconditioner(problem, inverse)
@@ -219,6 +247,8 @@ class PreconditionedCG:
         while True:
             gap = problem.gap(pressure, displacement, gap)
             residual = problem.residual(pressure, gap)
+            if not iteration:
+                tolerance = max(tolerance, reduction * residual)
             ended = problem.ends(residual, displacement, tolerance, gap.farthest)
             if ended or iteration == max_iterations or stall.sees(residual):
                 work += inverse.work / operator.work
@@ -226,34 +256,31 @@ class PreconditionedCG:
             iteration += 1
             closing, cells, joined = preconditioner.closing(pressure, gap, step_length)
             conjugate_to = last if not (cut or joined) else None
-            trial, cut = trial_along(
+            trial, found = trial_along(
                 problem, pressure, gap, closing, cells, last, conjugate_to, step_length
             )
             work += 1
-            if cut or problem.resultant.error(total(trial)) > rounding:
-                trial = problem.levelled(trial, cells)
+            cut, slope = found.cut, found.slope
+            if cut or problem.resultant.error(found.load) > rounding:
+                slope = passes.levelled(
+                    trial, found, cells, problem.resultant, pressure, gap.height
+                )
             # or they would stand through the next convolution
             del closing, cells, conjugate_to
             last = None
-            slope = passes.slope(trial, pressure, gap.height)
             if slope >= 0:
                 # balancing the load has turned the step uphill: that to the nearest pressure never is
                 cut, step_length = True, max(step_length / 4, SHORTEST)
-                trial[...] = pressure - gap.height / operator.self_compliance
-                trial = problem.nearest(trial)
-                slope = passes.slope(trial, pressure, gap.height)
+                slope = step_to_nearest(problem, trial, pressure, gap)
             trial_displacement = operator(trial)
             curvature = passes.curvature(trial, pressure, trial_displacement, displacement)
             best = -slope / curvature if curvature > 0 else 0.0
-            if cut:
-                # zeros are left where tension was; beyond the whole they would turn to tension
-                share = 1.0 if best > WHOLE else best
-            else:
-                # nor beyond it to just where a cell meets a limit: rounding would say which of many did
-                meets = best > 1 and passes.meets_a_limit(trial, pressure, best)
-                share = 1.0 if meets else best
-            passes.advance(trial, pressure, trial_displacement, displacement, share)
-            last = PressureStep(pressure, displacement, curvature * share**2)
+            share = share_to_take(passes, trial, pressure, best, cut=cut)
+            if share != 1:
+                passes.advance(trial, pressure, trial_displacement, displacement, share)
+            last = PressureStep(
+                pressure, trial, displacement, trial_displacement, curvature * share**2
+            )
             pressure, displacement = trial, trial_displacement
             del trial, trial_displacement  # or they would stand beside the next ones
             step_length = min(max(step_length * min(max(best, 0.3), 3.0), SHORTEST), LONGEST)

@@ -89,16 +89,20 @@ def test_cells_join_that_will_penetrate_or_open_at_the_limit(
     pressure, (height, whole) = pressures(shape, most), fields(shape, 2)
     expected = height - 0.4 * whole
     wrong = ((pressure == 0) & (expected < 0)) | ((pressure >= most) & (expected > 0))
-    contact, cells = free_cells(pressure, most), np.full(shape, np.nan)
-    fields_of = pressure, height, whole, 0.4, most, contact, cells
+    contact = free_cells(pressure, most)
+    cells, unlevel = contact.copy(), contact * height
+    fields_of = pressure, height, whole, 0.4, most, cells, unlevel
     assert summed(fused.joined, *fields_of, results=1) == wrong.sum()
     np.testing.assert_array_equal(cells, np.maximum(contact, wrong))
+    np.testing.assert_array_equal(unlevel, cells * height)
 
 
 def test_sums_of_a_direction(shape: tuple[int, int]) -> None:
-    gap, closing, step, response = fields(shape, 4)
+    gap, closing, before, after, moved_before, moved_after = fields(shape, 6)
     cells = free_cells(pressures(shape, np.inf), np.inf)
-    found = summed(fused.products, gap, closing, cells, step, response, results=7)
+    fields_of = gap, closing, cells, before, after, moved_before, moved_after
+    found = summed(fused.products, *fields_of, results=7)
+    step, response = before - after, moved_before - moved_after
     expected = [
         cells.sum(),
         closing.sum(),
@@ -116,28 +120,33 @@ def test_sums_of_a_direction(shape: tuple[int, int]) -> None:
 @pytest.mark.parametrize("most", LIMITS)
 @pytest.mark.parametrize("kept", [0.0, 0.6])
 def test_a_trial_goes_along_the_direction(shape: tuple[int, int], most: float, kept: float) -> None:
-    pressure, (closing, step) = pressures(shape, most), fields(shape, 2)
+    pressure, (height, closing, before) = pressures(shape, most), fields(shape, 3)
     cells = free_cells(pressure, most)
-    trial = step.copy() if kept else np.full(shape, np.nan)
-    cut = summed(fused.trial, pressure, closing, cells, 0.2, kept, 0.7, most, trial, results=1)
-    way = (0.2 - closing + (kept * step if kept else 0)) * cells
-    np.testing.assert_allclose(trial, pressure + 0.7 * way, **NEAR)
-    assert cut == np.count_nonzero((trial < 0) | (trial > most))
-
-
-def test_what_is_left_of_a_trial(shape: tuple[int, int]) -> None:
-    (trial,), cells = fields(shape, 1), free_cells(pressures(shape, np.inf), np.inf)
-    left = np.maximum(trial * cells, 0)
+    trial = before.copy() if kept else np.full(shape, np.nan)
+    fields_of = pressure, height, closing, cells, 0.2, kept, 0.7, most, trial
     with using(cs.Cpu(3)):
-        found = compiled(fused.chosen, trial, cells, results=3)
-    np.testing.assert_array_equal(trial, left)
-    np.testing.assert_allclose(found[:2].sum(axis=1), [left.sum(), (left > 0).sum()], **NEAR)
-    assert found[2].max() == left.max()
-    lower = np.maximum(left - 0.1, 0)
+        found = compiled(fused.trial, *fields_of, results=5)
+    way = (0.2 - closing + (kept * (before - pressure) if kept else 0)) * cells
+    ahead = pressure + 0.7 * way
+    np.testing.assert_allclose(trial, np.maximum(ahead, 0), **NEAR)
+    expected = [
+        np.count_nonzero((ahead < 0) | (ahead > most)),
+        trial.sum(),
+        np.count_nonzero(trial),
+        0.7 * (height * way).sum(),
+    ]
+    np.testing.assert_allclose(found[:4].sum(axis=1), expected, **NEAR)
+    assert found[4].max() == trial.max()
+
+
+def test_a_pressure_is_lowered(shape: tuple[int, int]) -> None:
+    trial, pressure, height = fields(shape, 3)
+    lower = np.maximum(trial - 0.1, 0)
     found = summed(fused.lowered, trial, 0.1, results=2)
     np.testing.assert_allclose(found, [lower.sum(), (lower > 0).sum()], **NEAR)
-    compiled(fused.lower, trial, 0.1, 1.5)
-    np.testing.assert_array_equal(trial, 1.5 * lower)
+    found = summed(fused.lower, trial, 0.1, 1.5, pressure, height, results=1)
+    np.testing.assert_allclose(trial, 1.5 * lower, **NEAR)
+    np.testing.assert_allclose(found, (height * (trial - pressure)).sum(), **NEAR)
 
 
 def test_the_work_of_a_step(shape: tuple[int, int]) -> None:
@@ -149,8 +158,8 @@ def test_the_work_of_a_step(shape: tuple[int, int]) -> None:
 
 
 @pytest.mark.parametrize("most", LIMITS)
-@pytest.mark.parametrize("taken", [1.0, 0.8, 2.5])
-def test_an_advance_leaves_pressure_and_step(
+@pytest.mark.parametrize("taken", [0.8, 2.5])
+def test_an_advance_leads_to_a_share_of_the_step(
     shape: tuple[int, int], most: float, taken: float
 ) -> None:
     pressure, (step, ahead, moved) = pressures(shape, most), fields(shape, 3)
@@ -158,13 +167,14 @@ def test_an_advance_leaves_pressure_and_step(
     beyond = pressure + taken * (trial - pressure)
     count = summed(fused.beyond, trial, pressure, taken, most, results=1)
     assert count == np.count_nonzero((beyond < 0) | (beyond > most))
-    after, before = trial.copy(), pressure.copy()
-    far, near = ahead.copy(), moved.copy()
-    compiled(fused.advance, after, before, far, near, taken, most)
-    if taken == 1:
-        np.testing.assert_array_equal(after, trial)
-        np.testing.assert_array_equal(far, ahead)
-    np.testing.assert_allclose(after, np.clip(beyond, 0, most), **NEAR)
-    np.testing.assert_allclose(far, moved + taken * (ahead - moved), **NEAR)
-    np.testing.assert_allclose(before, taken * (pressure - trial), **NEAR)
-    np.testing.assert_allclose(near, taken * (moved - ahead), **NEAR)
+    expected = moved + taken * (ahead - moved)
+    compiled(fused.advance, trial, pressure, ahead, moved, taken, most)
+    np.testing.assert_allclose(trial, np.clip(beyond, 0, most), **NEAR)
+    np.testing.assert_allclose(ahead, expected, **NEAR)
+
+
+def test_waves_are_scaled(shape: tuple[int, int]) -> None:
+    real, imaginary, factors = fields(shape, 3)
+    waves = real + 1j * imaginary
+    fused.scale(waves, factors)
+    np.testing.assert_array_equal(waves, (real * factors) + 1j * (imaginary * factors))

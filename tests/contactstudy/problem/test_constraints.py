@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 import contactstudy as cs
 from contactstudy.domain import fields
 from contactstudy.problem.constraint import Compressive, Constraint, HardnessLimited, PrescribedLoad
-from contactstudy.problem.passes import CompiledPasses, passes_for
+from contactstudy.problem.passes import CompiledPasses, Direction, passes_for
 from contactstudy.solvers.polonsky_keer import PolonskyKeer
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from tests.conftest import LineContact
@@ -74,14 +74,18 @@ def test_too_much_load_is_taken_off_all_chosen_cells_alike_and_too_little_scaled
         monkeypatch.setattr(fields, "LARGE", 1)
     rng = np.random.default_rng(seed)
     cells = (rng.random((30, 40)) < 0.7) * 1.0
-    trial = rng.standard_normal((30, 40))
-    left = np.maximum(trial * cells, 0)
-    passes = passes_for(Compressive(), trial.shape)
+    pressure, height = np.zeros((30, 40)), rng.standard_normal((30, 40))
+    closing = rng.standard_normal((30, 40))
+    left = np.maximum(-closing * cells, 0)
+    passes = passes_for(Compressive(), pressure.shape)
     assert isinstance(passes, CompiledPasses) == bool(compiled)
-    lower, higher = (
-        passes.levelled(trial.copy(), cells, PrescribedLoad(share * left.sum()))
-        for share in (0.6, 1.4)
-    )
+    lower, higher = np.empty((30, 40)), np.empty((30, 40))
+    for trial, share in ((lower, 0.6), (higher, 1.4)):
+        found = passes.trial(pressure, height, Direction(closing, cells, 0.0, 0.0), 1.0, trial)
+        assert found.cut
+        load = PrescribedLoad(share * left.sum())
+        slope = passes.levelled(trial, found, cells, load, pressure, height)
+        assert slope == pytest.approx((height * trial).sum(), abs=1e-12)
     bears = lower > 0
     shifts = (left - lower)[bears]
     shift = shifts.mean()

@@ -84,7 +84,8 @@ def test_the_work_of_the_last_step_is_that_of_the_part_that_was_taken(
         last = given[5]
         if last is not None:
             # two displacements are subtracted: their rounding over that of the step
-            work = float((last.step * last.response).sum())
+            response = last.displacement_before - last.displacement_after
+            work = float(((last.before - last.after) * response).sum())
             rounding = 1e-14 * np.abs(given[1]).sum() * np.abs(given[2].height).max()
             off.append(abs(last.curvature - work) <= 1e-9 * abs(work) + rounding)
         return trial_along(*given)

@@ -1,5 +1,6 @@
 """The pressure one step ahead, by hand: with array operations, and with compiled passes."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -37,17 +38,22 @@ def step(sum_of_step: float = 0.0) -> PressureStep:
     taken = taken.reshape(CELLS.shape) + CELLS * sum_of_step / COUNT
     response = 0.7 * taken + 0.1 * RNG.standard_normal(CELLS.shape)
     response *= 0.5 / (taken * response).sum()
-    return PressureStep(taken, response, 0.5)
+    return PressureStep(PRESSURE + taken, PRESSURE, response, np.zeros_like(response), 0.5)
+
+
+def back(last: PressureStep) -> np.ndarray:
+    """That step, from its end to its beginning."""
+    return last.before - last.after
 
 
 def direction(
     gap: np.ndarray, last: PressureStep | None, length: float = 0.25, constraint: Any = COMPRESSIVE
 ) -> tuple[np.ndarray, bool]:
-    """Over the ``length``; the last step is overwritten."""
+    """Over the ``length``; the pressure before the last step is overwritten."""
     height: Any = SimpleNamespace(height=gap)
     problem: Any = SimpleNamespace(passes=passes_for(constraint, gap.shape))
-    trial, cut = trial_along(problem, PRESSURE, height, CLOSING, CELLS, last, last, length)
-    return (trial - PRESSURE) / length, cut
+    trial, found = trial_along(problem, PRESSURE, height, CLOSING, CELLS, last, last, length)
+    return (trial - PRESSURE) / length, found.cut
 
 
 def plain() -> np.ndarray:
@@ -65,19 +71,19 @@ def test_the_first_step_is_against_the_closing_pressure(monkeypatch: pytest.Monk
 
 def kept_of(last: PressureStep) -> float:
     """So much of the last step as makes the work of the new one on its response zero."""
-    return float(-(plain() * last.response).sum() / last.curvature)
+    return float(-(plain() * last.displacement_before).sum() / last.curvature)
 
 
 def test_a_step_is_conjugate_to_the_last_one_where_that_is_downhill() -> None:
     """It is written in place of that step, and shifts no load."""
     last = step()
-    kept, before = kept_of(last), last.step.copy()
+    kept, before = kept_of(last), back(last)
     gap = CLOSING - np.sign(kept) * before
     found, _ = direction(gap, last)
     np.testing.assert_allclose(found, plain() + kept * before, rtol=0, atol=1e-12)
-    assert abs((found * last.response).sum()) < 1e-12
+    assert abs((found * last.displacement_before).sum()) < 1e-12
     assert abs(found.sum()) < 1e-12
-    np.testing.assert_array_equal(last.step, PRESSURE + 0.25 * found)
+    np.testing.assert_array_equal(last.before, PRESSURE + 0.25 * found)
 
 
 def test_a_step_that_would_be_uphill_is_the_plain_one() -> None:
@@ -85,7 +91,7 @@ def test_a_step_that_would_be_uphill_is_the_plain_one() -> None:
     downhill = (CLOSING * CLOSING).sum()
     for share, expected in ((2.0, False), (0.5, True)):
         last = step()
-        kept, before = kept_of(last), last.step.copy()
+        kept, before = kept_of(last), back(last)
         rises = share * downhill / (kept * (before * before).sum())
         found, _ = direction(CLOSING + rises * before, last)
         assert np.allclose(found, plain() + kept * before) == expected
@@ -94,7 +100,7 @@ def test_a_step_that_would_be_uphill_is_the_plain_one() -> None:
 
 def test_a_last_step_that_shifted_load_shifts_none_now() -> None:
     last = step(sum_of_step=0.5)
-    found, _ = direction(CLOSING - np.sign(kept_of(last)) * last.step, last)
+    found, _ = direction(CLOSING - np.sign(kept_of(last)) * back(last), last)
     assert not np.allclose(found, plain())
     assert abs(found.sum()) < 1e-12
 
@@ -102,7 +108,7 @@ def test_a_last_step_that_shifted_load_shifts_none_now() -> None:
 def test_a_last_step_that_bends_the_wrong_way_is_forgotten() -> None:
     last = step()
     for curvature in (0.0, -1.0):
-        found, _ = direction(CLOSING, PressureStep(last.step.copy(), last.response, curvature))
+        found, _ = direction(CLOSING, replace(last, before=last.before.copy(), curvature=curvature))
         np.testing.assert_allclose(found, plain(), rtol=0, atol=1e-13)
 
 

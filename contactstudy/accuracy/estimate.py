@@ -19,6 +19,7 @@ from contactstudy.accuracy.truncation import truncation
 from contactstudy.domain.checks import InvalidInput, NotDefined
 from contactstudy.domain.device import Precision
 from contactstudy.domain.fields import LARGE, Array, in_blocks, inner
+from contactstudy.domain.reuse import ArrayStore, open_store, reusing
 from contactstudy.problem.constraint import violation
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import is_layered
@@ -154,7 +155,9 @@ def error_estimate(
     if problem.source is None or not problem.source.ends_along:
         peak_images, l1_images = truncation(solution.pressure, problem.grid, problem.paddings)
     peak_residual, l1_residual = _residual(solution)
-    cells = _cells(solution, coarse, heights, confidence)
+    # the heights on several grids have the same waves
+    with reusing(open_store() or ArrayStore(problem.undeformed_gap.nbytes)):
+        cells = _cells(solution, coarse, heights, confidence)
     if reason := _thin_coat_warning(problem):
         cells = replace(
             cells,

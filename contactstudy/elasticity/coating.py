@@ -1,6 +1,7 @@
 """Influence coefficients that a bonded layer adds to those of a half-space of its own material."""
 
 from dataclasses import dataclass
+from math import log
 from typing import ClassVar
 
 import numpy as np
@@ -50,10 +51,14 @@ class CoatingDisplacement:
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
         """Return the response to an infinite row of images along y; x is a column, y a row."""
-        shift = 2 * dx * dy / period * np.log(self.datum)
-        image = shift + image_row(x, y, dx, dy, period, 2 * self.thickness)
+        image = image_row(x, y, dx, dy, period, 2 * self.thickness)
         remainder = self._remainder.row(x, y, dx, dy, period)
-        return np.asarray(remainder + self.response.contrast * image)
+        shift = self.rigid_shift(dx * dy / period)
+        return np.asarray(remainder + self.response.contrast * image + shift)
+
+    def rigid_shift(self, line: float) -> float:
+        """Return what the datum adds to the response to a row of images, each with the area `line` times the period."""
+        return self.response.contrast * 2 * line * log(self.datum)
 
     def lattice(
         self, x: Array, y: Array, dx: float, dy: float, width: float, period: float

@@ -1,7 +1,8 @@
 """Influence coefficients on a grid: every offset within one period, all images that a padding includes."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import log
 from typing import ClassVar, Protocol
 
 import numpy as np
@@ -70,8 +71,12 @@ class Displacement:
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
         """Return the response to an infinite row of images along y; x is a column, y a row."""
-        shift = 2 * dx * dy / period * np.log(self.datum)
+        shift = self.rigid_shift(dx * dy / period)
         return np.asarray(shift + boussinesq_cell_periodic(x, y, dx, dy, period))
+
+    def rigid_shift(self, line: float) -> float:
+        """Return what the datum adds to the response to a row of images, each with the area `line` times the period."""
+        return 2 * line * log(self.datum)
 
     def lattice(
         self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
@@ -98,6 +103,23 @@ class _Axis:
     def offsets(self) -> Array:
         """Offsets to evaluate (offsets,) [m]."""
         return np.arange(float(self.known)) * self.step
+
+
+def without_shift(
+    coefficients: Coefficients, grid: Grid, paddings: Paddings
+) -> tuple[Coefficients, float]:
+    """Return the coefficients with the datum 1 m where they have one, and the constant that they then lack on `grid`.
+
+    What takes long to compute is then equal for all data.
+    """
+    if not hasattr(coefficients, "rigid_shift"):
+        return coefficients, 0.0
+    rows = [axis.window for axis in paddings if axis.window is not None]
+    # with infinitely many images along one axis, each image across has its own shift
+    images = len(rows[0]) if len(rows) == 1 else 0
+    period = grid.extent[0 if paddings[0].window is None else 1]
+    unshifted: Coefficients = replace(coefficients, datum=1.0)  # type: ignore[type-var]
+    return unshifted, images * coefficients.rigid_shift(grid.cell_area / period)
 
 
 def kernel(grid: Grid, paddings: Paddings, coefficients: Coefficients) -> Array:

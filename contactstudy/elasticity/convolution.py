@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from threading import local
 
 import numpy as np
@@ -13,8 +13,9 @@ from contactstudy.domain.checks import InvalidInput, positive
 from contactstudy.domain.device import Cpu, Precision, arrays, device
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along
+from contactstudy.domain.reuse import reused
 from contactstudy.elasticity.approximate_inverse import ExactInverse, SpectralInverse, sampled
-from contactstudy.elasticity.coefficients import Coefficients, Displacement, kernel
+from contactstudy.elasticity.coefficients import Coefficients, Displacement, kernel, without_shift
 from contactstudy.elasticity.transforms import Waves, even_waves, scale, transforms
 
 # Axes of fewer cells than this are not coarsened: a coarser grid would no longer see the contact.
@@ -250,19 +251,25 @@ def superposed(
     """
     paddings = across_and_along(padding)
     padded = padded_cells(grid, paddings)
-    half: Array = sum(
-        (
-            weight * kernel(grid, paddings, coefficients)
-            for coefficients, weight in response.items()
-        ),
-        start=np.zeros(()),
-    )
-    # the coefficients are even along both axes, so their transform is real and even
+    spectra = []
+    for coefficients, weight in response.items():
+        unshifted, shift = without_shift(coefficients, grid, paddings)
+        key = unshifted, grid, paddings
+        found = reused(key, partial(_spectrum, *key))
+        # an array that is not kept for others is changed in place
+        spectrum = np.multiply(found, weight, out=found if found.flags.writeable else None)
+        spectrum[0, 0] += weight * shift * padded[0] * padded[1]
+        spectra.append(spectrum)
+    return Convolution(sum(spectra[1:], start=spectra[0]), grid.cells, padded)
+
+
+def _spectrum(coefficients: Coefficients, grid: Grid, paddings: Paddings) -> Array:
+    """Return the transform of influence coefficients that are even along both axes: it is real and even."""
+    half, padded = kernel(grid, paddings, coefficients), padded_cells(grid, paddings)
     for axis, points in enumerate(padded):
         half = _half_way_round(half, points, axis)
     half = even_waves(half, padded)
-    spectrum = np.concatenate([half, half[(padded[0] - 1) // 2 : 0 : -1]])
-    return Convolution(spectrum, grid.cells, padded)
+    return np.concatenate([half, half[(padded[0] - 1) // 2 : 0 : -1]])
 
 
 def antisymmetric(

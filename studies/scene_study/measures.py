@@ -87,7 +87,9 @@ def measures(
         measured["approach"].attrs["description"] = (
             f"counted from {result.datum:.4g} m beside the contact"
         )
-    description = "wall time of set-up and solve, beside other cases"
+    description = (
+        "wall time of set-up and solve, beside other cases with which it shares coefficients"
+    )
     measured["wall_time"] = labelled((), result.seconds, "s", "wall time", description=description)
     if result.solution.pressure.any():
         stiffness = normal_stiffness(result.solution)

@@ -1,6 +1,7 @@
 """Self-affine random roughness, the same surface on every grid."""
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from scipy import fft
@@ -18,6 +19,7 @@ from contactstudy.domain.checks import (
 )
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
+from contactstudy.domain.reuse import reused
 from contactstudy.domain.units import Metres, Number
 from contactstudy.scene.shapes.shape import Detail
 
@@ -201,7 +203,7 @@ class Roughness:
             rows = np.exp(2j * np.pi * (grid.x[:, None] * kx.T)) @ waves
         else:
             # with the phase of every wave at the first cell's centre
-            waves *= np.exp(2j * np.pi * kx * grid.x[0])
+            waves = waves * np.exp(2j * np.pi * kx * grid.x[0])
             rows = fft.ifft(_folded(waves, kx * grid.extent[0], nx), axis=0, norm="forward")
         rows *= np.exp(2j * np.pi * ky * grid.y[0])
         # the heights are real: the upper half of the waves is the lower half, conjugate
@@ -216,6 +218,11 @@ class Roughness:
         """Return complex amplitudes [m] of half the plane of waves, and their wave numbers [1/m]."""
         extent = self.extent or grid.extent
         divides("Roughness.extent[1]", extent[1], grid.period)
+        amplitudes = reused((self, extent), partial(self._amplitudes, extent))
+        return amplitudes, self._wave_numbers(extent)
+
+    def _wave_numbers(self, extent: tuple[float, float]) -> tuple[Array, Array]:
+        """Return the wave numbers [1/m] of half the plane of waves, across (x, 1) and along (1, y)."""
         most = [int(side / self.cut_off) for side in extent]
         if (2 * most[0] + 1) * (most[1] + 1) > MOST_WAVES:
             raise InvalidInput(
@@ -223,7 +230,11 @@ class Roughness:
                 f"or there are more than {MOST_WAVES:g} waves."
             )
         kx = np.arange(-most[0], most[0] + 1)[:, None] / extent[0]
-        ky = np.arange(most[1] + 1)[None, :] / extent[1]
+        return kx, np.arange(most[1] + 1)[None, :] / extent[1]
+
+    def _amplitudes(self, extent: tuple[float, float]) -> np.ndarray:
+        """Return complex amplitudes [m] of half the plane of waves on a surface of that `extent` [m]."""
+        kx, ky = self._wave_numbers(extent)
         # stretched along the lay, so that no wave is shorter than asked
         k = np.hypot(kx * max(self.peklenik, 1), ky * max(1 / self.peklenik, 1))
         density = np.maximum(k, 1 / self.roll_off) ** (-2 * (1 + self.hurst))
@@ -241,8 +252,8 @@ class Roughness:
         if isinstance(self.rms, RmsSlope):
             wave_number = 2 * np.pi * np.hypot(kx, ky)
             power = np.sum(np.abs(wave_number * waves) ** 2) / 2
-            return waves * (self.rms.slope / np.sqrt(power)), (kx, ky)
-        return waves * (self._rms / np.sqrt(power)), (kx, ky)
+            return np.asarray(waves * (self.rms.slope / np.sqrt(power)))
+        return np.asarray(waves * (self._rms / np.sqrt(power)))
 
 
 def _folded(waves: np.ndarray, numbers: np.ndarray, count: int) -> np.ndarray:

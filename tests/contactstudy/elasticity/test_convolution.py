@@ -3,6 +3,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 import contactstudy as cs
+from contactstudy.domain.reuse import ArrayStore, reusing
+from contactstudy.elasticity import convolution
 
 ALONG = [
     cs.ZeroPadding(),
@@ -173,3 +175,35 @@ def test_the_work_of_a_product_is_that_of_the_field(
         field = across[:, None] * along
         work = (field * apply(field)).sum()
         assert apply.work_of_product(across, along) == pytest.approx(work, rel=1e-12)
+
+
+@pytest.mark.parametrize("padding", PADDINGS, ids=str)
+def test_coefficients_are_shared_by_operators_of_one_grid(
+    padding: cs.Padding | cs.Paddings, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Loads and moduli change the datum and the weight, which cost nothing."""
+    coat = cs.CoatedHalfSpace(cs.HalfSpace(3.0, 0.3), 0.1, cs.HalfSpace(1.0, 0.2))
+    grid, computed = cs.Grid((8, 6), (1.0, 0.7)), []
+    computing = convolution.kernel
+    alone = [convolution.superposed(coat.response(datum), grid, padding) for datum in (0.5, 2.0)]
+    monkeypatch.setattr(
+        convolution, "kernel", lambda *given: computed.append(given) or computing(*given)
+    )
+    with reusing(ArrayStore(10**6)):
+        for datum, expected in zip((0.5, 2.0), alone, strict=True):
+            shared = convolution.superposed(coat.response(datum), grid, padding)
+            np.testing.assert_array_equal(shared.spectrum, expected.spectrum)
+    assert len(computed) == 2  # the coating's own, and the change by the substrate
+
+
+def test_a_datum_shifts_the_displacement_alone() -> None:
+    """Of infinitely many images along y, by the line load over pi E*, for each image across."""
+    pressure, _ = two((8, 6))
+    load = pressure.mean()  # over a width of 1
+    for across, images in ((cs.ZeroPadding(), 1), (cs.CircularSuperposition(1), 3)):
+        near, far = (
+            cs.convolution(2.0, cs.Grid((8, 6), (1.0, 0.7)), (across, cs.ExactPeriodicity()), datum)
+            for datum in (1.0, 3.0)
+        )
+        shift = images * 2 * load * np.log(3.0) / (np.pi * 2.0)
+        assert_allclose(far(pressure) - near(pressure), shift, rtol=1e-11)

@@ -4,9 +4,11 @@ import signal
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+import numpy as np
 import pytest
 import xarray as xr
 
+from contactstudy.domain.reuse import ArrayStore, reused
 from studies.engine.time_limit import timed_out
 from studies.engine.workers import compute
 from studies.engine.workers.compute import failed, time_once, timed
@@ -100,3 +102,21 @@ def test_an_alarm_ends_a_case_that_hangs_and_is_off_afterwards() -> None:
 def test_a_limit_longer_than_the_system_counts_is_one(monkeypatch: pytest.MonkeyPatch) -> None:
     assert compute.compute(Square(2.0), Work(WORK.measures, time_limit=1e300)).error == ""
     assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Sharing(Square):
+    def prepare(self) -> float:
+        return float(reused("number", lambda: np.array(self.number)))
+
+
+def test_cases_share_arrays_and_timed_runs_compute_their_own(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(compute, "SHARED", ArrayStore(100))
+    squares = [compute.compute(Sharing(number), WORK).variables["square"] for number in (2.0, 3.0)]
+    assert [float(square) for square in squares] == [4.0, 4.0]
+    prepared = []
+    monkeypatch.setattr(Sharing, "run", lambda _, number: prepared.append(number))
+    time_once(Sharing(5.0))
+    assert prepared == [5.0]

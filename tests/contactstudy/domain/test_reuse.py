@@ -1,0 +1,46 @@
+"""Arrays kept for equal arguments, where a store is open."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from contactstudy.domain.reuse import ArrayStore, reused, reusing
+
+
+def eight_bytes(computed: list[str], name: str) -> Callable[[], np.ndarray]:
+    def compute() -> np.ndarray:
+        computed.append(name)
+        return np.zeros(1)
+
+    return compute
+
+
+def test_without_a_store_nothing_is_kept() -> None:
+    computed: list[str] = []
+    for _ in range(2):
+        assert reused("key", eight_bytes(computed, "first")).flags.writeable
+    with reusing(ArrayStore(100)), reusing(None):
+        reused("key", eight_bytes(computed, "within"))
+    assert computed == ["first", "first", "within"]
+
+
+def test_equal_keys_have_one_array_that_cannot_be_changed() -> None:
+    computed: list[str] = []
+    with reusing(ArrayStore(100)):
+        first = reused((1, 0.3), eight_bytes(computed, "first"))
+        assert reused((1, 0.3), eight_bytes(computed, "equal")) is first
+        assert reused((1, 3 * 0.1), eight_bytes(computed, "other")) is not first
+    assert computed == ["first", "other"]
+    with pytest.raises(ValueError, match="read-only"):
+        first[0] = 1.0
+
+
+def test_a_store_keeps_the_last_used_that_it_has_room_for() -> None:
+    computed: list[str] = []
+    with reusing(ArrayStore(16)):
+        for name in ("a", "b", "a", "c", "a", "b"):
+            reused(name, eight_bytes(computed, name))
+        assert reused("large", lambda: np.zeros(3)).flags.writeable
+        reused("b", eight_bytes(computed, "b"))
+    assert computed == ["a", "b", "c", "b"]

@@ -67,26 +67,32 @@ class Subcell:
 
 @dataclass(frozen=True, eq=False)
 class _HiddenAlong:
-    """Heights hidden inside the cells along one `axis`, examined on so many `lines` (across, along).
+    """Heights hidden inside the cells along one `axis`, examined on some lines (across, along).
 
-    What cubics through the centres miss, `missed`, and what stands out, `standing`, are heights [m] in the cells of the
-    grid; `corner` and `kink` are slopes on the lines. What is needed only of shapes that name no scales is None.
+    What cubics through the centres miss, `missed`, and what stands out, `standing`, are heights [m]; `corner` and `kink`
+    are slopes. What is needed only of shapes that name no scales is None.
     """
 
     axis: int
-    lines: tuple[int, int]
     missed: Array
     corner: Array
-    standing: Array | None
-    kink: Array | None
+    standing: Array | None = None
+    kink: Array | None = None
 
-    def largest(self, slopes: Array, pressure: Array, rows: slice) -> float:
+    def in_rows(self, heights: Array, rows: slice, cells: tuple[int, ...]) -> Array:
+        """Return `heights` of the lines in some `rows` of all `cells` (across, along)."""
+        if self.axis == 0:
+            return on_cells(heights[rows], (len(range(cells[0])[rows]), cells[1]))
+        return on_cells(heights, (cells[0], cells[1]))[rows]
+
+    def largest(self, slopes: Array, pressure: Array, rows: slice, cells: tuple[int, ...]) -> float:
         """Return the largest of the `slopes` on the lines where a `pressure` acts, which is zero but in some `rows`."""
         if not slopes.any():
             return 0.0
-        everywhere = np.zeros_like(self.missed)
+        everywhere = np.zeros(cells)
         everywhere[rows] = pressure
-        return float(np.where(on_cells(everywhere, self.lines) > 0, slopes, 0.0).max())
+        lines = slopes.shape[0], slopes.shape[1]
+        return float(np.where(on_cells(everywhere, lines) > 0, slopes, 0.0).max())
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,11 +147,11 @@ class HeightsInside:
         for part in self.along:
             modulus = _modulus(problem, part.axis)
             stiffness, halving = modulus / problem.grid.cell[part.axis], modulus * log(2) / (2 * pi)
-            hidden += part.missed[rows] * stiffness
-            corner = max(corner, part.largest(part.corner, beside, rows) * halving)
+            hidden += part.in_rows(part.missed, rows, pressure.shape) * stiffness
+            corner = max(corner, part.largest(part.corner, beside, rows, pressure.shape) * halving)
             if part.standing is not None and part.kink is not None:
-                standing += part.standing[rows] * stiffness
-                kink = max(kink, part.largest(part.kink, beside, rows) * halving)
+                standing += part.in_rows(part.standing, rows, pressure.shape) * stiffness
+                kink = max(kink, part.largest(part.kink, beside, rows, pressure.shape) * halving)
         rise, peak = 0.0, float(bearing.max())
         if self.off_lines is not None:
             missed, stands, narrow, unseen = (field[rows] for field in self.off_lines)
@@ -183,10 +189,7 @@ def _hidden_along(problem: Problem, axis: int) -> _HiddenAlong | None:
         np.broadcast_to(axis_first(np.concatenate(fields, axis=1), axis), lines)
         for fields in zip(*examined, strict=True)
     ]
-    missed, corner = on_cells(on_lines[0], grid.cells), on_lines[1]
-    if source.names_scales:
-        return _HiddenAlong(axis, lines, missed, corner, None, None)
-    return _HiddenAlong(axis, lines, missed, corner, on_cells(on_lines[2], grid.cells), on_lines[3])
+    return _HiddenAlong(axis, *on_lines)
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ is a length: of one cell, of a row of its images along the length, of a lattice 
 """
 
 from collections.abc import Callable
-from functools import cache
+from functools import cache, lru_cache
 from itertools import pairwise
 from typing import Any
 
@@ -24,7 +24,7 @@ MIDDLE, MORE_MOMENTS = 10.0, 8
 # points leave rho^-16 ~ 1e-16.
 NEAR, NEAR_POINTS = 2.5, 8
 # Lines or images that are worked out together: for few cells, calls cost more than numbers.
-TOGETHER = 2**12
+TOGETHER = 2**13
 
 
 def boussinesq_cell(x: ArrayLike, y: ArrayLike, dx: ArrayLike, dy: ArrayLike) -> Array:
@@ -61,8 +61,10 @@ def boussinesq_cell(x: ArrayLike, y: ArrayLike, dx: ArrayLike, dy: ArrayLike) ->
     inverse = np.reciprocal(np.maximum(square, MULTIPOLES**2, out=square), out=square)
     cosine = np.asarray(across - along)
     cosine *= inverse
-    result = multipoles(cosine, inverse, elongation, FEW_MOMENTS)
-    result *= 4 * half_x * (half_y / diagonal)
+    result = np.empty(close.shape)
+    if not close.all():
+        result = multipoles(cosine, inverse, elongation, FEW_MOMENTS)
+        result *= 4 * half_x * (half_y / diagonal)
     if close.any():
         places = (np.broadcast_to(a, close.shape)[close] for a in (x, y))
         result[close] = _close(*places, *(_chosen(a, close) for a in (half_x, half_y)))
@@ -84,14 +86,15 @@ def multipoles(c: Array, q: Array, e: Array, terms: int) -> Array:
     ``c = cos 2 theta`` for the direction of r, ``q = (d / r)^2``, ``e = (dx^2 - dy^2) / (dx^2 + dy^2)``. It is
     ``sqrt(q)`` times the sum of ``q^k < (s / d)^2k P_2k(cos(r, s)) >``.
     """
-    shape = e.item() if e.size == 1 else e  # a number is faster than an array of one
+    # cells of one shape share their moments
+    moments = _moments_of_cell(terms, e.item()) if e.size == 1 else _polynomials(terms, e)
     total, moment = np.zeros_like(q), np.empty_like(q)
-    for polynomials in reversed(_moments(terms)):
+    for polynomial in reversed(moments):
         total *= q
-        moment[...] = _polynomial(polynomials[-1], shape)
-        for coefficients in polynomials[-2::-1]:
+        moment[...] = polynomial[-1]
+        for coefficient in polynomial[-2::-1]:
             moment *= c
-            moment += _polynomial(coefficients, shape)
+            moment += coefficient
         total += moment
     total *= np.sqrt(q, out=moment)
     return total
@@ -125,6 +128,14 @@ def _powers_of_sum(exponent: int, sign: int = 1) -> Array:
     """Return the coefficients of ``t^0, t^1, ...`` in ``(1 + sign t)^exponent``."""
     i = np.arange(exponent + 1)
     return np.asarray(binom(exponent, i) * float(sign) ** i)
+
+
+def _polynomials(terms: int, e: Any) -> list[list[Any]]:
+    """Return the coefficients (k, m) of ``c^m`` in the moments of a cell of elongation `e`, see :func:`multipoles`."""
+    return [[_polynomial(in_e, e) for in_e in moment] for moment in _moments(terms)]
+
+
+_moments_of_cell = lru_cache(maxsize=8)(_polynomials)
 
 
 def _polynomial(coefficients: list[float], t: Any) -> Any:

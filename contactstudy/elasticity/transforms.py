@@ -24,6 +24,10 @@ from contactstudy.domain.fields import Array, compiled_loops, in_blocks, in_part
 Waves = NDArray[np.complexfloating[Any, Any]]
 
 
+# Transforms of fewer numbers are not shared among threads: waking them takes longer than it saves.
+MANY = 2**17
+
+
 class Transforms(Protocol):
     """Pair of transforms; both may overwrite `work`, an array for the waves, where the library takes one."""
 
@@ -106,13 +110,13 @@ class Ducc:
         self._fft, self._misc = ducc0.fft, ducc0.misc
         self._lock, self._widened = Lock(), False
 
-    def _threads(self) -> int:
-        """Return the threads of the device, and widen ducc0's pool the first time that there are more than one.
+    def _threads(self, size: int) -> int:
+        """Return the threads for `size` numbers, and widen ducc0's pool the first time that there are more than one.
 
         ducc0 takes no more than ``OMP_NUM_THREADS`` allows, whatever a call asks for, and says nothing. While threads of
         its pool work, the pool must not change.
         """
-        count = threads()
+        count = threads() if size >= MANY else 1
         if count > 1 and not self._widened:
             with self._lock:
                 if not self._widened and hasattr(self._misc, "resize_thread_pool"):
@@ -133,19 +137,19 @@ class Ducc:
                 wide = np.zeros((nx, padded[1]), dtype=field.dtype)
                 wide[:, :ny] = field
                 field = wide
-            self._fft.r2c(field, axes=(1,), out=work[:nx], nthreads=self._threads())
+            self._fft.r2c(field, axes=(1,), out=work[:nx], nthreads=self._threads(field.size))
         work[nx:] = 0
-        self._fft.c2c(work, axes=(0,), out=work, nthreads=self._threads())
+        self._fft.c2c(work, axes=(0,), out=work, nthreads=self._threads(work.size))
         return work
 
     def backward(self, waves: Waves, cells: tuple[int, int], padded: tuple[int, int]) -> Array:
         """Return the field of `waves`: along x, then along y on the rows that are wanted."""
-        self._fft.c2c(waves, axes=(0,), forward=False, inorm=2, out=waves, nthreads=self._threads())
+        count = self._threads(waves.size)
+        self._fft.c2c(waves, axes=(0,), forward=False, inorm=2, out=waves, nthreads=count)
         rows = waves[: cells[0]]
         if padded[1] == 1:
             return rows.real.copy()
-        # in single precision, this one of ducc0 (0.42) takes twice as long as in double
-        if rows.dtype == np.complex64:
+        if _slow(rows, padded[1]):
             field = fft.irfft(rows, padded[1], axis=1, overwrite_x=True, workers=threads())
         else:
             field = self._fft.c2r(
@@ -154,7 +158,7 @@ class Ducc:
                 lastsize=padded[1],
                 forward=False,
                 inorm=2,
-                nthreads=self._threads(),
+                nthreads=count,
             )
         return np.ascontiguousarray(field[:, : cells[1]])
 
@@ -165,9 +169,11 @@ class Ducc:
 
     def filtered(self, field: Array, factors: Array, work: Waves | None) -> Array:
         """Return a periodic `field` with its waves multiplied by `factors`, by one call each way."""
-        count = self._threads()
+        count = self._threads(field.size)
         work = self._fft.r2c(field, axes=(0, 1), out=work, nthreads=count)
         scale(work, factors)
+        if _slow(work, field.shape[1]):
+            return self.backward(work, field.shape, field.shape)
         filtered: Array = self._fft.c2r(
             work,
             axes=(0, 1),
@@ -178,6 +184,11 @@ class Ducc:
             allow_overwriting_input=True,
         )
         return filtered
+
+
+def _slow(waves: Waves, along: int) -> bool:
+    """Return whether ducc0 (0.42) takes twice as long as scipy back to so many cells along: in single precision."""
+    return waves.dtype == np.complex64 and along > 512
 
 
 TRANSFORMS: Ducc | SciPy = Ducc() if find_spec("ducc0") else SciPy()

@@ -73,11 +73,11 @@ import ducc0, os, contactstudy as cs
 from contactstudy.domain.device import using
 import numpy as np
 before = ducc0.misc.thread_pool_size()
-operator = cs.convolution(1.0, cs.Grid((64, 48), (1.0, 0.7)), cs.ExactPeriodicity(), datum=1.0)
-operator(np.ones((64, 48)))
+operator = cs.convolution(1.0, cs.Grid((512, 384), (1.0, 0.7)), cs.ExactPeriodicity(), datum=1.0)
+operator(np.ones((512, 384)))
 assert ducc0.misc.thread_pool_size() == before == 1
 with using(cs.Cpu(2)):
-    operator(np.ones((64, 48)))
+    operator(np.ones((512, 384)))
 assert ducc0.misc.thread_pool_size() == os.cpu_count()
 """
     if not hasattr(import_module("ducc0").misc, "resize_thread_pool"):

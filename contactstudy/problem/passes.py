@@ -122,8 +122,7 @@ class ArrayPasses:
 
     def totals(self, cells: Array, closing: Array) -> tuple[float, ...]:
         """Return the number of `cells`, and the sum of the pressure that would close them."""
-        xp = arrays()
-        return sums(lambda *blocks: tuple(float(xp.sum(block)) for block in blocks), cells, closing)
+        return sums(lambda *blocks: tuple(map(_sum, blocks)), cells, closing)
 
     def products(self, *fields: Array) -> tuple[float, ...]:
         """Return the sums that make a direction conjugate to the last step, which counts from its end to its beginning.
@@ -137,15 +136,15 @@ class ArrayPasses:
             height: Array, closing: Array, cells: Array, before: Array, after: Array,
             moved_before: Array, moved_after: Array,
         ) -> tuple[float, ...]:  # fmt: skip
-            change, response, xp = cells * (before - after), moved_before - moved_after, arrays()
+            change, response = cells * (before - after), moved_before - moved_after
             return (
-                float(xp.sum(cells)),
-                float(xp.sum(closing)),
+                _sum(cells),
+                _sum(closing),
                 dot(height, closing),
                 dot(closing, response),
                 dot(cells, response),
                 dot(height, change),
-                float(xp.sum(change)),
+                _sum(change),
             )
 
         return sums(sums_of, *fields)
@@ -334,6 +333,12 @@ class CompiledPasses:
             share,
             self._limit,
         )
+
+
+def _sum(field: Array) -> float:
+    """Return the sum of a field, taken in double precision: a load in single precision would have to be levelled."""
+    xp = arrays()
+    return float(xp.sum(field, dtype=xp.float64))
 
 
 def _single(undeformed_gap: Array) -> Precision | None:

@@ -55,6 +55,14 @@ STIFF_COAT, IN_COAT, COAT_FACTOR = 2.0, 8, 3.5
 SHARP_EDGE = "a sharp edge or corner"
 # L1 error above which the peak pressure is not known either.
 LOST = 0.5
+UNKNOWN_HEIGHTS = (
+    "No bound by the cells: Problem.source does not say the heights on other grids, so nothing is "
+    "known of them between the cell centres; make the problem from a Scene."
+)
+STANDING_OUT = (
+    "No bound by the cells: between their centres the surface stands out by more than the contact "
+    "presses it in; give more cells, or the shape a `detail` that names its finest length."
+)
 
 
 @dataclass(frozen=True)
@@ -107,7 +115,7 @@ def error_estimate(
 
     Where heights and edges are smooth, the solution itself shows them. Otherwise the same contact is solved once more
     on cells of twice the size, its heights sampled anew, and the heights are examined inside the cells. That costs
-    two to three solves of a hundred cells a side, and about one of some hundred. An error is infinite, with the
+    up to two solves of a hundred cells a side, and half of one of some hundred. An error is infinite, with the
     reason in ``warnings``, where no bound can be given: no solution, a contact cut off, the pressure at a sharp edge,
     heights finer than the cells.
 
@@ -199,27 +207,16 @@ def _cells(
     pressure = solution.pressure[around_contact(solution.pressure)]
     assert problem.paddings is not None
     wraps = problem.paddings[0].wraps, problem.paddings[1].wraps
-    peak, l1 = discretisation(pressure, wraps)
-    area = contact_area(pressure, wraps)
-    if solution.status is Status.CONTACT_AT_EDGE:
-        reason = "No bound: the contact is cut off at the edge of the grid, give Grid.extent a larger one."
-        return _Cells(inf, inf, inf, inf, (reason,))
-    if reason := _unresolved_length(problem):
+    if reason := _cut_off(solution) or _unresolved_length(problem):
         return _Cells(inf, inf, inf, inf, (reason,))
     heights = heights or HeightsInside.from_problem(problem, confidence)
     if heights is None:
-        reason = (
-            "No bound by the cells: Problem.source does not say the heights on other grids, so nothing is "
-            "known of them between the cell centres; make the problem from a Scene."
-        )
-        return _Cells(inf, inf, inf, inf, (reason,))
+        return _Cells(inf, inf, inf, inf, (UNKNOWN_HEIGHTS,))
     inside = heights.under(problem, solution.pressure)
     if inside.stands_out:
-        reason = (
-            "No bound by the cells: between their centres the surface stands out by more than the contact "
-            "presses it in; give more cells, or the shape a `detail` that names its finest length."
-        )
-        return _Cells(inf, inf, inf, inf, (reason,))
+        return _Cells(inf, inf, inf, inf, (STANDING_OUT,))
+    peak, l1 = discretisation(pressure, wraps)
+    area = contact_area(pressure, wraps)
     yields, sharp_end = _at_hardness(solution), _at_sharp_end(problem, pressure)
     ends = problem.source is not None and problem.source.ends_along
     at_end = ends and pressure[:, [0, -1]].any()
@@ -254,6 +251,15 @@ def _cells(
     )
     return _with_area_warning(
         _unbounded(estimate, problem, inside, changes, sharp_end=sharp_end, exact=yields or bounded)
+    )
+
+
+def _cut_off(solution: Solution) -> str:
+    """Return a sentence if the contact is cut off at the edge of the grid, else an empty string."""
+    if solution.status is not Status.CONTACT_AT_EDGE:
+        return ""
+    return (
+        "No bound: the contact is cut off at the edge of the grid, give Grid.extent a larger one."
     )
 
 

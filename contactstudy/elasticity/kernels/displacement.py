@@ -61,7 +61,7 @@ def boussinesq_cell(x: ArrayLike, y: ArrayLike, dx: ArrayLike, dy: ArrayLike) ->
     inverse = np.reciprocal(np.maximum(square, MULTIPOLES**2, out=square), out=square)
     cosine = np.asarray(across - along)
     cosine *= inverse
-    result = np.empty(close.shape)
+    result: Array = np.empty(close.shape)
     if not close.all():
         result = multipoles(cosine, inverse, elongation, FEW_MOMENTS)
         result *= 4 * half_x * (half_y / diagonal)

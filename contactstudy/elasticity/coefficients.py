@@ -71,8 +71,9 @@ class Displacement:
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
         """Return the response to an infinite row of images along y; x is a column, y a row."""
-        shift = self.rigid_shift(dx * dy / period)
-        return np.asarray(shift + boussinesq_cell_periodic(x, y, dx, dy, period))
+        response = boussinesq_cell_periodic(x, y, dx, dy, period)
+        response += self.rigid_shift(dx * dy / period)
+        return response
 
     def rigid_shift(self, line: float) -> float:
         """Return what the datum adds to the response to a row of images, each with the area `line` times the period."""
@@ -159,13 +160,13 @@ def _summed(coefficients: Callable[[Array], Array], axis: _Axis, parity: int) ->
     """
     window, count = axis.padding.window, axis.cells
     assert window is not None
-    total: Array | float = 0.0
+    total: Array | None = None
     for period in range(max(window[-1], -window[0] - 1), -1, -1):
         is_ahead, is_behind = period in window, -period - 1 in window
         distances = np.arange(count + 1.0) if is_behind else np.arange(float(axis.known))
         block = coefficients((period * count + distances) * axis.step)
-        if is_ahead:
-            total = total + block[: axis.known]
-        if is_behind:
-            total = total + parity * block[: -axis.known - 1 : -1]
+        images = [block[: axis.known]] if is_ahead else []
+        images += [parity * block[: -axis.known - 1 : -1]] if is_behind else []
+        for image in images:
+            total = image if total is None else np.add(total, image)
     return np.asarray(total)

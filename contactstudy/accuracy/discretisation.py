@@ -1,6 +1,7 @@
 """Errors by the cells of constant pressure, from the pressure found on them."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contactstudy.accuracy.contact_edge import edge_error, edge_place
 from contactstudy.domain.fields import Array
@@ -61,21 +62,29 @@ def discretisation(pressure: Array, wraps: tuple[bool, bool]) -> tuple[float, fl
         bend -= 2 * along
         np.abs(bend, out=bend)
         touching = padded > 0
-        inside = touching[1:-1]
-        l1 += (bend * (inside & touching[:-2] & touching[2:])).sum() / 12
-        for outer, inner in ((touching[:-2], after), (touching[2:], before)):
-            end = inside & ~outer
-            last, second = along[end], inner[end]
-            l1 += edge_error(last, second).sum()
-            # a plateau ends half-way in its last cell, which has the mean pressure
-            plateau = last[second >= level]
-            l1 += np.minimum(plateau, level - plateau).sum()
+        l1 += (bend * (touching[:-2] & touching[1:-1] & touching[2:])).sum() / 12
+        last, second = _ends(padded, touching)
+        l1 += edge_error(last, second).sum()
+        # a plateau ends half-way in its last cell, which has the mean pressure
+        plateau = last[second >= level]
+        l1 += np.minimum(plateau, level - plateau).sum()
         place = highest[::-1] if axis else highest
         slope, bent = float(after[place] - before[place]) / 2, float(bend[place])
         # the parabola's vertex is slope / bent cells away
         beside += slope**2 / bent / 2 - bent / 24 if bent > 0 else 0.0
         edges = max(edges, EDGES * bent)
     return (abs(beside) + edges) / level, float(l1 / pressure.sum())
+
+
+def _ends(padded: Array, touching: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Return the pressures of all cells at an end of a row of `touching` cells, and of their neighbours inward.
+
+    The rows run along the first axis, and `padded` has one more cell at either end.
+    """
+    first, last = (touching[1:-1] & ~beyond for beyond in (touching[:-2], touching[2:]))
+    along, before, after = padded[1:-1], padded[:-2], padded[2:]
+    ends = np.concatenate([along[first], along[last]])
+    return ends, np.concatenate([after[first], before[last]])
 
 
 # Uncertainty of the place of an edge in cells: of each one, of the mean of all, and at the end of a plateau.
@@ -102,16 +111,12 @@ def contact_area(pressure: Array, wraps: tuple[bool, bool]) -> float:
         if len(along) == 1:
             continue
         padded = with_ends(along, 1, wraps=is_periodic)
-        touching = padded > 0
-        beyond, uncertain, ends = 0.0, 0.0, 0
-        for outer, inner in ((touching[:-2], padded[2:]), (touching[2:], padded[:-2])):
-            end = touching[1:-1] & ~outer
-            last, second = along[end], inner[end]
-            # a plateau ends anywhere in its last cell; a straight one at the same place in every row
-            plateau = second >= highest
-            uncertain += HALF * np.count_nonzero(plateau)
-            beyond += float((0.5 - edge_place(last[~plateau], second[~plateau])).sum())
-            ends += len(last) - int(np.count_nonzero(plateau))
-        excess = max(excess, abs(beyond) + ALL * ends + EACH * ends**0.5 + uncertain)
+        last, second = _ends(padded, padded > 0)
+        # a plateau ends anywhere in its last cell; a straight one at the same place in every row
+        smooth = second < highest
+        ends = int(np.count_nonzero(smooth))
+        beyond = float((0.5 - edge_place(last[smooth], second[smooth])).sum())
+        uncertain = ALL * ends + EACH * ends**0.5 + HALF * (len(last) - ends)
+        excess = max(excess, abs(beyond) + uncertain)
     share = excess / cells
     return share / (1 - share) if share < 1 else float("inf")

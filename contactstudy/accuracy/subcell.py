@@ -9,7 +9,7 @@ import numpy as np
 from contactstudy.accuracy.coarser import on_cells
 from contactstudy.accuracy.discretisation import around_contact, axis_first, with_ends
 from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.fields import BLOCK, Array
+from contactstudy.domain.fields import BLOCK, Array, product
 from contactstudy.domain.grid import Grid
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.problem.problem import Problem
@@ -31,6 +31,8 @@ RISE = 2.0 * pi / 2
 SHOWN = 0.5
 # Share of the bend of three cells between two neighbouring points from which it is a corner; a smooth surface has 1/6.
 CORNER = 0.7
+# The cubic through the last four points of a row, at the second and the first place beyond them.
+BEYOND = np.array([[10.0, -20.0, 15.0, -4.0], [4.0, -6.0, 4.0, -1.0]])
 # Powers n - 1 of a height |x|^n: the one from which a bend counts as smooth, and the least one that is no corner.
 SMOOTH, FLATTEST = 0.95, 0.1
 
@@ -236,7 +238,8 @@ def _off_lines(problem: Problem, confidence: float) -> tuple[Array, Array, Array
         points = np.broadcast_to(
             heights(_Beside(grid.cells, grid.extent, (across, along))), grid.cells
         )
-        smooth = _cubic(_extended(_cubic(beside, across).T, wraps=wraps[1]), along).T
+        smooth = _cubics(beside, (across,))[0]
+        smooth = _cubics(_extended(smooth.T, wraps=wraps[1]), (along,))[0].T
         np.maximum(missed, np.abs(points - smooth), out=missed)
         squares += (points - smooth) ** 2
         np.minimum(lowest, points, out=lowest)
@@ -252,41 +255,35 @@ def _off_lines(problem: Problem, confidence: float) -> tuple[Array, Array, Array
     return missed, stands, np.sqrt(2 * share / pi), np.maximum(missed - SHOWN * shown, 0)
 
 
-def _cubic(extended: Array, place: float) -> Array:
-    """Return the cubics through four neighbouring points, at `place` cells from each centre.
+def _cubics(extended: Array, places: tuple[float, ...]) -> Array:
+    """Return the cubics through four neighbouring points, at `places` in cells from each centre (places, n, lines).
 
-    The points (n + 4, ...) are the centres, `extended` by two at either end.
+    The points (n + 4, lines) are the centres, `extended` by two at either end.
     """
     count = len(extended) - 4
-    nodes = _nodes(place)
-    total, term = (np.zeros((count, *extended.shape[1:])) for _ in range(2))
-    for node, weight in zip(nodes, _weights(place), strict=True):
-        total += np.multiply(weight, extended[2 + node : 2 + node + count], out=term)
-    return total
-
-
-def _nodes(place: float) -> range:
-    """Return the four nodes of a cubic nearest to a `place`, in cells from the centre."""
-    return range(-1, 3) if place > 0 else range(-2, 2)
+    nodes = np.stack([extended[node : node + count] for node in range(5)])
+    weights = np.array([_weights(place) for place in places])
+    return product(weights, nodes.reshape(5, -1)).reshape(len(places), *nodes.shape[1:])
 
 
 @cache
 def _weights(place: float) -> tuple[float, ...]:
-    """Return the weights of the four nodes of a cubic at a `place`, see :func:`_cubic`."""
-    nodes = _nodes(place)
+    """Return the weights of a centre and two more on either side in the cubic at a `place`: one of the five is zero."""
+    nodes = range(-1, 3) if place > 0 else range(-2, 2)
     return tuple(
-        prod((place - near) / (node - near) for near in nodes if near != node) for node in nodes
+        prod((place - near) / (node - near) for near in nodes if near != node)
+        if node in nodes
+        else 0.0
+        for node in range(-2, 3)
     )
 
 
 def _extended(centres: Array, *, wraps: bool) -> Array:
-    """Return `centres` (n, ...) with two more at either end: those of a closed axis, or of the last cubic."""
+    """Return `centres` (n, lines) with two more at either end: those of a closed axis, or of the last cubic."""
     padded = with_ends(centres, 2, wraps=wraps)
     if not wraps:
-        for ghost in (1, 0):
-            for side in (padded, padded[::-1]):
-                first, second, third, fourth = side[ghost + 1 : ghost + 5]
-                side[ghost] = 4 * first - 6 * second + 4 * third - fourth
+        for side in (padded, padded[::-1]):
+            side[:2] = product(BEYOND, side[2:6])
     return padded
 
 
@@ -355,11 +352,9 @@ class HeightsAlong:
         padded = np.ascontiguousarray(_extended(centres, wraps=wraps))
         inside = np.ascontiguousarray(inside)  # along the length they are not, which takes longer
         heights = inside.reshape(count, points, -1)
-        missed = np.zeros_like(heights[:, 0])
-        for point in range(points):
-            cubic = _cubic(padded, (point + 0.5) / points - 0.5)
-            cubic -= heights[:, point]
-            np.maximum(missed, np.abs(cubic, out=cubic), out=missed)
+        missed = _cubics(padded, tuple((point + 0.5) / points - 0.5 for point in range(points)))
+        missed -= heights.swapaxes(0, 1)
+        missed = np.abs(missed, out=missed).max(axis=0)
         bends = np.diff(with_ends(inside, 1, wraps=wraps), n=2, axis=0)
         np.maximum(bends, 0, out=bends)
         bends *= points / step

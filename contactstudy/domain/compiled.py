@@ -45,7 +45,7 @@ def level(
         results[i, 0], results[i, 1] = heights, cells
 
 
-@exact
+@summing
 def measured(
     undeformed: Array, displacement: Array, pressure: Array, approach: float, limit: float,
     height: Array, results: Array,
@@ -56,35 +56,25 @@ def measured(
     largest violation of other cells, and the largest displacement.
     """
     columns = height.shape[1]
-    bound, worst, farthest = np.empty(columns), np.zeros(columns), np.zeros(columns)
+    # column by column: the largest of a row is found one by one
+    worst, farthest = np.zeros(columns), np.zeros(columns)
     for i in range(height.shape[0]):
+        borne, moment, free_borne = 0.0, 0.0, 0.0
         for j in range(columns):
-            height[i, j] = undeformed[i, j] + displacement[i, j] - approach
-        for j in range(columns):
-            bearing = pressure[i, j]
-            bound[j] = (1.0 if bearing >= limit else 0.0) - (1.0 if bearing == 0 else 0.0)
-        results[i, 0], results[i, 1], results[i, 2] = _row_sums(pressure[i], height[i], bound)
-        results[i, 3], results[i, 4] = 0.0, 0.0
-        # column by column: the largest of a row is found one by one
-        for j in range(columns):
-            violation = bound[j] * height[i, j]
+            bearing, moved = pressure[i, j], displacement[i, j]
+            gap = undeformed[i, j] + moved - approach
+            height[i, j] = gap
+            empty, full = bearing == 0, bearing >= limit
+            free = 0.0 if empty | full else bearing
+            borne += bearing
+            moment += free * abs(gap)
+            free_borne += free
+            violation = -gap if empty else (gap if full else 0.0)
             worst[j] = violation if violation > worst[j] else worst[j]
-        for j in range(columns):
-            size = abs(displacement[i, j])
-            farthest[j] = size if size > farthest[j] else farthest[j]
+            farthest[j] = abs(moved) if abs(moved) > farthest[j] else farthest[j]
+        results[i, 0], results[i, 1], results[i, 2] = borne, moment, free_borne
+        results[i, 3], results[i, 4] = 0.0, 0.0
     results[0, 3], results[0, 4] = worst.max(), farthest.max()
-
-
-@summing
-def _row_sums(pressure: Array, height: Array, bound: Array) -> Any:
-    """Return the load of a row, the moment of the gap over its free cells, and their load."""
-    borne, moment, free_borne = 0.0, 0.0, 0.0
-    for j in range(pressure.size):
-        free = 1.0 - abs(bound[j])
-        borne += pressure[j]
-        moment += pressure[j] * abs(height[j]) * free
-        free_borne += pressure[j] * free
-    return borne, moment, free_borne
 
 
 @exact
@@ -180,11 +170,11 @@ def trial(
             ahead = pressure[i, j] + change
             work += height[i, j] * change
             cut += 1.0 if (ahead < 0) | (ahead > limit) else 0.0
-            step[i, j] = 0.0 if ahead <= 0 else ahead  # and nan stays
-        for j in range(columns):
-            load += step[i, j]
-            bearing += 1.0 if step[i, j] > 0 else 0.0
-            largest[j] = step[i, j] if step[i, j] > largest[j] else largest[j]
+            ahead = 0.0 if ahead <= 0 else ahead  # and nan stays
+            step[i, j] = ahead
+            load += ahead
+            bearing += 1.0 if ahead > 0 else 0.0
+            largest[j] = ahead if ahead > largest[j] else largest[j]
         results[i, 0], results[i, 1], results[i, 2], results[i, 3] = cut, load, bearing, work
         results[i, 4] = 0.0
     results[0, 4] = largest.max()
@@ -278,10 +268,12 @@ def scale(waves: Any, factors: Array) -> None:
 @exact
 def block_means(field: Array, means: Array, begin: int, end: int) -> None:
     """Write the means of a field over blocks of 2 x 2 cells, for the blocks of rows `begin` to `end`."""
+    quarter = means.dtype.type(0.25)
     for k in range(begin, end):
-        line = field[2 * k] + field[2 * k + 1]
         for m in range(means.shape[1]):
-            means[k, m] = (line[2 * m] + line[2 * m + 1]) / 4
+            upper = field[2 * k, 2 * m] + field[2 * k, 2 * m + 1]
+            lower = field[2 * k + 1, 2 * m] + field[2 * k + 1, 2 * m + 1]
+            means[k, m] = quarter * (upper + lower)
 
 
 @exact
@@ -313,35 +305,39 @@ def filled(
     `contact` is 1 in the contact and 0 elsewhere; `displacement` is zero outside it.
     """
     rows, columns = blocks.shape
+    one, most, least = blocks.dtype.type(1), blocks.dtype.type(0.75), blocks.dtype.type(0.25)
     near = np.empty(columns + 2, dtype=displacement.dtype)  # one more at either end, once round
     line = np.empty(2 * columns, dtype=displacement.dtype)
     for i in range(2 * begin, 2 * end):
         k = i // 2
         far = (k + (1 if i % 2 else rows - 1)) % rows
         for j in range(columns):
-            near[j + 1] = 0.75 * blocks[k, j] + 0.25 * blocks[far, j]
+            near[j + 1] = most * blocks[k, j] + least * blocks[far, j]
         near[0], near[columns + 1] = near[columns], near[1]
         for m in range(columns):
-            most = 0.75 * near[m + 1]
-            line[2 * m] = most + 0.25 * near[m]
-            line[2 * m + 1] = most + 0.25 * near[m + 2]
+            middle = most * near[m + 1]
+            line[2 * m] = middle + least * near[m]
+            line[2 * m + 1] = middle + least * near[m + 2]
         for j in range(2 * columns):
-            extended[i, j] = line[j] * (1 - contact[i, j]) + displacement[i, j]
+            extended[i, j] = line[j] * (one - contact[i, j]) + displacement[i, j]
 
 
 @exact
 def filled_transposed(pressure: Array, contact: Array, blocks: Array, begin: int, end: int) -> None:
     """Gather the pressure outside the contact to blocks: the transpose of :func:`filled`."""
     rows, columns = blocks.shape
+    one, most, least = blocks.dtype.type(1), blocks.dtype.type(0.75), blocks.dtype.type(0.25)
     line = np.zeros(2 * columns + 2, dtype=pressure.dtype)  # one more at either end, once round
     for k in range(begin, end):
+        first, last = 2 * k, 2 * k + 1
+        above, below = (first - 1) % (2 * rows), (last + 1) % (2 * rows)
         for j in range(2 * columns):
-            line[j + 1] = 0.75 * ((1 - contact[2 * k, j]) * pressure[2 * k, j])
-        for part, share in ((1, 0.75), (2, 0.25), (-1, 0.25)):
-            i = (2 * k + part) % (2 * rows)
-            for j in range(2 * columns):
-                line[j + 1] += share * ((1 - contact[i, j]) * pressure[i, j])
+            inner = (one - contact[first, j]) * pressure[first, j]
+            inner += (one - contact[last, j]) * pressure[last, j]
+            outer = (one - contact[above, j]) * pressure[above, j]
+            outer += (one - contact[below, j]) * pressure[below, j]
+            line[j + 1] = most * inner + least * outer
         line[0], line[2 * columns + 1] = line[2 * columns], line[1]
         for m in range(columns):
-            most = 0.75 * (line[2 * m + 1] + line[2 * m + 2])
-            blocks[k, m] = most + 0.25 * (line[2 * m] + line[2 * m + 3])
+            middle, ends = line[2 * m + 1] + line[2 * m + 2], line[2 * m] + line[2 * m + 3]
+            blocks[k, m] = most * middle + least * ends

@@ -22,7 +22,7 @@ LARGE = 2**14
 # In rows of fewer cells, the overhead of a compiled loop exceeds its work.
 NARROWEST = 4
 # Smallest number of cells for a thread: waking a thread takes as long as a pass over about 100 000 cells.
-PART = 2**18
+PART = 2**17
 
 
 def in_blocks(work: Callable[..., T], *fields: Numbers) -> list[T]:
@@ -38,7 +38,7 @@ def in_blocks(work: Callable[..., T], *fields: Numbers) -> list[T]:
         return [work(*(field[block, :] for field in fields)) for block in blocks]
 
     blocks = _blocks(*fields[0].shape)
-    return [result for part in _shared(in_turn, blocks) for result in part]
+    return [result for part in _shared(in_turn, blocks, fields[0].size) for result in part]
 
 
 def sums(work: Callable[..., tuple[float, ...]], *fields: Array) -> tuple[float, ...]:
@@ -79,10 +79,10 @@ def _blocks(rows: int, columns: int) -> list[slice]:
     return [slice(begin, min(begin + step, rows)) for begin in range(0, rows, step)]
 
 
-def _shared(work: Callable[[list[slice]], T], blocks: list[slice]) -> list[T]:
-    """Give each thread a part of the `blocks` to work on, and return all results in order."""
-    count = min(threads(), len(blocks))
-    if count == 1:
+def _shared(work: Callable[[list[slice]], T], blocks: list[slice], cells: int) -> list[T]:
+    """Give each thread a part of the `blocks` of a field of that many `cells`, and return all results in order."""
+    count = min(threads(), len(blocks), cells // PART)
+    if count <= 1:
         return [work(blocks)]
     size = -(-len(blocks) // count)
     parts = [blocks[begin : begin + size] for begin in range(0, len(blocks), size)]

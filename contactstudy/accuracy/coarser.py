@@ -129,10 +129,10 @@ def start_from(coarse: Solution, problem: Problem) -> Array:
 
 def _unknown_to(source: Source, problem: Problem) -> Array | None:
     """Return the heights (x, y) [m] in `problem` that its source does not contain; None where there are none."""
-    known = source.gap(problem.grid)
-    if problem.undeformed_gap is known:
+    heights = source.gap(problem.grid)
+    if problem.undeformed_gap is heights:
         return None
-    added = problem.undeformed_gap - known
+    added = problem.undeformed_gap - heights
     if not added.any():
         return None
     largest_gap = np.abs(problem.undeformed_gap).max()

@@ -284,8 +284,8 @@ def _sampling_error(solution: Solution, coarse: Problem | None = None) -> float:
     problem, mean_gap, means = solution.problem, solution.mean_gap, []
     if problem.source is None or not mean_gap > 0:
         return 0.0
-    known = coarse.source if coarse is not None and coarse.source is not None else problem.source
-    for source, grid in ((problem.source, problem.grid), (known, halved(problem.grid))):
+    sources = problem.source, (coarse and coarse.source) or problem.source
+    for source, grid in zip(sources, (problem.grid, halved(problem.grid)), strict=True):
         try:
             rows = source.gap(grid).mean(axis=0)
         except InvalidInput:

@@ -184,9 +184,10 @@ def _hidden_along(problem: Problem, axis: int) -> _HiddenAlong | None:
     for begin in range(0, points.shape[1], together):
         beside = slice(begin, begin + together)
         parts = centres[:, beside], points[:, beside]
-        found = HeightsAlong.from_heights(*parts, grid.cell[axis], wraps=paddings[axis].wraps)
-        known = found.missed, found.corner()
-        examined.append(known if source.names_scales else (*known, found.standing, found.kink()))
+        heights = HeightsAlong.from_heights(*parts, grid.cell[axis], wraps=paddings[axis].wraps)
+        of_any = heights.missed, heights.corner()
+        of_unknown = () if source.names_scales else (heights.standing, heights.kink())
+        examined.append((*of_any, *of_unknown))
     on_lines = [
         np.broadcast_to(axis_first(np.concatenate(fields, axis=1), axis), lines)
         for fields in zip(*examined, strict=True)

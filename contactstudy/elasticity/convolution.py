@@ -255,9 +255,10 @@ def superposed(
     for coefficients, weight in response.items():
         unshifted, shift = without_shift(coefficients, grid, paddings)
         key = unshifted, grid, paddings
-        found = reused(key, partial(_spectrum, *key))
+        transform = reused(key, partial(_spectrum, *key))
         # an array that is not kept for others is changed in place
-        spectrum = np.multiply(found, weight, out=found if found.flags.writeable else None)
+        target = transform if transform.flags.writeable else None
+        spectrum = np.multiply(transform, weight, out=target)
         spectrum[0, 0] += weight * shift * padded[0] * padded[1]
         spectra.append(spectrum)
     return Convolution(sum(spectra[1:], start=spectra[0]), grid.cells, padded)
@@ -331,10 +332,11 @@ def _half_way_round(coefficients: Array, points: int, axis: int) -> Array:
 
     Points that no pair of cells uses repeat the last known coefficients.
     """
-    known, wanted = coefficients.shape[axis], points // 2 + 1
-    if known == wanted:
+    n_known, n_offsets = coefficients.shape[axis], points // 2 + 1
+    if n_known == n_offsets:
         return coefficients
-    return np.asarray(np.take(coefficients, np.minimum(np.arange(wanted), known - 1), axis))
+    offsets = np.minimum(np.arange(n_offsets), n_known - 1)
+    return np.asarray(np.take(coefficients, offsets, axis))
 
 
 def _around(known: int, padded: int) -> np.ndarray[tuple[int], np.dtype[np.intp]]:

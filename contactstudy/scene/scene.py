@@ -376,8 +376,8 @@ class Scene:
         """Return the source from which the problem is made again on grids other than `grid`."""
         shapes = sized(self.shapes, grid)
         # a scene that stays the same is not checked again
-        same = all(map(is_, shapes, self.shapes))
-        scene = self if same else replace(self, shapes=shapes)
+        unchanged = all(map(is_, shapes, self.shapes))
+        scene = self if unchanged else replace(self, shapes=shapes)
         ended = ends_along(self.shapes, grid)
         return ShapesSource(scene.shapes, ended, lambda other: scene.problem(other, padding))
 

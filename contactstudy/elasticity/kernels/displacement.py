@@ -76,8 +76,8 @@ def _chosen(lengths: Array, cells: NDArray[np.bool_]) -> Array:
     if lengths.size == 1 != cells.size:
         return lengths.ravel()
     # a broadcast that changes nothing takes as long as the arithmetic on some hundred cells
-    same = lengths.shape == cells.shape
-    return (lengths if same else np.broadcast_to(lengths, cells.shape))[cells]
+    is_full = lengths.shape == cells.shape
+    return (lengths if is_full else np.broadcast_to(lengths, cells.shape))[cells]
 
 
 def multipoles(c: Array, q: Array, e: Array, terms: int) -> Array:

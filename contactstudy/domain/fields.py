@@ -50,15 +50,18 @@ def sums(work: Callable[..., tuple[float, ...]], *fields: Array) -> tuple[float,
 def in_parts(work: Callable[[slice], object], shape: tuple[int, ...]) -> None:
     """Call `work` on one part of the rows of a field of that `shape` in each thread.
 
-    Every part but the last has an even number of rows. `work` may only use compiled loops, since no device is set in
-    other threads.
+    Every part but the last has an even number of rows. The part of this thread is larger, by as much as it does while
+    the others wake. `work` may only use compiled loops, since no device is set in other threads.
     """
     rows, columns = shape
     count = max(1, min(threads(), rows * columns // PART))
-    size = max(2, -(-rows // count // 2) * 2)
-    first, *later = (slice(begin, min(begin + size, rows)) for begin in range(0, rows, size))
-    futures = [_pool(count - 1).submit(work, part) for part in later]
-    work(first)
+    lead = PART // 2 // columns // 2 * 2 if count > 1 else 0
+    size = max(2, -(-(rows - lead) // count // 2) * 2)
+    begins = range(lead + size, rows, size)
+    futures = [
+        _pool(count - 1).submit(work, slice(begin, min(begin + size, rows))) for begin in begins
+    ]
+    work(slice(0, min(lead + size, rows)))
     for future in futures:
         future.result()
 

@@ -24,8 +24,8 @@ from contactstudy.domain.fields import Array, compiled_loops, in_blocks, in_part
 Waves = NDArray[np.complexfloating[Any, Any]]
 
 
-# Transforms of fewer numbers are not shared among threads: waking them takes longer than it saves.
-MANY = 2**17
+# Transforms of no more numbers are not shared among threads: waking them takes longer than it saves.
+MANY = 2**16
 
 
 class Transforms(Protocol):
@@ -116,7 +116,7 @@ class Ducc:
         ducc0 takes no more than ``OMP_NUM_THREADS`` allows, whatever a call asks for, and says nothing. While threads of
         its pool work, the pool must not change.
         """
-        count = threads() if size >= MANY else 1
+        count = threads() if size > MANY else 1
         if count > 1 and not self._widened:
             with self._lock:
                 if not self._widened and hasattr(self._misc, "resize_thread_pool"):

@@ -54,8 +54,11 @@ def in_parts(work: Callable[[slice], object], shape: tuple[int, ...]) -> None:
     the others wake. `work` may only use compiled loops, since no device is set in other threads.
     """
     rows, columns = shape
-    count = max(1, min(threads(), rows * columns // PART))
-    lead = PART // 2 // columns // 2 * 2 if count > 1 else 0
+    count = min(threads(), rows * columns // PART)
+    if count <= 1:
+        work(slice(0, rows))
+        return
+    lead = PART // 2 // columns // 2 * 2
     size = max(2, -(-(rows - lead) // count // 2) * 2)
     begins = range(lead + size, rows, size)
     futures = [

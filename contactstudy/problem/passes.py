@@ -47,10 +47,19 @@ class Direction(NamedTuple):
 
 
 class Trial(NamedTuple):
-    """What a pass finds as it writes a trial pressure: whether a limit cuts it, its sum, and the energy's slope.
+    """Sums over a trial pressure, taken as it is written.
 
-    The slope is that of the pressure before a limit cuts it. Where compiled, tension has been cut off, and the number of
-    cells that bear pressure is known, and the `largest` one.
+    Attributes
+    ----------
+    cut
+        Whether a limit cuts the pressure.
+    load
+        Sum of the pressure.
+    slope
+        Slope of the energy along the step, before a limit cuts the pressure.
+    bearing, largest
+        Number of cells that bear pressure, and the largest pressure; nan where the pass is not compiled, which leaves
+        tension in place.
     """
 
     cut: bool

@@ -248,7 +248,7 @@ class _Flow:
         # an error of a batch is handled here and not raised, so that the others go on
         self._completed = as_completed([], loop=client.loop, with_results=True, raise_errors=False)
         self._mean = BATCH
-        self._threads, self._looked_at, self._idle_since = 1, -1.0, monotonic()
+        self._threads, self._looked_at, self._idle_since = 1, float("-inf"), monotonic()
 
     def run(self) -> None:
         """Compute all cases."""

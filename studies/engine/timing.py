@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from itertools import chain
+from operator import itemgetter
 from typing import TYPE_CHECKING
 
 from studies.engine.forecast import mode
@@ -114,5 +115,5 @@ def warm_ups(expected: Mapping[str, float], modes: Mapping[str, str]) -> list[st
 
 def rounds(missing: Mapping[str, int]) -> Iterator[tuple[int, str]]:
     """Yield (round, case) until every case has its number of runs: every case once, then every case again."""
-    for turn in range(max(missing.values(), default=0)):
-        yield from ((turn, name) for name, count in missing.items() if turn < count)
+    turns = ((turn, name) for name, count in missing.items() for turn in range(count))
+    yield from sorted(turns, key=itemgetter(0))

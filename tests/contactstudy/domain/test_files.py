@@ -212,3 +212,16 @@ def test_a_lock_that_cannot_be_taken_says_why(tmp_path: Path) -> None:
     path.mkdir()
     with pytest.raises(InvalidInput, match=r"cannot be taken .*: remove it or give another folder"):
         locked(path, quiet).__enter__()
+
+
+@POSIX
+def test_a_new_file_has_the_rights_that_the_user_s_mask_leaves(tmp_path: Path) -> None:
+    mask = os.umask(0o027)
+    try:
+        os.close(open_descriptor(tmp_path / "new", os.O_WRONLY | os.O_CREAT))
+        os.umask(0)
+        os.close(open_descriptor(tmp_path / "open", os.O_WRONLY | os.O_CREAT))
+    finally:
+        os.umask(mask)
+    rights = [(tmp_path / name).stat().st_mode & 0o777 for name in ("new", "open")]
+    assert rights == [0o640, 0o666]

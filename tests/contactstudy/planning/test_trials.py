@@ -3,14 +3,18 @@
 from dataclasses import replace
 from itertools import product
 from math import inf, prod
+from types import SimpleNamespace
+from typing import Any
 
+import numpy as np
 import pytest
 
 import contactstudy as cs
 from contactstudy.accuracy.coarser import change
 from contactstudy.planning.grid_search import GridForecast
 from contactstudy.planning.plan import needs_of
-from contactstudy.planning.trials import _difference, _expected, cheapest
+from contactstudy.planning.trials import FREE as FREE_CELLS
+from contactstudy.planning.trials import _candidates, _difference, _expected, cheapest
 from tests.conftest import LineContact
 
 FREE = (cs.ZeroPadding(), cs.ZeroPadding())
@@ -91,3 +95,29 @@ def test_nothing_is_tried_where_a_law_holds_or_a_finer_grid_is_dear(
         (roller(line_contact, 1.0, 12.0), planned((32, 32), 0.03)),  # out of reach
     ):
         assert cheapest(scene, needs_of(scene), forecast, 0.02) is forecast
+
+
+def test_a_tried_grid_is_as_narrow_as_the_free_cells_beside_the_contact_allow() -> None:
+    """By less than one cell of the reference on each side; a planned grid stays as it is."""
+    fine = cs.Grid((100, 40), (10.0, 4.0))
+    pressure = np.zeros(fine.cells)
+    pressure[40:60] = 1.0
+    width = 2.0
+    reference: Any = SimpleNamespace(problem=SimpleNamespace(grid=fine), pressure=pressure)
+    needs: Any = SimpleNamespace(roller=True, rough=False, finest=(1.0, 1.0))
+    planned = GridForecast(
+        cs.Grid((12, 8), (10.0, 4.0)),
+        (0.0, 0.0),
+        (1.0, 1.0),
+        (6, 6),
+        cut_off=False,
+        message="",
+        seconds=1.0,
+    )
+    tried = [one for one in _candidates(needs, planned, reference, 0.1) if one != planned.grid]
+    assert {one.cells[0] for one in tried} > {6, 12}
+    for one in tried:
+        kept = 1 - FREE_CELLS / one.cells[0]
+        assert one.extent[0] * kept >= width > (one.extent[0] - 2 * fine.cell[0]) * kept
+    needs.rough = True
+    assert {one.extent[0] for one in _candidates(needs, planned, reference, 0.1)} == {10.0}

@@ -153,3 +153,11 @@ def test_heights_given_cell_for_cell_get_the_grid_s_extent() -> None:
     first, second = sized((surface, WAVE), GRID)
     assert first.extent == (2.0, 3.0)  # type: ignore[attr-defined]
     assert second is WAVE
+
+
+def test_without_a_curved_shape_the_scales_are_the_width_and_the_mean_pressure() -> None:
+    """2e5 N/m over 1 mm are 2e8 Pa, of which 2**28 is the nearest power of two."""
+    scene = cs.Scene(load=cs.LineLoad(2e5), solids=(STEEL, STEEL))
+    scales = scene.scales(cs.Grid((4, 2), (1e-3, 5e-3)))
+    assert (scales.length, scales.pressure) == (1e-3, 2.0**28)
+    assert scales.gap == pytest.approx(2e8 * 1e-3 / scene.contact_modulus, rel=1e-15)

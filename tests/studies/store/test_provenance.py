@@ -44,3 +44,10 @@ def test_the_processor_is_named_as_the_system_does(
     said.write_text("processor: 0\nmodel name\t: A: fast one\nmodel name : other\n")
     monkeypatch.setattr(provenance, "Path", lambda _: said)
     assert provenance.cpu() == "A: fast one"
+
+
+def test_the_history_is_the_command_as_a_shell_takes_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(provenance.sys, "argv", ["/opt/bin/contactstudy", "run", "my study.py"])
+    attributes = provenance.provenance()
+    assert attributes["history"].partition(" ")[2] == "contactstudy run 'my study.py'"
+    assert attributes["threads"] == "1"

@@ -80,6 +80,9 @@ def test_a_failure_says_what_it_took_too(monkeypatch: pytest.MonkeyPatch) -> Non
     assert outcome.failure.kind == "OverflowError"
     assert outcome.seconds == 4.0
     assert failed(ValueError("v"), "setup", 0.5).seconds == 0.5
+    long = failed(type("E" * 101, (Exception,), {})(), "setup", 0.5).failure
+    assert long is not None
+    assert long.kind == "E" * 100 + " ..."
     late = timed_out(2.5, "solve", 3.0)
     assert (late.case_status, late.seconds) == (CaseStatus.TIMEOUT, 3.0)
     assert late.error == "TimeLimitError: not done after 2.5 s; give more with --time-limit"

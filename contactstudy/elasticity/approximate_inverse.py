@@ -263,9 +263,9 @@ class BlockExtension(FullExtension):
         return np.empty((field.shape[0] // 2, field.shape[1] // 2), dtype=field.dtype)
 
     def _in_parts(self, loop: Callable[..., None], *arguments: Any) -> None:
-        """Run a compiled `loop` over rows of blocks, some for each thread."""
+        """Run a compiled `loop` over rows of blocks, each of two rows of cells, some for each thread."""
         rows, columns = self.contact.shape
-        in_parts(lambda part: loop(*arguments, part.start, part.stop), (rows // 2, columns // 2))
+        in_parts(lambda part: loop(*arguments, part.start, part.stop), (rows // 2, 2 * columns))
 
 
 def hole_width(contact: Array) -> float:

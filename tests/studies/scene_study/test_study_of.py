@@ -12,9 +12,11 @@ import pytest
 import contactstudy as cs
 import studies
 from contactstudy import InvalidInput
+from contactstudy.io.document import Document, Turn
 from contactstudy.planning.cost import memory
 from studies.scene_study import study_of as grids
 from studies.scene_study.scene_case import SceneCase
+from studies.scene_study.variation import _with_surface
 from tests.conftest import STEEL
 
 
@@ -141,18 +143,13 @@ def test_windows_of_a_surface_are_an_axis(smooth: Path) -> None:
     assert "planned once for 6 points" in study.notes[-1]
 
 
-def test_a_surface_is_measured_or_turned_whatever_the_scene_has(
-    smooth: Path, tmp_path: Path
-) -> None:
-    heights = np.arange(12.0).reshape(3, 4) * 1e-9
-    cs.MeasuredSurface(heights, extent=(1e-3, 2e-3), trend=cs.Trend.NONE).write(tmp_path / "a.nc")
-    text = smooth.read_text(encoding="utf-8")
-    for present in ("", 'turn = "QUARTER"\n'):
-        surface = f'[[shapes]]\nkind = "MeasuredSurface"\nfile = "a.nc"\n{present}[plan]'
-        smooth.write_text(text.replace("[plan]", surface), encoding="utf-8")
-        study = studies.study_of(smooth, {"turn": "NONE,QUARTER"})
-        shapes = [case.scene.shapes[1] for case in scenes(study)]
-        assert [shape.is_turned for shape in shapes] == [False, True]  # type: ignore[attr-defined]
+def test_a_surface_is_measured_or_turned_whatever_the_scene_has() -> None:
+    measured = cs.MeasuredSurface(np.arange(12.0).reshape(3, 4) * 1e-9, extent=(1e-3, 2e-3))
+    for present in (measured, measured.turned()):
+        document = Document(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01), present))
+        for wanted in Turn:
+            found: Any = _with_surface(document, ("shapes", "1", "turn"), wanted)
+            assert found.shapes[1].is_turned is (wanted is Turn.QUARTER)
 
 
 def test_surfaces_are_an_axis_of_names(smooth: Path, tmp_path: Path) -> None:

@@ -1,13 +1,10 @@
 """The entry point of the command."""
 
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 
-import contactstudy as cs
 from studies.cli import main as module
 from studies.cli.commands import cli
 
@@ -38,12 +35,6 @@ def test_a_package_that_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> 
     assert isinstance(code, str)
     assert code.startswith("contactstudy: ")
     assert "xarray" in code
-
-
-def test_the_package_is_the_command() -> None:
-    command = [sys.executable, "-m", "contactstudy", "--version"]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
-    assert cs.__version__ in done.stdout
 
 
 def test_options_of_a_scene_stand_apart() -> None:

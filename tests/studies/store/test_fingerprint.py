@@ -255,6 +255,8 @@ def test_another_class_at_a_new_value_computes_nothing_anew(tmp_path: Path) -> N
 def test_a_fingerprint_has_the_twelve_digits_that_stored_cases_go_by(tmp_path: Path) -> None:
     (tmp_path / "kernel.py").write_text("A = 1", encoding="utf-8")
     assert re.fullmatch("[0-9a-f]{12}", source_hash(tmp_path))
+    # of this program's core and of no other folder, unless one is given
+    assert source_hash() == source_hash(Path(contactstudy.__file__).parent)
 
 
 @pytest.mark.parametrize(

@@ -47,6 +47,13 @@ def sums(work: Callable[..., tuple[float, ...]], *fields: Array) -> tuple[float,
     return results[0] if len(results) == 1 else tuple(map(sum, zip(*results, strict=True)))
 
 
+def equal(first: Array, second: Array) -> bool:
+    """Return whether two fields (x, y) are the same; blocks after the first one that differs are not read."""
+    whole = not isinstance(device(), Cpu)
+    blocks = [slice(None)] if whole else _blocks(*first.shape)
+    return all(bool(arrays().all(first[block, :] == second[block, :])) for block in blocks)
+
+
 def in_parts(work: Callable[[slice], object], shape: tuple[int, ...]) -> None:
     """Call `work` on one part of the rows of a field of that `shape` in each thread.
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import prod
 
 from contactstudy.domain.device import arrays
-from contactstudy.domain.fields import Array, in_blocks
+from contactstudy.domain.fields import Array, equal
 from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.problem.constraint import Gap
 from contactstudy.problem.operator import ApproximateInverse, Extension
@@ -65,15 +65,10 @@ class ContactPreconditioner:
 
     def _extension(self, contact: Array) -> Extension:
         """Return the extension of a `contact` (x, y): the last one where it is that of the same cells."""
-        if self.extension is None or not all(in_blocks(_equal, self.extension.contact, contact)):
+        if self.extension is None or not equal(self.extension.contact, contact):
             self.extension = None  # or it would stand beside the next one
             self.extension = self.inverse.extension(contact)
         return self.extension
-
-
-def _equal(first: Array, second: Array) -> bool:
-    """Return whether two blocks have the same numbers."""
-    return bool(arrays().all(first == second))
 
 
 def trial_along(

@@ -68,6 +68,15 @@ def test_large_fields_have_a_part_for_each_thread_and_the_first_is_largest() -> 
     assert sorted(part.stop - part.start for part in parts) == [29, 34, 36]
 
 
+@pytest.mark.parametrize("cell", [None, (0, 0), (98, 8)])
+def test_fields_are_equal_unless_a_cell_differs(cell: tuple[int, int] | None) -> None:
+    first = np.random.default_rng(1).random((99, 9))
+    second = first.copy()
+    if cell:
+        second[cell] += 1
+    assert rows.equal(first, second) == (cell is None)
+
+
 def test_what_a_part_raises_is_raised() -> None:
     def refuse(part: slice) -> None:
         if part.start > 0:

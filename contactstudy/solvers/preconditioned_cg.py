@@ -239,11 +239,9 @@ class PreconditionedCG:
         work += 1
         gap: Gap | None = None
         last: PressureStep | None = None
-        step_length = 1.0
-        cut = False
+        step_length, cut, iteration = 1.0, False, 0
         rounding = 16 * float(arrays().finfo(pressure.dtype).eps)
         stall = Stall(self.patience)
-        iteration = 0
         while True:
             gap = problem.gap(pressure, displacement, gap)
             residual = problem.residual(pressure, gap)

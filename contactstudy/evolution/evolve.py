@@ -248,6 +248,6 @@ def _load(scene: Scene, grid: Grid, times: ArrayLike | None) -> ChangingLoad:
         return scene.load
     if times is None:
         raise InvalidInput("evolve.times is None, and Scene.load has no end: give times [s].")
-    first = np.asarray(times, dtype=np.float64).ravel()[:1]
-    start = min([0.0, *first[np.isfinite(first)].tolist()])
-    return LoadHistory((start,), (scene.load.over(grid.period),))
+    moments = np.asarray(times, dtype=np.float64)
+    start = np.min(moments, initial=0.0, where=np.isfinite(moments))
+    return LoadHistory((float(start),), (scene.load.over(grid.period),))

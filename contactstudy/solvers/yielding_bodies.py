@@ -43,7 +43,7 @@ class YieldLaw:
         limit = ROOT * (self.yield_stress + self.isotropic * equivalent)
         amount = np.maximum(size - limit, 0.0) / (self.twice_shear + self.slope)
         flows = amount > 0
-        direction = np.where(flows, trial / np.where(flows, size, 1.0), 0.0)
+        direction = np.divide(trial, size, out=np.zeros_like(trial), where=flows)
         return Return(self, before + amount * direction, direction, size, amount, flows)
 
     def dissipation(self, strain: Array, before: Array, equivalent: Array) -> Array:

@@ -62,7 +62,7 @@ def _powers(x: Array, z: Array) -> tuple[Array, ...]:
     Polynomials that the differences over cells remove are left out.
     """
     squared = x * x + z * z
-    log = np.log(np.where(squared > 0, squared, 1.0)) / 2
+    log = np.log(squared + (squared == 0)) / 2  # zeros multiply it where it is singular
     by_z = np.sign(z) * np.arctan2(x, np.abs(z))
     by_x = np.sign(x) * np.arctan2(z, np.abs(x))
     return (
@@ -101,7 +101,7 @@ def pressed(offsets: Array, edges: Array) -> tuple[Array, Array, Array]:
     x = offsets + np.array([-1.0, 0.0, 1.0])[:, None]
     x, z = x[:, None, :], edges[:, None]
     squared = x * x + z * z
-    log = np.log(np.where(squared > 0, squared, 1.0)) / 2
+    log = np.log(squared + (squared == 0)) / 2  # zeros multiply it where it is singular
     angle = np.arctan2(x, z)
     integrals = (
         (z * z * log - x * z * angle) / np.pi,

@@ -96,7 +96,7 @@ def _integrals(x: Array, z: Array) -> tuple[Array, Array, Array]:
     Polynomials that the differences over cells remove are left out.
     """
     squared = x * x + z * z
-    log = np.log(np.where(squared > 0, squared, 1.0)) / 2
+    log = np.log(squared + (squared == 0)) / 2  # zeros multiply it where it is singular
     by_x = np.sign(x) * np.arctan2(z, np.abs(x))
     by_z = np.sign(z) * np.arctan2(x, np.abs(z))
     return (

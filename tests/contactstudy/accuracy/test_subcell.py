@@ -15,6 +15,7 @@ from contactstudy.accuracy.subcell import (
     Subcell,
     _lines,
     _modulus,
+    _off_lines,
     _with_neighbours,
 )
 from tests.conftest import LineContact
@@ -102,6 +103,30 @@ def test_what_stands_out_is_measured_from_the_centres_of_three_cells() -> None:
     # the point lies at 3/8 beyond the centre of the eighth cell, at 0.75 m; the cell before has its at 0.25 m
     assert stands[7] == pytest.approx(0.025 - (0.1 * (0.75 + 0.375 * STEP) - 0.4))
     assert np.count_nonzero(stands > 0.03) == 1
+
+
+def test_what_stands_out_off_the_lines_is_measured_from_the_centres_of_nine_cells() -> None:
+    """A cell stands out by 0.5 though a centre two cells away is higher by 1; beside that centre it does not."""
+    grid = cs.Grid((12, 12), (12.0, 12.0))
+
+    def gap(at: cs.Grid) -> np.ndarray:
+        x, y = np.broadcast_arrays(at.x[:, None], at.y)
+        found = np.zeros(x.shape)
+        high = (np.abs(x + 0.5) < 0.5) & (np.abs(y + 0.5) < 0.5)
+        for i, j in ((2, 0), (-2, 0), (0, 2), (0, -2), (1, 1)):
+            beside = np.hypot(x + 0.5 - i, y + 0.5 - j)
+            found[
+                (beside > 0.05) & (np.abs(x + 0.5 - i) < 0.5) & (np.abs(y + 0.5 - j) < 0.5)
+            ] = -0.5
+        found[high] = -1.0
+        return found
+
+    problem: Any = SimpleNamespace(
+        source=SimpleNamespace(gap=gap), grid=grid, paddings=(cs.ZeroPadding(), cs.ZeroPadding())
+    )
+    stands = _off_lines(problem, 0.9)[1]
+    assert [stands[place] for place in ((7, 5), (3, 5), (5, 7), (5, 3))] == [0.5] * 4
+    assert stands[6, 6] == 0
 
 
 def test_lines_beside_each_other_are_at_most_64_or_every_fourth() -> None:

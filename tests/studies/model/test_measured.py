@@ -41,6 +41,7 @@ def scalar(**attrs: Any) -> xr.Variable:
         {"q": 10**30},
         {"q": np.uint64(2**64 - 1)},
         {"q": -(2**53) - 1},
+        {"q": xr.Variable("x", [-(2**53) - 1, 0])},
         {"q": np.longdouble(1) / 3},
         {"q": np.ma.masked_array([1.0, 2.0], [0, 1])},
         {"q": "lone \udcff surrogate"},

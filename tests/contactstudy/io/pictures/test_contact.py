@@ -86,6 +86,7 @@ def test_a_contact_outside_of_its_hertz_width_has_no_hertz_pressure_there() -> N
 def test_a_line_has_two_panels_and_no_band() -> None:
     across, gaped = picture(labelled().isel(y=[1])).axes
     assert not across.collections
+    assert picture(labelled().isel(y=[0, 1])).axes[2].collections
     assert across.lines[0].get_ydata() == pytest.approx([2, 20, 6])
     assert gaped.lines[0].get_ydata() == pytest.approx([10, 50, 90])
 

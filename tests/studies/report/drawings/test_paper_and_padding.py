@@ -92,6 +92,8 @@ def test_the_pressure_stands_over_the_width_and_its_error_in_per_cent_of_the_pea
         assert band == pytest.approx(np.array(wanted))
     # all of the pressure, and errors of either sign up to the whole of it
     assert (whole.get_yscale(), error.get_yscale()) == ("linear", "symlog")
+    assert (whole.get_ylim(), error.get_ylim()) == ((0, 1.2), (-100, 100))
+    assert error.yaxis.get_transform().linthresh == 0.1  # type: ignore[attr-defined]
     text = caption("paper", dataset, 1)
     # the largest errors follow 20 others; of n = 6
     assert "zero: 0.22 %; duplicated: 0.24 %; superposed, n = 6: 0.26 %" in text

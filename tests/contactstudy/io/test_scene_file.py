@@ -286,8 +286,12 @@ def test_every_material_has_a_source() -> None:
         ('[[shapes]]\nkind = "FiniteLength"\nlength = "8 mm"\n', 8e-3),
         ('[grid]\ncells = [16, 8]\nextent = ["1 mm", "5 mm"]\n', 5e-3),
         ('[plan]\nperiod = "4 mm"\n', 4e-3),
+        (
+            '[[shapes]]\nkind = "FiniteLength"\nlength = "8 mm"\n[plan]\nperiod = "9 mm"\n',
+            8e-3,
+        ),
     ],
-    ids=["roller", "grid", "period"],
+    ids=["roller", "grid", "period", "roller on a longer grid"],
 )
 def test_a_total_load_is_spread_over_the_roller_or_the_grid(
     extra: str, length: float, tmp_path: Path

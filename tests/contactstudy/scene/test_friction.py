@@ -299,3 +299,14 @@ def test_dundurs_constant_of_bodies_that_differ_in_both_moduli() -> None:
     assert dundurs((first, second)) == pytest.approx(above / below / 2)
     assert dundurs((second, first)) == pytest.approx(-above / below / 2)
     assert dundurs((first, first)) == 0
+
+
+@pytest.mark.parametrize(("coefficient", "words"), [(0.0, "in one solve"), (0.5, "passes")])
+def test_unlike_bodies_are_solved_again_unless_nothing_rubs(coefficient: float, words: str) -> None:
+    sliding = cs.Sliding(coefficient)
+    one = scene(sliding, solids=(STEEL, RIGID))
+    paddings = (cs.ZeroPadding(), cs.ExactPeriodicity())
+    assert words in sliding.explanation(one, varies=False, paddings=paddings)
+    grid = cs.Grid((8, 1), (1e-3, 1e-3))
+    law = sliding.law(one, np.zeros((8, 1)), grid, paddings, 1.0)
+    assert (law.coupling is None) is (coefficient == 0)

@@ -83,3 +83,13 @@ def test_an_edge_that_follows_the_law_has_no_corrected_error() -> None:
     assert found["pressure_error_max"] > CELL**0.5 / 100
     assert found["corrected_error_max"] < CELL**1.5
     assert abs(found["half_width_error"]) < CELL**2
+
+
+def test_one_cell_on_the_axis_is_the_axis() -> None:
+    """With an odd number of cells; those beside it are a cell away."""
+    case = scene_at(POINT | {"grid": 17})
+    solution = case.run(case.prepare())
+    pressure = np.zeros(case.grid.cells)
+    pressure[7:10] = np.array([0.5, 1.25, 0.5])[:, None] * HERTZ.peak_pressure
+    found = measures(case, replace(solution, pressure=pressure))
+    assert float(found["axis_pressure_error"]) == pytest.approx(0.25, rel=1e-12)

@@ -15,7 +15,7 @@ from contactstudy.scene.shapes.shape import Detail, Shape
 class MovedGrid(Grid):
     """The cells of a grid as a body sees them that has moved by ``moved`` [m] across."""
 
-    moved: float = 0.0
+    moved: float
 
     @property
     def x(self) -> Array:

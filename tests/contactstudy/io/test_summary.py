@@ -185,3 +185,21 @@ def test_rolling_gives_its_resistance_and_shift() -> None:
         ("resistance", rolling.resistance),
         ("shift", rolling.shift),
     ]
+
+
+@pytest.mark.parametrize(
+    ("units", "shown"),
+    [
+        ("Pa", {1e9: "1 GPa", 0.999e9: "999 MPa", 1e6: "1 MPa", 2e3: "2 kPa", 2.0: "2 Pa"}),
+        ("m", {1.0: "1 m", 0.999: "999 mm", 2e-3: "2 mm", 2e-6: "2 µm", 2e-9: "2 nm"}),
+        ("m2", {2.0: "2 m²", 1e-3: "0.001 m²", 2e-6: "2 mm²", 2e-12: "2 µm²"}),
+        ("m3", {2.0: "2 m³", 2e-9: "2 mm³", 2e-18: "2 µm³"}),
+        ("N", {1e3: "1 kN", 2.0: "2 N"}),
+        ("N m-1", {1e3: "1 N/mm", 2.0: "2 N/m"}),
+        ("1", {2.0: "2", 0.25: "0.25", 0.0: "0"}),
+    ],
+)
+def test_a_number_is_read_in_the_largest_unit_that_is_not_larger(
+    units: str, shown: dict[float, str]
+) -> None:
+    assert {value: readable(value, units) for value in shown} == shown

@@ -197,6 +197,10 @@ def test_thin_film_shares_grow_to_the_whole_load() -> None:
     contact = cs.solve_lubricated(by_moes(20, 5), grid(200, 4.5))
     assert contact.thinner_than(0.99 * float(contact.film.min())) == (0, 0)
     assert contact.thinner_than(float(contact.film.max()) * 1.01)[1] == pytest.approx(1)
+    # one side of a width of nine half-widths, over the two of Hertz's contact
+    film = np.where(contact.grid.x < 0, 1e-7, 3e-7)[:, None]
+    halved = replace(contact, film=film, pressure=np.where(film < 2e-7, 1e6, 3e6))
+    assert halved.thinner_than(2e-7) == pytest.approx((2.25, 0.25))
 
 
 def test_a_coat_of_the_substrates_modulus_changes_nothing() -> None:

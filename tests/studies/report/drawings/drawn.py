@@ -12,6 +12,31 @@ from matplotlib.axes import Axes
 from studies.model.drawing import Row
 from studies.registry import load_drawing
 
+# Width and height [inch] of figures: the columns and rows of their panels, each of a size in which its labels fit.
+SIZES = {
+    ("effect_cost", 0): (7.2, 4.4),
+    ("grid", 0): (8.8, 4.4),
+    ("images", 0): (10.2, 2.9),
+    ("images", 1): (6.0, 3.0),
+    ("kernels", 0): (10.2, 2.9),
+    ("kernels", 1): (6.0, 3.0),
+    ("padding", 0): (8.8, 3.6),
+    ("padding", 1): (6.0, 3.4),
+    ("paper", 0): (8.4, 3.2),
+    ("paper", 1): (9.2, 3.2),
+    ("pareto", 0): (10.2, 6.0),
+    ("pareto", 1): (10.2, 3.2),
+    ("peers", 0): (6.8, 3.2),
+    ("period", 0): (8.8, 2.9),
+    ("plastic", 0): (8.0, 8.1),
+    ("roughness", 0): (7.2, 8.1),
+    ("roughness", 1): (8.4, 4.0),
+    ("roughness", 2): (7.2, 2.9),
+    ("solvers", 0): (10.2, 3.2),
+    ("speed", 0): (10.2, 3.2),
+    ("stability", 0): (8.5, 2.1),
+}
+
 
 def numbered(axes: Mapping[str, Any], *variables: str) -> xr.Dataset:
     """Variables over all the axes; every number is another one."""
@@ -30,7 +55,9 @@ def numbered(axes: Mapping[str, Any], *variables: str) -> xr.Dataset:
 
 
 def panels(name: str, dataset: xr.Dataset, figure: int = 0) -> list[Axes]:
-    return load_drawing(name).figure(dataset)[figure].figure.axes
+    shown = load_drawing(name).figure(dataset)[figure].figure
+    assert shown.get_size_inches() == pytest.approx(SIZES[name, figure])
+    return shown.axes
 
 
 def curves(ax: Axes) -> list[np.ndarray]:

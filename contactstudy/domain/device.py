@@ -149,7 +149,7 @@ class Cpu:
     Parameters
     ----------
     threads
-        Number of threads that share the work, from 1 on. An answer does not depend on it.
+        Number of threads that share the work, from 1 on. Answers differ by rounding alone.
 
     Raises
     ------

@@ -79,7 +79,7 @@ class FilmScales:
 
     @property
     def reach(self) -> float:
-        """Half the width that bears pressure, over Hertz's half-width: a thick film bears it over ``sqrt(2 H)``."""
+        """Half-width of the pressure in units of that of Hertz; a thick film bears it over ``sqrt(2 H)``."""
         return max(1.0, sqrt(2 * self.expected_film))
 
 

@@ -119,3 +119,8 @@ def test_every_kind_of_plain_value_has_a_form() -> None:
 def test_what_is_known_by_its_address_is_refused() -> None:
     with pytest.raises(InvalidInput, match="make its class a frozen dataclass"):
         canonical(object())
+
+
+def test_a_key_is_24_hexadecimal_digits() -> None:
+    assert len(name(CASE)) == 24
+    assert int(name(CASE), 16) > 0

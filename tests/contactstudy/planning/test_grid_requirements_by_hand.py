@@ -253,3 +253,13 @@ def test_lengths_share_the_shortest_that_is_a_whole_number_of_each() -> None:
 )
 def test_so_many_cells_or_a_few_more_halve_down_to_a_coarse_grid(count: float, cells: int) -> None:
     assert halvable(count) == cells
+
+
+@pytest.mark.parametrize(("widest", "across"), [(0.6, 2), (1.0, 2), (3.2, 6), (3.5, 7)])
+def test_a_grid_of_points_has_those_within_the_surface_and_two_at_least(
+    widest: float, across: int
+) -> None:
+    """Points are half a metre apart across, and a quarter along a period of 2 m."""
+    surface = Detail(finest=(1.0, 0.5), spacing=(0.5, 0.25), widest=widest)
+    grid = needs(surface).grid_of_points(2.0)
+    assert (grid.cells, grid.extent) == ((across, 8), (0.5 * across, 2.0))

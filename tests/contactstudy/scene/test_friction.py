@@ -11,7 +11,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.elasticity.tangential import shear_response
-from contactstudy.scene.friction import dundurs
+from contactstudy.scene.friction import _passes, dundurs
 from contactstudy.solvers.friction import CoulombDisks, Disks, Superposed
 from tests.conftest import STEEL
 
@@ -310,3 +310,9 @@ def test_unlike_bodies_are_solved_again_unless_nothing_rubs(coefficient: float, 
     grid = cs.Grid((8, 1), (1e-3, 1e-3))
     law = sliding.law(one, np.zeros((8, 1)), grid, paddings, 1.0)
     assert (law.coupling is None) is (coefficient == 0)
+
+
+@pytest.mark.parametrize(("product", "passes"), [(1e-9, 2), (0.01, 4), (0.5, 31), (2.0, 175)])
+def test_passes_are_counted_to_a_residual_of_1e_8(product: float, passes: int) -> None:
+    """By 0.011, 0.55 and 0.9 at most from pass to pass."""
+    assert _passes(product) == passes

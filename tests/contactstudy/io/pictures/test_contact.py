@@ -6,7 +6,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 
-from contactstudy.io.pictures.contact import LENGTHS, PRESSURES, picture, scaled
+from contactstudy.io.pictures.contact import LENGTHS, PRESSURES, film_picture, picture, scaled
 
 X = np.array([-1e-4, 0.0, 1e-4])
 Y = np.array([0.0, 1e-3, 2e-3, 3e-3])
@@ -112,3 +112,13 @@ def test_a_warning_is_written_over_the_panels_in_lines_that_fit() -> None:
     assert max(map(len, title.splitlines())) <= len("warning: ") + 140
     assert picture(labelled()).get_suptitle() == ""
     assert to_hex(picture(labelled()).axes[3].lines[0].get_color()) == "#009e73"
+
+
+def test_colours_of_interference_cover_the_cells_of_two_rows_and_of_one() -> None:
+    filmed = labelled(film=(("x", "y"), 1e-7 + GAP))
+    figure = film_picture(filmed.isel(y=[0, 1]), colours="interference")
+    [image] = figure.axes[2].images
+    assert image.get_extent() == pytest.approx((-0.5, 1.5, -150, 150))
+    line = film_picture(filmed.isel(y=[1]), colours="interference").axes[2]
+    assert line.images[0].get_extent()[2:] == pytest.approx((-150, 150))
+    assert not line.get_xticks().size

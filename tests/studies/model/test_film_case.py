@@ -3,10 +3,12 @@
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import contactstudy as cs
 from contactstudy.io.document import TimeSteps
+from studies.model import film_case
 from studies.model.film_case import FilmCase, film_measures
 from studies.scene_study.study_of import study_of
 
@@ -21,7 +23,8 @@ def test_a_sweep_over_speed_has_a_grid_for_each_film() -> None:
     assert widths == sorted(widths)
 
 
-def test_what_is_recorded_of_a_film_is_that_of_its_contact() -> None:
+def test_what_is_recorded_of_a_film_is_that_of_its_contact(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(film_case, "perf_counter", iter((10.0, 12.5)).__next__)
     scene = cs.read_scene(OIL).scene
     case = FilmCase(scene, cs.film_grid(scene, 2e-2), cs.ExactPeriodicity())
     solved = case.run()
@@ -32,6 +35,15 @@ def test_what_is_recorded_of_a_film_is_that_of_its_contact() -> None:
     assert int(case.record(solved)["solver_status"]) == 0
     estimate = cs.film_error(contact).central_film.total
     assert float(measured["central_film_estimate"]) == pytest.approx(estimate)
+    assert float(measured["wall_time"]) == 2.5
+    # one half of the width below half the film of Moes, the other above
+    moes = contact.scales.expected_film * contact.scales.film
+    film = np.where(case.grid.x < 0, 0.4, 0.6)[:, None] * moes
+    monkeypatch.setattr(cs.LubricatedContact, "is_smooth", False)
+    thin = film_measures(case, replace(solved, contact=replace(contact, film=film)))
+    assert float(thin["moes_film"]) == moes
+    share = case.grid.extent[0] / (4 * contact.scales.hertz.half_width)
+    assert float(thin["thin_area"]) == pytest.approx(share)
 
 
 def test_a_film_that_changes_in_time_is_marched_at_every_point() -> None:

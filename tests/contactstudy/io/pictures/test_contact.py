@@ -115,10 +115,10 @@ def test_a_warning_is_written_over_the_panels_in_lines_that_fit() -> None:
 
 
 def test_colours_of_interference_cover_the_cells_of_two_rows_and_of_one() -> None:
-    filmed = labelled(film=(("x", "y"), 1e-7 + GAP))
+    filmed = labelled(film=(("x", "y"), 1e-7 + GAP)).assign_coords(y=2 * Y)
     figure = film_picture(filmed.isel(y=[0, 1]), colours="interference")
     [image] = figure.axes[2].images
-    assert image.get_extent() == pytest.approx((-0.5, 1.5, -150, 150))
+    assert image.get_extent() == pytest.approx((-1, 3, -150, 150))
     line = film_picture(filmed.isel(y=[1]), colours="interference").axes[2]
     assert line.images[0].get_extent()[2:] == pytest.approx((-150, 150))
     assert not line.get_xticks().size

@@ -42,8 +42,8 @@ def test_the_readme_is_short_and_counts_what_is_there() -> None:
     numbers = ["no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten"]
     scenes = len(list((ROOT / "examples").glob("*.toml")))
     assert f"folder `examples` has {numbers[scenes]} such files" in text
-    minutes = numbers[ceil((INSTALLATION + MAIN.seconds) / 60)]
-    assert f"in about {minutes} minutes on two cores" in text
+    minutes = ceil((INSTALLATION + MAIN.seconds) / 60)
+    assert f"in about {numbers[minutes]} minute{'s'[: minutes - 1]} on two cores" in text
 
 
 def test_the_citation_is_of_this_version_and_this_place() -> None:

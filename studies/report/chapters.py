@@ -10,12 +10,12 @@ from studies.model.study import Study
 from studies.registry import BUILT_IN, OPTIONAL, load
 
 # Seconds on two cores of the installation in a new environment, from a package index nearby.
-INSTALLATION = 60
+INSTALLATION = 30
 # Seconds that each study takes on two cores, with its times and its figures.
 SECONDS = {
-    "padding": 6, "period": 3, "images": 4, "grid": 3, "paper": 3, "pareto": 6, "stability": 5, "roughness": 3,
-    "coating": 4, "friction": 4, "creep": 3, "wear": 5, "plastic": 3, "accuracy": 15, "lubrication": 15,
-    "kernels": 8, "solvers": 15, "speed": 40, "effect_cost": 20, "peers": 120,
+    "padding": 7, "period": 2, "images": 2, "grid": 2, "paper": 2, "pareto": 5, "stability": 4, "roughness": 2,
+    "coating": 2, "friction": 3, "creep": 3, "wear": 3, "plastic": 2, "accuracy": 10, "lubrication": 4,
+    "kernels": 3, "solvers": 9, "speed": 9, "effect_cost": 8, "peers": 120,
 }  # fmt: skip
 
 

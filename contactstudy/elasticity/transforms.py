@@ -1,9 +1,9 @@
 """Real transforms of a zero-padded field; rows that are all zeros are not transformed.
 
-ducc0 is used where it is installed (extra ``fast``), and scipy otherwise. One convolution in ms on one
-thread, work array reused where it can be, medians of one run on an AMD EPYC: 512 x 512 cells padded to
-1024 x 512: scipy 4.4, ducc0 3.2, FFTW (planned, measured) 3.8; padded to 1024 x 1024: 14.3, 7.9, 8.1;
-1024 x 1024 padded to 2048 x 1024: 27.6, 21.9, 24.9. All three agree to 6e-16.
+ducc0 is used, and scipy where it is missing. One convolution in ms on one thread, work array reused where it can be,
+medians of one run on an AMD EPYC: 512 x 512 cells padded to 1024 x 512: scipy 4.4, ducc0 3.2, FFTW (planned, measured)
+3.8; padded to 1024 x 1024: 14.3, 7.9, 8.1; 1024 x 1024 padded to 2048 x 1024: 27.6, 21.9, 24.9. All three agree to
+6e-16.
 """
 
 import os

@@ -101,8 +101,12 @@ class Springs:
         return np.asarray(3 * pressure + 5)
 
 
-def test_a_bed_of_springs_is_solved_by_its_start() -> None:
-    bed = replace(PROBLEM, operator=cast(Operator, Springs()))
+@pytest.mark.parametrize("scale", [1.0, 1e-3])
+def test_a_bed_of_springs_is_solved_by_its_start(scale: float) -> None:
+    heights, load = scale * PROBLEM.undeformed_gap, PrescribedLoad(scale * 16.0)
+    bed = replace(
+        PROBLEM, operator=cast(Operator, Springs()), undeformed_gap=heights, resultant=load
+    )
     pressure = bed.on_springs()
     gap = bed.gap(pressure, bed.operator(pressure))
     assert bed.residual(pressure, gap) < 1e-14

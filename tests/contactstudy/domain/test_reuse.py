@@ -43,4 +43,5 @@ def test_a_store_keeps_the_last_used_that_it_has_room_for() -> None:
             reused(name, eight_bytes(computed, name))
         assert reused("large", lambda: np.zeros(3)).flags.writeable
         reused("b", eight_bytes(computed, "b"))
+        assert not reused("as large as the store", lambda: np.zeros(2)).flags.writeable
     assert computed == ["a", "b", "c", "b"]

@@ -90,7 +90,7 @@ class Correlated:
 
     def __call__(self, field: Array) -> Array:
         """Return `field` (x, y) convolved with the coefficients."""
-        waves = transformed(field, self.padded)
+        waves = TRANSFORMS.forward(field, self.padded)
         waves *= self.spectrum
         return TRANSFORMS.backward(waves, self.cells, self.padded)
 
@@ -99,13 +99,7 @@ def correlated(coefficients: Coefficients, grid: Grid, paddings: Paddings) -> Co
     """Return the convolution with `coefficients` on `grid`."""
     padded = padded_cells(grid, paddings)
     around = spread(kernel(grid, paddings, coefficients), padded, coefficients.parity)
-    return Correlated(transformed(around, padded), grid.cells, padded)
-
-
-def transformed(field: Array, padded: tuple[int, int]) -> Waves:
-    """Return the waves of `field`, padded with zeros, in a new array."""
-    work = np.empty((padded[0], padded[1] // 2 + 1), dtype=np.complex128)
-    return TRANSFORMS.forward(field, padded, work)
+    return Correlated(TRANSFORMS.forward(around, padded), grid.cells, padded)
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +117,7 @@ class ShearResponse:
     def __call__(self, shear: Array) -> Array:
         """Return the displacement [m] under `shear` [Pa], both (component, x, y), by four transforms."""
         padded, cells = self.xx.padded, self.xx.cells
-        x, y = (transformed(component, padded) for component in shear)
+        x, y = (TRANSFORMS.forward(component, padded) for component in shear)
         across = self.xx.spectrum * x
         across += self.xy.spectrum * y
         # in place: new arrays cost as much as a transform

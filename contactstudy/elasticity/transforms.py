@@ -29,9 +29,9 @@ MANY = 2**16
 
 
 class Transforms(Protocol):
-    """Pair of transforms; both may overwrite `work`, an array for the waves, where the library takes one."""
+    """Pair of transforms; they may overwrite `work`, an array for the waves, where the library takes one."""
 
-    def forward(self, field: Array, padded: tuple[int, int], work: Waves | None) -> Waves:
+    def forward(self, field: Array, padded: tuple[int, int], work: Waves | None = None) -> Waves:
         """Return the waves (px, py // 2 + 1) of `field` (nx, ny), padded with zeros."""
         ...
 
@@ -48,7 +48,7 @@ class _InTwoSteps(ABC):
     """Transforms that filter a field by one transform forward and one backward."""
 
     @abstractmethod
-    def forward(self, field: Array, padded: tuple[int, int], work: Waves | None) -> Waves:
+    def forward(self, field: Array, padded: tuple[int, int], work: Waves | None = None) -> Waves:
         """Return the waves of a field padded with zeros."""
 
     @abstractmethod
@@ -66,7 +66,7 @@ class _InTwoSteps(ABC):
 class Standard(_InTwoSteps):
     """Transforms by the device's array library."""
 
-    def forward(self, field: Array, padded: tuple[int, int], work: Waves | None) -> Waves:
+    def forward(self, field: Array, padded: tuple[int, int], work: Waves | None = None) -> Waves:
         """Return the waves of `field`: along y on the rows that hold pressure, then along x."""
         fft = arrays().fft
         waves: Waves = fft.fft(fft.rfft(field, n=padded[1], axis=1), n=padded[0], axis=0)
@@ -83,7 +83,7 @@ class Standard(_InTwoSteps):
 class SciPy(_InTwoSteps):
     """Transforms by scipy.fft, on the threads of the device."""
 
-    def forward(self, field: Array, padded: tuple[int, int], work: Waves | None) -> Waves:
+    def forward(self, field: Array, padded: tuple[int, int], work: Waves | None = None) -> Waves:
         """Return the waves of `field`: along y on the rows that hold pressure, then along x."""
         workers = threads()
         rows = fft.rfft(field, padded[1], axis=1, workers=workers)
@@ -125,7 +125,7 @@ class Ducc:
                 self._widened = True
         return count
 
-    def forward(self, field: Array, padded: tuple[int, int], work: Waves | None) -> Waves:
+    def forward(self, field: Array, padded: tuple[int, int], work: Waves | None = None) -> Waves:
         """Return the waves of `field`: along y on the rows that hold pressure, then along x."""
         nx, ny = field.shape
         if work is None:

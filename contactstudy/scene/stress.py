@@ -150,7 +150,7 @@ class StressBelow:
     def _due(self, family: Mapping[str, Component], pressure: Array) -> Array:
         """Return the stress due to one component of the surface traction."""
         padded = padded_cells(self.grid, self.paddings)
-        pressed = TRANSFORMS.forward(pressure, padded, _room(padded))
+        pressed = TRANSFORMS.forward(pressure, padded)
         room = _room(padded)
         stress = np.empty((len(COMPONENTS), len(self.depths), *self.grid.cells))
         for number, component in enumerate(family[name] for name in COMPONENTS):

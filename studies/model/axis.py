@@ -76,7 +76,7 @@ class Axis:
     values: tuple[Value, ...]
     long_name: str
     units: str = "1"
-    merged: int = field(default=0, init=False, compare=False)
+    merged: int = field(init=False, compare=False)
 
     def __post_init__(self) -> None:
         if problem := name_problem(self.name):

@@ -192,7 +192,9 @@ def test_contact_cut_off_by_a_free_length_is_flagged_but_not_a_rollers_own_end(
     width = 6 * cs.analytic.HertzLine(3e4, 0.01, line_contact.scene.contact_modulus).half_width
     grid = cs.Grid((24, 12), (width, width / 8))
     sphere = cs.Scene(load, solids, (cs.Sphere(0.01),))
-    assert cs.solve(sphere.problem(grid, free)).status is cs.Status.CONTACT_AT_EDGE
+    problem = sphere.problem(grid, free)
+    assert problem.open_ends == (0, -1)
+    assert cs.solve(problem).status is cs.Status.CONTACT_AT_EDGE
     crowned = (cs.Cylinder(0.01), cs.Crown(10.0))
     for shapes, status in (
         (crowned, cs.Status.CONTACT_AT_EDGE),

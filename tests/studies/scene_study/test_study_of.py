@@ -180,7 +180,7 @@ def test_the_axes_that_a_person_writes_twice_or_wrongly_are_named(rough: Path) -
         ({"load.per_length": "0:400:3:log N/mm"}, "above 0"),
         ({"load.per_length": "50 N/mm,100,200 N/mm"}, "some have none"),
         ({"load.per_length": "-5 N/mm"}, "above 0"),
-        ({"shapes.7.rms": "1 um"}, "0 Cylinder, 1 Roughness"),
+        ({"shapes.2.rms": "1 um"}, "0 Cylinder, 1 Roughness"),
         ({"shapes.0.rms": "1 um"}, "Cylinder|has no"),
         ({"padding.images": "1,2"}, "give padding in the file"),
         ({"grid.cells": "[32, 1]"}, "give grid in the file"),

@@ -113,6 +113,16 @@ def test_a_lattice_by_waves_and_by_rows_and_strips_agree(
     np.testing.assert_allclose(strips, waves, atol=1e-10 * largest)
 
 
+@pytest.mark.parametrize("name", LAYERS)
+def test_a_row_of_cells_many_periods_wide_is_the_sum_of_its_parts(name: str) -> None:
+    remainder, y, width = LayerRemainder(LAYERS[name], 0.2), np.array([0.0, 0.3, 0.5]), 15.0
+    x = np.array([0.0, 7.4, 7.9])  # the edge of a cell is there or near
+    whole = remainder.row(x[:, None], y, width, 0.3, 1.0)
+    parts = (x[:, None] + width * np.array([-1.0, 0.0, 1.0]) / 3).reshape(-1, 1)
+    summed = remainder.row(parts, y, width / 3, 0.3, 1.0).reshape(3, 3, 3).sum(axis=1)
+    np.testing.assert_allclose(whole, summed, atol=1e-12 * np.abs(whole).max())
+
+
 def test_one_cell_along_is_a_strip() -> None:
     layer, x = LAYERS["stiff"], np.arange(6) * 0.3
     row = LayerRemainder(layer, 0.2).row(x[:, None], np.zeros(1), 0.3, 1.0, 1.0)

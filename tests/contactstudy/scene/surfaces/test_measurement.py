@@ -237,7 +237,7 @@ def test_an_array_in_a_file_is_read_in_its_unit(tmp_path: Path) -> None:
 
 def test_points_in_columns_make_a_grid_with_sizes(tmp_path: Path) -> None:
     lines = [
-        f"{0.5 * i} {0.25 * j} {TABLE[i, j]}"
+        f"{0.5 * i - 3} {0.25 * j + 7} {TABLE[i, j]}"
         for j in range(3)
         for i in range(2)
         if (i, j) != (1, 1)

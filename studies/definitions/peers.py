@@ -5,11 +5,14 @@ lacks a boundary condition or threads, is a failed case with a sentence on it.
 """
 
 from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from functools import cache
+from importlib import import_module
 
 import numpy as np
 import xarray as xr
-from threadpoolctl import threadpool_limits
+from threadpoolctl import ThreadpoolController
 
 import contactstudy as cs
 from contactstudy.domain.checks import whole
@@ -65,15 +68,25 @@ class ProgramRun:
         with self._openmp():
             return prepared()
 
-    def _openmp(self) -> threadpool_limits:
+    def _openmp(self) -> AbstractContextManager[object]:
         """Limit the threads of programs that use OpenMP."""
-        return threadpool_limits(self.threads, user_api="openmp")
+        limited: AbstractContextManager[object] = _libraries(self.program).limit(
+            limits=self.threads, user_api="openmp"
+        )
+        return limited
 
     def record(self, result: Array) -> Mapping[str, xr.Variable]:
         """Return the load carried over the load given: they should agree."""
         load = SCENE.load.largest * self.grid.period
         carried = float(result.sum()) * self.grid.cell_area
         return {"load_carried": number(carried / load, "load carried over load given")}
+
+
+@cache
+def _libraries(program: str) -> ThreadpoolController:
+    """Return the libraries with threads that are loaded with `program`: to find them takes as long as a small solve."""
+    import_module(program)
+    return ThreadpoolController()
 
 
 def _contactstudy(program_run: ProgramRun) -> Callable[[], Array]:

@@ -56,13 +56,18 @@ def _integrals(x: Array, z: float, source: Array) -> dict[tuple[int, int], Array
     }
 
 
+def log_distance(squared: Array) -> Array:
+    """Return ``ln r`` from ``r^2``, and 0 at r = 0: what it is multiplied by is zero there."""
+    return np.asarray(np.log(squared + (squared == 0)) / 2)
+
+
 def _powers(x: Array, z: Array) -> tuple[Array, ...]:
     """Return ``d_z^(k-2) d_x^(2-k) (r^2 ln r)`` for k = 0 ... 4, with r the distance from the origin to (x, z).
 
     Polynomials that the differences over cells remove are left out.
     """
     squared = x * x + z * z
-    log = np.log(squared + (squared == 0)) / 2  # zeros multiply it where it is singular
+    log = log_distance(squared)
     by_z = np.sign(z) * np.arctan2(x, np.abs(z))
     by_x = np.sign(x) * np.arctan2(z, np.abs(x))
     return (
@@ -101,7 +106,7 @@ def pressed(offsets: Array, edges: Array) -> tuple[Array, Array, Array]:
     x = offsets + np.array([-1.0, 0.0, 1.0])[:, None]
     x, z = x[:, None, :], edges[:, None]
     squared = x * x + z * z
-    log = np.log(squared + (squared == 0)) / 2  # zeros multiply it where it is singular
+    log = log_distance(squared)
     angle = np.arctan2(x, z)
     integrals = (
         (z * z * log - x * z * angle) / np.pi,

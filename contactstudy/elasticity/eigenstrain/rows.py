@@ -20,6 +20,7 @@ from contactstudy.elasticity.eigenstrain.plane_strain import BASIS as PLANE
 from contactstudy.elasticity.eigenstrain.plane_strain import (
     PlaneStrainOperator,
     convolved,
+    log_distance,
     real_spectrum,
 )
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
@@ -96,7 +97,7 @@ def _integrals(x: Array, z: Array) -> tuple[Array, Array, Array]:
     Polynomials that the differences over cells remove are left out.
     """
     squared = x * x + z * z
-    log = np.log(squared + (squared == 0)) / 2  # zeros multiply it where it is singular
+    log = log_distance(squared)
     by_x = np.sign(x) * np.arctan2(z, np.abs(x))
     by_z = np.sign(z) * np.arctan2(x, np.abs(z))
     return (

@@ -188,7 +188,7 @@ def run(
         sys.exit(1)
     from studies.report import page as reporting
 
-    with _drawing(chosen.name, timed=not no_times):
+    with _drawing(chosen.name, NEEDS_TIMES if no_times else MEND):
         reporting.draw(chosen, load_drawing(study, figures), out, with_png(formats))
     click.echo(f"{chosen.name}: drew {out / chosen.name}")
 
@@ -233,9 +233,14 @@ def studies() -> None:
         click.echo(f"{name:<12} {study.title} Axes: {axes}.")
 
 
+# Remedies where a figure fails.
+MEND = "what is stored is not what the figure needs, or its code is wrong; mend it and run draw."
+NEEDS_TIMES = "its figures may need times, which are taken without --no-times."
+
+
 @contextmanager
-def _drawing(name: str, *, timed: bool = True) -> Iterator[None]:
-    """Report an error of a figure in one sentence, which says that the numbers are stored, perhaps without times."""
+def _drawing(name: str, remedy: str = MEND) -> Iterator[None]:
+    """Report an error of a figure in one sentence with its `remedy`: the numbers are stored."""
     try:
         yield
     except InvalidInput:
@@ -246,11 +251,6 @@ def _drawing(name: str, *, timed: bool = True) -> Iterator[None]:
             "and run draw."
         ) from None
     except Exception as error:  # noqa: BLE001 (a study file may do anything)
-        remedy = (
-            "what is stored is not what the figure needs, or its code is wrong; mend it and run draw."
-            if timed
-            else "its figures may need times, which are taken without --no-times."
-        )
         raise click.ClickException(
             f"{name} cannot be drawn ({type(error).__name__}{place_of(error)}: {one_line(error, 300)}): {remedy}"
         ) from None

@@ -167,14 +167,14 @@ def trial(
             if conjugate != 0:
                 direction += conjugate * (step[i, j] - pressure[i, j])
             change = direction * cells[i, j] * step_length
-            ahead = pressure[i, j] + change
+            after = pressure[i, j] + change
             work += height[i, j] * change
-            cut += 1.0 if (ahead < 0) | (ahead > limit) else 0.0
-            ahead = 0.0 if ahead <= 0 else ahead  # and nan stays
-            step[i, j] = ahead
-            load += ahead
-            bearing += 1.0 if ahead > 0 else 0.0
-            largest[j] = ahead if ahead > largest[j] else largest[j]
+            cut += 1.0 if (after < 0) | (after > limit) else 0.0
+            after = 0.0 if after <= 0 else after  # and nan stays
+            step[i, j] = after
+            load += after
+            bearing += 1.0 if after > 0 else 0.0
+            largest[j] = after if after > largest[j] else largest[j]
         results[i, 0], results[i, 1], results[i, 2], results[i, 3] = cut, load, bearing, work
         results[i, 4] = 0.0
     results[0, 4] = largest.max()

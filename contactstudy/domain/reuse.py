@@ -5,11 +5,8 @@ from collections.abc import Callable, Hashable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from threading import Lock
-from typing import Any
 
-from numpy.typing import NDArray
-
-Array = NDArray[Any]
+from contactstudy.domain.device import Numbers
 
 
 class ArrayStore:
@@ -23,9 +20,9 @@ class ArrayStore:
 
     def __init__(self, most_bytes: int) -> None:
         self.most_bytes, self._lock = most_bytes, Lock()
-        self._arrays: OrderedDict[Hashable, Array] = OrderedDict()
+        self._arrays: OrderedDict[Hashable, Numbers] = OrderedDict()
 
-    def array(self, key: Hashable, compute: Callable[[], Array]) -> Array:
+    def array(self, key: Hashable, compute: Callable[[], Numbers]) -> Numbers:
         """Return the array stored for an equal `key`, or that of `compute`, which is stored as read-only."""
         with self._lock:
             if key in self._arrays:
@@ -59,7 +56,7 @@ def reusing(store: ArrayStore | None) -> Iterator[None]:
         _STORE.reset(token)
 
 
-def reused(key: Hashable, compute: Callable[[], Array]) -> Array:
+def reused(key: Hashable, compute: Callable[[], Numbers]) -> Numbers:
     """Return the array stored for an equal `key` where a store is open, else that of `compute`.
 
     The key holds all that the array depends on. The array must not be changed.

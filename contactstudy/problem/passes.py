@@ -46,7 +46,7 @@ class Direction(NamedTuple):
     conjugate: float
 
 
-class Trial(NamedTuple):
+class TrialSums(NamedTuple):
     """Sums over a trial pressure, taken as it is written.
 
     Attributes
@@ -121,11 +121,11 @@ class ArrayPasses:
             contact: Array, unlevel: Array, pressure: Array, height: Array, extended: Array
         ) -> bool:
             released = self.constraint.to_release(pressure, height - step_length * extended)
-            found = bool(arrays().any(released))
-            if found:
+            leaves = bool(arrays().any(released))
+            if leaves:
                 contact[...] = contact + released
                 unlevel[...] = unlevel + height * released
-            return found
+            return leaves
 
         return any(in_blocks(add, contact, unlevel, pressure, height, extended))
 
@@ -160,7 +160,7 @@ class ArrayPasses:
 
     def trial(
         self, pressure: Array, height: Array, direction: Direction, step_length: float, step: Array
-    ) -> Trial:
+    ) -> TrialSums:
         """Write the pressure one step ahead over the pressure before the last `step`."""
         closing, cells, level, conjugate = direction
 
@@ -182,15 +182,15 @@ class ArrayPasses:
             return float(self.constraint.cuts(step)), float(arrays().sum(step)), slope
 
         cut, load, slope = sums(take_step, step, closing, cells, pressure, height)
-        return Trial(cut > 0, load, slope)
+        return TrialSums(cut > 0, load, slope)
 
     def levelled(
-        self, trial: Array, found: Trial, cells: Array, resultant: Resultant, pressure: Array,
-        height: Array,
+        self, trial: Array, trial_sums: TrialSums, cells: Array, resultant: Resultant,
+        pressure: Array, height: Array,
     ) -> float:  # fmt: skip
         """Cut a trial pressure off at the limits and shift its `cells` to meet the `resultant`, in place.
 
-        `found` is what has been found of the trial. Returns the slope of the energy along the step from `pressure`.
+        `trial_sums` are those of the trial. Returns the slope of the energy along the step from `pressure`.
         """
         resultant.levelled(trial, cells, self.constraint)
         return self.slope(trial, pressure, height)
@@ -278,16 +278,16 @@ class CompiledPasses:
 
     def trial(
         self, pressure: Array, height: Array, direction: Direction, step_length: float, step: Array
-    ) -> Trial:
+    ) -> TrialSums:
         """Write the pressure one step ahead, without tension, over the pressure before the last `step`."""
         fields = pressure, height, *direction, step_length, self._limit, step
         sums = _rows(self._loops.trial, *fields, results=5)
         cut, load, bearing, slope = sums[:4].sum(axis=1).tolist()
-        return Trial(cut > 0, load, slope, bearing, float(sums[4].max()))
+        return TrialSums(cut > 0, load, slope, bearing, float(sums[4].max()))
 
     def levelled(
-        self, trial: Array, found: Trial, cells: Array, resultant: Resultant, pressure: Array,
-        height: Array,
+        self, trial: Array, trial_sums: TrialSums, cells: Array, resultant: Resultant,
+        pressure: Array, height: Array,
     ) -> float:  # fmt: skip
         """Cut a trial pressure off at the limits and shift its `cells`, in place, as :meth:`ArrayPasses.levelled` does.
 
@@ -296,7 +296,7 @@ class CompiledPasses:
         if (
             self._limit < inf
             or not isinstance(resultant, PrescribedLoad)
-            or found.largest > resultant.total  # numbers of this size would drown the load
+            or trial_sums.largest > resultant.total  # numbers of this size would drown the load
         ):
             resultant.levelled(trial, cells, self.constraint)
             return self.slope(trial, pressure, height)
@@ -308,7 +308,9 @@ class CompiledPasses:
             return borne, bearing
 
         epsilon = float(np.finfo(trial.dtype).eps)
-        shift, factor = lowered_to(resultant.total, found.load, found.bearing, lowered, epsilon)
+        shift, factor = lowered_to(
+            resultant.total, trial_sums.load, trial_sums.bearing, lowered, epsilon
+        )
         fields = trial, shift, factor, pressure, height
         return float(_rows(self._loops.lower, *fields, results=1).sum())
 

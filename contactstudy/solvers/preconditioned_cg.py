@@ -8,7 +8,7 @@ from contactstudy.domain.fields import Array, equal
 from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.problem.constraint import Gap
 from contactstudy.problem.operator import ApproximateInverse, Extension
-from contactstudy.problem.passes import Direction, Passes, Trial
+from contactstudy.problem.passes import Direction, Passes, TrialSums
 from contactstudy.solvers.iterate import Iterate, Stall
 from contactstudy.solvers.polonsky_keer import PolonskyKeer
 
@@ -80,8 +80,8 @@ def trial_along(
     last: PressureStep | None,
     conjugate_to: PressureStep | None,
     step_length: float,
-) -> tuple[Array, Trial]:
-    """Return the pressure (x, y) one step ahead, and what has been found of it.
+) -> tuple[Array, TrialSums]:
+    """Return the pressure (x, y) one step ahead, and sums over it.
 
     The direction is against `closing` and conjugate to a step of the same cells, if there is one, where that is
     downhill. It is zero outside `cells`, and such that the load stays as it is. The pressure before the `last` step is
@@ -113,7 +113,7 @@ def _direction(
 def step_to_nearest(problem: BareProblem, trial: Array, pressure: Array, gap: Gap) -> float:
     """Write over `trial` the nearest pressure to a step against the `gap`, and return the energy's slope along it."""
     trial[...] = pressure - gap.height / problem.operator.self_compliance
-    trial[...] = problem.nearest(trial)
+    problem.nearest(trial)
     return problem.passes.slope(trial, pressure, gap.height)
 
 
@@ -254,14 +254,14 @@ class PreconditionedCG:
             iteration += 1
             closing, cells, joined = preconditioner.closing(pressure, gap, step_length)
             conjugate_to = last if not (cut or joined) else None
-            trial, found = trial_along(
+            trial, trial_sums = trial_along(
                 problem, pressure, gap, closing, cells, last, conjugate_to, step_length
             )
             work += 1
-            cut, slope = found.cut, found.slope
-            if cut or problem.resultant.error(found.load) > rounding:
+            cut, slope = trial_sums.cut, trial_sums.slope
+            if cut or problem.resultant.error(trial_sums.load) > rounding:
                 slope = passes.levelled(
-                    trial, found, cells, problem.resultant, pressure, gap.height
+                    trial, trial_sums, cells, problem.resultant, pressure, gap.height
                 )
             # or they would stand through the next convolution
             del closing, cells, conjugate_to

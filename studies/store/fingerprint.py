@@ -194,7 +194,7 @@ def _constants(module: ModuleType | None) -> str:
 @cache
 def _imports(source: bytes, package: str) -> tuple[str, ...]:
     """Return the names of all modules that the code `source` of a module in `package` may import, parents first."""
-    found: list[str] = []
+    modules: list[str] = []
     for node in ast.walk(ast.parse(source)):
         match node:
             case ast.Import():
@@ -211,8 +211,8 @@ def _imports(source: bytes, package: str) -> tuple[str, ...]:
                 continue
         for name in names:
             parts = name.split(".")
-            found += (".".join(parts[: k + 1]) for k in range(len(parts)))
-    return tuple(dict.fromkeys(found))
+            modules += (".".join(parts[: k + 1]) for k in range(len(parts)))
+    return tuple(dict.fromkeys(modules))
 
 
 def _spec(name: str) -> ModuleSpec | None:

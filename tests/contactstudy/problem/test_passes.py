@@ -6,7 +6,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.domain import fields
 from contactstudy.domain.device import using
-from contactstudy.problem.passes import FAR, ArrayPasses, CompiledPasses, Trial, _rows
+from contactstudy.problem.passes import FAR, ArrayPasses, CompiledPasses, TrialSums, _rows
 from tests.contactstudy.solvers.kernels import Kernels, limited
 
 PRESSURE = np.array([[1.0, 2.0], [0.5, 0.0], [3.0, 1.5]])
@@ -110,7 +110,7 @@ def test_a_trial_is_levelled_by_the_sums_of_all_rows() -> None:
     """Two rows bear 5 Pa in three cells, which a third of 1 Pa less leaves 2 Pa in as many: twice that."""
     kernels = Kernels(lowered=(1.0, 1.5), lower=(0.25,), slope=(0.5,))
     passes, load = CompiledPasses(cs.Compressive(), kernels), cs.PrescribedLoad(4.0)
-    found = Trial(cut=True, load=5.0, slope=np.nan, bearing=3.0, largest=3.0)
+    found = TrialSums(cut=True, load=5.0, slope=np.nan, bearing=3.0, largest=3.0)
     trial, fields_of = np.ones((2, 3)), (np.ones((2, 3)), load, np.ones((2, 3)), np.zeros((2, 3)))
     assert passes.levelled(trial, found, *fields_of) == 0.5
     assert kernels.asked["lowered"][1] == pytest.approx(1 / 3)

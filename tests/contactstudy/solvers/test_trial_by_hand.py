@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from contactstudy.problem.constraint import Gap
-from contactstudy.problem.passes import Trial
+from contactstudy.problem.passes import TrialSums
 from contactstudy.solvers.preconditioned_cg import PressureStep, _direction, trial_along
 from tests.contactstudy.solvers.kernels import Kernels, limited
 
@@ -76,7 +76,7 @@ def test_compiled_passes_are_asked_for_the_sums_of_all_rows() -> None:
     problem = limited(4.0, kernels)
     gap = Gap(HEIGHT, 0.0)
     trial, found = trial_along(problem, PRESSURE, gap, CLOSING, CELLS, None, None, 0.5)
-    assert found == Trial(cut=False, load=4.0, slope=-2.0, bearing=3.0, largest=2.0)
+    assert found == TrialSums(cut=False, load=4.0, slope=-2.0, bearing=3.0, largest=2.0)
     assert trial.shape == PRESSURE.shape
     assert kernels.asked["trial"][4:8] == pytest.approx((1.5 / 4, 0.0, 0.5, 4.0))
     # count, closed, downhill, along, over, ahead, shifted

@@ -1,9 +1,11 @@
 # The public names, each with the module that defines it: what `import contactstudy` offers, imported on first use.
 from . import analytic, kernels
-from .accuracy.estimate import ErrorEstimate, error_estimate
-from .accuracy.expected_error import ErrorParts
+from .answers.contact import Contact
+from .answers.evolution import Evolution
+from .answers.lubricated_contact import LubricatedContact
 from .domain.checks import InvalidInput, NotDefined
 from .domain.device import Cpu, Gpu, Precision
+from .domain.errors import ErrorEstimate, ErrorParts
 from .domain.grid import (
     CircularSuperposition,
     DuplicatedPadding,
@@ -16,26 +18,10 @@ from .domain.grid import (
 )
 from .elasticity.coefficients import Coefficients
 from .elasticity.convolution import Convolution, convolution, superposed
-from .evolution.evolution import Evolution
-from .evolution.evolve import StepError, evolve
-from .evolution.repeated_rolling import RepeatedRolling, RollingPass, roll_repeatedly
-from .evolution.rolling import SteadyRolling, solve_rolling
-from .evolution.steps import Scheme
-from .evolution.track import RollingPressure
+from .evolution.steps import Scheme, StepError, TimeSteps
 from .io.compare import Comparison, compare
-from .io.dataset import to_dataset
 from .io.materials import material
-from .io.scene_file import SceneFile, read_scene
-from .io.scene_writer import write_scene
-from .lubrication.evolve_lubricated import FilmEvolution, evolve_lubricated
-from .lubrication.lubricated_contact import (
-    FilmError,
-    FilmErrorParts,
-    FilmScales,
-    FilmStatus,
-    LubricatedContact,
-)
-from .lubrication.solve_lubricated import film_error, film_grid, solve_lubricated
+from .io.quantities import Quantity
 from .planning.plan import Plan, plan
 from .problem.bare_problem import BareProblem
 from .problem.constraint import (
@@ -48,13 +34,16 @@ from .problem.constraint import (
 )
 from .problem.operator import Operator
 from .problem.problem import Problem, Scales
+from .scene.adhesion import Adhesion
 from .scene.bodies import Body, HalfSpace
 from .scene.coated import CoatedHalfSpace
+from .scene.fretting import Fretting
 from .scene.friction import PartialSlip, Sliding
 from .scene.inelastic import ElasticPlasticHalfSpace, ViscoelasticHalfSpace
 from .scene.load import LineLoad, LoadHistory, SineLoad, TotalLoad
 from .scene.lubrication import (
     Barus,
+    Boundary,
     ChangingSpeed,
     ConstantDensity,
     DowsonHigginson,
@@ -68,13 +57,15 @@ from .scene.lubrication import (
     Roelands,
     SpeedHistory,
 )
-from .scene.motion import Rolling, Wear
+from .scene.motion import Rolling, RollingPressure, Wear
 from .scene.scene import Output, Scene
 from .scene.shapes.carried import Carried
 from .scene.shapes.roller import Crown, Cylinder, FiniteLength, LundbergProfile, Sphere
 from .scene.shapes.roughness import Ra, RmsSlope, Roughness
 from .scene.shapes.shape import Detail, Shape
 from .scene.shapes.texture import Cosine, Dimple, FlatBottomed, Groove, Parabolic, Texture, Waviness
+from .scene.shapes.tilt import Tilt
+from .scene.sought_load import Approach, PullOff
 from .scene.stress import SubsurfaceStress
 from .scene.surfaces.measured_surface import MeasuredSurface
 from .scene.surfaces.preparation import (
@@ -86,20 +77,25 @@ from .scene.surfaces.preparation import (
     Trend,
     Window,
 )
+from .scene.tractive_rolling import TractiveRolling
+from .scene_file import SceneFile, read_scene, write_scene
 from .solvers.iterate import Iterate
 from .solvers.polonsky_keer import PolonskyKeer
 from .solvers.preconditioned_cg import PreconditionedCG
 from .solvers.solution import Solution, Status
 from .solvers.solve import SolveOptions, Solver
-from .solving import solve
+from .solving import Progress, solve
 
 __version__: str
 
 __all__ = [
+    "Adhesion",
+    "Approach",
     "AsMeasured",
     "BareProblem",
     "Barus",
     "Body",
+    "Boundary",
     "Carried",
     "ChangingSpeed",
     "CircularSuperposition",
@@ -109,6 +105,7 @@ __all__ = [
     "Compressive",
     "ConstantDensity",
     "Constraint",
+    "Contact",
     "Convolution",
     "Cosine",
     "Cpu",
@@ -125,13 +122,9 @@ __all__ = [
     "Evolution",
     "ExactPeriodicity",
     "Eyring",
-    "FilmError",
-    "FilmErrorParts",
-    "FilmEvolution",
-    "FilmScales",
-    "FilmStatus",
     "FiniteLength",
     "FlatBottomed",
+    "Fretting",
     "Gap",
     "Gpu",
     "Grid",
@@ -164,15 +157,16 @@ __all__ = [
     "PreconditionedCG",
     "PrescribedLoad",
     "Problem",
+    "Progress",
+    "PullOff",
+    "Quantity",
     "Ra",
     "RefuseMissing",
-    "RepeatedRolling",
     "Resultant",
     "ReynoldsCavitation",
     "RmsSlope",
     "Roelands",
     "Rolling",
-    "RollingPass",
     "RollingPressure",
     "Roughness",
     "Scales",
@@ -188,13 +182,15 @@ __all__ = [
     "SpeedHistory",
     "Sphere",
     "Status",
-    "SteadyRolling",
     "StepError",
     "SubsurfaceStress",
     "Superposition",
     "Tapered",
     "Texture",
+    "Tilt",
+    "TimeSteps",
     "TotalLoad",
+    "TractiveRolling",
     "Trend",
     "ViscoelasticHalfSpace",
     "Waviness",
@@ -204,20 +200,11 @@ __all__ = [
     "analytic",
     "compare",
     "convolution",
-    "error_estimate",
-    "evolve",
-    "evolve_lubricated",
-    "film_error",
-    "film_grid",
     "kernels",
     "material",
     "plan",
     "read_scene",
-    "roll_repeatedly",
     "solve",
-    "solve_lubricated",
-    "solve_rolling",
     "superposed",
-    "to_dataset",
     "write_scene",
 ]

@@ -81,6 +81,41 @@ class HertzLine:
         return self.peak_pressure * np.stack([xx, zz, -n * (m**2 - z**2) / root])
 
 
+def first_yield(
+    radius: float, contact_modulus: float, yield_strength: float, poisson_ratio: float
+) -> HertzLine:
+    """Return the line contact in which a half-space first yields, after von Mises.
+
+    The largest von Mises stress of a line contact is on its axis of symmetry, 0.558 of the peak pressure and 0.7
+    half-widths deep at a Poisson's ratio of 0.3 (Johnson 1985, sect. 6.1). The load at first yield is the contact's
+    ``load_per_length``.
+
+    Parameters
+    ----------
+    radius
+        R [m], with 1/R = 1/R1 + 1/R2.
+    contact_modulus
+        E* [Pa].
+    yield_strength
+        Tensile stress [Pa] at which the half-space yields.
+    poisson_ratio
+        Its Poisson's ratio.
+
+    Raises
+    ------
+    InvalidInput
+        If a value is not above 0.
+    """
+    positive("yield_strength", yield_strength, "give a stress above 0")
+    unit = HertzLine(1.0, radius, contact_modulus)
+    depth = np.linspace(0, 2, 4001) * unit.half_width
+    xx, zz, _ = unit.stress(0.0, depth)
+    yy = poisson_ratio * (xx + zz)
+    mises = np.sqrt(((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2)
+    # stresses grow as the root of the load
+    return HertzLine((yield_strength / float(mises.max())) ** 2, radius, contact_modulus)
+
+
 @dataclass(frozen=True)
 class LeeRadok:
     """Lee & Radok's (1960) line contact under a load that is applied suddenly and held, in plane strain.
@@ -309,16 +344,50 @@ def moes_film(load_parameter: float, viscosity_parameter: float) -> float:
     viscosity_parameter
         ``L = alpha E' (eta0 u_s / (E' R))^(1/4)``.
     """
-    rigid = 3 / load_parameter
-    elastic = 2.621 * load_parameter**-0.2
+    limits = film_asymptotes(load_parameter, viscosity_parameter)
+    rigid, elastic = limits["rigid, isoviscous"], limits["elastic, isoviscous"]
     exponent = (7 + 8 * np.exp(-2 * elastic / rigid)) / 5
     film = (rigid ** (7 / 3) + elastic ** (7 / 3)) ** (3 * exponent / 7)
     if viscosity_parameter > 0:
-        piezoviscous_rigid = 1.287 * viscosity_parameter ** (2 / 3)
-        piezoviscous_elastic = 1.311 * load_parameter ** (-1 / 8) * viscosity_parameter**0.75
-        both = piezoviscous_rigid**-3.5 + piezoviscous_elastic**-3.5
+        both = limits["rigid, piezoviscous"] ** -3.5 + limits["elastic, piezoviscous"] ** -3.5
         film += both ** (-2 * exponent / 7)
     return float(film ** (1 / exponent))
+
+
+def film_asymptotes(load_parameter: float, viscosity_parameter: float) -> dict[str, float]:
+    """Return the four films between which :func:`moes_film` is fitted, in its unit, by the names of their regimes.
+
+    The smaller of the piezoviscous films counts: see :func:`film_regime`. Source and parameters are those of
+    :func:`moes_film`.
+    """
+    return {
+        "rigid, isoviscous": 3 / load_parameter,
+        "elastic, isoviscous": 2.621 * load_parameter**-0.2,
+        "rigid, piezoviscous": 1.287 * viscosity_parameter ** (2 / 3),
+        "elastic, piezoviscous": 1.311 * load_parameter ** (-1 / 8) * viscosity_parameter**0.75,
+    }
+
+
+def film_regime(load_parameter: float, viscosity_parameter: float) -> str:
+    """Return the regime of a lubricated line contact: the name of its film among :func:`film_asymptotes`.
+
+    Parameters are those of :func:`moes_film`.
+    """
+    limits = film_asymptotes(load_parameter, viscosity_parameter)
+    piezoviscous = [name for name in limits if name.endswith("piezoviscous")]
+    limits.pop(max(piezoviscous, key=lambda name: limits[name]))
+    return max(limits, key=lambda name: limits[name])
+
+
+def dowson_higginson_film(load_parameter: float, viscosity_parameter: float) -> float:
+    """Return the smallest film of a lubricated line contact in the unit of :func:`moes_film`.
+
+    ``h / R = 2.65 U^0.7 G^0.54 W^-0.13`` with U = eta0 u_m / (E' R), G = alpha E' and W = load / (E' R), for elastic
+    bodies in a piezoviscous lubricant. Source: Dowson (1968), Proc. Inst. Mech. Eng. 182 (3A), 151. Parameters are those
+    of :func:`moes_film`.
+    """
+    # u_m is half the sum of the speeds in Moes' unit, of which the powers of U cancel
+    return float(2.65 / 2**0.7 * viscosity_parameter**0.54 * load_parameter**-0.13)
 
 
 def truncation_error(half_width: ArrayLike, reach: ArrayLike) -> Array:

@@ -1,82 +1,441 @@
-"""Solve a problem, or a scene on the grid of its plan."""
+"""The verb: what a scene names decides, here and nowhere else, which method is imported and called."""
 
-from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.device import Cpu, Device, Precision
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from math import isfinite, log, prod
+from os import PathLike
+from typing import TYPE_CHECKING, Any, overload
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contactstudy.answers.contact import Contact, contact_of
+from contactstudy.domain.checks import InvalidInput, relative_error
+from contactstudy.domain.device import Cpu, Device
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid, Padding, Paddings
+from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.scene import Scene
-from contactstudy.solvers.preconditioned_cg import PreconditionedCG
-from contactstudy.solvers.solution import Solution
-from contactstudy.solvers.solve import SolveOptions, Solver
+from contactstudy.solvers.solve import SolveOptions, Watched
+
+if TYPE_CHECKING:
+    from contactstudy.accuracy.evidence import Judged
+    from contactstudy.answers.evolution import Evolution
+    from contactstudy.answers.lubricated_contact import LubricatedContact
+    from contactstudy.evolution.steps import TimeSteps
+
+# Share of the accuracy asked for that the cells may take where steps in time take the remainder.
+CELLS = 0.5
+# Iterations of a film at most.
+FILM_ITERATIONS = 300
+# Rounds of refinement of a scene that is not at rest, whose error falls as its cells at least, the largest factor on the
+# cells along an axis in a round, and the most cells of its grid.
+ROUNDS, FINER, MOST_CELLS = 3, 3.0, 2_000_000
 
 
+@dataclass(frozen=True)
+class Progress:
+    """Progress of a solve.
+
+    Attributes
+    ----------
+    done
+        Share that is done, from 0 to 1.
+    text
+        What has been reached, in words.
+    pressure
+        Latest pressure (x, y) [Pa] of a contact at rest, to start again from; None for others.
+    grid
+        Grid of that pressure; None for others.
+    """
+
+    done: float
+    text: str
+    pressure: Array | None = None
+    grid: Grid | None = None
+
+
+@overload
 def solve(
-    problem: Problem | Scene,
+    scene: Problem,
+    *,
+    error: float | str | None = None,
+    start: Array | Contact | None = None,
+    progress: Callable[[Progress], object] | None = None,
+    on: Device = Cpu(),  # noqa: B008 (a frozen value)
+    options: SolveOptions | None = None,
+    **named: Any,
+) -> Contact: ...
+@overload
+def solve(
+    scene: Scene,
     grid: Grid | None = None,
     padding: Padding | Paddings | None = None,
     *,
-    tolerance: float = 1e-8,
-    max_iterations: int = 2000,
-    solver: Solver = PreconditionedCG(),  # noqa: B008 (a frozen value)
-    precision: Precision | str = Precision.DOUBLE,
-    start: Array | None = None,
+    error: float | str | None = None,
+    period: float | None = None,
+    times: "ArrayLike | TimeSteps | None" = None,
+    start: "Array | Contact | LubricatedContact | None" = None,
+    folder: str | PathLike[str] | None = None,
+    progress: Callable[[Progress], object] | None = None,
     on: Device = Cpu(),  # noqa: B008 (a frozen value)
-) -> Solution:
-    """Solve a problem and say how far the answer can be trusted; a scene is planned first.
-
-    One stopping rule, dimensionless: the largest of complementarity, ``sum(p |gap|) / sum(p)``,
-    penetration, ``max(-gap)`` where p = 0, both over the problem's gap scale ``p_H a / E*``, and load,
-    ``|sum(p) / total - 1|``, is at most `tolerance`. Under a hardness, cells that yield count by the
-    gap they leave open, and complementarity is that of the others.
+    options: SolveOptions | None = None,
+    **named: Any,
+) -> "Contact | LubricatedContact | Evolution": ...
+def solve(
+    scene: Scene | Problem,
+    grid: Grid | None = None,
+    padding: Padding | Paddings | None = None,
+    *,
+    error: float | str | None = None,
+    period: float | None = None,
+    times: "ArrayLike | TimeSteps | None" = None,
+    start: "Array | Contact | LubricatedContact | None" = None,
+    folder: str | PathLike[str] | None = None,
+    progress: Callable[[Progress], object] | None = None,
+    on: Device = Cpu(),  # noqa: B008 (a frozen value)
+    options: SolveOptions | None = None,
+    **named: Any,
+) -> "Contact | LubricatedContact | Evolution":
+    """Solve a scene for what it names: at rest, in time, rolling once or many times, dry or lubricated.
 
     Parameters
     ----------
-    problem
-        A problem, such as ``scene.problem(grid, padding)``, or a scene.
+    scene
+        A scene, or a problem of your own.
     grid, padding
-        Grid and padding of a scene; what is left out is chosen by :func:`~contactstudy.plan`.
-    tolerance
-        Largest dimensionless residual, above zero.
-    max_iterations
-        Iterations after which the solve ends with ``Status.ITERATION_LIMIT``.
-    solver
-        The iteration, such as :class:`~contactstudy.PolonskyKeer`. It gets arrays of the device.
-    precision
-        Floating-point numbers of the iteration, ``"double"`` or ``"single"``.
+        Where to solve; chosen for the `error` if None. ``grid`` alone keeps the grid.
+    error
+        Relative L1 error of the pressure to keep, of cells and steps together (of a film: of its thickness), such as
+        ``1e-2`` or ``"1 %"``, the default without a grid. The answer says whether its bound meets it.
+    period
+        Length [m] of the grid that is chosen.
+    times
+        Instants [s] to record, or :class:`~contactstudy.TimeSteps`, of a scene that changes in time.
     start
-        Pressure (x, y) [Pa] to begin with, such as that of a similar scene or of a solution stopped early. It is cut
-        off at its limits and scaled to the load. Without it the solve begins on coarser grids.
+        Pressure (x, y) [Pa] or answer to begin with. A contact with adhesion continues from the state of an answer.
+    folder
+        Folder in which a scene that changes in time keeps its frames, to go on from there after a stop.
+    progress
+        Called with a :class:`~contactstudy.Progress` as the solve goes on.
     on
-        Device, ``Cpu(threads=2)`` for two cores or ``Gpu()``. The answer is the same to rounding, and the fields of
-        the solution are numpy arrays. Shear is solved on the processor.
+        Device of a dry contact at rest, such as ``Cpu(threads=2)``.
+    options, named
+        :class:`~contactstudy.SolveOptions`, or its fields by name: ``tolerance``, ``max_iterations``, ...
 
     Returns
     -------
-    Solution
-        Fields, and a :class:`~contactstudy.Status` for the numerical outcome.
+    Contact, LubricatedContact or Evolution
+        Fields and quantities with their bounds, and a :class:`~contactstudy.Status`.
 
     Raises
     ------
     InvalidInput
-        For a tolerance that is not above zero, a negative limit, a start that is no pressure, or a grid that does
-        not fit in memory.
+        For input that cannot be used, and for a keyword that this scene cannot use.
     """
-    options = SolveOptions(tolerance, max_iterations, solver, Precision.named(precision))
-    if isinstance(problem, Scene):
-        problem = _posed(problem, grid, padding)
-    elif grid is not None or padding is not None:
+    if named:
+        options = replace(options, **named) if options else SolveOptions(**named)
+    asked = None if error is None else relative_error("solve.error", error)
+    request = _Request(
+        scene, grid, padding, asked, period, times, start, folder, progress, on, options or SolveOptions()
+    )  # fmt: skip
+    if isinstance(scene, Problem):
+        request.refuse_unless("a problem", "start", "on")
+        if grid is not None or padding is not None:
+            given = "padding" if grid is None else "grid"
+            raise InvalidInput(
+                f"solve.{given} is for a scene: leave it out, a problem has its own."
+            )
+        return replace(request.at_rest(scene), requested=asked)
+    if not isinstance(scene, Scene):
         raise InvalidInput(
-            f"solve.{'padding' if grid is None else 'grid'} is for a scene: leave it out, a problem has its own."
+            f"solve.scene is {scene!r}: give a Scene, or scene.problem(grid, padding)."
         )
-    return options.solved(problem, start, on)
+    if scene.lubrication is not None:
+        if scene.changing is not None:
+            request.refuse_unless("a film that changes in time", "times")
+            return request.film_in_time()
+        request.refuse_unless("a steady film", "start")
+        return request.film()
+    if scene.rolling is not None:
+        request.refuse_unless("a contact that rolls")
+        return request.rolled() if scene.rolling.passes is None else request.rolled_again()
+    if scene.changing is not None:
+        if scene.adhesion is not None:
+            request.refuse_unless("a history with adhesion", "times")
+            return request.adhesion_in_time()
+        request.refuse_unless("a scene that changes in time", "times", "folder")
+        return request.in_time()
+    request.refuse_unless("a contact at rest", "start", "on")
+    return request.contact()
 
 
-def _posed(scene: Scene, grid: Grid | None, padding: Padding | Paddings | None) -> Problem:
-    """Return the problem of `scene`, with the grid and the padding of its plan where they are not given."""
-    if grid is None or padding is None:
+@dataclass(frozen=True, eq=False)
+class _Request:
+    """Arguments of :func:`solve`, with a method that answers them for each kind of scene."""
+
+    scene: Any
+    grid: Grid | None
+    padding: Padding | Paddings | None
+    error: float | None
+    period: float | None
+    times: "ArrayLike | TimeSteps | None"
+    start: Any
+    folder: str | PathLike[str] | None
+    progress: Callable[[Progress], object] | None
+    on: Device
+    options: SolveOptions
+
+    def refuse_unless(self, kind: str, *used: str) -> None:
+        """Raise InvalidInput for a keyword beyond those that a scene of this `kind` has used."""
+        given = {
+            "times": self.times is not None,
+            "start": self.start is not None,
+            "folder": self.folder is not None,
+            "on": not isinstance(self.on, Cpu),
+            "period": self.period is not None and self.grid is not None,
+        }
+        for name, is_given in given.items():
+            if is_given and name not in used:
+                other = (
+                    "the grid has a period of its own"
+                    if name == "period"
+                    else f"{kind} has no use for it"
+                )
+                raise InvalidInput(f"solve.{name} is given, and {other}: leave it out.")
+
+    @property
+    def requested(self) -> float | None:
+        """Relative error to keep: that asked for, or the default without a grid."""
+        from contactstudy.planning.plan import DEFAULT_ERROR
+
+        return DEFAULT_ERROR if self.error is None and self.grid is None else self.error
+
+    def planned(self, error: float | None) -> tuple[Grid, Padding | Paddings]:
+        """Return grid and padding: those that are given, else planned for an `error`."""
+        if self.grid is not None and self.padding is not None:
+            return self.grid, self.padding
         from contactstudy.planning.plan import plan  # only where something is left to be chosen
 
-        planned = plan(scene, grid=grid)
-        grid, padding = planned.grid, padding or planned.padding
-    return scene.problem(grid, padding)
+        end = None if self.times is None else self.steps.last
+        found = plan(self.scene, error=error, period=self.period, grid=self.grid, end=end)
+        return found.grid, self.padding or found.padding
+
+    @property
+    def steps(self) -> "TimeSteps":
+        """Instants to record and how steps are taken."""
+        from contactstudy.evolution.steps import TimeSteps
+
+        if isinstance(self.times, TimeSteps):
+            return self.times
+        return TimeSteps(self.times)  # type: ignore[arg-type]
+
+    @property
+    def first_pressure(self) -> Any:
+        """Pressure (x, y) [Pa] to begin with, that of the answer if one was given; None if nothing was."""
+        return getattr(self.start, "pressure", self.start)
+
+    def at_rest(self, problem: Problem) -> Contact:
+        """Solve one problem, and report its progress."""
+        before = getattr(self.start, "adhesion", None)
+        if problem.adhesion is not None and before is not None:
+            problem = replace(problem, adhesion=problem.adhesion.continued(before.traction))
+        options = self.options
+        if self.progress is not None:
+            options = replace(options, solver=Watched(self._seen(problem), options.solver))
+        return contact_of(options.solved(problem, self.first_pressure, self.on))
+
+    def _seen(self, problem: Problem) -> Callable[[float, Array], None]:
+        """Return what takes residual and pressure of each iteration, and reports them as progress."""
+        first: list[float] = []
+        tolerance, report = self.options.tolerance, self.progress
+        assert report is not None
+
+        def see(residual: float, pressure: Array) -> None:
+            first.append(max(residual, 10 * tolerance))
+            done = 0.0
+            if isfinite(residual) and residual > 0:
+                done = log(first[0] / residual) / log(first[0] / tolerance)
+            text = f"residual {residual:.1e} of {tolerance:.1e}"
+            field = np.array(pressure, dtype=np.float64) * problem.scales.pressure
+            report(Progress(min(max(done, 0.0), 1.0), text, field, problem.grid))
+
+        return see
+
+    def contact(self) -> Contact:
+        """Solve a contact at rest."""
+        from contactstudy.planning.grid_requirements import measured_detail
+
+        requested = self.requested
+        own_points = self.error is None or self.scene.hertz is None
+        on_its_points = own_points and measured_detail(self.scene) is not None
+        # the law of a short attraction is that of its grid
+        if self.grid is not None or on_its_points or self.scene.adhesion is not None:
+            problem = self.scene.problem(
+                *self.planned(requested if self.scene.adhesion is not None else self.error)
+            )
+            return replace(self.at_rest(problem), requested=requested)
+        from contactstudy.planning.refinement import solve_to  # only where the grid is chosen
+
+        assert requested is not None  # it has a default without a grid
+        refined = solve_to(
+            self.scene,
+            requested,
+            period=self.period,
+            padding=self.padding,
+            options=self.options,
+            start=self.first_pressure,
+            on=self.on,
+            progress=self._grid_shown,
+        )
+        return contact_of(refined.solution, estimate=refined.estimate, requested=requested)
+
+    @property
+    def _grid_shown(self) -> "Callable[[Judged], None] | None":
+        """Function of the solution on a grid that reports it as progress; None if nobody asks."""
+        report, requested = self.progress, self.requested
+        if report is None or requested is None:
+            return None
+
+        def show(rung: "Judged") -> None:
+            done, bound = min(requested / rung.bound, 1.0), f"{100 * rung.bound:.2g} % in L1"
+            text = f"{' x '.join(map(str, rung.grid.cells))} cells: {bound}"
+            report(Progress(done, text, rung.solution.pressure, rung.grid))
+
+        return show
+
+    def rolled(self) -> Contact:
+        """Solve a contact that rolls steadily."""
+        from contactstudy.evolution.rolling import solve_rolling
+
+        grid, padding = self.planned(self.requested)
+
+        def solve_on(grid: Grid) -> Contact:
+            rolling = solve_rolling(self.scene, grid, padding, options=self.options)
+            return contact_of(rolling.solution, rolling=rolling)
+
+        answer = replace(solve_on(grid), requested=self.requested)
+        return answer if self.grid is not None else self._refined(answer, solve_on)
+
+    def rolled_again(self) -> "Evolution":
+        """Roll a contact over a body that yields, as many times as its scene says."""
+        from contactstudy.answers.evolution import passes_of
+        from contactstudy.evolution.repeated_rolling import roll_repeatedly
+
+        grid, padding = self.planned(self.requested)
+        rolled = roll_repeatedly(self.scene, grid, padding, options=self.options)
+        return passes_of(rolled, self.requested)
+
+    def in_time(self) -> "Evolution":
+        """Follow a dry scene through time."""
+        from contactstudy.answers.evolution import evolution_of
+        from contactstudy.evolution.evolve import evolve
+
+        requested, steps = self.requested, self.steps
+        share = None if requested is None else CELLS * requested
+        grid, padding = self.planned(share)
+
+        def solve_on(grid: Grid) -> "Evolution":
+            trajectory = evolve(
+                self.scene,
+                grid,
+                padding,
+                times=steps.instants_of(self.scene.load),
+                error=steps.error or share,
+                step_error=steps.step_error,
+                scheme=steps.scheme,
+                options=self.options,
+                folder=self.folder,
+                progress=self._time_shown,
+            )
+            return evolution_of(trajectory, requested)
+
+        answer = solve_on(grid)
+        asked = self.error is not None and self.grid is None and self.folder is None
+        return self._refined(answer, solve_on) if asked else answer
+
+    def adhesion_in_time(self) -> "Evolution":
+        """Follow an adhesive contact through a history of loads."""
+        from contactstudy.answers.evolution import evolution_of
+        from contactstudy.evolution.adhesive_history import follow_adhesion
+
+        grid, padding = self.planned(self.requested)
+        trajectory = follow_adhesion(
+            self.scene,
+            grid,
+            padding,
+            times=self.steps.instants_of(self.scene.load),
+            options=self.options,
+            progress=self._time_shown,
+        )
+        return evolution_of(trajectory, self.requested)
+
+    @property
+    def _time_shown(self) -> Callable[[float, float], None] | None:
+        """Function of the time reached and the last time [s] that reports them as progress; None if nobody asks."""
+        report = self.progress
+        if report is None:
+            return None
+
+        def show(time: float, end: float) -> None:
+            report(Progress(time / end if end else 1.0, f"{time:.3g} s of {end:.3g} s"))
+
+        return show
+
+    def film(self) -> "LubricatedContact":
+        """Solve a steady film."""
+        from contactstudy.answers.lubricated_contact import lubricated
+        from contactstudy.lubrication.solve_lubricated import solve_lubricated, varies_along
+
+        smooth = self.grid is None and not any(map(varies_along, self.scene.shapes))
+        grid, padding = (None, self.padding) if smooth else self.planned(self.requested)
+        contact = solve_lubricated(
+            self.scene,
+            grid,
+            ExactPeriodicity() if padding is None else padding,
+            error=self.error if self.grid is not None or not smooth else self.requested,
+            tolerance=self.options.tolerance,
+            max_iterations=min(self.options.max_iterations, FILM_ITERATIONS),
+            start=self.start,
+        )
+        return lubricated(contact, requested=self.requested)
+
+    def film_in_time(self) -> "Evolution":
+        """Follow a film through time."""
+        from contactstudy.answers.evolution import films_of
+        from contactstudy.lubrication.evolve_lubricated import evolve_lubricated
+
+        requested, steps = self.requested, self.steps
+        grid, padding = self.planned(requested)
+        films = evolve_lubricated(
+            self.scene,
+            grid,
+            padding,
+            times=steps.instants_of(self.scene.load, self.scene.lubrication.mean_speed),
+            error=None if steps.step else steps.error or (requested and CELLS * requested),
+            step=steps.step,
+            tolerance=self.options.tolerance,
+            progress=self._time_shown,
+        )
+        return films_of(films, requested)
+
+    def _refined(self, answer: Any, solve_on: Callable[[Grid], Any]) -> Any:
+        """Solve again on finer grids until the bound of the answer keeps what is requested, where that is in reach."""
+        requested = answer.requested
+        for _ in range(ROUNDS):
+            parts = answer.error.l1.by_cause
+            others = sum(parts.values()) - parts["discretisation"]
+            if answer.met or not isfinite(parts["discretisation"]) or others >= requested:
+                break
+            factor = parts["discretisation"] / (requested - others)
+            grid = _finer(answer.grid, min(1.05 * factor, FINER))
+            if prod(grid.cells) > MOST_CELLS:
+                break
+            answer = replace(solve_on(grid), requested=requested)
+        return answer
+
+
+def _finer(grid: Grid, factor: float) -> Grid:
+    """Return a grid of the same extent with so many times the cells along each axis that has several."""
+    across, along = (count if count == 1 else round(count * factor) for count in grid.cells)
+    return Grid((across, along), grid.extent)

@@ -9,7 +9,7 @@ import xarray as xr
 from scipy.stats import linregress
 
 from contactstudy import InvalidInput, NotDefined
-from studies.advice.settings_table import pareto_front
+from studies.advice.front import pareto_front
 from studies.model.axis import one_of
 from studies.model.outcome import CaseStatus
 from studies.reference.line_contact import total_time

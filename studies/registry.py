@@ -7,6 +7,8 @@ plotting library.
 
 import importlib
 import sys
+from collections.abc import Sequence
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -24,7 +26,8 @@ FAMILIES = {
     "effects": ("coating", "friction", "creep", "wear", "plastic"),
     "trust": ("stability", "accuracy"),
     "cost": ("solvers", "speed", "effect_cost", "peers"),
-    "": ("pareto", "roughness", "lubrication"),
+    "settings": ("pareto",),
+    "": ("roughness", "lubrication"),
 }
 OPTIONAL = ("peers",)
 BUILT_IN = tuple(name for names in FAMILIES.values() for name in names if name not in OPTIONAL)
@@ -47,17 +50,17 @@ def load(name: str) -> Study:
     return Study(name, title, tuple(part.points), part.scene_at, part.measures, times)
 
 
-def load_drawing(name: str, figures: str = "curves") -> Drawing:
+def load_drawing(name: str, figures: str = "curves", plot: Sequence[str] = ()) -> Drawing:
     """Return the drawing of the study of a name, or of the study in a Python file.
 
     A scene, and a file without a figure of its own, have the default ``figures``: "curves" or "maps".
     """
     if name.endswith(".toml"):
-        return default_drawing(figures)
+        return default_drawing(figures, plot)
     if name.endswith(".py"):
         part = sys.modules.get(module_name(Path(name))) or module_in(Path(name))
         if not hasattr(part, "figure"):
-            return default_drawing(figures)
+            return default_drawing(figures, plot)
     else:
         part = _part("studies.report.drawings", name)
     if isinstance(part, Drawing):
@@ -66,11 +69,11 @@ def load_drawing(name: str, figures: str = "curves") -> Drawing:
     return Drawing(part.figure, findings, tables, getattr(part, "KNOWN_AXES", ())).reduced()
 
 
-def default_drawing(figures: str = "curves") -> Drawing:
-    """Return the default drawing, whose figures follow from the varied axes."""
+def default_drawing(figures: str = "curves", plot: Sequence[str] = ()) -> Drawing:
+    """Return the default drawing, whose figures follow from the varied axes and show the variables `plot`, if any."""
     # imported by name, since pages import this registry
     drawn = importlib.import_module("studies.report.default_drawing").FIGURES
-    return Drawing(drawn[one_of("figures", figures, drawn)])
+    return Drawing(partial(drawn[one_of("figures", figures, drawn)], plot=plot))
 
 
 def _part(package: str, name: str) -> Any:

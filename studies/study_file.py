@@ -72,20 +72,27 @@ def study_in(path: Path) -> Study:
     module = module_in(path)
     words = module.__doc__ if isinstance(module.__doc__, str) else path.stem
     title = one_line(words.strip().split("\n")[0], 300)
-    times, files = getattr(module, "times", "taken"), getattr(module, "files", ())
-    files = (files,) if isinstance(files, str) else files
-    if not isinstance(files, tuple | list) or not all(isinstance(name, str) for name in files):
-        raise InvalidInput(
-            f"{_where(path, 'files')}: files is {one_line(repr(files), 60)}: give the names of files beside the study."
-        )
+    times = getattr(module, "times", "taken")
+    depends = [*_names(path, module, "depends"), *_names(path, module, "files")]
     try:
         return Study(
             path.stem, title, tuple(module.points), module.scene_at, module.measures, times,
-            files=tuple(files), folder=path.absolute().parent,
+            depends=tuple(depends), folder=path.absolute().parent,
         )  # fmt: skip
     except InvalidInput as error:
         blamed = "times" if str(error).startswith("times") else "points"
         raise InvalidInput(f"{_where(path, blamed)}: {error}") from None
+
+
+def _names(path: Path, module: ModuleType, part: str) -> tuple[str, ...]:
+    """Return the names of files that a study file gives in `part`."""
+    names = getattr(module, part, ())
+    names = (names,) if isinstance(names, str) else names
+    if not isinstance(names, tuple | list) or not all(isinstance(name, str) for name in names):
+        raise InvalidInput(
+            f"{_where(path, part)}: {part} is {one_line(repr(names), 60)}: give the names of files beside the study."
+        )
+    return tuple(names)
 
 
 @contextmanager

@@ -3,10 +3,7 @@
 import re
 import subprocess
 import sys
-from importlib import import_module
 from pathlib import Path
-
-from contactstudy.domain.imports import PRESENTATIONS
 
 ROOT = Path(__file__).parent.parent
 
@@ -31,9 +28,6 @@ def test_modules_above_are_found_by_name_in_one_place() -> None:
             for call in by_name.finditer(file.read_text(encoding="utf-8")):
                 below = ".".join(place.parts[:2]).removesuffix(".py")
                 assert below in call[0] or place.as_posix() in BY_NAME, (place, call[0])
-    for name in PRESENTATIONS.values():
-        module, _, function = name.rpartition(".")
-        assert callable(getattr(import_module(module), function))
 
 
 def test_the_files_that_contributors_are_led_to_are_there() -> None:

@@ -40,8 +40,6 @@ def test_the_readme_is_short_and_counts_what_is_there() -> None:
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     assert len(text.split()) <= 1200
     numbers = ["no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten"]
-    scenes = len(list((ROOT / "examples").glob("*.toml")))
-    assert f"folder `examples` has {numbers[scenes]} such files" in text
     minutes = ceil((INSTALLATION + MAIN.seconds) / 60)
     assert f"in about {numbers[minutes]} minute{'s'[: minutes - 1]} on two cores" in text
 

@@ -31,6 +31,14 @@ PAGES = (
 ELSEWHERE = ("python3 -m venv", ".venv/bin/pip", ".venv/bin/contactstudy run peers")
 
 
+# What makes a command quick.
+QUICK = {
+    "run": ("--workers", "0", "--repeats", "1"),
+    "report": ("--seconds", "3"),
+    "recommend": ("--seconds", "3"),
+}
+
+
 @pytest.fixture(autouse=True)
 def somewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The project's examples in a folder that may be written to."""
@@ -44,8 +52,7 @@ def command(line: str) -> None:
         return
     program, *words = shlex.split(line, comments=True)
     assert program == ".venv/bin/contactstudy", line
-    quick = ["--workers", "0", "--repeats", "1"] if words[0] == "run" else []
-    cli.main([*words, *quick], standalone_mode=False)
+    cli.main([*words, *QUICK.get(words[0], ())], standalone_mode=False)
 
 
 @pytest.mark.parametrize(

@@ -107,6 +107,7 @@ def act_in_workers() -> None:
     """Worker processes import ``sitecustomize`` from here before all else."""
     folder = Path(tempfile.mkdtemp())
     (folder / "sitecustomize.py").write_text(FOR_WORKERS, encoding="utf-8")
+    sys.path.append(str(folder))  # where this process finds what its workers have loaded
     paths = [str(folder), *filter(None, [os.environ.get("PYTHONPATH")])]
     os.environ["PYTHONPATH"] = os.pathsep.join(paths)
 

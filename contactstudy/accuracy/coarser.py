@@ -47,6 +47,8 @@ def on_cells(field: Array, cells: tuple[int, int]) -> Array:
 
 # Tolerance of the coarse solution, whose difference needs two digits.
 TOLERANCE = 1e-4
+# That of one with adhesion, whose states near separation are found apart by slow changes alone.
+ADHESIVE_TOLERANCE = 1e-7
 
 
 @dataclass(frozen=True)
@@ -110,21 +112,24 @@ def change(fine: Solution, coarse: Solution) -> Change:
     )
 
 
-def coarse_solution(problem: Problem, pressure: Array | None = None) -> Solution | None:
+def coarse_solution(
+    problem: Problem, pressure: Array | None = None, attraction: Array | None = None
+) -> Solution | None:
     """Return the solution on cells of twice the size, as accurate as its difference needs; None where there is none.
 
-    It begins with the means of a `pressure` (x, y) [Pa] on the grid of `problem`, if one is given.
+    It begins with the means of a `pressure` and an `attraction` (x, y) [Pa] on the grid of `problem`, if they are given.
+    There is none without a source of the heights, nor where the solve on those cells fails.
     """
     coarse = coarser_problem(problem)
     if coarse is None:
         return None
     start = None if pressure is None else on_cells(pressure, coarse.grid.cells)
-    return SolveOptions(TOLERANCE).solved(coarse, start)
-
-
-def start_from(coarse: Solution, problem: Problem) -> Array:
-    """Return the pressure (x, y) [Pa] of `coarse` on the cells of `problem`, for a solve to start from."""
-    return on_cells(coarse.pressure, problem.grid.cells)
+    if coarse.adhesion is not None and attraction is not None:
+        law = coarse.adhesion.continued(on_cells(attraction, coarse.grid.cells))
+        coarse = replace(coarse, adhesion=law)
+    tolerance = TOLERANCE if coarse.adhesion is None else ADHESIVE_TOLERANCE
+    solution = SolveOptions(tolerance).solved(coarse, start)
+    return None if solution.status.is_failure else solution
 
 
 def _unknown_to(source: Source, problem: Problem) -> Array | None:

@@ -9,6 +9,8 @@ from contactstudy.domain.fields import Array
 # Change of a maximum over its second difference with the places of the edges in their cells: 1/16 between two
 # straight edges that fall alike; a third more for edges that are neither straight nor alike.
 EDGES = 1 / 12
+# The same where the maximum lies within two cells of an edge, where no parabola holds.
+BESIDE_EDGE = 1 / 3
 
 
 def axis_first(field: Array, axis: int) -> Array:
@@ -72,7 +74,8 @@ def discretisation(pressure: Array, wraps: tuple[bool, bool]) -> tuple[float, fl
         slope, bent = float(after[place] - before[place]) / 2, float(bend[place])
         # the parabola's vertex is slope / bent cells away
         beside += slope**2 / bent / 2 - bent / 24 if bent > 0 else 0.0
-        edges = max(edges, EDGES * bent)
+        around = touching[max(place[0] - 1, 0) : place[0] + 4, place[1]]
+        edges = max(edges, (EDGES if around.all() else BESIDE_EDGE) * bent)
     return (abs(beside) + edges) / level, float(l1 / pressure.sum())
 
 

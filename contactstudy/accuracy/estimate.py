@@ -5,19 +5,20 @@ from math import inf
 
 import numpy as np
 
-from contactstudy.accuracy.coarser import Change, change, coarse_solution, halved
+from contactstudy.accuracy.coarser import Change, change, coarse_solution
 from contactstudy.accuracy.discretisation import (
     around_contact,
     axis_first,
     contact_area,
     discretisation,
 )
-from contactstudy.accuracy.expected_error import ErrorParts
-from contactstudy.accuracy.plausibility import implausible
+from contactstudy.accuracy.plausibility import beyond_strength, implausible
+from contactstudy.accuracy.sought_load import compared, pull_off_error
 from contactstudy.accuracy.subcell import CONFIDENCE, HeightsInside, Subcell
 from contactstudy.accuracy.truncation import truncation
 from contactstudy.domain.checks import InvalidInput, NotDefined
 from contactstudy.domain.device import Precision
+from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import LARGE, Array, in_blocks, inner
 from contactstudy.domain.reuse import ArrayStore, open_store, reusing
 from contactstudy.problem.constraint import violation
@@ -28,33 +29,27 @@ from contactstudy.solvers.solution import Solution, Status
 
 # Largest factor by which the approximate inverse is wrong, where the padding is a short window.
 MARGIN = 2.0
-# Ratio of the hidden share of the load to the error of smooth edges. Below SMOOTH no coarser solution is needed; up to
-# RESOLVED the L1 error is at most L1_RESOLVED times that of the edges; up to half of RESOLVED the error of the peak
-# pressure grows by PEAK_RESOLVED times the ratio.
-SMOOTH, RESOLVED = 0.25, 2.0
-L1_RESOLVED, PEAK_RESOLVED = 1.6, 2.0
-# Largest error over the change from cells of twice the size (of the pressure, of the area), and over the hidden share of
-# the load, on nearly all surfaces of the accuracy matrix. Two pressures of one load differ by LARGEST at most.
-CHANGE, AREA_CHANGE, HIDDEN, LARGEST = 1.4, 1.25, 0.5, 2.0
-# Rise of the peak pressure at a halving of the cells from which it counts as unbounded: like the inverse root of the
-# cell it would be 41 %. Error over a rise that shrinks like the root of the cell (2.4 times as much follows), and over a
-# fall.
-UNBOUNDED, RISE, FALL = 0.2, 2.5, 1.5
+# Ratio of the hidden share of the load to the error of smooth edges below which no coarser solution is needed.
+SMOOTH = 0.25
+# Largest error in L1 over the hidden share of the load, and of the area over the share that may open. Two pressures of
+# one load differ by LARGEST at most.
+HIDDEN, LARGEST = 0.8, 2.0
 # Share of the peak pressure that a corner adds at each halving of the cells, from which it counts as sharp.
-SHARP = 0.01
-# Error of the mean gap: of a smooth contact, over the L1 error of the pressure times the depth that is flattened; else
-# over the L1 error by the edges and the change from cells of twice the size; and over the L1 error by images left out.
-GAP_DEPTH, GAP_EDGES, GAP_CHANGE, GAP_IMAGES = 0.15, 0.3, 3.0, 8.0
-# The least cells across a spot for which the law of a smooth edge holds.
+SHARP = 1e-3
+# Error of the mean gap over the L1 error, relative to the gap or to the rms variation of the displacement, whichever is
+# larger; and over the L1 error by images left out.
+GAP, GAP_IMAGES = 0.12, 8.0
+# The least cells across the contact at the peak for its edges to follow their law.
 FEW = 5
 # Pressure at a roller's end over the peak pressure, from which that end may have the peak.
 AT_END = 0.5
-# Under a coat more than STIFF_COAT times as stiff as its substrate, pressure rises at the edges over a share of the
-# thickness. With fewer than IN_COAT cells in it, estimates were up to three times too low (ratios up to 300).
-STIFF_COAT, IN_COAT, COAT_FACTOR = 2.0, 8, 3.5
+# Under a coat more than STIFF_COAT times as stiff as its substrate, the pressure rises at the edges over a share of the
+# thickness t, up to SPIKE times that of a plate bent over the radius R, ``E t / R``, over the cube root of that ratio.
+# With IN_COAT cells in the thickness, the cells show it.
+STIFF_COAT, IN_COAT, SPIKE = 2.0, 2, 2 / 3
+# Relative change of the attraction in the last pass, over the residual of a contact with adhesion at most.
+CHANGE_OF_ATTRACTION = 1e3
 SHARP_EDGE = "a sharp edge or corner"
-# L1 error above which the peak pressure is not known either.
-LOST = 0.5
 UNKNOWN_HEIGHTS = (
     "No bound by the cells: Problem.source does not say the heights on other grids, so nothing is "
     "known of them between the cell centres; make the problem from a Scene."
@@ -66,34 +61,6 @@ STANDING_OUT = (
 
 
 @dataclass(frozen=True)
-class ErrorEstimate:
-    """Relative errors of a solution, as upper estimates by cause.
-
-    The pressure in L1 is judged against the true pressure's cell means: that is what a cell of constant
-    pressure stands for.
-
-    Attributes
-    ----------
-    peak_pressure
-        Error of the peak pressure.
-    l1
-        Error of the pressure in L1.
-    contact_area
-        Error of the contact area.
-    mean_gap
-        Error of the mean gap.
-    warnings
-        A sentence for each bound that is infinite, or what to change.
-    """
-
-    peak_pressure: ErrorParts
-    l1: ErrorParts
-    contact_area: ErrorParts
-    mean_gap: ErrorParts
-    warnings: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
 class _Cells:
     """Relative errors that the cells cause, with the reasons for infinite ones."""
 
@@ -102,6 +69,7 @@ class _Cells:
     contact_area: float
     mean_gap: float
     warnings: tuple[str, ...] = ()
+    load: float | None = None
 
 
 def error_estimate(
@@ -154,49 +122,85 @@ def error_estimate(
         raise NotDefined(
             "Problem.paddings is None: give the paddings of the two axes, (across, along)."
         )
-    if solution.status in (Status.NOT_FINITE, Status.NO_ADMISSIBLE_PRESSURE):
+    if solution.status.is_failure:
         no_bound = ErrorParts(0.0, 0.0, inf)
         return ErrorEstimate(
-            no_bound, no_bound, no_bound, no_bound, (f"No bound: {solution.status}",)
+            no_bound, no_bound, no_bound, no_bound, warnings=(f"No bound: {solution.status}",)
         )
+    if not solution.pressure.any():
+        apart = ErrorParts(discretisation=inf, reason="No bound: the bodies do not touch.")
+        return ErrorEstimate(apart, apart, apart, apart, warnings=(apart.reason,))
     peak_images, l1_images = 0.0, 0.0
     if problem.source is None or not problem.source.ends_along:
         peak_images, l1_images = truncation(solution.pressure, problem.grid, problem.paddings)
     peak_residual, l1_residual = _residual(solution)
+    if (
+        solution.adhesion is not None
+    ):  # the change of the attraction that counts as much as this residual
+        l1_residual += CHANGE_OF_ATTRACTION * solution.residual
     # the heights on several grids have the same waves
     with reusing(open_store() or ArrayStore(problem.undeformed_gap.nbytes)):
         cells = _cells(solution, coarse, heights, confidence)
-    if reason := _thin_coat_warning(problem):
+    spike, width, reason = _spikes(problem)
+    if reason:
+        rise = max(spike / float(solution.pressure.max()) - 1, 0.0)
+        # one at either edge, in the mean over the length
+        mean = float(solution.pressure.mean()) * problem.grid.extent[0]
         cells = replace(
             cells,
-            peak_pressure=COAT_FACTOR * cells.peak_pressure,
-            l1=COAT_FACTOR * cells.l1,
+            peak_pressure=max(cells.peak_pressure, rise),
+            l1=cells.l1 + 2 * spike * width / mean,
             warnings=(*cells.warnings, reason),
         )
     return ErrorEstimate(
-        ErrorParts(peak_images, cells.peak_pressure, peak_residual),
         ErrorParts(l1_images, cells.l1, l1_residual),
+        ErrorParts(peak_images, cells.peak_pressure, peak_residual),
         ErrorParts(l1_images, cells.contact_area, l1_residual),
         ErrorParts(GAP_IMAGES * l1_images, cells.mean_gap, l1_residual),
-        (*cells.warnings, *filter(None, (implausible(solution),))),
+        load=ErrorParts(l1_images, cells.load, l1_residual) if cells.load is not None else None,
+        pull_off=_of_separation(solution, cells.load),
+        warnings=(
+            *filter(None, (beyond_strength(solution),)),
+            *cells.warnings,
+            *filter(None, (implausible(solution),)),
+        ),
     )
 
 
-def _thin_coat_warning(problem: Problem) -> str:
-    """Return a sentence if the cells are too large for a coat stiffer than its substrate, else an empty string."""
+def _is_separation(solution: Solution) -> bool:
+    """Return whether the solution is the last state before separation."""
+    return solution.adhesion is not None and solution.adhesion.lost is not None
+
+
+def _of_separation(solution: Solution, load: float | None) -> ErrorParts | None:
+    """Return the error of the load of separation; None where it was not sought."""
+    if load is None or not _is_separation(solution):
+        return None
+    return pull_off_error(solution, load)
+
+
+def _spikes(problem: Problem) -> tuple[float, float, str]:
+    """Return the pressure [Pa] at the edges of a contact through a coat of few cells, its width [m], and a sentence.
+
+    They are 0, and the sentence empty, where no coat is stiffer than its substrate, or the cells show it.
+    """
+    pressure, width, reason = 0.0, 0.0, ""
     if not isinstance(problem.description, PosedScene):
-        return ""
-    for coat in problem.description.scene.solids:
-        if not is_layered(coat):
-            continue
+        return pressure, width, reason
+    scene = problem.description.scene
+    for coat in filter(is_layered, scene.solids):
         stiffer = coat.substrate.compliance / coat.compliance
         cells = coat.thickness / problem.grid.cell[0]
         if stiffer > STIFF_COAT and cells < IN_COAT:
-            return (
-                f"The grid has {cells:.2g} cells in a coat {stiffer:.3g} times as stiff as its substrate, where errors "
-                f"were seen up to three times what cells show: the bounds are {COAT_FACTOR:g} times as large."
+            curvature = 1 / scene.hertz.radius if scene.hertz is not None else 0.0
+            bending = coat.thickness * curvature / coat.compliance
+            pressure = max(pressure, SPIKE * bending / stiffer ** (1 / 3))
+            width = max(width, coat.thickness)
+            reason = (
+                f"The grid has {cells:.2g} cells in a coat {stiffer:.3g} times as stiff as its substrate, which do not "
+                f"show how the pressure rises at the edges: the peak there is at most about {pressure:.3g} Pa."
             )
-    return ""
+    return pressure, width, reason
 
 
 def _cells(
@@ -209,6 +213,11 @@ def _cells(
     wraps = problem.paddings[0].wraps, problem.paddings[1].wraps
     if reason := _cut_off(solution) or _unresolved_length(problem):
         return _Cells(inf, inf, inf, inf, (reason,))
+    if solution.adhesion is not None or problem.resultant.approach is not None:
+        found = compared(solution, coarse)
+        parts = found.peak_pressure, found.l1, found.contact_area, found.mean_gap
+        is_sought = problem.resultant.approach is not None or _is_separation(solution)
+        return _Cells(*parts, found.warnings, found.load if is_sought else None)
     heights = heights or HeightsInside.from_problem(problem, confidence)
     if heights is None:
         return _Cells(inf, inf, inf, inf, (UNKNOWN_HEIGHTS,))
@@ -217,40 +226,37 @@ def _cells(
         return _Cells(inf, inf, inf, inf, (STANDING_OUT,))
     peak, l1 = discretisation(pressure, wraps)
     area = contact_area(pressure, wraps)
-    yields, sharp_end = _at_hardness(solution), _at_sharp_end(problem, pressure)
+    yields = _at_hardness(solution)
     ends = problem.source is not None and problem.source.ends_along
-    at_end = ends and pressure[:, [0, -1]].any()
-    regular = not (yields or at_end) and _spot_width(pressure, wraps) >= FEW
-    if regular and inside.uncertain <= SMOOTH * l1 and inside.corner <= SHARP:
-        peak *= 1 + PEAK_RESOLVED * inside.uncertain / l1 if l1 else 1.0
-        peak += inside.rise + inside.kink
-        return _with_area_warning(_Cells(peak, l1, area, _smooth_gap_error(solution, l1)))
-    coarse = coarse or coarse_solution(problem, solution.pressure)
-    if coarse is None or coarse.status in (Status.NOT_FINITE, Status.NO_ADMISSIBLE_PRESSURE):
-        reason = "No bound by the cells: there is no solution on cells of twice the size to compare with."
-        return _Cells(inf, inf, inf, inf, (reason,))
-    changes = change(solution, coarse)
-    hidden_ratio = inside.uncertain / l1 if l1 else inf
-    l1_by_change = max(CHANGE * changes.l1, HIDDEN * inside.uncertain)
-    peak_by_change = (RISE if changes.peak_pressure > 0 else FALL) * abs(changes.peak_pressure)
-    smooth = regular and inside.corner <= SHARP
-    if smooth and hidden_ratio <= RESOLVED:
-        l1_by_change = min(l1_by_change, L1_RESOLVED * l1)
-    bounded = smooth and hidden_ratio <= RESOLVED / 2
-    if bounded:
-        peak_by_change = min(peak_by_change, (1 + PEAK_RESOLVED * hidden_ratio) * peak)
-    estimate = _Cells(
-        0.0 if yields else max(peak, peak_by_change) + inside.rise + inside.kink,
-        LARGEST if _has_isolated_cells(pressure) else min(LARGEST, max(l1, l1_by_change)),
-        max(
-            area, _relative_loss(AREA_CHANGE * changes.contact_area), HIDDEN / 2 * inside.uncertain
-        ),
-        max(
-            GAP_CHANGE * changes.mean_gap, GAP_EDGES * l1, _sampling_error(solution, coarse.problem)
-        ),
+    regular = (
+        not (yields or (ends and pressure[:, [0, -1]].any()))
+        and _spot_width(pressure, wraps) >= FEW
     )
-    return _with_area_warning(
-        _unbounded(estimate, problem, inside, changes, sharp_end=sharp_end, exact=yields or bounded)
+    if regular and inside.uncertain <= SMOOTH * l1 and inside.corner <= SHARP:
+        changes = Change(0.0, 0.0, 0.0, 0.0)
+    else:
+        coarse = coarse or coarse_solution(problem, solution.pressure)
+        if coarse is None or coarse.status.is_failure:
+            reason = "No bound by the cells: there is no solution on cells of twice the size to compare with."
+            return _Cells(inf, inf, inf, inf, (reason,))
+        changes = change(solution, coarse)
+    isolated = _has_isolated_cells(pressure)
+    l1 = LARGEST if isolated else min(LARGEST, max(l1, changes.l1, HIDDEN * inside.uncertain))
+    reason = ""
+    if yields:  # the peak pressure is the hardness
+        peak = 0.0
+    elif reason := _no_peak(inside, isolated=isolated, sharp_end=_at_sharp_end(problem, pressure)):
+        peak = inf
+    else:
+        peak = max(peak, abs(changes.peak_pressure), inside.rise) + inside.kink
+    return _with_reasons(
+        _Cells(
+            peak,
+            l1,
+            max(area, changes.contact_area, _relative_loss(HIDDEN * inside.opens)),
+            _gap_error(solution, l1, changes.mean_gap, inside.mean),
+            (reason,) if reason else (),
+        )
     )
 
 
@@ -263,44 +269,41 @@ def _cut_off(solution: Solution) -> str:
     )
 
 
-def _smooth_gap_error(solution: Solution, l1: float) -> float:
-    """Return the relative error of the mean gap of a smooth contact whose edges have the error `l1`.
+def _gap_error(solution: Solution, l1: float, change: float, hidden: float) -> float:
+    """Return the relative error of the mean gap; infinite where that is no more than a rest of the iteration.
 
-    They move the approach by a share of the depth that the contact flattens.
+    Parameters
+    ----------
+    solution
+        The solution.
+    l1
+        Error of the pressure in L1, by the cells.
+    change
+        Relative change of the gap from cells of twice the size.
+    hidden
+        Mean of the heights inside the cells below that at their centres [m].
     """
-    rows, mean_gap = around_contact(solution.pressure), solution.mean_gap
-    touching = solution.pressure[rows] > 0
-    if not mean_gap > 0 or not touching.any():
-        return l1
-    depth = float(np.ptp(solution.problem.undeformed_gap[rows][touching]))
-    return GAP_DEPTH * l1 * depth / mean_gap + _sampling_error(solution)
+    touching, gap = solution.pressure > 0, solution.mean_gap
+    rest = float(np.abs(solution.gap[touching]).sum()) / touching.size
+    if not gap > 2 * rest:
+        return inf
+    moved = GAP * l1 * max(float(solution.displacement.std()), gap)
+    return max(change, moved / gap) + hidden / gap
 
 
-def _sampling_error(solution: Solution, coarse: Problem | None = None) -> float:
-    """Return the relative error of the mean gap by heights that are sampled at the centres of cells.
-
-    On ever finer cells their mean changes no more than from cells of twice the size, those of `coarse`.
-    """
-    problem, mean_gap, means = solution.problem, solution.mean_gap, []
-    if problem.source is None or not mean_gap > 0:
-        return 0.0
-    sources = problem.source, (coarse and coarse.source) or problem.source
-    for source, grid in zip(sources, (problem.grid, halved(problem.grid)), strict=True):
-        try:
-            rows = source.gap(grid).mean(axis=0)
-        except InvalidInput:
-            return 0.0
-        lengths = getattr(source, "row_lengths", lambda _: None)(grid)
-        means.append(float(np.average(np.broadcast_to(rows, grid.cells[1]), weights=lengths)))
-    return abs(means[0] - means[1]) / mean_gap
-
-
-def _with_area_warning(cells: _Cells) -> _Cells:
-    """Return `cells`, with the reason if the contact area alone has no bound."""
-    if cells.contact_area < inf or cells.l1 == inf:
-        return cells
-    reason = "No bound for the contact area: the spots are one or two cells wide, give more cells."
-    return replace(cells, warnings=(*cells.warnings, reason))
+def _with_reasons(cells: _Cells) -> _Cells:
+    """Return `cells`, with the reasons if the contact area or the mean gap has no bound."""
+    reasons = list(cells.warnings)
+    if cells.contact_area == inf:
+        reasons.append(
+            "No bound for the contact area: the contact is one or two cells wide, or may open in every cell, give more "
+            "cells."
+        )
+    if cells.mean_gap == inf:
+        reasons.append(
+            "No bound for the mean gap: the bodies touch everywhere, and what is left of it is the solver's residual."
+        )
+    return replace(cells, warnings=tuple(reasons))
 
 
 def _has_isolated_cells(pressure: np.ndarray) -> bool:
@@ -333,35 +336,26 @@ def _spot_width(pressure: np.ndarray, wraps: tuple[bool, bool]) -> int:
     return fewest
 
 
-def _unbounded(
-    cells: _Cells,
-    problem: Problem,
-    inside: Subcell,
-    changes: Change,
-    *,
-    sharp_end: bool,
-    exact: bool,
-) -> _Cells:
-    """Return `cells` with an infinite error of the peak pressure where it has no bound, and the reason."""
-    if exact:
-        return cells
+def _no_peak(inside: Subcell, *, isolated: bool, sharp_end: bool) -> str:
+    """Return why the peak pressure has no bound; an empty string where it has one.
+
+    Parameters
+    ----------
+    inside
+        Heights inside the cells.
+    isolated
+        Whether no two touching cells are neighbours.
+    sharp_end
+        Whether the roller bears pressure up to its end.
+    """
     reason = ""
     if inside.corner > SHARP:
         reason = f"it lies at {SHARP_EDGE}, where it is infinite: round the edge, or ask for another quantity"
     elif sharp_end:
         reason = "the roller bears pressure up to its sharp end, where it is infinite: give a profile that drops more"
-    elif changes.peak_pressure >= UNBOUNDED:
-        reason = (
-            f"it grew by {changes.peak_pressure:.0%} when the cells were halved: give more cells, unless the "
-            "surface has a sharp edge"
-        )
-    elif max(CHANGE * changes.l1, HIDDEN * inside.uncertain) >= LOST:
-        reason = "the grid hardly shows the surface: give more cells"
-    if not reason:
-        return cells
-    return replace(
-        cells, peak_pressure=inf, warnings=(f"No bound for the peak pressure: {reason}.",)
-    )
+    elif isolated:
+        reason = "no two cells in contact are neighbours: give more cells"
+    return f"No bound for the peak pressure: {reason}." if reason else ""
 
 
 def _unresolved_length(problem: Problem) -> str:

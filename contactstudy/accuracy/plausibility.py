@@ -4,13 +4,15 @@ from math import inf, sqrt
 
 import numpy as np
 
+from contactstudy.analytic import first_yield
 from contactstudy.domain.fields import BLOCK, Array
-from contactstudy.scene.scene import PosedScene
+from contactstudy.scene.bodies import HalfSpace
+from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.solvers.solution import Solution
 
-# Beyond these a contact is not one of elastic half-spaces: peak pressure over E*, over the hardness or the lowest yield
-# strength, slope of the heights, approach over the radius, and width of the grid over that of the contact.
-PRESSURE, STRENGTH, SLOPE, APPROACH, WIDE = 0.1, 3.0, 1.0, 1.0, 1e3
+# Beyond these a contact is not one of elastic half-spaces: peak pressure over E*, slope of the heights, approach over
+# the radius, and width of the grid over that of the contact.
+PRESSURE, SLOPE, APPROACH, WIDE = 0.1, 1.0, 1.0, 1e3
 # A modulus below this [Pa] is softer than any gel: that of a metal or a polymer was given in GPa or MPa.
 SOFT = 1e3
 
@@ -22,7 +24,6 @@ def implausible(solution: Solution) -> str:
         return ""
     scene, grid, pressure = posed.scene, posed.grid, solution.pressure
     peak, modulus, hertz = float(pressure.max()), scene.contact_modulus, scene.hertz
-    strength = min([scene.hardness, *(_strength(body) for body in scene.solids)])
     slope = _slope(solution)
     width = float(np.count_nonzero(pressure.any(axis=1)) * grid.cell[0])
     hints = {
@@ -38,9 +39,6 @@ def implausible(solution: Solution) -> str:
     if peak > PRESSURE * modulus:
         facts.append(f"the peak pressure is {peak / modulus:.2g} times the contact modulus E*")
         hint = hint or "load"
-    if peak > STRENGTH * strength:
-        facts.append(f"the peak pressure is {peak / strength:.2g} times the strength of a body")
-        hint = hint or "load"
     if hertz is not None and abs(solution.approach) > APPROACH * hertz.radius:
         facts.append(
             f"the approach is {abs(solution.approach) / hertz.radius:.2g} times the radius"
@@ -52,10 +50,43 @@ def implausible(solution: Solution) -> str:
     return f"This can hardly be meant: {', '.join(facts)}; {hints[hint]}" if facts else ""
 
 
-def _strength(body: object) -> float:
-    """Lowest stress [Pa] at which a body yields; infinite if it says none."""
-    limits = (getattr(body, name, inf) for name in ("yield_strength", "yield_stress"))
-    return min(float(limit) for limit in limits)
+def beyond_strength(solution: Solution) -> str:
+    """Return a sentence if the peak pressure is beyond the hardness or the first yield of an elastic body, or ``""``.
+
+    Hardness and yield strength are those of the bodies, the load at first yield that of the smooth line contact. Nothing
+    is said of a body that yields, nor beside ``Scene.hardness``, which caps the pressure.
+    """
+    posed = solution.problem.description
+    if not isinstance(posed, PosedScene) or posed.scene.hardness < inf:
+        return ""
+    scene, peak = posed.scene, float(solution.pressure.max())
+    hardness = [getattr(body, "hardness", inf) for body in _surfaces(scene)]
+    if peak > min(hardness):
+        softer = hardness.index(min(hardness))
+        return (
+            f"The peak pressure of {peak / 1e9:.3g} GPa is {peak / hardness[softer]:.2g} times the hardness of "
+            f"Scene.solids[{softer}], {hardness[softer] / 1e9:.3g} GPa: give Scene.hardness, or a body that yields."
+        )
+    for number, body in enumerate(scene.solids):
+        # first yield is above the strength
+        if not isinstance(body, HalfSpace) or not body.yield_strength < peak:
+            continue
+        strength = body.yield_strength
+        radius = scene.hertz.radius if scene.hertz else 1.0
+        first = first_yield(radius, scene.contact_modulus, strength, body.poisson_ratio)
+        if peak > first.peak_pressure:
+            at = f" at {first.load_per_length / 1e3:.3g} N/mm" if scene.hertz else ""
+            return (
+                f"The peak pressure of {peak / 1e9:.3g} GPa is {peak / first.peak_pressure:.2g} times that at which "
+                f"Scene.solids[{number}] first yields in a smooth line contact{at}: give an ElasticPlasticHalfSpace, or "
+                "the yield_strength of your material."
+            )
+    return ""
+
+
+def _surfaces(scene: Scene) -> list[object]:
+    """Return the material at the surface of each body: of a coated one, its coating."""
+    return [getattr(body, "coating", body) for body in scene.solids]
 
 
 def _slope(solution: Solution) -> float:

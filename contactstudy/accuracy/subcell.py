@@ -12,10 +12,11 @@ from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import BLOCK, Array, product
 from contactstudy.domain.grid import Grid
 from contactstudy.elasticity.convolution import Convolution
-from contactstudy.problem.problem import Problem
+from contactstudy.problem.problem import Problem, Source
 
-# Points in a cell, along one axis at a time: where the shapes name their scales, and where one does not.
-POINTS, DENSE = 4, 48
+# Points in a cell, along one axis at a time: where the shapes name their scales, at what may be a corner of theirs, and
+# where a shape names none.
+POINTS, AT_CORNERS, DENSE = 4, 32, 48
 # Number of lines up to which all are examined; of more, one in SPARSE.
 LINES, SPARSE = 64, 4
 # Probability with which a feature is found, unless another is asked for.
@@ -25,11 +26,12 @@ FEATURE = 0.03
 # Steps of a two-dimensional sequence of low discrepancy to which points can be added one by one:
 # Roberts (2018), "The unreasonable effectiveness of quasirandom sequences".
 STEPS = 0.7548776662466927, 0.5698402909980532
-# A bump ``h exp(-r^2 / s^2)`` pressed flat raises the pressure by ``pi / 2 E* h / s``; a sharper one by twice that.
-RISE = 2.0 * pi / 2
+# Rise of the pressure where a hidden height h is pressed flat, over ``E* h / dx``: it is pi / 2 and pi for waves of two
+# cells and of one, and pi / 2 for a bump ``exp(-r^2 / dx^2)``.
+RISE = 2.5
 # Largest share of the second difference of the centres that cubics miss of a feature which the centres show.
 SHOWN = 0.5
-# Share of the bend of three cells between two neighbouring points from which it is a corner; a smooth surface has 1/6.
+# Share of the bend between two neighbouring points that those beside do not have, from which it is a corner.
 CORNER = 0.7
 # The cubic through the last four points of a row, at the second and the first place beyond them.
 BEYOND = np.array([[10.0, -20.0, 15.0, -4.0], [4.0, -6.0, 4.0, -1.0]])
@@ -52,10 +54,13 @@ class Subcell:
     corner
         Largest rise at a corner in the contact when the cells are halved, over the peak pressure.
     stands_out
-        Whether a shape that names no scales stands out of a cell so far that it would carry more than the pressure
-        there.
+        Whether the surface stands out of a cell so far that it would carry more than the peak pressure there.
     rise
-        Share of the peak pressure by which such a shape's features within a cell may raise it.
+        Share of the peak pressure by which hidden heights may raise it.
+    opens
+        Share of the contact that may open: the hidden pressure over that of each cell, at most 1, in the mean.
+    mean
+        Mean of the heights inside the cells below that at their centres [m].
     kink
         Share by which the peak pressure may still rise on finer cells under a height ``|x|^n`` with n below 2.
     """
@@ -65,6 +70,8 @@ class Subcell:
     stands_out: bool
     rise: float = 0.0
     kink: float = 0.0
+    opens: float = 0.0
+    mean: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,13 +79,15 @@ class _HiddenAlong:
     """Heights hidden inside the cells along one `axis`, examined on some lines (across, along).
 
     What cubics through the centres miss, `missed`, and what stands out, `standing`, are heights [m]; `corner` and `kink`
-    are slopes. What is needed only of shapes that name no scales is None.
+    are slopes; `mean` is the mean height of the points below that of the centres [m]. The `kink` is None for shapes that
+    name their scales.
     """
 
     axis: int
+    mean: float
     missed: Array
     corner: Array
-    standing: Array | None = None
+    standing: Array
     kink: Array | None = None
 
     def in_rows(self, heights: Array, rows: slice, cells: tuple[int, ...]) -> Array:
@@ -132,7 +141,10 @@ class HeightsInside:
         if source is None or problem.paddings is None:
             return None
         try:
-            parts = (_hidden_along(problem, axis) for axis in (0, 1) if grid.cells[axis] >= 4)
+            points = POINTS if source.names_scales else DENSE
+            parts = (
+                _hidden_along(problem, axis, points) for axis in (0, 1) if grid.cells[axis] >= 4
+            )
             along = tuple(part for part in parts if part is not None)
             examined = not source.names_scales and min(grid.cells) >= 4
             return cls(along, _off_lines(problem, confidence) if examined else None)
@@ -145,54 +157,78 @@ class HeightsInside:
         bearing = pressure[rows]
         beside = _with_neighbours(bearing, problem)
         hidden, standing = np.zeros_like(bearing), np.zeros_like(bearing)
-        corner = kink = 0.0
+        corner = kink = mean = 0.0
         for part in self.along:
             modulus = _modulus(problem, part.axis)
             stiffness, halving = modulus / problem.grid.cell[part.axis], modulus * log(2) / (2 * pi)
             hidden += part.in_rows(part.missed, rows, pressure.shape) * stiffness
+            standing += part.in_rows(part.standing, rows, pressure.shape) * stiffness
             corner = max(corner, part.largest(part.corner, beside, rows, pressure.shape) * halving)
-            if part.standing is not None and part.kink is not None:
-                standing += part.in_rows(part.standing, rows, pressure.shape) * stiffness
+            if part.kink is not None:
                 kink = max(kink, part.largest(part.kink, beside, rows, pressure.shape) * halving)
-        rise, peak = 0.0, float(bearing.max())
+            mean += abs(part.mean)
+        peak = float(bearing.max())
+        risen = bearing + RISE * hidden
         if self.off_lines is not None:
             missed, stands, narrow, unseen = (field[rows] for field in self.off_lines)
             stiffness = max(_modulus(problem, axis) / problem.grid.cell[axis] for axis in (0, 1))
             hidden = np.maximum(hidden, missed * stiffness)
             standing = np.maximum(standing, stands * stiffness)
-            risen = np.where(beside > 0, bearing + RISE * unseen * stiffness / narrow, 0.0)
-            rise = max(float(risen.max()) / peak - 1, 0.0)
+            risen = np.maximum(risen, bearing + RISE * unseen * stiffness / narrow)
+        rise = float(risen[beside > 0].max(initial=peak)) / peak - 1
+        stands_out = bool((standing[beside > 0] > peak).any())
+        touching = bearing > 0
+        opens = float((np.minimum(hidden, bearing)[touching] / bearing[touching]).mean())
         hides = float(np.minimum(hidden, beside, out=hidden).sum() / bearing.sum())
-        stands_out = bool(((standing > beside) & (beside > 0)).any())
-        return Subcell(hides, corner / peak, stands_out, rise, kink / peak)
+        return Subcell(hides, corner / peak, stands_out, rise, kink / peak, opens, mean)
 
 
-def _hidden_along(problem: Problem, axis: int) -> _HiddenAlong | None:
-    """Return the heights hidden inside the cells along an `axis`, or None where they do not vary along it."""
+def _hidden_along(problem: Problem, axis: int, points_each: int) -> _HiddenAlong | None:
+    """Return the heights hidden inside the cells along an `axis`, or None where they do not vary along it.
+
+    What bends like a corner between few points is examined at more of them.
+    """
     source, grid, paddings = problem.source, problem.grid, problem.paddings
     assert source is not None
     assert paddings is not None
-    points_each = POINTS if source.names_scales else DENSE
     lines, inside = _lines(grid.cells, axis, 1), _lines(grid.cells, axis, points_each)
     points = axis_first(source.gap(Grid(inside, grid.extent)), axis)
-    if len(points) == 1:
-        return None
     coarser = grid if lines == grid.cells else Grid(lines, grid.extent)
-    centres, examined = axis_first(source.gap(coarser), axis), []
+    centres = axis_first(source.gap(coarser), axis)
+    if len(points) == len(centres) == 1:
+        return None
+    # a shape may vary along an axis at the points alone, or at the centres alone
+    width, examined = max(points.shape[1], centres.shape[1]), []
+    points = np.broadcast_to(points, (inside[axis], width))
+    centres = np.broadcast_to(centres, (lines[axis], width))
     # some lines at a time, whose arrays fit into the cache
     together = max(1, BLOCK // len(points))
     for begin in range(0, points.shape[1], together):
         beside = slice(begin, begin + together)
         parts = centres[:, beside], points[:, beside]
         heights = HeightsAlong.from_heights(*parts, grid.cell[axis], wraps=paddings[axis].wraps)
-        of_any = heights.missed, heights.corner()
-        of_unknown = () if source.names_scales else (heights.standing, heights.kink())
+        of_any = heights.missed, heights.corner(), heights.standing
+        of_unknown = () if source.names_scales else (heights.kink(),)
         examined.append((*of_any, *of_unknown))
     on_lines = [
         np.broadcast_to(axis_first(np.concatenate(fields, axis=1), axis), lines)
         for fields in zip(*examined, strict=True)
     ]
-    return _HiddenAlong(axis, *on_lines)
+    inside_mean, mean = (
+        mean_height(source, Grid(cells, grid.extent), axis_first(heights, axis))
+        for cells, heights in ((inside, points), (lines, centres))
+    )
+    found = _HiddenAlong(axis, inside_mean - mean, *on_lines)
+    if points_each < AT_CORNERS and found.corner.any():
+        return _hidden_along(problem, axis, AT_CORNERS)
+    return found
+
+
+def mean_height(source: Source, grid: Grid, gap: Array) -> float:
+    """Return the mean of a `gap` (x, y) [m] on a grid, over the length of the bodies."""
+    lengths = getattr(source, "row_lengths", lambda _: None)(grid)
+    rows = np.broadcast_to(gap.mean(axis=0), grid.cells[1])
+    return float(np.average(rows, weights=lengths))
 
 
 @dataclass(frozen=True)
@@ -328,7 +364,7 @@ class HeightsAlong:
     missed
         What a cubic through the centres misses in each cell [m].
     bends
-        Bend of the slope between neighbouring points, out of the body (n points, ...).
+        Change of the slope at each point (n points, ...), above zero where it points out of the body.
     wraps
         Whether the axis wraps.
     padded
@@ -357,7 +393,8 @@ class HeightsAlong:
         missed -= heights.swapaxes(0, 1)
         missed = np.abs(missed, out=missed).max(axis=0)
         bends = np.diff(with_ends(inside, 1, wraps=wraps), n=2, axis=0)
-        np.maximum(bends, 0, out=bends)
+        rounding = 8 * np.finfo(float).eps * max(inside.max(), -inside.min())
+        bends[np.abs(bends) < rounding] = 0.0
         bends *= points / step
         if not wraps:
             bends[[0, -1]] = 0.0
@@ -370,23 +407,32 @@ class HeightsAlong:
         return np.asarray(np.maximum(lowest - self.heights.min(axis=1), 0))
 
     @cached_property
+    def _outward(self) -> Array:
+        """Bends that point out of the body (n points, ...); zero elsewhere."""
+        return np.maximum(self.bends, 0)
+
+    @cached_property
     def _in_cells(self) -> tuple[Array, Array]:
-        """Bends of pairs of neighbouring points (n points, ...), and the same in their cells (n, points, ...)."""
-        pairs = np.empty_like(self.bends)
-        np.add(self.bends[:-1], self.bends[1:], out=pairs[:-1])
-        np.add(self.bends[-1], self.bends[0], out=pairs[-1])
+        """Outward bends of pairs of neighbouring points (n points, ...), and the same by cells (n, points, ...)."""
+        bends = self._outward
+        pairs = np.empty_like(bends)
+        np.add(bends[:-1], bends[1:], out=pairs[:-1])
+        np.add(bends[-1], bends[0], out=pairs[-1])
         return pairs, pairs.reshape(len(self.missed), -1, *pairs.shape[1:])
 
     def corner(self) -> Array:
-        """Return the slope of the corner in each cell (n, ...), 0 where its bend is that of a smooth surface."""
-        _, pairs = self._in_cells
-        count, points = pairs.shape[:2]
-        cell_bend = self.bends.reshape(count, points, -1).sum(axis=1)
-        three_cells = cell_bend + np.roll(cell_bend, 1, axis=0) + np.roll(cell_bend, -1, axis=0)
-        strongest = pairs.max(axis=1)
-        # what a smooth bend of these cells has between two points
-        smooth = (three_cells - strongest) * (2 / (3 * points - 2))
-        return np.where(strongest > CORNER * three_cells, strongest - smooth, 0.0)
+        """Return the slope of the corner in each cell (n, ...), 0 where its bend is that of a smooth surface.
+
+        A corner bends between two neighbouring points alone, and more than the mean of its cell; a smooth surface bends
+        as much on either side.
+        """
+        all_pairs, pairs = self._in_cells
+        bends = np.abs(self.bends)
+        slope = all_pairs - np.roll(bends, 1, axis=0) - np.roll(bends, -2, axis=0)
+        slope[slope <= CORNER * all_pairs] = 0.0
+        steepest = slope.reshape(pairs.shape).max(axis=1)
+        usual = bends.reshape(pairs.shape).mean(axis=1)
+        return np.where(steepest > usual, steepest, 0.0)
 
     def kink(self) -> Array:
         """Return the slope of all rises to come at a height ``|x|^n`` in each cell (n, ...), 0 where there is none.
@@ -401,7 +447,7 @@ class HeightsAlong:
         points = pairs.shape[1]
         strongest = pairs.max(axis=1)
         # the bend within half a cell to either side of each pair
-        sums = np.cumsum(with_ends(self.bends, points // 2, wraps=self.wraps), axis=0)
+        sums = np.cumsum(with_ends(self._outward, points // 2, wraps=self.wraps), axis=0)
         around = np.concatenate([sums[points - 1 : points], sums[points:] - sums[:-points]])
         apex = pairs.argmax(axis=1)[:, None]
         about = np.take_along_axis(around[: len(all_pairs)].reshape(pairs.shape), apex, axis=1)[

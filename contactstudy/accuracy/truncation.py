@@ -1,8 +1,5 @@
 """Errors by the images that a padding leaves out."""
 
-from dataclasses import dataclass
-from math import inf
-
 import numpy as np
 
 from contactstudy.domain.checks import NotDefined
@@ -57,46 +54,6 @@ def truncation(pressure: Array, grid: Grid, paddings: Paddings) -> tuple[float, 
     narrowing = _narrowing(_half_width(pressure, positions), period, pressure.shape[1], along)
     peak, mean = _end_errors(pressure, along, _half_width(pressure, positions) / period)
     return float((1 + narrowing) * (1 + peak) - 1), float(NARROWER * narrowing + mean)
-
-
-@dataclass(frozen=True)
-class ExpectedTruncation:
-    """Relative errors of the peak pressure, the pressure in L1 and the half-width by images left out."""
-
-    peak_pressure: float
-    l1: float
-    half_width: float
-
-
-def expected_truncation(half_width: float, grid: Grid, along: Padding) -> ExpectedTruncation:
-    """Return the errors that :func:`truncation` will give for a contact that is uniform along its length.
-
-    Infinite where a length without images is not periodic at all.
-
-    Parameters
-    ----------
-    half_width
-        Half-width of the contact [m].
-    grid
-        The grid.
-    along
-        Boundary condition along the length.
-    """
-    if along.window is None:
-        return ExpectedTruncation(0.0, 0.0, 0.0)
-    if len(along.window) == 1 and not along.wraps:
-        return ExpectedTruncation(inf, inf, inf)
-    narrowing = _narrowing(half_width, grid.period, grid.cells[1], along)
-    ratio = half_width / grid.period
-    peak_rise = mean = 0.0
-    if not along.wraps:
-        kink = _kink(ratio, len(along.window), grid.cells[1])
-        peak_rise, mean = float(kink.max()) - 1, END * ratio**END_POWER / len(along.window) ** 2
-    return ExpectedTruncation(
-        (1 + narrowing) * (1 + peak_rise) - 1,
-        NARROWER * narrowing + mean,
-        narrowing / (1 + narrowing),
-    )
 
 
 def _narrowing(half_width: float, period: float, cells: int, along: Padding) -> float:

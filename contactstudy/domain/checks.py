@@ -44,6 +44,21 @@ def answers_typos(cls: type[Described]) -> type[Described]:
     return cls
 
 
+def relative_error(field: str, value: object) -> float:
+    """Return a relative error above 0 and below 1, given as a number or as a text such as ``"1 %"``."""
+    remedy = "give a relative error above 0 and below 1, such as 1e-2 or '1 %'"
+    number = value
+    if isinstance(value, str):
+        text = value.strip()
+        try:
+            number = float(text.removesuffix("%")) / (100 if text.endswith("%") else 1)
+        except ValueError:
+            raise InvalidInput(f"{field} is {value!r}: {remedy}.") from None
+    if positive(field, number, remedy) >= 1:
+        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
+    return float(number)  # type: ignore[arg-type]
+
+
 def finite(field: str, value: object, remedy: str) -> float:
     """Return `value` as a finite float, or raise :class:`InvalidInput` with `field` and `remedy`."""
     if isinstance(value, bool) or not isinstance(value, Real):

@@ -2,11 +2,13 @@
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections import Counter, OrderedDict
+from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass
-from enum import Enum
-from functools import cache
+from enum import Enum, Flag
+from functools import cache, cached_property
 from pathlib import PurePath
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -42,43 +44,131 @@ def canonical(value: object, memory: IdentityRecord | None = None) -> Tree:
     """Return ``value`` as a tree that is unique to it: exact numbers with their types, dataclasses by their fields.
 
     Numbers have all their digits and text is in quotes: 1, 1.0, True, "1" and numpy's 1 differ, as do 0.0 and -0.0.
-    Fields that a dataclass does not compare are left out. Raises :class:`~contactstudy.InvalidInput` for an object that
-    is identified only by its address.
+    The attributes of a subclass of a number, a text or a container count, and so do the mask of an array, the names
+    of its fields and the order of a mapping. Fields that a dataclass does not compare are left out.
+
+    Raises
+    ------
+    InvalidInput
+        For an object that is identified by its address alone, or that may keep more than can be seen.
     """
     memory = memory or IdentityRecord()
     if is_dataclass(value) and not isinstance(value, type):
         if id(value) not in memory.records:
             memory.records[id(value)] = value, _record(value, memory)
         return memory.records[id(value)][1]
-    if value is None or type(value) is bool:
+    kind = type(value)
+    if value is None or kind is bool:
         return value
-    if type(value) in (str, int, float, complex):
+    if kind in PLAIN:
         return repr(value)
+    if kind is tuple:
+        return [canonical(item, memory) for item in value]  # type: ignore[attr-defined]
+    if isinstance(value, np.ndarray | np.generic):
+        return _array(value)
+    if isinstance(value, Enum):  # a flag of several bits may have no name
+        name = repr(value._value_) if isinstance(value, Flag) else value.name
+        return {"": memory.name(kind), "name": name}
+    content = _content(value, memory)
+    more = _more(value)
+    if content is None or more is None:
+        raise _unknown(value)
+    tree = {"": memory.name(kind), "is": content}
+    return tree | {"has": canonical(more, memory)} if more else tree
+
+
+PLAIN = (str, int, float, complex)
+# containers and numbers of Python that hold nothing but what they show
+TRANSPARENT = (
+    *PLAIN,
+    bytes,
+    list,
+    tuple,
+    set,
+    frozenset,
+    dict,
+    OrderedDict,
+    Counter,
+    MappingProxyType,
+)
+
+
+def _content(value: object, memory: IdentityRecord) -> Tree:
+    """Return what a number, a text, a path or a container shows, of whatever subclass; None for any other object."""
     match value:
-        case Enum():
-            return {"": memory.name(type(value)), "name": value.name}
-        case np.ndarray() if not value.dtype.hasobject:
-            digest = hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()
-            return {"": "array", "dtype": value.dtype.str, "shape": list(value.shape), "is": digest}
-        case np.generic() if not value.dtype.hasobject:
-            return {"": f"numpy {value.dtype.str}", "is": repr(value.item())}
-        case tuple() if type(value) is tuple:
-            return [canonical(item, memory) for item in value]
-        case tuple() | list():
-            items = [canonical(item, memory) for item in value]
-        case frozenset() | set():
-            items = sorted((canonical(item, memory) for item in value), key=text)
+        case PurePath():
+            return [repr(str(value))]
+        case set() | frozenset():
+            return sorted((canonical(item, memory) for item in value), key=text)
+        case tuple():
+            return [canonical(item, memory) for item in tuple.__iter__(value)]
+        case list():
+            return [canonical(item, memory) for item in list.__iter__(value)]
+        case dict():
+            pairs: Iterable[tuple[Any, Any]] = dict.items(value)
         case Mapping():
-            pairs = ([canonical(k, memory), canonical(v, memory)] for k, v in value.items())
-            items = sorted(pairs, key=text)
-        case bytes() | PurePath() | str() | int() | float() | complex():
-            items = [repr(value)]
+            pairs = value.items()
+        case bytes() | str() | int() | float() | complex():
+            base = next(kind for kind in (*PLAIN, bytes) if isinstance(value, kind))
+            return [base.__repr__(value)]
         case _:
-            raise InvalidInput(
-                f"A case holds {value!r}, which cannot be told from another of its kind: make its class a "
-                "frozen dataclass."
-            )
-    return {"": memory.name(type(value)), "is": items}
+            return None
+    return [[canonical(k, memory), canonical(v, memory)] for k, v in pairs]
+
+
+def _more(value: object) -> dict[str, object] | None:
+    """Return the attributes of an object beside its content; None where it may keep what cannot be seen."""
+    own = (kind for kind in type(value).__mro__ if kind not in (*TRANSPARENT, object))
+    if isinstance(value, PurePath):
+        return {} if type(value).__module__.partition(".")[0] == "pathlib" else None
+    more: dict[str, object] = {}
+    for kind in own:
+        # a class of compiled code may keep anything; abstract ones of the standard library nothing
+        if not kind.__flags__ & HEAP_TYPE:
+            return None
+        for name in _slots(kind):
+            if name not in ("__dict__", "__weakref__") and hasattr(value, name):
+                more[name] = getattr(value, name)
+    return more | getattr(value, "__dict__", {})
+
+
+HEAP_TYPE = 1 << 9  # flag of a class that Python code has made
+
+
+def _slots(kind: type) -> tuple[str, ...]:
+    """Return the names of the slots of a class."""
+    slots = vars(kind).get("__slots__", ())
+    return (slots,) if isinstance(slots, str) else tuple(slots)
+
+
+def _array(value: "np.ndarray | np.generic") -> Tree:
+    """Return the type, the shape and a hash of the bytes of an array, also of its mask; the digits of a scalar."""
+    kind, dtype = type(value), value.dtype
+    if dtype.hasobject or (isinstance(value, np.ndarray) and kind not in ARRAYS):
+        raise _unknown(value)
+    is_plain = dtype.fields is None and dtype.metadata is None
+    name = dtype.str if is_plain else f"{dtype!r} {dtype.metadata}"
+    if isinstance(value, np.generic) and dtype.fields is None:
+        return {"": f"numpy {name}", "is": repr(value.item())}
+    tree: dict[str, Tree] = {"": "array", "dtype": name, "shape": list(value.shape)}
+    if kind is not np.ndarray:
+        tree["kind"] = kind.__name__
+    if isinstance(value, np.ma.MaskedArray):
+        tree |= {"mask": _array(np.ma.getmaskarray(value)), "fill": repr(value.fill_value)}
+        value = value.data
+    return tree | {"is": hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()}
+
+
+# arrays whose values say all; a memory-mapped one is known by its values, wherever they are stored
+ARRAYS = (np.ndarray, np.ma.MaskedArray, np.memmap, np.matrix, np.recarray)
+
+
+def _unknown(value: object) -> InvalidInput:
+    """Return the error for an object that cannot be told from another of its kind."""
+    return InvalidInput(
+        f"A case holds {value!r}, which cannot be told from another of its kind: make its class a "
+        "frozen dataclass."
+    )
 
 
 def _record(value: Any, memory: IdentityRecord) -> Tree:
@@ -88,6 +178,13 @@ def _record(value: Any, memory: IdentityRecord) -> Tree:
     for part, default in _parts(type(value)):  # type: ignore[arg-type]
         content = canonical(getattr(value, part), memory)
         (defaults if content == default else tree)[part] = content
+    # what a subclass of a number or a list shows besides, and attributes that are no fields
+    if (content := _content(value, memory)) is not None:
+        tree["+is"] = content
+    names = {part.name for part in fields(value)}
+    for name, attribute in getattr(value, "__dict__", {}).items():
+        if name not in names and not isinstance(getattr(type(value), name, None), cached_property):
+            tree[f"+{name}"] = canonical(attribute, memory)
     return tree | {DEFAULTS: defaults} if defaults else tree
 
 

@@ -2,7 +2,8 @@
 
 import ast
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -10,27 +11,11 @@ from typing import Any
 OWN = ("contactstudy", "studies")
 # name for pip, where it differs from the name of the package
 INSTALLS = {
-    "altair": "'contactstudy[explore]'",
-    "vl_convert": "'contactstudy[explore]'",
     "SurfaceTopography": "'contactstudy[measured]'",
     "click": "contactstudy",  # the command needs more than this one
     "distributed": "'contactstudy[cluster]'",
     "pyevtk": "'contactstudy[vtk]'",
     "tomli_w": "tomli-w",
-}
-
-
-# Methods that label or draw a value. They are the only calls to higher layers, and are looked up by name.
-PRESENTATIONS = {
-    "Comparison.plot": "contactstudy.io.pictures.contact.compare_picture",
-    "Evolution.to_dataset": "contactstudy.io.dataset.evolution_dataset",
-    "LubricatedContact.plot": "contactstudy.io.pictures.contact.film_picture",
-    "FilmEvolution.to_dataset": "contactstudy.io.dataset.film_evolution_dataset",
-    "LubricatedContact.to_dataset": "contactstudy.io.dataset.film_dataset",
-    "RepeatedRolling.to_dataset": "contactstudy.io.dataset.rolling_dataset",
-    "Solution in a notebook": "contactstudy.io.summary.as_html",
-    "Solution.plot": "contactstudy.io.pictures.contact.picture",
-    "Solution.to_dataset": "contactstudy.io.dataset.to_dataset",
 }
 
 
@@ -46,17 +31,17 @@ def import_for(use: str, module: str) -> Any:
     MissingPackageError
         If a package is not installed.
     """
-    try:
+    with needed_for(use):
         return import_module(module)
+
+
+@contextmanager
+def needed_for(use: str) -> Iterator[None]:
+    """Name the `use` in the error for a package that an import in this context lacks."""
+    try:
+        yield
     except ModuleNotFoundError as missing:
         raise missing_package(use, missing) from missing
-
-
-def presentation(method: str) -> Callable[..., Any]:
-    """Return the function behind a method in ``PRESENTATIONS``."""
-    module, _, name = PRESENTATIONS[method].rpartition(".")
-    function: Callable[..., Any] = getattr(import_for(method, module), name)
-    return function
 
 
 def missing_package(use: str, missing: ModuleNotFoundError) -> ModuleNotFoundError:

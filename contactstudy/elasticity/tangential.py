@@ -1,6 +1,6 @@
 """Operators from shear on the surface to displacement: coefficients that are odd, and of two components."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -88,6 +88,10 @@ class Correlated:
     cells: tuple[int, int]
     padded: tuple[int, int]
 
+    def times(self, factors: float | Waves) -> "Correlated":
+        """Return the convolution whose waves are multiplied by `factors`."""
+        return replace(self, spectrum=self.spectrum * factors)
+
     def __call__(self, field: Array) -> Array:
         """Return `field` (x, y) convolved with the coefficients."""
         waves = TRANSFORMS.forward(field, self.padded)
@@ -125,6 +129,10 @@ class ShearResponse:
         y *= self.yy.spectrum
         x += y
         return np.stack([TRANSFORMS.backward(waves, cells, padded) for waves in (across, x)])
+
+    def times(self, factors: Waves) -> "ShearResponse":
+        """Return the response whose waves, each of all components, are multiplied by `factors`."""
+        return ShearResponse(*(part.times(factors) for part in (self.xx, self.yy, self.xy)))
 
     @property
     def largest(self) -> float:

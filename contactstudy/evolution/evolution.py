@@ -1,25 +1,18 @@
-"""Results of a march in time: recorded frames, and the evolution that they make up."""
+"""Results of a march in time: recorded frames."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import inf
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactstudy.accuracy.expected_error import ErrorParts
+from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
-from contactstudy.domain.imports import presentation
-from contactstudy.evolution.march import worst
 from contactstudy.evolution.memory import JointMemory
-from contactstudy.problem.problem import Derived, Field
+from contactstudy.problem.problem import Field, Problem
 from contactstudy.scene.scene import PosedScene
-from contactstudy.solvers.solution import Status
-
-if TYPE_CHECKING:
-    import xarray as xr
-
+from contactstudy.solvers.solution import Solution, Status, worst
 
 UNKNOWN = ErrorParts(0.0, inf, 0.0)
 
@@ -53,7 +46,7 @@ class Frame:
     step_error
         Estimated error by the steps in time.
     grid_error
-        Estimated error of the contact on this grid, see :func:`~contactstudy.error_estimate`.
+        Estimated error of the contact on this grid, see :func:`~contactstudy.accuracy.estimate.error_estimate`.
     steps
         Number of solves.
     iterations
@@ -62,6 +55,8 @@ class Frame:
         Transform pairs of the full grid.
     joint_state
         State solved for together with the pressure, such as plastic strain, as arrays by name.
+    solution
+        Solution of a frame with adhesion; None for others.
     grid_error_parts
         The error on this grid by cause.
     warnings
@@ -84,6 +79,7 @@ class Frame:
     joint_state: Mapping[str, Array] = field(default_factory=dict)
     grid_error_parts: ErrorParts = UNKNOWN
     warnings: tuple[str, ...] = ()
+    solution: Solution | None = None
 
     @property
     def peak_pressure(self) -> float:
@@ -92,34 +88,36 @@ class Frame:
 
 
 @dataclass(frozen=True, eq=False)
-class Evolution:
+class Trajectory:
     """Frames of a scene that was followed through time.
 
     Attributes
     ----------
-    grid
-        Grid of the fields.
+    problem
+        The contact under the largest load, before anything has changed.
     frames
         The recorded instants, in the order of time.
     rejected
         Number of pairs of steps that were rejected as too long.
     restarts
         Number of times that the march was started again, because its steps added up to too large an error.
-    outputs
-        Fields that are derived from the pressure when a dataset is made.
     description
         The scene, grid and padding.
     joint
         Memory that derives fields from the frames' joint states; None if there is none.
     """
 
-    grid: Grid
+    problem: Problem
     frames: tuple[Frame, ...]
     rejected: int
     restarts: int
-    outputs: tuple[Derived, ...]
     description: PosedScene
     joint: JointMemory | None = None
+
+    @property
+    def grid(self) -> Grid:
+        """Grid of the fields."""
+        return self.problem.grid
 
     @property
     def times(self) -> Array:
@@ -191,26 +189,3 @@ class Evolution:
     def warnings(self) -> tuple[str, ...]:
         """Warnings of all frames, each once, in the order of time."""
         return tuple(dict.fromkeys(warning for frame in self.frames for warning in frame.warnings))
-
-    def summary(self) -> str:
-        """Return status, work, final contact and estimated errors as a few lines of text."""
-        first, last = self.frames[0], self.frames[-1]
-        return "\n".join(
-            (
-                f"{self.status}",
-                f"  {len(self.frames)} instants from {first.time:.4g} s to {last.time:.4g} s, {self.steps} "
-                f"solves, {self.iterations} iterations, {self.rejected} pairs of steps rejected, "
-                f"{self.restarts} marches started again",
-                f"  at the end: peak pressure {last.pressure.max():.4g} Pa, in contact "
-                f"{np.mean(last.pressure > 0) * self.grid.extent[0]:.4g} m of the width on average, approach "
-                f"{last.approach:.4g} m",
-                f"  estimated error of the pressure in L1, at most: steps in time {self.step_error:.1g}, "
-                f"grid {self.grid_error:.1g}",
-                *(f"  warning: {warning}" for warning in self.warnings),
-            )
-        )
-
-    def to_dataset(self) -> "xr.Dataset":
-        """Return fields over (time, x, y) and numbers over (time,), with units, long names and provenance."""
-        dataset: xr.Dataset = presentation("Evolution.to_dataset")(self)
-        return dataset

@@ -1,13 +1,11 @@
-"""Follow a scene through time: its memories, its steps, and the entry point :func:`evolve`."""
+"""Follow a scene through time: its memories, its steps, and the method."""
 
 from collections.abc import Callable
 from dataclasses import replace
-from enum import Enum
 from functools import partial
 from math import pi
 from os import PathLike
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,10 +15,16 @@ from contactstudy.domain.device import Precision
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.elasticity.coefficients import Displacement
 from contactstudy.evolution.checkpoint import Checkpoint
-from contactstudy.evolution.evolution import Evolution
+from contactstudy.evolution.evolution import Trajectory
 from contactstudy.evolution.march import March, solved_or_unloaded
 from contactstudy.evolution.memory import CreepMemory, JointMemory, Memory, WearMemory
-from contactstudy.evolution.steps import Scheme, StepControl, schedule
+from contactstudy.evolution.steps import (
+    Scheme,
+    StepControl,
+    StepError,
+    schedule,
+    within_periods,
+)
 from contactstudy.evolution.walk import Walk
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import response, sudden
@@ -89,15 +93,6 @@ def joint_memory(
     return PlasticMemory(YieldingBody.in_scene(scene), solved(problem), precision)
 
 
-class StepError(Enum):
-    """Choice of how the error by the steps in time is estimated."""
-
-    #: By a second march with steps twice as long, at half the cost of the first.
-    COMPANION = "companion"
-    #: No estimate: the error is infinite.
-    NONE = "none"
-
-
 def evolve(
     scene: Scene,
     grid: Grid,
@@ -110,11 +105,8 @@ def evolve(
     options: SolveOptions = SolveOptions(),  # noqa: B008 (a frozen value)
     folder: str | PathLike[str] | None = None,
     progress: Callable[[float, float], None] | None = None,
-) -> Evolution | Any:
+) -> Trajectory:
     """Follow `scene` through time, from the start of its load.
-
-    A lubricated scene is marched by :func:`~contactstudy.evolve_lubricated` with these `times`, `error`, `tolerance` and
-    `progress`, and gives a :class:`~contactstudy.FilmEvolution`.
 
     The error by the steps is the difference of two marches, one with steps twice as long. It estimates the error of the
     longer steps, so it is an upper estimate for the shorter ones, which are recorded. It is relative to the pressure at
@@ -133,7 +125,7 @@ def evolve(
         given twice is recorded before and after a jump of the load. None records every pair of steps.
     error
         Allowed relative L1 error of the pressure by the steps, which are chosen for it. None steps from one of `times`
-        to the next.
+        to the next, at most a quarter of the load's period at a time.
     step_error
         How the error by the steps is estimated.
     scheme
@@ -147,8 +139,8 @@ def evolve(
 
     Returns
     -------
-    Evolution
-        The recorded frames, with their estimated errors; of a lubricated scene a FilmEvolution.
+    Trajectory
+        The recorded frames, with their estimated errors.
 
     Raises
     ------
@@ -156,24 +148,14 @@ def evolve(
         If both `times` and `error` are None, times decrease, the error is out of reach, the scene rolls steadily or has
         friction, or the folder belongs to another march.
     """
-    if scene.lubrication is not None:
-        from contactstudy.lubrication.evolve_lubricated import evolve_lubricated
-
-        _refuse_in_film("step_error", step_error, StepError.COMPANION)
-        _refuse_in_film("scheme", scheme, Scheme.IMPLICIT)
-        defaults = SolveOptions(options.tolerance, options.max_iterations)
-        _refuse_in_film("options", options, defaults)
-        _refuse_in_film("folder", folder, None)
-        tolerance = options.tolerance
-        return evolve_lubricated(
-            scene, grid, padding, times=times, error=error, tolerance=tolerance, progress=progress
-        )
     if times is None and error is None:
         raise InvalidInput("evolve.times and evolve.error are None: give one of them, or both.")
     control = None if error is None else StepControl.for_error(error, options.tolerance)
     load = _load(scene, grid, times)
     marks = schedule(load, times)
     march = _march(scene, grid, padding, load, scheme, options)
+    if march.all_memories:
+        marks = within_periods(marks, load)
     companion = step_error is StepError.COMPANION or control is not None
     checkpoint = None if folder is None else Checkpoint(Path(folder))
     walk = Walk(
@@ -192,23 +174,14 @@ def evolve(
         with checkpoint.open((scene, grid, padding, instants, error, step_error, scheme, options)):
             walk.restore()
             walk.go()
-    return Evolution(
-        grid,
+    return Trajectory(
+        march.problem,
         tuple(walk.frames),
         walk.rejected,
         walk.restarts,
-        march.problem.outputs,
         PosedScene(scene, grid, padding),
         march.joint,
     )
-
-
-def _refuse_in_film(name: str, value: object, default: object) -> None:
-    """Raise InvalidInput for an argument that only dry contacts have, unless it is at its default."""
-    if value != default:
-        raise InvalidInput(
-            f"evolve.{name} is {value!r}, which is for dry contacts: leave it out beside Scene.lubrication."
-        )
 
 
 def _march(
@@ -220,10 +193,6 @@ def _march(
     options: SolveOptions,
 ) -> March:
     """Return the steps of `scene`, from the elastic contact under the largest load, applied suddenly."""
-    if scene.rolling is not None:
-        raise InvalidInput(
-            "Scene.rolling is steady, so it has no history: leave it out, or call contactstudy.solve_rolling."
-        )
     if scene.friction is not None:
         raise InvalidInput("Scene.friction has no history here: leave it out.")
     solids = sudden(scene.solids)
@@ -244,10 +213,11 @@ def _march(
 
 def _load(scene: Scene, grid: Grid, times: ArrayLike | None) -> ChangingLoad:
     """Return the load of `scene` over time; a constant load is applied suddenly."""
-    if not isinstance(scene.load, ConstantLoad):
+    if isinstance(scene.load, ChangingLoad):
         return scene.load
     if times is None:
         raise InvalidInput("evolve.times is None, and Scene.load has no end: give times [s].")
     moments = np.asarray(times, dtype=np.float64)
+    assert isinstance(scene.load, ConstantLoad)  # others are for scenes that stay the same
     start = np.min(moments, initial=0.0, where=np.isfinite(moments))
     return LoadHistory((float(start),), (scene.load.over(grid.period),))

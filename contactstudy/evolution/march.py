@@ -1,7 +1,7 @@
 """One step in time: the problem that a scene's memories make of it, solved from the previous pressure."""
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from math import log2, sqrt
@@ -358,11 +358,3 @@ def unloaded(problem: Problem) -> Solution:
         convolutions=0.0,
         residual=0.0,
     )
-
-
-def worst(statuses: Sequence[Status]) -> Status:
-    """Return the most serious of `statuses`; converged if there is none."""
-    order = (Status.NOT_FINITE, Status.NO_ADMISSIBLE_PRESSURE, Status.NOT_CONVERGED, Status.STALLED,
-             Status.ITERATION_LIMIT, Status.PRECISION_LIMIT, Status.CONTACT_AT_EDGE, Status.YIELD_AT_EDGE,
-             Status.CONVERGED)  # fmt: skip
-    return min(statuses, key=order.index, default=Status.CONVERGED)

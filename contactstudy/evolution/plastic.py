@@ -281,12 +281,13 @@ class PlasticMemory:
             components = "time", "component", *cells[1:]
             down = {"axis": "Z", "positive": "down"}
             sign = "tension positive, mean over a cell"
-            stress, unloaded = f"stress, {sign}", f"stress without the pressure, {sign}"
+            of = f" of solids[{body.place}]" if suffix else ""
+            stress, unloaded = f"stress{of}, {sign}", f"stress{of} without the pressure, {sign}"
             depth, thickness = "depth of a layer", "thickness of a layer"
             fields |= {
-                f"plastic_strain{suffix}": Field(components, tensors, "1", "plastic strain"),
+                f"plastic_strain{suffix}": Field(components, tensors, "1", f"plastic strain{of}"),
                 f"equivalent_plastic_strain{suffix}": Field(
-                    cells, np.stack(equivalents), "1", "equivalent plastic strain"
+                    cells, np.stack(equivalents), "1", f"equivalent plastic strain{of}"
                 ),
                 f"stress{suffix}": Field(components, total, "Pa", stress, NEAR_EDGE),
                 f"residual_stress{suffix}": Field(components, residual, "Pa", unloaded, NEAR_EDGE),

@@ -2,22 +2,18 @@
 
 from dataclasses import dataclass, replace
 from math import inf
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, positive, whole
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings
-from contactstudy.domain.imports import presentation
 from contactstudy.elasticity.eigenstrain.plane_strain import PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import Volume
-from contactstudy.evolution.march import worst
 from contactstudy.evolution.plastic import YieldingBody, embedded, layers, step_solution
 from contactstudy.evolution.track import (
     DepthProfile,
     LowerableContact,
-    RollingPressure,
     Track,
     no_contact,
     rolling_contact,
@@ -27,12 +23,8 @@ from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import sudden
 from contactstudy.scene.load import ConstantLoad
 from contactstudy.scene.scene import PosedScene, Scene
-from contactstudy.solvers.solution import Solution, Status
+from contactstudy.solvers.solution import Solution, Status, worst
 from contactstudy.solvers.solve import SolveOptions
-
-if TYPE_CHECKING:
-    import xarray as xr
-
 
 XX, YY, XZ = 0, 1, 4
 
@@ -160,30 +152,6 @@ class RepeatedRolling:
         """The worst status of all passes."""
         return worst([each_pass.status for each_pass in self.passes])
 
-    def summary(self) -> str:
-        """Return status, work, shakedown and residual stress as a few lines of text."""
-        stress = self.residual_stress[-1, XX]
-        lowest = int(stress.argmin())
-        down = self.shaken_down
-        return "\n".join(
-            (
-                f"{self.status}",
-                f"  {len(self.passes)} passes, {sum(each_pass.steps for each_pass in self.passes)} steps, "
-                f"{sum(each_pass.iterations for each_pass in self.passes)} iterations",
-                "  the last pass yields still"
-                if down is None
-                else f"  nothing yields from pass {down} on",
-                f"  lowest residual stress along the way {stress[lowest]:.4g} Pa at a depth of "
-                f"{self.depths[lowest]:.4g} m; the last pass moves the surface by "
-                f"{self.forward_displacement[-1]:.4g} m",
-            )
-        )
-
-    def to_dataset(self) -> "xr.Dataset":
-        """Return results by pass and depth, and the window after the last pass, with units and long names."""
-        dataset: xr.Dataset = presentation("RepeatedRolling.to_dataset")(self)
-        return dataset
-
     def _per_pass(self, name: str) -> Array:
         """Return the profiles called `name` of all passes (pass, ..., z), with layers of zeros below shallow ones."""
         profiles = (getattr(each_pass.profile, name) for each_pass in self.passes)
@@ -205,38 +173,25 @@ def roll_repeatedly(
     grid: Grid,
     padding: Padding | Paddings,
     *,
-    passes: int,
-    pressure: RollingPressure = RollingPressure.SETTLED,
-    distance: float | None = None,
-    steady: float = 5e-3,
     options: SolveOptions = SolveOptions(),  # noqa: B008 (a frozen value)
 ) -> RepeatedRolling:
-    """Roll the contact of `scene` to larger x over an elastic-plastic half-space, `passes` times, in plane strain.
+    """Roll the contact of `scene` to larger x over an elastic-plastic half-space, as its ``rolling`` says.
 
     The half-space is infinite: in front of the window it is as the previous pass left it, behind the window as this
     pass leaves it. The full load is applied at once, then the contact rolls by one cell in each step, from one pass to
-    the next. The
-    heights of the other body move with the contact. The error is of first order in the cell width: the
+    the next. The heights of the other body move with the contact. The error is of first order in the cell width: the
     change on cells of half the width estimates the error that remains.
 
     Parameters
     ----------
     scene
-        The contact; one body yields, the other is elastic or rigid.
+        The contact, with the ``passes`` of a :class:`~contactstudy.Rolling`; one body yields, the other is elastic or
+        rigid.
     grid
         Window that moves with the contact, of one cell along the length. Everything that yields below the contact must
         be in it.
     padding
         Boundary conditions: an infinite surface across, periodic along.
-    passes
-        Number of passes, from 1 on.
-    pressure
-        Whether plastic strain changes the pressure.
-    distance
-        Distance of each pass [m]. None rolls until the plastic strain left behind is steady.
-    steady
-        A pass is steady when the plastic strain that it leaves changes by less than this many yield strains (Y / E)
-        while the contact rolls by its half-width.
     options
         How each contact is solved.
 
@@ -251,30 +206,29 @@ def roll_repeatedly(
         Unless exactly one body yields and the other is elastic; for a load that changes, wear, more than one cell along
         the length, or a surface that ends or wraps across.
     """
-    count = whole("roll_repeatedly.passes", passes, 1, "give a whole number of passes from 1 on")
-    positive("roll_repeatedly.steady", steady, "give a part of the yield strain, such as 5e-3")
-    if distance is not None:
-        positive("roll_repeatedly.distance", distance, "give a distance above 0 m, or None")
+    rolling = scene.rolling
+    assert rolling is not None
+    assert rolling.passes is not None
     body = _single_yielding_body(scene)
-    problem = replace(scene, solids=sudden(scene.solids)).problem(grid, padding)
+    problem = replace(scene, solids=sudden(scene.solids), rolling=None).problem(grid, padding)
     _check_grid(problem)
     length, cell = problem.scales.length, grid.cell[0]
     volume = Volume(grid, 0, grid.cells[0], layers(grid, length, DEPTH * length))
     operator = PlaneStrainOperator(volume, body.moduli)
-    rolling = _Rolling(
-        rolling_contact(problem, options, pressure),
+    steps = _Rolling(
+        rolling_contact(problem, options, rolling.pressure),
         options.tolerance,
         length,
         lag=max(round(length / cell), 1),
-        steps=None if distance is None else max(round(distance / cell), 1),
-        steady=steady * body.hardening.yield_stress / body.moduli.youngs_modulus,
+        steps=None if rolling.distance is None else max(round(rolling.distance / cell), 1),
+        steady=rolling.steady * body.hardening.yield_stress / body.moduli.youngs_modulus,
     )
-    track, pressed = rolling.step(Track.fresh(operator, body.hardening))
+    track, pressed = steps.step(Track.fresh(operator, body.hardening))
     finished: list[RollingPass] = []
-    for _ in range(count):
+    for _ in range(rolling.passes):
         if finished:
             track = replace(track, front=track.rear)
-        track, rolling_pass = rolling.one_pass(track, () if finished else (pressed,))
+        track, rolling_pass = steps.one_pass(track, () if finished else (pressed,))
         finished.append(rolling_pass)
     lifted, _ = track.settled(no_contact(problem), options.tolerance, length)
     return RepeatedRolling(tuple(finished), track, lifted, PosedScene(scene, grid, padding))
@@ -391,6 +345,6 @@ def _check_grid(problem: Problem) -> None:
     across, along = problem.paddings
     if not problem.open_edges or along.window is not None:
         raise InvalidInput(
-            f"roll_repeatedly.padding is {across!r} across and {along!r} along: the half-space goes on across and "
+            f"solve.padding is {across!r} across and {along!r} along: the half-space goes on across and "
             "repeats along, give ExactPeriodicity()."
         )

@@ -9,8 +9,9 @@ from math import inf, pi
 import numpy as np
 
 from contactstudy.accuracy.coarser import halved
-from contactstudy.accuracy.estimate import ErrorEstimate, error_estimate
+from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.elasticity.coefficients import Coefficients, Displacement
 from contactstudy.elasticity.convolution import antisymmetric, superposed
@@ -105,12 +106,18 @@ class SteadyRolling:
         if not self.resistance:
             return 0.0
         change = abs(self.coarse.resistance - self.resistance)
-        return CHANGED * change / abs(self.resistance) + LEAST * self.error_estimate().l1.total
+        return CHANGED * change / abs(self.resistance) + LEAST * self._pressure_errors.l1.total
 
-    def error_estimate(self) -> ErrorEstimate:
-        """Estimate the errors of :attr:`solution`, with :attr:`coarse` where the pressure alone does not show them."""
+    @cached_property
+    def _pressure_errors(self) -> ErrorEstimate:
+        """Estimate of the errors, with :attr:`coarse` where the pressure alone does not show them."""
         coarse = None if self.coarse is None else self.coarse.solution
         return error_estimate(self.solution, coarse=coarse)
+
+    def error_estimate(self) -> ErrorEstimate:
+        """Return the estimated errors of the contact and of its rolling resistance."""
+        resistance = ErrorParts(discretisation=self.resistance_error)
+        return replace(self._pressure_errors, rolling_resistance=resistance)
 
 
 def solve_rolling(
@@ -150,8 +157,7 @@ def solve_rolling(
     InvalidInput
         If the scene has no ``rolling``, or has a load that changes, wear, friction or a fluid.
     """
-    if scene.rolling is None:
-        raise InvalidInput("Scene.rolling is None: give a Rolling(speed=...).")
+    assert scene.rolling is not None
     if scene.friction is not None:
         raise InvalidInput("Scene.friction is not known in rolling: leave it out.")
     if scene.wear is not None or not isinstance(scene.load, ConstantLoad):
@@ -197,6 +203,7 @@ def _trailing(
     """Return the even and the odd coefficients of the bodies' delayed displacements, with weights [1/Pa]."""
     assert scene.rolling is not None
     speed = scene.rolling.speed
+    assert speed is not None
     even: dict[Coefficients, float] = {}
     odd: dict[Coefficients, float] = {}
     for number, body in enumerate(scene.solids):

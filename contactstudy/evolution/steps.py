@@ -3,12 +3,15 @@
 from collections import Counter
 from dataclasses import dataclass
 from enum import Enum
-from math import sqrt
+from itertools import pairwise
+from math import ceil, inf, sqrt
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contactstudy.domain.checks import InvalidInput, positive
+from contactstudy.domain.checks import InvalidInput, answers_typos, positive, whole
+from contactstudy.domain.units import Number, Seconds
 from contactstudy.scene.load import ChangingLoad
 
 # The stage length at which a two-stage scheme of second order damps stiff changes entirely.
@@ -35,6 +38,78 @@ class Scheme(Enum):
         """Pairs (share of the duration, explicit share of the stage), in the order of time."""
         stages: tuple[tuple[float, float], ...] = self.value
         return stages
+
+
+class StepError(Enum):
+    """Choice of how the error by the steps in time is estimated."""
+
+    #: By a second march with steps twice as long, at half the cost of the first.
+    COMPANION = "companion"
+    #: No estimate: the error is infinite.
+    NONE = "none"
+
+
+@answers_typos
+@dataclass(frozen=True)
+class TimeSteps:
+    """Instants to record of a scene that changes in time, and how steps between them are taken.
+
+    Parameters
+    ----------
+    times
+        The instants [s], which do not decrease; None for evenly spaced ones. A time given twice is recorded before and
+        after a jump of the load.
+    end
+        Last instant [s], that of the load and the speed if None.
+    instants
+        Number of evenly spaced instants; None for 41, or for every step where `error` is given.
+    error
+        Largest relative L1 error by the steps (of a film: of its thickness in one step); None takes a share of the
+        error that a solve keeps, or one step from each instant to the next where none is asked for.
+    scheme
+        How wear is stepped.
+    step_error
+        How the error by the steps of a dry contact is estimated.
+    step
+        Length [s] of all steps of a film, in place of an error.
+    """
+
+    times: tuple[Seconds, ...] | None = None
+    end: Seconds | None = None
+    instants: int | None = None
+    error: Number | None = None
+    scheme: Scheme = Scheme.IMPLICIT
+    step_error: StepError = StepError.COMPANION
+    step: Seconds | None = None
+
+    @property
+    def last(self) -> float | None:
+        """Last instant [s] that is named; None where the load decides."""
+        return self.end if self.times is None else float(np.max(self.times))
+
+    def instants_of(self, *values: object) -> ArrayLike | None:
+        """Return the instants [s], up to the last end of the histories in `values`; None if the error alone decides.
+
+        Raises
+        ------
+        InvalidInput
+            If nothing says when the last instant is.
+        """
+        if self.times is not None:
+            return self.times
+        histories: list[Any] = [value for value in values if hasattr(value, "end")]
+        if self.end is None and not histories:
+            raise InvalidInput(
+                "solve.times is None, and nothing in the scene has an end: give times [s]; "
+                "in a file give evolve.end or evolve.times."
+            )
+        end = max(history.end for history in histories) if self.end is None else self.end
+        if self.instants is None and self.end is None and self.error is not None:
+            return None
+        count = 41 if self.instants is None else self.instants
+        whole("evolve.instants", count, 2, "give at least 2 instants")
+        start = min(history.start for history in histories) if histories else 0.0
+        return [start + (end - start) * n / (count - 1) for n in range(count)]
 
 
 @dataclass(frozen=True)
@@ -91,6 +166,26 @@ def schedule(load: ChangingLoad, times: ArrayLike | None) -> tuple[Mark, ...]:
         Mark(time, load.before(time), load.at(time), counts[time], time in breaks)
         for time in sorted(breaks | set(counts) | {end})
     )
+
+
+# Steps in a period of a load that repeats, at least.
+PER_PERIOD = 4
+
+
+def within_periods(marks: tuple[Mark, ...], load: ChangingLoad) -> tuple[Mark, ...]:
+    """Return `marks` with more between them, so that no step is longer than a quarter of the period of `load`.
+
+    Steps of whole periods would meet the load at the same place of each, and not see that it changes.
+    """
+    longest = getattr(load, "period", inf) / PER_PERIOD
+    finer = list(marks[:1])
+    for first, last in pairwise(marks):
+        parts = ceil((last.time - first.time) / longest * (1 - 1e-9))
+        for part in range(1, parts):
+            time = first.time + (last.time - first.time) * part / parts
+            finer.append(Mark(time, load.at(time), load.at(time), records=0, breaks=False))
+        finer.append(last)
+    return tuple(finer)
 
 
 def _checked(times: ArrayLike, load: ChangingLoad) -> list[float]:

@@ -1,7 +1,6 @@
 """The half-space below a window that rolls with the contact: its plastic strain, and a step of its change."""
 
 from dataclasses import dataclass, replace
-from enum import Enum
 from functools import partial
 from typing import Protocol
 
@@ -13,19 +12,11 @@ from contactstudy.elasticity.eigenstrain.volume import Volume
 from contactstudy.evolution.march import LoweredContact, lowered, solved_or_unloaded, unloaded
 from contactstudy.evolution.plastic import embedded, enlarged
 from contactstudy.problem.problem import Problem
+from contactstudy.scene.motion import RollingPressure
 from contactstudy.solvers.settle import ContactTangent, Settled, Tangent, settle
 from contactstudy.solvers.solution import Solution
 from contactstudy.solvers.solve import SolveOptions
 from contactstudy.solvers.yielding_bodies import Hardening, YieldingBodies
-
-
-class RollingPressure(Enum):
-    """Choice of the pressure that rolls over a half-space."""
-
-    #: Pressure of the contact solved together with the plastic strain.
-    SETTLED = "settled"
-    #: Pressure of the elastic contact throughout, as Merwin & Johnson (1963) assume.
-    ELASTIC = "elastic"
 
 
 class LowerableContact(Protocol):

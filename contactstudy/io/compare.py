@@ -10,10 +10,9 @@ import xarray as xr
 
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
-from contactstudy.domain.imports import presentation
+from contactstudy.domain.imports import needed_for
 from contactstudy.io.dataset import labelled
-from contactstudy.io.summary import readable
-from contactstudy.solvers.solution import Solution
+from contactstudy.io.quantities import readable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -30,7 +29,7 @@ class Comparison:
     Parameters
     ----------
     l1
-        ``sum |p_b - p_a| / sum p_a`` over areas.
+        ``sum |p_b - p_a| / sum p_a`` of the means over the larger cells of both grids, the measure of error estimates.
     peak_pressure, contact_area, load
         ``b / a - 1``.
     approach
@@ -69,20 +68,24 @@ class Comparison:
 
     def plot(self) -> "Figure":
         """Draw the difference as a map, and both pressures across the place where it is largest."""
-        figure: Figure = presentation("Comparison.plot")(self)
-        return figure
+        with needed_for("Comparison.plot"):
+            from contactstudy.io.pictures.contact import compare_picture
+
+        return compare_picture(self.difference, self.at)
 
 
-def compare(a: Solution | xr.Dataset, b: Solution | xr.Dataset) -> Comparison:
+def compare(a: Any, b: Any) -> Comparison:
     """Return how the contact `b` differs from the contact `a`.
 
     Pressures are constant in each cell, so that all integrals over both grids are exact; beyond the width of
-    a grid there is no pressure. A contact of one cell along the length is the same at any period.
+    a grid there is no pressure. The difference in L1 is that of means over the larger cells, along each axis: for two
+    grids of one contact it is no more than the sum of their bounds. A contact of one cell along is the same at
+    any period.
 
     Parameters
     ----------
     a, b
-        Solutions, or their datasets, on any two grids of one period.
+        Answers, or their datasets, on any two grids of one period.
 
     Raises
     ------
@@ -116,8 +119,9 @@ def compare(a: Solution | xr.Dataset, b: Solution | xr.Dataset) -> Comparison:
         },
         {"x": ("x", centres[0], first["x"].attrs), "y": ("y", centres[1], first["y"].attrs)},
     )
+    means = _sums(_sums(change * area, x, x_a, x_b), y, y_a, y_b, axis=1)
     return Comparison(
-        l1=float((np.abs(change) * area).sum()) / total,
+        l1=float(np.abs(means).sum()) / total,
         peak_pressure=float(p_b.max() / p_a.max() - 1),
         contact_area=touching[1] / touching[0] - 1,
         load=float((p_b * area).sum()) / total - 1,
@@ -183,15 +187,15 @@ def _short(value: object) -> str:
 
 
 def _labelled(name: str, contact: Any) -> xr.Dataset:
-    if isinstance(contact, Solution):
-        return contact.to_dataset()
+    if hasattr(contact, "to_dataset"):
+        contact = contact.to_dataset()
     if (
         not isinstance(contact, xr.Dataset)
         or "pressure" not in contact
         or contact["pressure"].dims != ("x", "y")
     ):
         raise InvalidInput(
-            f"compare.{name} is {type(contact).__name__} without a pressure over (x, y): give a Solution or its "
+            f"compare.{name} is {type(contact).__name__} without a pressure over (x, y): give an answer or its "
             "dataset."
         )
     return contact
@@ -232,6 +236,16 @@ def _on(pressure: Array, x: Array, y: Array, to_x: Array, to_y: Array) -> Array:
     columns, column_on_grid = _places(y, to_y)
     on_grid = row_on_grid[:, None] & column_on_grid[None, :]
     return np.where(on_grid, pressure[np.ix_(rows, columns)], 0.0)
+
+
+def _sums(values: Array, edges: Array, a: Array, b: Array, axis: int = 0) -> Array:
+    """Return the sums of `values` on fine cells over the larger cells of the grids with the edges `a` and `b`."""
+    coarse = a if np.diff(a).max() >= np.diff(b).max() else b
+    near = 1e-9 * (edges[-1] - edges[0])
+    starts = np.abs(edges[:-1, None] - coarse[None, :]).min(axis=1) <= near
+    beyond = (edges[:-1] < coarse[0] - near) | (edges[:-1] >= coarse[-1] - near)
+    starts |= beyond
+    return np.asarray(np.add.reduceat(values, np.flatnonzero(starts), axis=axis))
 
 
 def _places(edges: Array, finer: Array) -> tuple[np.ndarray, np.ndarray]:

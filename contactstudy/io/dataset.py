@@ -3,7 +3,6 @@
 import shlex
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
 from datetime import UTC, datetime
 from enum import Enum
 from typing import TYPE_CHECKING
@@ -11,24 +10,27 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
-from contactstudy.accuracy.estimate import ErrorEstimate
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.errors import ErrorEstimate
+from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import across_and_along
 from contactstudy.domain.version import VERSION
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
+from contactstudy.io.quantities import Quantities
 from contactstudy.io.scene_writer import scene_text
-from contactstudy.io.summary import Quantity, march_quantities
 from contactstudy.problem.problem import Field, Sheared
+from contactstudy.scene.load import ChangingLoad, ConstantLoad
 from contactstudy.scene.scene import PosedScene
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
-from contactstudy.solvers.solution import Solution, Status, Traction
+from contactstudy.solvers.fretting_traction import FrettingTraction
+from contactstudy.solvers.rolling_traction import RollingTraction
+from contactstudy.solvers.solution import BRANCHES, CohesiveTraction, Solution, Status, Traction
 
 if TYPE_CHECKING:
-    from contactstudy.evolution.evolution import Evolution
+    from contactstudy.evolution.evolution import Trajectory
     from contactstudy.evolution.repeated_rolling import RepeatedRolling
-    from contactstudy.lubrication.evolve_lubricated import FilmEvolution
-    from contactstudy.lubrication.lubricated_contact import LubricatedContact
+    from contactstudy.lubrication.lubricated_contact import FilmSolution
 
 X = {"units": "m", "axis": "X", "long_name": "position across the contact"}
 Y = {"units": "m", "axis": "Y", "long_name": "position along the contact"}
@@ -72,33 +74,9 @@ def _attributes(title: str) -> dict[str, str]:
     return {"Conventions": "CF-1.11", "title": title, "source": f"contactstudy {VERSION}"}
 
 
-def with_numbers(dataset: xr.Dataset, numbers: Sequence[Quantity]) -> xr.Dataset:
-    """Return `dataset` with numbers as variables without dimensions."""
-    return dataset.assign(
-        {
-            n.name: labelled((), n.value, n.units, n.long_name)
-            for n in numbers
-            if n.name not in dataset
-        }
-    )
-
-
-def to_dataset(solution: Solution, error: ErrorEstimate | None = None) -> xr.Dataset:
-    """Return a solution as a dataset over (x, y) with units, long names and its scene.
-
-    Coordinates are cell centres [m]. Values that may differ between solutions are variables without dimensions: load,
-    Hertz's values, contact area, approach, ``status`` (a CF flag). The attribute ``scene`` is the scene as TOML with its
-    grid and padding, which :func:`~contactstudy.read_scene` reads back. The fields of ``Scene.outputs`` are computed
-    here.
-
-    Parameters
-    ----------
-    solution
-        Solution of a problem.
-    error
-        Estimate of its errors, labelled along a dimension ``cause`` over which they add up, or None.
-    """
-    grid, description = solution.problem.grid, solution.problem.description
+def contact_fields(solution: Solution) -> xr.Dataset:
+    """Return pressure, displacement, gap and shear of a solution over (x, y), with the numbers of its solver."""
+    grid = solution.problem.grid
     dataset = xr.Dataset(
         {
             "pressure": labelled(("x", "y"), solution.pressure, "Pa", "contact pressure"),
@@ -106,37 +84,75 @@ def to_dataset(solution: Solution, error: ErrorEstimate | None = None) -> xr.Dat
                 ("x", "y"), solution.displacement, "m", "surface displacement"
             ),
             "gap": labelled(("x", "y"), solution.gap, "m", "gap after deformation"),
+            "residual": labelled((), solution.residual, "1", "residual of the solver"),
+            "iterations": labelled((), solution.iterations, "1", "solver iterations"),
+            "convolutions": labelled(
+                (), solution.convolutions, "1", "transform pairs of the full grid"
+            ),
+            "status": _status(solution.status),
         },
         coords={"x": ("x", grid.x, X), "y": ("y", grid.y, Y)},
-        attrs=_attributes("line contact")
-        | {"history": f"{datetime.now(UTC).isoformat(timespec='seconds')} {shlex.join(sys.argv)}"},
     )
-    area = float(np.count_nonzero(solution.pressure) * grid.cell_area)
-    numbers = {
-        "approach": labelled((), solution.approach, "m", "approach of the bodies"),
-        "contact_area": labelled((), area, "m2", "contact area"),
-        "residual": labelled((), solution.residual, "1", "residual of the solver"),
-        "iterations": labelled((), solution.iterations, "1", "solver iterations"),
-        "convolutions": labelled(
-            (), solution.convolutions, "1", "transform pairs of the full grid"
-        ),
+    return dataset.assign(_sheared(solution.traction)).assign(_attracted(solution.adhesion))
+
+
+def contact_dataset(
+    solution: Solution, error: ErrorEstimate, quantities: Quantities, derived: Mapping[str, Field]
+) -> xr.Dataset:
+    """Return a contact as a dataset over (x, y) with units, long names and its scene.
+
+    Coordinates are cell centres [m]. Values that may differ between contacts are variables without dimensions: the
+    quantities with their bounds, load, Hertz's values, ``status`` (a CF flag). The attribute ``scene`` is the scene as
+    TOML with its grid and padding, which :func:`~contactstudy.read_scene` reads back.
+
+    Parameters
+    ----------
+    solution
+        The contact.
+    error
+        Estimate of its errors, labelled along a dimension ``cause`` over which they add up.
+    quantities
+        Its numbers.
+    derived
+        Fields of the outputs that its scene names.
+    """
+    description = solution.problem.description
+    dataset = contact_fields(solution)
+    dataset.attrs = _attributes("line contact") | {
+        "history": f"{datetime.now(UTC).isoformat(timespec='seconds')} {shlex.join(sys.argv)}"
     }
     if isinstance(description, PosedScene):
-        numbers |= _of_scene(description)
-    status = _status(solution.status)
-    status.attrs = {"units": "1", **status.attrs}
-    dataset = dataset.assign(numbers | {"status": status})
-    if isinstance(description, PosedScene):
+        dataset = dataset.assign(_of_scene(description))
         dataset.attrs |= _measured(description) | {"scene": scene_attribute(description)}
-    dataset = dataset.assign(_sheared(solution.traction)).assign(_outputs(solution))
-    return dataset if error is None else _with_errors(dataset, error)
+    dataset = dataset.assign({name: _of_field(field) for name, field in derived.items()})
+    return with_quantities(_with_errors(dataset, error), quantities)
+
+
+def with_quantities(dataset: xr.Dataset, quantities: Quantities) -> xr.Dataset:
+    """Return `dataset` with quantities as variables without dimensions, each beside its ``<name>_bound``.
+
+    A name that the dataset has already, such as that of a coordinate, is left as it is.
+    """
+    numbers: dict[str, xr.Variable] = {}
+    for name, one in quantities.items():
+        if name in dataset:
+            continue
+        numbers[name] = labelled((), one.value, one.unit, one.label)
+        numbers[f"{name}_bound"] = labelled(
+            (), one.bound, one.unit, f"bound of the error: {one.label}"
+        )
+    return dataset.assign(numbers)
 
 
 def _of_scene(posed: PosedScene) -> dict[str, xr.Variable]:
-    """Return the load, and Hertz's values where there are any."""
-    values = {"load_per_length": labelled((), posed.scene.load.largest, "N m-1", "load per length")}
+    """Return the load where it is given, and Hertz's values where they are those of this load."""
+    load, values = posed.scene.load, {}
+    if isinstance(load, ConstantLoad | ChangingLoad):
+        values["load_per_length"] = labelled((), load.largest, "N m-1", "load per length")
     hertz = posed.scene.hertz
-    return values if hertz is None else values | _hertz(hertz)
+    if hertz is None or posed.scene.adhesion is not None or not values:
+        return values
+    return values | _hertz(hertz)
 
 
 def _hertz(hertz: HertzLine) -> dict[str, xr.Variable]:
@@ -162,7 +178,7 @@ def _status(status: Enum) -> xr.Variable:
     """Return the status of a solve as a CF flag, with its sentence as the comment."""
     kind = type(status)
     flag = flags((), list(kind).index(status), list(kind.__members__), "how the solver ended")
-    flag.attrs["comment"] = str(status)
+    flag.attrs = {"units": "1", **flag.attrs, "comment": str(status)}
     return flag
 
 
@@ -180,41 +196,73 @@ def _sheared(traction: Traction | None) -> dict[str, xr.Variable]:
         return {}
     (across, along), stick = traction.shear, traction.stick.astype(np.int8)
     plane = "x", "y"
-    return {
+    variables = {
         "shear_x": labelled(plane, across, "Pa", "shear across the contact, on the first body"),
         "shear_y": labelled(plane, along, "Pa", "shear along the contact, on the first body"),
         "stick": labelled(plane, stick, "1", "1 where the bodies stick, 0 elsewhere"),
     }
-
-
-def _outputs(solution: Solution) -> dict[str, xr.Variable]:
-    """Return the fields of ``Scene.outputs`` under the pressure and the shear of the solution."""
-    fields: dict[str, xr.Variable] = {}
-    for output in solution.problem.outputs:
-        if solution.traction is not None and isinstance(output, Sheared):
-            output = output.under(solution.traction.shear)
-        fields |= {
-            name: _of_field(field) for name, field in output.fields(solution.pressure).items()
+    if isinstance(traction, FrettingTraction):
+        loop = "step"
+        return variables | {
+            "slip_distance": labelled(
+                plane, traction.slip_distance, "m", "distance slipped in a cycle"
+            ),
+            "friction_energy": labelled(
+                plane, traction.energy, "J m-2", "energy lost in a cycle per area"
+            ),
+            "tangential_force": labelled(
+                loop, traction.forces, "N", "tangential force after each step"
+            ),
+            "rigid_displacement": labelled(
+                loop,
+                traction.rigid,
+                "m",
+                "rigid displacement of the first body along x after each step",
+            ),
         }
-    return fields
+    if not isinstance(traction, RollingTraction):
+        return variables
+    slip = "slip of the first body against the second over the distance rolled"
+    return variables | {
+        "slip_x": labelled(plane, traction.slip[0], "1", f"{slip}, across"),
+        "slip_y": labelled(plane, traction.slip[1], "1", f"{slip}, along"),
+        "power_density": labelled(plane, traction.power, "W m-2", "frictional power per area"),
+    }
+
+
+def _attracted(adhesion: CohesiveTraction | None) -> dict[str, xr.Variable]:
+    """Return the attraction, and the history that the state belongs to as a CF flag; empty without adhesion."""
+    if adhesion is None:
+        return {}
+    branches = [branch.replace(" ", "_") for branch in BRANCHES]
+    return {
+        "attraction": labelled(
+            ("x", "y"), adhesion.traction, "Pa", "attraction between the bodies"
+        ),
+        "branch": flags((), BRANCHES.index(adhesion.branch), branches, "history of the state"),
+    }
 
 
 def _with_errors(dataset: xr.Dataset, estimate: ErrorEstimate) -> xr.Dataset:
-    """Return `dataset` with the estimated errors, and their warnings as one text."""
-    for metric, what, parts in (
-        ("peak_pressure", "peak pressure", estimate.peak_pressure),
-        ("pressure_l1", "pressure in L1", estimate.l1),
-        ("contact_area", "contact area", estimate.contact_area),
-        ("mean_gap", "mean gap", estimate.mean_gap),
-    ):
-        dataset[f"{metric}_error_estimate"] = _by_cause(asdict(parts), what)
+    """Return `dataset` with the estimated errors by cause, and their warnings as one text; 0 where no error applies."""
+    errors = dict(estimate)
+    causes = list(dict.fromkeys(cause for parts in errors.values() for cause in parts.by_cause))
+    coordinate = {"units": "1", "long_name": "cause of the error"}
+    for name, parts in errors.items():
+        what = "pressure in L1" if name == "l1" else name.replace("_", " ")
+        dataset[f"{'pressure_l1' if name == 'l1' else name}_error_estimate"] = xr.DataArray(
+            [parts.by_cause.get(cause, 0.0) for cause in causes],
+            {"cause": ("cause", causes, coordinate)},
+            ("cause",),
+            attrs={"units": "1", "long_name": f"estimated relative error of the {what}"},
+        )
     if estimate.warnings:
         dataset.attrs["warnings"] = " ".join(estimate.warnings)
     return dataset
 
 
-def evolution_dataset(evolution: "Evolution") -> xr.Dataset:
-    """Return a march with dimensions (time, x, y), units and long names; ``status`` as CF flags.
+def evolution_dataset(evolution: "Trajectory", quantities: Quantities) -> xr.Dataset:
+    """Return a dry scene in time with dimensions (time, x, y), units and long names; ``status`` as CF flags.
 
     The fields of ``Scene.outputs`` are computed here, at every instant.
     """
@@ -260,10 +308,10 @@ def evolution_dataset(evolution: "Evolution") -> xr.Dataset:
         | {"scene": scene_attribute(evolution.description)},
     )
     dataset = dataset.assign(_memories_over_time(evolution)).assign(_outputs_over_time(evolution))
-    return with_numbers(dataset, march_quantities(evolution))
+    return with_quantities(dataset, quantities)
 
 
-def _memories_over_time(evolution: "Evolution") -> dict[str, xr.Variable]:
+def _memories_over_time(evolution: "Trajectory") -> dict[str, xr.Variable]:
     """Return the fields that bodies and wear remember, such as worn depth and plastic strain, at every instant."""
     frames = evolution.frames
     fields = _over_time([frame.fields for frame in frames])
@@ -275,10 +323,10 @@ def _memories_over_time(evolution: "Evolution") -> dict[str, xr.Variable]:
     return fields
 
 
-def _outputs_over_time(evolution: "Evolution") -> dict[str, xr.Variable]:
+def _outputs_over_time(evolution: "Trajectory") -> dict[str, xr.Variable]:
     """Return the fields of ``Scene.outputs`` at every instant."""
     fields: dict[str, xr.Variable] = {}
-    for output in evolution.outputs:
+    for output in evolution.problem.outputs:
         fields |= _over_time([output.fields(frame.pressure) for frame in evolution.frames])
     return fields
 
@@ -295,7 +343,7 @@ def _over_time(instants: Sequence[Mapping[str, Field]]) -> dict[str, xr.Variable
     return fields
 
 
-def rolling_dataset(rolling: "RepeatedRolling") -> xr.Dataset:
+def passes_dataset(rolling: "RepeatedRolling", quantities: Quantities) -> xr.Dataset:
     """Return the state after each pass over (pass, component, z), and the last window over (component, z, x)."""
     passes, track, volume = rolling.passes, rolling.track, rolling.track.operator.volume
     window = "component", "z", "x"
@@ -304,7 +352,7 @@ def rolling_dataset(rolling: "RepeatedRolling") -> xr.Dataset:
     below = "plastic strain below the contact in the last pass"
     stress = rolling.removed.residual_stress()[..., 0]
     unloaded = "stress where the last contact was lifted off, tension positive"
-    return xr.Dataset(
+    dataset = xr.Dataset(
         {
             **_after_passes(rolling),
             "pressure": labelled("x", pressure, "Pa", "contact pressure in the last pass"),
@@ -320,6 +368,7 @@ def rolling_dataset(rolling: "RepeatedRolling") -> xr.Dataset:
         attrs=_attributes("repeated rolling of a line contact")
         | {"scene": scene_attribute(rolling.description)},
     )
+    return with_quantities(dataset, quantities)
 
 
 def _after_passes(rolling: "RepeatedRolling") -> dict[str, xr.Variable]:
@@ -348,24 +397,38 @@ def _after_passes(rolling: "RepeatedRolling") -> dict[str, xr.Variable]:
     }
 
 
-def film_dataset(contact: "LubricatedContact") -> xr.Dataset:
+def film_dataset(
+    contact: "FilmSolution", error: ErrorEstimate, quantities: Quantities
+) -> xr.Dataset:
     """Return a lubricated contact with dimensions (x, y), units and long names; errors along ``cause``."""
+    dataset = film_fields(contact)
+    for output in contact.scene.outputs:
+        derived = output.of(contact.scene.solids, contact.grid, across_and_along(contact.padding))
+        if isinstance(derived, Sheared):
+            # friction across, as the film drags the first body back
+            derived = derived.under(np.stack((-contact.shear, np.zeros_like(contact.shear))))
+        for name, field in derived.fields(contact.pressure).items():
+            dataset[name] = _of_field(field)
+    return with_quantities(_with_errors(dataset, error), quantities)
+
+
+def film_fields(contact: "FilmSolution") -> xr.Dataset:
+    """Return pressure, film, film fraction and shear of a lubricated contact over (x, y), with its scene."""
     grid, plane = contact.grid, ("x", "y")
-    dataset = xr.Dataset(
-        {
+    touching = {}
+    if contact.contact_pressure is not None:
+        of_asperities = labelled(plane, contact.contact_pressure, "Pa", "pressure of asperities")
+        touching["contact_pressure"] = of_asperities
+    return xr.Dataset(
+        touching
+        | {
             "pressure": labelled(plane, contact.pressure, "Pa", "pressure of the film"),
             "film": labelled(plane, contact.film, "m", "film thickness"),
             "film_fraction": labelled(
-                plane, contact.film_fraction, "1", "share of the film that is full"
+                plane, contact.film_fraction, "1", "fraction of the film that is full"
             ),
             "shear": labelled(plane, contact.shear, "Pa", "shear stress in the middle of the film"),
-            "load_per_length": labelled((), contact.load_per_length, "N m-1", "load per length"),
             "mean_speed": labelled((), contact.mean_speed, "m s-1", "mean speed of the surfaces"),
-            "central_film": labelled((), contact.central_film, "m", "central film"),
-            "minimum_film": labelled((), contact.minimum_film, "m", "smallest film"),
-            "peak_pressure": labelled((), contact.peak_pressure, "Pa", "peak pressure"),
-            "friction": labelled((), contact.friction, "1", "friction force over load"),
-            "power_loss": labelled((), contact.power_loss, "W m-1", "power lost per length"),
             **_hertz(contact.scales.hertz),
             "residual": labelled((), contact.residual, "1", "residual of the solver"),
             "iterations": labelled((), contact.iterations, "1", "solver iterations"),
@@ -375,45 +438,15 @@ def film_dataset(contact: "LubricatedContact") -> xr.Dataset:
         attrs=_attributes("lubricated line contact")
         | {"scene": scene_attribute(PosedScene(contact.scene, grid, contact.padding))},
     )
-    for output in contact.scene.outputs:
-        derived = output.of(contact.scene.solids, grid, across_and_along(contact.padding))
-        if isinstance(derived, Sheared):
-            # friction across, as the film drags the first body back
-            derived = derived.under(np.stack((-contact.shear, np.zeros_like(contact.shear))))
-        for name, field in derived.fields(contact.pressure).items():
-            dataset[name] = _of_field(field)
-    if contact.error is None:
-        return dataset
-    estimates = asdict(contact.error)
-    reason = estimates.pop("reason")
-    if reason:
-        dataset.attrs["warnings"] = reason
-    return dataset.assign(
-        {
-            f"{metric}_error_estimate": _by_cause(parts, metric.replace("_", " "))
-            for metric, parts in estimates.items()
-        }
-    )
 
 
-def film_evolution_dataset(evolution: "FilmEvolution") -> xr.Dataset:
-    """Return the contacts of a march with the dimension ``time``."""
-    contacts = [contact.to_dataset() for contact in evolution.contacts]
-    time = xr.Variable("time", list(evolution.times), {"units": "s", "long_name": "time"})
+def films_dataset(
+    times: Array, contacts: Sequence[xr.Dataset], quantities: Quantities
+) -> xr.Dataset:
+    """Return the datasets of a film at `times` [s] with the dimension ``time``."""
+    time = xr.Variable("time", times, TIME)
     joined = xr.concat(
         contacts, time, data_vars="all", coords="minimal", compat="override",
         join="exact", combine_attrs="override",
     )  # fmt: skip
-    joined["step_error"] = labelled((), evolution.step_error, "1", "largest error of a step")
-    return joined
-
-
-def _by_cause(parts: dict[str, float], what: str) -> xr.DataArray:
-    """Return the parts of an estimated error along the dimension ``cause``."""
-    causes = {"units": "1", "long_name": "cause of the error"}
-    return xr.DataArray(
-        list(parts.values()),
-        {"cause": ("cause", list(parts), causes)},
-        ("cause",),
-        attrs={"units": "1", "long_name": f"estimated relative error of the {what}"},
-    )
+    return with_quantities(joined, quantities)

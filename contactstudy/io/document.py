@@ -7,7 +7,7 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
-from contactstudy.domain.checks import InvalidInput, whole
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.grid import (
     CircularSuperposition,
     DuplicatedPadding,
@@ -17,10 +17,13 @@ from contactstudy.domain.grid import (
     Superposition,
     ZeroPadding,
 )
-from contactstudy.domain.units import Metres, NewtonsPerMetre, Number, Pascals, Seconds
+from contactstudy.domain.units import Metres, NewtonsPerMetre, Number, Pascals
+from contactstudy.evolution.steps import TimeSteps
 from contactstudy.io.structuring import NO_KIND
+from contactstudy.scene.adhesion import Adhesion
 from contactstudy.scene.bodies import Body, HalfSpace
 from contactstudy.scene.coated import CoatedHalfSpace
+from contactstudy.scene.fretting import Fretting
 from contactstudy.scene.friction import Friction, PartialSlip, Sliding
 from contactstudy.scene.inelastic import ElasticPlasticHalfSpace, ViscoelasticHalfSpace
 from contactstudy.scene.load import ChangingLoad, LineLoad, LoadHistory, SineLoad, TotalLoad
@@ -42,7 +45,13 @@ from contactstudy.scene.lubrication import (
 from contactstudy.scene.motion import Rolling, Wear
 from contactstudy.scene.scene import Output
 from contactstudy.scene.shapes.carried import Carried
-from contactstudy.scene.shapes.roller import Crown, Cylinder, FiniteLength, LundbergProfile, Sphere
+from contactstudy.scene.shapes.roller import (
+    Crown,
+    Cylinder,
+    FiniteLength,
+    LundbergProfile,
+    Sphere,
+)
 from contactstudy.scene.shapes.roughness import Roughness
 from contactstudy.scene.shapes.shape import Shape
 from contactstudy.scene.shapes.texture import (
@@ -53,6 +62,8 @@ from contactstudy.scene.shapes.texture import (
     Texture,
     Waviness,
 )
+from contactstudy.scene.shapes.tilt import Tilt
+from contactstudy.scene.sought_load import Approach, PullOff
 from contactstudy.scene.stress import SubsurfaceStress
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
 from contactstudy.scene.surfaces.preparation import (
@@ -66,6 +77,7 @@ from contactstudy.scene.surfaces.preparation import (
     Trend,
     Window,
 )
+from contactstudy.scene.tractive_rolling import TractiveRolling
 from contactstudy.solvers.polonsky_keer import PolonskyKeer
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from contactstudy.solvers.solve import SolveOptions, Solver
@@ -113,7 +125,7 @@ class MeasuredFile:
 
 @dataclass(frozen=True)
 class CrownFile:
-    """Crown given by its radius, or by its drop at both ends of a length."""
+    """Crown given by its radius, with or without a length, or by its drop at both ends of a length."""
 
     radius: Metres | None = None
     end_drop: Metres | None = None
@@ -121,8 +133,8 @@ class CrownFile:
 
     def shape(self, _folder: Path, _: Surroundings) -> Crown:
         """Return the crown."""
-        if self.radius is not None and self.end_drop is None and self.length is None:
-            return Crown(self.radius)
+        if self.radius is not None and self.end_drop is None:
+            return Crown(self.radius, inf if self.length is None else self.length)
         if self.radius is None and self.end_drop is not None and self.length is not None:
             return Crown.of_drop(self.end_drop, self.length)
         raise InvalidInput("Crown is not described: give its radius, or its end_drop and length.")
@@ -185,44 +197,6 @@ class PlanSettings:
 
 
 @dataclass(frozen=True)
-class TimeSteps:
-    """Instants of a contact that changes in time.
-
-    Parameters
-    ----------
-    times
-        The instants [s]; none for evenly spaced ones.
-    end
-        Last instant [s], that of the load if None.
-    instants
-        Number of evenly spaced instants.
-    error
-        Largest L1 error by which steps between instants are chosen, or None for one step each.
-    """
-
-    times: tuple[Seconds, ...] = ()
-    end: Seconds | None = None
-    instants: int = 41
-    error: Number | None = None
-
-    def instants_of(self, *values: object) -> list[float] | None:
-        """Return the instants [s], up to the last end of the histories in `values`; None if the error alone decides."""
-        if self.times:
-            return list(self.times)
-        histories = [value for value in values if isinstance(value, ChangingLoad | ChangingSpeed)]
-        if self.end is None and not histories:
-            raise InvalidInput(
-                "evolve has no end, nor has the load: give evolve.end or evolve.times [s]."
-            )
-        end = max(history.end for history in histories) if self.end is None else self.end
-        if self.end is None and self.error is not None:
-            return None
-        whole("evolve.instants", self.instants, 2, "give at least 2 instants")
-        start = histories[0].start if histories else 0.0
-        return [start + (end - start) * n / (self.instants - 1) for n in range(self.instants)]
-
-
-@dataclass(frozen=True)
 class Document:
     """Keys of a scene file."""
 
@@ -235,6 +209,7 @@ class Document:
     wear: Wear | None = None
     rolling: Rolling | None = None
     lubrication: Lubrication | None = None
+    adhesion: Adhesion | None = None
     evolve: TimeSteps = field(default_factory=TimeSteps)
     grid: Grid | None = None
     padding: Padding | None = None
@@ -264,6 +239,7 @@ KINDS: Mapping[Any, Mapping[str, type]] = {
         Crown,
         LundbergProfile,
         FiniteLength,
+        Tilt,
         Waviness,
         Texture,
         Roughness,
@@ -276,8 +252,9 @@ KINDS: Mapping[Any, Mapping[str, type]] = {
     ),
     Body: _kinds(HalfSpace, CoatedHalfSpace, ViscoelasticHalfSpace, ElasticPlasticHalfSpace)
     | {NO_KIND: HalfSpace},
-    ChangingLoad: _kinds(LineLoad, TotalLoad, LoadHistory, SineLoad) | {NO_KIND: LineLoad},
-    Friction: _kinds(Sliding, PartialSlip),
+    ChangingLoad: _kinds(LineLoad, TotalLoad, LoadHistory, SineLoad, Approach, PullOff)
+    | {NO_KIND: LineLoad},
+    Friction: _kinds(Sliding, PartialSlip, Fretting, TractiveRolling),
     Output: _kinds(SubsurfaceStress),
     Profile: _kinds(Parabolic, Cosine, FlatBottomed),
     Missing: _kinds(RefuseMissing, HarmonicFill),

@@ -1,19 +1,24 @@
-"""Table of materials: names, elastic constants and their sources."""
+"""Table of materials: names, elastic constants, strength and their sources."""
 
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
+from math import inf
 from typing import Any
 
 from contactstudy.domain.checks import InvalidInput, suggestion
 from contactstudy.scene.bodies import HalfSpace
+from contactstudy.scene.inelastic import ElasticPlasticHalfSpace
+
+# Entries of the table in GPa.
+PRESSURES = ("youngs_modulus", "yield_strength", "hardness")
 
 
 @dataclass(frozen=True)
 class Material:
-    """Elastic constants of a material.
+    """Elastic constants and strength of a material.
 
     Parameters
     ----------
@@ -24,9 +29,13 @@ class Material:
     poisson_ratio
         Poisson's ratio.
     source
-        Publication that gives the constants.
+        Publications that give the constants and the strength.
     also
         Synonyms.
+    yield_strength
+        Tensile stress at which it yields [Pa], infinite if it breaks before.
+    hardness
+        Indentation hardness [Pa].
     """
 
     name: str
@@ -34,6 +43,17 @@ class Material:
     poisson_ratio: float
     source: str
     also: tuple[str, ...] = ()
+    yield_strength: float = inf
+    hardness: float = inf
+
+    def as_body(self, kind: object = None) -> dict[str, float]:
+        """Return the fields of a body of this material, by name; `kind` is that of the body in a file."""
+        elastic = {"youngs_modulus": self.youngs_modulus, "poisson_ratio": self.poisson_ratio}
+        if kind == ElasticPlasticHalfSpace.__name__:
+            return elastic | (
+                {"yield_stress": self.yield_strength} if self.yield_strength < inf else {}
+            )
+        return elastic | {"yield_strength": self.yield_strength, "hardness": self.hardness}
 
 
 @cache
@@ -42,7 +62,10 @@ def materials() -> Mapping[str, Material]:
     text = (files("contactstudy.io") / "materials.toml").read_text(encoding="utf-8")
     return {
         name: Material(
-            name, entry.pop("youngs_modulus") * 1e9, also=tuple(entry.pop("also")), **entry
+            name,
+            also=tuple(entry.pop("also")),
+            **{key: entry.pop(key) * 1e9 for key in PRESSURES if key in entry},
+            **entry,
         )
         for name, entry in tomllib.loads(text).items()
     }
@@ -53,8 +76,7 @@ def material(name: str) -> HalfSpace:
 
     Raises :class:`~contactstudy.InvalidInput` for a name that is not in the table.
     """
-    constants = _named("material", name)
-    return HalfSpace(constants.youngs_modulus, constants.poisson_ratio)
+    return HalfSpace(**_named("material", name).as_body())
 
 
 def _named(field: str, name: object) -> Material:
@@ -79,8 +101,7 @@ def with_materials(table: Mapping[str, Any]) -> dict[str, Any]:
         if "material" not in inner:
             return inner
         constants = _named(f"{place}.material", inner.pop("material"))
-        modulus, ratio = constants.youngs_modulus, constants.poisson_ratio
-        return {"youngs_modulus": modulus, "poisson_ratio": ratio} | inner
+        return constants.as_body(inner.get("kind")) | inner
 
     solids = table.get("solids")
     if not isinstance(solids, list):

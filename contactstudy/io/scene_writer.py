@@ -3,9 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import MISSING, Field, fields, is_dataclass
 from enum import Enum
-from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.grid import Grid, Padding, Paddings
@@ -14,63 +13,22 @@ from contactstudy.scene.scene import Scene
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
 from contactstudy.solvers.solve import SolveOptions
 
-if TYPE_CHECKING:
-    from contactstudy.io.scene_file import SceneFile
-
-
-def write_scene(described: "Scene | SceneFile", path: str | PathLike[str]) -> None:
-    """Write a scene, or the contents of a scene file, to a TOML file.
-
-    The heights of a measured surface that was not read from a file are written beside it, as netCDF.
-
-    Parameters
-    ----------
-    described
-        A scene, or the result of :func:`~contactstudy.read_scene`.
-    path
-        File to write.
-
-    Raises
-    ------
-    InvalidInput
-        For a shape or a body that no file can hold, or a file that cannot be written.
-    """
-    path = Path(path)
-    if not path.parent.is_dir():
-        raise InvalidInput(
-            f"{path} cannot be written (no such folder): give a path in a folder that is there."
-        )
-    if isinstance(described, Scene):
-        text = scene_text(described, beside=path)
-    else:
-        placing = {"grid": described.grid, **_paddings(described.padding)}
-        settings = {
-            "plan": described.plan_settings,
-            "solve": described.settings,
-            "evolve": described.time_steps,
-        }
-        text = _text(described.scene, placing | settings, path)
-    try:
-        path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise InvalidInput(
-            f"{path} cannot be written ({error.strerror}): give another path."
-        ) from None
-
 
 def scene_text(
     scene: Scene,
     *,
     grid: Grid | None = None,
     padding: Padding | Paddings | None = None,
+    settings: Mapping[str, object] | None = None,
     beside: Path | None = None,
 ) -> str:
-    """Return the TOML of `scene`, with its grid and padding if they are given.
+    """Return the TOML of `scene`, with its grid, its padding and the tables of `settings` if they are given.
 
     Heights that no file holds are written `beside` a path; without one, their digest replaces them. Raises
     :class:`~contactstudy.InvalidInput` for a shape or a body that no file can hold.
     """
-    return _text(scene, {"grid": grid, **_paddings(padding)}, beside)
+    others = {"grid": grid, **_paddings(padding), **(settings or {})}
+    return _text(scene, others, beside)
 
 
 def settings_text(grid: Grid, padding: Padding | Paddings, options: SolveOptions) -> str:

@@ -4,6 +4,7 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import fields, is_dataclass
 from decimal import Decimal
+from difflib import get_close_matches
 from enum import Enum
 from functools import cache
 from types import NoneType, UnionType
@@ -41,6 +42,8 @@ def quantity(field: str, value: object, unit: Unit) -> float:
         except OverflowError:
             raise InvalidInput(f"{field} is beyond any float: {remedy}.") from None
     match = NUMBER.fullmatch(value) if isinstance(value, str) else None
+    if match and match[2] == "%" and not unit.symbol:
+        return float(Decimal(match[1]) / 100)
     if match is None or (match[2] and not SYMBOLS.fullmatch(match[2])):
         raise InvalidInput(f"{field} is {value!r}: {remedy}.")
     if not match[2] and match[1].endswith("inf"):  # infinite in any unit
@@ -172,7 +175,19 @@ class _Structure:
                 value.get("kind") == target.__name__
             ):  # the kind may be given although there is only one
                 value = {key: entry for key, entry in value.items() if key != "kind"}
-            return base(value, target)
+            names = {field.name for field in fields(target)}
+            unknown = set(value) - names
+            if not unknown:
+                return base(value, target)
+            # a key is read as the one that was likely meant, which is then not missing
+            meant = {key: _closest(key, names - set(value)) for key in unknown}
+            known = {meant.get(key, key): entry for key, entry in value.items()}
+            errors: list[Exception] = [ForbiddenExtraKeysError(None, target, unknown)]
+            try:
+                base({key: entry for key, entry in known.items() if key is not None}, target)
+            except cattrs.ClassValidationError as error:
+                errors += error.exceptions
+            raise cattrs.ClassValidationError(target.__name__, errors, target)
 
         return read
 
@@ -194,6 +209,11 @@ def _kind_of(table: Mapping[str, object], kinds: Mapping[str, type]) -> type:
     if not isinstance(chosen, str) or chosen not in named:
         raise InvalidInput(f"its kind is {chosen!r}: {suggestion(str(chosen), named)}.")
     return named[chosen]
+
+
+def _closest(key: str, names: set[str]) -> str | None:
+    """Return the name that is most similar to a key that is not known; None if none is."""
+    return next(iter(get_close_matches(key, sorted(names), n=1)), None)
 
 
 def _number(value: object, target: Any) -> float:

@@ -6,7 +6,7 @@ are and a mere remainder of elasticity, which knows how conductance varies by or
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from importlib import import_module
 
@@ -33,9 +33,13 @@ FILM_SHARE_LONG, OWN_SHARE_LONG, LONG_CELL = 0.05, 0.1, 2.0
 SLOWER, MORE, FOURFOLD, LONG_STEP = 1.5, 5, 4.0, 3.0
 
 
-@dataclass(eq=False)
+@dataclass(frozen=True, eq=False)
 class KrylovStep:
-    """GMRES for a film that varies along its length; keeps its Fourier stage from step to step."""
+    """GMRES for a film that varies along its length.
+
+    The Fourier stage was ``made_for`` a step in pseudo-time, and GMRES took ``iterations_then`` with it at first.
+    ``last`` are the last system and its unknowns.
+    """
 
     deflection: Convolution
     fourier: "FourierStage | None" = None
@@ -53,37 +57,46 @@ class KrylovStep:
         pressure = np.where(cavitated, -film.pressure, 0.0)
         void = np.where(cavitated, 0.0, -film.void)
         try:
-            system = self._system(linear, cavitated)
+            staged = self._staged(linear, cavitated)
+            assert staged.fourier is not None
+            local = local_stage(linear, cavitated)
         except (np.linalg.LinAlgError, RuntimeError):  # singular, as scipy has it
-            return FilmStep(pressure, void, 0.0, solved=False)
+            return FilmStep(pressure, void, 0.0, replace(self, fourier=None), solved=False)
+        system = StepSystem(
+            linear, ~(cavitated | linear.equation.fixed), cavitated, staged.fourier, local
+        )
         missing = load_missing - system.mean * pressure.sum()
         balance = -(linear.residual + linear.change(pressure, void, 0.0))
         right = np.append(balance.ravel(), system.flow * missing)
         norm = float(np.linalg.norm(right))
         if norm == 0:
-            return FilmStep(pressure, void, 0.0)
+            return FilmStep(pressure, void, 0.0, staged)
         start = np.zeros_like(right)
         if self.last is not None and self.last[0].linear is linear:
             same = self.last[0].cavitated == cavitated
             start = self.last[1] * np.append(same.ravel(), True)
         unknowns, missed, count = system.solve(right, start, norm)
-        self.last = system, unknowns
-        self.iterations_then = count if self.iterations_then is None else self.iterations_then
-        if count > SLOWER * self.iterations_then + MORE:
-            self.fourier = None
+        at_first = count if staged.iterations_then is None else staged.iterations_then
+        slow = count > SLOWER * at_first + MORE
+        solver = replace(
+            staged,
+            fourier=None if slow else staged.fourier,
+            iterations_then=at_first,
+            last=(system, unknowns),
+        )
         change, opened, separation = system.split(unknowns)
         solved = bool(np.isfinite(missed) and missed < MISSED)
-        return FilmStep(pressure + change, void + opened, separation, solved, count)
+        return FilmStep(pressure + change, void + opened, separation, solver, solved, count)
 
-    def _system(self, linear: Linearised, cavitated: Mask) -> "StepSystem":
-        """Return the system, with a new Fourier stage where the time step has changed, or the last no longer serves."""
-        free = ~(cavitated | linear.equation.fixed)
+    def _staged(self, linear: Linearised, cavitated: Mask) -> "KrylovStep":
+        """Return the solver with a new Fourier stage where the time step has changed, or the last no longer serves."""
         time_step = min(1 / linear.rate, LONG_STEP) if linear.rate else LONG_STEP
         ratio = time_step / self.made_for if self.made_for else 0.0
-        if self.fourier is None or not 1 / FOURFOLD < ratio < FOURFOLD:
-            self.fourier = FourierStage.of(linear, free, toeplitz(self.deflection))
-            self.made_for, self.iterations_then = time_step, None
-        return StepSystem(linear, free, cavitated, self.fourier, local_stage(linear, cavitated))
+        if self.fourier is not None and 1 / FOURFOLD < ratio < FOURFOLD:
+            return self
+        free = ~(cavitated | linear.equation.fixed)
+        fourier = FourierStage.of(linear, free, toeplitz(self.deflection))
+        return replace(self, fourier=fourier, made_for=time_step, iterations_then=None)
 
 
 @dataclass(frozen=True, eq=False)

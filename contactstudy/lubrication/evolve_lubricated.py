@@ -5,9 +5,9 @@ solved by the iteration of a steady film. A step starts from the extrapolation o
 that of a third derivative, and tells the error of the step.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from math import inf
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,9 +15,8 @@ from numpy.typing import ArrayLike
 from contactstudy.domain.checks import InvalidInput, finite, positive
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
-from contactstudy.domain.imports import presentation
 from contactstudy.lubrication.film_equation import Film, Storage
-from contactstudy.lubrication.lubricated_contact import FilmStatus, LubricatedContact
+from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.posed_film import PosedFilm, lubricated_scales, pose
 from contactstudy.lubrication.pseudo_time import FilmControls, FilmIteration, StepSolver, iterate
 from contactstudy.lubrication.steady_film import (
@@ -30,38 +29,40 @@ from contactstudy.scene.load import ChangingLoad, LineLoad
 from contactstudy.scene.lubrication import ChangingSpeed
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.carried import Carried
-
-if TYPE_CHECKING:
-    import xarray as xr
+from contactstudy.solvers.solution import Status, worst
 
 # A step is so much of a cell's passage at first, may change by these factors, aims below the error by this one, and is
 # given up below this share of its first length.
 FIRST, SHORTER, LONGER, SAFETY, LEAST = 0.5, 0.3, 1.6, 0.8, 1e-4
 # Error of a step of BDF2 over the difference to a quadratic through three steps before (Gear 1971, equal steps).
 STEP_ERROR = 2 / 11
+# Error by the steps over the largest difference to a march with steps twice as long.
+LARGEST = 1.5
 # Length of the first pseudo-time step [a / u_m], so long that it is Newton's.
 NEWTON = 1e6
 
 
 @dataclass(frozen=True, eq=False)
-class FilmEvolution:
+class FilmTrajectory:
     """Lubricated contacts at ``times`` [s], and the steps, iterations and the largest error of a step that they took.
 
-    ``step_error`` is that of the film in the Hertzian zone, in L1 over its mean, of one step.
+    ``step_error`` is that of the film in the Hertzian zone, in L1 over its mean, of one step. ``errors_by_steps``
+    (time,) are estimates of the relative errors of quantities by all steps, from a second march with steps twice as
+    long; infinite where that failed.
     """
 
     times: tuple[float, ...]
-    contacts: tuple[LubricatedContact, ...]
+    contacts: tuple[FilmSolution, ...]
     steps: int
     iterations: int
     linear_iterations: int
     step_error: float
+    errors_by_steps: Mapping[str, Array] = field(default_factory=dict)
 
     @property
-    def status(self) -> FilmStatus:
+    def status(self) -> Status:
         """Gravest outcome of the recorded contacts."""
-        order = list(FilmStatus)
-        return max((contact.status for contact in self.contacts), key=order.index)
+        return worst([contact.status for contact in self.contacts])
 
     @property
     def central_film(self) -> Array:
@@ -72,11 +73,6 @@ class FilmEvolution:
     def minimum_film(self) -> Array:
         """Smallest film (time,) [m]."""
         return np.array([contact.minimum_film for contact in self.contacts])
-
-    def to_dataset(self) -> "xr.Dataset":
-        """Return pressure, film and numbers with the dimension ``time``."""
-        dataset: xr.Dataset = presentation("FilmEvolution.to_dataset")(self)
-        return dataset
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,8 +95,11 @@ def evolve_lubricated(
     step: float | None = None,
     tolerance: float = 1e-6,
     progress: Callable[[float, float], None] | None = None,
-) -> FilmEvolution:
+) -> FilmTrajectory:
     """March the film of ``scene`` through time, from the steady film at the first time.
+
+    A second march, with steps twice as long, estimates the errors by the steps: one and a half times the largest
+    difference. Steps of second order have a third of it, but for waves that pass in a dozen steps.
 
     Parameters
     ----------
@@ -108,7 +107,7 @@ def evolve_lubricated(
         A lubricated scene. Its load and its mean speed may have a history, and :class:`~contactstudy.Carried` shapes
         move with a body.
     grid, padding
-        As for :func:`~contactstudy.solve_lubricated`.
+        As for :func:`~contactstudy.solve`.
     times
         Instants [s] at which the contact is recorded, ascending; the film is steady at the first. None records every
         step from the first to the last time of the histories.
@@ -124,15 +123,17 @@ def evolve_lubricated(
 
     Returns
     -------
-    FilmEvolution
+    FilmTrajectory
         A contact at every time, with the last status where a step failed.
 
     Raises
     ------
     InvalidInput
-        For a scene without lubrication, times that are none, and a load or a speed of zero at the first time.
+        For a scene without lubrication, times that are none, a speed of zero at the first time, and a load of zero at
+        any: without a load no film has a thickness.
     """
     instants = _instants(scene, times)
+    _check_loaded(scene, instants)
     if step is not None and error is not None:
         raise InvalidInput("evolve_lubricated has a step and an error: leave one of them out.")
     if step is not None:
@@ -141,6 +142,53 @@ def evolve_lubricated(
         "evolve_lubricated.error", 1e-3 if error is None else error, "give one above 0"
     )
     march = _March.begin(scene, grid, padding, instants[0], tolerance)
+    every = None if times is None else instants
+    found = _through(march, instants, every, error, step, tolerance, progress)
+    long_step = None if step is None else 2 * step
+    wide = _through(
+        march, list(found.times), list(found.times), 8 * error, long_step, tolerance, None
+    )
+    return replace(found, errors_by_steps=_errors_by_steps(found, wide))
+
+
+def _errors_by_steps(found: FilmTrajectory, wide: FilmTrajectory) -> Mapping[str, Array]:
+    """Return estimates from the relative differences of two marches, the second with longer steps."""
+    failed = Status.FILM_NOT_CONVERGED
+    errors = {}
+    for name in ("central_film", "minimum_film", "friction", "peak_pressure"):
+        errors[name] = np.full(len(found.times), inf)
+        for number, (one, other) in enumerate(zip(found.contacts, wide.contacts, strict=False)):
+            if failed not in (one.status, other.status):
+                value, coarse = float(getattr(one, name)), float(getattr(other, name))
+                errors[name][number] = abs(value - coarse) / (abs(value) or 1.0)
+        # the largest, as a difference may vanish by chance where a wave passes
+        errors[name][:] = LARGEST * errors[name].max()
+    return errors
+
+
+def _check_loaded(scene: Scene, instants: list[float]) -> None:
+    """Raise :class:`~contactstudy.InvalidInput` if the load is zero at a time of the march."""
+    if not isinstance(load := scene.load, ChangingLoad):
+        return
+    start, end = instants[0], instants[-1]
+    for time in (*instants, *(one for one in load.breaks(end) if one >= start)):
+        if load.at(time) <= 0:
+            raise InvalidInput(
+                f"Scene.load is 0 at {time:g} s, when no film has a thickness of its own: give loads above 0, such as a "
+                "hundredth of the largest, or other times."
+            )
+
+
+def _through(
+    march: "_March",
+    instants: list[float],
+    times: list[float] | None,
+    error: float,
+    step: float | None,
+    tolerance: float,
+    progress: Callable[[float, float], None] | None,
+) -> FilmTrajectory:
+    """March to the last of ``instants``; record every step if ``times`` is None."""
     recorded, contacts = [instants[0]], [march.contact()]
     steps, worst, iterations, linear_iterations = 0, 0.0, 0, 0
     first = march.posed.equation.cell[0] * march.unit
@@ -171,9 +219,9 @@ def evolve_lubricated(
                 contacts.append(march.contact())
         recorded.append(target)
         contacts.append(march.contact())
-        if contacts[-1].status is FilmStatus.NOT_CONVERGED:
+        if contacts[-1].status is Status.FILM_NOT_CONVERGED:
             break
-    return FilmEvolution(
+    return FilmTrajectory(
         tuple(recorded),
         tuple(contacts),
         steps,
@@ -237,15 +285,11 @@ class _March:
             scene, grid, padding, posed, step_solver(posed), unit, tolerance, 0.0, (), posed
         )
         now = march._posed_at(start, 0.0)
-        for name, value in (
-            ("load", now.equation.load),
-            ("lubrication.mean_speed", now.equation.speed),
-        ):
-            if value <= 0:
-                raise InvalidInput(
-                    f"Scene.{name} is 0 at the first time, {start:g} s, when no film is steady: give a value above 0, "
-                    "or a later first time."
-                )
+        if now.equation.speed <= 0:
+            raise InvalidInput(
+                f"Scene.lubrication.mean_speed is 0 at the first time, {start:g} s, when no film is steady: give a "
+                "value above 0, or a later first time."
+            )
         last = continued(now, FilmControls(tolerance=tolerance))
         instant = _Instant(start / unit, last.film, now.equation.content(last.film), last)
         return replace(march, past=(instant,), now=now)
@@ -287,7 +331,7 @@ class _March:
         past = (instant, *self.past[:2])
         return replace(self, past=past, now=now, distance=distance), size
 
-    def contact(self) -> LubricatedContact:
+    def contact(self) -> FilmSolution:
         """Return the contact at the last instant."""
         return contact_of(self.scene, self.grid, self.padding, self.now, self.last, self.tolerance)
 

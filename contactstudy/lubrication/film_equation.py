@@ -12,11 +12,15 @@ face between two neighbours across flows ``q = -rho C phi (P1 - P0) / (lambda dX
 The balance is that of Elrod & Adams (1974): as much lubricant leaves each cell as enters it, cavitated or not. With
 plain cavitation the film is full where the pressure is zero, and lubricant may appear in such a cell: as much of it,
 per area, stands in place of the void fraction. One row of cells (ny = 1) is plane strain.
+
+On a boundary film ``H_b`` asperities bear a pressure of their own where the film has come down to it. The content drawn
+along is no less than that of the boundary film: extrapolated from upstream it would be, and the contact would cavitate.
 """
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import inf
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -36,12 +40,21 @@ Bands = Mapping[tuple[int, int], Array]
 
 @dataclass(frozen=True, eq=False)
 class Film:
-    """A state of the film: fields (x, y) of pressure, void fraction and film, and the separation H0."""
+    """A state of the film: fields (x, y) of pressure, void fraction and film, and the separation H0.
+
+    ``contact`` (x, y) is the pressure of asperities; None without a boundary film.
+    """
 
     pressure: Array
     void: Array
     separation: float
     film: Array
+    contact: Array | None = None
+
+    @property
+    def total_pressure(self) -> Array:
+        """Pressure (x, y) of lubricant and asperities."""
+        return self.pressure if self.contact is None else self.pressure + self.contact
 
 
 @dataclass(frozen=True)
@@ -113,8 +126,10 @@ class Linearised:
         film = self.equation.deflection(pressure) + separation
         changed = np.zeros_like(pressure)
         for bands, values in ((self.pressure, pressure), (self.film, film), (self.void, void)):
-            for offset, coefficient in bands.items():
-                changed += coefficient * neighbour(values, offset)
+            for (rows, columns), coefficient in bands.items():
+                shifted = np.roll(values, -columns, axis=1) if columns else values
+                first, end = max(0, -rows), len(values) - max(0, rows)
+                changed[first:end] += coefficient[first:end] * shifted[first + rows : end + rows]
         return changed
 
 
@@ -126,7 +141,8 @@ class FilmEquation:
     cell, ``resistance`` lambda = 12 eta0 u_m R^2 / (a^3 p_H), ``load`` the mean over y of the sum of P dX.
     ``speed`` is the mean speed over that in lambda, ``cavitation`` a value of the scene. ``log_viscosity`` and
     ``density`` return a ratio to the value at zero pressure and its derivative. The first two cells across and the
-    last have no pressure: the inlet is flooded.
+    last have no pressure; the inlet is flooded, or holds no more than a layer ``supply``. ``boundary`` is the
+    thickness of the boundary film, zero without one.
     """
 
     gap: Array
@@ -138,6 +154,8 @@ class FilmEquation:
     density: Callable[[Array], tuple[Array, Array]]
     speed: float = 1.0
     cavitation: Cavitation = ElrodAdams()  # noqa: RUF009 (a frozen value)
+    boundary: float = 0.0
+    supply: float = inf
 
     @property
     def conserves(self) -> bool:
@@ -151,10 +169,13 @@ class FilmEquation:
         fixed[[0, 1, -1]] = True
         return fixed
 
-    def film_of(self, pressure: Array, void: Array, separation: float) -> Film:
-        """Return the state with the film under ``pressure``."""
-        film = separation + self.gap + self.deflection(pressure)
-        return Film(pressure, void, separation, film)
+    def film_of(
+        self, pressure: Array, void: Array, separation: float, contact: Array | None = None
+    ) -> Film:
+        """Return the state with the film under ``pressure``, and that of asperities in ``contact``."""
+        total = pressure if contact is None else pressure + contact
+        film = separation + self.gap + self.deflection(total)
+        return Film(pressure, void, separation, film, contact)
 
     def content(self, film: Film) -> Array:
         """Return the content of each cell, ``(1 - theta) rho H``."""
@@ -162,11 +183,13 @@ class FilmEquation:
 
     def filled(self, film: Film) -> Array:
         """Return the share of the film that holds lubricant."""
-        return 1 - film.void if self.conserves else np.ones_like(film.void)
+        filled = 1 - film.void if self.conserves else np.ones_like(film.void)
+        filled[:2] = np.minimum(filled[:2], self.supply / film.film[:2])
+        return filled
 
     def load_missing(self, film: Film) -> float:
         """Return the load less what the pressure carries."""
-        carried = film.pressure.sum() * self.cell[0] / film.pressure.shape[1]
+        carried = film.total_pressure.sum() * self.cell[0] / film.pressure.shape[1]
         return float(self.load - carried)
 
     def linearise(self, film: Film, storage: Storage | None = None) -> Linearised:
@@ -179,12 +202,18 @@ class FilmEquation:
         filled = self.filled(film)
         content = filled * density * film.film
         by_void = -density * film.film if self.conserves else np.zeros_like(content)
-        slopes = (filled * density_slope * film.film, filled * density, by_void)
+        by_film = filled * density
+        by_film[:2] *= film.film[:2] <= self.supply
+        slopes = (filled * density_slope * film.film, by_film, by_void)
         dx, dy = self.cell
         across = _conducted(
             cells.rows(slice(None, -1)), cells.rows(slice(1, None)), 1 / (self.resistance * dx)
         )
         wedge, wedge_own, wedge_upstream = (self.speed * values for values in _drawn_along(content))
+        least = self.speed * (filled * density * self.boundary)[:-1]
+        on_boundary = wedge < least
+        wedge[on_boundary] = least[on_boundary]
+        wedge_own[on_boundary] = wedge_upstream[on_boundary] = 0
         flux = across.flux + wedge
 
         residual = np.zeros_like(content)
@@ -215,6 +244,13 @@ class FilmEquation:
             for bands, slope in zip((pressure, height, void), slopes, strict=True):
                 term = coefficient * neighbour(slope, offset)
                 bands[offset] = bands[offset] + term if offset in bands else term
+        if on_boundary.any():
+            held_faces: Array = self.speed * on_boundary.astype(float)
+            held_bands = {(0, 0): after(held_faces), (-1, 0): -before(held_faces)}
+            held_slopes = filled * density_slope * self.boundary, -density * self.boundary
+            for offset, coefficient in held_bands.items():
+                for bands, held in zip((pressure, void), held_slopes, strict=True):
+                    bands[offset] = bands[offset] + coefficient * neighbour(held, offset)
         if not self.conserves:
             residual -= dx * film.void
             void[0, 0] = void[0, 0] - dx

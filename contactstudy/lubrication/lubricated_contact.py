@@ -1,44 +1,21 @@
 """The result of a lubricated contact: fields, film, friction, and a status that says how far they can be trusted."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import Enum
 from math import pi, sqrt
-from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from contactstudy.analytic import HertzLine, moes_film
+from contactstudy.domain.errors import ErrorEstimate
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings
-from contactstudy.domain.imports import presentation
-from contactstudy.scene.lubrication import Lubrication
+from contactstudy.scene.lubrication import LimitingShear, Lubrication
 from contactstudy.scene.scene import Scene
+from contactstudy.solvers.solution import Status
 
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
-
-
-class FilmStatus(Enum):
-    """The outcome of a lubricated contact; ``str(status)`` is a sentence with cause and remedy."""
-
-    CONVERGED = "the residual is below the tolerance"
-    STARVED_INLET = (
-        "converged, but the inlet is so short that its film is more than 5 % too thin: "
-        "give Grid.extent a larger width"
-    )
-    FILM_BELOW_CELL = (
-        "converged, but the film is thinner than the surfaces part over one cell, in the inlet or beside the "
-        "smallest film, which may be more than 10 % off: give more cells across"
-    )
-    NOT_CONVERGED = (
-        "the residual stayed above the tolerance: give more cells across where a spike of pressure is "
-        "unresolved, more iterations, or start from the film at a higher speed"
-    )
-
-    def __str__(self) -> str:
-        return f"{self.name}: {self.value}."
+# The stress that a lubricant bears at most: at rest [Pa], and of the pressure; and the share of the friction that may
+# be above it.
+BORNE_AT_REST, BORNE, UNBORNE = 1e7, 0.15, 0.01
 
 
 @dataclass(frozen=True)
@@ -83,40 +60,8 @@ class FilmScales:
         return max(1.0, sqrt(2 * self.expected_film))
 
 
-@dataclass(frozen=True)
-class FilmErrorParts:
-    """Relative errors by cause.
-
-    ``discretisation`` is that of the cells, ``inlet`` that of a finite inlet, ``residual`` that of the iteration.
-    """
-
-    discretisation: float
-    inlet: float
-    residual: float
-
-    @property
-    def total(self) -> float:
-        """Sum of the parts."""
-        return self.discretisation + self.inlet + self.residual
-
-
-@dataclass(frozen=True)
-class FilmError:
-    """Estimated relative errors of a lubricated contact; ``peak_pressure`` is infinite beside a spike.
-
-    ``reason`` says why a part is infinite, and is empty where none is.
-    """
-
-    central_film: FilmErrorParts
-    minimum_film: FilmErrorParts
-    friction: FilmErrorParts
-    pressure_l1: FilmErrorParts
-    peak_pressure: FilmErrorParts
-    reason: str = ""
-
-
 @dataclass(frozen=True, eq=False)
-class LubricatedContact:
+class FilmSolution:
     """Fields (x, y) of a lubricated contact: ``pressure`` [Pa], ``film`` [m], ``film_fraction``.
 
     The film fraction is the share of the film that holds lubricant: one under pressure, less where the lubricant is
@@ -125,7 +70,8 @@ class LubricatedContact:
     over the flow along x, and the load that is missing over the load of Hertz's peak pressure on one half-width.
     ``flow`` [m^2/s] is the lubricant that passes per length, at the density of zero pressure, and ``flux_spread`` its
     range over x, with plain cavitation up to the end of the pressure, over its mean. ``linear_iterations`` counts those
-    of all linear systems. ``error`` is None unless an error was asked for.
+    of all linear systems. ``estimate`` is None unless an error was asked for. ``contact_pressure`` (x, y) [Pa] is what
+    asperities bear of the pressure on a boundary film, None without one.
     """
 
     scene: Scene
@@ -138,13 +84,14 @@ class LubricatedContact:
     shear: Array
     mean_speed: float
     separation: float
-    status: FilmStatus
+    status: Status
     iterations: int
     linear_iterations: int
     residual: float
     flow: float
     flux_spread: float
-    error: FilmError | None = None
+    estimate: ErrorEstimate | None = None
+    contact_pressure: Array | None = None
 
     @property
     def is_smooth(self) -> bool:
@@ -184,9 +131,54 @@ class LubricatedContact:
         return self.mean_speed * self.scales.lubrication.slide_roll_ratio
 
     @property
+    def meniscus(self) -> float:
+        """Place across [m] where lubricant fills the film, mean over the length; where a flooded film begins."""
+        full = self.film_fraction[2:] >= 1
+        return float(self.grid.x[2 + np.argmax(full, axis=0)].mean() - self.grid.cell[0] / 2)
+
+    @property
+    def lubricant_pressure(self) -> Array:
+        """Pressure (x, y) of the lubricant [Pa], which is all of it without a boundary film."""
+        touching = self.contact_pressure
+        return self.pressure if touching is None else self.pressure - touching
+
+    @property
+    def contact_load_fraction(self) -> float:
+        """Share of the load that asperities bear."""
+        if self.contact_pressure is None:
+            return 0.0
+        return float(self.contact_pressure.sum() / self.pressure.sum())
+
+    @property
+    def contact_area_fraction(self) -> float:
+        """Area where asperities bear, over that of Hertz's contact."""
+        if self.contact_pressure is None:
+            return 0.0
+        area = np.count_nonzero(self.contact_pressure) * self.grid.cell_area
+        return float(area / (2 * self.scales.hertz.half_width * self.grid.period))
+
+    @property
     def friction(self) -> float:
         """Friction force over load, negative where the second body is the faster one."""
         return float(self.shear.sum() / self.pressure.sum())
+
+    @property
+    def friction_reason(self) -> str:
+        """Why the friction cannot be that of a lubricant; empty where it can.
+
+        No lubricant is known to bear more than a stress of 10 MPa and 0.15 of the pressure (Bair & Winer 1979, 1992).
+        A :class:`~contactstudy.LimitingShear` names a limit of its own.
+        """
+        if isinstance(self.scales.lubrication.lubricant.shear, LimitingShear):
+            return ""
+        stress = np.abs(self.shear)
+        excess = np.clip(stress - BORNE_AT_REST - BORNE * self.pressure, 0, None).sum()
+        if excess <= UNBORNE * stress.sum():
+            return ""
+        return (
+            f"Friction has no bound: {100 * excess / stress.sum():.0f} % of it is a stress that no lubricant bears, "
+            f"above {BORNE:g} of the pressure. Give Lubricant.shear a limit, such as LimitingShear(0.07)."
+        )
 
     @property
     def power_loss(self) -> float:
@@ -196,12 +188,19 @@ class LubricatedContact:
         """
         oil = self.scales.lubrication.lubricant
         dx, dy = self.grid.cell
-        across = np.gradient(self.pressure, dx, axis=0)
-        along = (np.roll(self.pressure, -1, 1) - np.roll(self.pressure, 1, 1)) / (2 * dy)
-        log_viscosity, _ = oil.viscosity_law.log_ratio(self.pressure, oil.pressure_viscosity)
+        pressure = self.lubricant_pressure
+        across = np.gradient(pressure, dx, axis=0)
+        along = (np.roll(pressure, -1, 1) - np.roll(pressure, 1, 1)) / (2 * dy)
+        log_viscosity, _ = oil.viscosity_law.log_ratio(pressure, oil.pressure_viscosity)
         fluidity = self.film**3 / (12 * oil.viscosity) * np.exp(-log_viscosity)
         density = self.shear * self.sliding_speed + fluidity * (across**2 + along**2)
         return float(density.sum() * dx / self.grid.cells[1])
+
+    @property
+    def sliding_loss(self) -> float:
+        """Part of :attr:`power_loss` [W/m] that the friction of sliding surfaces makes; zero in pure rolling."""
+        sheared = float(self.shear.sum()) * self.grid.cell[0] / self.grid.cells[1]
+        return sheared * self.sliding_speed
 
     def thinner_than(self, film: float) -> tuple[float, float]:
         """Return the shares of the area of Hertz's contact and of the load where the film is below ``film`` [m]."""
@@ -211,40 +210,6 @@ class LubricatedContact:
             float(np.count_nonzero(thin) * self.grid.cell_area / hertz_area),
             float(self.pressure[thin].sum() / self.pressure.sum()),
         )
-
-    def __repr__(self) -> str:
-        nx, ny = self.pressure.shape
-        return (
-            f"<LubricatedContact {self.status.name}: {nx} x {ny} cells, central film {self.central_film:.4g} m, "
-            f"minimum film {self.minimum_film:.4g} m, {self.iterations} iterations, residual {self.residual:.1e}>"
-        )
-
-    def to_dataset(self) -> "xr.Dataset":
-        """Return the fields, labelled, with units and the scene."""
-        dataset: xr.Dataset = presentation("LubricatedContact.to_dataset")(self)
-        return dataset
-
-    def plot(
-        self,
-        *,
-        colours: Literal["pressure", "interference"] = "pressure",
-        refractive_index: float = 1.5,
-        wavelengths: Sequence[float] | None = None,
-    ) -> "Figure":
-        """Return a picture of pressure and film, as a matplotlib figure.
-
-        Parameters
-        ----------
-        colours
-            Map of the pressure, or of the film in the colours of two-beam interference, dark where it vanishes.
-        refractive_index
-            Refractive index of the lubricant, for interference.
-        wavelengths
-            Wavelengths [m] of the light, for interference; white light if None.
-        """
-        draw = presentation("LubricatedContact.plot")
-        figure: Figure = draw(self.to_dataset(), colours, refractive_index, wavelengths)
-        return figure
 
 
 def _on_axis(values: Array) -> float:
@@ -264,16 +229,27 @@ def rise_beside_lowest(film: Array) -> float:
 
 
 def shear_stress(
-    scales: FilmScales, mean_speed: float, pressure: Array, film: Array, film_fraction: Array
+    scales: FilmScales,
+    mean_speed: float,
+    pressure: Array,
+    film: Array,
+    film_fraction: Array,
+    contact: Array | None = None,
 ) -> Array:
     """Return the shear stress [Pa] of sliding in the middle of the film, by the shear law of the lubricant.
 
-    Only the share of the film that holds lubricant is sheared.
+    Only the share of the film that holds lubricant is sheared. Asperities add their friction on the pressure that they
+    bear in ``contact``; the lubricant beside them has the remainder of it.
     """
     motion = scales.lubrication
     oil = motion.lubricant
+    pressure = pressure if contact is None else pressure - contact
     log_viscosity, _ = oil.viscosity_law.log_ratio(pressure, oil.pressure_viscosity)
     with np.errstate(over="ignore"):  # Barus' law knows no end
         sliding = mean_speed * motion.slide_roll_ratio
         newtonian = oil.viscosity * np.exp(log_viscosity) * sliding / film
-    return film_fraction * oil.shear.stress(newtonian, pressure)
+    lubricant = film_fraction * oil.shear.stress(newtonian, pressure)
+    if contact is None or motion.boundary is None:
+        return lubricant
+    asperities = np.sign(motion.slide_roll_ratio) * motion.boundary.coefficient * contact
+    return np.asarray(lubricant + asperities)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import ceil, sqrt
+from math import ceil, inf, sqrt
 from typing import Literal
 
 import numpy as np
@@ -13,7 +13,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along
 from contactstudy.elasticity.convolution import Convolution, superposed
 from contactstudy.lubrication.film_equation import Film, FilmEquation, Mask
-from contactstudy.lubrication.lubricated_contact import FilmScales, LubricatedContact
+from contactstudy.lubrication.lubricated_contact import FilmScales, FilmSolution
 from contactstudy.lubrication.pseudo_time import FilmIteration
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import response
@@ -69,6 +69,15 @@ class PosedFilm:
     def is_crowned(self) -> bool:
         """True if the bodies part along the length by as much as Hertz's contact is flattened."""
         return bool(np.ptp(self.equation.gap, axis=1).max() > CROWNED)
+
+    @property
+    def ridges(self) -> float:
+        """Rms of the heights in the contact over the expected film; zero where lubricant can flow around them."""
+        if self.upstream.cells[1] > 1:
+            return 0.0
+        inside = np.abs(self.x) < 1
+        heights = self.equation.gap[inside] - self.x[inside, None] ** 2 / 2
+        return float(heights.std()) / self.scales.expected_film if heights.size else 0.0
 
     def at(self, resistance: float) -> "PosedFilm":
         """Return the same at another speed, to which the resistance is proportional."""
@@ -152,6 +161,12 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
         value, slope = oil.density.ratio(peak * pressure)
         return value, peak * slope
 
+    boundary, supply = scales.lubrication.boundary, scales.lubrication.supply
+    if boundary is not None and grid.cells[1] > 1:
+        raise InvalidInput(
+            f"Grid.cells[1] is {grid.cells[1]}: a boundary film is known in plane strain, give 1 cell along the length, "
+            "or leave Lubrication.boundary out."
+        )
     upstream = Grid((rows, grid.cells[1]), (rows * grid.cell[0], grid.period))
     deflection = operator_on(upstream)
     equation = FilmEquation(
@@ -163,6 +178,8 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
         log_viscosity=log_viscosity,
         density=density,
         cavitation=scales.lubrication.cavitation,
+        boundary=0.0 if boundary is None else boundary.film / scales.film,
+        supply=inf if supply is None else supply / scales.film,
     )
     x = grid.x[:rows] / hertz.half_width
     return PosedFilm(equation, deflection, upstream, x, scales, operator_on, problem)
@@ -226,35 +243,50 @@ def _dry_pressure(posed: PosedFilm) -> Array:
     return np.asarray(blocks.mean(axis=(1, 3)) / posed.scales.hertz.peak_pressure)
 
 
-def restart(posed: PosedFilm, contact: LubricatedContact) -> tuple[Film, Mask]:
+def restart(posed: PosedFilm, contact: FilmSolution) -> tuple[Film, Mask]:
     """Return the film of another contact on this grid, in the units of this one, and its cavitated cells.
 
-    Values are linear between the cells of the other grid across, and zero beyond it.
+    Values are linear between the cells of the other grid, periodic along the length, and zero beyond its width.
     """
     scales, fixed = posed.scales, posed.equation.fixed
-    if contact.grid.cells[1] not in (1, fixed.shape[1]):
-        raise InvalidInput(
-            f"solve_lubricated.start has {contact.grid.cells[1]} cells along the length: give a contact with "
-            f"{fixed.shape[1]}, or with 1."
-        )
-    x = posed.x * scales.hertz.half_width
-
-    def on_rows(values: Array) -> Array:
-        columns = [np.interp(x, contact.grid.x, column, left=0, right=0) for column in values.T]
-        return np.repeat(np.stack(columns, axis=1), fixed.shape[1] // len(columns), axis=1)
-
-    pressure = on_rows(contact.pressure) / scales.hertz.peak_pressure
+    x, y = posed.x * scales.hertz.half_width, posed.upstream.y
+    touching = contact.contact_pressure
+    lubricant = contact.pressure if touching is None else contact.pressure - touching
+    pressure = between_cells(lubricant, contact.grid, x, y) / scales.hertz.peak_pressure
     pressure[fixed] = 0
-    void = np.where(pressure > 0, 0.0, on_rows(1 - contact.film_fraction))
+    void = between_cells(1 - contact.film_fraction, contact.grid, x, y)
+    void = np.where(pressure > 0, 0.0, void)
     lowest = float(contact.film.min()) / scales.film / 2
-    film = raised(posed.equation, pressure, void, contact.separation / scales.film, lowest)
+    asperities = None
+    if boundary := posed.equation.boundary:
+        lowest, asperities = boundary, np.zeros_like(pressure)
+        if touching is not None:
+            asperities = between_cells(touching, contact.grid, x, y) / scales.hertz.peak_pressure
+    separation = contact.separation / scales.film
+    film = raised(posed.equation, pressure, void, separation, lowest, asperities)
     return film, (pressure == 0) & ~fixed
 
 
+def between_cells(values: Array, grid: Grid, x: Array, y: Array) -> Array:
+    """Return values (x, y) on ``grid`` at other places, linear between its cells, and zero beyond its width."""
+    columns = [np.interp(x, grid.x, column, left=0, right=0) for column in values.T]
+    if len(columns) == 1:
+        return np.repeat(columns[0][:, None], len(y), axis=1)
+    if np.array_equal(y, grid.y):
+        return np.stack(columns, axis=1)
+    rows = [np.interp(y, grid.y, row, period=grid.period) for row in np.stack(columns, axis=1)]
+    return np.stack(rows)
+
+
 def raised(
-    equation: FilmEquation, pressure: Array, void: Array, separation: float, lowest: float
+    equation: FilmEquation,
+    pressure: Array,
+    void: Array,
+    separation: float,
+    lowest: float,
+    contact: Array | None = None,
 ) -> Film:
     """Return the film under ``pressure``, with a separation that leaves it nowhere below ``lowest``."""
-    film = equation.film_of(pressure, void, separation)
+    film = equation.film_of(pressure, void, separation, contact)
     rise = max(0.0, lowest - float(film.film.min()))
-    return equation.film_of(pressure, void, separation + rise) if rise else film
+    return equation.film_of(pressure, void, separation + rise, contact) if rise else film

@@ -7,7 +7,7 @@ negative pressure becomes so, one with a negative void fraction no longer is.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from typing import NamedTuple, Protocol
 
@@ -20,19 +20,27 @@ from contactstudy.lubrication.film_equation import Film, FilmEquation, Linearise
 FILM_FALL, CONTENT_FALL = 0.3, 0.1
 # A step in time changes by these factors at most, and one below this is given up.
 SHORTER, LONGER, REFUSED, LEAST = 0.3, 4.0, 0.25, 1e-9
-# The residual that rounding of the heights leaves, over their relative size, the rows of cells and the smallest film.
-# A larger one than COARSE is no balance.
-ROUNDING, COARSE = 10 * float(np.finfo(float).eps), 1e-3
+# A step in time grows while the residual falls, or rises by no more than this factor.
+RISES = 1.1
+# Rounding of a pressure and of a film, over the pressure and over the largest height. A residual by rounding that is
+# larger than COARSE is no balance.
+ROUNDING, COARSE = 4 * float(np.finfo(float).eps), 1e-3
 # Rounds that settle which cells are cavitated, and the share of cells that need not be.
 ROUNDS, UNSETTLED = 6, 1e-3
+# Whole steps within which the residual is halved, or the iteration ends; shortened ones do not count.
+PATIENCE = 30
 
 
 class FilmStep(NamedTuple):
-    """Changes of pressure, void fraction and separation, and how the linear system was solved."""
+    """Changes of pressure, void fraction and separation, and how the linear system was solved.
+
+    ``solver`` solves the next system: it keeps what this one has found.
+    """
 
     pressure: Array
     void: Array
     separation: float
+    solver: "StepSolver"
     solved: bool = True
     iterations: int = 0
 
@@ -72,6 +80,7 @@ class FilmIteration:
     residual: float
     iterations: int
     linear_iterations: int
+    rests: bool = False
 
     def converged(self, tolerance: float) -> bool:
         """Return whether the residual is below ``tolerance`` or rounding, and no cell has both a pressure and a void."""
@@ -80,18 +89,22 @@ class FilmIteration:
 
     @property
     def rounding(self) -> float:
-        """Residual that rounding leaves, since a thin film is a small difference of large heights."""
-        gap = self.linear.equation.gap
-        rounding = ROUNDING * len(gap) * np.abs(gap).max() / np.abs(self.film.film).min()
-        return min(float(rounding), COARSE)
+        """Residual that rounding leaves, of pressures and of films, which are small differences of large heights."""
+        linear, heights = self.linear, float(np.abs(self.linear.equation.gap).max())
+        by_pressure = float((np.abs(linear.pressure[0, 0]) * self.film.pressure).sum())
+        by_film = float(np.abs(linear.film[0, 0]).sum()) * heights
+        return float(min(ROUNDING * (by_pressure + by_film) / _flow(linear), COARSE))
 
 
 def residual_of(linear: Linearised, film: Film) -> float:
     """Return the larger of the flow that is not balanced, over the flow, and the load that is missing."""
-    # faces between cells whose balance counts
-    flow = np.abs(linear.flux[1:-1]).max() * linear.residual.shape[1]
-    unbalanced = np.abs(linear.residual).sum() / flow
+    unbalanced = np.abs(linear.residual).sum() / _flow(linear)
     return float(max(unbalanced, abs(linear.equation.load_missing(film))))
+
+
+def _flow(linear: Linearised) -> float:
+    """Return the largest flow through a face between cells whose balance counts, along the whole length."""
+    return float(np.abs(linear.flux[1:-1]).max() * linear.residual.shape[1])
 
 
 def iterate(
@@ -104,20 +117,22 @@ def iterate(
     cavitated: Mask | None = None,
     watch: Callable[[FilmIteration], None] | None = None,
 ) -> FilmIteration:
-    """Iterate from ``start`` until the residual is below the tolerance, the limit, or steps without length."""
+    """Iterate from ``start`` until the residual is below the tolerance or rests, the limit, or steps without length."""
     linear = equation.linearise(start, storage)
     if cavitated is None:
         cavitated = np.zeros_like(equation.fixed)
     last = FilmIteration(start, linear, cavitated, residual_of(linear, start), 0, 0)
-    time_step = controls.time_step
+    time_step, best, waited = controls.time_step, last.residual, 0
     while (
         not last.converged(controls.tolerance)
+        and not last.rests
         and last.iterations < controls.max_iterations
         and time_step > LEAST
         and np.isfinite(last.residual)
     ):
         settled, next_cavitated, change, linear_iterations = _settled(last, solver, time_step)
-        share = _share(last, change, controls.viscosity_change) if change.solved else 0.0
+        solver = change.solver
+        share = share_of(last, change, controls.viscosity_change) if change.solved else 0.0
         counts = last.iterations + 1, last.linear_iterations + linear_iterations
         film = _moved(last, change, settled, share)
         if share < controls.shortest or not (film.film > 0).all():
@@ -129,10 +144,15 @@ def iterate(
         factor = float(np.clip(last.residual / residual, SHORTER, LONGER)) if residual else LONGER
         if share < 1:
             factor = min(factor, 0.7)
-        elif residual < last.residual:
+        elif residual < RISES * last.residual:
             factor = max(factor, 2.0)
         time_step *= factor
         last = FilmIteration(film, linear, next_cavitated, residual, *counts)
+        waited += share == 1
+        if 2 * residual <= best:
+            best, waited = residual, 0
+        if waited >= PATIENCE:
+            last = replace(last, rests=True)
         if watch is not None:
             watch(last)
     return last
@@ -152,6 +172,7 @@ def _settled(
     unsettled = UNSETTLED * min(1.0, last.residual) * film.film.size
     for round_number in range(ROUNDS):
         change = solver.step(delayed, film, cavitated, missing)
+        solver = change.solver
         iterations += change.iterations
         if not change.solved:
             next_cavitated = cavitated
@@ -167,10 +188,12 @@ def _settled(
     return cavitated, next_cavitated, change, iterations
 
 
-def _share(last: FilmIteration, change: FilmStep, viscosity_change: float) -> float:
+def share_of(
+    last: FilmIteration, change: FilmStep, viscosity_change: float, contact: Array | float = 0.0
+) -> float:
     """Return the largest share of a step, up to 1, that keeps film and viscosity within their limits."""
     film, equation = last.film, last.linear.equation
-    change_of_film = equation.deflection(change.pressure) + change.separation
+    change_of_film = equation.deflection(change.pressure + contact) + change.separation
     loaded = film.pressure > 0
     log_slope = equation.log_viscosity(film.pressure)[1]
     # each share is its limit over the change

@@ -6,27 +6,24 @@ from math import ceil, inf, sqrt
 import numpy as np
 
 from contactstudy.domain.checks import InvalidInput, positive, whole
+from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
-from contactstudy.lubrication.lubricated_contact import (
-    FilmError,
-    FilmErrorParts,
-    FilmStatus,
-    LubricatedContact,
-    rise_beside_lowest,
-)
-from contactstudy.lubrication.posed_film import LEVELS, lubricated_scales
+from contactstudy.lubrication.lubricated_contact import FilmSolution, rise_beside_lowest
+from contactstudy.lubrication.posed_film import LEVELS, between_cells, lubricated_scales
 from contactstudy.lubrication.pseudo_time import FilmControls
 from contactstudy.lubrication.steady_film import INLET_ERROR, SWEEP, solve_on
+from contactstudy.scene.lubrication import Newtonian
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.roughness import Roughness
+from contactstudy.solvers.solution import Status
 
 # Cells of half an inlet sweep give the smallest film within this error.
 HALF_SWEEP_ERROR = 0.02
 # An inlet is no shorter than this [a]. No more than this share of the contact counts as an inlet sweep.
 INLET, WIDEST = 1.5, 0.1
 # Rounds of refinement towards an error, and the most cells across of plane strain.
-REFINEMENTS, MOST_CELLS = 4, 3200
+REFINEMENTS, MOST_CELLS = 6, 3200
 # Cells for the shortest wave of a surface.
 PER_WAVE = 8
 # The inlet's error falls as its length^-2. A constriction of few cells hides a share of the film's rise beside it.
@@ -85,8 +82,8 @@ def solve_lubricated(
     error: float | None = None,
     tolerance: float = 1e-8,
     max_iterations: int = 300,
-    start: LubricatedContact | None = None,
-) -> LubricatedContact:
+    start: FilmSolution | None = None,
+) -> FilmSolution:
     """Solve the steady, isothermal, fully flooded film of ``scene``, with mass-conserving cavitation.
 
     Parameters
@@ -95,7 +92,7 @@ def solve_lubricated(
         A scene with ``lubrication``.
     grid
         Cells (x, y); one cell along the length is plane strain. Lubricant enters at smaller x. Chosen for the ``error``
-        where none is given.
+        where none is given. With an ``error`` the extent is kept, and in plane strain the cells are refined.
     padding
         Along the length, one that wraps.
     error
@@ -108,7 +105,7 @@ def solve_lubricated(
 
     Returns
     -------
-    LubricatedContact
+    FilmSolution
         Pressure, film and film fraction (x, y) and a status.
 
     Raises
@@ -134,18 +131,41 @@ def solve_lubricated(
     error = positive("solve_lubricated.error", 1e-2 if error is None else error, "give one above 0")
     longer = finer = 1.0
     for _ in range(REFINEMENTS):
-        fitting = grid or film_grid(scene, error, longer=longer, finer=finer)
+        fitting = (
+            _on_extent(grid, finer) if grid else film_grid(scene, error, longer=longer, finer=finer)
+        )
         contact = start = _with_error(scene, fitting, padding, controls, start)
-        assert contact.error is not None
-        films = contact.error.central_film, contact.error.minimum_film
-        inlet = max(parts.inlet for parts in films)
-        cells = max(parts.discretisation for parts in films)
-        finest = fitting.cells[0] == MOST_CELLS
-        if grid is not None or finest or inlet + cells <= error:
+        assert contact.estimate is not None
+        found = contact.estimate
+        films = found.central_film, found.minimum_film
+        inlet = max(parts.by_cause["inlet"] for parts in films if parts)
+        cells = max(parts.by_cause["discretisation"] for parts in films if parts)
+        if inlet + cells <= error:
+            return contact
+        # a width that is given leaves the error of its inlet
+        rest = error if grid is None or inlet > error / 2 else 2 * (error - inlet)
+        if fitting.cells[0] >= MOST_CELLS or (grid and (cells <= rest / 2 or grid.cells[1] > 1)):
             break
         longer *= min(max(1.0, sqrt(2 * inlet / error)), 2.0)
-        finer *= min(max(1.0, sqrt(2.5 * cells / error)), 2.0)
-    return contact
+        finer *= min(max(1.0, sqrt(2.5 * cells / rest)), 2.0)
+    if grid is None:
+        return contact
+    cause = (
+        f"the width of {grid.extent[0]:.3g} m leaves an error of {inlet:.2g} to the inlet, give a larger one"
+        if inlet > error / 2
+        else f"{contact.grid.cells[0]} x {contact.grid.cells[1]} cells leave an error of {cells:.2g}, give more"
+    )
+    reason = f"The error of {error:g} is not reached on the grid that is given: {cause}."
+    return replace(contact, estimate=replace(found, warnings=(*found.warnings, reason)))
+
+
+def _on_extent(grid: Grid, finer: float) -> Grid:
+    """Return the grid with cells that are finer across, as far as they are not too many."""
+    nx, ny = grid.cells
+    if finer == 1:
+        return grid
+    # a multiple, so that the cells of the estimate's grids lie on each other
+    return Grid((max(nx, min(LEVELS * ceil(nx * finer / LEVELS), MOST_CELLS)), ny), grid.extent)
 
 
 def _with_error(
@@ -153,18 +173,18 @@ def _with_error(
     grid: Grid,
     padding: Padding | Paddings,
     controls: FilmControls,
-    start: LubricatedContact | None,
-) -> LubricatedContact:
+    start: FilmSolution | None,
+) -> FilmSolution:
     """Solve on the grids of the estimate and on ``grid``, each from the one before."""
     if (reason := _too_coarse(scene, grid)) is not None:
-        return replace(solve_on(scene, grid, padding, controls, start), error=_unknown(reason))
+        return replace(solve_on(scene, grid, padding, controls, start), estimate=_unknown(reason))
     scene = _same_surface(scene, grid)
     quarter, half, longer = _grids_of_estimate(grid)
     coarsest = solve_on(scene, quarter, padding, controls, start)
     coarse = solve_on(scene, half, padding, controls, coarsest)
     contact = solve_on(scene, grid, padding, controls, coarse)
     long = solve_on(scene, longer, padding, controls, coarse)
-    return replace(contact, error=_compared(contact, coarsest, coarse, long))
+    return replace(contact, estimate=_compared(contact, coarsest, coarse, long))
 
 
 def varies_along(shape: object) -> bool:
@@ -173,15 +193,16 @@ def varies_along(shape: object) -> bool:
     return detail is None or detail.finest[1] < inf or detail.roller > 0
 
 
-def film_error(contact: LubricatedContact) -> FilmError:
+def film_error(contact: FilmSolution) -> ErrorEstimate:
     """Estimate the errors of ``contact``.
 
-    Three further solutions are made, with half the cells, with a quarter, and with half over twice the inlet. Cells: the
-    difference to half as many, since the order observed is 1 to 2.3, no less than a third of that between half and a
-    quarter, since the error may change its sign, and of the smallest film no less than a fifth of its rise over the
-    next cell. Inlet: 4/3 of the change, as its error falls with the inlet's length squared. Where half
+    Three further solutions are made, with half the cells along both axes, with a quarter, and with half over twice the
+    inlet. Cells: the difference to half as many, since the order observed is 1 to 2.3, no less than a third of that
+    between half and a quarter, since the error may change its sign, and of the smallest film no less than a fifth of its
+    rise over the next cell. Inlet: 4/3 of the change, as its error falls with the inlet's length squared. Where half
     the cells do not resolve the film no estimate is finite, nor is that of a peak beside a spike, which is as high as
-    the cells are fine, nor that of the friction where the spike adds to it more and more.
+    the cells are fine. Nor is that of the friction where a Newtonian stress under the spike adds to it more and more,
+    or where it is more than a lubricant can bear; see ``FilmSolution.friction_reason``.
     """
     if (reason := _too_coarse(contact.scene, contact.grid)) is not None:
         return _unknown(reason)
@@ -215,32 +236,50 @@ def _too_coarse(scene: Scene, grid: Grid) -> str | None:
     return f"A quarter of {grid.cells[0]} cells shows no film, so that no error is known: give more cells across."
 
 
-def _unknown(reason: str) -> FilmError:
+def _unknown(reason: str) -> ErrorEstimate:
     """Return an error without a bound."""
-    parts = FilmErrorParts(inf, inf, inf)
-    return FilmError(parts, parts, parts, parts, parts, reason)
+    parts = ErrorParts(discretisation=inf, inlet=inf, residual=inf, reason=reason)
+    return _estimate(parts, parts, parts, parts, parts)
+
+
+def _estimate(
+    l1: ErrorParts,
+    peak_pressure: ErrorParts,
+    central_film: ErrorParts,
+    minimum_film: ErrorParts,
+    friction: ErrorParts,
+) -> ErrorEstimate:
+    """Return the estimate of a film, with the reasons of its parts as warnings, each once."""
+    parts = l1, peak_pressure, central_film, minimum_film, friction
+    return ErrorEstimate(
+        l1,
+        peak_pressure,
+        central_film=central_film,
+        minimum_film=minimum_film,
+        friction_coefficient=friction,
+        warnings=tuple(dict.fromkeys(part.reason for part in parts if part.reason)),
+    )
 
 
 def _grids_of_estimate(grid: Grid) -> tuple[Grid, Grid, Grid]:
-    """Return the grid with a quarter of the cells across, with half, and with half over twice the width."""
+    """Return the grid with a quarter of the cells along each axis, with half, and with half over twice the width."""
     (nx, ny), (width, period) = grid.cells, grid.extent
-    half = nx // 2
+    half, along = nx // 2, max(ny // 2, 1)
     return (
-        Grid((half // 2, ny), (width, period)),
-        Grid((half, ny), (width, period)),
-        Grid((2 * half, ny), (2 * width, period)),
+        Grid((half // 2, max(along // 2, 1)), (width, period)),
+        Grid((half, along), (width, period)),
+        Grid((2 * half, along), (2 * width, period)),
     )
 
 
 def _compared(
-    contact: LubricatedContact,
-    coarsest: LubricatedContact,
-    coarse: LubricatedContact,
-    longer: LubricatedContact,
-) -> FilmError:
+    contact: FilmSolution,
+    coarsest: FilmSolution,
+    coarse: FilmSolution,
+    longer: FilmSolution,
+) -> ErrorEstimate:
     """Return the errors of a contact from those on the grids of the estimate."""
-    x = contact.grid.x
-    unresolved = FilmStatus.NOT_CONVERGED, FilmStatus.FILM_BELOW_CELL
+    unresolved = Status.FILM_NOT_CONVERGED, Status.FILM_BELOW_CELL, Status.SEVERAL_FILMS
     failed = [one for one in (contact, coarse, longer) if one.status in unresolved]
     residual = inf if failed else contact.residual
     reason = ""
@@ -250,7 +289,7 @@ def _compared(
             f"With {cells} cells across a film of the estimate is no answer: {failed[0].status}"
         )
 
-    def parts(name: str) -> FilmErrorParts:
+    def parts(name: str) -> ErrorParts:
         here, wide, widest, long = (
             float(getattr(one, name)) for one in (contact, coarse, coarsest, longer)
         )
@@ -258,34 +297,51 @@ def _compared(
         change = abs(here - wide)
         if coarsest.status not in unresolved:
             change = max(change, NEXT * abs(wide - widest))
-        return FilmErrorParts(change / scale, SHORTER_INLET * abs(wide - long) / scale, residual)
+        return ErrorParts(
+            discretisation=change / scale,
+            inlet=SHORTER_INLET * abs(wide - long) / scale,
+            residual=residual,
+            reason=reason,
+        )
 
-    on_coarse, on_longer = (_pressure_at(x, one) for one in (coarse, longer))
-    pressure = FilmErrorParts(
-        _l1(contact.pressure, on_coarse),
-        SHORTER_INLET * _l1(on_coarse, on_longer),
-        residual,
+    on_coarse, on_longer = (_pressure_at(contact.grid, one) for one in (coarse, longer))
+    pressure = ErrorParts(
+        discretisation=_l1(contact.pressure, on_coarse),
+        inlet=SHORTER_INLET * _l1(on_coarse, on_longer),
+        residual=residual,
+        reason=reason,
     )
     peak = parts("peak_pressure")
     if has_spike(contact.pressure):
-        peak = FilmErrorParts(inf, peak.inlet, residual)
-        reason = reason or (
+        spike = (
             "The peak pressure has no estimate: it may be that of the spike before the outlet, which grows with the "
             "number of cells."
         )
+        peak = replace(peak, discretisation=inf, reason=reason or spike)
     friction = parts("friction")
     drag = _drag_of_spike(contact)
-    friction = replace(friction, discretisation=max(friction.discretisation, drag))
-    if drag > max(SPIKE_DRAG, SPIKE_GROWTH * _drag_of_spike(coarse)):
-        friction = replace(friction, discretisation=inf)
-        reason = (
-            "Peak pressure and friction have no estimate: the spike before the outlet grows with the cells across, and "
-            f"adds {100 * drag:.0f} % of the friction: give the lubricant a shear law with a limit, such as Eyring()."
+    friction = replace(friction, discretisation=max(friction.by_cause["discretisation"], drag))
+    newtonian = isinstance(contact.scales.lubrication.lubricant.shear, Newtonian)
+    if newtonian and drag > max(SPIKE_DRAG, SPIKE_GROWTH * _drag_of_spike(coarse)):
+        growing = (
+            f"Friction has no estimate: the spike before the outlet adds {100 * drag:.0f} % to it, of a stress without "
+            "a limit. Give the lubricant a shear law with one, such as Eyring()."
         )
+        friction = replace(friction, discretisation=inf, reason=growing)
+    if contact.friction_reason:
+        friction = replace(friction, discretisation=inf, reason=contact.friction_reason)
     smallest = parts("minimum_film")
     hidden = HIDDEN * rise_beside_lowest(contact.film)
-    smallest = replace(smallest, discretisation=max(smallest.discretisation, hidden))
-    return FilmError(parts("central_film"), smallest, friction, pressure, peak, reason)
+    coarse_error = max(smallest.by_cause["discretisation"], hidden)
+    smallest = replace(smallest, discretisation=coarse_error)
+    estimate = _estimate(pressure, peak, parts("central_film"), smallest, friction)
+    if contact.contact_pressure is None:
+        return estimate
+    return replace(
+        estimate,
+        contact_load_fraction=parts("contact_load_fraction"),
+        contact_area_fraction=parts("contact_area_fraction"),
+    )
 
 
 def has_spike(pressure: Array) -> bool:
@@ -302,7 +358,7 @@ def _valley(pressure: Array) -> tuple[int, float]:
     return int(depth.argmax()), float(depth.max())
 
 
-def _drag_of_spike(contact: LubricatedContact) -> float:
+def _drag_of_spike(contact: FilmSolution) -> float:
     """Return the share of the friction by which the stress downstream of a valley exceeds that in it."""
     stress = np.abs(contact.shear.mean(axis=1))
     if not (has_spike(contact.pressure) and stress.any()):
@@ -311,9 +367,9 @@ def _drag_of_spike(contact: LubricatedContact) -> float:
     return float(np.clip(after - after[0], 0, None).sum() / stress.sum())
 
 
-def _pressure_at(x: Array, contact: LubricatedContact) -> Array:
-    """Return the pressure of ``contact`` (x, y) at other places ``x`` across, linear between its cells."""
-    return np.stack([np.interp(x, contact.grid.x, column) for column in contact.pressure.T], axis=1)
+def _pressure_at(grid: Grid, contact: FilmSolution) -> Array:
+    """Return the pressure of ``contact`` (x, y) at the cells of another grid, linear between its own."""
+    return between_cells(contact.pressure, contact.grid, grid.x, grid.y)
 
 
 def _l1(pressure: Array, other: Array) -> float:

@@ -1,7 +1,7 @@
 """Steady film on one grid: coarser grids first, higher speeds where a cold start fails, and the contact in SI units."""
 
 from dataclasses import replace
-from math import inf, sqrt
+from math import ceil, inf, log, sqrt
 
 import numpy as np
 
@@ -9,11 +9,11 @@ from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.lubrication.along_length import KrylovStep
 from contactstudy.lubrication.film_equation import Film, Mask
 from contactstudy.lubrication.lubricated_contact import (
-    FilmStatus,
-    LubricatedContact,
+    FilmSolution,
     rise_beside_lowest,
     shear_stress,
 )
+from contactstudy.lubrication.mixed import solve_mixed
 from contactstudy.lubrication.plane_strain import DirectStep
 from contactstudy.lubrication.posed_film import PosedFilm, hertz_start, pose, refined, restart
 from contactstudy.lubrication.pseudo_time import (
@@ -23,6 +23,7 @@ from contactstudy.lubrication.pseudo_time import (
     iterate,
 )
 from contactstudy.scene.scene import Scene
+from contactstudy.solvers.solution import Status
 
 # The inlet sweep over the half-width is (H / 0.94)^(2/3), of the film in Hertz units H. An inlet of x_a half-widths
 # gives a film that is too thin by 0.9 H / x_a^2.
@@ -33,6 +34,9 @@ STARVED, STEEP = 0.05, 0.5
 # The first step in pseudo-time after a coarser grid, and the change of ln(eta) in a step that is not shortened: in plane
 # strain, and where the film varies along its length.
 REFINED_STEP, REFINED_ROUGH_STEP, ROUGH_CHANGE = 0.3, 0.003, 6.0
+# There may be another film where the rms of heights is so many times the film. It is looked for by heights that grow by
+# this factor, and differs from the first by more than this share.
+RIDGES, GROWTH, ANOTHER = 2.0, 1.25, 0.01
 # Where a cold start fails: factors in speed to go up by, how often at most, and the least one to come down by.
 SPEED_STEP, FASTEST, LEAST_SPEED_STEP = 10.0, 4, 1.05
 
@@ -42,18 +46,60 @@ def solve_on(
     grid: Grid,
     padding: Padding | Paddings,
     controls: FilmControls,
-    start: LubricatedContact | None = None,
-) -> LubricatedContact:
-    """Solve the film on one grid, from a cold start, or from another contact where that converges."""
+    start: FilmSolution | None = None,
+) -> FilmSolution:
+    """Solve the film on one grid, from a cold start, or from another contact where that converges.
+
+    Where transverse heights are more than twice the film, another film is looked for.
+    """
     posed = pose(scene, grid, padding)
-    last = None
-    if start is not None and start.status is not FilmStatus.NOT_CONVERGED:
+    if posed.equation.boundary:
+        warm = None
+        if start is not None and start.status is not Status.FILM_NOT_CONVERGED:
+            warm = restart(posed, start)[0]
+        mixed = solve_mixed(posed, controls, warm)
+        return contact_of(scene, grid, padding, posed, mixed, controls.tolerance)
+    last = cold = None
+    if start is not None and start.status is not Status.FILM_NOT_CONVERGED:
         film, cavitated = restart(posed, start)
         same = start.grid == grid
         last = _iterated(posed, film, controls if same else _refining(posed, controls), cavitated)
     if last is None or not last.converged(controls.tolerance):
-        last = continued(posed, controls)
-    return contact_of(scene, grid, padding, posed, last, controls.tolerance)
+        last = cold = continued(posed, controls)
+    contact = contact_of(scene, grid, padding, posed, last, controls.tolerance)
+    if not (last.converged(controls.tolerance) and posed.ridges > RIDGES):
+        return contact
+    others = [grown] if (grown := _with_growing_ridges(posed, controls)) else []
+    if cold is None:
+        others.append(_nested(posed, controls))
+    several = any(
+        one.converged(controls.tolerance) and _differs(posed, last, one) for one in others
+    )
+    return replace(contact, status=Status.SEVERAL_FILMS) if several else contact
+
+
+def _with_growing_ridges(posed: PosedFilm, controls: FilmControls) -> FilmIteration | None:
+    """Iterate from a film with lower heights up to these; None where that fails."""
+    smooth = posed.x[:, None] ** 2 / 2
+    heights, last = posed.equation.gap - smooth, None
+    number = ceil(log(posed.ridges / RIDGES) / log(GROWTH))
+    for share in np.geomspace(RIDGES / posed.ridges, 1, number + 1):
+        lower = replace(posed, equation=replace(posed.equation, gap=smooth + share * heights))
+        last = (
+            _iterated(lower, last.film, controls, last.cavitated)
+            if last
+            else _nested(lower, controls)
+        )
+        if not last.converged(controls.tolerance):
+            return None
+    return last
+
+
+def _differs(posed: PosedFilm, one: FilmIteration, other: FilmIteration) -> bool:
+    """Return whether the mean films of two iterations in the contact are not the same."""
+    inside = np.abs(posed.x) < 1
+    first, second = (iteration.film.film[inside].mean() for iteration in (one, other))
+    return bool(abs(first - second) > ANOTHER * first)
 
 
 def step_solver(posed: PosedFilm) -> StepSolver:
@@ -65,24 +111,34 @@ def step_solver(posed: PosedFilm) -> StepSolver:
 
 def continued(posed: PosedFilm, controls: FilmControls) -> FilmIteration:
     """Iterate from a cold start, or where that fails from the film at higher speeds down to this one."""
-    last = first = _nested(posed, controls)
+    cold = _nested(posed, controls)
+    if cold.converged(controls.tolerance):
+        return cold
+    return _from_higher_speeds(posed, controls) or cold
+
+
+def _from_higher_speeds(posed: PosedFilm, controls: FilmControls) -> FilmIteration | None:
+    """Iterate from the film at higher speeds down to this one; None where that fails."""
     resistance = faster = posed.equation.resistance
     for _ in range(FASTEST):
-        if last.converged(controls.tolerance):
-            break
         faster *= SPEED_STEP
         last = _nested(posed.at(faster), controls)
+        if last.converged(controls.tolerance):
+            break
     else:
-        return first
+        return None
     step = SPEED_STEP
-    while faster > resistance and step > LEAST_SPEED_STEP:
-        slower = max(faster / step, resistance)
+    while faster > resistance:
+        # no sliver of a step at the end
+        slower = faster / step if faster / step > resistance * LEAST_SPEED_STEP else resistance
         trial = _iterated(posed.at(slower), last.film, controls, last.cavitated)
         if trial.converged(controls.tolerance):
             last, faster = trial, slower
         else:
             step = sqrt(step)
-    return last if faster == resistance else first
+            if step <= LEAST_SPEED_STEP:
+                return None
+    return last
 
 
 def _nested(posed: PosedFilm, controls: FilmControls) -> FilmIteration:
@@ -116,11 +172,15 @@ def contact_of(
     posed: PosedFilm,
     last: FilmIteration,
     tolerance: float,
-) -> LubricatedContact:
+) -> FilmSolution:
     """Return the contact of an iteration in SI units, on the whole grid."""
     equation, scales, rows = posed.equation, posed.scales, posed.upstream.cells[0]
     pressure = np.zeros(grid.cells)
-    pressure[:rows] = last.film.pressure * scales.hertz.peak_pressure
+    pressure[:rows] = last.film.total_pressure * scales.hertz.peak_pressure
+    asperities = None
+    if last.film.contact is not None:
+        asperities = np.zeros(grid.cells)
+        asperities[:rows] = last.film.contact * scales.hertz.peak_pressure
     separation = last.film.separation * scales.film
     film = separation + posed.problem.undeformed_gap + posed.problem.operator(pressure)
     # downstream of the last balance streamers carry what left it
@@ -132,7 +192,7 @@ def contact_of(
     if not equation.conserves:  # where the film opens for good, any flow may appear
         flow = flow[: np.flatnonzero((last.film.pressure > 0).any(axis=1))[-1] - 1]
     mean_speed = equation.speed * scales.lubrication.largest_speed
-    return LubricatedContact(
+    return FilmSolution(
         scene=scene,
         grid=grid,
         padding=padding,
@@ -140,7 +200,7 @@ def contact_of(
         pressure=pressure,
         film=film,
         film_fraction=filled,
-        shear=shear_stress(scales, mean_speed, pressure, film, filled),
+        shear=shear_stress(scales, mean_speed, pressure, film, filled, asperities),
         mean_speed=mean_speed,
         separation=separation,
         status=_status(posed, last, tolerance),
@@ -148,18 +208,22 @@ def contact_of(
         linear_iterations=last.linear_iterations,
         residual=last.residual,
         flow=float(flow.mean()) * scales.film * scales.lubrication.largest_speed,
+        contact_pressure=asperities,
         flux_spread=float(np.ptp(flow) / abs(flow.mean())) if flow.any() else inf,
     )
 
 
-def _status(posed: PosedFilm, last: FilmIteration, tolerance: float) -> FilmStatus:
+def _status(posed: PosedFilm, last: FilmIteration, tolerance: float) -> Status:
     if not last.converged(tolerance):
-        return FilmStatus.NOT_CONVERGED
+        return Status.FILM_NOT_CONVERGED
     equation = posed.equation
     axis = int(np.argmin(np.abs(posed.x)))
     film = float(last.film.film[axis].mean())
-    if film < SWEEP * equation.cell[0] ** 1.5 or rise_beside_lowest(last.film.film) > STEEP:
-        return FilmStatus.FILM_BELOW_CELL
-    if INLET_ERROR * film > STARVED * posed.x[0] ** 2:
-        return FilmStatus.STARVED_INLET
-    return FilmStatus.CONVERGED
+    steep = not equation.boundary and rise_beside_lowest(last.film.film) > STEEP
+    if film < SWEEP * equation.cell[0] ** 1.5 or steep:
+        return Status.FILM_BELOW_CELL
+    # where the supplied layer fills the gap inside the grid, a longer inlet changes nothing
+    fed = equation.supply < inf and bool((last.film.void[2] > 0).all())
+    if not fed and INLET_ERROR * film > STARVED * posed.x[0] ** 2:
+        return Status.STARVED_INLET
+    return Status.CONVERGED

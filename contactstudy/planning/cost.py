@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from math import exp, inf, log, log10, pi, prod
+from math import exp, inf, log, pi, prod
 from time import perf_counter, process_time
 
 import numpy as np
@@ -28,7 +28,7 @@ from contactstudy.scene.shapes.roller import Cylinder
 from contactstudy.solvers.solution import Solution
 from contactstudy.solvers.solve import SolveOptions
 
-# Transform pairs of the full grid in a solve of a smooth and of a rough contact to DIGITS, coarser grids included.
+# Transform pairs of the full grid in a solve of a smooth contact to DIGITS, coarser grids included.
 SMOOTH_CONVOLUTIONS, ROUGH_CONVOLUTIONS, DIGITS = 35.0, 42.0, 8
 # Cells along an axis of the solve that is timed where there is no timing, and its numbers of images.
 SAMPLE, SAMPLE_IMAGES = 128, (1, 6)
@@ -116,11 +116,6 @@ def _predicted(law: "PowerLaw", size: tuple[float, float]) -> float:
     """Return the seconds that a power law predicts for a size (points, repetitions)."""
     mean, _ = law.predict(np.log([size]))
     return size[1] * exp(float(mean[0]) + log_work(size[0]))
-
-
-def convolutions_to(tolerance: float, to_default: float) -> float:
-    """Return the convolutions of a solve to `tolerance`, given those to the default tolerance."""
-    return to_default * -log10(tolerance) / DIGITS
 
 
 def log_work(count: float) -> float:

@@ -1,6 +1,6 @@
 """Requirements of a scene on its grid: width, length, cells, padding, and the error to expect of them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import acosh, erf, inf, lcm, log2, sqrt
 
@@ -9,9 +9,18 @@ import numpy as np
 from contactstudy.accuracy.estimate import IN_COAT, STIFF_COAT
 from contactstudy.accuracy.expected_error import l1_factor, smooth_l1
 from contactstudy.analytic import HertzLine
-from contactstudy.domain.checks import InvalidInput, positive
-from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings, ZeroPadding
+from contactstudy.domain.checks import InvalidInput, NotDefined, positive
+from contactstudy.domain.grid import (
+    ExactPeriodicity,
+    Grid,
+    Padding,
+    Paddings,
+    ZeroPadding,
+    across_and_along,
+)
 from contactstudy.scene.bodies import Layered
+from contactstudy.scene.load import TotalLoad
+from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.shape import Detail
 
 # Relative L1 error of the pressure of a rough contact over (cell / finest wavelength)^RATE: ROUGH times the share of the
@@ -322,6 +331,62 @@ class Needs:
         if self.varies and ": give" in (check := self.period_check(grid.period)):
             messages.append(check)
         return tuple(messages)
+
+
+def needs_of(scene: Scene) -> Needs:
+    """Return the properties of `scene` that determine its grid.
+
+    Raises
+    ------
+    InvalidInput
+        If a shape does not say how fine it is.
+    NotDefined
+        If no shape is curved, so that the contact has no width of its own.
+    """
+    if scene.hertz is None:
+        raise NotDefined(
+            "Scene.shapes have no curvature, so that the contact has no width of its own: "
+            "give a Cylinder, a MeasuredSurface with its extent, or choose the grid yourself."
+        )
+    for number, shape in enumerate(scene.shapes):
+        if not hasattr(shape, "detail"):
+            raise InvalidInput(
+                f"Scene.shapes[{number}] is {shape!r}, which does not say how fine it is: give it a "
+                "`detail`, or choose the grid yourself."
+            )
+    details = tuple(shape.detail for shape in scene.shapes if hasattr(shape, "detail"))
+    if isinstance(scene.load, TotalLoad) and any(detail.roller for detail in details):
+        details += (Detail(roller=scene.load.length or inf),)
+    coats = tuple(solid for solid in scene.solids if isinstance(solid, Layered))
+    needs = Needs(scene.hertz, details, scene.hardness, coats)
+    if scene.friction is None:
+        return needs
+    shear = scene.friction.explanation(
+        scene, varies=needs.varies, paddings=across_and_along(needs.padding())
+    )
+    return replace(needs, shear=shear)
+
+
+def measured_detail(scene: Scene) -> Detail | None:
+    """Return the detail of the first measured surface of `scene` that has a size of its own; None without one."""
+    details = (shape.detail for shape in scene.shapes if hasattr(shape, "detail"))
+    return next((detail for detail in details if detail.spacing is not None), None)
+
+
+def grid_of_flat(detail: Detail, period: float | None) -> Grid:
+    """Return the points of a measured surface as cells, over its whole width and a period of its length.
+
+    Parameters
+    ----------
+    detail
+        Length scales of the surface.
+    period
+        Length of the grid [m]; that after which the surface repeats if None.
+    """
+    assert detail.spacing is not None
+    length = period or detail.repeat or detail.widest
+    along = round(length / detail.spacing[1]) if detail.repeat else 1
+    return Grid((round(detail.widest / detail.spacing[0]), along), (detail.widest, length))
 
 
 def _cells_per_wave(grid: Grid, finest: tuple[float, float]) -> float:

@@ -1,4 +1,4 @@
-"""Search for the cheapest grid that keeps to an error, by small solutions and what they show along each axis."""
+"""Error and cost to expect of a grid, by small solutions and what they show along each axis."""
 
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -17,7 +17,7 @@ from contactstudy.planning.cost import (
     memory,
     timed,
 )
-from contactstudy.planning.grid_requirements import COARSEST, RATE, ROOM, Needs, halvable
+from contactstudy.planning.grid_requirements import COARSEST, RATE, Needs, halvable
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions
@@ -32,15 +32,10 @@ SLOWEST, USUAL, FASTEST = 0.5, 1.0, 1.5
 BOUND_ROUGH, BOUND_SMOOTH = 1.5, 1.2
 # Least cells along an axis of a small solution, and of a roller.
 FEWEST, ROLLER = 8, 16
-# Rounds in which small solutions correct the grid, and the factor on a width that is too narrow.
-ROUNDS, WIDER = 6, 1.5
-# A grid with this many times the cells that are needed is made coarser, and a width this many times that of the contact
-# and its room is made narrower.
-WASTE = 1.25
+# Factor on a width that is too narrow.
+WIDER = 1.5
 # Largest factor by which the cells along an axis are extrapolated at once.
 FURTHEST = 16.0
-# Share of the requested error for the cells; the remainder is for the solver.
-ALMOST = 0.95
 # The law of rough contacts, a mean over surfaces, is multiplied by this where small solutions do not show the surface.
 TRUSTED = 2.0
 
@@ -64,11 +59,9 @@ class GridForecast:
     message
         A fault that no grid corrects, such as an infinite pressure; empty without one.
     seconds
-        Seconds of a solve on one thread.
-    contact_width
-        Width [m] about the axis that holds the contact.
-    reference
-        Cells of the finer solution that the error was measured against; None if it was forecast.
+        Seconds of set-up and solve on one thread.
+    looked
+        Seconds that the coarser grids took which a solve to an error begins with.
     """
 
     grid: Grid
@@ -78,8 +71,7 @@ class GridForecast:
     cut_off: bool
     message: str
     seconds: float
-    contact_width: float = inf
-    reference: tuple[int, int] | None = None
+    looked: float = 0.0
 
     @property
     def error(self) -> float:
@@ -137,7 +129,7 @@ def forecast(scene: Scene, needs: Needs, grid: Grid) -> GridForecast:
     fine, timing = timed(lambda grid: scene.problem(grid, padding), small, 10.0**-DIGITS)
     estimate = error_estimate(fine)
     sharp = next((warning for warning in estimate.warnings if SHARP_EDGE in warning), "")
-    error = estimate.l1.discretisation / bound(needs)
+    error = estimate.l1.by_cause["discretisation"] / bound(needs)
     changes, rates = [0.0, 0.0], [USUAL, USUAL]
     for axis in range(2 if error < inf else 0):
         solutions = [fine]
@@ -160,7 +152,6 @@ def forecast(scene: Scene, needs: Needs, grid: Grid) -> GridForecast:
         fine.status is Status.CONTACT_AT_EDGE,
         sharp,
         CostModel((timing,)).seconds(grid, padding, timing.convolutions),
-        contact_width(fine),
     )
     return replace(coarse_forecast, grid=grid, errors=coarse_forecast.errors_of(grid.cell))
 
@@ -247,77 +238,10 @@ def expected(scene: Scene, needs: Needs, grid: Grid) -> GridForecast:
     return result
 
 
-def reaching(
-    scene: Scene, needs: Needs, error: float, period: float | None, limit: float
-) -> GridForecast:
-    """Return the forecast of the cheapest grid whose error is `error`, or of the nearest within the memory.
-
-    Parameters
-    ----------
-    scene
-        The scene.
-    needs
-        Its requirements.
-    error
-        Relative L1 error of the pressure.
-    period
-        Length of the grid [m]; chosen if None.
-    limit
-        Bytes that a solve may hold.
-    """
-    grid = needs.grid(error, period)
-    padding, target = needs.padding(), ALMOST * error
-    best = None
-    for _ in range(ROUNDS):
-        current = expected(scene, needs, affordable(grid, padding, limit))
-        width = current.grid.extent[0]
-        if current.cut_off:
-            best = current
-            if width >= needs.widest:
-                break
-            grid = as_wide(current.grid, min(WIDER * width, needs.widest))
-            continue
-        if best is None or best.cut_off or _is_better(current, best, error):
-            best = current
-        if current.error == inf:
-            break
-        if needs.roller and ROOM * WASTE * current.contact_width < width:
-            grid = as_wide(current.grid, ROOM * current.contact_width)
-            current = replace(current, grid=grid, contact_width=inf)
-            best = None
-        grid = _fitting(current, target, padding, limit)
-        growth = prod(grid.cells) / prod(current.grid.cells)
-        is_final = grid == current.grid or (current.error <= error and growth >= 1 / WASTE)
-        if best is not None and is_final:
-            break
-    assert best is not None
-    return best
-
-
-def _is_better(candidate: GridForecast, best: GridForecast, error: float) -> bool:
-    """Return whether `candidate` keeps to `error` with fewer cells than `best`, or is more accurate if neither does."""
-    if (candidate.error <= error) != (best.error <= error):
-        return candidate.error <= error
-    if candidate.error <= error:
-        return prod(candidate.grid.cells) < prod(best.grid.cells)
-    return candidate.error < best.error
-
-
 def as_wide(grid: Grid, width: float) -> Grid:
     """Return a grid with cells of the same size over the width `width` [m]."""
     across = halvable(grid.cells[0] * width / grid.extent[0])
     return Grid((across, grid.cells[1]), (width, grid.period))
-
-
-def _fitting(
-    current: GridForecast, error: float, padding: Padding | Paddings, limit: float
-) -> Grid:
-    """Return the grid for `error`, or for the least error whose solve holds within `limit` bytes."""
-    grid = current.grid_for(error)
-    while memory(grid, padding) > limit and error < 1:
-        error *= WASTE
-        grid = current.grid_for(error)
-    return affordable(grid, padding, limit)
 
 
 def affordable(grid: Grid, padding: Padding | Paddings, bytes_at_most: float) -> Grid:

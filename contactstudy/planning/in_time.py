@@ -11,8 +11,8 @@ from contactstudy.evolution.plastic import layers
 from contactstudy.planning.grid_requirements import ROOM
 from contactstudy.scene.bodies import Body, sudden
 from contactstudy.scene.inelastic import ViscoelasticHalfSpace
-from contactstudy.scene.load import ChangingLoad, ConstantLoad, LineLoad
-from contactstudy.scene.scene import Scene
+from contactstudy.scene.load import ChangingLoad, LineLoad
+from contactstudy.scene.scene import AnyLoad, Scene
 
 # Plastic zone below a rigid cylinder pressed with Hertz's peak pressure r times the yield stress, r from 2 to 8, with
 # little or no hardening: over Hertz's half-width, it ends at WIDTH + WIDER r^2 across and at the depth DEPTH r - 1.
@@ -228,10 +228,10 @@ def extremes(scene: Scene, error: float, end: float | None = None) -> Extremes:
     )
 
 
-def _smallest_load(load: ConstantLoad | ChangingLoad, end: float) -> tuple[float, tuple[str, ...]]:
+def _smallest_load(load: AnyLoad, end: float) -> tuple[float, tuple[str, ...]]:
     """Return the smallest load that is planned for [N/m], and a warning where the load is smaller."""
-    if isinstance(load, ConstantLoad):
-        return load.per_length, ()
+    if not isinstance(load, ChangingLoad):
+        return load.largest, ()
     times = np.linspace(load.start, max(end, load.start), INSTANTS)
     loads = np.array([load.at(float(time)) for time in times])
     least = max(float(loads.min()), LEAST_LOAD * load.largest)

@@ -4,30 +4,28 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import inf, prod
 
-from contactstudy.domain.checks import InvalidInput, NotDefined, positive
+from contactstudy.domain.checks import InvalidInput, positive
 from contactstudy.domain.device import ONE_THREAD, Device, available_bytes, checked
-from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings, across_and_along
-from contactstudy.planning.cost import (
-    memory,
-    times_faster,
-)
-from contactstudy.planning.grid_requirements import Needs
+from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
+from contactstudy.planning.cost import ROUGH_CONVOLUTIONS, CostModel, memory, times_faster
+from contactstudy.planning.grid_requirements import Needs, grid_of_flat, measured_detail, needs_of
 from contactstudy.planning.grid_search import (
     WIDER,
     GridForecast,
     affordable,
     as_wide,
     expected,
-    reaching,
 )
-from contactstudy.planning.trials import cheapest
-from contactstudy.scene.bodies import Layered
+from contactstudy.planning.refinement import reaching
 from contactstudy.scene.scene import Scene
+from contactstudy.scene.shapes.shape import Detail
 
 # Relative L1 error of the pressure that is planned where none is requested.
-DEFAULT_ERROR = 1e-3
+DEFAULT_ERROR = 1e-2
 # Relative error of the film of a lubricated scene that is planned where none is requested.
 FILM_ERROR = 1e-2
+# Seconds over those of one solve of a solve with its estimate, and half the cells before.
+JUDGED = 1.6
 # The share of the machine's memory that a plan may take.
 SHARE = 0.8
 
@@ -49,7 +47,7 @@ class Plan:
     error
         Relative L1 error of the pressure to expect: of a smooth contact by a law, else from small solutions.
     seconds
-        Seconds of a solve, or of all steps, from solves timed just now.
+        Seconds of all grids of a solve to the error with their estimates, or of all steps, from solves timed just now.
     bytes
         Bytes that a solve holds at most.
     period_check
@@ -88,7 +86,7 @@ def plan(
 ) -> Plan:
     """Choose a grid and a padding that solve a scene to a relative L1 error of the pressure.
 
-    Takes small solutions of up to some ten thousand cells, unless the contact is smooth.
+    Takes small solutions of up to some ten thousand cells: the first grids of the solve itself.
 
     Parameters
     ----------
@@ -96,7 +94,7 @@ def plan(
         The scene, which may change in time or roll.
     error
         Relative L1 error of the pressure, above 0. If it is None, a measured surface is solved at its own points, and
-        any other scene to 1e-3.
+        any other scene to 1 %.
     period
         Length of the grid [m]; chosen if None.
     grid
@@ -115,24 +113,36 @@ def plan(
     checked(on, "plan.on")
     if error is not None:
         error = positive("plan.error", error, "give a relative error above 0, such as 1e-3")
+    detail = measured_detail(scene)
+    if scene.hertz is None and detail is not None and scene.changing is None and grid is None:
+        return _plan_of_flat(detail, period, on)
     if scene.lubrication is not None:
         return _plan_of_film(scene, needs_of(scene), error or FILM_ERROR, period, grid)
+    if scene.adhesion is not None:
+        return _plan_of_adhesion(scene, needs_of(scene), error or DEFAULT_ERROR, period, grid)
     if scene.changing is not None or scene.rolling is not None:
         return _plan_in_time(scene, error or DEFAULT_ERROR, period, grid, end)
-    return _plan_at_rest(scene, error, period, grid, on, tries=True)
+    return _plan_at_rest(scene, error, period, grid, on)
 
 
-def robust_grid(scene: Scene, error: float | None, period: float | None) -> Grid:
-    """Return the grid planned for a scene at rest and similar ones: by estimates alone, without trials of this scene.
-
-    Parameters
-    ----------
-    scene
-        The scene.
-    error, period
-        As for :func:`plan`.
-    """
-    return _plan_at_rest(scene, error, period, None, ONE_THREAD, tries=False).grid
+def _plan_of_flat(detail: Detail, period: float | None, on: Device) -> Plan:
+    """Plan a flat with a measured surface: its points are the cells, and both axes are periodic."""
+    grid, padding = grid_of_flat(detail, period), (ExactPeriodicity(), ExactPeriodicity())
+    seconds = CostModel().seconds(grid, padding, ROUGH_CONVOLUTIONS)
+    return Plan(
+        grid=grid,
+        padding=padding,
+        dimension=1 if grid.cells[1] == 1 else 2,
+        error=inf,
+        seconds=JUDGED * seconds / times_faster(grid, padding, on),
+        bytes=memory(grid, padding),
+        period_check=f"The period {grid.period:.4g} m is that of the measured surface.",
+        reasons=(
+            "points: no shape is curved, so that the points of the measured surface are the cells, and both axes are "
+            "periodic; the solution tells its error.",
+        ),
+        on=on,
+    )
 
 
 def _plan_at_rest(
@@ -141,10 +151,8 @@ def _plan_at_rest(
     period: float | None,
     grid: Grid | None,
     on: Device,
-    *,
-    tries: bool,
 ) -> Plan:
-    """Plan a scene that neither changes in time nor rolls; coarser grids are tried if `tries`."""
+    """Plan a scene that neither changes in time nor rolls."""
     needs = needs_of(scene)
     padding = needs.padding()
     if grid is not None and period is not None and period != grid.period:
@@ -156,8 +164,6 @@ def _plan_at_rest(
     if grid is None:
         target = error or DEFAULT_ERROR
         prediction = reaching(scene, needs, target, period, limit)
-        if tries:
-            prediction = cheapest(scene, needs, prediction, target)
         grid = prediction.grid
     else:
         target = inf
@@ -168,7 +174,7 @@ def _plan_at_rest(
         padding=padding,
         dimension=1 if grid.cells[1] == 1 else 2,
         error=predicted,
-        seconds=prediction.seconds / times_faster(grid, padding, on),
+        seconds=prediction.looked + JUDGED * prediction.seconds / times_faster(grid, padding, on),
         bytes=memory(grid, padding),
         period_check=needs.period_check(grid.period),
         reasons=(*needs.reasons(grid, predicted), *_reasons(prediction, own_points=own_points)),
@@ -185,13 +191,7 @@ def _reasons(expectation: GridForecast, *, own_points: bool) -> Iterator[str]:
             "interpolated between them."
         )
     across, along = expectation.errors
-    if expectation.reference is not None:
-        nx, ny = expectation.reference
-        yield (
-            f"trials: no smaller grid of those tried keeps to the error, measured against a solution on {nx} x {ny} "
-            "cells; error_estimate, which knows one solution alone, gives a larger bound."
-        )
-    elif expectation.grid.cells[1] > 1 and 0 < expectation.error < inf:
+    if expectation.grid.cells[1] > 1 and 0 < expectation.error < inf:
         yield (
             f"axes: of the error expected, {across / expectation.error:.0%} falls with the cells across to the power "
             f"{expectation.rates[0]:.2g}, {along / expectation.error:.0%} with those along to the power "
@@ -214,7 +214,7 @@ def _plan_in_time(
     if grid is not None:
         narrow_plan = plan(extremes.narrow, error=cells_error, period=period, grid=grid)
     else:
-        narrow = robust_grid(extremes.narrow, cells_error, period)
+        narrow = plan(extremes.narrow, error=cells_error, period=period).grid
         width = max(narrow.extent[0], extremes.width)
         narrow_plan = plan(extremes.narrow, error=cells_error, grid=as_wide(narrow, width))
     narrow_plan = replace(
@@ -291,33 +291,24 @@ def _plan_of_film(
     )
 
 
-def needs_of(scene: Scene) -> Needs:
-    """Return the properties of `scene` that determine its grid.
+def _plan_of_adhesion(
+    scene: Scene, needs: Needs, error: float, period: float | None, grid: Grid | None
+) -> Plan:
+    """Plan a scene with adhesion."""
+    from contactstudy.planning.adhesive_needs import adhesive_needs  # imported only for such scenes
 
-    Raises
-    ------
-    InvalidInput
-        If a shape does not say how fine it is.
-    NotDefined
-        If no shape is curved, so that the contact has no width of its own.
-    """
-    if scene.hertz is None:
-        raise NotDefined(
-            "Scene.shapes have no curvature, so that the contact has no width of its own: "
-            "give a Cylinder, or choose the grid yourself."
-        )
-    for number, shape in enumerate(scene.shapes):
-        if not hasattr(shape, "detail"):
-            raise InvalidInput(
-                f"Scene.shapes[{number}] is {shape!r}, which does not say how fine it is: give it a "
-                "`detail`, or choose the grid yourself."
-            )
-    details = tuple(shape.detail for shape in scene.shapes if hasattr(shape, "detail"))
-    coats = tuple(solid for solid in scene.solids if isinstance(solid, Layered))
-    needs = Needs(scene.hertz, details, scene.hardness, coats)
-    if scene.friction is None:
-        return needs
-    shear = scene.friction.explanation(
-        scene, varies=needs.varies, paddings=across_and_along(needs.padding())
+    found = adhesive_needs(scene, needs, error, period, grid)
+    grid, padding = found.grid, needs.padding()
+    expected_error = needs.error(grid.cell)
+    return Plan(
+        grid=grid,
+        padding=padding,
+        dimension=1 if grid.cells[1] == 1 else 2,
+        error=expected_error,
+        seconds=found.seconds,
+        bytes=memory(grid, padding),
+        period_check=needs.period_check(grid.period),
+        reasons=(*needs.reasons(grid, expected_error), *found.reasons),
+        warnings=(*needs.warnings(grid), *found.warnings),
+        steps=found.solves,
     )
-    return replace(needs, shear=shear)

@@ -102,7 +102,10 @@ class BareProblem:
         `into` is a gap whose heights may be overwritten; None makes a new array.
         """
         height = arrays().empty_like(pressure) if into is None else into.height
-        return self.passes.gap(self.undeformed_gap, displacement, pressure, height)
+        fields = self.undeformed_gap, displacement, pressure, height
+        # heights are counted from an approach that is given
+        given = None if self.resultant.approach is None else 0.0
+        return self.passes.gap(*fields, given)
 
     def rounding(self, displacement: Array, farthest: float | None = None) -> float:
         """Return the uncertainty of a gap under `displacement` by rounding; a residual below it means nothing.

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf, isnan, nan, prod
-from typing import Protocol, Self
+from typing import ClassVar, Protocol, Self
 
 import numpy as np
 
@@ -237,7 +237,8 @@ class Compressive:
             return dot(block, xp.abs(height)), -float(xp.min(overlap))
 
         moments, deepest = zip(*in_blocks(measure, pressure, gap.height), strict=True)
-        return largest(sum(moments) / borne, *deepest)
+        complementarity = sum(moments) / borne if borne else 0.0
+        return largest(complementarity, *deepest)
 
 
 def lowered_to(
@@ -359,6 +360,11 @@ class HardnessLimited:
 class Resultant(Protocol):
     """Condition on the pressures of all cells together, which closes the problem."""
 
+    @property
+    def approach(self) -> float | None:
+        """Approach of the bodies [m] where it is given; None where it follows from the pressures."""
+        ...
+
     def scaled(self, pressure: float, cells: int = 1) -> Self:
         """Return the same condition with pressure times `pressure`, on blocks of that number of `cells`."""
         ...
@@ -399,6 +405,7 @@ class PrescribedLoad:
     """
 
     total: float
+    approach: ClassVar[None] = None
 
     def scaled(self, pressure: float, cells: int = 1) -> "PrescribedLoad":
         """Return the load with pressure times `pressure`, on blocks of that number of `cells`."""
@@ -427,3 +434,38 @@ class PrescribedLoad:
     def error(self, borne: float) -> float:
         """Return the relative error of the load, ``|borne / total - 1|``."""
         return abs(borne / self.total - 1)
+
+
+@dataclass(frozen=True)
+class PrescribedApproach:
+    """Resultant of a given approach [m], from which heights are counted: pressures carry any load, or none."""
+
+    approach: float
+
+    def scaled(self, pressure: float, cells: int = 1) -> "PrescribedApproach":
+        """Return this condition, which is the same in any unit of pressure."""
+        return self
+
+    def is_met_by(self, constraint: Constraint, cells: int) -> bool:
+        """Return True: every pressure meets the condition."""
+        return True
+
+    def uniform(self, cells: int) -> float:
+        """Return 0: no pressure meets the condition too."""
+        return 0.0
+
+    def admit(self, trial: Array, constraint: Constraint) -> Array:
+        """Cut a `trial` pressure off at the limits of `constraint`, in place."""
+        return constraint.clip(trial)
+
+    def nearest(self, trial: Array, constraint: Constraint) -> Array:
+        """Cut a `trial` pressure off at the limits of `constraint`, in place."""
+        return constraint.clip(trial)
+
+    def levelled(self, trial: Array, cells: Array, constraint: Constraint) -> Array:
+        """Cut a `trial` pressure off at the limits of `constraint`, in place."""
+        return constraint.clip(trial)
+
+    def error(self, borne: float) -> float:
+        """Return 0: no load is asked for."""
+        return 0.0

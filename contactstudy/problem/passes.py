@@ -81,8 +81,14 @@ class ArrayPasses:
         large = rows * columns >= LARGE and isinstance(device(), Cpu)
         return _single(undeformed_gap) if large else None
 
-    def gap(self, undeformed: Array, displacement: Array, pressure: Array, height: Array) -> Gap:
-        """Return the gap, whose heights are written to `height`: zero on the mean of the free cells."""
+    def gap(
+        self, undeformed: Array, displacement: Array, pressure: Array, height: Array,
+        given: float | None = None,
+    ) -> Gap:  # fmt: skip
+        """Return the gap, whose heights are written to `height`.
+
+        They are counted from the approach, which is the mean height of the free cells unless it is `given`.
+        """
 
         def add(
             height: Array, undeformed: Array, displacement: Array, pressure: Array
@@ -92,7 +98,10 @@ class ArrayPasses:
             return dot(height, free), float(arrays().sum(free))
 
         heights, cells = sums(add, height, undeformed, displacement, pressure)
-        approach = heights / cells if cells else self.constraint.approach(pressure, height)
+        if given is not None:
+            approach = given
+        else:
+            approach = heights / cells if cells else self.constraint.approach(pressure, height)
         in_blocks(lambda block: block.__isub__(approach), height)
         return Gap(height, approach)
 
@@ -242,12 +251,20 @@ class CompiledPasses:
         """Return the precision to precondition in: single where heights allow it, else None."""
         return _single(undeformed_gap)
 
-    def gap(self, undeformed: Array, displacement: Array, pressure: Array, height: Array) -> Gap:
+    def gap(
+        self, undeformed: Array, displacement: Array, pressure: Array, height: Array,
+        given: float | None = None,
+    ) -> Gap:  # fmt: skip
         """Return the gap, whose heights are written to `height`, with measures of its residual."""
         fields, limit = (undeformed, displacement, pressure), self._limit
-        heights, cells = _rows(self._loops.level, *fields, limit, results=2).sum(axis=1).tolist()
-        at_limits = self.constraint.approach
-        approach = heights / cells if cells else at_limits(pressure, undeformed + displacement)
+        if given is not None:
+            approach = given
+        else:
+            heights, cells = (
+                _rows(self._loops.level, *fields, limit, results=2).sum(axis=1).tolist()
+            )
+            at_limits = self.constraint.approach
+            approach = heights / cells if cells else at_limits(pressure, undeformed + displacement)
         sums = _rows(self._loops.measured, *fields, approach, limit, height, results=5)
         load, moment, free_load = sums[:3].sum(axis=1).tolist()
         complementarity = moment / free_load if free_load > 0 else 0.0

@@ -92,6 +92,18 @@ class FrictionLaw(Protocol):
         ...
 
 
+class AdhesionLaw(Protocol):
+    """Law that adds attraction to the pressure of a contact."""
+
+    def solved(self, problem: "Problem", options: Any, start: Array | None, on: Device) -> Any:
+        """Return the Solution of a `problem` with its attraction, by SolveOptions, from a pressure [Pa]."""
+        ...
+
+    def continued(self, traction: Array) -> "AdhesionLaw":
+        """Return the law for a contact that comes from a state with this `traction` (x, y) [Pa]."""
+        ...
+
+
 @dataclass(frozen=True, eq=False)
 class Problem:
     """Contact problem in SI units: find the pressure p with ``p gap = 0`` and ``gap >= 0``.
@@ -124,6 +136,8 @@ class Problem:
         What the problem was made from, such as a scene on a grid.
     friction
         Law that adds shear to a solution.
+    adhesion
+        Law that adds attraction to a solution.
     row_lengths
         Length of both bodies that each row of cells along the length stands for, over that of a cell (y,); None where
         the bodies are as long as the grid.
@@ -142,18 +156,20 @@ class Problem:
     outputs: tuple[Derived, ...] = ()
     description: object = None
     friction: FrictionLaw | None = None
+    adhesion: AdhesionLaw | None = None
     row_lengths: Array | None = None
 
     @property
     def datum(self) -> float:
-        """Undeformed gap at the highest point [m]; a bare problem counts heights from it.
+        """Height [m] that a bare problem counts from: the given approach, or else the gap at the highest point.
 
         Large heights have large rounding errors, which should be far from where the bodies touch.
         """
-        return float(self.undeformed_gap.min())
+        given = self.resultant.approach
+        return float(self.undeformed_gap.min()) if given is None else given
 
     def bare(self, precision: Precision = Precision.DOUBLE) -> BareProblem:
-        """Return this problem in its own scales, with its highest point at zero, on the device in use."""
+        """Return this problem in its own scales, with heights counted from its datum, on the device in use."""
         heights = self.undeformed_gap - self.datum
         heights /= self.scales.gap
         return BareProblem(

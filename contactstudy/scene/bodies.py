@@ -4,7 +4,7 @@ import math
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Protocol, TypeGuard, runtime_checkable
+from typing import TYPE_CHECKING, Protocol, TypeGuard, runtime_checkable
 
 from contactstudy.domain.checks import (
     InvalidInput,
@@ -15,6 +15,9 @@ from contactstudy.domain.checks import (
 )
 from contactstudy.domain.units import Number, Pascals
 from contactstudy.elasticity.coefficients import Coefficients, Displacement
+
+if TYPE_CHECKING:
+    from contactstudy.scene.motion import Rolling
 
 
 @runtime_checkable
@@ -64,6 +67,9 @@ class HalfSpace:
     yield_strength
         Tensile stress [Pa] at which the material yields, infinite if it is not known. The body stays elastic: it is what
         the largest von Mises stress is compared with.
+    hardness
+        Indentation hardness [Pa], infinite if it is not known: what the peak pressure is compared with. It limits no
+        pressure, as ``Scene.hardness`` does.
 
     Raises
     ------
@@ -74,6 +80,7 @@ class HalfSpace:
     youngs_modulus: Pascals
     poisson_ratio: Number
     yield_strength: Pascals = math.inf
+    hardness: Pascals = math.inf
 
     def __post_init__(self) -> None:
         remedy = "give a modulus above 0 Pa, or inf for a rigid body"
@@ -81,7 +88,14 @@ class HalfSpace:
         ratio = poisson_ratio("HalfSpace.poisson_ratio", self.poisson_ratio)
         remedy = "give a stress above 0 Pa, or inf if it is not known"
         strength = in_range_or_infinite("HalfSpace.yield_strength", self.yield_strength, remedy)
-        set_fields(self, youngs_modulus=modulus, poisson_ratio=ratio, yield_strength=strength)
+        hardness = in_range_or_infinite("HalfSpace.hardness", self.hardness, remedy)
+        set_fields(
+            self,
+            youngs_modulus=modulus,
+            poisson_ratio=ratio,
+            yield_strength=strength,
+            hardness=hardness,
+        )
 
     @property
     def compliance(self) -> float:
@@ -167,8 +181,8 @@ class BodyContext(Protocol):
         ...
 
     @property
-    def rolling(self) -> object | None:
-        """Steady rolling, or None."""
+    def rolling(self) -> "Rolling | None":
+        """Rolling, or None."""
         ...
 
 

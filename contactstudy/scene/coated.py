@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,6 +13,9 @@ from contactstudy.elasticity.coating import CoatingDisplacement
 from contactstudy.elasticity.coefficients import Coefficients, Displacement
 from contactstudy.elasticity.kernels.layer_response import LayerResponse
 from contactstudy.scene.bodies import HalfSpace
+
+if TYPE_CHECKING:
+    from contactstudy.scene.stress import Medium
 
 # Up to this ratio of shear moduli the coefficients are verified.
 LARGEST_RATIO = 1e4
@@ -83,6 +87,17 @@ class CoatedHalfSpace:
             return alone
         weight = alone[Displacement(datum)]
         return {**alone, CoatingDisplacement(self._layer, self.thickness, datum): weight}
+
+    @property
+    def stressed(self) -> "Medium":
+        """The stress in the coating and in the substrate."""
+        # imported only where stress is asked for
+        from contactstudy.scene.coated_stress import CoatedStress
+        from contactstudy.scene.stress import HalfSpaceStress
+
+        if self.coating == self.substrate:
+            return HalfSpaceStress(self.coating.poisson_ratio)
+        return CoatedStress(self._layer, self.thickness)
 
     @property
     def _layer(self) -> LayerResponse:

@@ -18,6 +18,7 @@ from contactstudy.elasticity.tangential import (
 )
 from contactstudy.problem.problem import FrictionLaw
 from contactstudy.scene.bodies import Body, BodyContext, HalfSpace
+from contactstudy.scene.shapes.shape import Shape
 from contactstudy.solvers.friction import CoulombDisks, FullSliding, Superposed
 
 # Bodies are alike in shear where Dundurs' beta is below this: the difference is rounding.
@@ -39,6 +40,11 @@ class FrictionContact(BodyContext, Protocol):
     @property
     def load(self) -> Load:
         """Load of the scene."""
+        ...
+
+    @property
+    def shapes(self) -> tuple[Shape, ...]:
+        """Shapes of the scene."""
         ...
 
     @property
@@ -93,11 +99,11 @@ class Sliding:
     coefficient: Number
 
     def __post_init__(self) -> None:
-        set_fields(self, coefficient=_coefficient("Sliding", self.coefficient, zero=True))
+        set_fields(self, coefficient=coefficient("Sliding", self.coefficient, zero=True))
 
     def check(self, scene: FrictionContact) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the coupling of these bodies is not known."""
-        _check_still(scene, "Sliding")
+        check_still(scene, "Sliding")
         dundurs(scene.solids)
 
     def law(
@@ -152,17 +158,16 @@ class PartialSlip:
     tangential: NewtonsPerMetre
 
     def __post_init__(self) -> None:
-        coefficient = _coefficient("PartialSlip", self.coefficient, zero=False)
         remedy = "give a force along x [N/m]"
         set_fields(
             self,
-            coefficient=coefficient,
+            coefficient=coefficient("PartialSlip", self.coefficient, zero=False),
             tangential=finite("PartialSlip.tangential", self.tangential, remedy),
         )
 
     def check(self, scene: FrictionContact) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if part of the contact cannot stick, or is not known to."""
-        _check_still(scene, "PartialSlip")
+        check_still(scene, "PartialSlip")
         if scene.hardness != inf:
             raise InvalidInput(
                 f"Scene.hardness is {scene.hardness!r} beside PartialSlip: how a yielding cell sticks is not "
@@ -253,7 +258,8 @@ def _passes(product: float) -> int:
     return max(2, round(log(1e-8) / log(min(1.1 * product, 0.9))))
 
 
-def _coefficient(name: str, value: object, *, zero: bool) -> float:
+def coefficient(name: str, value: object, *, zero: bool) -> float:
+    """Return a coefficient of friction of the law `name`, which may be 0 if `zero`."""
     remedy = f"give a coefficient of friction {'from' if zero else 'above'} 0, and below 1"
     field = f"{name}.coefficient"
     number = finite(field, value, remedy)
@@ -262,7 +268,8 @@ def _coefficient(name: str, value: object, *, zero: bool) -> float:
     return number if number == 0 else in_range(field, number, remedy)
 
 
-def _check_still(scene: FrictionContact, name: str) -> None:
+def check_still(scene: FrictionContact, name: str) -> None:
+    """Raise :class:`~contactstudy.InvalidInput` if `scene` changes in time or rolls, beside the law `name`."""
     if (changing := scene.changing) is not None:
         raise InvalidInput(
             f"{changing} changes in time beside {name}: shear in a contact that changes is not defined here, "

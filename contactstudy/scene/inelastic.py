@@ -32,7 +32,7 @@ from contactstudy.scene.bodies import (
 class ViscoelasticHalfSpace:
     """Linear viscoelastic half-space with the relaxation modulus ``E(t) = E_inf + sum(E_i exp(-t / tau_i))``.
 
-    A scene with one changes in time: see :func:`~contactstudy.evolve` and :class:`~contactstudy.Rolling`.
+    A scene with one changes in time: see :func:`~contactstudy.solve` and :class:`~contactstudy.Rolling`.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ class ViscoelasticHalfSpace:
 class ElasticPlasticHalfSpace:
     """Half-space that yields after von Mises, with linear hardening.
 
-    A scene with one has a history: see :func:`~contactstudy.evolve`.
+    A scene with one has a history: see :func:`~contactstudy.solve`.
 
     Parameters
     ----------
@@ -191,8 +191,8 @@ class ElasticPlasticHalfSpace:
                 f"Scene.hardness is {scene.hardness!r} beside a body that yields, which limits the pressure "
                 "by itself: leave the hardness out, or give an elastic HalfSpace."
             )
-        if scene.rolling is not None:
+        if scene.rolling is not None and scene.rolling.passes is None:
             raise InvalidInput(
                 f"Scene.rolling is {scene.rolling!r}, which is steady, beside a body that yields, whose strain "
-                "has a history: leave rolling out."
+                "has a history: give Rolling its passes, or leave rolling out."
             )

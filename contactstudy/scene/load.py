@@ -13,9 +13,12 @@ from contactstudy.domain.checks import (
     finite,
     in_range,
     in_range_from_zero,
+    in_range_or_zero,
     set_fields,
 )
 from contactstudy.domain.units import Hertz, Metres, Newtons, NewtonsPerMetre, Radians, Seconds
+
+PRESSES, FROM_ZERO = "give a load above 0 N/m", "give a load from 0 N/m on"
 
 
 @answers_typos
@@ -26,19 +29,23 @@ class LineLoad:
     Parameters
     ----------
     per_length
-        Load over the length of the grid [N/m], above zero.
+        Load over the length of the grid [N/m], above zero; beside :class:`~contactstudy.Adhesion` of any sign.
 
     Raises
     ------
     InvalidInput
-        If the load is not above zero.
+        If the load is no finite number; in a scene without adhesion, if it is not above zero.
     """
 
     per_length: NewtonsPerMetre
 
     def __post_init__(self) -> None:
-        load = in_range("LineLoad.per_length", self.per_length, "give a load above 0 N/m")
+        load = in_range_or_zero("LineLoad.per_length", self.per_length, PRESSES)
         set_fields(self, per_length=load)
+
+    def refuse_tension(self) -> None:
+        """Raise :class:`~contactstudy.InvalidInput` unless the load presses the bodies together."""
+        in_range("LineLoad.per_length", self.per_length, PRESSES)
 
     @property
     def largest(self) -> float:
@@ -62,7 +69,7 @@ class TotalLoad:
     Parameters
     ----------
     total
-        Load [N], above zero.
+        Load [N], above zero; beside :class:`~contactstudy.Adhesion` of any sign.
     length
         Length of the roller [m], over which the load is spread in Hertz's values. None takes it from the shapes of
         the scene, such as :class:`~contactstudy.LundbergProfile` or :class:`~contactstudy.FiniteLength`.
@@ -70,14 +77,16 @@ class TotalLoad:
     Raises
     ------
     InvalidInput
-        If a number is not above zero; in a scene none of whose shapes has a length, if there is none here.
+        If the load is no finite number or the length is not above zero; in a scene, if no shape has a length and there
+        is none here, or if the load is not above zero and there is no adhesion.
     """
 
     total: Newtons
     length: Metres | None = None
 
     def __post_init__(self) -> None:
-        set_fields(self, total=in_range("TotalLoad.total", self.total, "give a load above 0 N"))
+        remedy = "give a load above 0 N"
+        set_fields(self, total=in_range_or_zero("TotalLoad.total", self.total, remedy))
         if self.length is not None:
             remedy = "give the roller's length above 0 m"
             set_fields(self, length=in_range("TotalLoad.length", self.length, remedy))
@@ -99,6 +108,10 @@ class TotalLoad:
     def over(self, period: float) -> float:
         """Return the mean load [N/m] over the `period` [m] of a grid."""
         return self.total / period
+
+    def refuse_tension(self) -> None:
+        """Raise :class:`~contactstudy.InvalidInput` unless the load presses the bodies together."""
+        in_range("TotalLoad.total", self.total, "give a load above 0 N")
 
 
 ConstantLoad = LineLoad | TotalLoad
@@ -129,7 +142,10 @@ class History(Protocol):
 
 @runtime_checkable
 class ChangingLoad(History, Protocol):
-    """Load per length [N/m] as a function of time [s]; it is zero before its start."""
+    """Load per length [N/m] as a function of time [s]; it is zero before its start.
+
+    A load that repeats names its ``period`` [s], of which no step in time takes more than a quarter.
+    """
 
     def breaks(self, end: float) -> tuple[float, ...]:
         """Return the times [s] up to `end` at which the load or its rate jumps."""
@@ -155,12 +171,13 @@ class LoadHistory:
         Instants [s] that do not decrease; an instant given twice is a jump.
     per_length
         Load [N/m] at each instant, from zero on, at least one of them above zero. A first load above zero is
-        applied suddenly.
+        applied suddenly. Beside :class:`~contactstudy.Adhesion` loads may pull.
 
     Raises
     ------
     InvalidInput
-        If there is not one load for each time, a time decreases or stands more than twice, or all loads are zero.
+        If there is not one load for each time, a time decreases or stands more than twice, or no load is above zero;
+        in a scene without adhesion, if one is below zero.
     """
 
     times: tuple[Seconds, ...]
@@ -174,8 +191,7 @@ class LoadHistory:
                     f"LoadHistory.{name} is {values!r}: give a tuple of numbers, one for each instant."
                 )
         times = each("LoadHistory.times", self.times, finite, "give a time [s]")
-        remedy = "give a load from 0 N/m on"
-        loads = each("LoadHistory.per_length", self.per_length, in_range_from_zero, remedy)
+        loads = each("LoadHistory.per_length", self.per_length, in_range_or_zero, FROM_ZERO)
         if len(times) != len(loads):
             raise InvalidInput(
                 f"LoadHistory.per_length has {len(loads)} loads for {len(times)} times: give one for each."
@@ -186,8 +202,11 @@ class LoadHistory:
                     f"LoadHistory.times[{number}] is {after!r}: give times that do not decrease, the same one "
                     "twice at the most."
                 )
-        if max(loads) == 0:
-            raise InvalidInput("LoadHistory.per_length is 0 throughout: give a load above 0 N/m.")
+        if max(loads) <= 0:
+            throughout = "0" if max(loads) == min(loads) == 0 else "not above 0"
+            raise InvalidInput(
+                f"LoadHistory.per_length is {throughout} throughout: give a load above 0 N/m."
+            )
         set_fields(self, times=times, per_length=loads)
 
     @property
@@ -231,6 +250,10 @@ class LoadHistory:
     def mean(self, start: float, end: float) -> float:
         """Return the mean load [N/m] between two times [s] without a break between them."""
         return (self.at(start) + self.before(end)) / 2
+
+    def refuse_tension(self) -> None:
+        """Raise :class:`~contactstudy.InvalidInput` if a load pulls the bodies apart."""
+        each("LoadHistory.per_length", self.per_length, in_range_from_zero, FROM_ZERO)
 
 
 @answers_typos
@@ -279,9 +302,14 @@ class SineLoad:
         return 0.0
 
     @property
+    def period(self) -> float:
+        """Duration of one cycle [s]."""
+        return 1 / self.frequency
+
+    @property
     def end(self) -> float:
         """Duration of one cycle [s]; the load continues after it."""
-        return 1 / self.frequency
+        return self.period
 
     def breaks(self, end: float) -> tuple[float, ...]:
         """Return the times [s] up to `end` at which the load starts, reaches zero or rises from it."""

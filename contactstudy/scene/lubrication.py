@@ -17,6 +17,7 @@ from contactstudy.domain.checks import (
 )
 from contactstudy.domain.fields import Array
 from contactstudy.domain.units import (
+    Metres,
     MetresPerSecond,
     Number,
     Pascals,
@@ -262,6 +263,35 @@ class ReynoldsCavitation:
 Cavitation = ElrodAdams | ReynoldsCavitation
 
 
+@answers_typos
+@dataclass(frozen=True)
+class Boundary:
+    """Boundary film of molecules that stick to the surfaces: asperities bear load on it where the lubricant's film ends.
+
+    Parameters
+    ----------
+    film
+        Thickness [m] below which the surfaces cannot come closer, above 0, such as 5e-9.
+    coefficient
+        Coefficient of friction of the asperities, at least 0.
+
+    Raises
+    ------
+    InvalidInput
+        For other values.
+    """
+
+    film: Metres
+    coefficient: Number = 0.12
+
+    def __post_init__(self) -> None:
+        film = in_range("Boundary.film", self.film, "give a thickness above 0 m, such as 5e-9")
+        coefficient = in_range_from_zero(
+            "Boundary.coefficient", self.coefficient, "must be at least 0, such as 0.12"
+        )
+        set_fields(self, film=film, coefficient=coefficient)
+
+
 @runtime_checkable
 class ChangingSpeed(History, Protocol):
     """Mean speed [m/s] as a function of time [s]."""
@@ -383,7 +413,7 @@ class Lubrication:
     """Lubricant that floods a contact, and the motion of the surfaces to larger x that draws it in.
 
     Heights stand still in the contact, unless they are :class:`~contactstudy.Carried`. See
-    :func:`~contactstudy.solve_lubricated`.
+    :func:`~contactstudy.solve`.
 
     Parameters
     ----------
@@ -395,6 +425,10 @@ class Lubrication:
         Difference of the surface speeds, first body less second, over their mean.
     cavitation
         :class:`ElrodAdams`, which conserves mass, or :class:`ReynoldsCavitation`, to compare with.
+    boundary
+        :class:`Boundary` on which asperities bear load, in plane strain; None for a film that is as thin as it becomes.
+    supply
+        Thickness [m] of the layer of lubricant that enters, on both surfaces together, above 0; None floods the inlet.
 
     Raises
     ------
@@ -406,6 +440,8 @@ class Lubrication:
     mean_speed: MetresPerSecond | ChangingSpeed
     slide_roll_ratio: Number = 0.0
     cavitation: Cavitation = ElrodAdams()
+    boundary: Boundary | None = None
+    supply: Metres | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.lubricant, Lubricant):
@@ -423,6 +459,23 @@ class Lubrication:
         if not isinstance(self.cavitation, Cavitation):
             raise InvalidInput(
                 f"Lubrication.cavitation is {self.cavitation!r}: give ElrodAdams() or ReynoldsCavitation()."
+            )
+        if self.supply is not None:
+            remedy = "give the thickness of a layer above 0 m, or None for a flooded inlet"
+            set_fields(self, supply=in_range("Lubrication.supply", self.supply, remedy))
+            if not isinstance(self.cavitation, ElrodAdams):
+                raise InvalidInput(
+                    "Lubrication.supply is known with ElrodAdams(), which conserves the lubricant: leave one out."
+                )
+        if self.boundary is None:
+            return
+        if not isinstance(self.boundary, Boundary):
+            raise InvalidInput(
+                f"Lubrication.boundary is {self.boundary!r}: give a Boundary(film=...), or None."
+            )
+        if not isinstance(self.cavitation, ElrodAdams) or isinstance(speed, ChangingSpeed):
+            raise InvalidInput(
+                "Lubrication.boundary is known for a steady film with ElrodAdams() only: leave it out."
             )
 
     def check(self, scene: "Flooded") -> None:

@@ -1,36 +1,76 @@
 """Relative motion of the bodies: steady rolling, and sliding that wears them."""
 
 from dataclasses import dataclass
+from enum import Enum
 from math import inf
 
-from contactstudy.domain.checks import answers_typos, body_index, in_range_from_zero, set_fields
-from contactstudy.domain.units import MetresPerSecond, PerPascal
+from contactstudy.domain.checks import (
+    InvalidInput,
+    answers_typos,
+    body_index,
+    in_range_from_zero,
+    positive,
+    set_fields,
+    whole,
+)
+from contactstudy.domain.units import Metres, MetresPerSecond, Number, PerPascal
+
+
+class RollingPressure(Enum):
+    """Choice of the pressure that rolls over a half-space."""
+
+    #: Pressure of the contact solved together with the plastic strain.
+    SOLVED = "solved"
+    #: Pressure of the elastic contact throughout, as Merwin & Johnson (1963) assume.
+    ELASTIC = "elastic"
 
 
 @answers_typos
 @dataclass(frozen=True)
 class Rolling:
-    """Steady rolling: the contact moves to larger x at a constant speed over both bodies.
+    """Rolling: the contact moves to larger x, steadily over both bodies, or again and again over one that yields.
 
-    Heights move with the contact. All transients have decayed; see :func:`~contactstudy.solve_rolling`.
+    Heights move with the contact.
 
     Parameters
     ----------
     speed
-        Speed of the contact [m/s] from zero on. At infinite speed the bodies respond as to a sudden load.
+        Speed of the contact [m/s] from zero on, all transients decayed. At infinite speed the bodies respond as to a
+        sudden load. Passes over a body that yields do not depend on it.
+    passes
+        Number of passes over a body that yields, from 1 on; None rolls steadily.
+    pressure
+        Pressure of the passes.
+    distance
+        Distance of each pass [m]. None rolls until the plastic strain left behind is steady.
+    steady
+        A pass is steady when the plastic strain that it leaves changes by less than this many yield strains (Y / E)
+        while the contact rolls by its half-width.
 
     Raises
     ------
     InvalidInput
-        If the speed is negative or not a number.
+        If the speed is negative or not a number, if neither speed nor passes are given, or for other numbers outside
+        these limits.
     """
 
-    speed: MetresPerSecond
+    speed: MetresPerSecond | None = None
+    passes: int | None = None
+    pressure: RollingPressure = RollingPressure.SOLVED
+    distance: Metres | None = None
+    steady: Number = 5e-3
 
     def __post_init__(self) -> None:
-        if self.speed != inf:
+        if self.speed is None and self.passes is None:
+            raise InvalidInput("Rolling.speed is None: give a speed from 0 m/s on, or passes.")
+        if self.speed not in (None, inf):
             speed = in_range_from_zero("Rolling.speed", self.speed, "give a speed from 0 m/s on")
             set_fields(self, speed=speed)
+        if self.passes is not None:
+            whole("Rolling.passes", self.passes, 1, "give a whole number of passes from 1 on")
+        if self.distance is not None:
+            positive("Rolling.distance", self.distance, "give a distance above 0 m, or None")
+        positive("Rolling.steady", self.steady, "give a part of the yield strain, such as 5e-3")
 
 
 @answers_typos
@@ -41,7 +81,7 @@ class Wear:
     Both bodies together lose a depth w [m] along a sliding distance s [m], under the pressure p. The worn profile
     holds for a contact that does not move on the wearing body. On a roller that turns, wear spreads over the
     circumference: multiply the coefficient by the contact width over the circumference. A scene with wear changes
-    in time; see :func:`~contactstudy.evolve`.
+    in time; see :func:`~contactstudy.solve`.
 
     Parameters
     ----------

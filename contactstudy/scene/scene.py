@@ -9,14 +9,27 @@ from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 import numpy as np
 
 from contactstudy.analytic import HertzLine
-from contactstudy.domain.checks import InvalidInput, answers_typos, in_range_or_infinite, set_fields
+from contactstudy.domain.checks import (
+    InvalidInput,
+    answers_typos,
+    finite,
+    in_range_or_infinite,
+    set_fields,
+)
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along
 from contactstudy.domain.units import Pascals
 from contactstudy.elasticity.convolution import superposed
-from contactstudy.problem.constraint import Compressive, Constraint, HardnessLimited, PrescribedLoad
+from contactstudy.problem.constraint import (
+    Compressive,
+    Constraint,
+    HardnessLimited,
+    PrescribedApproach,
+    PrescribedLoad,
+    Resultant,
+)
 from contactstudy.problem.memory import refuse_too_large
-from contactstudy.problem.problem import Derived, Problem, Scales
+from contactstudy.problem.problem import AdhesionLaw, Derived, Problem, Scales
 from contactstudy.scene.bodies import (
     Body,
     RestrictedBody,
@@ -25,12 +38,17 @@ from contactstudy.scene.bodies import (
     response,
 )
 from contactstudy.scene.load import ChangingLoad, ConstantLoad, TotalLoad
-from contactstudy.scene.shapes.shape import Detail, Shape
+from contactstudy.scene.shapes.shape import Detail, Shape, gap_of
+from contactstudy.scene.sought_load import Approach, PullOff
+
+AnyLoad = ConstantLoad | ChangingLoad | Approach | PullOff
 
 if TYPE_CHECKING:
+    from contactstudy.scene.adhesion import Adhesion
     from contactstudy.scene.friction import Friction
     from contactstudy.scene.lubrication import Lubrication
     from contactstudy.scene.motion import Rolling, Wear
+    from contactstudy.solvers.adhesion import Adhesive
 
 
 @runtime_checkable
@@ -69,11 +87,10 @@ class ShapesSource:
 
     @property
     def finest(self) -> tuple[float, float]:
-        """Shortest wavelengths (across, along) [m] of all shapes that name theirs; infinite if none does."""
-        across, along = zip(
-            (inf, inf), *(detail.finest for detail in _details(self.shapes)), strict=True
-        )
-        return min(across), min(along)
+        """Shortest wavelengths (across, along) and rollers [m] of all shapes that name theirs; infinite if none does."""
+        details = _details(self.shapes)
+        across, along = zip((inf, inf), *(detail.finest for detail in details), strict=True)
+        return min(across), min(*along, *(detail.roller or inf for detail in details), inf)
 
     @property
     def names_scales(self) -> bool:
@@ -109,7 +126,7 @@ class ShapesSource:
 
 def summed_gap(shapes: Iterable[Shape], grid: Grid) -> Array:
     """Return the summed gap [m] of `shapes`, of shape (x, y) or (x, 1) if nothing varies along the length."""
-    return sum((shape.gap(grid) for shape in shapes), start=np.zeros((grid.cells[0], 1)))
+    return sum((gap_of(shape, grid) for shape in shapes), start=np.zeros((grid.cells[0], 1)))
 
 
 def sized(shapes: tuple[Shape, ...], grid: Grid) -> tuple[Shape, ...]:
@@ -127,6 +144,8 @@ def _details(shapes: tuple[Shape, ...]) -> list[Detail]:
     return [shape.detail for shape in shapes if hasattr(shape, "detail")]
 
 
+# Approach over the width of the grid that the scales take at least, where nothing else has a scale.
+LEAST_STRAIN = 1e-6
 # Iterations after which the modulus of layered bodies and the half-width converge to 0.1 %.
 PASSES = 12
 
@@ -136,13 +155,13 @@ PASSES = 12
 class Scene:
     """Line contact of two bodies, and the effects in it.
 
-    A scene whose load changes in time, whose bodies creep or yield, or that wears is solved by
-    :func:`~contactstudy.evolve`, one with `rolling` by :func:`~contactstudy.solve_rolling`.
+    What it names decides what :func:`~contactstudy.solve` computes: a contact at rest, in time, rolling, or lubricated.
 
     Parameters
     ----------
     load
-        Load, such as :class:`~contactstudy.LineLoad` or :class:`~contactstudy.TotalLoad`, or one that changes in time.
+        Load, such as :class:`~contactstudy.LineLoad` or :class:`~contactstudy.TotalLoad`, one that changes in time, or
+        an :class:`~contactstudy.Approach` or the :class:`~contactstudy.PullOff`, of which the load is a result.
     solids
         Two bodies, such as :class:`~contactstudy.HalfSpace`, at most one of them rigid.
     shapes
@@ -155,12 +174,13 @@ class Scene:
     wear
         Sliding wear, or None.
     rolling
-        Steady rolling, or None.
+        Steady rolling, or passes over a body that yields, or None.
     friction
         Law that adds shear to the pressure, such as :class:`~contactstudy.Sliding`, or None.
     lubrication
-        Lubricant between the bodies and the motion that draws it in, or None for a dry contact. A lubricated scene is
-        solved by :func:`~contactstudy.solve_lubricated`.
+        Lubricant between the bodies and the motion that draws it in, or None for a dry contact.
+    adhesion
+        Attraction between the surfaces, or None.
 
     Raises
     ------
@@ -168,7 +188,7 @@ class Scene:
         If a value is of another kind, both bodies are rigid, or two effects are not defined beside each other.
     """
 
-    load: ConstantLoad | ChangingLoad
+    load: AnyLoad
     solids: tuple[Body, Body]
     shapes: tuple[Shape, ...] = ()
     hardness: Pascals = inf
@@ -177,6 +197,7 @@ class Scene:
     rolling: "Rolling | None" = None
     friction: "Friction | None" = None
     lubrication: "Lubrication | None" = None
+    adhesion: "Adhesion | None" = None
 
     def __post_init__(self) -> None:
         for name, remedy in (
@@ -190,9 +211,11 @@ class Scene:
         for number, shape in enumerate(self.shapes):
             remedy = "give a shape, such as Cylinder(radius=0.01)"
             _instance(f"Scene.shapes[{number}]", shape, Shape, remedy)
+            finite(f"Scene.shapes[{number}].curvature", shape.curvature, "give a curvature in 1/m")
         self._check_load()
         self._check_outputs()
         self._check_effects()
+        self._check_sought()
         for solid in self.solids:
             if isinstance(solid, RestrictedBody):
                 solid.check(self)
@@ -211,8 +234,15 @@ class Scene:
     def _check_load(self) -> None:
         """Check the load; a total load takes the length of the shortest roller if it has none."""
         remedy = "give a LineLoad, a TotalLoad, or one that changes in time, such as a LoadHistory"
-        if not isinstance(self.load, ConstantLoad):
+        if not isinstance(self.load, ConstantLoad | Approach | PullOff):
             _instance("Scene.load", self.load, ChangingLoad, remedy)
+        if self.adhesion is None:
+            if isinstance(self.load, PullOff):
+                raise InvalidInput(
+                    "Scene.load is a PullOff without adhesion: give Scene.adhesion, such as Adhesion(work=0.05)."
+                )
+            if hasattr(self.load, "refuse_tension"):
+                self.load.refuse_tension()
         if isinstance(self.load, TotalLoad) and self.load.length is None:
             lengths = [d.roller for d in _details(self.shapes) if 0 < d.roller < inf]
             if not lengths:
@@ -221,6 +251,20 @@ class Scene:
                     "TotalLoad.length [m], or a FiniteLength among the shapes."
                 )
             set_fields(self, load=replace(self.load, length=min(lengths)))
+
+    def _check_sought(self) -> None:
+        """Check an approach in place of a load, once every effect is known."""
+        if not isinstance(self.load, Approach):
+            return
+        beside = "Scene.lubrication" if self.lubrication is not None else self.changing
+        if self.rolling is not None:
+            beside = "Scene.rolling"
+        if self.hardness != inf:
+            beside = "Scene.hardness"
+        if beside is not None:
+            raise InvalidInput(
+                f"Scene.load is an Approach beside {beside}, which is defined under a load alone: give a LineLoad."
+            )
 
     def _check_outputs(self) -> None:
         for number, output in enumerate(self.outputs):
@@ -255,6 +299,27 @@ class Scene:
                 "Scene.lubrication", self.lubrication, Lubrication, "give a Lubrication, or None"
             )
             self.lubrication.check(self)
+        if self.adhesion is not None:
+            from contactstudy.scene.adhesion import Adhesion
+
+            _instance("Scene.adhesion", self.adhesion, Adhesion, "give an Adhesion, or None")
+            self.adhesion.check(self)
+
+    @property
+    def radius(self) -> float | None:
+        """Radius [m] of the shapes' mean curvature; None without curvature."""
+        curvature = sum(shape.curvature for shape in self.shapes)
+        return 1 / curvature if curvature > 0 else None
+
+    @property
+    def reference_load(self) -> float:
+        """Load [N/m] that the scales follow from: the largest one, or more where the attraction adds to it."""
+        largest = self.load.largest
+        if isinstance(self.load, Approach) and self.radius is not None:
+            largest = self.load.estimated_load(self.radius, self.contact_modulus)
+        return (
+            largest if self.adhesion is None else max(largest, self.adhesion.reference_load(self))
+        )
 
     @property
     def contact_modulus(self) -> float:
@@ -263,14 +328,14 @@ class Scene:
 
     @property
     def hertz(self) -> HertzLine | None:
-        """Smooth line contact of the largest load, these bodies and the shapes' mean curvature; None without curvature.
+        """Smooth line contact of the reference load, these bodies and the shapes' mean curvature; None without either.
 
         Coated bodies enter with the modulus that they have at the half-width of this contact, which is an estimate.
         """
-        curvature = sum(shape.curvature for shape in self.shapes)
-        if curvature <= 0:
+        load, radius = self.reference_load, self.radius
+        if radius is None or load <= 0:
             return None
-        contact = HertzLine(self.load.largest, 1 / curvature, self.contact_modulus)
+        contact = HertzLine(load, radius, self.contact_modulus)
         if any(map(is_layered, self.solids)):
             for _ in range(PASSES):
                 modulus = contact_modulus(self.solids, contact.half_width)
@@ -286,7 +351,14 @@ class Scene:
         if (hertz := self.hertz) is not None:
             length, pressure = hertz.half_width, hertz.peak_pressure
         else:
-            length, pressure = grid.extent[0], self.load.largest / grid.extent[0]
+            length = grid.extent[0]
+            pressure = self.reference_load / length
+            if isinstance(self.load, Approach):
+                pressure = contact_modulus(self.solids, length) * max(
+                    abs(self.load.approach) / length, LEAST_STRAIN
+                )
+            if self.adhesion is not None:
+                pressure = max(pressure, self.adhesion.reference_pressure(self, length))
         gap = pressure * length / contact_modulus(self.solids, length)
         return Scales(length, 2.0 ** round(log2(pressure)), gap)
 
@@ -305,23 +377,28 @@ class Scene:
         InvalidInput
             If the arguments are of another kind, the scene changes in time or rolls, or memory does not suffice.
         """
+        return self._posed(grid, padding, None)
+
+    def _posed(
+        self, grid: Grid, padding: Padding | Paddings, adhesive: "Adhesive | None"
+    ) -> Problem:
+        """Return the problem on a grid, with an attraction that another grid may have chosen."""
         _instance("grid", grid, Grid, "give a Grid")
         if self.rolling is not None:
             raise InvalidInput(
                 "Scene.rolling moves the contact, which takes more than one problem: call "
-                "contactstudy.solve_rolling(scene, grid, padding)."
+                "contactstudy.solve(scene, grid, padding)."
             )
         if self.lubrication is not None:
             raise InvalidInput(
-                "Scene.lubrication separates the bodies by a film: call contactstudy.solve_lubricated(scene, grid, "
+                "Scene.lubrication separates the bodies by a film: call contactstudy.solve(scene, grid, "
                 "padding), or leave it out for the dry contact."
             )
         if (changing := self.changing) is not None:
             raise InvalidInput(
-                f"{changing} changes in time, so there is no single problem: call contactstudy.evolve(scene, "
+                f"{changing} changes in time, so there is no single problem: call contactstudy.solve(scene, "
                 "grid, padding, times=...)."
             )
-        assert isinstance(self.load, ConstantLoad)  # another changes in time
         paddings = across_and_along(padding)
         refuse_too_large(grid, paddings)
         heights = summed_gap(self.shapes, grid)
@@ -329,13 +406,15 @@ class Scene:
             heights if heights.shape == grid.cells else np.broadcast_to(heights, grid.cells).copy()
         )
         scales = self.scales(grid)
-        source = replace(self.source_on(grid, padding), sampled=(grid, heights))
+        if adhesive is None and self.adhesion is not None:
+            adhesive = self.adhesion.on(self, heights, grid)
+        source = replace(self.source_with(grid, padding, adhesive), sampled=(grid, heights))
         return Problem(
             grid=grid,
             undeformed_gap=gap,
-            operator=superposed(response(self.solids, scales.length), grid, paddings),
+            operator=superposed(response(self.solids, self._datum(scales, grid)), grid, paddings),
             constraint=self._constraint(),
-            resultant=PrescribedLoad(self.load.over(grid.period) * grid.period / grid.cell_area),
+            resultant=self._resultant(grid),
             scales=scales,
             paddings=paddings,
             open_edges=(0, -1) if _is_free(paddings[0]) else (),
@@ -346,13 +425,33 @@ class Scene:
             friction=None
             if self.friction is None
             else self.friction.law(self, gap, grid, paddings, scales.length),
+            adhesion=self._law(adhesive),
             row_lengths=source.row_lengths(grid),
         )
+
+    def _datum(self, scales: Scales, grid: Grid) -> float:
+        """Return the distance [m] that displacements count from where infinitely many images leave that open."""
+        if isinstance(self.load, Approach):
+            return self.load.datum_on(grid.extent[0])
+        return scales.length
+
+    def _resultant(self, grid: Grid) -> Resultant:
+        """Return the condition on the pressures of all cells of `grid`."""
+        if isinstance(self.load, Approach):
+            return PrescribedApproach(self.load.approach)
+        assert not isinstance(self.load, ChangingLoad)
+        return PrescribedLoad(self.load.over(grid.period) * grid.period / grid.cell_area)
+
+    def _law(self, adhesive: "Adhesive | None") -> AdhesionLaw | None:
+        """Return the law that the problem is solved with: the attraction, or the search for the pull-off with it."""
+        if adhesive is None or not isinstance(self.load, PullOff):
+            return adhesive
+        return adhesive.separated(self.load.error)
 
     @property
     def changing(self) -> str | None:
         """Name of the first field that makes the scene change in time; None if it does not."""
-        if not isinstance(self.load, ConstantLoad):
+        if not isinstance(self.load, ConstantLoad | Approach | PullOff):
             return "Scene.load"
         if self.wear is not None:
             return "Scene.wear"
@@ -366,6 +465,12 @@ class Scene:
         carried = [hasattr(shape, "gap_after") for shape in self.shapes]
         return f"Scene.shapes[{carried.index(True)}]" if any(carried) else None
 
+    @property
+    def keeps_frames(self) -> bool:
+        """True for a dry scene that changes in time, without adhesion: a folder can keep its frames."""
+        others = self.lubrication, self.rolling, self.adhesion
+        return self.changing is not None and all(effect is None for effect in others)
+
     def _open_ends(self, gap: Array, grid: Grid, along: Padding) -> tuple[int, ...]:
         """Return the end rows of a free length if the surface varies along it and no roller ends there; else empty."""
         if not _is_free(along) or ends_along(self.shapes, grid):
@@ -374,12 +479,20 @@ class Scene:
 
     def source_on(self, grid: Grid, padding: Padding | Paddings) -> ShapesSource:
         """Return the source from which the problem is made again on grids other than `grid`."""
+        return self.source_with(grid, padding, None)
+
+    def source_with(
+        self, grid: Grid, padding: Padding | Paddings, adhesive: "Adhesive | None"
+    ) -> ShapesSource:
+        """Return the source as :meth:`source_on` does, with an attraction that all its problems share."""
         shapes = sized(self.shapes, grid)
         # a scene that stays the same is not checked again
         unchanged = all(map(is_, shapes, self.shapes))
         scene = self if unchanged else replace(self, shapes=shapes)
         ended = ends_along(self.shapes, grid)
-        return ShapesSource(scene.shapes, ended, lambda other: scene.problem(other, padding))
+        return ShapesSource(
+            scene.shapes, ended, lambda other: scene._posed(other, padding, adhesive)
+        )
 
     def _constraint(self) -> Constraint:
         return Compressive() if self.hardness == inf else HardnessLimited(self.hardness)

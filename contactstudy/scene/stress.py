@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from math import isinf
+from typing import ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from contactstudy.domain.checks import (
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.units import Metres
-from contactstudy.elasticity.coefficients import kernel
+from contactstudy.elasticity.coefficients import Coefficients, kernel
 from contactstudy.elasticity.convolution import padded_cells, spread
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, Component, stress_cell
 from contactstudy.elasticity.kernels.stress_periodic import (
@@ -44,7 +45,8 @@ class SubsurfaceStress:
 
     In a Dataset they are ``stress`` (component, z, x, y) [Pa], tension positive, with x across the contact, y along
     it and z into the body, and ``von_mises`` (z, x, y) [Pa]. They are computed when the Dataset is made. Poisson's
-    ratio of the body sets xx, yy and xy.
+    ratio of the body sets xx, yy and xy. In a coated body these three jump at the bond: a depth equal to the thickness
+    is the coating's side, any larger one is in the substrate.
 
     Parameters
     ----------
@@ -57,7 +59,7 @@ class SubsurfaceStress:
     Raises
     ------
     InvalidInput
-        For other depths or indices; in a scene where that body is rigid, coated, or either body yields.
+        For other depths or indices; in a scene where that body is rigid, or either body yields.
     """
 
     depths: tuple[Metres, ...] | str = AUTO
@@ -80,10 +82,12 @@ class SubsurfaceStress:
                 "SubsurfaceStress is that of elastic bodies, and one of Scene.solids yields: its stress, total "
                 "and residual, comes with contactstudy.evolve, leave this output out."
             )
+        if isinstance(body, Stressed):
+            return
         if not isinstance(body, Homogeneous):
             raise InvalidInput(
                 f"SubsurfaceStress.solid is {self.solid}, a {type(body).__name__}: "
-                "stress is known below a homogeneous half-space only, leave this output out."
+                "stress is known in a homogeneous or a coated half-space only, leave this output out."
             )
         if isinf(body.youngs_modulus):
             raise InvalidInput(
@@ -93,9 +97,61 @@ class SubsurfaceStress:
     def of(self, solids: tuple[Body, ...], grid: Grid, paddings: Paddings) -> "StressBelow":
         """Return the stress of these bodies on `grid`."""
         body = solids[self.solid]
-        assert isinstance(body, Homogeneous)
+        if isinstance(body, Stressed):
+            medium = body.stressed
+        else:
+            assert isinstance(body, Homogeneous)
+            medium = HalfSpaceStress(body.poisson_ratio)
         depths = () if isinstance(self.depths, str) else self.depths
-        return StressBelow(grid, paddings, body.poisson_ratio, depths, 1 - 2 * self.solid)
+        return StressBelow(grid, paddings, medium, depths, 1 - 2 * self.solid)
+
+
+class Medium(Protocol):
+    """Body below a surface, by the stress in it under pressure and shear on one cell."""
+
+    @property
+    def faces(self) -> tuple[float, ...]:
+        """Depths [m] on either side of an interface."""
+        ...
+
+    def coefficients(
+        self, load: str, name: str, depth: float
+    ) -> tuple[tuple[float, Coefficients], ...]:
+        """Return coefficients with their weights of the stress component `name` at a `depth` [m].
+
+        The `load` is "pressure", or shear "across" or "along".
+        """
+        ...
+
+
+@runtime_checkable
+class Stressed(Protocol):
+    """Body that is not homogeneous, and says what stress is in it."""
+
+    @property
+    def stressed(self) -> Medium:
+        """The stress in the body."""
+        ...
+
+
+@dataclass(frozen=True)
+class HalfSpaceStress:
+    """Homogeneous half-space under stress."""
+
+    poisson_ratio: float
+    faces: ClassVar[tuple[float, ...]] = ()
+
+    def coefficients(
+        self, load: str, name: str, depth: float
+    ) -> tuple[tuple[float, Coefficients], ...]:
+        """Return the coefficients of Boussinesq and Cerruti, with the weight 1."""
+        family = COMPONENTS
+        if load != "pressure":
+            # imported only for scenes with friction
+            from contactstudy.elasticity.kernels import traction
+
+            family = traction.CERRUTI_ACROSS if load == "across" else traction.CERRUTI_ALONG
+        return ((1.0, StressCoefficients(family[name], depth, self.poisson_ratio)),)
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,8 +165,8 @@ class StressBelow:
     ----------
     grid, paddings
         Cells, and padding (across, along).
-    poisson_ratio
-        Poisson's ratio of the body.
+    medium
+        The body.
     depths
         Depths [m]; if there are none, those that show the largest von Mises stress.
     side
@@ -121,7 +177,7 @@ class StressBelow:
 
     grid: Grid
     paddings: Paddings
-    poisson_ratio: float
+    medium: Medium
     depths: tuple[float, ...]
     side: int = 1
     shear: Array | None = None
@@ -136,28 +192,29 @@ class StressBelow:
             raise InvalidInput(
                 f"pressure has the shape {pressure.shape}: give it {self.grid.cells}."
             )
-        stress = self._due(COMPONENTS, pressure)
+        stress = self._due("pressure", pressure)
         if self.shear is not None:
-            # imported only for scenes with friction
-            from contactstudy.elasticity.kernels import traction
-
-            families = traction.CERRUTI_ACROSS, traction.CERRUTI_ALONG
-            for family, component in zip(families, self.shear, strict=True):
+            for load, component in zip(("across", "along"), self.shear, strict=True):
                 if component.any():
-                    stress += self._due(family, component)
+                    stress += self._due(load, component)
         return stress
 
-    def _due(self, family: Mapping[str, Component], pressure: Array) -> Array:
+    def _due(self, load: str, pressure: Array) -> Array:
         """Return the stress due to one component of the surface traction."""
         padded = padded_cells(self.grid, self.paddings)
         pressed = TRANSFORMS.forward(pressure, padded)
         room = _room(padded)
         stress = np.empty((len(COMPONENTS), len(self.depths), *self.grid.cells))
-        for number, component in enumerate(family[name] for name in COMPONENTS):
+        for number, name in enumerate(COMPONENTS):
             for level, depth in enumerate(self.depths):
-                coefficients = StressCoefficients(component, depth, self.poisson_ratio)
-                coefficients_of_cells = kernel(self.grid, self.paddings, coefficients)
-                around = spread(coefficients_of_cells, padded, component.parity)
+                terms = self.medium.coefficients(load, name, depth)
+                around = sum(
+                    (
+                        weight * spread(kernel(self.grid, self.paddings, one), padded, one.parity)
+                        for weight, one in terms
+                    ),
+                    start=np.zeros(()),
+                )
                 waves = TRANSFORMS.forward(around, padded, room)
                 waves *= pressed
                 stress[number, level] = TRANSFORMS.backward(waves, self.grid.cells, padded)
@@ -182,7 +239,7 @@ class StressBelow:
 
         deepest = max(contact, 2 * cell)
         count = 2 + int(np.ceil(np.log(2 * deepest / cell) / np.log(COARSE_STEP)))
-        best = depth_of_largest([0.0, *np.geomspace(cell / 2, deepest, count)])
+        best = depth_of_largest([0.0, *np.geomspace(cell / 2, deepest, count), *self.medium.faces])
         if best > 0:
             best = depth_of_largest(best * FINE_STEP ** np.array([-2.0, -1.0, 1.0, 2.0]))
         size = (len(COMPONENTS) + 1) * len(largest) * pressure.size

@@ -43,7 +43,7 @@ class FullSliding:
         while True:
             displacement = self.coefficient * self.coupling(solution.pressure)
             convolutions += 1
-            change = _uneven_change(displacement - lagged, solution.pressure) / problem.scales.gap
+            change = uneven_change(displacement - lagged, solution.pressure) / problem.scales.gap
             if change <= options.tolerance or passes == MOST_PASSES or not np.isfinite(change):
                 break
             lagged = displacement
@@ -74,7 +74,7 @@ class FullSliding:
         return Traction(shear, np.zeros(pressure.shape, dtype=bool), method, passes)
 
 
-def _uneven_change(change: Array, pressure: Array) -> float:
+def uneven_change(change: Array, pressure: Array) -> float:
     """Return the effect of a `change` of the gap: its largest deviation in the contact from its mean there."""
     touching = pressure > 0
     if not touching.any():
@@ -84,7 +84,7 @@ def _uneven_change(change: Array, pressure: Array) -> float:
 
 
 # Newton's steps of the projection onto disks with a resultant; each doubles the digits.
-NEWTON = 60
+NEWTON = 200
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,6 +208,12 @@ class Disks:
         self._radius = radius.ravel()[self._cells]
         self._shift: Array | None = None
 
+    @property
+    def shift(self) -> Array:
+        """Vector (2,) by which the last trial was shifted."""
+        assert self._shift is not None
+        return self._shift
+
     def nearest(self, trial: Array) -> Array:
         """Return the traction of this set that is nearest to a `trial` one.
 
@@ -216,13 +222,14 @@ class Disks:
         """
         total, r = self._total, self._radius
         x, y = trial.reshape(2, -1)[:, self._cells]
-        shift = self._shift
+        shift, guessed = self._shift, self._shift is not None
         if shift is None:
             shift = (total - np.array([x.sum(), y.sum()])) / r.size
         size, ridge = float(r.sum()), 1e-12 * r.size
         reach = 4 * float(max(r.max(), np.abs(x).max(initial=0.0), np.abs(y).max(initial=0.0)))
         u = v = cut = np.zeros(0)
-        error = np.inf
+        origin, step, slope = shift, np.zeros(2), 0.0
+        error = worst = np.inf
         for _ in range(NEWTON):
             u, v = x + shift[0], y + shift[1]
             distance = np.sqrt(u * u + v * v)
@@ -230,6 +237,12 @@ class Disks:
             cut = r / farther
             missing = total - np.array([np.einsum("i,i->", cut, u), np.einsum("i,i->", cut, v)])
             worst = float(np.abs(missing).max())
+            if float(missing @ step) < -0.5 * slope:
+                # past the lowest point of the convex function: where all cells are on their rims it has no curvature
+                step, slope = step / 2, slope / 2
+                reach = float(np.abs(step).max())
+                shift = origin + step
+                continue
             if worst <= 1e-14 * size or (worst >= error * (1 - 1e-3) and worst <= 1e-10 * size):
                 break
             error = worst
@@ -243,7 +256,14 @@ class Disks:
             yy = diagonal - float(np.einsum("i,i->", rim * v, v))
             direction = np.linalg.solve(np.array([[xx, xy], [xy, yy]]), missing)
             longest = float(np.abs(direction).max())
-            shift = shift + (min(1.0, reach / longest) if longest else 1.0) * direction
+            step = (min(1.0, reach / longest) if longest else 1.0) * direction
+            origin, slope = shift, float(missing @ step)
+            shift = origin + step
+            reach *= 2
+        if guessed and not worst <= 1e-9 * size:
+            # a shift that brought all cells to their rims leaves Newton's method without a slope
+            self._shift = None
+            return self.nearest(trial)
         self._shift = shift
         result = np.zeros_like(trial)
         result.reshape(2, -1)[:, self._cells] = cut * u, cut * v

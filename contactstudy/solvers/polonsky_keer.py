@@ -57,7 +57,8 @@ class PolonskyKeer:
             if inner(contact_gap, direction) <= 0:  # the contact has changed: conjugacy is lost
                 direction = contact_gap
             response = problem.operator(direction)
-            response -= mean_over(free, response)
+            if problem.resultant.approach is None:
+                response -= mean_over(free, response)
             curvature = inner(response, direction)
             # a single cell in contact is level with itself: the others then close their own gaps
             step = inner(contact_gap, direction) / curvature if curvature > 0 else 1 / compliance

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import prod
 
 from contactstudy.domain.device import arrays
-from contactstudy.domain.fields import Array, equal
+from contactstudy.domain.fields import Array, equal, inner, total
 from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.problem.constraint import Gap
 from contactstudy.problem.operator import ApproximateInverse, Extension
@@ -31,6 +31,20 @@ class ContactPreconditioner:
     problem: BareProblem
     inverse: ApproximateInverse
     extension: Extension | None = None
+    punch: tuple[float, float] = 0.0, 0.0
+    convolutions: float = 0.0
+
+    def rigid(self, cells: Array, height: Array) -> float:
+        """Return the uniform pressure on `cells` that moves the mean of their `height` to zero, as a flat punch would.
+
+        The compliance of the punch is found again where the number of cells has changed by a tenth.
+        """
+        count, compliance = self.punch
+        bearing = total(cells)
+        if abs(bearing - count) > count / 10:
+            compliance = inner(cells, self.problem.operator(cells.astype(height.dtype))) / bearing
+            self.punch, self.convolutions = (bearing, compliance), self.convolutions + 1
+        return inner(cells, height) / bearing / compliance
 
     def closing(self, pressure: Array, gap: Gap, step_length: float) -> tuple[Array, Array, bool]:
         """Return the pressure that would close the gap of the cells that will bear.
@@ -80,29 +94,42 @@ def trial_along(
     last: PressureStep | None,
     conjugate_to: PressureStep | None,
     step_length: float,
+    rigid: float | None = None,
 ) -> tuple[Array, TrialSums]:
     """Return the pressure (x, y) one step ahead, and sums over it.
 
     The direction is against `closing` and conjugate to a step of the same cells, if there is one, where that is
-    downhill. It is zero outside `cells`, and such that the load stays as it is. The pressure before the `last` step is
-    overwritten.
+    downhill. It is zero outside `cells`, and such that the load stays as it is; under a given approach it is also
+    against the uniform pressure `rigid`, and the load follows. The pressure before the `last` step is overwritten.
     """
     passes, height = problem.passes, gap.height
-    direction = Direction(closing, cells, *_direction(passes, height, closing, cells, conjugate_to))
+    terms = _direction(passes, height, closing, cells, conjugate_to, rigid)
+    direction = Direction(closing, cells, *terms)
     trial = arrays().empty_like(pressure) if last is None else last.before
     return trial, passes.trial(pressure, height, direction, step_length, trial)
 
 
 def _direction(
-    passes: Passes, height: Array, closing: Array, cells: Array, last: PressureStep | None
+    passes: Passes,
+    height: Array,
+    closing: Array,
+    cells: Array,
+    last: PressureStep | None,
+    rigid: float | None = None,
 ) -> tuple[float, float]:
     """Return what to add to the direction against `closing`: a constant, and a multiple of the last step."""
     if last is None or last.curvature <= 0:
+        if rigid is not None:
+            return -rigid, 0.0
         count, closed = passes.totals(cells, closing)
         return closed / count, 0.0
     steps = last.before, last.after, last.displacement_before, last.displacement_after
     sums = passes.products(height, closing, cells, *steps)
     count, closed, downhill, along, across, uphill, shifted = sums
+    if rigid is not None:
+        conjugate = (along + rigid * across) / last.curvature
+        downhill += rigid * inner(cells, height)
+        return -rigid, conjugate if conjugate * uphill < downhill else 0.0
     level = closed / count
     conjugate = (along - level * across) / last.curvature
     if conjugate * uphill < downhill:
@@ -206,7 +233,10 @@ class PreconditionedCG:
     ) -> tuple[Array, float]:
         """Return a new array with the admissible pressure to begin with, and the convolutions it took."""
         if start is not None:
-            return problem.admit(arrays().asarray(start, copy=True)), 0.0
+            admitted = problem.admit(arrays().asarray(start, copy=True))
+            if problem.resultant.approach is None or arrays().any(admitted > 0):
+                return admitted, 0.0
+            return problem.on_springs(), 1.0
         shape = problem.undeformed_gap.shape
         coarse = problem.coarsened() if prod(shape) > SMALL else None
         if coarse is None:
@@ -242,6 +272,7 @@ class PreconditionedCG:
         step_length, cut, iteration = 1.0, False, 0
         rounding = 16 * float(arrays().finfo(pressure.dtype).eps)
         stall = Stall(self.patience)
+        follows = problem.resultant.approach is not None  # the load from the approach
         while True:
             gap = problem.gap(pressure, displacement, gap)
             residual = problem.residual(pressure, gap)
@@ -249,22 +280,27 @@ class PreconditionedCG:
                 tolerance = max(tolerance, reduction * residual)
             ended = problem.ends(residual, displacement, tolerance, gap.farthest)
             if ended or iteration == max_iterations or stall.sees(residual):
-                work += inverse.work / operator.work
+                work += inverse.work / operator.work + preconditioner.convolutions
                 return Iterate(pressure, displacement, gap.approach, residual, iteration, work)
             iteration += 1
-            closing, cells, joined = preconditioner.closing(pressure, gap, step_length)
-            conjugate_to = last if not (cut or joined) else None
-            trial, trial_sums = trial_along(
-                problem, pressure, gap, closing, cells, last, conjugate_to, step_length
-            )
             work += 1
-            cut, slope = trial_sums.cut, trial_sums.slope
-            if cut or problem.resultant.error(trial_sums.load) > rounding:
-                slope = passes.levelled(
-                    trial, trial_sums, cells, problem.resultant, pressure, gap.height
+            if follows and not arrays().any(pressure > 0):
+                # no contact to precondition: the cells that penetrate begin it
+                trial, slope = arrays().empty_like(pressure), 0.0
+            else:
+                closing, cells, joined = preconditioner.closing(pressure, gap, step_length)
+                conjugate_to = last if not (cut or joined) else None
+                rigid = preconditioner.rigid(cells, gap.height) if follows else None
+                trial, trial_sums = trial_along(
+                    problem, pressure, gap, closing, cells, last, conjugate_to, step_length, rigid
                 )
-            # or they would stand through the next convolution
-            del closing, cells, conjugate_to
+                cut, slope = trial_sums.cut, trial_sums.slope
+                if cut or problem.resultant.error(trial_sums.load) > rounding:
+                    slope = passes.levelled(
+                        trial, trial_sums, cells, problem.resultant, pressure, gap.height
+                    )
+                # or they would stand through the next convolution
+                del closing, cells, conjugate_to
             last = None
             if slope >= 0:
                 # balancing the load has turned the step uphill: that to the nearest pressure never is

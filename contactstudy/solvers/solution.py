@@ -1,20 +1,15 @@
 """The result of a solve: fields, and a status that says how far they can be trusted."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contactstudy.domain.checks import NotDefined
 from contactstudy.domain.fields import Array
-from contactstudy.domain.imports import presentation
 from contactstudy.problem.problem import Problem
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
 
 
 class Status(Enum):
@@ -46,8 +41,32 @@ class Status(Enum):
         "pressure and plastic strain did not settle together to the tolerance, as far as the residual says: "
         "give shorter steps in load, or a larger tolerance"
     )
+    FILM_NOT_CONVERGED = (
+        "the residual of the film stayed above the tolerance: give more cells across where a spike of pressure is "
+        "unresolved, more iterations, or start from the film at a higher speed"
+    )
+    STARVED_INLET = (
+        "converged, but the inlet is so short that its film is more than 5 % too thin: "
+        "give Grid.extent a larger width"
+    )
+    FILM_BELOW_CELL = (
+        "converged, but the film is thinner than the surfaces part over one cell, in the inlet or beside the "
+        "smallest film, which may be more than 10 % off: give more cells across"
+    )
+    SEVERAL_FILMS = (
+        "converged, but another film was found at the same speed, as ridges are higher than the film can follow: this "
+        "is that of the start, or of a cold one, give more cells across"
+    )
     YIELD_AT_EDGE = (
         "converged, but plastic strain reaches the edge of the width and is cut off there: "
+        "give Grid.extent a larger width"
+    )
+    DETACHED = (
+        "the bodies do not touch: under a load the adhesion cannot hold them, at a given approach it attracts "
+        "across the gap"
+    )
+    ATTRACTION_AT_EDGE = (
+        "converged, but the attraction reaches the edge of the width and is cut off there: "
         "give Grid.extent a larger width"
     )
     NOT_FINITE = (
@@ -58,6 +77,22 @@ class Status(Enum):
     def __str__(self) -> str:
         """Return name, cause and remedy as a sentence."""
         return f"{self.name}: {self.value}."
+
+    @property
+    def is_failure(self) -> bool:
+        """True if there is no pressure: none is admissible, or the iteration left the range of numbers."""
+        return self in (Status.NOT_FINITE, Status.NO_ADMISSIBLE_PRESSURE)
+
+
+def worst(statuses: Sequence[Status]) -> Status:
+    """Return the most serious of `statuses`; converged if there is none."""
+    order = (
+        Status.NOT_FINITE, Status.NO_ADMISSIBLE_PRESSURE, Status.NOT_CONVERGED, Status.FILM_NOT_CONVERGED,
+        Status.STALLED, Status.ITERATION_LIMIT, Status.PRECISION_LIMIT, Status.CONTACT_AT_EDGE, Status.YIELD_AT_EDGE,
+        Status.SEVERAL_FILMS, Status.FILM_BELOW_CELL, Status.STARVED_INLET, Status.ATTRACTION_AT_EDGE, Status.DETACHED,
+        Status.CONVERGED,
+    )  # fmt: skip
+    return min(statuses, key=order.index, default=Status.CONVERGED)
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +115,55 @@ class Traction:
     stick: NDArray[np.bool_]
     method: str
     passes: int
+
+
+# Histories that a state with adhesion may belong to, in words.
+BRANCHES = ("from afar", "from full contact", "continued")
+
+
+@dataclass(frozen=True, eq=False)
+class CohesiveTraction:
+    """Attraction between the bodies of a contact with adhesion.
+
+    Parameters
+    ----------
+    traction
+        Attraction (x, y) [Pa], which is not part of the pressure.
+    branch
+        History that the state belongs to, in words.
+    energies
+        Energy [J] of the deformed bodies, the load and the attraction after each pass, relative to bodies far apart.
+    cells_in_zone
+        Number of cells in the cohesive zone, over which the attraction falls at the edge of a contact.
+    tabor
+        Tabor's parameter, the elastic deformation over the range of the attraction; None without a curved shape.
+    regularised
+        Whether the range was chosen for the grid, in place of the limit of short ranges.
+    edge_share
+        Attraction at the open edges over the largest.
+    passes
+        Number of contacts solved.
+    range
+        Range of the attraction [m]: the work of adhesion over the largest attraction.
+    lost
+        First load [N/m] that the contact did not hold, where its pull-off was sought; else None.
+    """
+
+    traction: Array
+    branch: str
+    energies: tuple[float, ...]
+    cells_in_zone: float
+    tabor: float | None
+    regularised: bool
+    edge_share: float
+    passes: int
+    range: float
+    lost: float | None = None
+
+    @property
+    def energy(self) -> float:
+        """Energy [J] of the deformed bodies, the load and the attraction, relative to bodies far apart."""
+        return self.energies[-1]
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,6 +197,8 @@ class Solution:
         Empty, or how the solver went on after a stall.
     traction
         Shear of a scene with friction; None without.
+    adhesion
+        Attraction of a scene with adhesion; None without.
     """
 
     problem: Problem
@@ -126,6 +212,16 @@ class Solution:
     residual: float
     note: str = ""
     traction: Traction | None = None
+    adhesion: CohesiveTraction | None = None
+
+    @property
+    def load_per_length(self) -> float:
+        """Load per length that the pressure carries, less the attraction [N/m]."""
+        grid = self.problem.grid
+        load = self.pressure.sum()
+        if self.adhesion is not None:
+            load -= self.adhesion.traction.sum()
+        return float(load * grid.cell_area / grid.period)
 
     @property
     def mean_gap(self) -> float:
@@ -167,29 +263,3 @@ class Solution:
                 "This solution has no shear: give Scene.friction, such as Sliding(coefficient=0.1)."
             )
         return self.traction
-
-    def __repr__(self) -> str:
-        nx, ny = self.pressure.shape
-        return (
-            f"<Solution {self.status.name}: {nx} x {ny} cells, peak pressure "
-            f"{self.pressure.max():.4g} Pa, {self.iterations} iterations, residual {self.residual:.1e}>"
-        )
-
-    def _repr_html_(self) -> str:
-        return str(presentation("Solution in a notebook")(self))
-
-    def to_dataset(self, *, error: Any = None) -> "xr.Dataset":
-        """Return the fields as a labelled dataset, see :func:`~contactstudy.to_dataset`.
-
-        Parameters
-        ----------
-        error
-            An :class:`~contactstudy.ErrorEstimate` to store with the fields, or None.
-        """
-        dataset: xr.Dataset = presentation("Solution.to_dataset")(self, error)
-        return dataset
-
-    def plot(self) -> "Figure":
-        """Return a picture of pressure, gap and stress as a matplotlib figure."""
-        figure: Figure = presentation("Solution.plot")(self.to_dataset())
-        return figure

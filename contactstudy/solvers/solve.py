@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, answers_typos, positive, whole
+from contactstudy.domain.checks import InvalidInput, answers_typos, positive, set_fields, whole
 from contactstudy.domain.device import Cpu, Device, Precision, checked, device, using
 from contactstudy.domain.fields import Array
 from contactstudy.domain.units import Number
@@ -50,7 +50,7 @@ class SolveOptions:
     solver
         The iteration, such as :class:`~contactstudy.PreconditionedCG`.
     precision
-        The floating-point numbers of the iteration.
+        The floating-point numbers of the iteration, ``"double"`` or ``"single"``.
 
     Raises
     ------
@@ -69,6 +69,7 @@ class SolveOptions:
             self.tolerance,
             "give a dimensionless tolerance above 0, such as 1e-8",
         )
+        set_fields(self, precision=Precision.named(self.precision))
         whole(
             "solve.max_iterations",
             self.max_iterations,
@@ -111,6 +112,9 @@ class SolveOptions:
             frictionless = replace(problem, friction=None)
             solution: Solution = problem.friction.solved(frictionless, self, start, on)
             return replace(solution, problem=problem)
+        if problem.adhesion is not None:
+            adhered: Solution = problem.adhesion.solved(problem, self, start, on)
+            return adhered
         if not problem.resultant.is_met_by(problem.constraint, problem.undeformed_gap.size):
             return _without_pressure(problem)
         if isinstance(on, Cpu):
@@ -182,7 +186,7 @@ def _admitted(pressure: Array, problem: Problem, precision: Precision) -> Array:
     with np.errstate(over="ignore", under="ignore"):
         bare = np.asarray(pressure / problem.scales.pressure)
         borne = bare.sum()
-    if not np.finfo(np.float64).tiny <= borne < inf:
+    if problem.resultant.approach is None and not np.finfo(np.float64).tiny <= borne < inf:
         raise InvalidInput(
             f"solve.start is at most {pressure.max():g} Pa: give a pressure that carries some load, of "
             f"the order of {problem.scales.pressure:g} Pa."

@@ -25,6 +25,7 @@ from studies.registry import BUILT_IN, OPTIONAL, load
 
 # Where a public name is documented, by the folder of its module; what is not listed here goes to the last.
 GROUPS = {
+    "answers": "Answers",
     "scene": "What a scene is made of",
     "evolution": "Histories and memory",
     "domain": "Grids, paddings, checks",
@@ -61,6 +62,8 @@ ARRAYS = (
 )
 INNER = (
     "accuracy.coarser.coarse_solution",
+    "accuracy.estimate.error_estimate",
+    "answers.answer.Answer",
     "accuracy.contact_edge.edge_error",
     "accuracy.discretisation.discretisation",
     "accuracy.truncation.truncation",
@@ -72,7 +75,6 @@ INNER = (
     "evolution.evolution.Frame",
     "evolution.memory.JointMemory",
     "io.document.PlanSettings",
-    "io.document.TimeSteps",
     "problem.problem.Derived",
     "problem.problem.Field",
     "problem.problem.FrictionLaw",
@@ -85,6 +87,8 @@ INNER = (
     "scene.scene.ShapesSource",
     "scene.shapes.texture.Profile",
     "scene.stress.StressBelow",
+    "scene.stress.HalfSpaceStress",
+    "scene.coated_stress.CoatedStress",
     "scene.surfaces.preparation.Missing",
     "scene.surfaces.preparation.Seam",
     "solvers.friction.CoulombDisks",
@@ -301,16 +305,24 @@ def material_table() -> str:
         "# Materials",
         "",
         '`material = "steel"` in a solid of a scene file, `cs.material("steel")` in Python. Keys beside it take the place of these',
-        "values. Moduli of one batch differ by some per cent, those of coats and polymers by far more.",
+        "values. Moduli of one batch differ by some per cent, those of coats and polymers by far more. A body of a material",
+        "stays elastic; a warning says where the peak pressure is beyond its hardness or its first yield. Strength depends on",
+        "grade and heat treatment: give `yield_strength` and `hardness` of yours.",
         "",
-        "| material | Young's modulus [GPa] | Poisson's ratio | also | source |",
-        "|---|---|---|---|---|",
+        "| material | Young's modulus [GPa] | Poisson's ratio | yield strength [GPa] | hardness [GPa] | also | source |",
+        "|---|---|---|---|---|---|---|",
     ]
     text += [
-        f"| `{m.name}` | {m.youngs_modulus / 1e9:g} | {m.poisson_ratio:g} | {', '.join(m.also)} | {m.source} |"
+        f"| `{m.name}` | {m.youngs_modulus / 1e9:g} | {m.poisson_ratio:g} | {_known(m.yield_strength)} | {_known(m.hardness)} | "
+        f"{', '.join(m.also)} | {m.source} |"
         for m in materials().values()
     ]
     return "\n".join(text)
+
+
+def _known(pressure: float) -> str:
+    """Return a pressure in GPa, nothing where it is not known."""
+    return f"{pressure / 1e9:g}" if pressure < float("inf") else ""
 
 
 def write(app: Sphinx) -> None:

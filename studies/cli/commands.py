@@ -3,6 +3,7 @@
 import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
+from functools import partial
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -11,14 +12,16 @@ import click
 from contactstudy import InvalidInput, __version__
 from contactstudy.domain.imports import missing_package
 from studies.cli.explore import explore
-from studies.cli.options import FORMAT, out_option, with_png
-from studies.cli.recommend import recommendation
+from studies.cli.new import new
+from studies.cli.options import FORMAT, PLOT, names_in, out_option, with_png
+from studies.cli.recommend import BUDGET, ERROR, measured_scene, recommendation
 from studies.cli.scenes import plan, solve
 from studies.cli.show import compare, show
 from studies.cli.study_help import StudyCommand
 from studies.cli.vary import FIGURES, VARY, load_scene_study
 from studies.model.axis import MOST_POINTS
 from studies.model.plain_text import one_line, place_of
+from studies.model.study import Study
 from studies.registry import BUILT_IN, OPTIONAL, load, load_drawing
 
 # What runs is imported by the commands that run, and what draws by those that draw: help comes at once.
@@ -48,17 +51,44 @@ def cli() -> None:
 
 @cli.command()
 @click.argument("chapter", nargs=-1)
+@click.option(
+    "--scene",
+    type=click.Path(path_type=Path),
+    help="Report on the settings of the contact in this TOML file: which padding, n, grid and tolerance.",
+)
+@ERROR
+@BUDGET
 @OUT
 @WORKERS
 @REPEATS
 @FORMAT
 def report(
-    chapter: tuple[str, ...], out: Path, workers: int, repeats: int, formats: tuple[str, ...]
+    chapter: tuple[str, ...],
+    scene: Path | None,
+    error: float,
+    seconds: float,
+    out: Path,
+    workers: int,
+    repeats: int,
+    formats: tuple[str, ...],
 ) -> None:
     """Run the studies of each CHAPTER and write its page; without one, report.html.
 
     CHAPTER is effects, lubrication, trust, cost, the name of any study, or all. What is stored is not computed again.
+    With --scene, the page is about that contact, in a folder of its name.
     """
+    if scene is not None:
+        if chapter:
+            raise InvalidInput(
+                f"Chapter {chapter[0]!r} is given beside --scene: give one of them, since chapters are about the "
+                "paper's cylinder."
+            )
+        measured, folder = measured_scene(scene, error, seconds, out, click.echo)
+        from studies.report.page import write_scene
+
+        path = write_scene(measured, folder, with_png(formats))
+        click.echo(f"report: wrote {path}")
+        return
     from studies.engine.cluster import Cluster
     from studies.engine.options import RunOptions
     from studies.report import page as reporting
@@ -134,8 +164,14 @@ def report(
     help="Write only the requested points to the file, not all stored points of the study.",
 )
 @click.option("--yes", is_flag=True, help="Run even more than a million points.")
+@click.option(
+    "--scene",
+    type=click.Path(path_type=Path),
+    help="For padding, period, images, grid and pareto: the contact in this TOML file, in a folder of its name.",
+)
 @VARY
 @FIGURES
+@PLOT
 @FORMAT
 @click.option(
     "--dry-run",
@@ -153,9 +189,11 @@ def run(
     retry: tuple[str, ...],
     vary: tuple[str, ...],
     figures: str,
+    plot: str,
     formats: tuple[str, ...],
     yes: bool,  # noqa: FBT001
     dry_run: bool,  # noqa: FBT001
+    scene: Path | None,
     **settings: Any,  # further options of a run
 ) -> None:
     """Run STUDY, a built-in name, a .py file or a scene in a .toml file, over its axes or those given here.
@@ -169,9 +207,14 @@ def run(
     from studies.store.table import points_of
 
     most = None if yes else MOST_POINTS
-    chosen = load_scene_study(study, vary, context.args) or load(study).override(
-        _axes(context.args), most=most
-    )
+    chosen = load_scene_study(study, vary, context.args)
+    if chosen is None:
+        chosen = _named(study, scene).override(_axes(context.args), most=most)
+    elif scene is not None:
+        raise InvalidInput(f"--scene is given beside the scene {study!r}: leave it out.")
+    drawing = partial(load_drawing, study, figures, names_in(plot))
+    if scene is not None:
+        out, drawing = out / scene.stem, partial(load_drawing, "pareto")
     statuses_again = frozenset(status for name in retry for status in RETRIES[name])
     options = RunOptions(
         repeats=0 if no_times else repeats, retry=statuses_again, most_points=most, **settings
@@ -189,7 +232,7 @@ def run(
     from studies.report import page as reporting
 
     with _drawing(chosen.name, NEEDS_TIMES if no_times else MEND):
-        reporting.draw(chosen, load_drawing(study, figures), out, with_png(formats))
+        reporting.draw(chosen, drawing(), out, with_png(formats))
     click.echo(f"{chosen.name}: drew {out / chosen.name}")
 
 
@@ -220,7 +263,7 @@ def draw(study: tuple[str, ...], out: Path, formats: tuple[str, ...]) -> None:
             click.echo(f"report: wrote {path}")
 
 
-for command in (compare, explore, plan, show, solve, recommendation):
+for command in (compare, explore, new, plan, show, solve, recommendation):
     cli.add_command(command)
 
 
@@ -254,6 +297,16 @@ def _drawing(name: str, remedy: str = MEND) -> Iterator[None]:
         raise click.ClickException(
             f"{name} cannot be drawn ({type(error).__name__}{place_of(error)}: {one_line(error, 300)}): {remedy}"
         ) from None
+
+
+def _named(name: str, scene: Path | None) -> Study:
+    """Return the built-in study of a name, or for a scene the study of its settings."""
+    if scene is None:
+        return load(name)
+    from studies.advice.subject import described_in
+    from studies.definitions.settings import preset
+
+    return preset(name, described_in(scene).subject())
 
 
 def _axes(arguments: list[str]) -> Mapping[str, str]:

@@ -33,6 +33,19 @@ def out_option(text: str, default: str | None = "outputs") -> Decorator:
     return click.option("--out", type=folder, default=default, show_default=shown, help=text)
 
 
+PLOT = click.option(
+    "--plot",
+    default="",
+    metavar="NAMES",
+    help="Variables to draw of a scene's sweep, such as central_film,minimum_film.  [default: the main ones]",
+)
+
+
+def names_in(text: str) -> tuple[str, ...]:
+    """Return the names in a text with commas."""
+    return tuple(filter(None, (name.strip() for name in text.split(","))))
+
+
 def figures_option(text: str | None = None) -> Decorator:
     """Return the option --figures, the kind of the default drawing, with a help text."""
     kinds = click.Choice(["curves", "maps"])

@@ -18,7 +18,7 @@ from studies.cli.options import FORMAT, JSON, SCENE, out_option, with_png
 from studies.model.plain_text import thread_count
 
 if TYPE_CHECKING:
-    from studies.cli.solving import SceneOutcome
+    from studies.cli.solving import Answered
 
 THREADS = click.option(
     "--threads",
@@ -96,42 +96,27 @@ def solve(
 
     The exit code is 0 if the solution converged, else 1; the result is written in both cases.
     """
-    from studies.cli.solving import flooded, flooded_march, marched, rolled, still
+    from studies.cli.solving import solved
     from studies.store.netcdf import check_kind, open_folder
 
     on = _device(device, threads)
     described = cs.read_scene(scene)
-    rolls, changes = described.scene.rolling is not None, described.scene.changing is not None
-    flows = described.scene.lubrication is not None
-    for option, is_given in (("--device gpu", device != "cpu"), ("--start", start is not None)):
-        if is_given and (rolls or changes or flows):
-            raise cs.InvalidInput(
-                f"{option} is for a dry scene that neither changes in time nor rolls: leave it out."
-            )
-    folder = open_folder(out)
-    check_kind(folder / f"{scene.stem}.nc", "solution")
-    planned = _announced(scene, described, on)
+    check_kind(out / f"{scene.stem}.nc", "solution")
+    if isinstance(on, cs.Cpu):  # whether a scene can be solved on another device, the solve says
+        _announce(scene, described, on)
     begin = perf_counter()
-    if flows:
-        outcome = (flooded_march if changes else flooded)(described, planned)
-    elif rolls:
-        outcome = rolled(described, planned)
-    elif changes:
-        outcome = marched(described, planned, scene, folder)
-    else:
-        outcome = still(described, planned, scene, folder, start=start, on=on)
+    answer = solved(described, scene, out, start, on)
+    files = _stored(answer, open_folder(out) / f"{scene.stem}.nc", with_png(formats))
     seconds = perf_counter() - begin
-    outcome.notes[:0] = _surfaces(described)
-    files = _stored(outcome, folder / f"{scene.stem}.nc", with_png(formats))
-    _print(scene, outcome, seconds, files, as_json=as_json)
-    if outcome.status.name != "CONVERGED":
+    _print(scene, answer, seconds, _surfaces(described), files, as_json=as_json)
+    if answer.status.name != "CONVERGED":
         sys.exit(1)
 
 
-def _announced(scene: Path, described: cs.SceneFile, on: cs.Cpu | cs.Gpu) -> cs.Plan | None:
-    """Return the plan, or None without a curved shape; print its warnings, and its cost if that is large."""
+def _announce(scene: Path, described: cs.SceneFile, on: cs.Cpu | cs.Gpu) -> None:
+    """Print the warnings of the plan, and its cost if that is large; nothing without a curved shape."""
     if described.scene.hertz is None:
-        return None
+        return
     planned = described.plan(on=on)
     for warning in planned.warnings:
         click.echo(f"{scene}: warning: {warning}", err=True)
@@ -140,7 +125,6 @@ def _announced(scene: Path, described: cs.SceneFile, on: cs.Cpu | cs.Gpu) -> cs.
             f"{scene}: estimated cost: {planned.seconds:.2g} s and {planned.bytes / 1e9:.2g} GB",
             err=True,
         )
-    return planned
 
 
 def _rollers(scene: cs.Scene, grid: cs.Grid) -> list[str]:
@@ -173,48 +157,55 @@ def _surfaces(described: cs.SceneFile) -> list[str]:
     ]
 
 
-def _stored(outcome: SceneOutcome, path: Path, formats: tuple[str, ...]) -> list[Path]:
+def _stored(answer: Answered, path: Path, formats: tuple[str, ...]) -> list[Path]:
     """Write the dataset, and its picture in each format; return the files."""
     from contactstudy.domain.files import replacing
     from studies.store.netcdf import write
     from studies.store.provenance import provenance
 
-    outcome.dataset.attrs.update(provenance())
-    write(outcome.dataset, path)
+    dataset = answer.to_dataset()
+    dataset.attrs.update(provenance())
+    write(dataset, path)
     files = [path]
-    if outcome.picture is not None:
-        figure = outcome.picture()
+    if answer.quantities and formats:
+        figure = answer.plot(dataset)
         for suffix in formats:
             files.append(path.with_suffix(f".{suffix}"))
             with replacing(files[-1]) as partial:
                 figure.savefig(partial)
-    outcome.done()
     return files
 
 
 def _print(
-    scene: Path, outcome: SceneOutcome, seconds: float, files: list[Path], *, as_json: bool
+    scene: Path,
+    answer: Answered,
+    seconds: float,
+    notes: list[str],
+    files: list[Path],
+    *,
+    as_json: bool,
 ) -> None:
-    """Print the numbers first, then status, time, notes and files; or all of it as one JSON object."""
-    from contactstudy.io.summary import as_json as in_si
-    from contactstudy.io.summary import as_text
+    """Print accuracy and quantities first, then status, time, notes and files; or all of it as one JSON object."""
+    from contactstudy.io.quantities import as_json as in_si
 
+    cells = " x ".join(map(str, answer.grid.cells))
     if as_json:
         report = {
             "scene": str(scene),
-            "status": outcome.status.name,
+            "status": answer.status.name,
+            "accuracy": answer.accuracy,
+            "met": answer.met,
             "seconds": seconds,
-            "numbers": in_si(outcome.numbers),
-            "notes": outcome.notes,
+            "cells": list(answer.grid.cells),
+            "quantities": in_si(answer.quantities),
+            "notes": [*notes, answer.work, *answer.error.warnings],
             "files": [str(path) for path in files],
         }
         click.echo(json.dumps(report))
         return
-    click.echo(f"{scene}:")
-    click.echo(as_text(outcome.numbers))
-    click.echo(f"  {outcome.status}")
-    click.echo(f"  {seconds:.2g} s")
-    for note in outcome.notes:
+    click.echo(f"{scene}: {answer.summary()}")
+    click.echo(f"  {cells} cells, {seconds:.2g} s")
+    for note in notes:
         click.echo(f"  {note}")
     click.echo(f"  wrote {', '.join(str(path) for path in files)}")
 

@@ -8,7 +8,8 @@ import numpy as np
 
 from contactstudy import InvalidInput
 from contactstudy.domain.imports import import_for
-from studies.cli.options import figures_option, out_option
+from contactstudy.io.quantities import usual_unit
+from studies.cli.options import PLOT, figures_option, names_in, out_option
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,6 +28,7 @@ FORMATS = ("png", "pdf", "svg", "vtk")
     help="png, pdf, svg or, of a solution, vtk for ParaView; several with commas.",
 )
 @figures_option()
+@PLOT
 @click.option(
     "--csv",
     "as_table",
@@ -38,6 +40,7 @@ def show(
     out: Path | None,
     formats: str,
     figures: str,
+    plot: str,
     as_table: bool,  # noqa: FBT001 (click's own way)
 ) -> None:
     """Draw what is in FILE: a solution, with pressure, gap, profiles and stress, or a study."""
@@ -67,7 +70,9 @@ def show(
         from studies.registry import BUILT_IN, default_drawing, load_drawing
 
         name = str(dataset.attrs.get("study", file.stem))
-        drawing = load_drawing(name) if name in BUILT_IN else default_drawing(figures)
+        drawing = (
+            load_drawing(name) if name in BUILT_IN else default_drawing(figures, names_in(plot))
+        )
         drawn = {f"{file.stem}-{item.name}": item.figure for item in drawing.figure(dataset)}
     else:
         raise InvalidInput(
@@ -92,20 +97,50 @@ def _csv(dataset: "xr.Dataset") -> str:
         for name, variable in dataset.data_vars.items()
         if set(variable.dims) <= set(axes) and bool(variable.dims) == bool(axes)
     ]
+    names.sort(key=_place)
+    timed = "contended" in dataset and bool((_in_words(dataset["contended"]) != "not_timed").any())
+    names = [name for name in names if timed or not _is_time(name)]
     flat = dataset[names].assign({name: _in_words(dataset[name]) for name in names})
     flat = flat.drop_vars([name for name in flat.coords if name not in axes])
     if axes:
         table = flat.to_dataframe(dim_order=axes).reset_index()
     else:
         table = flat.expand_dims("row").to_dataframe().reset_index(drop=True)
-    table.columns = [_header(dataset, str(name)) for name in table.columns]
-    return str(table.to_csv(index=False))
+    for name in [str(column) for column in table.columns]:
+        head, size = _header(dataset, name)
+        if size != 1:
+            table[name] = table[name] / size
+        table = table.rename(columns={name: head})
+    return str(table.to_csv(index=False, float_format="%.14g"))
 
 
-def _header(dataset: "xr.Dataset", name: str) -> str:
-    """Return the head of a column, with its unit."""
-    units = dataset[name].attrs.get("units", "1") if name in dataset.variables else "1"
-    return name if units == "1" else f"{name} [{units}]"
+# Columns of a table come in this order, and others before these: the solver's work, the case, the times.
+LAST = ("status", "iterations", "convolutions", "residual", "case_", "contended", "_time")
+
+
+def _place(name: str) -> int:
+    """Return the place of a column among :data:`LAST`, 0 for one that is not there."""
+    return max((place for place, word in enumerate(LAST, start=1) if word in name), default=0)
+
+
+def _is_time(name: str) -> bool:
+    """Return whether a column is about the times of a case, on a machine of its own."""
+    return name == "contended" or name.startswith(("setup_time", "solve_time"))
+
+
+def _header(dataset: "xr.Dataset", name: str) -> tuple[str, float]:
+    """Return the head of a column with the unit in which it is read best, and the size of this unit in SI units."""
+    if name not in dataset.variables:
+        return name, 1.0
+    units = str(dataset[name].attrs.get("units", "1"))
+    # a bound in the unit of what it bounds
+    bounded = name.removesuffix("_bound")
+    values = dataset[bounded if bounded in dataset.variables else name].values
+    if units == "1" or values.dtype.kind not in "iuf":
+        return name if units == "1" else f"{name} [{units}]", 1.0
+    finite = np.abs(values[np.isfinite(values)])
+    size, unit = usual_unit(float(finite.max()) if finite.size else 0.0, units)
+    return f"{name} [{unit}]", size
 
 
 def _in_words(variable: "xr.DataArray") -> "xr.DataArray":

@@ -1,4 +1,8 @@
-"""Error estimates on every kind of surface, beside the true errors."""
+"""Error estimates on every kind of surface, beside the true errors.
+
+The margins of the estimates may be set on one half of the matrix. They are judged on the other half, and on random
+contacts that ``--seed`` chooses anew.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
@@ -8,14 +12,19 @@ import numpy as np
 import xarray as xr
 
 import contactstudy as cs
+from contactstudy.domain.checks import whole
 from contactstudy.io.dataset import flags
 from studies.model.axis import Axis, one_of
 from studies.model.case import Case, number
 from studies.model.study import Point
-from studies.reference.accuracy.case import Errors, errors
+from studies.reference.accuracy.case import AccuracyCase, Errors, errors
 from studies.reference.accuracy.matrix import matrix
+from studies.reference.accuracy.random_scenes import NAMES, RANDOM, random_case
 
-points = (Axis("case", tuple(matrix()), "contact with a known truth"),)
+points = (
+    Axis("case", (*matrix(), *NAMES), "contact with a known truth"),
+    Axis("seed", (1,), "choice of the random contacts"),
+)
 
 # the grids are small, and their times are not reported
 times = "none"
@@ -23,41 +32,60 @@ times = "none"
 METRICS = tuple(field.name for field in fields(Errors))
 # stored where the true error is not known, since nan marks a failure
 UNKNOWN = -1.0
-KINDS = tuple(dict.fromkeys(case.kind for case in matrix().values()))
+KINDS = (*dict.fromkeys(case.kind for case in matrix().values()), *RANDOM)
+# Use of a contact: the margins of the estimates are set on it, or judged, or it is a random one that judges them.
+USES = ("set", "judged", "random")
+
+
+def use_of(name: str) -> str:
+    """Return the use of a contact, see `USES`: of each kind of the matrix every other one."""
+    if name in NAMES:
+        return "random"
+    return "judged" if int(name.rpartition(" ")[2]) % 2 else "set"
 
 
 @dataclass(frozen=True)
 class AccuracyRun:
-    """A case of the accuracy matrix, by its name."""
+    """A case of the accuracy matrix, or a random one, by its name and seed."""
 
     name: str
+    seed: int
+
+    @property
+    def case(self) -> AccuracyCase:
+        """Scene, grid, padding and truth."""
+        return random_case(self.name, self.seed) if self.name in NAMES else matrix()[self.name]
 
     def prepare(self) -> cs.Problem:
         """Return the problem."""
-        return matrix()[self.name].problem()
+        return self.case.problem()
 
-    def run(self, prepared: cs.Problem) -> cs.Solution:
+    def run(self, prepared: cs.Problem) -> cs.Contact:
         """Solve with the default options."""
         return cs.solve(prepared)
 
-    def record(self, result: cs.Solution) -> Mapping[str, xr.Variable]:
+    def record(self, result: cs.Contact) -> Mapping[str, xr.Variable]:
         """Return the solver's numbers."""
-        case = matrix()[self.name]
+        case = self.case
         return Case(case.scene, case.grid, case.padding).record(result)
 
 
 def scene_at(point: Point) -> AccuracyRun:
-    """Return a case by its name."""
-    return AccuracyRun(one_of("case", point["case"], matrix()))
+    """Return a case by its name and seed."""
+    name = one_of("case", point["case"], (*matrix(), *NAMES))
+    return AccuracyRun(name, whole("seed", point["seed"], 0, "give a whole number from 0 on"))
 
 
-def measures(case: AccuracyRun, solution: cs.Solution) -> Mapping[str, xr.Variable]:
+def measures(case: AccuracyRun, solution: cs.Contact) -> Mapping[str, xr.Variable]:
     """Return ``<metric>_error``, -1 where it is not known, and ``<metric>_bound``, infinite where there is none."""
-    judged = matrix()[case.name]
-    estimate, true = cs.error_estimate(solution), errors(solution, judged.truth())
+    judged = case.case
+    estimate, true = solution.error, errors(solution, judged.truth())
     kind = np.asarray(KINDS.index(judged.kind))
     variables = {
-        "kind": flags((), kind, [name.replace(" ", "_") for name in KINDS], "kind of surface")
+        "kind": flags((), kind, [name.replace(" ", "_") for name in KINDS], "kind of surface"),
+        "use": flags(
+            (), np.asarray(USES.index(use_of(case.name))), list(USES), "use of the contact"
+        ),
     }
     for metric in METRICS:
         error, bound = getattr(true, metric), getattr(estimate, metric).total

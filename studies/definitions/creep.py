@@ -8,6 +8,7 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.domain.checks import whole
+from contactstudy.evolution.evolution import Trajectory
 from studies.model.axis import Axis
 from studies.model.case import EvolutionCase, number
 from studies.model.study import Point
@@ -40,7 +41,7 @@ def scene_at(point: Point) -> EvolutionCase:
     return EvolutionCase(SCENE, grid, cs.ExactPeriodicity(), times)
 
 
-def measures(case: EvolutionCase, result: cs.Evolution) -> Mapping[str, xr.Variable]:
+def measures(case: EvolutionCase, result: Trajectory) -> Mapping[str, xr.Variable]:
     """Return half-width and peak pressure over time, and errors against the closed form."""
     x = case.grid.x
     # records at the same times for every number of steps, without the first step, which follows a jump

@@ -7,6 +7,7 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.domain.checks import whole
+from contactstudy.evolution.evolution import Trajectory
 from contactstudy.problem.problem import Sheared
 from contactstudy.scene.coated import CoatedHalfSpace
 from contactstudy.scene.friction import Sliding
@@ -80,7 +81,7 @@ points = (
 class SolveWithOutputs(Case):
     """A case that is solved with all outputs of its scene."""
 
-    def run(self, prepared: cs.Problem) -> cs.Solution:
+    def run(self, prepared: cs.Problem) -> cs.Contact:
         """Solve, then compute the outputs; return the solution."""
         solution = super().run(prepared)
         for output in prepared.outputs:
@@ -94,7 +95,7 @@ class SolveWithOutputs(Case):
 class LastStep(EvolutionCase):
     """A march whose last step alone is recorded."""
 
-    def record(self, result: cs.Evolution) -> Mapping[str, xr.Variable]:
+    def record(self, result: Trajectory) -> Mapping[str, xr.Variable]:
         """Return the solver's numbers of the last step."""
         return super().record(replace(result, frames=result.frames[-1:]))
 
@@ -114,10 +115,10 @@ def scene_at(point: Point) -> SolveWithOutputs | EvolutionCase:
     return SolveWithOutputs(SCENES[effect], grid, cs.ExactPeriodicity())
 
 
-def measures(case: Computation, result: cs.Solution | cs.Evolution) -> Mapping[str, xr.Variable]:
+def measures(case: Computation, result: cs.Contact | Trajectory) -> Mapping[str, xr.Variable]:
     """Return the peak memory and the share in contact."""
     peak = peak_bytes(lambda: case.run(case.prepare()))
-    pressure = result.pressure if isinstance(result, cs.Solution) else result.frames[-1].pressure
+    pressure = result.pressure if isinstance(result, cs.Contact) else result.frames[-1].pressure
     label = {"units": "MB", "long_name": "peak memory of set-up, solve and outputs"}
     return {
         "memory": xr.Variable((), peak / 1e6, label),

@@ -10,7 +10,7 @@ import contactstudy as cs
 from contactstudy.domain.checks import finite, whole
 from contactstudy.domain.fields import Array
 from contactstudy.scene.friction import PartialSlip
-from contactstudy.scene.stress import StressBelow, von_mises
+from contactstudy.scene.stress import HalfSpaceStress, StressBelow, von_mises
 from contactstudy.solvers.friction import Superposed
 from studies.model.axis import Axis
 from studies.model.case import Case, number
@@ -96,7 +96,7 @@ def _stress(case: Rough, pressure: Array) -> tuple[list[float], list[float]]:
     below = StressBelow(
         case.grid,
         (cs.ZeroPadding(), cs.ExactPeriodicity()),
-        solid.poisson_ratio,
+        HalfSpaceStress(solid.poisson_ratio),
         tuple(z * A for z in DEPTHS),
     )
     pressed = below(pressure)

@@ -86,7 +86,7 @@ def paper_at(point: Point) -> Case:
     return scene_at({"period": 2.4, "grid": 128} | dict(point))
 
 
-def paper_measures(case: Case, solution: cs.Solution) -> Mapping[str, xr.Variable]:
+def paper_measures(case: Case, solution: cs.Contact) -> Mapping[str, xr.Variable]:
     """Return errors against Hertz, the pressure across the contact (Fig. 5) and the displacement of Fig. 4."""
     hertz, cells = case.scene.hertz, case.grid
     assert hertz is not None

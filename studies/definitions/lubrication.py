@@ -10,8 +10,7 @@ import contactstudy as cs
 from contactstudy.analytic import moes_film
 from contactstudy.domain.checks import non_negative, positive, whole
 from studies.model.axis import Axis
-from studies.model.case import number
-from studies.model.film_case import FilmCase, SolvedFilm
+from studies.model.case import SceneCase, Solved, number
 from studies.model.study import Point
 
 # Steel, of which the dimensionless film knows nothing.
@@ -41,7 +40,7 @@ points = (
 times = "none"
 
 
-def scene_at(point: Point) -> FilmCase:
+def scene_at(point: Point) -> SceneCase:
     """Return steel cylinders with a Barus lubricant of constant density, solved from a cold start."""
     load = positive("load", point["load"], "give a load parameter M above 0")
     viscosity = non_negative("viscosity", point["viscosity"], "give a parameter L from 0 on")
@@ -77,20 +76,21 @@ def scene_at(point: Point) -> FilmCase:
         ),
     )
     along = max(cells // 2, 16) if rms else 1
-    return FilmCase(scene, cs.Grid((cells, along), (width, a)), cs.ExactPeriodicity())
+    return SceneCase(scene, cs.Grid((cells, along), (width, a)), cs.ExactPeriodicity())
 
 
-def measures(case: FilmCase, solved: SolvedFilm) -> Mapping[str, xr.Variable]:
+def measures(case: SceneCase, solved: Solved) -> Mapping[str, xr.Variable]:
     """Return films in Moes' units, how evenly lubricant flows, friction, shares of a thin film and the time taken."""
-    contact = solved.contact
+    contact = solved.answer
+    assert isinstance(contact, cs.LubricatedContact)
     scales = contact.scales
     load = scales.load_parameter
     units = 8 * load / pi / scales.film
     moes = moes_film(load, scales.viscosity_parameter)
     flat = contact.flow / contact.mean_speed
     thin_area, thin_load = contact.thinner_than(moes / units / 2)
-    converged = contact.status is not cs.FilmStatus.NOT_CONVERGED
-    resolved = contact.status is cs.FilmStatus.CONVERGED
+    converged = contact.status is not cs.Status.FILM_NOT_CONVERGED
+    resolved = contact.status is cs.Status.CONVERGED
     return {
         "central_film": number(
             contact.central_film * units, "central film, (h/R) (eta0 u_s/(E' R))^-1/2"

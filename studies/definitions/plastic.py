@@ -11,6 +11,7 @@ import contactstudy as cs
 from contactstudy.accuracy.contact_edge import half_widths
 from contactstudy.domain.checks import non_negative, positive, whole
 from contactstudy.domain.fields import Array
+from contactstudy.evolution.evolution import Trajectory
 from studies.model.axis import Axis
 from studies.model.case import EvolutionCase, numbers
 from studies.model.study import Point
@@ -63,7 +64,7 @@ def scene_at(point: Point) -> EvolutionCase:
     return EvolutionCase(scene, grid, cs.ExactPeriodicity(), times, step_error="NONE")
 
 
-def measures(case: EvolutionCase, result: cs.Evolution) -> Mapping[str, xr.Variable]:
+def measures(case: EvolutionCase, result: Trajectory) -> Mapping[str, xr.Variable]:
     """Return the contact under the largest load and the remaining dent, and both with a hardness in place of yield."""
     peak = case.scene.load.largest * 2 / pi
     x = case.grid.x

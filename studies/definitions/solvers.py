@@ -47,7 +47,7 @@ def scene_at(point: Point) -> Case:
     )
 
 
-def measures(case: Case, result: cs.Solution) -> Mapping[str, xr.Variable]:
+def measures(case: Case, result: cs.Contact) -> Mapping[str, xr.Variable]:
     """Return the share in contact and the peak memory of a solve."""
     short_case = replace(case, options=replace(case.options, max_iterations=ENOUGH))
     problem = short_case.prepare()

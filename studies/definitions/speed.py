@@ -62,16 +62,16 @@ class CaseOnDevice:
         """Return the problem: influence coefficients, transforms, gap."""
         return self.case.prepare()
 
-    def run(self, prepared: cs.Problem) -> cs.Solution:
+    def run(self, prepared: cs.Problem) -> cs.Contact:
         """Solve; return the solution."""
         return self.solved(prepared, self.case.options.max_iterations)
 
-    def solved(self, problem: cs.Problem, max_iterations: int) -> cs.Solution:
+    def solved(self, problem: cs.Problem, max_iterations: int) -> cs.Contact:
         """Return the solution after at most ``max_iterations``."""
         options = replace(self.case.options, max_iterations=max_iterations)
-        return options.solved(problem, on=self.on)
+        return cs.solve(problem, on=self.on, options=options)
 
-    def record(self, result: cs.Solution) -> Mapping[str, xr.Variable]:
+    def record(self, result: cs.Contact) -> Mapping[str, xr.Variable]:
         """Return the solver's numbers."""
         return self.case.record(result)
 
@@ -123,7 +123,7 @@ def self_affine(grid: cs.Grid, hurst: float, cut_off: float, share: float) -> cs
     return cs.Scene(cs.LineLoad(mean * side), SCENE.solids, (shape,))
 
 
-def measures(case: CaseOnDevice, result: cs.Solution) -> Mapping[str, xr.Variable]:
+def measures(case: CaseOnDevice, result: cs.Contact) -> Mapping[str, xr.Variable]:
     """Return the share in contact, the most memory a solve holds, and its time over that of its transforms."""
     problem = result.problem
     peak = peak_bytes(lambda: case.solved(problem, ENOUGH))

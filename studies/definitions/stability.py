@@ -52,11 +52,11 @@ class HardCaseRun:
         hard = CASES[self.case]
         return hard.scene.problem(hard.grid, PADDINGS[self.padding])
 
-    def run(self, prepared: cs.Problem) -> cs.Solution:
+    def run(self, prepared: cs.Problem) -> cs.Contact:
         """Solve with the settings of the case."""
         return CASES[self.case].solve(prepared, SOLVERS[self.solver])
 
-    def record(self, result: cs.Solution) -> Mapping[str, xr.Variable]:
+    def record(self, result: cs.Contact) -> Mapping[str, xr.Variable]:
         """Return the solver's numbers."""
         hard = CASES[self.case]
         return Case(hard.scene, hard.grid, PADDINGS[self.padding]).record(result)
@@ -71,7 +71,7 @@ def scene_at(point: Point) -> HardCaseRun:
     )
 
 
-def measures(case: HardCaseRun, solution: cs.Solution) -> Mapping[str, xr.Variable]:
+def measures(case: HardCaseRun, solution: cs.Contact) -> Mapping[str, xr.Variable]:
     """Return the largest error of the pressure and the error stated for it, over the peak pressure."""
     hard = CASES[case.case]
     error, stated, verdict = 0.0, inf, "not_applicable"

@@ -10,6 +10,7 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.domain.checks import whole
 from contactstudy.domain.fields import Array
+from contactstudy.evolution.evolution import Trajectory
 from studies.model.axis import Axis, one_of
 from studies.model.case import EvolutionCase, number
 from studies.model.study import Point
@@ -64,7 +65,7 @@ def _fine(cells: int) -> Array:
     return case.run(None).frames[-1].pressure
 
 
-def measures(case: EvolutionCase, result: cs.Evolution) -> Mapping[str, xr.Variable]:
+def measures(case: EvolutionCase, result: Trajectory) -> Mapping[str, xr.Variable]:
     """Return the half-width over distance, the volume, and the error against a march with many short steps."""
     frames = result.frames
     places = np.linspace(0, len(frames) - 1, RECORDS + 1).round().astype(int)

@@ -1,7 +1,7 @@
 """Cases through dask.distributed: on threads of this process by default, or on the workers of any scheduler.
 
-Each thread of a dask worker drives a supervised process of its own, since dask has no time limit for a task, and gives
-up other tasks beside one that kills its worker.
+Each thread of a dask worker drives a process of its own, since dask has no time limit for a task, and gives up other
+tasks beside one that kills its worker.
 """
 
 import logging
@@ -10,7 +10,7 @@ import threading
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib.util import find_spec
 from queue import SimpleQueue
 from time import monotonic
@@ -22,15 +22,13 @@ from contactstudy import InvalidInput
 from studies.engine.executors import packed
 from studies.engine.stop import Stop
 from studies.engine.workers.compute import failed
-from studies.engine.workers.supervisor import WorkerSupervisor
+from studies.engine.workers.process import Worker
 from studies.model.case import Computation
 from studies.model.outcome import CaseStatus, Failure, Finished, Outcome, Work
-from studies.store.fingerprint import versions
 
 if TYPE_CHECKING:
     from distributed import Client
 
-BATCH = 0.25  # seconds of work in a batch of small cases
 LARGEST = 200  # cases in a batch
 AHEAD = 3  # batches for each thread of a worker, so that it does not wait for the next
 LOOK = 1.0  # seconds between two checks of the workers and of lost batches
@@ -39,8 +37,8 @@ LAST = 5.0  # seconds to collect finished batches when a run is stopped
 LOOPBACK = "127.0.0.1:0"
 
 
-class Supervisors:
-    """Supervised processes of this process, each taken by a thread for one batch at a time.
+class Workers:
+    """Worker processes of this process, each taken by a thread for one batch at a time.
 
     Parameters
     ----------
@@ -51,59 +49,62 @@ class Supervisors:
     def __init__(self, deliver: Callable[[str, Outcome], object] | None = None) -> None:
         self.deliver = deliver
         self._turn = threading.Lock()
-        self._idle: list[WorkerSupervisor] = []
-        self._all: list[WorkerSupervisor] = []
+        self._idle: list[Worker] = []
+        self._all: list[Worker] = []
 
     @contextmanager
-    def reserved(self, work: bytes) -> Iterator[WorkerSupervisor]:
-        """Reserve a supervisor with the pickled `work` for a block: an idle one, or a new one."""
+    def reserved(self, work: bytes) -> Iterator[Worker]:
+        """Reserve a worker with the pickled `work` for a block: an idle one, or a new one."""
         with self._turn:
             if not self._idle:
-                self._idle.append(WorkerSupervisor(work))
+                self._idle.append(Worker(work))
                 self._all.append(self._idle[-1])
-            supervisor = self._idle.pop()
-        supervisor.set_work(work)
+            worker = self._idle.pop()
+        worker.set_work(work)
         try:
-            yield supervisor
+            yield worker
         finally:
             with self._turn:
-                if not supervisor.has_ended:
-                    self._idle.append(supervisor)
+                if not worker.has_ended:
+                    self._idle.append(worker)
 
     def end(self) -> None:
         """End all processes at once."""
         with self._turn:
             ended, self._all, self._idle = self._all, [], []
-        for supervisor in ended:
-            supervisor.end()
+        for worker in ended:
+            worker.end()
 
 
-# supervisors of each run of this process, by its token; and those of this dask worker for runs elsewhere
-RUNS: dict[str, Supervisors] = {}
-ELSEWHERE = Supervisors()
+# workers of each run of this process, by its token; and those of this dask worker for runs elsewhere
+RUNS: dict[str, Workers] = {}
+ELSEWHERE = Workers()
 
 
-def compute_batch(
-    token: str, work: bytes, batch: bytes, names: Sequence[str], expected: Mapping[str, str]
-) -> list[Outcome]:
+def compute_batch(token: str, work: bytes, batch: bytes, names: Sequence[str]) -> list[Outcome]:
     """Compute a batch of cases on a dask worker, in a process that is kept for the next batch.
 
-    Returns fewer outcomes than ``names`` where the run is over, or where the cases cannot be read together.
+    Returns the outcomes that were there after a quarter of a second; none where the run is over, or where the cases
+    cannot be read together.
     """
-    if dict(versions()) != dict(expected):
-        raise InvalidInput(
-            f"A dask worker has {dict(versions())} and this process {dict(expected)}: install the same."
-        )
-    supervisors = RUNS.get(token) if token else ELSEWHERE
-    if supervisors is None:  # the run in this process is over
+    workers = RUNS.get(token) if token else ELSEWHERE
+    if workers is None:  # the run in this process is over
         return []
+    address = "" if token else _address()
     outcomes = []
-    with supervisors.reserved(work) as supervisor:
-        for name, outcome in zip(names, supervisor.run(batch, names), strict=False):
-            outcomes.append(outcome)
-            if supervisors.deliver is not None:
-                supervisors.deliver(name, outcome)
+    with workers.reserved(work) as worker:
+        for name, outcome in zip(names, worker.run(batch, names), strict=False):
+            outcomes.append(replace(outcome, worker=address))
+            if workers.deliver is not None:
+                workers.deliver(name, outcome)
     return outcomes
+
+
+def _address() -> str:
+    """Return the address of the dask worker that this is."""
+    from distributed import get_worker
+
+    return str(get_worker().address)
 
 
 @dataclass
@@ -129,7 +130,7 @@ class Cluster:
     address: str | None = None
     patience: float = 10.0
     log: Callable[[str], object] = lambda text: None
-    supervisors: Supervisors = field(default_factory=Supervisors, init=False)
+    processes: Workers = field(default_factory=Workers, init=False)
     _open: ExitStack = field(default_factory=ExitStack, init=False)
     _client: "Client | None" = field(default=None, init=False)
 
@@ -137,17 +138,17 @@ class Cluster:
         return self
 
     def __exit__(self, *raised: object) -> None:
-        self.supervisors.end()
+        self.processes.end()
         self.rest()
 
     @contextmanager
-    def timer(self, work: bytes) -> Iterator[WorkerSupervisor]:
-        """Provide the supervisor of a process of this machine that has read the pickled `work`, for a block."""
-        with self.supervisors.reserved(work) as supervisor:
+    def timer(self, work: bytes) -> Iterator[Worker]:
+        """Provide a process of this machine that has read the pickled `work`, for a block."""
+        with self.processes.reserved(work) as worker:
             try:
-                yield supervisor
+                yield worker
             except BaseException:  # an answer may be under way
-                self.supervisors.end()
+                self.processes.end()
                 raise
 
     def rest(self) -> None:
@@ -165,8 +166,8 @@ class Cluster:
         outcomes: SimpleQueue[tuple[str, Outcome]] = SimpleQueue()
         token = "" if self.address else secrets.token_hex(8)
         if token:
-            self.supervisors.deliver = lambda name, outcome: outcomes.put((name, outcome))
-            RUNS[token] = self.supervisors
+            self.processes.deliver = lambda name, outcome: outcomes.put((name, outcome))
+            RUNS[token] = self.processes
         try:
             _Flow(self, self._connected(), token, cases, payload, outcomes, finished, stop).run()
         except BaseException:
@@ -224,41 +225,44 @@ class Cluster:
         return client
 
 
+@dataclass(eq=False)
 class _Flow:
-    """A run on a cluster: keeps every thread busy with a few batches, and adapts their size to the time of a case."""
+    """A run on a cluster: keeps every thread busy with a few batches.
 
-    def __init__(
-        self,
-        cluster: Cluster,
-        client: "Client",
-        token: str,
-        cases: Mapping[str, Computation],
-        payload: bytes,
-        outcomes: "SimpleQueue[tuple[str, Outcome]]",
-        finished: Finished,
-        stop: Stop,
-    ) -> None:
+    A batch that takes too long comes back in part, and the next one is twice what came back.
+    """
+
+    cluster: Cluster
+    client: "Client"
+    token: str
+    cases: Mapping[str, Computation]
+    payload: bytes
+    outcomes: "SimpleQueue[tuple[str, Outcome]]"
+    finished: Finished
+    stop: Stop
+    size: int = 1
+    threads: int = 1
+
+    def __post_init__(self) -> None:
         from distributed import as_completed
 
-        self._cluster, self._client, self._token, self._stop = cluster, client, token, stop
-        self._cases, self._payload = cases, payload
-        self._outcomes, self._finished = outcomes, finished
-        self._waiting, self._open = deque(cases), set(cases)
+        self._waiting, self._open = deque(self.cases), set(self.cases)
         self._running: dict[Any, list[str]] = {}
         # an error of a batch is handled here and not raised, so that the others go on
-        self._completed = as_completed([], loop=client.loop, with_results=True, raise_errors=False)
-        self._mean = BATCH
-        self._threads, self._looked_at, self._idle_since = 1, float("-inf"), monotonic()
+        self._completed = as_completed(
+            [], loop=self.client.loop, with_results=True, raise_errors=False
+        )
+        self._looked_at, self._idle_since = float("-inf"), monotonic()
 
     def run(self) -> None:
         """Compute all cases."""
         try:
             while self._open:
-                self._stop.check()
+                self.stop.check()
                 self._look()
                 self._fill()
                 completed = self._completed.next_batch(block=False)
-                if not completed and self._outcomes.empty():
+                if not completed and self.outcomes.empty():
                     with self._completed.thread_condition:
                         self._completed.thread_condition.wait(timeout=PAUSE)
                 self._take_delivered()
@@ -266,25 +270,24 @@ class _Flow:
                     self._take(future, result)
         except BaseException:
             # batches that dask still holds begin nothing, and further outcomes are not read
-            RUNS.pop(self._token, None)
-            self._cluster.supervisors.end()
+            RUNS.pop(self.token, None)
+            self.cluster.processes.end()
             self._take_last()
             raise
         finally:
             with suppress(Exception):
-                self._client.cancel(list(self._running), force=True)
+                self.client.cancel(list(self._running), force=True)
 
     def _report(self, name: str, outcome: Outcome) -> None:
-        """Report the outcome of a case at its first arrival, and adapt the size of batches."""
+        """Report the outcome of a case at its first arrival."""
         if name in self._open:
             self._open.discard(name)
-            self._mean += 0.3 * (outcome.seconds - self._mean)
-            self._finished(name, outcome)
+            self.finished(name, outcome)
 
     def _take_delivered(self) -> None:
         """Report the outcomes that threads of this process have delivered."""
-        while not self._outcomes.empty():
-            self._report(*self._outcomes.get())
+        while not self.outcomes.empty():
+            self._report(*self.outcomes.get())
 
     def _take(self, future: Any, result: Any) -> None:
         """Report a completed batch, and send its unfinished cases again."""
@@ -294,7 +297,11 @@ class _Flow:
         if future.status == "finished" and isinstance(result, list):
             for name, outcome in zip(names, result, strict=False):
                 self._report(name, outcome)
-            self._send_singly(names[len(result) :])  # which cannot be unpickled together
+            if result:
+                self.size = min(2 * len(result), LARGEST)
+                self._send_again(names[len(result) :])
+            else:
+                self._send_singly(names)  # which cannot be unpickled together
         elif future.status == "error":
             self._handle_failure(future, names)
         elif (
@@ -336,47 +343,47 @@ class _Flow:
         if monotonic() < self._looked_at + LOOK:
             return
         self._looked_at = monotonic()
-        if self._client.status not in ("running", "connecting"):
+        if self.client.status not in ("running", "connecting"):
             raise InvalidInput(
-                f"Scheduler {self._cluster.address!r} is lost: start it again and run the same "
+                f"Scheduler {self.cluster.address!r} is lost: start it again and run the same "
                 "command, which goes on from what is stored."
             )
         for future in [key for key in self._running if key.status in ("cancelled", "lost")]:
             self._send_again(self._running.pop(future))
-        if self._client.status == "running":
+        if self.client.status == "running":
             with suppress(OSError, RuntimeError, TimeoutError):
-                threads = sum(self._client.nthreads().values())
-                self._threads = max(1, threads)
+                threads = sum(self.client.nthreads().values())
+                self.threads = max(1, threads)
                 if threads:
                     self._idle_since = monotonic()
-                elif monotonic() > self._idle_since + self._cluster.patience:
-                    self._cluster.log(f"waiting for workers of {self._cluster.address}")
+                elif monotonic() > self._idle_since + self.cluster.patience:
+                    self.cluster.log(f"waiting for workers of {self.cluster.address}")
                     self._idle_since = float("inf")
 
     def _fill(self) -> None:
         """Send batches until a few wait for every thread."""
         while (
-            self._client.status == "running"
+            self.client.status == "running"
             and self._waiting
-            and len(self._running) < AHEAD * self._threads
+            and len(self._running) < AHEAD * self.threads
         ):
-            share = len(self._waiting) // (2 * self._threads) + 1
-            size = max(1, min(int(BATCH / max(self._mean, 1e-6)), share, LARGEST))
-            self._submit([self._waiting.popleft() for _ in range(min(size, len(self._waiting)))])
+            share = len(self._waiting) // (2 * self.threads) + 1
+            size = min(self.size, share, len(self._waiting))
+            self._submit([self._waiting.popleft() for _ in range(size)])
 
     def _submit(self, names: list[str]) -> None:
         """Send one batch, pickled together: a class of a study file is then written once, not with every case."""
         try:
-            batch = cloudpickle.dumps(tuple(self._cases[name] for name in names))
+            batch = cloudpickle.dumps(tuple(self.cases[name] for name in names))
         except Exception as error:  # noqa: BLE001 (a study's class may do anything)
-            if len(names) > 1:
-                self._send_singly(names)
-            else:
+            if len(names) == 1:
                 self._report(names[0], failed(error, "setup", 0.0))
+            else:
+                self._send_singly(names)
             return
         # impure: a case asked for again is to be computed again
-        future = self._client.submit(
-            compute_batch, self._token, self._payload, batch, names, dict(versions()), pure=False
+        future = self.client.submit(
+            compute_batch, self.token, self.payload, batch, names, pure=False
         )
         self._track(future, names)
 

@@ -12,10 +12,11 @@ from threadpoolctl import threadpool_limits
 from contactstudy import InvalidInput
 from studies.engine.stop import Stop
 from studies.engine.workers.compute import compute, warm_up
-from studies.engine.workers.supervisor import WorkerSupervisor
+from studies.engine.workers.process import Worker
 from studies.engine.workers.surroundings import kept_surroundings
 from studies.model.case import Computation
 from studies.model.outcome import CaseStatus, Finished, Outcome, Work
+from studies.store.loaded import LOADED
 
 
 class Executor(Protocol):
@@ -42,8 +43,8 @@ class Executor(Protocol):
         """
         ...
 
-    def timer(self, work: bytes) -> AbstractContextManager[WorkerSupervisor]:
-        """Provide the supervisor of a process that has read the pickled `work` and does nothing else, for a block."""
+    def timer(self, work: bytes) -> AbstractContextManager[Worker]:
+        """Provide the worker process that has read the pickled `work` and does nothing else, for a block."""
         ...
 
     def rest(self) -> None:
@@ -83,6 +84,7 @@ class InProcess:
         """Compute the cases one after the other."""
         warm_up()
         number = os.getpid()
+        LOADED.scan()
         with threadpool_limits(1), kept_surroundings() as surroundings:
             for name, case in cases.items():
                 stop.check()
@@ -97,10 +99,10 @@ class InProcess:
                     # a case has forked, and this is its child, which must not go on with the run
                     os._exit(0)
                 surroundings.restore(name)
-                finished(name, outcome)
+                finished(name, replace(outcome, loaded=LOADED.scan()))
 
-    def timer(self, work: bytes) -> AbstractContextManager[WorkerSupervisor]:
-        """Provide the supervisor of a process of its own, which ends with the block."""
+    def timer(self, work: bytes) -> AbstractContextManager[Worker]:
+        """Provide a worker, which ends with the block."""
         return own_process(work)
 
     def rest(self) -> None:
@@ -108,20 +110,20 @@ class InProcess:
 
 
 @contextmanager
-def own_process(work: bytes) -> Iterator[WorkerSupervisor]:
-    """Provide the supervisor of a process that has read the pickled `work` and ends with the block."""
-    supervisor = WorkerSupervisor(work)
+def own_process(work: bytes) -> Iterator[Worker]:
+    """Provide the worker process that has read the pickled `work` and ends with the block."""
+    worker = Worker(work)
     try:
-        yield supervisor
+        yield worker
     finally:
-        supervisor.end()
+        worker.end()
 
 
 def _run_alone(name: str, case: Computation, work: Work, finished: Finished, stop: Stop) -> None:
     """Compute one case in a separate process."""
-    with own_process(packed(work)) as supervisor:
+    with own_process(packed(work)) as worker:
         with stop.interruptible():
-            outcomes = list(supervisor.run(cloudpickle.dumps((case,)), [name]))
+            outcomes = list(worker.run(cloudpickle.dumps((case,)), [name]))
         for outcome in outcomes:
             finished(name, _with_advice(outcome))
 

@@ -3,18 +3,18 @@
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from contactstudy import InvalidInput
-from studies.engine.forecast import Forecast, ForecastModel, fit_model, forecast
+from studies.engine.forecast import Forecast, forecast
 from studies.engine.options import RunOptions
 from studies.model.outcome import CaseStatus
 from studies.model.study import Study
 from studies.store.journal import Journal
 from studies.store.provenance import machine
 from studies.store.records import Record
-from studies.store.request import Request, recompute_reasons
+from studies.store.request import Request
 from studies.store.result_file import has_fields
 
 SUFFIX = ".journal.jsonl"
@@ -66,10 +66,10 @@ class Inventory:
         changes: Counter[str] = Counter()
         for name, identity in self.request.identities.items():
             record = self.record(name)
-            if record is not None and self._serves(name, record.case_status, log):
+            if record is not None and self._serves(record, log):
                 continue
             if record is None and (contents.records or contents.other_records):
-                changes[recompute_reasons(contents, identity, self.request.context)] += 1
+                changes[contents.why_anew(identity)] += 1
             missing.append(name)
         changes.pop("", None)  # new cases
         for change, count in changes.items():
@@ -83,25 +83,24 @@ class Inventory:
             if path == self.journal.path or self.options.fields == "kept":
                 continue
             with suppress(InvalidInput):  # a damaged journal is no other study's concern
-                other_contents = Journal(path, self.request.context, machine()).contents
+                other = Journal(path, self.request.context, machine()).contents
                 for name in missing:
-                    record = other_contents.records.get(name)
+                    record, identity = other.records.get(name), self.request.identities[name]
                     if record is None or self.record(name) is not None:
                         continue
-                    if record.case_status is CaseStatus.OK and record.is_of(
-                        self.request.identities[name]
-                    ):
-                        self.journal.add(self.request.identities[name], record.outcome)
-                        for sample in other_contents.samples.get(name, ()):
+                    if record.case_status is CaseStatus.OK and record.is_of(identity):
+                        loaded = other.programs[record.stamp].loaded
+                        self.journal.add(identity, replace(record.outcome, loaded=loaded))
+                        for sample in other.samples_of(name):
                             self.journal.time(name, sample)
                         adopted += 1
         return adopted
 
-    def _serves(self, name: str, case_status: CaseStatus, log: Log) -> bool:
+    def _serves(self, record: Record, log: Log) -> bool:
         """Return whether the stored record of a case is enough for the options."""
-        wants_fields = self.options.fields == "kept" and case_status is CaseStatus.OK
-        return case_status not in self.options.retry and (
-            not wants_fields or has_fields(self.fields, name, log)
+        wants_fields = self.options.fields == "kept" and record.case_status is CaseStatus.OK
+        return record.case_status not in self.options.retry and (
+            not wants_fields or has_fields(self.fields, record.key, record.stamp, log)
         )
 
     def times_missing(self) -> dict[str, int]:
@@ -112,8 +111,8 @@ class Inventory:
             record = self.record(name)
             if record is None or record.case_status is not CaseStatus.OK:
                 continue
-            stored = 0 if anew else len(contents.samples.get(name, ()))
-            if stored < self.repeats and (anew or name not in contents.untimed):
+            stored = 0 if anew else len(contents.samples_of(name))
+            if stored < self.repeats and (anew or not contents.reason_without_times(name)):
                 counts[name] = self.repeats - stored
         return counts
 
@@ -125,11 +124,7 @@ class Inventory:
         return f"{stored} of {len(self.request.cases)} cases are stored{times}"
 
     def forecast(self, missing: Sequence[str]) -> Forecast:
-        """Return the predicted cost of the `missing` cases and timed runs, from what the folder holds."""
-        identities = self.request.identities
-        counts = self.times_missing() | dict.fromkeys(missing, self.repeats)
-        if not counts and not missing:
-            return forecast(ForecastModel([]), {}, {})
-        trees = {name: identities[name].tree for name in missing}
-        timed = {name: (identities[name].tree, count) for name, count in counts.items()}
-        return forecast(fit_model(self.journal.path.parent, machine()), trees, timed)
+        """Return the expected cost of the `missing` cases and timed runs."""
+        runs = sum(self.times_missing().values()) + self.repeats * len(missing)
+        sizes = [record.size for record in self.journal.contents.records.values()]
+        return forecast([self.request.cases[name] for name in missing], runs, sizes)

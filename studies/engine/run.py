@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 
 import xarray as xr
 
+from contactstudy import InvalidInput
 from contactstudy.domain.files import locked, remove_partial_files
-from studies.engine.forecast import Forecast, score
+from studies.engine.forecast import Forecast
 from studies.engine.inventory import Inventory
 from studies.engine.options import RunOptions
 from studies.engine.progress import Progress
@@ -20,6 +21,7 @@ from studies.engine.workers.compute import StopRun
 from studies.model.outcome import CaseStatus, Outcome, Work, summary_messages
 from studies.model.study import Study
 from studies.store.journal import Journal
+from studies.store.loaded import shown
 from studies.store.netcdf import check_kind, open_folder
 from studies.store.provenance import machine, provenance
 from studies.store.request import Request
@@ -147,6 +149,7 @@ class _Run:
         self.options, self.stop = options, stop
         self.file = ResultFile(study, request, journal, requested_table(study, request))
         self.inventory = Inventory(study, request, journal, options, self.file.fields_folder)
+        self._said = False
         self.log: Log = lambda text: log(f"{study.name}: {text}")
         self.work = Work(
             study.measures,
@@ -160,13 +163,12 @@ class _Run:
 
         An executor that is made here is closed with `closing`.
         """
-        missing, predicted = self._begin()
+        missing = self._begin()
         activity = "solving"
         try:
             if missing:
                 executor = executor or self._executor(missing, closing)
                 self._solve(missing, executor)
-                self._score(predicted, missing)
                 executor.rest()
             if missing and self.inventory.times_missing():
                 self.file.write()
@@ -193,17 +195,16 @@ class _Run:
             self.log(note)
         cases, missing = self.request.cases, self.inventory.missing(self.log)
         predicted = self.inventory.forecast(missing)
-        runs = sum(self.inventory.times_missing().values()) + self.inventory.repeats * len(missing)
         self.log(
             f"{len(self.request.keys)} points, {len(cases)} distinct cases, {len(cases) - len(missing)} stored, "
-            f"{len(missing)} to compute, {runs} timed runs to take"
+            f"{len(missing)} to compute, {predicted.runs} timed runs to take"
         )
-        if missing or runs:
+        if missing:
             self.log(str(predicted))
         return predicted
 
-    def _begin(self) -> tuple[list[str], Forecast]:
-        """Report what is to be done, open journal and file, and return the missing cases with their forecast."""
+    def _begin(self) -> list[str]:
+        """Report what is to be done, open journal and file, and return the missing cases."""
         cases = self.request.cases
         for note in self.journal.notes:
             self.log(note)
@@ -213,13 +214,10 @@ class _Run:
         missing = self.inventory.missing(self.log)
         if len(missing) < len(cases):
             self.log(f"{len(cases) - len(missing)} cases are stored, {len(missing)} to compute")
-        predicted = self.inventory.forecast(missing)
-        if missing and predicted.is_worth_telling:
-            self.log(str(predicted))
         check_kind(self.file.path, "study", self.log)
         self.file.provenance = provenance()
         axes = {axis.name: axis.values for axis in self.study.points}
-        self.journal.start(self.file.provenance, axes)
+        self.journal.start(self.file.provenance["history"], axes)
         if adopted := self.inventory.adopt(missing):
             self.log(f"{adopted} cases are taken over from other studies in the folder")
             missing = self.inventory.missing(self.log)
@@ -227,7 +225,7 @@ class _Run:
             self.file.table = stored_table(self.study, self.request, self.journal.contents)
         if missing:
             self.file.write()
-        return missing, predicted
+        return missing
 
     def _solve(self, missing: Sequence[str], executor: "Executor") -> None:
         """Compute the ``missing`` cases, each in the journal before it counts as done."""
@@ -236,10 +234,13 @@ class _Run:
 
         def finished(name: str, outcome: Outcome) -> None:
             nonlocal unsynced, solved_seconds
+            self._check_program(outcome)
+            identity = self.request.identities[name]
             if outcome.fields:
-                save_fields(self.file.fields_folder, name, outcome.fields)
+                stamp = self.journal.stamp(identity.state, outcome.loaded)
+                save_fields(self.file.fields_folder, name, stamp, outcome.fields)
                 outcome = replace(outcome, fields={})
-            is_on_disk = self.journal.add(self.request.identities[name], outcome)
+            is_on_disk = self.journal.add(identity, outcome)
             unsynced += 1
             solved_seconds += outcome.seconds
             if is_on_disk:
@@ -272,15 +273,19 @@ class _Run:
             self.log("the last run ended during a case, which now needs a process of its own")
         return InProcess(self.journal.begin, suspects)
 
-    def _score(self, predicted: Forecast, missing: Sequence[str]) -> None:
-        """Write the accuracy of the forecast to the journal."""
-        seconds = {
-            name: record.cpu
-            for name in missing
-            if (record := self.inventory.record(name)) and record.case_status is CaseStatus.OK
-        }
-        if attributes := score(predicted, seconds):
-            self.journal.score(attributes)
+    def _check_program(self, outcome: Outcome) -> None:
+        """Refuse an outcome of another program on another machine; report that a file here has been edited meanwhile."""
+        changes = self.request.context.present.changes(outcome.loaded)
+        if changes and outcome.worker:
+            raise InvalidInput(
+                f"{shown(changes)} {'differs' if len(changes) == 1 else 'differ'} on worker {outcome.worker}, whose "
+                "results are not stored: install the same there, and run the same command again."
+            )
+        if changes and not self._said:
+            self.log(
+                f"{shown(changes)} changed since this program loaded it: the next run computes anew what depends on it"
+            )
+            self._said = True
 
     def _write_once_more(self) -> None:
         """Write journal and file before the run ends."""
@@ -289,14 +294,15 @@ class _Run:
 
     def _end(self) -> xr.Dataset:
         """Write the file, report the outcomes, and return the Dataset."""
-        self.file.write(fields=self.options.fields)
+        if self.options.fields == "kept" or not self.file.is_complete():
+            self.file.write(fields=self.options.fields)
         dataset = self.file.read()
         if "left_out" in dataset.attrs:
             self.log(f"left out: {dataset.attrs['left_out']}")
         for sentence in summary_messages(self.inventory.records()):
             self.log(sentence)
-        untimed = self.journal.contents.untimed.items()
-        if reasons := [reason for name, reason in untimed if name in self.request.cases]:
+        untimed = map(self.journal.contents.reason_without_times, self.request.cases)
+        if reasons := [reason for reason in untimed if reason]:
             self.log(
                 f"{len(reasons)} cases have no times, the first since {reasons[0]}; --retime tries again"
             )

@@ -5,7 +5,6 @@ from itertools import chain
 from operator import itemgetter
 from typing import TYPE_CHECKING
 
-from studies.engine.forecast import mode
 from studies.engine.inventory import Inventory
 from studies.engine.progress import Progress
 from studies.engine.stop import Stop
@@ -41,7 +40,7 @@ def take_times(
     from studies.engine.executors import own_process, packed
 
     expected = {name: journal.contents.records[name].seconds for name in counts}
-    modes = {name: mode(inventory.request.identities[name].tree) for name in counts}
+    kinds = {name: type(cases[name]).__qualname__ for name in counts}
     timer = executor.timer if executor else own_process
     total = sum(counts.values())
     with (
@@ -62,14 +61,14 @@ def take_times(
             journal.cannot_time(name, failure.sentence)
             progress.add(counts[name])
 
-        time_cases(counts, expected, modes, time_once, take, give_up)
+        time_cases(counts, expected, kinds, time_once, take, give_up)
         journal.sync()
 
 
 def time_cases(
     missing: Mapping[str, int],
     expected: Mapping[str, float],
-    modes: Mapping[str, str],
+    kinds: Mapping[str, str],
     time_once: Callable[[str], Sample | Failure | None],
     take: Callable[[str, Sample], object],
     give_up: Callable[[str, Failure], object],
@@ -82,8 +81,8 @@ def time_cases(
         Number of runs of each case.
     expected
         Expected seconds of each case.
-    modes
-        Mode of each case; one case of each mode is first run untimed.
+    kinds
+        Kind of each case; one case of each kind is first run untimed.
     time_once
         Runs a case once.
     take
@@ -92,7 +91,7 @@ def time_cases(
         Takes the name and the failure of a case, which is not timed again.
     """
     without_times = set()
-    untimed = [(-1, name) for name in warm_ups({name: expected[name] for name in missing}, modes)]
+    untimed = [(-1, name) for name in warm_ups({name: expected[name] for name in missing}, kinds)]
     for turn, name in chain(untimed, rounds(missing)):
         if name in without_times:
             continue
@@ -104,12 +103,12 @@ def time_cases(
             take(name, sample)
 
 
-def warm_ups(expected: Mapping[str, float], modes: Mapping[str, str]) -> list[str]:
-    """Return the longest case below ``WARM_UP`` of each mode."""
+def warm_ups(expected: Mapping[str, float], kinds: Mapping[str, str]) -> list[str]:
+    """Return the longest case below ``WARM_UP`` of each kind."""
     longest: dict[str, str] = {}
     for name, seconds in sorted(expected.items(), key=lambda item: item[1]):
         if seconds < WARM_UP:
-            longest[modes[name]] = name
+            longest[kinds[name]] = name
     return list(longest.values())
 
 

@@ -1,14 +1,16 @@
 """Computations of a study, as values that define the contact and the accuracy."""
 
 from collections.abc import Hashable, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
+from time import perf_counter
 from typing import Any, Protocol
 
 import numpy as np
 import xarray as xr
 
 import contactstudy as cs
-from contactstudy.io.dataset import flags
+from contactstudy.evolution.evolution import Trajectory
+from contactstudy.io.dataset import contact_fields, flags
 
 
 class Computation(Hashable, Protocol):
@@ -56,23 +58,64 @@ class Case:
         """Return the problem, with influence coefficients, their transforms and the gap."""
         return self.scene.problem(self.grid, self.padding)
 
-    def run(self, prepared: cs.Problem) -> cs.Solution:
+    def run(self, prepared: cs.Problem) -> cs.Contact:
         """Return the solution of the problem."""
-        return self.options.solved(prepared)
+        return cs.solve(prepared, options=self.options)
 
-    def record(self, result: cs.Solution) -> Mapping[str, xr.Variable]:
+    def record(self, result: cs.Contact) -> Mapping[str, xr.Variable]:
         """Return the numbers of the solver, and its status as CF flags."""
-        return {
-            "solver_status": solver_status(result.status, "how the solver ended"),
-            "iterations": number(result.iterations, "solver iterations"),
-            "convolutions": number(result.convolutions, "transform pairs of the full grid"),
-            "residual": number(result.residual, "residual of the solver"),
-        }
+        return recorded(result)
 
-    def fields(self, result: cs.Solution) -> Mapping[str, xr.Variable]:
+    def fields(self, result: cs.Contact) -> Mapping[str, xr.Variable]:
         """Return pressure [Pa] and gap [m] over the grid."""
-        dataset = cs.to_dataset(result)
+        dataset = contact_fields(result)
         return {name: dataset[name].variable for name in ("x", "y", "pressure", "gap")}
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """An answer, and the wall time [s] of its set-up and solve."""
+
+    answer: cs.Contact | cs.LubricatedContact | cs.Evolution
+    seconds: float
+
+
+@dataclass(frozen=True)
+class SceneCase(Case):
+    """A scene of any kind to solve, on a grid that it shares with others.
+
+    Parameters
+    ----------
+    time_steps
+        Instants and steps of a scene that changes in time; None for others.
+    """
+
+    time_steps: cs.TimeSteps | None = None
+
+    def prepare(self) -> None:  # type: ignore[override]
+        """Do nothing: scenes of several problems set them up as they are solved."""
+
+    def run(self, prepared: None = None) -> Solved:  # type: ignore[override]
+        """Return the answer with its wall time, beside other cases with which it shares coefficients."""
+        start = perf_counter()
+        answer = cs.solve(
+            self.scene, self.grid, self.padding, times=self.time_steps, options=self.options
+        )
+        return Solved(answer, perf_counter() - start)
+
+    def record(self, result: Solved) -> Mapping[str, xr.Variable]:  # type: ignore[override]
+        """Return the numbers of the solver, and its status as CF flags."""
+        return recorded(result.answer)
+
+    def fields(self, result: Solved) -> Mapping[str, xr.Variable]:  # type: ignore[override]
+        """Return all fields of the answer, without the displacement, which follows from the gap."""
+        dataset = result.answer.to_dataset()
+        names = [name for name, variable in dataset.variables.items() if variable.ndim]
+        return {
+            str(name): dataset[name].variable
+            for name in names
+            if name not in ("displacement", "cause") and "cause" not in dataset[name].dims
+        }
 
 
 @dataclass(frozen=True)
@@ -107,22 +150,30 @@ class EvolutionCase:
     def prepare(self) -> None:
         """Do nothing: a march sets itself up."""
 
-    def run(self, prepared: object = None) -> cs.Evolution:
-        """Return the march through the times."""
-        return cs.evolve(
-            self.scene,
-            self.grid,
-            self.padding,
-            times=self.times,
+    def run(self, prepared: object = None) -> Trajectory:
+        """Return what was recorded at the times."""
+        steps = cs.TimeSteps(
+            self.times,
             error=self.error,
             scheme=cs.Scheme[self.scheme],
             step_error=cs.StepError[self.step_error],
-            options=cs.SolveOptions(self.tolerance),
         )
+        answer = cs.solve(
+            self.scene, self.grid, self.padding, times=steps, tolerance=self.tolerance
+        )
+        assert isinstance(answer, cs.Evolution)
+        assert answer.trajectory is not None
+        return answer.trajectory
 
-    def record(self, result: cs.Evolution) -> Mapping[str, xr.Variable]:
+    def record(self, result: Trajectory) -> Mapping[str, xr.Variable]:
         """Return the numbers of the solver over all steps, and the worst status as CF flags."""
-        return march_record(result)
+        return {
+            "solver_status": solver_status(result.status, "how the worst step ended"),
+            "iterations": number(result.iterations, "solver iterations of all steps"),
+            "convolutions": number(result.convolutions, "transform pairs of the full grid"),
+            "residual": number(result.residual, "largest residual"),
+            "solves": number(result.steps, "solves"),
+        }
 
 
 @dataclass(frozen=True)
@@ -158,15 +209,10 @@ class OperatorCase:
         return {"padded_cells": number(int(np.prod(result.padded)), "cells of the padded grid")}
 
 
-def march_record(result: cs.Evolution) -> Mapping[str, xr.Variable]:
-    """Return the numbers of the solver over all steps of a march, and the worst status as CF flags."""
-    return {
-        "solver_status": solver_status(result.status, "how the worst step ended"),
-        "iterations": number(result.iterations, "solver iterations of all steps"),
-        "convolutions": number(result.convolutions, "transform pairs of the full grid"),
-        "residual": number(result.residual, "largest residual"),
-        "solves": number(result.steps, "solves"),
-    }
+def recorded(answer: cs.Contact | cs.LubricatedContact | cs.Evolution) -> dict[str, xr.Variable]:
+    """Return the numbers of the solver of any answer, and its status as CF flags."""
+    counts = {name: number(value, label) for name, (value, label) in answer.counts.items()}
+    return {"solver_status": solver_status(answer.status, "how the solver ended"), **counts}
 
 
 def solver_status(status: cs.Status, long_name: str) -> xr.Variable:
@@ -191,20 +237,18 @@ def contact_share(pressure: np.ndarray) -> xr.Variable:
     return number(float((pressure > 0).mean()), "share of cells in contact")
 
 
-def error_estimates(solution: cs.Solution) -> dict[str, xr.Variable]:
-    """Return the estimated errors of the peak pressure and the pressure in L1, in all and by cause.
+def error_estimates(estimate: cs.ErrorEstimate) -> dict[str, xr.Variable]:
+    """Return the estimated relative errors of an answer, in all and by cause.
 
-    They have the names ``<metric>_estimate`` and ``<metric>_estimate_<cause>``.
+    They have the names ``<quantity>_estimate`` and ``<quantity>_estimate_<cause>``, the pressure in L1 that of
+    ``pressure_l1``.
     """
-    estimate = cs.error_estimate(solution)
-    metrics = {
-        "peak_pressure": ("peak pressure", estimate.peak_pressure),
-        "pressure_l1": ("pressure in L1", estimate.l1),
-    }
     measured: dict[str, xr.Variable] = {}
-    for name, (what, parts) in metrics.items():
+    for quantity, parts in estimate:
+        name = "pressure_l1" if quantity == "l1" else quantity
+        what = "pressure in L1" if quantity == "l1" else quantity.replace("_", " ")
         description = f"estimated relative error of the {what}"
         measured[f"{name}_estimate"] = number(parts.total, description)
-        for cause, part in asdict(parts).items():
+        for cause, part in parts.by_cause.items():
             measured[f"{name}_estimate_{cause}"] = number(part, f"{description}, by {cause}")
     return measured

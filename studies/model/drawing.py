@@ -49,7 +49,7 @@ class Table:
         """Type of each column, ``number`` if its cells start with a number or are ``none``, else ``text``."""
         columns = zip(*self.rows, strict=True) if self.rows else [()] * len(self.head)
         return tuple(
-            "number" if all(cell.lstrip("-−<> ")[:1].isdigit() for cell in column) else "text"
+            "number" if all(cell.lstrip("+-−<> ")[:1].isdigit() for cell in column) else "text"
             for column in ([cell for cell in cells if cell != "none"] for cells in columns)
         )
 

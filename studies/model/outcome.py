@@ -63,6 +63,10 @@ class Outcome:
         Fields of the contact, where they are stored.
     cpu
         CPU time of the whole computation [s].
+    loaded
+        What the process that computed it had loaded, see :class:`~studies.store.loaded.Loaded`.
+    worker
+        Address of the dask worker that computed it; empty for this machine.
     """
 
     case_status: CaseStatus
@@ -71,6 +75,8 @@ class Outcome:
     seconds: float = 0.0
     fields: Mapping[str, xr.Variable] = field(default_factory=dict)
     cpu: float = 0.0
+    loaded: Mapping[str, str] = field(default_factory=dict)
+    worker: str = ""
 
     @property
     def error(self) -> str:

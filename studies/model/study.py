@@ -24,10 +24,6 @@ Point = Mapping[str, Value]
 Measures = Callable[[Any, Any], "Mapping[str, xr.Variable]"]
 
 
-# names in a study file that cannot change a number of a case
-NOT_NUMBERS = frozenset({"points", "times", "files", "figure", "findings", "tables"})
-
-
 @dataclass(frozen=True, eq=False)
 class Study:
     """A study: the points to visit, the computation at each, and what is measured there.
@@ -50,7 +46,7 @@ class Study:
         What there is to say about all points, such as on which grid; kept with the results.
     attributes
         Attributes of the stored Dataset.
-    files
+    depends
         Files that it reads, beside ``folder``: where one changes, what is stored is computed anew.
     folder
         Folder of the study file.
@@ -64,7 +60,7 @@ class Study:
     times: str = "taken"
     notes: tuple[str, ...] = ()
     attributes: Mapping[str, str] = field(default_factory=dict)
-    files: tuple[str, ...] = ()
+    depends: tuple[str, ...] = ()
     folder: Path = Path()
 
     def __post_init__(self) -> None:

@@ -97,10 +97,10 @@ class HardCase:
     start: Start | None = None
     paddings: tuple[str, ...] = tuple(PADDINGS)
 
-    def solve(self, problem: cs.Problem, solver: cs.Solver) -> cs.Solution:
+    def solve(self, problem: cs.Problem, solver: cs.Solver) -> cs.Contact:
         """Return the solution of ``problem`` with this case's settings."""
         start = self.start(problem, solver) if self.start else None
-        return replace(self.options, solver=solver).solved(problem, start)
+        return cs.solve(problem, start=start, options=replace(self.options, solver=solver))
 
     def may_end(self, padding: str) -> frozenset[cs.Status]:
         """Return the statuses in which a solve with a padding may end; a free length cuts off what varies along it."""
@@ -108,7 +108,7 @@ class HardCase:
         return self.ends | {cs.Status.CONTACT_AT_EDGE} if cut_off else self.ends
 
     def judge(
-        self, solution: cs.Solution, padding: cs.Padding | cs.Paddings, solver: cs.Solver
+        self, solution: cs.Contact, padding: cs.Padding | cs.Paddings, solver: cs.Solver
     ) -> tuple[float, float]:
         """Return the error of the pressure and the error stated for it, over the peak pressure."""
         highest = float(solution.pressure.max())

@@ -71,7 +71,7 @@ def scene_at(point: Point) -> Case:
     )
 
 
-def measures(case: Case, solution: cs.Solution) -> Mapping[str, xr.Variable]:
+def measures(case: Case, solution: cs.Contact) -> Mapping[str, xr.Variable]:
     """Return errors of pressure and half-width against Hertz's line contact; all over p_H or a."""
     hertz, grid = case.scene.hertz, case.grid
     assert hertz is not None
@@ -101,7 +101,7 @@ def measures(case: Case, solution: cs.Solution) -> Mapping[str, xr.Variable]:
             "pressure variation along the length over peak pressure",
         ),
     }
-    return numbers(measured) | error_estimates(solution)
+    return numbers(measured) | error_estimates(solution.error)
 
 
 def l1_error(pressure: Array, reference: Array, total: float) -> float:

@@ -10,16 +10,28 @@ import numpy as np
 import xarray as xr
 from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import LogNorm, Normalize
 
 from contactstudy import InvalidInput
+from studies.model.axis import one_of
 from studies.model.drawing import CaptionedFigure
 from studies.model.outcome import CaseStatus
 from studies.report.style import COLORS, captioned, panels
 
 # Measures of a contact that are drawn if they are stored; of other studies the first six measures are.
 DRAWN = (
-    "contact_share", "peak_pressure", "mean_pressure", "approach", "stiffness", "mean_gap", "von_mises_max",
+    "central_film", "minimum_film", "friction_coefficient", "lambda_ratio", "contact_share", "peak_pressure",
+    "mean_pressure", "approach", "stiffness", "mean_gap", "largest_von_mises", "rolling_resistance", "worn_volume",
+    "dent_depth",
 )  # fmt: skip
+# Formulas that are drawn beside a measure over one axis.
+FORMULAS = {
+    "central_film": ("moes_film", "Moes", ":"),
+    "minimum_film": ("dowson_higginson_film", "Dowson & Higginson", "--"),
+}
+# Axes that number samples.
+SAMPLES = ("seed", "window")
 MOST_PANELS, MOST_LINES, MOST_FIGURES = 6, 8, 12
 SIZES: dict[str, Sequence[tuple[float, str]]] = {
     "m": ((1e-9, "nm"), (1e-6, "µm"), (1e-3, "mm"), (1.0, "m")),
@@ -30,19 +42,32 @@ SIZES: dict[str, Sequence[tuple[float, str]]] = {
 }
 
 
-def curves(dataset: xr.Dataset) -> Sequence[CaptionedFigure]:
-    """Draw the measures over the longest numeric axis, a line for each value of another, a figure for a third."""
-    return _figures(dataset, "curves")
+def curves(dataset: xr.Dataset, plot: Sequence[str] = ()) -> Sequence[CaptionedFigure]:
+    """Draw the measures over the longest numeric axis, a line for each value of another, a figure for a third.
+
+    Parameters
+    ----------
+    dataset
+        Stored study.
+    plot
+        Names of the measures to draw; those of a contact if empty.
+
+    Raises
+    ------
+    InvalidInput
+        For a name that the study does not have, or a study without numbers.
+    """
+    return _figures(dataset, "curves", plot)
 
 
-def maps(dataset: xr.Dataset) -> Sequence[CaptionedFigure]:
+def maps(dataset: xr.Dataset, plot: Sequence[str] = ()) -> Sequence[CaptionedFigure]:
     """Draw the measures as maps over two numeric axes; as :func:`curves` where there are none."""
-    return _figures(dataset, "maps")
+    return _figures(dataset, "maps", plot)
 
 
-def _figures(dataset: xr.Dataset, kind: str) -> Sequence[CaptionedFigure]:
+def _figures(dataset: xr.Dataset, kind: str, plot: Sequence[str]) -> Sequence[CaptionedFigure]:
     """Return a figure of the measures for each point on the axes after the first two."""
-    axes, names = _by_length(dataset), _measures(dataset)
+    axes, names = _by_length(dataset), _chosen(dataset, plot) or _measures(dataset)
     if not names:
         raise InvalidInput(
             "The study has no measure to draw: let measures give a number that is not nan."
@@ -58,7 +83,17 @@ def _figures(dataset: xr.Dataset, kind: str) -> Sequence[CaptionedFigure]:
         place = ", ".join(f"{_name(dataset[axis])} {_short(value)}" for axis, value in at.items())
         figure, panes = panels(len(names), columns=min(3, len(names)))
         for name, ax in zip(names, panes, strict=True):
-            (_map if is_map else _curve)(ax, good.sel(at)[name], shown)
+            here = good.sel(at)
+            if is_map:
+                _map(ax, here[name], shown)
+            else:
+                _curve(ax, here[name], shown, here.get(f"{name}_bound"))
+            formula, author, dashes = FORMULAS.get(name, ("", "", ""))
+            if formula in good and len(shown) == 1 and _varies(dataset[shown[0]]):
+                x, _ = _scaled(dataset[shown[0]])
+                size, _ = _scale(good.sel(at)[name])
+                law = good.sel(at)[formula] / size
+                ax.plot(x, law, color="black", linestyle=dashes, label=author)
         parts = [str(dataset.attrs.get("title", "Study")), place, _constants(dataset, axes)]
         caption = f"{'; '.join(part for part in parts if part)}."
         figures.append(captioned(f"{stem}-{number}" if further else stem, figure, caption))
@@ -92,25 +127,43 @@ def _by_length(dataset: xr.Dataset) -> list[str]:
     return sorted(map(str, dataset["case_status"].dims), key=rank)
 
 
-def _measures(dataset: xr.Dataset) -> list[str]:
-    """Return the names of the variables to draw: numbers at every point, times only where there is nothing else."""
+def _numbers(dataset: xr.Dataset) -> list[str]:
+    """Return the names of the variables with a number at every point."""
     dims = dataset["case_status"].dims
-    present = [
+    return [
         str(name)
         for name, variable in dataset.data_vars.items()
         if variable.dims == dims and variable.dtype.kind == "f" and variable.notnull().any()
     ]
+
+
+def _chosen(dataset: xr.Dataset, plot: Sequence[str]) -> list[str]:
+    """Return the names that were asked for, if the study has them."""
+    return [one_of("plot", name, _numbers(dataset)) for name in plot]
+
+
+def _measures(dataset: xr.Dataset) -> list[str]:
+    """Return the names of the variables to draw: numbers at every point, times only where there is nothing else."""
+    present = [
+        name for name in _numbers(dataset) if "_bound" not in name and "_estimate" not in name
+    ]
     preferred = [name for name in DRAWN if name in present]
-    if {"stiffness", "von_mises_max"} <= set(preferred):
+    if {"stiffness", "largest_von_mises"} <= set(preferred):
         preferred.remove("mean_gap")
     times = [name for name in present if "_time" in name]
     others = [name for name in present if name not in (*times, "convolutions", "residual")]
     return (preferred or others or times)[:MOST_PANELS]
 
 
-def _curve(ax: Axes, values: xr.DataArray, shown: Sequence[str]) -> None:
-    """Draw a measure over the first axis, with a line for each value of the second."""
+def _curve(
+    ax: Axes, values: xr.DataArray, shown: Sequence[str], bound: xr.DataArray | None
+) -> None:
+    """Draw a measure over the first axis, with a line for each value of the second, and its bounds as bars.
+
+    Names are points side by side, which no line joins.
+    """
     y, label = _scaled(values)
+    bars = None if bound is None else bound.where(np.isfinite(bound)) / _scale(values)[0]
     if not shown:
         ax.plot([0], [float(y)], marker="o")
         ax.set(ylabel=label, xticks=[])
@@ -121,10 +174,15 @@ def _curve(ax: Axes, values: xr.DataArray, shown: Sequence[str]) -> None:
         _scaled(numbers) if _is_numeric(numbers) else (np.arange(numbers.size), _label(numbers))
     )
     if families:
-        _family(ax, x, y.transpose(families[0], first), families[0])
+        joined = "-" if _is_numeric(numbers) else "none"
+        _family(ax, x, y.transpose(families[0], first), families[0], joined)
+    elif not _is_numeric(numbers):
+        ax.plot(x, y, marker="o", ls="none", color=COLORS[0])
     else:
         ax.plot(x, y, marker="o", color=COLORS[0])
-    if _is_numeric(numbers) and _spans(numbers):
+    if bars is not None and not families:
+        ax.errorbar(x, y, yerr=bars, fmt="none", ecolor="0.6", capsize=2, zorder=1)
+    if _is_numeric(numbers) and (_spans(numbers) or _is_geometric(numbers)):
         ax.set_xscale("log")
     if _spans(values):
         ax.set_yscale("log")
@@ -134,19 +192,47 @@ def _curve(ax: Axes, values: xr.DataArray, shown: Sequence[str]) -> None:
         ax.set_xticks(x, texts, rotation=30 if max(map(len, texts)) > 5 else 0)
 
 
-def _family(ax: Axes, x: Any, lines: xr.DataArray, axis: str) -> None:
-    """Draw a line for each value of an axis; for many values, thin lines and their mean."""
+def _family(ax: Axes, x: Any, lines: xr.DataArray, axis: str, joined: str) -> None:
+    """Draw a line for each value of an axis: samples as their mean and spread, many numbers with a colour bar."""
     values, name = lines[axis], _name(lines[axis])
+    size, unit = _scale(values) if _is_numeric(values) else (1.0, "")
+    if _is_sample(axis) and values.size > 1:
+        mean, spread = lines.mean(axis), lines.std(axis, ddof=1)
+        ax.fill_between(x, mean - spread, mean + spread, color=COLORS[0], alpha=0.2, lw=0)
+        ax.plot(
+            x,
+            mean,
+            marker="o",
+            ls=joined,
+            color=COLORS[0],
+            label=f"mean of {values.size}, ± its spread",
+        )
+        return
+    if values.size > MOST_LINES and _is_numeric(values):
+        is_log = _is_geometric(values)
+        scale = (LogNorm if is_log else Normalize)(
+            float(values.min()) / size, float(values.max()) / size
+        )
+        colors = ScalarMappable(scale, "viridis")
+        for value, line in zip(values.values, lines.values, strict=True):
+            ax.plot(
+                x,
+                line,
+                ls=joined,
+                marker="." if joined == "none" else "none",
+                color=colors.to_rgba(value / size),
+            )
+        ax.figure.colorbar(colors, ax=ax, label=f"{name} {f'[{unit}]' * bool(unit)}".rstrip())
+        return
     if values.size > MOST_LINES:
-        ax.plot(x, lines.values.T, color="0.6", linewidth=0.7)
+        ax.plot(x, lines.values.T, color="0.6", linewidth=0.7, ls=joined)
         ax.plot([], [], color="0.6", linewidth=0.7, label=f"each {name}")
-        ax.plot(x, lines.mean(axis), color=COLORS[0], marker="o", label="mean")
+        ax.plot(x, lines.mean(axis), color=COLORS[0], marker="o", ls=joined, label="mean")
         return
     tones = colormaps["viridis"](np.linspace(0, 0.85, values.size))
-    size, unit = _scale(values) if _is_numeric(values) else (1.0, "")
     for value, line, tone in zip(values.values, lines.values, tones, strict=True):
         text = _short(value / size) if _is_numeric(values) else str(value)[:30]
-        ax.plot(x, line, marker="o", color=tone, label=f"{name} {text} {unit}".rstrip())
+        ax.plot(x, line, marker="o", ls=joined, color=tone, label=f"{name} {text} {unit}".rstrip())
 
 
 def _map(ax: Axes, values: xr.DataArray, shown: Sequence[str]) -> None:
@@ -175,6 +261,20 @@ def _spans(values: xr.DataArray) -> bool:
     """Return whether the values are above zero and spread over more than a decade."""
     finite = values.values[np.isfinite(values.values)].ravel()
     return bool(finite.size > 1 and finite.min() > 0 and finite.max() > 10 * finite.min())
+
+
+def _is_geometric(values: xr.DataArray) -> bool:
+    """Return whether three numbers or more follow each other in equal ratios."""
+    numbers = values.values
+    if numbers.size < 3 or not (numbers > 0).all():
+        return False
+    ratios = numbers[1:] / numbers[:-1]
+    return bool(np.allclose(ratios, ratios[0], rtol=1e-3) and abs(ratios[0] - 1) > 1e-3)
+
+
+def _is_sample(axis: str) -> bool:
+    """Return whether an axis numbers samples of one surface, whose order says nothing."""
+    return axis.rsplit(".", 1)[-1].rsplit("_", 1)[-1] in SAMPLES
 
 
 def _scale(values: xr.DataArray) -> tuple[float, str]:

@@ -1,10 +1,8 @@
 """Pages of the report: figures from stored studies, in one self-contained page for each chapter."""
 
-import base64
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
-from io import BytesIO
+from dataclasses import replace
 from pathlib import Path
 from time import monotonic
 
@@ -13,47 +11,32 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 
 from contactstudy import InvalidInput
 from contactstudy.domain.files import replacing
+from studies.advice.comparison import Comparison
+from studies.advice.measuring import Budget
+from studies.advice.stored import from_dataset, path_in
+from studies.advice.subject import paper_described
 from studies.engine.executors import Executor
 from studies.engine.options import RunOptions
 from studies.engine.progress import Progress
 from studies.engine.run import Log, run
-from studies.model.drawing import CaptionedFigure, Drawing, Finding, Table
+from studies.model.drawing import CaptionedFigure, Drawing, Finding
 from studies.model.outcome import CaseStatus
 from studies.model.study import Study
 from studies.registry import BUILT_IN, load_drawing
-from studies.report.chapters import CHAPTERS, MAIN, Chapter, Part, single
+from studies.report.chapters import CHAPTERS, MAIN, SETTINGS, Chapter, Part, single
+from studies.report.scene_sections import comparison_of, lead, scene_sections
+from studies.report.section import FORMATS, Section, embedded, is_claim, saved
 from studies.report.style import marked, plain
 from studies.store.netcdf import read
 
-FORMATS = ("png",)
 MOST_VALUES = 10  # of an axis that a page lists
-CLAIM = "The paper's"  # findings about the paper stand in its section
+# Request and seconds of the comparison of settings for the paper's cylinder.
+PAPER_ERROR, PAPER_SECONDS = 1e-2, 15.0
 
 NOTHING_TO_DRAW = Drawing(
     lambda dataset: (),
     lambda dataset: (Finding("No case gave numbers.", "What failed is in the file's `error`."),),
 )
-
-
-@dataclass(frozen=True, eq=False)
-class Section:
-    """The part of a page that shows a study."""
-
-    name: str
-    title: str
-    swept: str
-    findings: Sequence[Finding]
-    figures: Sequence[Mapping[str, str]]
-    tables: Sequence[Table]
-
-    @property
-    def answers(self) -> Sequence[Finding]:
-        """Findings that answer a question of the reader."""
-        return [
-            finding
-            for finding in self.findings
-            if finding.question.endswith("?") or _is_claim(finding)
-        ]
 
 
 def draw(
@@ -64,7 +47,7 @@ def draw(
     _check(figures, study.name)
     with Progress(study.name, "drawing", len(figures), "figure", lambda text: None) as progress:
         for figure in figures:
-            _save(figure, out / study.name, formats)
+            saved(figure, out / study.name, formats)
             progress.add()
     return figures
 
@@ -103,7 +86,7 @@ def section(
         title=study.title.rstrip("."),
         swept=swept(study, dataset),
         findings=drawing.findings(dataset),
-        figures=[_embedded(figure, part.name, out, formats) for figure in figures],
+        figures=[embedded(figure, part.name, out, formats) for figure in figures],
         tables=drawing.tables(dataset),
     )
 
@@ -122,6 +105,8 @@ def make(
     with ThreadPoolExecutor(1) as artist:
         for number, part in enumerate(chapter.parts, 1):
             began, messages = monotonic(), list[str]()
+            if part.name == SETTINGS:
+                continue
             study = part.study()
             timed = replace(options, repeats=min(options.repeats, part.repeats))
             dataset = run(study, out, options=timed, log=messages.append, executor=executor).load()
@@ -134,14 +119,36 @@ def make(
                 f"{monotonic() - began:.0f} s"
             )
             drawn.append(artist.submit(section, part, dataset, out, formats))
-        sections = [future.result() for future in drawn]
-    return write_page(chapter, sections, datasets, out)
+        results = [future.result() for future in drawn]
+    sections: dict[str, Sequence[Section]] = {one.name: [one] for one in results}
+    if SETTINGS in (part.name for part in chapter.parts):
+        # its times are taken when nothing else runs
+        measured = comparison_of(paper_described(), PAPER_ERROR, Budget(PAPER_SECONDS), out, log)
+        sections[SETTINGS] = scene_sections(measured, out, formats, most=1)
+        datasets[SETTINGS] = read(path_in(out))
+    ordered = [one for part in chapter.parts for one in sections[part.name]]
+    return write_page(chapter, ordered, datasets, out)
+
+
+def write_scene(measured: Comparison, out: Path, formats: Sequence[str] = FORMATS) -> Path:
+    """Write the page about the settings of one scene, whose comparison is stored; return its path."""
+    chapter = Chapter(
+        MAIN.name, f"{measured.name}: which padding and which grid", (), lead(measured)
+    )
+    sections = scene_sections(measured, out, formats)
+    return write_page(chapter, sections, {SETTINGS: read(path_in(out))}, out)
 
 
 def write(chapter: Chapter, out: Path, formats: Sequence[str] = FORMATS) -> Path:
     """Draw a chapter from the netCDF files of its studies and write its page; return its path."""
-    datasets = {part.name: stored(part.study(), out) for part in chapter.parts}
-    sections = [section(part, datasets[part.name], out, formats) for part in chapter.parts]
+    datasets, sections = {}, list[Section]()
+    for part in chapter.parts:
+        if part.name == SETTINGS:
+            datasets[SETTINGS] = read(path_in(out))
+            sections += scene_sections(from_dataset(datasets[SETTINGS]), out, formats, most=1)
+            continue
+        datasets[part.name] = stored(part.study(), out)
+        sections.append(section(part, datasets[part.name], out, formats))
     return write_page(chapter, sections, datasets, out)
 
 
@@ -164,7 +171,7 @@ def write_page(
         explored={path.name for path in out.glob("*-explore.html")},
         sections=_with_claims_beside_the_paper(sections),
         provenance={name: dataset.attrs for name, dataset in datasets.items()},
-        others=_others(chapter, out),
+        others=_others(chapter, out) if chapter.parts else (),
     )
     path = out / chapter.page
     with replacing(path) as partial:
@@ -213,50 +220,17 @@ def _check(figures: object, name: str) -> None:
         )
 
 
-def _save(drawn: CaptionedFigure, folder: Path, formats: Sequence[str]) -> bytes:
-    """Save a figure in these formats; return its PNG."""
-    # laid out once for all files: each would do it again
-    if engine := drawn.figure.get_layout_engine():
-        engine.execute(drawn.figure)
-        drawn.figure.set_layout_engine("none")
-    picture = BytesIO()
-    for suffix in formats:
-        data = BytesIO()
-        drawn.figure.savefig(data, format=suffix)
-        with replacing(folder / f"{drawn.name}.{suffix}") as path:
-            path.write_bytes(data.getvalue())
-        picture = data if suffix == "png" else picture
-    return picture.getvalue()
-
-
-def _embedded(
-    drawn: CaptionedFigure, folder: str, out: Path, formats: Sequence[str]
-) -> Mapping[str, str]:
-    return {
-        "png": base64.b64encode(_save(drawn, out / folder, formats)).decode(),
-        "files": " ".join(f"{folder}/{drawn.name}.{suffix}" for suffix in formats),
-        "caption": drawn.caption,
-        "width": f"{100 * drawn.figure.get_figwidth():.0f}",
-        "height": f"{100 * drawn.figure.get_figheight():.0f}",
-    }
-
-
-def _is_claim(finding: Finding) -> bool:
-    """Return whether a finding is about a claim of the paper."""
-    return finding.question.startswith(CLAIM)
-
-
 def _with_claims_beside_the_paper(sections: Sequence[Section]) -> Sequence[Section]:
     """Return the sections with all findings about the paper in its section, if there is one."""
     if "paper" not in [section.name for section in sections]:
         return sections
     findings = [finding for section in sections for finding in section.findings]
-    claims = sorted(filter(_is_claim, findings), key=lambda finding: finding.question)
+    claims = sorted(filter(is_claim, findings), key=lambda finding: finding.question)
     return [
         replace(
             section,
             findings=claims * (section.name == "paper")
-            + [finding for finding in section.findings if not _is_claim(finding)],
+            + [finding for finding in section.findings if not is_claim(finding)],
         )
         for section in sections
     ]

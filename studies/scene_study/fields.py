@@ -9,7 +9,7 @@ from contactstudy import InvalidInput, MeasuredSurface
 from contactstudy.domain.checks import suggestion
 from contactstudy.domain.units import Unit
 from contactstudy.io.document import Document, MeasuredFile
-from contactstudy.io.scene_file import SceneFile
+from contactstudy.scene_file import SceneFile
 
 Path = tuple[str, ...]
 
@@ -93,7 +93,7 @@ def find(document: Document, name: str) -> SceneField:
         return _at(document, tuple(SHORT[name].split(".")))
     if name == "period":
         return _at(document, ("grid", "extent", "1"))
-    path = tuple(name.split("."))
+    path = tuple(name.replace("[", ".").replace("]", "").split("."))  # as messages write an entry
     keys = [key.name for key in fields(Document)]
     if path[0] in keys:
         return _at(document, path)

@@ -1,6 +1,7 @@
 """Quantities recorded of every contact of a sweep."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from math import log, pi
 
 import numpy as np
 import xarray as xr
@@ -8,19 +9,13 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.domain.fields import Array, inner
 from contactstudy.io.dataset import labelled
-from contactstudy.io.summary import (
-    Quantity,
-    film_march_quantities,
-    march_quantities,
-    rolling_quantities,
-)
-from contactstudy.scene.load import ConstantLoad
-from studies.model.case import error_estimates, number
-from studies.scene_study.scene_case import FileCase, SceneCase, Solved
+from studies.model.case import SceneCase, Solved, error_estimates, number
 
 # The error of the stiffness is the square of the relative error of the iteration.
 RESIDUAL = 3e-2
 MOST = 60
+# Quantities that are what a sweep varies.
+NAMED_BY_AXES = ("load_per_length", "total_load")
 
 
 def normal_stiffness(solution: cs.Solution) -> float:
@@ -70,71 +65,71 @@ def normal_stiffness(solution: cs.Solution) -> float:
     return float(grid.cell_area / grid.period / compliance)
 
 
-def measures(
-    case: SceneCase | FileCase,
-    result: Solved | cs.SteadyRolling | cs.Evolution | cs.FilmEvolution,
-) -> Mapping[str, xr.Variable]:
-    """Return the numbers of a contact: of a solution, of steady rolling, or of a march in time."""
-    if isinstance(result, cs.FilmEvolution):
-        return _of_quantities(film_march_quantities(result))
-    if isinstance(result, cs.Evolution):
-        return _of_quantities(march_quantities(result))
-    if isinstance(result, cs.SteadyRolling):
-        numbers = _of_quantities(rolling_quantities(result))
-        return {**_of_solution(case.scene, result.solution), **numbers}
-    measured = _of_solution(case.scene, result.solution)
-    if result.datum is not None:
-        measured["approach"].attrs["description"] = (
-            f"counted from {result.datum:.4g} m beside the contact"
+def measures(case: SceneCase, result: Solved) -> Mapping[str, xr.Variable]:
+    """Return the quantities of an answer with their bounds, its estimated errors, and what only a contact has."""
+    answer = result.answer
+    measured: dict[str, xr.Variable] = {}
+    for name, one in answer.quantities.items():
+        if name in NAMED_BY_AXES:
+            continue
+        measured[name] = labelled((), one.value, one.unit, one.label)
+        measured[f"{name}_bound"] = labelled(
+            (), one.bound, one.unit, f"bound of the error: {one.label}"
         )
-    description = (
-        "wall time of set-up and solve, beside other cases with which it shares coefficients"
-    )
+    if isinstance(answer, cs.Contact):
+        measured |= _of_contact(case, answer)
+    description = "wall time of set-up and solve, beside other cases"
     measured["wall_time"] = labelled((), result.seconds, "s", "wall time", description=description)
-    if result.solution.pressure.any():
-        stiffness = normal_stiffness(result.solution)
+    return measured | error_estimates(answer.error)
+
+
+def _of_contact(case: SceneCase, contact: cs.Contact) -> dict[str, xr.Variable]:
+    """Return load, area over Hertz's, perimeter and stiffness of a dry contact, and the approach at a common datum."""
+    grid, scene = contact.grid, case.scene
+    touching = contact.pressure > 0
+    area = float(np.count_nonzero(touching) * grid.cell_area)
+    perimeter = _perimeter(touching, grid, contact.problem.paddings)
+    load = float(contact.pressure.sum()) * grid.cell_area / grid.period
+    farther = compliance_to_width(contact)
+    datum = (
+        {"description": f"counted from {grid.extent[0] / 2:.4g} m beside the contact"}
+        if farther
+        else {}
+    )
+    measured = {
+        "load": labelled((), load, "N m-1", "load per length"),
+        "contact_share": number(float(touching.mean()), "fraction of the grid in contact"),
+        "contact_perimeter": labelled(
+            (), perimeter, "m", "contact perimeter", description="edges of cells at which contact ends"
+        ),
+        "approach": labelled((), contact.approach + load * farther, "m", "approach", **datum),
+    }  # fmt: skip
+    if (hertz := scene.hertz) is not None:
+        share = area / (2 * hertz.half_width * grid.period)
+        measured["contact_area_over_hertz"] = number(share, "contact area over Hertz's")
+    if contact.pressure.any():
+        stiffness = 1 / (1 / normal_stiffness(contact) + farther)
         measured["stiffness"] = labelled(
             (), stiffness, "N m-2", "normal stiffness", description="d load / d approach"
         )
     return measured
 
 
-def _of_quantities(numbers: Sequence[Quantity]) -> dict[str, xr.Variable]:
-    """Return labelled variables of quantities, by name."""
-    return {
-        quantity.name: labelled((), quantity.value, quantity.units, quantity.long_name)
-        for quantity in numbers
-    }
+def compliance_to_width(contact: cs.Contact) -> float:
+    """Return the further approach [m] of points half the grid's width beside a contact, per load per length [N/m].
 
-
-def _of_solution(scene: cs.Scene, solution: cs.Solution) -> dict[str, xr.Variable]:
-    """Return load, area, pressures, mean gap, error estimates and the largest von Mises stress."""
-    grid, pressure = solution.problem.grid, solution.pressure
-    touching = pressure > 0
-    area = float(np.count_nonzero(touching) * grid.cell_area)
-    load = scene.load.over(grid.period) if isinstance(scene.load, ConstantLoad) else 0.0
-    mean = load * grid.period / area if area else 0.0
-    perimeter = _perimeter(touching, grid, solution.problem.paddings)
-    measured = {
-        "load": labelled((), load, "N m-1", "load per length"),
-        "contact_area": labelled((), area, "m2", "contact area"),
-        "contact_share": number(float(touching.mean()), "share in contact"),
-        "contact_perimeter": labelled(
-            (),
-            perimeter,
-            "m",
-            "contact perimeter",
-            description="edges of cells at which contact ends",
-        ),
-        "peak_pressure": labelled((), float(pressure.max()), "Pa", "peak pressure"),
-        "mean_pressure": labelled((), mean, "Pa", "mean pressure in contact"),
-        "approach": labelled((), solution.approach, "m", "approach"),
-        "mean_gap": labelled((), solution.mean_gap, "m", "mean gap"),
-    }
-    if (hertz := scene.hertz) is not None:
-        share = area / (2 * hertz.half_width * grid.period)
-        measured["contact_area_over_hertz"] = number(share, "contact area over Hertz's")
-    return {**measured, **_von_mises(solution), **error_estimates(solution)}
+    Along an endless contact the approach grows with the logarithm of the distance that it counts from. A scene counts
+    from Hertz's half-width, which changes with the load; contacts of a sweep are compared from one place. The far
+    displacement of a line load q is ``-2 q / (pi E*) ln r`` (Johnson 1985, eq. 2.20). It is 0 where the padding fixes
+    the datum.
+    """
+    problem, grid = contact.problem, contact.grid
+    across, along = problem.paddings or (None, None)
+    if across is None or along is None or along.window is not None or across.window is None:
+        return 0.0
+    assert contact.scene is not None
+    compliance = sum(getattr(body, "substrate", body).compliance for body in contact.scene.solids)
+    return 2 * compliance / pi * log(grid.extent[0] / 2 / problem.scales.length)
 
 
 def _perimeter(touching: np.ndarray, grid: cs.Grid, paddings: cs.Paddings | None) -> float:
@@ -152,25 +147,3 @@ def _perimeter(touching: np.ndarray, grid: cs.Grid, paddings: cs.Paddings | None
 def _repeats(padding: cs.Padding) -> bool:
     """Return whether an axis repeats."""
     return padding.window is None or len(padding.window) > 1
-
-
-def _von_mises(solution: cs.Solution) -> Mapping[str, xr.Variable]:
-    """Return the largest von Mises stress of the outputs that the scene names, and its depth."""
-    measured = {}
-    for output in solution.problem.outputs:
-        fields = output.fields(solution.pressure)
-        if "von_mises" not in fields or "z" not in fields:
-            continue
-        values, depths = fields["von_mises"].values, fields["z"].values
-        level = int(np.unravel_index(values.argmax(), values.shape)[0])
-        measured["von_mises_max"] = labelled(
-            (), float(values.max()), "Pa", "largest von Mises stress"
-        )
-        measured["von_mises_max_depth"] = labelled(
-            (),
-            float(depths[level]),
-            "m",
-            "depth of the largest stress",
-            description="of the depths named",
-        )
-    return measured

@@ -11,19 +11,17 @@ import contactstudy as cs
 from contactstudy import InvalidInput, MeasuredSurface, Roughness, Scene
 from contactstudy.domain.checks import divides
 from contactstudy.domain.device import available_bytes
-from contactstudy.io.scene_file import SceneFile, read_scene, scene_file_from
 from contactstudy.io.scene_writer import scene_text
 from contactstudy.planning.cost import memory
-from contactstudy.planning.grid_requirements import Needs, halvable
+from contactstudy.planning.grid_requirements import Needs, halvable, needs_of
 from contactstudy.planning.grid_search import affordable
-from contactstudy.planning.plan import SHARE, needs_of, robust_grid
+from contactstudy.planning.plan import SHARE
+from contactstudy.scene_file import SceneFile, read_scene, scene_file_from
 from studies.model.axis import Value, check_count
-from studies.model.case import Case, Computation
-from studies.model.film_case import FilmCase, film_measures
+from studies.model.case import Case, Computation, SceneCase
 from studies.model.study import Point, Study
 from studies.scene_study.fields import document_of
 from studies.scene_study.measures import measures
-from studies.scene_study.scene_case import FileCase, MarchedFilm, SceneCase
 from studies.scene_study.variation import Variation, together, variation
 
 
@@ -169,9 +167,6 @@ def _planned(points: Sequence[SceneFile], needs: Sequence[Needs]) -> list[cs.Gri
 
 def _grid_of_plan(point: SceneFile) -> cs.Grid:
     """Return the grid that is planned for a point and similar ones."""
-    scene, settings = point.scene, point.plan_settings
-    if scene.lubrication is None and scene.changing is None and scene.rolling is None:
-        return robust_grid(scene, settings.error, settings.period)
     return point.plan().grid
 
 
@@ -260,13 +255,14 @@ def study_of(
     placed, notes = posed(files)
     cases = dict(zip(points, map(_computation, placed, files), strict=True))
     if name is None:
-        name = Path(scene).stem if isinstance(scene, str | PathLike) else "scene"
+        # not the name of the scene, which contactstudy solve gives to its file
+        name = f"{Path(scene).stem}-sweep" if isinstance(scene, str | PathLike) else "scene"
     return Study(
         name,
         f"{name}: {', '.join(varied.axis.long_name for varied in axes)}",
         tuple(varied.axis for varied in axes),
         _SceneAt(tuple(varied.axis.name for varied in axes), cases),
-        film_measures if isinstance(next(iter(cases.values())), FilmCase) else measures,
+        measures,
         times="none",
         notes=(*notes, *(note for varied in axes for note in varied.notes)),
         attributes={"scene": _text(scene, described)},
@@ -333,13 +329,7 @@ def _rank(varied: Variation) -> int:
     return ORDER.index(last) if last in ORDER else len(ORDER)
 
 
-def _computation(case: Case, file: SceneFile) -> Case:
-    """Return the computation of a contact: a film, a march or rolling, or a single solve."""
-    contact = case.scene, case.grid, case.padding, case.options
-    if case.scene.lubrication is not None:
-        if case.scene.changing is not None:
-            return MarchedFilm(*contact, file.time_steps)
-        return FilmCase(*contact)
-    if case.scene.rolling is not None or case.scene.changing is not None:
-        return FileCase(*contact, file.time_steps)
-    return SceneCase(*contact)
+def _computation(case: Case, file: SceneFile) -> SceneCase:
+    """Return the computation of a scene, with the instants of its file where it changes in time."""
+    steps = file.time_steps if case.scene.changing and case.scene.rolling is None else None
+    return SceneCase(case.scene, case.grid, case.padding, case.options, steps)

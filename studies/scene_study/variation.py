@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass, make_dataclass
 from glob import glob, has_magic
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args, get_origin
 
 import numpy as np
 
@@ -289,6 +289,11 @@ def _made(field: SceneField, raw: object) -> Any:
         sentence = str(error).replace(f"{field.name}: value: ", f"{field.name}: ")
         if field.name == "load" and not isinstance(raw, dict):
             sentence = f"load: it is {raw!r}: vary load.per_length, or give tables with a kind."
+        if get_origin(kind) is tuple and not isinstance(raw, list):
+            sentence = (
+                f"{field.name}: it is {raw!r}: give each value as a list in brackets, such as "
+                f"{field.name}={_lists(kind, raw)}."
+            )
         if is_dataclass(kind) and not isinstance(raw, dict):
             names = [member.name for member in fields(kind)]
             sentence = (
@@ -296,6 +301,13 @@ def _made(field: SceneField, raw: object) -> Any:
                 f"{' or '.join(f'{field.name}.{name}' for name in names)}."
             )
         raise InvalidInput(sentence) from None
+
+
+def _lists(kind: Any, raw: object) -> str:
+    """Return two values of a field that holds a list, made from a value that is none, for a message."""
+    count = len(get_args(kind)) if Ellipsis not in get_args(kind) else 1
+    second = 2 * raw if isinstance(raw, int | float) else raw
+    return ",".join(str([entry] * count).replace(" ", "") for entry in (raw, second))
 
 
 def _label(made: Any, raw: object) -> Value:

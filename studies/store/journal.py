@@ -11,10 +11,10 @@ from types import TracebackType
 from typing import Any, Self
 
 from contactstudy import InvalidInput
-from contactstudy.domain.files import open_descriptor, read_at, reason, replacing
+from contactstudy.domain.files import open_descriptor, read_at, reason, replacing, set_aside
 from studies.model.outcome import Outcome, Sample
 from studies.store.journal_lines import START, decoded, encoded, encoded_variable, short_hash
-from studies.store.records import FORMAT, ODD, CaseIdentity, Contents, RecordFile
+from studies.store.records import FORMAT, ODD, CaseIdentity, Contents, Context, Program, RecordFile
 
 # Seconds after which lines are synced to the disk, which takes 0.3 ms; shorter cases are synced together.
 TOGETHER = 0.05
@@ -23,36 +23,41 @@ TOGETHER = 0.05
 class Journal:
     """The journal of a study, read at once, and in a ``with`` statement open for writing.
 
-    Every line starts with a checksum of its content. A line that fails it goes to ``<path>.damaged`` when the
-    journal is opened for writing, and its content counts as not stored; a torn last line is cut off. Lines are ``run``
-    (versions, machine, time), ``axis``, ``begin``, ``case``, ``time``, ``untimed``, ``retime`` and ``score``. Each
-    line names the run that it belongs to, so that its place does not matter. ``run`` and ``axis``, which many lines
-    need, are written twice. Only one process at a time may write.
+    Every line starts with a checksum of its content. A line that fails it, or that this version does not write, goes to
+    ``<path>.damaged`` when the journal is opened for writing, and its content counts as not stored; a torn last line is
+    cut off. Lines are runs (study part, machine, time), values of an axis, programs (what was loaded), the beginning of
+    a case, cases and their times. A case names its program, a line above. A journal of another format is set aside as a
+    whole. Only one process at a time may write.
 
     Parameters
     ----------
     path
         The file, which need not exist.
     context
-        Versions and hashes of the present code; records of another context are kept apart. None takes records of every
-        context, and allows no writing.
+        Part of the study, and what would be loaded now; records of another program are kept apart. None takes records
+        of every program, and allows no writing.
     machine
         Name of this machine; times of another machine are kept apart.
     """
 
-    def __init__(self, path: Path, context: Mapping[str, str] | None, machine: str) -> None:
+    def __init__(self, path: Path, context: Context | None, machine: str) -> None:
         self.path = path
         self.notes: list[str] = []
         self._context, self._machine = context, machine
         self._synced = monotonic()
         self._run = ""
-        self._second_copies: list[bytes] = []
+        self._stamps: dict[tuple[int, str], tuple[object, str]] = {}
         self._close: Callable[[], object] = lambda: None
         self._read()
 
     def __enter__(self) -> Self:
         try:
-            if self._damaged:
+            if self._is_foreign:
+                aside = set_aside(self.path)
+                self.notes.append(
+                    f"the journal was written by another version: it is set aside as {aside.name}"
+                )
+            elif self._damaged:
                 self._set_aside()
             self._keep_open(open_descriptor(self.path, os.O_RDWR | os.O_CREAT | os.O_APPEND))
             os.ftruncate(self._descriptor, self._end)
@@ -70,45 +75,54 @@ class Journal:
     ) -> None:
         try:
             if kind is None or not issubclass(kind, InvalidInput):
-                self._write_second_copies()
                 self.sync()
         finally:
             self._close()
 
-    def start(self, provenance: Mapping[str, str], axes: Mapping[str, Iterable[Any]]) -> None:
-        """Begin a run in the present context.
+    def start(self, history: str, axes: Mapping[str, Iterable[Any]]) -> None:
+        """Begin a run of the present study.
 
         Parameters
         ----------
-        provenance
-            Attributes of the run.
+        history
+            Time and command of the run.
         axes
             Values of each axis.
         """
-        run = {"format": FORMAT, "context": dict(self._present), "machine": self._machine}
+        assert self._context is not None, "a journal that is read for every program is not written"
+        run = {"format": FORMAT, "part": dict(self._context.part), "machine": self._machine}
         self._run = short_hash(run)
-        self._write({"run": self._run} | run | {"provenance": dict(provenance)}, copies=2)
-        self.contents.history.append(provenance["history"])
+        self._write({"run": self._run, "history": history} | run)
+        self.contents.history.append(history)
         for name, values in axes.items():
             known_values = self.contents.axes.setdefault(name, {})
             new_values = [value for value in values if value not in known_values]
             known_values.update(dict.fromkeys(new_values))
             if new_values:
-                self._write({"axis": name, "values": new_values, "of": self._run}, copies=2)
+                self._write({"axis": name, "values": new_values, "run": self._run})
         self.sync()
 
-    @property
-    def _present(self) -> Mapping[str, str]:
-        """Versions and hashes of the present code; a journal read without them cannot be written."""
-        assert self._context is not None, (
-            "a journal that is read whatever its context is not written"
-        )
-        return self._context
+    def stamp(self, state: str, loaded: Mapping[str, str]) -> str:
+        """Return the stamp of a program of this run, which is written at its first case.
 
-    def score(self, scores: Mapping[str, float]) -> None:
-        """Write the accuracy of the forecast, as attributes by name."""
-        self._write({"score": dict(scores), "of": self._run})
-        self.contents.score = scores
+        Parameters
+        ----------
+        state
+            State of the classes of the case.
+        loaded
+            What the process that computed it had loaded.
+        """
+        known = self._stamps.get((id(loaded), state))
+        if known is None:
+            assert self._context is not None
+            program = {"part": dict(self._context.part), "state": state, "loaded": dict(loaded)}
+            stamp = short_hash(program)
+            if stamp not in self.contents.programs:
+                self._write({"program": stamp} | program)
+            # what this run computes counts in it, also where a file has been edited meanwhile
+            self.contents.add_program(stamp, Program(**program), is_present=True)  # type: ignore[arg-type]
+            known = self._stamps[id(loaded), state] = loaded, stamp
+        return known[1]
 
     def begin(self, key: str) -> None:
         """Write that this process begins a case, so that the next run knows the case in which a run died."""
@@ -118,7 +132,7 @@ class Journal:
         """Write a case, and return whether all cases so far are on disk."""
         line: dict[str, Any] = {
             "case": identity.key,
-            "of": self._run,
+            "program": self.stamp(identity.state, outcome.loaded),
             "status": outcome.case_status.name.lower(),
             "point": dict(identity.point),
             "tree": identity.tree,
@@ -130,8 +144,7 @@ class Journal:
             line["failure"] = asdict(outcome.failure)
         start = self._end
         size = self._write(line)
-        self._write_second_copies()
-        self.contents.records[identity.key] = self.contents.record(line, self._present, start, size)
+        self.contents.records[identity.key] = self.contents.record(line, start, size)
         if outcome.seconds > TOGETHER / 2 or monotonic() - self._synced > TOGETHER:
             self.sync()
             return True
@@ -139,18 +152,21 @@ class Journal:
 
     def time(self, key: str, sample: Sample) -> None:
         """Write a timed run of the case `key`."""
-        line = {"time": key, "of": self._run, "epoch": self.contents.epoch}
-        self._write(line | {"sample": asdict(sample)})
-        self.contents.samples.setdefault(key, []).append(sample)
+        case = self._write_time(key, {"sample": asdict(sample)})
+        self.contents.samples.setdefault(case, []).append(sample)
         if monotonic() - self._synced > TOGETHER:
             self.sync()
 
     def cannot_time(self, key: str, reason: str) -> None:
         """Write why the case `key` has no times; the next run does not time it."""
-        self._write(
-            {"untimed": key, "of": self._run, "epoch": self.contents.epoch, "reason": reason}
-        )
-        self.contents.untimed[key] = reason
+        self.contents.untimed[self._write_time(key, {"reason": reason})] = reason
+
+    def _write_time(self, key: str, line: Mapping[str, Any]) -> tuple[str, str]:
+        """Write a line on the times of a case, and return its key and the stamp of its program."""
+        stamp = self.contents.records[key].stamp
+        about = {"program": stamp, "machine": self._machine, "epoch": self.contents.epoch}
+        self._write({"time": key} | about | dict(line))
+        return key, stamp
 
     def forget_times(self) -> None:
         """Make all timed runs of earlier runs invalid."""
@@ -183,19 +199,11 @@ class Journal:
             )
         self._synced = monotonic()
 
-    def _write(self, line: Mapping[str, Any], copies: int = 1) -> int:
+    def _write(self, line: Mapping[str, Any]) -> int:
         """Write a line, and return its size in bytes."""
         raw = encoded(line)
         self._write_bytes(raw)
-        if copies > 1:
-            self._second_copies.append(raw)
         return len(raw)
-
-    def _write_second_copies(self) -> None:
-        """Write the second copies, apart from the first ones, so that one hole in the file does not take both."""
-        while self._second_copies:
-            self._write_bytes(self._second_copies[0])
-            del self._second_copies[0]
 
     def _write_bytes(self, raw: bytes) -> None:
         """Write bytes at the end of the file; cut them off again where the disk takes only a part."""
@@ -229,6 +237,7 @@ class Journal:
         self._source = RecordFile(-1)
         self.contents = Contents(self._context, self._machine, self._source)
         self._descriptor, self._end = -1, 0
+        self._is_foreign = False
         self._damaged: list[tuple[int, int]] = []
         self._lacks_line_feed = False
         try:
@@ -251,7 +260,7 @@ class Journal:
             if line is None and not raw.endswith(b"\n"):
                 break  # torn
             is_journal |= line is not None
-            if not self._took(line, len(raw)):
+            if line is None or not self._took(line, len(raw)):
                 self._damaged.append((self._end, len(raw)))
             self._lacks_line_feed = not raw.endswith(b"\n")
             self._end += len(raw)
@@ -260,20 +269,17 @@ class Journal:
                 f"Journal {str(self.path)!r} is not a journal of this program: move the file away, or give "
                 "another folder with --out."
             )
+        if self.contents.is_foreign:
+            self._is_foreign, self._end, self._lacks_line_feed = True, 0, False
+            self.contents = Contents(self._context, self._machine, self._source)
 
-    def _took(self, line: Mapping[str, Any] | None, size: int) -> bool:
+    def _took(self, line: Mapping[str, Any], size: int) -> bool:
         """Take in a line, and return whether it has the form that this version writes."""
         try:
-            if line is not None:
-                self.contents.take(line, self._end, size)
-        except InvalidInput as refused:
-            raise InvalidInput(
-                f"Journal {str(self.path)!r} cannot be read ({refused}): use the version that wrote it, or give another "
-                "folder with --out."
-            ) from None
+            self.contents.take(line, self._end, size)
         except ODD:
             return False
-        return line is not None
+        return True
 
     def _set_aside(self) -> None:
         """Move damaged lines to another file, and keep the others in the journal."""

@@ -14,26 +14,62 @@ from contactstudy.domain.files import read_at
 from contactstudy.domain.identity import Tree, differences, text
 from studies.model.outcome import CaseStatus, Failure, Outcome, Sample
 from studies.model.plain_text import is_storable, name_problem
-from studies.store.fingerprint import agree
 from studies.store.journal_lines import decoded, decoded_values, decoded_variable
+from studies.store.loaded import Present, shown
 
-FORMAT = 3
+FORMAT = 4
 # errors that a line may raise which this version does not write
 ODD = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError)
 
 
 @dataclass(frozen=True, eq=False)
 class CaseIdentity:
-    """A case: its key, its parameters as a tree, and the first point that asks for it."""
+    """A case: its key, its parameters as a tree, the state of its classes, and the first point that asks for it."""
 
     key: str
     tree: Tree
     point: Mapping[str, str]
+    state: str = ""
 
     @cached_property
     def tree_hash(self) -> int:
         """Hash of the whole tree, defaults included, in this process."""
         return hash(text(self.tree))
+
+
+@dataclass(frozen=True, eq=False)
+class Program:
+    """What computed a case.
+
+    Attributes
+    ----------
+    part
+        Digests of the study's measures, of the part of its file that makes numbers, and of the files it depends on.
+    state
+        State of the classes of the case.
+    loaded
+        What its process had loaded.
+    """
+
+    part: Mapping[str, str]
+    state: str
+    loaded: Mapping[str, str]
+
+
+@dataclass(frozen=True, eq=False)
+class Context:
+    """Part of a study, and what a process would load now: what a stored case is compared with."""
+
+    part: Mapping[str, str]
+    present: Present = field(default_factory=Present)
+
+    def changes(self, program: Program) -> list[str]:
+        """Return the names of all that another program computed a case with."""
+        names = program.part.keys() | self.part.keys()
+        differing = [
+            name for name in sorted(names) if program.part.get(name) != self.part.get(name)
+        ]
+        return differing + self.present.changes(program.loaded)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -48,8 +84,10 @@ class Record:
         Status of the case.
     seconds, cpu
         Wall and CPU time [s].
-    context
-        Versions and hashes of the code that computed it.
+    stamp
+        Digest of the program that computed it.
+    state
+        State of its classes.
     tree_hash
         Hash of its parameters.
     start, size
@@ -62,7 +100,8 @@ class Record:
     case_status: CaseStatus
     seconds: float
     cpu: float
-    context: Mapping[str, str]
+    stamp: str
+    state: str
     tree_hash: int
     start: int
     size: int
@@ -72,7 +111,7 @@ class Record:
     def identity(self) -> CaseIdentity:
         """Key, parameters and first point of the case."""
         line = self.source.line(self)
-        return CaseIdentity(self.key, line["tree"], line["point"])
+        return CaseIdentity(self.key, line["tree"], line["point"], self.state)
 
     @property
     def outcome(self) -> Outcome:
@@ -93,9 +132,10 @@ class Record:
         return decoded_variable(values[name]) if name in values else None
 
     def is_of(self, identity: CaseIdentity) -> bool:
-        """Return whether this record is of exactly this case, its defaults included."""
-        return self.tree_hash == identity.tree_hash or not differences(
-            self.identity.tree, identity.tree
+        """Return whether this record is of exactly this case, its defaults and the state of its classes included."""
+        return self.state == identity.state and (
+            self.tree_hash == identity.tree_hash
+            or not differences(self.identity.tree, identity.tree)
         )
 
 
@@ -126,114 +166,115 @@ class Contents:
     Attributes
     ----------
     context
-        Versions and hashes of the present code; None takes records of every context as present.
+        Part of the study and what would be loaded now; None takes the records of every program as present.
     machine
         Name of the machine whose timed runs count.
     source
         The open journal.
     records
-        Records of the present context by key.
+        Records of the present program by key.
     other_records
-        Records of other contexts by key.
+        Records of other programs by key.
+    programs
+        Programs by their stamps.
     samples
-        Timed runs of each case on this machine.
+        Timed runs on this machine, by the key of the case and the stamp of its program.
     untimed
-        Reasons why cases have no times.
+        Reasons why cases have no times, likewise.
     axes
-        Values that each axis ever had in this context.
+        Values that each axis ever had with this part of the study.
     begun
         Key of the case during which the last run ended; None if it ended otherwise.
     history
         Time and command of each run.
-    score
-        Accuracy of the last forecast.
     epoch
         Number of times that timed runs were made invalid.
+    is_foreign
+        True for a journal of another format.
     """
 
-    context: Mapping[str, str] | None
+    context: Context | None
     machine: str
     source: RecordFile
     records: dict[str, Record] = field(default_factory=dict)
     other_records: dict[str, Record] = field(default_factory=dict)
-    samples: dict[str, list[Sample]] = field(default_factory=dict)
-    untimed: dict[str, str] = field(default_factory=dict)
+    programs: dict[str, Program] = field(default_factory=dict)
+    samples: dict[tuple[str, str], list[Sample]] = field(default_factory=dict)
+    untimed: dict[tuple[str, str], str] = field(default_factory=dict)
     axes: dict[str, dict[Any, None]] = field(default_factory=dict)
     begun: str | None = None
     history: list[str] = field(default_factory=list)
-    score: Mapping[str, float] = field(default_factory=dict)
     epoch: int = 0
-    # the versions and machine of each run, and whether they are the present ones
-    _runs: dict[str, tuple[Mapping[str, Any], bool]] = field(default_factory=dict)
+    is_foreign: bool = False
+    _runs: dict[str, Mapping[str, Any]] = field(default_factory=dict)
+    _present: dict[str, bool] = field(default_factory=dict)
 
     def take(self, line: Mapping[str, Any], start: int, size: int) -> None:
-        """Take in a line of `size` bytes at `start`.
-
-        Raises
-        ------
-        InvalidInput
-            For a run of another format.
-        Exception
-            One of ``ODD`` for a line that this version does not write.
-        """
-        if "run" in line:
+        """Take in a line of `size` bytes at `start`; raise one of ``ODD`` for one that this version does not write."""
+        if "format" in line:
             self._take_run(line)
         elif "begin" in line:
             self.begun = _text(line["begin"])
         elif "retime" in line:
             self._turn_epoch(line["retime"])
-        else:
-            self._take_of_run(line, *self._runs[line["of"]], start, size)
-
-    def _take_run(self, line: Mapping[str, Any]) -> None:
-        """Take in the versions and the machine that later lines refer to."""
-        if line["format"] != FORMAT:
-            raise InvalidInput(
-                f"it is of format {line['format']!r}, and this version reads format {FORMAT}"
-            )
-        for name, value in line["context"].items():
-            _text(name), _text(value)
-        _text(line["machine"])
-        if line["run"] not in self._runs or line["provenance"]["history"] != self.history[-1]:
-            self.history.append(_text(line["provenance"]["history"]))
-        is_present = self.context is None or agree(line["context"], self.context)
-        self._runs[line["run"]] = line, is_present
-
-    def _take_of_run(
-        self,
-        line: Mapping[str, Any],
-        run: Mapping[str, Any],
-        is_present: bool,  # noqa: FBT001
-        start: int,
-        size: int,
-    ) -> None:
-        """Take in a line that refers to a run."""
-        is_here = is_present and run["machine"] == self.machine
-        if "case" in line:
-            record = self.record(line, run["context"], start, size)
-            self.begun = None if self.begun == record.key else self.begun
-            (self.records if is_present else self.other_records)[record.key] = record
+        elif "loaded" in line:
+            self._take_program(line)
         elif "axis" in line:
             values = dict.fromkeys(line["values"])
             if not all(type(value) in (str, int, float) for value in values):
                 raise TypeError(values)
-            if is_present:
+            if self.context is None or self._runs[line["run"]]["part"] == self.context.part:
                 self.axes.setdefault(_text(line["axis"]), {}).update(values)
-        elif "score" in line:
-            score = {_name(name): _number(value) for name, value in line["score"].items()}
-            self.score = score if is_present else self.score
-        elif "time" in line:
-            sample = Sample(**{name: _number(value) for name, value in line["sample"].items()})  # type: ignore[arg-type]
-            if self._turn_epoch(line["epoch"]) and is_here:
-                self.samples.setdefault(_text(line["time"]), []).append(sample)
+        elif "case" in line:
+            record = self.record(line, start, size)
+            self.begun = None if self.begun == record.key else self.begun
+            self._records_of(record.stamp)[record.key] = record
         else:
-            key, reason = _text(line["untimed"]), _text(line["reason"])
-            if self._turn_epoch(line["epoch"]) and is_here:
-                self.untimed[key] = reason
+            self._take_times(line)
 
-    def record(
-        self, line: Mapping[str, Any], context: Mapping[str, str], start: int, size: int
-    ) -> Record:
+    def _records_of(self, stamp: str) -> dict[str, Record]:
+        """Return the records of the present program, or of others, whichever the program with this stamp is."""
+        return self.records if self._present[stamp] else self.other_records
+
+    def _take_run(self, line: Mapping[str, Any]) -> None:
+        """Take in the study part and the machine that later lines refer to."""
+        if line["format"] != FORMAT:
+            self.is_foreign = True
+            return
+        for name, value in line["part"].items():
+            _text(name), _text(value)
+        _text(line["machine"])
+        self.history.append(_text(line["history"]))
+        self._runs[_text(line["run"])] = line
+
+    def _take_program(self, line: Mapping[str, Any]) -> None:
+        """Take in a program."""
+        for name, value in (*line["part"].items(), *line["loaded"].items()):
+            _text(name), _text(value)
+        self.add_program(
+            _text(line["program"]), Program(line["part"], _text(line["state"]), line["loaded"])
+        )
+
+    def add_program(self, stamp: str, program: Program, *, is_present: bool | None = None) -> None:
+        """Add a program; one that computes in this run counts as present."""
+        self.programs[stamp] = program
+        if is_present is None:
+            is_present = self.context is None or not self.context.changes(program)
+        self._present[stamp] = is_present
+
+    def _take_times(self, line: Mapping[str, Any]) -> None:
+        """Take in a timed run, or why there is none."""
+        case = _text(line["time"]), _text(line["program"])
+        is_here = self._turn_epoch(line["epoch"]) and line["machine"] == self.machine
+        if "reason" in line:
+            if is_here and _text(line["reason"]):
+                self.untimed[case] = line["reason"]
+            return
+        sample = Sample(**{name: _number(value) for name, value in line["sample"].items()})  # type: ignore[arg-type]
+        if is_here:
+            self.samples.setdefault(case, []).append(sample)
+
+    def record(self, line: Mapping[str, Any], start: int, size: int) -> Record:
         """Return the record of a case; raise one of ``ODD`` for a line that this version does not write."""
         if "failure" in line:
             failure = Failure(**line["failure"])
@@ -251,7 +292,8 @@ class Contents:
             CaseStatus[line["status"].upper()],
             _number(line["seconds"]),
             _number(line["cpu"]),
-            context,
+            line["program"],
+            self.programs[line["program"]].state,
             hash(text(line["tree"])),
             start,
             size,
@@ -268,11 +310,27 @@ class Contents:
             self.untimed.clear()
         return epoch == self.epoch
 
-    def changed(self, identity: CaseIdentity) -> list[str]:
-        """Return sentences on how the case stored for `identity`, or at its point, differs from it."""
+    def samples_of(self, key: str) -> list[Sample]:
+        """Return the timed runs of the present record of a case."""
+        record = self.records.get(key)
+        return [] if record is None else self.samples.get((key, record.stamp), [])
+
+    def reason_without_times(self, key: str) -> str:
+        """Return why the present record of a case has no times; empty where it may have some."""
+        record = self.records.get(key)
+        return "" if record is None else self.untimed.get((key, record.stamp), "")
+
+    def why_anew(self, identity: CaseIdentity) -> str:
+        """Return in one line why what is stored of a case, or at its point, cannot be used; empty if nothing is."""
         before = self.records.get(identity.key) or self.other_records.get(identity.key)
         tree = before.identity.tree if before else self._trees.get(_place(identity.point))
-        return [] if tree is None else differences(tree, identity.tree)
+        changes = [] if tree is None else differences(tree, identity.tree)
+        if before is not None and self.context is not None:
+            names = self.context.changes(self.programs[before.stamp])
+            if before.state != identity.state:
+                names = ["the state of the case's classes", *names]
+            changes += [f"{shown(names)} changed"] if names else []
+        return ", ".join(changes)
 
     @cached_property
     def _trees(self) -> Mapping[object, Tree]:

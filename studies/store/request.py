@@ -1,16 +1,25 @@
-"""Requests of studies: their cases and keys, and the reasons why stored results cannot be used."""
+"""Requests of studies: their cases and keys, and what these are computed with."""
 
-from collections.abc import Mapping, Sequence
+import secrets
+import sys
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
+
+import cloudpickle
 
 from contactstudy import InvalidInput
-from contactstudy.domain.identity import IdentityRecord, canonical, key
+from contactstudy.domain.identity import IdentityRecord, Tree, canonical, key, text
 from studies.model.case import Computation
 from studies.model.outcome import RESERVED_NAMES
 from studies.model.plain_text import one_line
 from studies.model.study import Point, Study
-from studies.store.fingerprint import disagreements, study_fingerprint, versions
-from studies.store.records import CaseIdentity, Contents
+from studies.store.loaded import LOADED, digest
+from studies.store.records import CaseIdentity, Context
+from studies.store.state import States
+from studies.store.study_part import numerical_part
+
+SESSION = secrets.token_hex(8)
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,13 +35,13 @@ class Request:
     identities
         Identity of each case by its key.
     context
-        Versions and hashes of the code and the files that the cases depend on.
+        What the cases are computed with: the part of the study, and what would be loaded now.
     """
 
     keys: Sequence[str]
     cases: Mapping[str, Computation]
     identities: Mapping[str, CaseIdentity]
-    context: Mapping[str, str]
+    context: Context
 
     @classmethod
     def of(cls, study: Study) -> "Request":
@@ -41,29 +50,100 @@ class Request:
         Raises
         ------
         InvalidInput
-            For an axis with a reserved name, and for a computation that lacks a method.
+            For an axis with a reserved name, a computation that lacks a method, and measures whose state cannot be seen.
         """
         if reserved := RESERVED_NAMES & {axis.name for axis in study.points}:
             raise InvalidInput(
                 f"Study {study.name!r} has the axes {sorted(reserved)}: these names are taken, choose others."
             )
-        memory = IdentityRecord()
+        memory, states = IdentityRecord(), CaseStates()
         keys, cases, identities = [], {}, {}
         for point, case in study.visits():
             if not all(hasattr(case, part) for part in ("prepare", "run", "record")):
                 raise InvalidInput(_no_case(study, point, case))
-            tree = canonical(case, memory)
-            name = key(tree)
-            keys.append(name)
-            if name not in cases:
-                cases[name], identities[name] = case, CaseIdentity(name, tree, point_text(point))
-        kinds = {type(case) for case in cases.values()}
-        return cls(keys, cases, identities, versions() | study_fingerprint(study, kinds))
+            identity = states.identity(point, case, memory)
+            keys.append(identity.key)
+            if identity.key not in cases:
+                cases[identity.key], identities[identity.key] = case, identity
+        return cls(keys, cases, identities, Context(study_part(study, states.states)))
 
 
-def point_text(point: Point) -> Mapping[str, str]:
-    """Return the values of `point` as text, as the journal has them."""
-    return {axis: str(value) for axis, value in point.items()}
+class CaseStates:
+    """States of the classes of cases, each taken once."""
+
+    def __init__(self) -> None:
+        self.states = States()
+        self._digests: dict[frozenset[str], str] = {}
+
+    def identity(self, point: Point, case: object, memory: IdentityRecord) -> CaseIdentity:
+        """Return the identity of the case at a point."""
+        tree = canonical(case, memory)
+        names = frozenset(_classes(tree))
+        if names not in self._digests:
+            kinds = [memory.kinds[name] for name in sorted(names) if name in memory.kinds]
+            state = text([self.states.of_class(kind) for kind in kinds])
+            self._digests[names] = digest(state.encode())
+        about = {axis: str(value) for axis, value in point.items()}
+        return CaseIdentity(key(tree), tree, about, self._digests[names])
+
+
+def _classes(tree: Tree) -> Iterator[str]:
+    """Yield the names of the classes in a tree."""
+    if isinstance(tree, dict):
+        for name, part in tree.items():
+            if name == "":
+                yield part
+            elif type(part) is not str:
+                yield from _classes(part)
+    elif isinstance(tree, list):
+        for part in tree:
+            if type(part) is not str:
+                yield from _classes(part)
+
+
+def study_part(study: Study, states: States) -> dict[str, str]:
+    """Return digests of what a study's numbers come from besides the modules that its cases load.
+
+    These are the state of its measures, the statements of its file that can change a number, a script or a module that
+    is sent to workers as it is, and the files that it depends on. Code that was typed at a prompt is known in this
+    process alone.
+
+    Raises
+    ------
+    InvalidInput
+        For a file that cannot be read, and for measures whose state cannot be seen.
+    """
+    part = {"measures": digest(text(states.held(study.measures)).encode())}
+    scene_at = getattr(study.scene_at, "__module__", "")
+    sent = cloudpickle.list_registry_pickle_by_value()
+    for name in states.modules | ({scene_at} - {"__main__"}):
+        module = sys.modules.get(name)
+        source = getattr(module, "__source__", None)
+        if isinstance(source, bytes):
+            part[f"study file {Path(str(getattr(module, '__file__', name))).name}"] = (
+                numerical_part(source)
+            )
+        elif name == "__main__":
+            part[name] = _script(getattr(module, "__file__", None))
+        elif name in sent:
+            part[f"module {name}"] = LOADED.scan().get(f"module {name}", SESSION)
+    for name in study.depends:
+        try:
+            part[f"file {name}"] = digest((study.folder / name).read_bytes())
+        except (OSError, ValueError) as error:
+            raise InvalidInput(
+                f"Study {study.name!r} depends on the file {name!r}, which cannot be read ({error}): mend 'depends'."
+            ) from None
+    return part
+
+
+def _script(file: str | None) -> str:
+    """Return a digest of the script that runs; at a prompt, or where it has been edited since, one of this process."""
+    try:
+        path = Path(file or "")
+        return digest(path.read_bytes()) if LOADED.is_since_start(path) else SESSION
+    except OSError:
+        return SESSION
 
 
 def _no_case(study: Study, point: Point, case: object) -> str:
@@ -72,14 +152,3 @@ def _no_case(study: Study, point: Point, case: object) -> str:
         f"scene_at of study {study.name!r} gives {one_line(repr(case), 60)} at {dict(point)}: return a "
         "studies.model.case.Case, or a frozen dataclass with prepare, run and record."
     )
-
-
-def recompute_reasons(
-    contents: Contents, identity: CaseIdentity, context: Mapping[str, str]
-) -> str:
-    """Return in one line why what is stored for `identity`, or at its point, cannot be used; empty if nothing is."""
-    changes = contents.changed(identity)
-    before = contents.other_records.get(identity.key)
-    if before is not None and identity.key not in contents.records:
-        changes += disagreements(before.context, context)
-    return ", ".join(changes)

@@ -19,15 +19,16 @@ from studies.model.outcome import CaseStatus, Outcome
 from studies.model.plain_text import one_line
 from studies.model.study import Study
 from studies.store.journal import Journal
-from studies.store.journal_lines import decoded_variable, encoded_variable
+from studies.store.journal_lines import decoded_variable, encoded_variable, short_hash
 from studies.store.netcdf import read, write
 from studies.store.request import Request
 from studies.store.table import PointTable, assemble
 
 
-def save_fields(folder: Path, key: str, variables: Mapping[str, xr.Variable]) -> None:
-    """Write the fields of the case `key` to a file, which is on the disk when this returns."""
-    content = {name: encoded_variable(variable) for name, variable in variables.items()}
+def save_fields(folder: Path, key: str, stamp: str, variables: Mapping[str, xr.Variable]) -> None:
+    """Write the fields of the case `key`, computed by the program `stamp`, to a file that is then on the disk."""
+    fields = {name: encoded_variable(variable) for name, variable in variables.items()}
+    content = {"program": stamp, "fields": fields}
     try:
         write_sealed(folder / f"{key}.json", json.dumps(content).encode())
     except OSError as error:
@@ -37,29 +38,31 @@ def save_fields(folder: Path, key: str, variables: Mapping[str, xr.Variable]) ->
         ) from None
 
 
-def has_fields(folder: Path, key: str, log: Callable[[str], object]) -> bool:
-    """Return whether the fields of the case `key` are stored; a damaged file is set aside and reported to `log`."""
+def has_fields(folder: Path, key: str, stamp: str, log: Callable[[str], object]) -> bool:
+    """Return whether the fields of a case of a program are stored; a damaged file is set aside and reported to `log`."""
     path = folder / f"{key}.json"
     if not path.is_file():
         return False
-    if load_fields(folder, key) is None:
+    content = read_sealed(path)
+    if content is None:
         log(
             f"{path} is damaged: it is set aside as {set_aside(path).name}, and its case is computed anew"
         )
         return False
-    return True
+    return bool(json.loads(content).get("program") == stamp)
 
 
-def load_fields(folder: Path, key: str) -> xr.Dataset | None:
-    """Return the fields of the case `key`; None for a damaged file.
+def load_fields(folder: Path, key: str, stamp: str) -> xr.Dataset | None:
+    """Return the fields of the case `key`; None for a damaged file, and for those of another program.
 
     A variable named like its dimension is its coordinate.
     """
     content = read_sealed(folder / f"{key}.json")
-    if content is None:
+    stored = {} if content is None else json.loads(content)
+    if stored.get("program") != stamp:
         return None
     # a variable named like its dimension becomes its coordinate
-    return xr.Dataset({name: decoded_variable(v) for name, v in json.loads(content).items()})
+    return xr.Dataset({name: decoded_variable(v) for name, v in stored["fields"].items()})
 
 
 OFTEN = 60.0  # least seconds between two writes while cases are computed
@@ -102,14 +105,32 @@ class ResultFile:
         """Path of the folder of fields that go into the file."""
         return self.journal.path.parent / f"{self.study.name}.fields"
 
+    def is_complete(self) -> bool:
+        """Return whether the file has all that the journal has of its points, so that it need not be written."""
+        try:
+            return read(self.path).attrs.get("content_hash") == self._content_hash()
+        except InvalidInput:
+            return False
+
+    def _content_hash(self) -> str:
+        """Return a hash of all that the file shows: its points and attributes, records, and numbers of timed runs."""
+        contents = self.journal.contents
+        records = [contents.records.get(name) for name in self.table.keys]
+        places = [
+            record and [record.stamp, record.start, len(contents.samples_of(record.key))]
+            for record in records
+        ]
+        shown = [self.study.title, str(self.study.notes), [str(axis) for axis in self.table.axes]]
+        return short_hash([self.table.keys, places, contents.epoch, sorted(self.skipped), shown])
+
     def write(self, *, fields: str = "none") -> None:
         """Write the file, with a group for every case that has fields if these are "kept"."""
         start = monotonic()
         contents = self.journal.contents
         now = datetime.now(UTC).isoformat(timespec="seconds")
-        attributes = self._attributes() | dict(contents.score) | {"date_modified": now}
+        attributes = self._attributes() | {"date_modified": now}
         dataset = assemble(
-            self.table.axes, self.table.keys, self._outcome, contents.samples, attributes
+            self.table.axes, self.table.keys, self._outcome, contents.samples_of, attributes
         )
         write(dataset, self.path, self._groups() if fields == "kept" else ())
         end = monotonic()
@@ -138,17 +159,32 @@ class ResultFile:
             "first_case": _shown(first),
             "history": "\n".join(history),
             "date_created": history[0].split()[0],
-            "case_versions": ", ".join(f"{k} {v}" for k, v in self.request.context.items()),
+            "case_versions": self._versions(),
             "parameter_hash": key(list(self.table.keys)),
+            "content_hash": self._content_hash(),
             "timing": "wall time, least of the repeats, one case at a time, on one thread where no axis says more",
         }
         return notes | dict(self.study.attributes) | dict(self.provenance) | attributes
 
+    def _versions(self) -> str:
+        """Return the versions of all distributions that the cases were computed with, and the study's part."""
+        found = dict(self.request.context.part)
+        contents = self.journal.contents
+        for stamp in {record.stamp for record in contents.records.values()}:
+            loaded = contents.programs[stamp].loaded
+            found |= {
+                name: value for name, value in loaded.items() if not name.startswith("module")
+            }
+        return ", ".join(
+            f"{name.removeprefix('distribution ')} {found[name]}" for name in sorted(found)
+        )
+
     def _groups(self) -> Iterator[tuple[str, xr.Dataset]]:
         """Yield the fields of every case that has some, read one at a time."""
         for name in dict.fromkeys(self.table.keys):
-            if name and (self.fields_folder / f"{name}.json").is_file():
-                fields = load_fields(self.fields_folder, name)
+            record = self.journal.contents.records.get(name)
+            if record is not None and (self.fields_folder / f"{name}.json").is_file():
+                fields = load_fields(self.fields_folder, name, record.stamp)
                 if fields is not None:
                     yield f"fields/case_{name}", fields
 

@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from contactstudy.domain.identity import IdentityRecord, canonical, key
+from contactstudy.domain.identity import IdentityRecord
 from contactstudy.io.dataset import flags
 from studies.model.axis import Axis, Value
 from studies.model.outcome import CaseStatus, Failure, Outcome, Sample, timing_variables
 from studies.model.study import Study
-from studies.store.records import CaseIdentity, Contents
-from studies.store.request import Request, point_text
+from studies.store.records import Contents
+from studies.store.request import CaseStates, Request
 
 # a table of all points may take this many times the bytes stored of a variable, and this many bytes more
 MOST_FILLED, ROOM = 4, 2**28
@@ -55,7 +55,7 @@ def assemble(
     axes: Sequence[Axis],
     cases: Sequence[Hashable],
     outcome_of: Callable[[Any], Outcome | None],
-    samples: Mapping[Any, Sequence[Sample]],
+    samples_of: Callable[[Any], Sequence[Sample]],
     attributes: Mapping[str, Any],
 ) -> xr.Dataset:
     """Return every point of the axes with the outcome of its case; points of one case share its numbers.
@@ -72,8 +72,8 @@ def assemble(
         Key of the case at every point, in the order of the axes (last one fastest).
     outcome_of
         Returns the outcome of a case; None if there is none.
-    samples
-        Timed runs of each case.
+    samples_of
+        Returns the timed runs of a case.
     attributes
         Attributes of the Dataset.
     """
@@ -100,7 +100,7 @@ def assemble(
         data[name] = xr.Variable(
             names + kind.dims, column.filled(len(rows))[index], dict(kind.attrs)
         )
-    times = timing_variables(names, index, [samples.get(case, ()) for case in rows])
+    times = timing_variables(names, index, [samples_of(case) for case in rows])
     about_cases = _about_cases(names, index, [str(case) for case in rows], outcomes)
     notes = {"left_out": "; ".join(left_out)} if left_out else {}
     return xr.Dataset({**times, **data, **about_cases}, coords, dict(attributes) | notes)
@@ -234,7 +234,7 @@ def stored_table(study: Study, request: Request, contents: Contents) -> PointTab
     requested = dict(
         zip(product(*(axis.values for axis in study.points)), request.keys, strict=True)
     )
-    memory = IdentityRecord()
+    memory, states = IdentityRecord(), CaseStates()
     keys: list[str] = []
     is_kept = np.zeros(prod(shape), dtype=bool)
     for place, values in enumerate(product(*(axis.values for axis in axes))):
@@ -242,7 +242,7 @@ def stored_table(study: Study, request: Request, contents: Contents) -> PointTab
         if name:
             is_kept[place] = True
         else:
-            name, is_kept[place] = _stored(study, values, contents, memory)
+            name, is_kept[place] = _stored(study, values, contents, memory, states)
         keys.append(name)
     chosen = [np.unique(places) for places in is_kept.reshape(shape).nonzero()]
     axes_in_use = tuple(
@@ -254,18 +254,20 @@ def stored_table(study: Study, request: Request, contents: Contents) -> PointTab
 
 
 def _stored(
-    study: Study, values: Sequence[Value], contents: Contents, memory: IdentityRecord
+    study: Study,
+    values: Sequence[Value],
+    contents: Contents,
+    memory: IdentityRecord,
+    states: CaseStates,
 ) -> tuple[str, bool]:
     """Return the key of the case at these values, and whether it is stored."""
     point = dict(zip((axis.name for axis in study.points), values, strict=True))
     try:
-        tree = canonical(study.scene_at(point), memory)
-        name = key(tree)
-        record = contents.records.get(name)
-        is_stored = record is not None and record.is_of(CaseIdentity(name, tree, point_text(point)))
+        identity = states.identity(point, study.scene_at(point), memory)
     except Exception:  # noqa: BLE001 (a point that nobody asked for need not be one)
         return "", False
-    return name, is_stored
+    record = contents.records.get(identity.key)
+    return identity.key, record is not None and record.is_of(identity)
 
 
 def _grown(axis: Axis, stored: Iterable[Value]) -> Axis:

@@ -204,7 +204,7 @@ def command_lines(rng: random.Random) -> list[str]:
             ["run", "padding", "--dry-run", *small, option, odd],
             [
                 "recommend",
-                rng.choice(["--error", "--memory", "--seconds", "--period", "--metric"]),
+                rng.choice(["--error", "--seconds", "--scene"]),
                 odd,
             ],
             [rng.choice(["run", "draw", "plan", "solve", "studies", "nope", odd]), odd],

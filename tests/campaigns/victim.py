@@ -52,7 +52,7 @@ class Kill:
 def parent() -> int:
     """The process that drives the one that computes: this one itself in a run without workers."""
     line = (psutil.Process(), *psutil.Process().parents())
-    return next(one.pid for one in line if "studies.engine.workers.worker" not in one.cmdline())
+    return next(one.pid for one in line if "multiprocessing.forkserver" not in str(one.cmdline()))
 
 
 @dataclass(frozen=True)

@@ -36,6 +36,16 @@ def test_hertz_line_displacement_is_the_logarithmic_potential_of_its_pressure() 
         assert LINE.displacement(x, datum) == pytest.approx(expected, rel=1e-8)
 
 
+@pytest.mark.parametrize(("ratio", "peak"), [(0.3, 1.793), (0.5, 1.9227)])
+def test_a_line_contact_first_yields_where_johnson_says(ratio: float, peak: float) -> None:
+    """Von Mises: 1.79 at 0.3; at 0.5 that of the largest shear, 0.3003 (Johnson 1985, sects. 4.2, 6.1)."""
+    first = cs.analytic.first_yield(0.01, 1.15e11, 1e9, ratio)
+    assert first.peak_pressure == pytest.approx(peak * 1e9, rel=1e-3)
+    assert first.load_per_length == pytest.approx(
+        np.pi * 0.01 * first.peak_pressure**2 / 1.15e11, rel=1e-12
+    )
+
+
 def test_hertz_point_surfaces_touch_inside_and_part_outside() -> None:
     a = POINT.contact_radius
     r = np.array([0.0, 0.5, 1.0, 1.1, 2.0]) * a
@@ -112,3 +122,28 @@ def test_hertz_line_refuses_what_is_not_above_zero(field: str) -> None:
     good = {"load_per_length": 1.0, "radius": 1.0, "contact_modulus": 1.0}
     with pytest.raises(cs.InvalidInput, match=rf"^HertzLine\.{field} is -1\.0: "):
         cs.analytic.HertzLine(**(good | {field: -1.0}))
+
+
+@pytest.mark.parametrize(
+    ("load", "viscosity", "regime"),
+    [
+        (1e-3, 0.0, "rigid, isoviscous"),
+        (1e4, 0.0, "elastic, isoviscous"),
+        (1.0, 1e6, "rigid, piezoviscous"),
+        (1e6, 1e3, "elastic, piezoviscous"),
+    ],
+)
+def test_the_film_of_moes_is_that_of_its_regime_at_the_ends(
+    load: float, viscosity: float, regime: str
+) -> None:
+    limits = cs.analytic.film_asymptotes(load, viscosity)
+    assert cs.analytic.film_regime(load, viscosity) == regime
+    assert cs.analytic.moes_film(load, viscosity) == pytest.approx(limits[regime], rel=0.01)
+
+
+def test_the_film_of_dowson_and_higginson_is_their_formula_in_the_unit_of_moes() -> None:
+    speed, material, load = 1e-11, 5000.0, 1e-4  # U, G, W
+    both = 2 * speed  # of the sum of the speeds
+    film = cs.analytic.dowson_higginson_film(load / both**0.5, material * both**0.25)
+    smallest = 2.65 * speed**0.7 * material**0.54 * load**-0.13
+    assert film * both**0.5 == pytest.approx(smallest, rel=1e-12)

@@ -17,7 +17,7 @@ import contactstudy as cs
 steel = cs.HalfSpace(210e9, 0.3)
 scene = cs.Scene(cs.LineLoad(1e5), (steel, steel), (cs.Cylinder(0.01),))
 solution = cs.solve(scene)
-estimate = cs.error_estimate(solution)
+estimate = solution.error
 said = {"plan": cs.plan(scene, error=1e-2).dimension, "status": solution.status.name, "l1": estimate.l1.total,
         "table": solution._repr_html_(), "missing": {}}
 coated = cs.Scene(cs.LineLoad(1e5), (cs.CoatedHalfSpace(steel, 2e-5, steel), steel), (cs.Cylinder(0.01),))
@@ -26,9 +26,8 @@ uses = {
     "contactstudy.read_scene": lambda: cs.read_scene("scene.toml"),
     "contactstudy.write_scene": lambda: cs.write_scene(scene, "scene.toml"),
     "contactstudy.compare": lambda: cs.compare(solution, solution),
-    "contactstudy.to_dataset": lambda: cs.to_dataset(solution),
-    "Solution.to_dataset": solution.to_dataset,
-    "Solution.plot": solution.plot,
+    "Contact.to_dataset": solution.to_dataset,
+    "Contact.plot": solution.plot,
     "MeasuredSurface.read": lambda: cs.MeasuredSurface.read("surface.x3p"),
     "studies.run": lambda: __import__("studies").run,
 }
@@ -58,19 +57,18 @@ def test_numpy_and_scipy_are_enough_to_solve_and_the_rest_says_what_it_needs() -
     said = json.loads(done.stdout)
     assert said["status"] == said["coated"] == "CONVERGED"
     assert said["plan"] == 1
-    assert said["l1"] < 1e-3  # the default error of a plan
+    assert said["l1"] < 1e-2  # the default error of a plan
     assert "<img" not in said["table"]
     assert said["missing"] == {
         name: f"{name} needs {package}, which is not installed: pip install {install}."
         for name, package, install in (
             ("contactstudy.read_scene", "cattrs", "cattrs"),
             ("contactstudy.SceneFile", "cattrs", "cattrs"),
-            ("contactstudy.write_scene", "tomli_w", "tomli-w"),
+            ("contactstudy.write_scene", "cattrs", "cattrs"),
             ("contactstudy.compare", "xarray", "xarray"),
             ("contactstudy.Comparison", "xarray", "xarray"),
-            ("contactstudy.to_dataset", "xarray", "xarray"),
-            ("Solution.to_dataset", "xarray", "xarray"),
-            ("Solution.plot", "matplotlib", "matplotlib"),
+            ("Contact.to_dataset", "xarray", "xarray"),
+            ("Contact.plot", "matplotlib", "matplotlib"),
             ("MeasuredSurface.read", "SurfaceTopography", "'contactstudy[measured]'"),
             ("studies.run", "xarray", "xarray"),
         )

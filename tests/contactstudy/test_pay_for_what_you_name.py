@@ -14,6 +14,7 @@ from scipy import fft
 
 import contactstudy as cs
 from contactstudy.elasticity.transforms import TRANSFORMS
+from contactstudy.solvers.solve import SolveOptions
 from tests.conftest import STEEL, LineContact
 
 NOTHING: dict[str, cs.Shape] = {
@@ -22,6 +23,7 @@ NOTHING: dict[str, cs.Shape] = {
     "roughness": cs.Roughness(0.0, hurst=0.8, roll_off=1e-4, cut_off=1e-5),
     "roughness by slope": cs.Roughness(cs.RmsSlope(0.0), hurst=0.8, roll_off=1e-4, cut_off=1e-5),
     "crown": cs.Crown(inf),
+    "tilt": cs.Tilt(0.0),
     "crown by its drop": cs.Crown.of_drop(0.0, length=1e-4),
     "Lundberg profile": cs.LundbergProfile(0.0, 0.0, length=1e-4),
 }
@@ -108,6 +110,24 @@ def test_a_hardness_that_binds_sets_up_the_same_transforms(
     assert set_up[0]["cosines"] == 1
 
 
+def test_all_errors_of_a_contact_share_one_coarser_solution(
+    line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene, grid = line_contact.scene, line_contact.grid((48, 24), 1.2)
+    roller = cs.FiniteLength(0.7 * grid.extent[1])
+    scene = replace(scene, shapes=(*scene.shapes, roller))
+    solution = cs.solve(scene, grid, cs.ZeroPadding())
+    solved, solve = [], SolveOptions.solved
+
+    def counting(self: SolveOptions, problem: cs.Problem, *given: Any) -> cs.Solution:
+        solved.append(problem.grid.cells)
+        return solve(self, problem, *given)
+
+    monkeypatch.setattr(SolveOptions, "solved", counting)
+    assert solution.error.approach is not None
+    assert solved == [(24, 12)]
+
+
 def test_stress_that_is_not_asked_for_is_not_found(
     line_contact: LineContact, counted: Counter[str]
 ) -> None:
@@ -146,6 +166,9 @@ HEAVY = (
     "contactstudy.io.dataset",
     "contactstudy.elasticity.kernels.traction",
     "contactstudy.elasticity.tangential",
+    "contactstudy.evolution.adhesive_history",
+    "contactstudy.scene.adhesion",
+    "contactstudy.solvers.adhesion",
     "contactstudy.scene.coated",
     "contactstudy.scene.inelastic",
     "contactstudy.scene.friction",
@@ -183,7 +206,7 @@ def test_a_march_of_bodies_that_do_not_yield_imports_no_plastic_strain() -> None
         )
         + "wear = cs.Wear(1e-15, 1.0)\n"
         "scene = cs.Scene(cs.LineLoad(1e5), (steel, steel), (cs.Cylinder(0.01),), wear=wear)\n"
-        "cs.evolve(scene, cs.Grid((64, 1), (2.5e-4, 1e-4)), cs.ExactPeriodicity(), times=(0, 1))\n"
+        "cs.solve(scene, cs.Grid((64, 1), (2.5e-4, 1e-4)), cs.ExactPeriodicity(), times=(0, 1))\n"
         "print([name for name in sys.modules if 'plastic' in name or 'eigenstrain' in name])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
@@ -197,7 +220,7 @@ def test_a_body_that_yields_in_plane_strain_imports_no_waves_along_the_length() 
         "shapes = (cs.Cylinder(0.01),)\n"
         "scene = cs.Scene(cs.LineLoad(5e5), (body, cs.HalfSpace(float('inf'), 0.3)), shapes)\n"
         "grid = cs.Grid((16, 1), (8e-4, 1e-4))\n"
-        "cs.evolve(scene, grid, cs.ExactPeriodicity(), times=(0,), step_error=cs.StepError.NONE)\n"
+        "cs.solve(scene, grid, cs.ExactPeriodicity(), times=cs.TimeSteps((0,), step_error=cs.StepError.NONE))\n"
         "print([name for name in sys.modules if name.startswith('contactstudy.elasticity.eigenstrain.')])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

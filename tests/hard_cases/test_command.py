@@ -47,14 +47,9 @@ def malformed(rng: random.Random) -> list[str]:
             ["plan", f"{junk}.toml"],
             ["solve", f"{junk}.toml"],
             ["recommend", "--error", rng.choice(("0", "-1", "nan", "small", "inf"))],
-            ["recommend", "--error", "1e-3", "--metric", f"un{junk}known"],
-            [
-                "recommend",
-                "--error",
-                "1e-3",
-                "--memory",
-                rng.choice(("4 m", "-1 GB", "much", "GB")),
-            ],
+            ["recommend", "--seconds", rng.choice(("0", "-1", "nan", "soon", "inf"))],
+            ["recommend", "--scene", f"{junk}.toml"],
+            ["report", "--scene", f"{junk}.toml"],
             [f"no-{junk}-command"],
             ["report", "--repeats", rng.choice(("0", "-3", "twice"))],
         )

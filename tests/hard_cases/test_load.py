@@ -59,4 +59,4 @@ def test_no_load_is_refused(load: object) -> None:
     with pytest.raises(
         cs.InvalidInput, match=r"^LineLoad\.per_length is .*: give a load above 0 N/m"
     ):
-        cs.LineLoad(load)  # type: ignore[arg-type]
+        replace(SCENE, load=cs.LineLoad(load))  # type: ignore[arg-type]

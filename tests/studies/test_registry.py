@@ -24,7 +24,7 @@ from studies.cli.commands import cli
 assert CliRunner().invoke(cli, ["studies"]).exit_code == 0
 assert drawing() == []
 import cloudpickle, pickle
-import studies.engine.workers.worker
+import studies.engine.workers.preload
 from studies.model.outcome import Work
 from studies.registry import BUILT_IN, load
 for name in BUILT_IN:

@@ -201,14 +201,14 @@ class RemainderTables:
         ends = [0.0, min(self.response.nearest_pole, longest)]
         while ends[-1] < LAST_WAVE:
             ends.append(ends[-1] + min(ends[-1], longest))
-        return _composite(np.array(ends))
+        return composite(np.array(ends))
 
     def _imaginary(self, s: float) -> tuple[Array, Array]:
         """Return Gauss points and weights for integrals over tau of a field that decays like ``exp(-s tau)``."""
         end = min(self.response.first_pole, LOST / s)
         start = 1e-3 * min(self.response.nearest_pole, 1 / s)
         count = int(np.ceil(np.log2(end / start)))
-        return _composite(np.concatenate([[0.0], np.geomspace(start, end, count + 1)]))
+        return composite(np.concatenate([[0.0], np.geomspace(start, end, count + 1)]))
 
 
 @lru_cache(maxsize=32)
@@ -217,7 +217,7 @@ def remainder_tables(response: LayerResponse) -> RemainderTables:
     return RemainderTables(response)
 
 
-def _composite(ends: Array) -> tuple[Array, Array]:
+def composite(ends: Array) -> tuple[Array, Array]:
     """Return Gauss points and weights on pieces between `ends`."""
     nodes, weights = leggauss(POINTS)
     middle, half = (ends[1:] + ends[:-1]) / 2, np.diff(ends) / 2

@@ -11,7 +11,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from contactstudy.domain.checks import InvalidInput
-from contactstudy.io.compare import Comparison
 from contactstudy.io.pictures.figure import LAW_STYLE, SETTINGS, add_legend, panels
 from contactstudy.io.pictures.interference import interference_colours
 
@@ -28,7 +27,7 @@ STRESS: dict[str, Any] = {"color": "#D55E00"}
 
 
 def picture(solved: xr.Dataset) -> Figure:
-    """Draw a contact as :func:`~contactstudy.to_dataset` labels it: pressure, cross-sections, gap and stress."""
+    """Draw a contact as its dataset labels it: pressure, cross-sections, gap and stress."""
     plane_strain = solved.sizes["y"] == 1
     stressed = "von_mises" in solved
     drawn = [_across, _gap] if plane_strain else [_map, _along, _across, _gap]
@@ -91,6 +90,9 @@ def _across(ax: Axes, solved: xr.Dataset) -> None:
             x, *band, color=style["color"], alpha=0.18, linewidth=0, label="lowest to highest"
         )
     ax.plot(x, pressure.isel(y=solved.sizes["y"] // 2), label="in the middle", **style)
+    if "attraction" in solved:
+        attraction = -solved["attraction"].isel(y=solved.sizes["y"] // 2) / size
+        ax.plot(x, attraction, label="attraction, downwards", **STRESS)
     if "hertz_half_width" in solved:
         t = solved["x"] / float(solved["hertz_half_width"])
         hertz = float(solved["hertz_peak_pressure"]) * np.sqrt(np.clip(1 - t**2, 0, None))
@@ -125,9 +127,8 @@ def _stress(ax: Axes, solved: xr.Dataset) -> None:
     ax.grid(visible=False)
 
 
-def compare_picture(comparison: Comparison) -> Figure:
-    """Draw the difference of two contacts as a map, and both pressures across its largest place."""
-    fields = comparison.difference
+def compare_picture(fields: xr.Dataset, at: tuple[float, float]) -> Figure:
+    """Draw the difference of two contacts as a map, and both pressures across the place `at` (x, y) [m]."""
     size, pascals = scaled(fields["a"], PRESSURES)
     width, metres = scaled(fields["x"], LENGTHS)
     with mpl.rc_context(SETTINGS):
@@ -145,7 +146,7 @@ def compare_picture(comparison: Comparison) -> Figure:
             )
             axes[0].grid(visible=False)
             figure.colorbar(mesh, ax=axes[0])
-        section = fields.sel(y=comparison.at[1], method="nearest")
+        section = fields.sel(y=at[1], method="nearest")
         x = fields["x"] / width
         axes[-1].plot(x, section["a"] / size, label="a", color="#0072B2")
         axes[-1].plot(x, section["b"] / size, label="b", color="#D55E00", linestyle="--")

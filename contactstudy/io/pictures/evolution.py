@@ -10,25 +10,37 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from contactstudy.io.pictures.contact import FILMS, LENGTHS, PRESSURES, scaled
-from contactstudy.io.pictures.figure import SETTINGS, panels
+from contactstudy.io.pictures.figure import LAW_STYLE, SETTINGS, add_legend, panels
+from contactstudy.io.quantities import readable
 
 # Profiles are drawn of so many instants.
 PROFILES = 6
+# Decades that a logarithmic axis of errors has at the most.
+DECADES = 6
+BESIDE: Any = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)}
 # A film is drawn up to so many of Hertz's half-widths from the axis.
 FILM_WIDTH = 1.5
+# Variables of each body that yields, before the suffix of the body.
+STRAIN, STRESS = "equivalent_plastic_strain", "residual_stress"
 
 
 def evolution_picture(evolved: xr.Dataset) -> Figure:
     """Draw a march as ``Evolution.to_dataset`` labels it: profiles, a map over time, numbers and errors."""
     worn = "worn_depth" in evolved
-    drawn = [_profiles, _map, _numbers, _errors] + [_worn] * worn
+    adheres = "attraction" in evolved
+    drawn = [_profiles, _map, _numbers, _loop if adheres else _errors] + [_worn] * worn
     if "residual_displacement" in evolved:
         bodies = [
-            str(variable) for variable in evolved if str(variable).startswith("equivalent_plastic")
+            str(name).removeprefix(STRAIN)
+            for name in evolved
+            if str(name).startswith(STRAIN) and evolved[name].values.any()
         ]
-        drawn += [_dent, *(partial(_plastic, name=name) for name in bodies)]
+        drawn.append(_dent)
+        for body in bodies:
+            drawn += [partial(_plastic, name=STRAIN + body)]
+            drawn += [partial(_residual, name=STRESS + body)] * (STRESS + body in evolved)
     with mpl.rc_context(SETTINGS):
-        figure, axes = panels(len(drawn), columns=2, width=4.6, height=3.4)
+        figure, axes = panels(len(drawn), columns=2, width=5.4, height=3.4)
         for draw, ax in zip(drawn, axes, strict=True):
             draw(ax, evolved)
     return figure
@@ -37,7 +49,7 @@ def evolution_picture(evolved: xr.Dataset) -> Figure:
 def film_evolution_picture(evolved: xr.Dataset) -> Figure:
     """Draw a march of a film: profiles of pressure and film, the film over time and width, and numbers against time."""
     with mpl.rc_context(SETTINGS):
-        figure, axes = panels(4, columns=2, width=4.6, height=3.4)
+        figure, axes = panels(4, columns=2, width=5.4, height=3.4)
         reach = FILM_WIDTH * float(evolved["hertz_half_width"][0])
         inside = evolved.sel(x=slice(-reach, reach))
         film = scaled(inside["film"].mean(), FILMS)
@@ -58,7 +70,32 @@ def film_evolution_picture(evolved: xr.Dataset) -> Figure:
             label = evolved[name].attrs["long_name"]
             axes[3].plot(evolved["time"], evolved[name] / film[0], color=color, label=label)
         axes[3].set(xlabel="time [s]", ylabel=f"film [{film[1]}]")
-        axes[3].legend()
+        axes[3].legend(loc="upper center", bbox_to_anchor=(0.5, -0.2))
+    return figure
+
+
+def passes_picture(rolled: xr.Dataset) -> Figure:
+    """Draw residual stress and plastic strain against depth after some passes, later ones brighter."""
+    chosen = np.unique(np.linspace(0, rolled.sizes["pass"] - 1, PROFILES).round().astype(int))
+    colors: Any = mpl.colormaps["viridis"](np.linspace(0, 0.9, len(chosen)))
+    length, metres = scaled(rolled["z"], LENGTHS)
+    size, pascals = scaled(abs(rolled["residual_stress"]), PRESSURES)
+    with mpl.rc_context(SETTINGS):
+        figure, axes = panels(2, columns=2, width=4.6, height=3.4)
+        for number, color in zip(chosen, colors, strict=True):
+            after = rolled.isel({"pass": number})
+            label = f"pass {int(after['pass'])}"
+            stress = after["residual_stress"].sel(component="xx") / size
+            axes[0].plot(stress, rolled["z"] / length, color=color, label=label)
+            axes[1].plot(
+                after["equivalent_plastic_strain"] * 100, rolled["z"] / length, color=color
+            )
+        axes[0].set(xlabel=f"residual stress along the travel [{pascals}]")
+        axes[1].set(xlabel="equivalent plastic strain [%]")
+        for ax in axes:
+            ax.set(ylabel=f"depth [{metres}]")
+            ax.invert_yaxis()
+        add_legend(figure)
     return figure
 
 
@@ -66,14 +103,39 @@ def _lines(ax: Axes, evolved: xr.Dataset, name: str, scale: tuple[float, str]) -
     """Draw a variable across the middle of the length at some instants, later ones brighter."""
     middle = evolved[name].isel(y=evolved.sizes["y"] // 2)
     length, metres = scaled(evolved["x"], LENGTHS)
-    chosen = np.unique(np.linspace(0, evolved.sizes["time"] - 1, PROFILES).round().astype(int))
+    chosen = _instants(evolved, middle.values)
     colors: Any = mpl.colormaps["viridis"](np.linspace(0, 0.9, len(chosen)))
     for number, color in zip(chosen, colors, strict=True):
         instant = middle.isel(time=number)
         label = f"{float(instant['time']):.3g} s"
         ax.plot(evolved["x"] / length, instant / scale[0], color=color, label=label)
     ax.set(xlabel=f"across [{metres}]", ylabel=f"{evolved[name].attrs['long_name']} [{scale[1]}]")
-    ax.legend()
+    ax.legend(**BESIDE)
+
+
+def _instants(evolved: xr.Dataset, values: Any) -> list[int]:
+    """Return the numbers of the instants to draw of values (time, x): peaks of the load and the end are among them.
+
+    An instant at which all is zero is left out; others are evenly spaced.
+    """
+    drawn = np.flatnonzero(values.any(axis=1))
+    if not len(drawn):
+        return [len(values) - 1]
+    even = set(drawn[np.linspace(0, len(drawn) - 1, PROFILES).round().astype(int)].tolist())
+    wanted = {int(drawn[-1])}
+    if "load" in evolved:
+        load = evolved["load"].values
+        rises, falls = np.diff(load, prepend=-np.inf) > 0, np.diff(load, append=-np.inf) < 0
+        wanted |= set(np.flatnonzero(rises & falls).tolist()) & set(drawn.tolist())
+    if len(wanted) > PROFILES:  # the first peaks and the last
+        places = np.linspace(0, len(wanted) - 1, PROFILES).round().astype(int)
+        wanted = {sorted(wanted)[place] for place in places}
+    for number in sorted(wanted - even):
+        others = sorted(even - wanted)
+        if len(even) >= PROFILES and others:  # in the place of the nearest one
+            even.remove(others[int(np.abs(np.subtract(others, number)).argmin())])
+        even.add(number)
+    return sorted(even)
 
 
 def _profiles(ax: Axes, evolved: xr.Dataset) -> None:
@@ -108,6 +170,29 @@ def _plastic(ax: Axes, evolved: xr.Dataset, name: str) -> None:
     ax.figure.colorbar(mesh, ax=ax)
 
 
+def _residual(ax: Axes, evolved: xr.Dataset, name: str) -> None:
+    """Draw the residual stress below the middle of the contact against the depth, at the last instant."""
+    stress = evolved[name].isel(time=-1, x=evolved.sizes["x"] // 2, y=evolved.sizes["y"] // 2)
+    depth = next(str(dimension) for dimension in stress.dims if str(dimension).startswith("z"))
+    length, metres = scaled(evolved["x"], LENGTHS)
+    size, pascals = scaled(abs(stress), PRESSURES)
+    for component, direction, color in (
+        ("xx", "across", "#0072B2"),
+        ("yy", "along", "#009E73"),
+        ("zz", "in depth", "#D55E00"),
+    ):
+        values = stress.sel(component=component) / size
+        ax.plot(values, evolved[depth] / length, color=color, label=direction)
+    of = str(evolved[STRAIN + name.removeprefix(STRESS)].attrs["long_name"]).partition(" of ")[2]
+    ax.set(
+        xlabel=f"residual stress below the middle, tension positive [{pascals}]",
+        ylabel=f"depth [{metres}]",
+        title=f"residual stress{of and f' of {of}'} at the end",
+    )
+    ax.invert_yaxis()
+    ax.legend(**BESIDE)
+
+
 def _map(ax: Axes, evolved: xr.Dataset) -> None:
     """Draw the mean pressure along the length over time and width."""
     pressure = evolved["pressure"].mean("y")
@@ -137,12 +222,21 @@ def _numbers(ax: Axes, evolved: xr.Dataset) -> None:
     ):
         values = evolved[name]
         largest = float(values.max()) or 1.0
-        units = values.attrs["units"]
-        label = f"{values.attrs['long_name']} over {largest:.3g} {units}"
+        label = f"{values.attrs['long_name']} over {readable(largest, values.attrs['units'], 3)}"
         ax.plot(evolved["time"], values / largest, color=color, label=label)
     ax.set(xlabel="time [s]", ylabel="over the largest value")
-    ax.set_ylim(bottom=0)
-    ax.legend()
+    ax.set_ylim(bottom=min(0.0, float(evolved["load"].min() / (evolved["load"].max() or 1.0))))
+    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2))
+
+
+def _loop(ax: Axes, evolved: xr.Dataset) -> None:
+    """Draw the load against the approach, where the bodies touch: a loop of approach and separation."""
+    touching = (evolved["pressure"] > 0).any(("x", "y"))
+    approach, load = (evolved[name].where(touching) for name in ("approach", "load"))
+    size, metres = scaled(approach, LENGTHS)
+    ax.plot(approach / size, load, ".-", color="#0072B2")
+    ax.axhline(0.0, **LAW_STYLE)
+    ax.set(xlabel=f"approach [{metres}]", ylabel="load [N/m]", title="approach and separation")
 
 
 def _errors(ax: Axes, evolved: xr.Dataset) -> None:
@@ -157,4 +251,5 @@ def _errors(ax: Axes, evolved: xr.Dataset) -> None:
             )
     ax.set(xlabel="time [s]", ylabel="relative error")
     if ax.get_legend_handles_labels()[0]:
-        ax.legend()
+        ax.set_ylim(bottom=max(ax.get_ylim()[0], ax.get_ylim()[1] * 10.0**-DECADES))
+        ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2))

@@ -26,7 +26,7 @@ class MovedGrid(Grid):
 @answers_typos
 @dataclass(frozen=True)
 class Carried:
-    """A shape on the surface of a body, which moves with it to larger x: see :func:`~contactstudy.evolve_lubricated`.
+    """A shape on the surface of a body, which moves with it to larger x: see :func:`~contactstudy.solve`.
 
     At time zero it is where the shape is. Heights of a measured surface repeat across with the width of the grid.
 

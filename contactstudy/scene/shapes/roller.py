@@ -12,6 +12,7 @@ from contactstudy.domain.checks import (
     answers_typos,
     in_range,
     in_range_from_zero,
+    in_range_or_infinite,
     set_fields,
 )
 from contactstudy.domain.fields import Array
@@ -111,26 +112,33 @@ class Crown:
     ----------
     radius
         Radius R of the crown [m], above zero; infinite, the default, for no crown.
+    length
+        Length of the roller [m], above zero, over which a :class:`~contactstudy.TotalLoad` is spread; infinite, the
+        default, where it is not known. The parabola goes on beyond it.
 
     Raises
     ------
     InvalidInput
-        If the radius is not above zero.
+        If a number is not above zero.
     """
 
     radius: Metres = inf
+    length: Metres = inf
 
     def __post_init__(self) -> None:
-        if self.radius != inf:
-            remedy = "give a radius above 0 m, or inf for no crown"
-            set_fields(self, radius=in_range("Crown.radius", self.radius, remedy))
+        remedy = "give a radius above 0 m, or inf for no crown"
+        radius = in_range_or_infinite("Crown.radius", self.radius, remedy)
+        remedy = "give the roller's length above 0 m"
+        set_fields(
+            self, radius=radius, length=in_range_or_infinite("Crown.length", self.length, remedy)
+        )
 
     @classmethod
     def of_drop(cls, end_drop: float, length: float) -> Self:
-        """Return the crown that drops by `end_drop` [m], from zero on, at both ends of `length` [m]."""
+        """Return the crown of a roller of `length` [m] that drops by `end_drop` [m], from zero on, at both ends."""
         drop = in_range_from_zero("Crown end_drop", end_drop, HEIGHT)
         length = in_range("Crown length", length, "give the roller's length above 0 m")
-        return cls(length**2 / (8 * drop) if drop else inf)
+        return cls(length**2 / (8 * drop), length) if drop else cls()
 
     @property
     def curvature(self) -> float:
@@ -139,8 +147,8 @@ class Crown:
 
     @property
     def detail(self) -> Detail:
-        """Length scales of a roller of any length."""
-        return Detail(roller=inf if self.radius < inf else 0.0)
+        """Length scales of the roller."""
+        return Detail(roller=self.length if self.radius < inf else 0.0)
 
     def gap(self, grid: Grid) -> Array:
         """Return ``y^2 / (2 R)`` [m], of shape (1, length), or (nx, 1) without a crown."""

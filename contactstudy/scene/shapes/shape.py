@@ -4,7 +4,9 @@ from dataclasses import dataclass
 from math import inf
 from typing import Protocol, runtime_checkable
 
-from contactstudy.domain.checks import answers_typos
+import numpy as np
+
+from contactstudy.domain.checks import InvalidInput, answers_typos
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 
@@ -57,3 +59,32 @@ class Detail:
     slope: float = 0.0
     widest: float = inf
     spacing: tuple[float, float] | None = None
+
+
+def gap_of(shape: Shape, grid: Grid) -> Array:
+    """Return the gap [m] that `shape` adds at the cell centres of `grid`, which broadcasts to (x, y).
+
+    Raises
+    ------
+    InvalidInput
+        If a shape of the user's own returns anything but real, finite heights that broadcast to the cells.
+    """
+    name, remedy = f"{type(shape).__name__}.gap", "return an array of real heights [m]"
+    returned = shape.gap(grid)
+    try:
+        gap = np.asarray(np.ma.filled(returned, np.nan))
+    except (TypeError, ValueError):
+        raise InvalidInput(f"{name} is {returned!r}: {remedy}.") from None
+    fits = all(size in (1, count) for size, count in zip(gap.shape, grid.cells, strict=False))
+    if gap.ndim not in (0, 2) or not fits:
+        raise InvalidInput(
+            f"{name} has the shape {gap.shape}: return heights [m] of the shape {grid.cells}, or of "
+            f"{(grid.cells[0], 1)} if nothing varies along the length."
+        )
+    if gap.dtype.kind not in "biuf":
+        raise InvalidInput(f"{name} has values of the type {gap.dtype}: {remedy}.")
+    with np.errstate(over="ignore", invalid="ignore"):
+        total = gap.sum()  # much faster than each height
+    if not np.isfinite(total) and (lost := np.count_nonzero(~np.isfinite(gap))):
+        raise InvalidInput(f"{name} is not finite at {lost} points: {remedy}, all finite.")
+    return gap

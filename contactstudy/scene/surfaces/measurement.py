@@ -1,6 +1,8 @@
 """Heights of points and the sizes they come with, from an array, a DataArray or a file."""
 
+import re
 import warnings
+from math import nan
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
@@ -18,6 +20,11 @@ DIMENSIONS = (("x", "y"), ("width", "length"))
 # Files of plain numbers, and the units that they may be in.
 ROWS = (".npy", ".csv", ".txt", ".asc", ".xyz")
 LENGTHS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9}
+# Points of a text file along each side, of which a table of something else has fewer; words for a missing point.
+FEWEST = 8
+MISSING = ("", "nan", "na", "n/a", "null", "none", "bad", "inf")
+NUMERAL = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+DECIMAL_COMMA = re.compile(r"[-+]?\d+(?:,\d+)?(?:[eE][-+]?\d+)?")
 METRES = (None, "", "m", "metre", "metres", "meter", "meters")
 
 
@@ -96,10 +103,33 @@ def read(
 
 
 def _numbers(name: str, suffix: str) -> Array | None:
-    """Return the numbers of a file in rows, nan where one is missing; None where they are no plain table."""
-    try:
-        if suffix == ".npy":
+    """Return the numbers of a file in rows, nan where one is missing.
+
+    It is None for an ``.asc`` file that is no plain table: such files have one of many kinds of headers, which
+    SurfaceTopography reads. Raises :class:`~contactstudy.InvalidInput` for another file that is none.
+    """
+    if suffix == ".npy":
+        try:
             return np.asarray(np.load(name, allow_pickle=False))
+        except (OSError, ValueError) as error:
+            raise InvalidInput(f"path is {name!r}: give a file with numbers ({error}).") from None
+    try:
+        values = _table(name)
+        if suffix != ".xyz" and (len(values) < FEWEST or 1 < values.shape[1] < FEWEST):
+            raise InvalidInput(
+                f"path is {name!r}, of {len(values)} rows of {values.shape[1]} numbers: give a surface of at least "
+                f"{FEWEST} x {FEWEST} points, or a profile of one column."
+            )
+    except InvalidInput:
+        if suffix == ".asc":
+            return None
+        raise
+    return values
+
+
+def _table(name: str) -> Array:
+    """Return the rows of numbers of a text file, after at most one line of heading."""
+    try:
         lines = Path(name).read_text(encoding="utf-8-sig").splitlines()
     except (OSError, ValueError) as error:
         raise InvalidInput(f"path is {name!r}: give a file with numbers ({error}).") from None
@@ -107,22 +137,32 @@ def _numbers(name: str, suffix: str) -> Array | None:
     separator = next(
         (mark for mark in (";", "\t", ",") if any(mark in line for line in lines)), None
     )
-    if separator in (";", "\t"):  # as a spreadsheet writes it where the decimal sign is a comma
+    words = lines[-1].split() if lines else []
+    if separator == "," and len(words) > 1 and all(map(DECIMAL_COMMA.fullmatch, words)):
+        separator = None
+    if separator != ",":  # as a spreadsheet writes it where the decimal sign is a comma
         lines = [line.replace(",", ".") for line in lines]
-    try:
-        values = np.genfromtxt(lines, delimiter=separator, ndmin=2)
-    except ValueError:  # rows of different lengths
-        values = np.empty((0, 0))
-    if len(values) > 1 and np.isnan(values[0]).all():  # names of columns
-        values = values[1:]
-    if values.size and not np.isnan(values).all():
-        return np.asarray(values)
-    if (
-        suffix == ".asc"
-    ):  # such files may have one of many kinds of headers, which the library reads
-        return None
+    rows = [[word.strip() for word in line.split(separator)] for line in lines]
+    if rows and not any(NUMERAL.fullmatch(word) for word in rows[0]):  # names of columns
+        del rows[0]
+    if rows and not any(row[-1] for row in rows):  # each line ends with a separator
+        rows = [row[:-1] for row in rows]
+    if not rows or len({len(row) for row in rows}) > 1:
+        raise InvalidInput(
+            f"path is {name!r}: give rows of equally many numbers, separated by commas, semicolons, tabs or blanks."
+        )
+    return np.array([[_value(name, word) for word in row] for row in rows])
+
+
+def _value(name: str, word: str) -> float:
+    """Return the number that `word` is, nan where it marks a missing point."""
+    if NUMERAL.fullmatch(word):
+        return float(word)
+    if word.strip("*-").lower() in MISSING:
+        return nan
     raise InvalidInput(
-        f"path is {name!r}: give rows of equally many numbers, separated by commas, semicolons, tabs or blanks."
+        f"path is {name!r}, in which {word[:40]!r} stands for a height: give numbers with a decimal point (a decimal "
+        "comma between semicolons, tabs or blanks), after at most one line of heading."
     )
 
 

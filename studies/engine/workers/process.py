@@ -1,247 +1,279 @@
-"""Processes that compute cases: how they are started, forked, recognised and ended, on every system.
+"""Supervised worker processes: a case that hangs or dies affects no other case.
 
-A supervisor starts a *keeper*, with one end of a socket pair and with a pipe that closes when the supervisor ends.
-Where the system can, the keeper reads the study and forks the process that computes: when that one dies, another is
-there within milliseconds, where a new interpreter takes most of a second. Elsewhere the keeper computes by itself.
+Pools of libraries are not used, since they limit and lose a whole batch, and accept answers from a process that a case
+has forked.
 """
 
+import atexit
+import multiprocessing
 import os
+import pickle
 import secrets
 import signal
-import socket
-import subprocess
 import sys
-import warnings
-from contextlib import suppress
-from time import monotonic, sleep
+import threading
+from collections.abc import Iterator, MutableMapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import replace
+from multiprocessing.connection import Connection, wait
+from pathlib import Path
+from time import monotonic, perf_counter
+from types import ModuleType
 from typing import Any
 
-import psutil
+import cloudpickle
 
-from studies.engine.workers.channel import (
-    EXIT_CODE,
-    FORK,
-    REQUEST,
-    SETUP,
-    ClosedError,
-    ForgedError,
-    LateError,
-    Setup,
-    channel_pair,
-)
+from contactstudy import InvalidInput
+from studies.engine.time_limit import deadline, timed_out
+from studies.engine.workers.compute import failure_of
+from studies.engine.workers.leftovers import end_all
+from studies.engine.workers.worker import UNREAD, Answer, Batch, Setup, main
+from studies.model.case import Computation
+from studies.model.outcome import CaseStatus, Failure, Outcome, Sample
+from studies.store.loaded import LOADED, Record
 
-MARK = "CONTACTSTUDY_WORKER"  # environment variable of a worker, inherited by what it starts
-STDIN = 0
+BATCH = 0.25  # seconds of work after which a batch of cases is answered
 START = 120.0  # seconds in which a new process must be ready
-# Linux: a fork of macOS may not use its system's libraries
-CAN_FORK = sys.platform == "linux" and all(hasattr(os, name) for name in ("fork", "waitid"))
+STARTS = 3  # processes that may end before their first case
+# signals from a person, or for lack of memory; a second try shows whether the case causes them
+FROM_OUTSIDE = frozenset({"SIGTERM", "SIGKILL", "SIGINT", "SIGHUP", "SIGQUIT"})
+LOST = (
+    255  # exit code of a process of which nothing is known, since the one that forked it has ended
+)
+# a process that has read the libraries is forked, where the system can; a fork of macOS may not use its libraries
+METHOD = "forkserver" if sys.platform == "linux" and hasattr(os, "fork") else "spawn"
+PROCESSES: Any = multiprocessing.get_context(METHOD)
+STARTING = threading.Lock()
 
 
-class WorkerProcess:
-    """A process that computes, as its supervisor sees it, with the channel to it and its process number.
+@contextmanager
+def _plain_process() -> Iterator[None]:
+    """Let a process start without the script of this one, without files of the current folder, and from a dask worker.
 
-    Raises
-    ------
-    OSError
-        If no more processes can be started.
+    A script without a guard would run again. A file of the user's may be called like a module of Python's. A default
+    dask worker may not have child processes by its settings.
     """
+    here = str(Path(__file__).parents[3])
+    path = os.pathsep.join(filter(None, (here, os.environ.get("PYTHONPATH"))))
+    settings = multiprocessing.current_process()._config  # type: ignore[attr-defined]
+    with (
+        STARTING,
+        _changed(sys.modules, "__main__", ModuleType("__main__")),
+        _changed(settings, "daemon", False),  # noqa: FBT003 (a value)
+        _changed(os.environ, "PYTHONSAFEPATH", "1"),
+        _changed(os.environ, "PYTHONPATH", path),
+    ):
+        yield
 
-    def __init__(self) -> None:
-        self._control, end = channel_pair()
-        self._mark = secrets.token_hex(8)
-        with end:
-            self._keeper = _start(end, self._mark)
-        self.channel, self.number = self._control, self._keeper.pid
-        self._work = b""
 
-    def is_ready(self, work: bytes) -> bool:
-        """Return whether a process is running that has read the pickled `work`."""
-        return self._work == work and (self.is_forked or not CAN_FORK)
+@contextmanager
+def _changed(mapping: MutableMapping[str, Any], name: str, value: object) -> Iterator[None]:
+    """Change an entry of a mapping for a block."""
+    before = mapping.pop(name, None)
+    mapping[name] = value
+    try:
+        yield
+    finally:
+        del mapping[name]
+        if before is not None:
+            mapping[name] = before
 
-    def set_up(self, work: bytes) -> str:
-        """Provide a process that has read the pickled `work`; return why it cannot be read, or an empty text.
 
-        Raises
-        ------
-        ClosedError, ForgedError, LateError
-            If the keeper has ended.
-        """
-        if self._work != work:
-            self.end_fork()
-            self._control.send(REQUEST, Setup(tuple(sys.path), work))
-            if problem := str(self._answer(SETUP)):
-                return problem
-            self._work = work
-        if CAN_FORK:
-            channel, end = channel_pair()
-            with end:
-                self._control.send(REQUEST, FORK)
-                self._control.send_socket(end, self._keeper.pid)
-                self.channel, self.number = channel, int(self._answer(FORK))
-        return ""
+class Worker:
+    """A supervised process for the pickled `work`, started with the first case and again after each death."""
 
-    def _answer(self, subject: str) -> Any:
-        """Return the keeper's answer to a request."""
-        return self._control.receive(
-            subject,
-            self._keeper.pid,
-            until=monotonic() + START,
-            is_alive=lambda: not _has_ended(self._keeper),
-        )
+    def __init__(self, work: bytes) -> None:
+        self._work, self._read = work, b""
+        self._limit: float | None = pickle.loads(work).time_limit
+        self._process: Any = None
+        self._loaded: Record = LOADED.record
+        self._over = threading.Event()
+        atexit.register(self.end)
 
-    @property
-    def is_forked(self) -> bool:
-        """True where the process that computes is a fork of the keeper, which can fork another."""
-        return self.channel is not self._control
+    def run(self, cases: bytes, names: Sequence[str]) -> Iterator[Outcome]:
+        """Yield the outcome of each case, in order, as soon as it is there, until a batch has taken its time.
 
-    def has_ended(self) -> bool:
-        """Return whether the process that computes has ended."""
-        # the keeper sends the exit code of its fork
-        return self._control.poll() if self.is_forked else _has_ended(self._keeper)
-
-    def end_fork(self, wait: float = 0.0) -> int | None:
-        """End the fork and all that it started, and return its exit code.
+        It ends early after :meth:`end`, and yields nothing for several cases that cannot be read together.
 
         Parameters
         ----------
-        wait
-            Time [s] in which it may end by itself.
-
-        Returns
-        -------
-        int or None
-            None where there is no fork, or where its keeper has ended.
+        cases
+            The cases, pickled together.
+        names
+            Name of each case.
         """
-        self._wait(wait)
-        if not self.is_forked:
-            return None
-        end_all(self.number, self._mark, spared=self._keeper.pid)
-        self.channel.close()
-        self.channel, self.number = self._control, self._keeper.pid
+        for answer in self._answers(Batch(cases, tuple(names), 0, "compute", self._limit, BATCH)):
+            if not isinstance(answer, Outcome):
+                assert isinstance(answer, Failure)
+                answer = Outcome(CaseStatus.FAILED, {}, answer)
+            if answer.failure is None or answer.failure.stage != UNREAD:
+                yield replace(answer, loaded=self._loaded)
+
+    def time_once(
+        self, name: str, case: Computation, limit: float | None
+    ) -> Sample | Failure | None:
+        """Return the times of one run of a case, or the failure that prevents them; None after :meth:`end`."""
         try:
-            return int(self._answer(EXIT_CODE))
-        except (ClosedError, ForgedError, LateError):
-            return None
+            cases = cloudpickle.dumps((case,))
+        except Exception as error:  # noqa: BLE001 (a study's class may do anything)
+            return failure_of(error, "setup")
+        for answer in self._answers(Batch(cases, (name,), 0, "clock", limit, BATCH)):
+            return answer.failure if isinstance(answer, Outcome) else answer
+        return None
 
-    def end(self, wait: float = 0.0) -> int | None:
-        """End all processes, after up to `wait` [s] of their own ending, and return the exit code of the keeper."""
-        self._wait(wait)
-        end_all(self._keeper.pid, self._mark)
-        self._keeper.wait()
-        assert self._keeper.stdin is not None
-        with suppress(OSError):
-            self._keeper.stdin.close()
-        return self._keeper.returncode
+    def set_work(self, work: bytes) -> None:
+        """Use the pickled `work` from here on, in the same process if there is one."""
+        if work != self._work:
+            self._work, self._limit = work, pickle.loads(work).time_limit
 
-    def _wait(self, seconds: float) -> None:
-        """Wait up to `seconds` for the process that computes to end."""
-        until = monotonic() + seconds
-        while seconds and not self.has_ended() and monotonic() < until:
-            sleep(0.01)
+    @property
+    def has_ended(self) -> bool:
+        """True after :meth:`end` was called."""
+        return self._over.is_set()
 
+    def end(self) -> None:
+        """End the process at once; no other is started."""
+        self._over.set()
+        atexit.unregister(self.end)
+        self._discard()
 
-def _start(end: socket.socket, mark: str) -> subprocess.Popen[bytes]:
-    """Start a keeper with the socket `end`; raise OSError where no more processes can be started.
+    def _answers(self, batch: Batch) -> Iterator[Outcome | Sample | Failure]:
+        """Yield the answer for each case, until the batch has taken its time.
 
-    The socket is named on its standard input, which stays open until this process ends. The keeper is in a session
-    or group of its own, so that Ctrl-C in a terminal reaches this process alone.
-    """
-    # -P: a file of the user's may be called like a module of Python's
-    command = [sys.executable, "-P", "-m", "studies.engine.workers.worker"]
-    environment = os.environ | {MARK: mark}
-    share = getattr(end, "share", None)  # Windows, where a process inherits no sockets
-    if share:
-        # past the launcher of a virtual environment, whose number is not that of the worker
-        environment["__PYVENV_LAUNCHER__"] = sys.executable
-        command[0] = getattr(sys, "_base_executable", sys.executable)
-    process = subprocess.Popen(
-        command,
-        stdin=subprocess.PIPE,
-        pass_fds=() if share else (end.fileno(),),
-        start_new_session=True,
-        creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),
-        env=environment,
-    )
-    assert process.stdin is not None
-    shared = share(process.pid) if share else str(end.fileno()).encode()
-    with suppress(OSError):  # it has ended already, which its supervisor will find
-        process.stdin.write(f"{os.getpid()} {shared.hex()}\n".encode())
-        process.stdin.flush()
-    return process
+        After the end of a process the remaining cases go to a new one. A case whose process was ended from outside is
+        sent again, once.
+        """
+        place, retried = 0, -1
+        while place < len(batch.names) and self._is_ready():
+            try:
+                self._connection.send(replace(batch, first=place))
+            except OSError:  # it had been idle for long, and ended
+                self._discard()
+                continue
+            follows = True
+            while follows:
+                answer, follows, ending = self._receive(place, batch.limit)
+                if self._over.is_set():
+                    return
+                if ending in FROM_OUTSIDE and retried < place:
+                    retried = place
+                    break
+                place += 1
+                yield answer
+            if self._process is not None:
+                return
 
-
-def take_over() -> tuple[socket.socket, int, int]:
-    """Return the socket of a keeper, the number of its supervisor, and a pipe that closes when the supervisor ends.
-
-    Processes that a case starts inherit neither, and have an empty standard input.
-    """
-    line = b""
-    while not line.endswith(b"\n"):
-        if not (part := os.read(STDIN, 4096)):
-            sys.exit(1)  # the supervisor is gone
-        line += part
-    supervisor, shared = line.decode().split()
-    leash = os.dup(STDIN)
-    empty = os.open(os.devnull, os.O_RDONLY)
-    os.dup2(empty, STDIN)
-    os.close(empty)
-    name = bytes.fromhex(shared)
-    if hasattr(socket, "fromshare"):
-        return socket.fromshare(name), int(supervisor), leash
-    os.set_inheritable(int(name), False)  # noqa: FBT003 (the system's own way)
-    return socket.socket(fileno=int(name)), int(supervisor), leash
-
-
-def fork() -> int:
-    """Fork a keeper into a process in a session of its own; return its number, or 0 in that process itself."""
-    with warnings.catch_warnings():
-        # about threads of a numerical library, which ends them itself before a fork
-        warnings.simplefilter("ignore", DeprecationWarning)
-        number = os.fork()
-    if number == 0:
-        os.setsid()
-    return number
-
-
-def exit_code(number: int) -> int:
-    """Wait for the end of a fork and return its exit code; its number stays reserved until :func:`release`."""
-    ended = os.waitid(os.P_PID, number, os.WEXITED | os.WNOWAIT)
-    assert ended is not None
-    return ended.si_status if ended.si_code == os.CLD_EXITED else -ended.si_status
-
-
-def release(number: int) -> None:
-    """Let the system give the number of a fork that has ended to another process."""
-    os.waitpid(number, 0)
-
-
-def end_all(worker: int, mark: str, spared: int | None = None) -> None:
-    """Kill the process `worker`, its process group where the system has groups, and all processes with its `mark`.
-
-    The process `spared` has the mark and is not killed.
-    """
-    for process in psutil.process_iter() if mark else ():
-        with suppress(psutil.Error, OSError):  # it has ended, or is another user's
-            if (
-                process.pid not in (worker, spared, os.getpid())
-                and process.environ().get(MARK) == mark
-            ):
-                process.kill()
-    with suppress(psutil.Error, ProcessLookupError, PermissionError):
-        if hasattr(os, "killpg"):
-            os.killpg(worker, signal.SIGKILL)
+    def _receive(
+        self, place: int, limit: float | None
+    ) -> tuple[Outcome | Sample | Failure, bool, str]:
+        """Return the answer for a case, whether another one follows, and the signal that ended the process, if any."""
+        start = perf_counter()
+        # the worker's own alarm comes first, and spares it; the deadline is for what the alarm cannot reach
+        answer = self._next(deadline(limit))
+        if isinstance(answer, tuple) and answer[1] == place:
+            return answer[2], answer[3], ""
+        code = self._discard(wait=2.0 if answer is EOFError else 0.0)
+        seconds = perf_counter() - start
+        if answer is TimeoutError:
+            return timed_out(limit, "unknown", seconds), False, ""
+        if answer is EOFError:
+            ending = "SIGKILL" if code == LOST else _signal(code)
+            sentence = f"Killed: its process {_ending(code)} while it was computed"
+            status, failure = CaseStatus.KILLED, Failure("Killed", sentence, "unknown")
         else:
-            psutil.Process(worker).kill()
+            sentence = (
+                "ForgedError: what came in place of its answer is from another process or another case; "
+                "does it start processes that go on after it?"
+            )
+            status, failure = CaseStatus.FAILED, Failure("ForgedError", sentence, "unknown")
+            ending = ""
+        return Outcome(status, {}, failure, seconds), False, ending
 
-
-def _has_ended(process: subprocess.Popen[Any]) -> bool:
-    """Return whether the process has ended; where the system can, its number stays reserved until it is waited for."""
-    if process.returncode is not None:
-        return True
-    if hasattr(os, "waitid"):
+    def _next(self, until: float | None) -> Answer | type[Exception]:
+        """Return the next answer of the process; an exception's class where it is late, gone, or another's."""
+        process = self._process
+        if process is None:
+            return EOFError
         try:
-            options = os.WEXITED | os.WNOHANG | os.WNOWAIT
-            return os.waitid(os.P_PID, process.pid, options) is not None
-        except ChildProcessError:
-            pass
-    return process.poll() is not None
+            patience = None if until is None else max(until - monotonic(), 0.0)
+            ready = wait([self._connection, process.sentinel], patience)
+            # an answer may have come just before the process ended
+            if self._connection not in ready and not self._connection.poll():
+                return EOFError if ready else TimeoutError
+            answer: Answer = self._connection.recv()
+            if answer[0] != process.pid:
+                return ValueError
+            self._loaded = self._loaded if answer[4] is None else answer[4]
+        except (EOFError, OSError):  # also where another thread has closed it
+            return EOFError
+        except Exception:  # noqa: BLE001 (a study's own class may do anything)
+            return ValueError
+        return answer
+
+    def _is_ready(self) -> bool:
+        """Return whether a process has read the study, started if need be; False after :meth:`end`."""
+        code: int | None = None
+        for _ in range(STARTS):
+            if self._over.is_set():
+                return False
+            if self._process is None:
+                self._start()
+            if self._read == self._work:
+                return True
+            with suppress(OSError):
+                self._connection.send(Setup(tuple(sys.path), dict(os.environ), self._work))
+            answer = self._next(monotonic() + START)
+            if isinstance(answer, tuple) and answer[1] is None:
+                if problem := answer[2]:
+                    raise InvalidInput(f"The study cannot be read in a worker process: {problem}")
+                self._read = self._work
+                return True
+            code = self._discard(wait=0.5)
+        if self._over.is_set():
+            return False
+        raise InvalidInput(
+            f"{STARTS} worker processes ended before their first case, the last "
+            f"{_ending(code)}: see their messages above, or run with --workers 0."
+        )
+
+    def _start(self) -> None:
+        """Start a process; raise InvalidInput where the system allows no more."""
+        self._connection: Connection
+        self._mark, self._read = secrets.token_hex(8), b""
+        try:
+            self._connection, end = PROCESSES.Pipe()
+            with end, _plain_process():
+                if METHOD == "forkserver":
+                    PROCESSES.set_forkserver_preload(["studies.engine.workers.preload"])
+                process = PROCESSES.Process(target=main, args=(end, self._mark))
+                process.start()
+        except OSError as error:
+            raise InvalidInput(
+                f"A worker process cannot be started ({error.strerror}): give fewer with --workers."
+            ) from None
+        self._process = process
+
+    def _discard(self, wait: float = 0.0) -> int | None:
+        """End the process, after up to `wait` [s] of its own ending, and all that it started; return its exit code."""
+        process, self._process = self._process, None
+        if process is None:
+            return None
+        process.join(wait)
+        end_all(process.pid, self._mark)
+        process.join()
+        self._connection.close()
+        return int(process.exitcode)
+
+
+def _ending(code: int | None) -> str:
+    """Return a text on how a process ended."""
+    name = _signal(code)
+    hint = ", perhaps for want of memory" if name == "SIGKILL" else ""
+    if code is None:
+        return "ended"
+    return f"was ended by {name}{hint}" if name else f"ended with exit code {code}"
+
+
+def _signal(code: int | None) -> str:
+    """Return the name of the signal that ended a process; empty where none did."""
+    return signal.Signals(-code).name if code is not None and code < 0 else ""

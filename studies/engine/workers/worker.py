@@ -1,150 +1,158 @@
-"""Program of a worker process, which computes cases for its supervisor, one after the other."""
+"""Program of a worker process, which computes cases for its supervisor, one after the other.
 
+An answer is a tuple: number of this process, place of the case in the batch (None for a set-up), content, whether
+another answer follows, and what the process has loaded (None where this is as before).
+"""
+
+import multiprocessing
 import os
 import pickle
 import signal
 import sys
 import threading
+from dataclasses import dataclass
+from multiprocessing.connection import Connection, wait
+from time import perf_counter
 from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-from studies.engine.workers.channel import (
-    EXIT_CODE,
-    FORK,
-    REQUEST,
-    SETUP,
-    UNREAD,
-    Batch,
-    Channel,
-    ClosedError,
-    ForgedError,
-    Setup,
-)
 from studies.engine.workers.compute import compute, failed, timed, warm_up
-from studies.engine.workers.process import (
-    CAN_FORK,
-    MARK,
-    end_all,
-    exit_code,
-    fork,
-    release,
-    take_over,
-)
+from studies.engine.workers.leftovers import MARK, end_all
 from studies.engine.workers.surroundings import Surroundings
 from studies.model.outcome import Outcome, Work
+from studies.store.loaded import LOADED, Record
 
 IDLE = 120.0  # seconds without a request after which it ends
+UNREAD = "reading"  # stage of the failure of several cases that cannot be unpickled together
+Answer = tuple[int, int | None, Any, bool, Record | None]
 
 
-def main() -> None:
-    """Answer the supervisor's requests in order."""
-    end, supervisor, leash = take_over()
+@dataclass(frozen=True)
+class Setup:
+    """Request to use import paths, an environment and pickled `work`; the answer is an error text, or empty."""
+
+    path: tuple[str, ...]
+    environment: dict[str, str]
+    work: bytes
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Request to compute or to time cases; there is one answer for each that is computed.
+
+    Attributes
+    ----------
+    cases
+        All cases, pickled together. If they cannot be unpickled, every answer is a failure.
+    names
+        Name of each case.
+    first
+        Place of the first case to compute; earlier ones have been answered.
+    task
+        "compute", or "clock" to time.
+    limit
+        Longest time of a case [s]; None without a limit.
+    seconds
+        Time [s] after which no further case is begun.
+    """
+
+    cases: bytes
+    names: tuple[str, ...]
+    first: int
+    task: str
+    limit: float | None
+    seconds: float
+
+
+def main(connection: Connection, mark: str) -> None:
+    """Answer the supervisor's requests in order, until it is gone or none comes for a long time."""
     # an interrupt from outside ends the process, and is no error of the case
     signal.signal(signal.SIGINT, signal.SIG_DFL)
+    if hasattr(os, "setsid"):
+        os.setsid()
+    if hasattr(os, "register_at_fork"):
+        os.register_at_fork(after_in_child=connection.close)
+    threading.Thread(target=_end_with_supervisor, args=(mark,), daemon=True).start()
     with threadpool_limits(1):
-        _Worker(Channel(end), supervisor, leash, is_keeper=CAN_FORK).serve()
-
-
-class _Worker:
-    """A process that serves a channel: a keeper, its fork, or, where there are no forks, both in one."""
-
-    def __init__(self, channel: Channel, supervisor: int, leash: int, *, is_keeper: bool) -> None:
-        self._channel, self._number = channel, os.getpid()
-        self._supervisor, self._leash = supervisor, leash
-        self._work: Work | None = None
-        if hasattr(os, "register_at_fork"):
-            os.register_at_fork(after_in_child=channel.close)
-        # a keeper finds its channel closed; a thread of its own would be lost in a fork
-        if not is_keeper:
-            threading.Thread(target=self._end_with_supervisor, daemon=True).start()
-
-    def serve(self) -> None:
-        """Answer requests until the channel is closed, or none comes for a long time."""
         try:
-            while self._channel.poll(IDLE):
-                self._answer(self._channel.receive(REQUEST, self._supervisor))
-        except (ClosedError, ForgedError):
+            worker = _Worker(connection, mark)
+            while connection.poll(IDLE):
+                worker.answer(connection.recv())
+        except (EOFError, OSError):
             pass
         # a case may have left threads or exit handlers, for which nobody waits
         os._exit(0)
 
-    def _answer(self, request: Setup | str | Batch) -> None:
-        """Carry out a request, and send the answer."""
-        match request:
-            case Setup():
-                self._channel.send(SETUP, self._set_up(request))
-            case Batch():
-                self._compute(request)
-            case _:
-                self._fork()
+
+class _Worker:
+    """A process that serves a connection."""
+
+    def __init__(self, connection: Connection, mark: str) -> None:
+        self._connection, self._mark, self._number = connection, mark, os.getpid()
+        self._loaded: Record | None = None
+
+    def answer(self, request: Setup | Batch) -> None:
+        """Carry out a request, and send the answers."""
+        if isinstance(request, Setup):
+            self._send(None, self._set_up(request))
+        else:
+            self._compute(request)
 
     def _set_up(self, request: Setup) -> str:
         """Read the study; return why it cannot be read, or an empty text."""
         try:
             sys.path[:] = request.path
-            self._work = pickle.loads(request.work)
+            os.environ.clear()
+            os.environ.update(request.environment | {MARK: self._mark})
+            self._work: Work = pickle.loads(request.work)
             warm_up()
         except Exception as error:  # noqa: BLE001 (a study's module may do anything)
             return failed(error, "setup", 0.0).error
         self._surroundings = Surroundings.now()
         return ""
 
-    def _fork(self) -> None:
-        """Fork a process that serves the socket sent next; answer its number, and its exit code once it has ended."""
-        end = self._channel.receive_socket()
-        number = fork()
-        if number == 0:
-            worker = _Worker(Channel(end), self._supervisor, self._leash, is_keeper=False)
-            worker._work, worker._surroundings = self._work, self._surroundings
-            worker.serve()
-        end.close()
-        self._channel.send(FORK, number)
-        self._channel.send(EXIT_CODE, exit_code(number))
-        self._channel.poll(IDLE)  # the supervisor ends what the fork has left, by its number
-        release(number)
-
     def _compute(self, batch: Batch) -> None:
-        """Compute or time the cases of a batch, and send an answer for each."""
-        cases: Any
+        """Compute or time cases until the batch has taken its time, and send an answer for each."""
+        begun, count = perf_counter(), len(batch.names)
+        cases: Any = None
         try:
-            cases, unreadable = pickle.loads(batch.cases), None
+            cases = pickle.loads(batch.cases)
         except Exception as error:  # noqa: BLE001 (a study's class may do anything)
-            is_alone = batch.first + 1 == len(batch.names)
-            unreadable = failed(error, "setup" if is_alone else UNREAD, 0.0)
-        for place in range(batch.first, len(batch.names)):
+            content: Any = failed(error, "setup" if batch.first + 1 == count else UNREAD, 0.0)
+        follows, place = True, batch.first
+        while follows:
             self._surroundings.restore(batch.names[place])
-            answer = unreadable or self._outcome(cases[place], batch)
+            if cases is not None and batch.task == "clock":
+                content = timed(cases[place], batch.limit)
+            elif cases is not None:
+                content = compute(cases[place], self._work)
             if os.getpid() != self._number:
                 # a case has forked, and this is its child, which must not answer
                 os._exit(0)
-            self._send((batch.number, place), answer)
+            follows = place + 1 < count and perf_counter() - begun < batch.seconds
+            self._send(place, content, follows=follows)
+            place += 1
 
-    def _outcome(self, case: Any, batch: Batch) -> Any:
-        """Return the outcome of a case, or its times."""
-        if batch.task == "clock":
-            return timed(case, batch.limit)
-        assert self._work is not None
-        return compute(case, self._work)
-
-    def _send(self, subject: object, answer: Any) -> None:
+    def _send(self, place: int | None, content: Any, *, follows: bool = False) -> None:
         """Send an answer, or a failure where it cannot be pickled."""
+        loaded = LOADED.scan()
+        news = None if loaded is self._loaded else loaded
         try:
-            self._channel.send(subject, answer)
-        except ClosedError:
+            self._connection.send((self._number, place, content, follows, news))
+        except OSError:
             raise
         except Exception as error:  # noqa: BLE001 (a measure's own class may do anything)
-            seconds = answer.seconds if isinstance(answer, Outcome) else 0.0
-            self._channel.send(subject, failed(error, "measure", seconds))
-
-    def _end_with_supervisor(self) -> None:
-        """End this process when the supervisor ends, whose end of the pipe closes then."""
-        try:
-            os.read(self._leash, 1)
-        finally:
-            end_all(os.getpid(), os.environ.get(MARK, ""))
-            os._exit(1)
+            seconds = content.seconds if isinstance(content, Outcome) else 0.0
+            failure = failed(error, "measure", seconds)
+            self._connection.send((self._number, place, failure, follows, news))
+        self._loaded = loaded
 
 
-if __name__ == "__main__":
-    main()
+def _end_with_supervisor(mark: str) -> None:
+    """End this process, and all that it started, when the supervisor ends."""
+    supervisor = multiprocessing.parent_process()
+    assert supervisor is not None
+    wait([supervisor.sentinel])
+    end_all(os.getpid(), mark)
+    os._exit(1)

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 
 from contactstudy.analytic import truncation_error
 from contactstudy.domain.fields import Array
-from studies.advice.settings_table import pareto_front
+from studies.advice.front import pareto_front
 from studies.model.drawing import CaptionedFigure, Drawing, Finding, Table
 from studies.reference.line_contact import COUNTS_IMAGES, WIDTH, covers, padding_at, total_time
 from studies.report.style import (

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.scene.bodies import contact_modulus
 
 
@@ -25,7 +26,7 @@ def test_the_bound_holds_under_soft_and_stiff_coats(ratio: float, wide: float) -
     fine, coarse = solved(6144).pressure[:, 0], solved(192)
     # the finer pressure at the coarser cells' centres
     true = fine.reshape(192, -1)[:, 15:17].mean(axis=1)
-    estimate = cs.error_estimate(coarse)
+    estimate = error_estimate(coarse)
     assert np.abs(coarse.pressure[:, 0] - true).sum() <= estimate.l1.total * true.sum()
     stiff = ratio > 2
     assert stiff == any("times as stiff" in said for said in estimate.warnings)

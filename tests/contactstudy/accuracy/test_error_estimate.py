@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.domain.fields import Array
 from tests.conftest import STEEL, LineContact
 
@@ -17,7 +18,7 @@ MODULUS = cs.Scene(cs.LineLoad(1.0), (STEEL, STEEL)).contact_modulus
 
 def ratios(solution: cs.Solution, true: Array, highest: float) -> tuple[float, float]:
     """Estimate over error: of the peak pressure, and in L1."""
-    estimate = cs.error_estimate(solution)
+    estimate = error_estimate(solution)
     true = np.broadcast_to(true, solution.pressure.shape)
     l1 = np.abs(solution.pressure - true).sum() / true.sum()
     peak = abs(solution.pressure.max() / highest - 1)
@@ -116,18 +117,18 @@ def test_residual_part_bounds_what_further_iterations_change(
     done = cs.solve(problem, tolerance=1e-12)
     for tolerance in (1e-2, 1e-3, 1e-4, 1e-6, 1e-8):
         early = cs.solve(problem, tolerance=tolerance, solver=solver)
-        estimate = cs.error_estimate(early)
+        estimate = error_estimate(early)
         l1 = np.abs(early.pressure - done.pressure).sum() / done.pressure.sum()
         peak = abs(early.pressure.max() / done.pressure.max() - 1)
         assert 1 <= estimate.l1.residual / l1 <= 5
         assert estimate.peak_pressure.residual >= peak
-    assert cs.error_estimate(done).l1.residual < 1e-10
+    assert error_estimate(done).l1.residual < 1e-10
 
 
 def test_each_cause_shows_in_its_own_part_alone(line_contact: LineContact) -> None:
     def parts(cells: int, padding: cs.Padding, tolerance: float) -> cs.ErrorParts:
         problem = line_contact.scene.problem(line_contact.grid((cells, 2), 2.4), padding)
-        return cs.error_estimate(cs.solve(problem, tolerance=tolerance)).l1
+        return error_estimate(cs.solve(problem, tolerance=tolerance)).l1
 
     plain = parts(64, EXACT, 1e-8)
     assert plain.truncation == 0
@@ -148,7 +149,7 @@ def test_units_do_not_change_the_estimate(line_contact: LineContact) -> None:
         cs.solve(one.problem(on, cs.Superposition(1)), tolerance=1e-12)
         for one, on in ((line_contact.scene, grid), (scene, larger))
     )
-    plain, scaled = (cs.error_estimate(solution) for solution in solutions)
+    plain, scaled = (error_estimate(solution) for solution in solutions)
     for metric in ("peak_pressure", "l1"):
         one, other = astuple(getattr(plain, metric)), astuple(getattr(scaled, metric))
         # what is left of the residual is rounding
@@ -159,7 +160,7 @@ def test_a_lost_iteration_is_estimated_as_lost(line_contact: LineContact) -> Non
     problem = line_contact.scene.problem(line_contact.grid(16, 1.2), EXACT)
     lost = cs.solve(replace(problem, undeformed_gap=problem.undeformed_gap * np.nan))
     assert lost.status is cs.Status.NOT_FINITE
-    estimate = cs.error_estimate(lost)
+    estimate = error_estimate(lost)
     assert estimate.l1.total == estimate.peak_pressure.total == math.inf
 
 
@@ -167,13 +168,13 @@ def test_a_problem_without_paddings_is_refused(line_contact: LineContact) -> Non
     problem = line_contact.scene.problem(line_contact.grid(16, 1.2), EXACT)
     solution = cs.solve(replace(problem, paddings=None))
     with pytest.raises(cs.InvalidInput, match=r"^Problem\.paddings is None: "):
-        cs.error_estimate(solution)
+        error_estimate(solution)
 
 
 def test_a_contact_inside_one_cell_is_known_to_nothing(line_contact: LineContact) -> None:
     """Two pressures of one load differ by 2 at most, which is all there is to say."""
     grid = line_contact.grid((33, 1), 1.0, width=33 * 4.0)
-    estimate = cs.error_estimate(cs.solve(line_contact.scene.problem(grid, EXACT)))
+    estimate = error_estimate(cs.solve(line_contact.scene.problem(grid, EXACT)))
     assert estimate.l1.discretisation == 2
     assert estimate.peak_pressure.total == estimate.contact_area.total == math.inf
     assert estimate.warnings
@@ -189,4 +190,4 @@ def test_a_contact_that_yields_in_all_its_cells_has_a_bound(line_contact: LineCo
     assert np.count_nonzero(yields) == np.count_nonzero(solution.pressure) == 32
     solution = replace(solution, pressure=np.where(yields, soft.hardness, 0.0))
     # the place of either end in its cell
-    assert 0 < cs.error_estimate(solution).l1.total < 2 / 32
+    assert 0 < error_estimate(solution).l1.total < 2 / 32

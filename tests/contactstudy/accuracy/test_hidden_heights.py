@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.accuracy.estimate import error_estimate
 from tests.conftest import LineContact
 
 
@@ -37,7 +38,7 @@ class Spike:
 
 
 def estimate_of(scene: cs.Scene, grid: cs.Grid) -> cs.ErrorEstimate:
-    return cs.error_estimate(cs.solve(scene.problem(grid, cs.ExactPeriodicity())))
+    return error_estimate(cs.solve(scene.problem(grid, cs.ExactPeriodicity())))
 
 
 @pytest.mark.parametrize(("cells", "land"), [(96, 0.03), (96, 0.07), (160, 0.01), (77, 0.015)])
@@ -94,9 +95,7 @@ def test_pressure_that_reaches_a_sharp_end_has_no_highest(
     )
     scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, profile))
     grid = line_contact.grid((36, along), 4.0, width=2.6)
-    estimate = cs.error_estimate(
-        cs.solve(scene.problem(grid, (cs.ZeroPadding(), cs.ZeroPadding())))
-    )
+    estimate = error_estimate(cs.solve(scene.problem(grid, (cs.ZeroPadding(), cs.ZeroPadding()))))
     assert estimate.peak_pressure.total == inf
     assert "sharp end" in " ".join(estimate.warnings)
     assert estimate.l1.total < 0.02
@@ -149,7 +148,7 @@ def test_low_bumps_between_the_lines_count_by_what_they_hide(line_contact: LineC
     means = fine.pressure.reshape(48, 8, 40, 8).mean(axis=(1, 3))
     error = float(np.abs(coarse.pressure - means).sum() / means.sum())
     peak = fine.pressure.max() / coarse.pressure.max() - 1
-    estimate = cs.error_estimate(coarse)
+    estimate = error_estimate(coarse)
     assert error <= estimate.l1.total < inf
     assert peak <= estimate.peak_pressure.total < inf
     # without them the peak would be known far better
@@ -163,7 +162,80 @@ def test_more_confidence_finds_smaller_features(line_contact: LineContact) -> No
     bumps = Bumps(height, 0.02, (0.27, 0.13), grid.cell)
     scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, bumps))
     solution = cs.solve(scene.problem(grid, cs.ExactPeriodicity()))
-    assert cs.error_estimate(solution, confidence=0.5).l1.total < inf
-    assert cs.error_estimate(solution, confidence=1 - 1e-15).l1.total == inf
+    assert error_estimate(solution, confidence=0.5).l1.total < inf
+    assert error_estimate(solution, confidence=1 - 1e-15).l1.total == inf
     with pytest.raises(cs.InvalidInput, match=r"confidence is 1\.0: give a share between 0 and 1"):
-        cs.error_estimate(solution, confidence=1.0)
+        error_estimate(solution, confidence=1.0)
+
+
+@pytest.mark.parametrize("rows", [12, 16, 33])
+@pytest.mark.parametrize("beyond", [0.05, 0.3, 0.45, 0.6, 0.9])
+def test_a_roller_may_end_anywhere_in_a_cell(
+    beyond: float, rows: int, line_contact: LineContact
+) -> None:
+    length = 10 * line_contact.hertz.half_width
+    grid = cs.Grid((30, rows), (0.34 * length, length * rows / (rows - 2 * beyond)))
+    roller = cs.FiniteLength(length)
+    scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, roller))
+    estimate = error_estimate(cs.solve(scene.problem(grid, (cs.ZeroPadding(), cs.ZeroPadding()))))
+    assert 0 < estimate.l1.total < inf
+
+
+@pytest.mark.parametrize("cells", [1.0, 1.4, 2.0, 2.7])
+@pytest.mark.parametrize("height", [1e-9, 1e-8, 3e-8])
+def test_a_wave_of_few_cells_is_seen_between_the_centres(
+    height: float, cells: float, line_contact: LineContact
+) -> None:
+    """With a hundred cells, all centres lie on the zeros of a wave of two."""
+    grid = line_contact.grid((100, 1), 1.0, width=3.2)
+    wave = cs.Waviness(height, across=cells * grid.cell[0])
+    scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, wave))
+    coarse = cs.solve(scene.problem(grid, cs.ExactPeriodicity()))
+    fine_grid = cs.Grid((3200, 1), grid.extent)
+    fine = cs.solve(scene.problem(fine_grid, cs.ExactPeriodicity()), tolerance=1e-6)
+    means = fine.pressure.reshape(100, 32).mean(axis=1)[:, None]
+    estimate = error_estimate(coarse)
+    assert np.abs(coarse.pressure - means).sum() <= estimate.l1.total * means.sum()
+    peak = abs(coarse.pressure.max() / fine.pressure.max() - 1)
+    assert peak <= estimate.peak_pressure.total
+    area = (coarse.pressure > 0).mean() / (fine.pressure > 0).mean()
+    assert abs(area - 1) <= estimate.contact_area.total
+
+
+@pytest.mark.parametrize("length", [0.1, 0.3, 0.9])
+def test_a_roller_shorter_than_a_cell_leaves_no_bound(
+    length: float, line_contact: LineContact
+) -> None:
+    grid = line_contact.grid((48, 16), 1.0, width=3.0)
+    roller = cs.FiniteLength(length * grid.cell[1])
+    scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, roller))
+    estimate = error_estimate(cs.solve(scene.problem(grid, cs.ZeroPadding())))
+    assert estimate.l1.total == estimate.mean_gap.total == inf
+    assert "do not show lengths" in estimate.warnings[0]
+
+
+@dataclass(frozen=True)
+class Slit:
+    """A user's own shape: a slit about one place."""
+
+    place: float
+    width: float
+    curvature = 0.0
+
+    def gap(self, grid: cs.Grid) -> np.ndarray:
+        return np.where(np.abs(grid.x - self.place) < self.width / 2, 1e-5, 0.0)[:, None]
+
+
+@pytest.mark.parametrize(("cells", "width"), [(221, 0.5), (120, 0.3), (60, 0.6)])
+def test_slits_between_the_centres_count_in_the_mean_gap(
+    cells: int, width: float, line_contact: LineContact
+) -> None:
+    grid = line_contact.grid((cells, 1), 1.0, width=3.2)
+    slit = Slit(float(grid.x[cells // 2]) + grid.cell[0] / 2, width * grid.cell[0])
+    scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, slit))
+    coarse, fine = (
+        cs.solve(scene.problem(cs.Grid((count, 1), grid.extent), cs.ExactPeriodicity()))
+        for count in (cells, 64 * cells)
+    )
+    error = abs(coarse.mean_gap / fine.mean_gap - 1)
+    assert error <= error_estimate(coarse).mean_gap.total

@@ -4,16 +4,16 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import pytest
 
 import contactstudy as cs
+from contactstudy.accuracy.estimate import error_estimate
 from tests.conftest import LineContact
 
 EXACT = cs.ExactPeriodicity()
 
 
 def warned(scene: cs.Scene, grid: cs.Grid) -> list[str]:
-    found = cs.error_estimate(cs.solve(scene.problem(grid, EXACT), tolerance=1e-5)).warnings
+    found = error_estimate(cs.solve(scene.problem(grid, EXACT), tolerance=1e-5)).warnings
     return [warning for warning in found if warning.startswith("This can hardly be meant")]
 
 
@@ -57,11 +57,37 @@ def test_a_grid_a_thousand_times_wider_than_its_contact_is_noticed(
     assert "times as wide as the contact" in warning
 
 
-@pytest.mark.parametrize(("share", "count"), [(0.2, 1), (0.5, 0)])
-def test_pressure_above_three_times_the_strength_is_noticed(
-    share: float, count: int, line_contact: LineContact
+def of_strength(contact: LineContact, **strength: float) -> list[str]:
+    """The warnings beside a peak pressure beyond the strength of the first body, in Hertz's peak pressures."""
+    limits = {name: share * contact.hertz.peak_pressure for name, share in strength.items()}
+    solid: Any = contact.scene.solids[0]
+    scene = replace(contact.scene, solids=(replace(solid, **limits), contact.scene.solids[1]))
+    solution = cs.solve(scene.problem(contact.grid((64, 1), 1.0), EXACT), tolerance=1e-5)
+    return [one for one in solution.error.warnings if one.startswith("The peak")]
+
+
+def test_a_pressure_beyond_the_hardness_of_a_body_is_said_with_the_remedy(
+    line_contact: LineContact,
 ) -> None:
-    strength = share * line_contact.hertz.peak_pressure
-    steel = replace(line_contact.scene.solids[0], yield_strength=strength)  # type: ignore[type-var]
-    scene = replace(line_contact.scene, solids=(steel, line_contact.scene.solids[1]))
-    assert len(warned(scene, line_contact.grid((64, 1), 1.0))) == count
+    (warning,) = of_strength(line_contact, hardness=0.5, yield_strength=0.2)
+    assert "2 times the hardness of Scene.solids[0]" in warning
+    assert "give Scene.hardness, or a body that yields" in warning
+    assert of_strength(line_contact, hardness=1.1) == []
+
+
+def test_a_pressure_beyond_first_yield_is_said_with_the_load_of_first_yield(
+    line_contact: LineContact,
+) -> None:
+    (warning,) = of_strength(line_contact, yield_strength=0.5)
+    load = line_contact.scene.load.largest * (0.5 / 0.5577) ** 2
+    assert f"first yields in a smooth line contact at {load / 1e3:.3g} N/mm" in warning
+    assert of_strength(line_contact, yield_strength=0.6) == []
+
+
+def test_a_hardness_that_caps_the_pressure_needs_no_warning(line_contact: LineContact) -> None:
+    steel = cs.material("steel")
+    capped = replace(line_contact.scene, solids=(steel, steel), hardness=1e9)
+    load = replace(capped, load=cs.LineLoad(1e6))
+    grid = cs.Grid((64, 1), (4 * line_contact.hertz.half_width * 10**0.5, 1.0))
+    found = cs.solve(load.problem(grid, EXACT), tolerance=1e-5).error.warnings
+    assert not [warning for warning in found if warning.startswith("The peak")]

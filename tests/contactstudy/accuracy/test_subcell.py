@@ -76,7 +76,7 @@ def test_a_kink_is_a_corner_of_both_its_slopes_wherever_it_is(aside: float) -> N
     assert np.count_nonzero(corner) <= 2
     # one that points into the body is none
     assert along(lambda x: -0.3 * np.abs(x - aside))[2].max() < 1e-12
-    # and a curve takes off what it bends by itself: two of the ten bends beside it
+    # and a curve takes off what it bends by itself
     _, _, both = along(lambda x: 0.3 * np.abs(x - aside) + 0.01 * x**2)
     assert both.max() == pytest.approx(0.6, rel=0.01)
     assert not along(lambda x: 0.01 * x**2)[2].any()
@@ -90,6 +90,13 @@ def test_the_power_of_a_rounded_apex_is_told_by_its_bends(power: float) -> None:
     bend = 2 * power * (STEP / 2) ** (power - 1)
     assert kinks.max() == pytest.approx(bend / (1 - 2 ** (1 - power)), rel=0.15)
     assert not sampled(np.square, 48).kink().any()
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.3, 2.0])
+def test_a_step_is_a_corner_and_a_wave_of_a_cell_is_none(phase: float) -> None:
+    assert along(lambda x: np.where(x < 0.1 * phase, 0.0, 0.2), 16)[2].max() > 0
+    wave = along(lambda x: np.cos(2 * pi * x / STEP + phase), 16, wraps=True)
+    assert not wave[2].any()
 
 
 def test_what_stands_out_is_measured_from_the_centres_of_three_cells() -> None:
@@ -187,7 +194,15 @@ def test_a_hidden_height_counts_by_the_pressure_that_would_flatten_it(
     assert not found.stands_out
     # at most all that the cell bears
     much = subcell(replace(problem, source=source(1e3 * little)), pressure, 0.95)
-    assert much == Subcell(pytest.approx(1 / 4), 0.0, False)  # noqa: FBT003
+    assert much is not None
+    assert much.uncertain == pytest.approx(1 / 4)
+    # the cell may open, and one of four is
+    assert much.opens == pytest.approx(1 / 4)
+    assert much.corner == 0
+    # 2.5 times the pressure that would flatten it adds to that of the cell
+    assert found.rise == pytest.approx(2.5 * 0.01)
+    # one of 64 points, in the mean
+    assert found.mean == pytest.approx(little / 64)
     out = subcell(replace(problem, source=source(-101 * little, known=False)), pressure, 0.95)
     assert out is not None
     assert out.stands_out

@@ -1,12 +1,10 @@
 """The cost of a window, against solved contacts and by symmetry."""
 
-from math import inf, log, pi, sqrt
-
 import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.accuracy.truncation import expected_truncation, truncation
+from contactstudy.accuracy.truncation import truncation
 from tests.conftest import STEEL, LineContact
 
 FREE, EXACT = cs.ZeroPadding(), cs.ExactPeriodicity()
@@ -107,27 +105,3 @@ def test_load_varies_along_a_centred_window_by_the_measured_law(
     assert narrower == pytest.approx(4 / np.pi * even, rel=1e-12)
     # a fit of one power to both lengths and counts, which was 12 % too large at most from 2.4 a on
     assert l1 - narrower == pytest.approx(varies, rel=0.15)
-
-
-def test_what_is_expected_of_a_window_is_that_of_its_laws() -> None:
-    """Half-width 0.3, period 2, 8 cells along it."""
-    grid = cs.Grid((16, 8), (1.0, 2.0))
-    centred = expected_truncation(0.3, grid, cs.Superposition(3))
-    narrower = sqrt(1 + 0.3**2 / (4 * 7**2)) - 1
-    risen = 2 / pi * 0.15 * log(8) / 49
-    assert centred.peak_pressure == pytest.approx((1 + narrower) * (1 + risen) - 1, rel=1e-12)
-    assert centred.l1 == pytest.approx(4 / pi * narrower + 0.5 * 0.15**0.7 / 49, rel=1e-12)
-    assert centred.half_width == pytest.approx(narrower / (1 + narrower), rel=1e-12)
-
-    # 3 x 8 cells are even: the window reaches half a cell less to one side
-    moving = expected_truncation(0.3, grid, cs.CircularSuperposition(1))
-    narrower = sqrt(1 + 0.3**2 * (3.125**-2 + 2.875**-2) / 8) - 1
-    assert moving.peak_pressure == pytest.approx(narrower, rel=1e-12)
-    assert moving.l1 == pytest.approx(4 / pi * narrower, rel=1e-12)
-    odd = expected_truncation(0.3, cs.Grid((16, 9), (1.0, 2.0)), cs.CircularSuperposition(1))
-    assert odd.peak_pressure == pytest.approx(sqrt(1 + 0.3**2 / 36) - 1, rel=1e-12)
-
-    exact = expected_truncation(0.3, grid, cs.ExactPeriodicity())
-    assert (exact.peak_pressure, exact.l1, exact.half_width) == (0, 0, 0)
-    free = expected_truncation(0.3, grid, cs.ZeroPadding())
-    assert free.peak_pressure == free.l1 == free.half_width == inf

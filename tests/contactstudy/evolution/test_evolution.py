@@ -1,12 +1,12 @@
 """What a march says of its frames, of numbers that are written here."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
-import pytest
 
 import contactstudy as cs
-from contactstudy.evolution.evolution import Evolution, Frame
+from contactstudy.evolution.evolution import Frame, Trajectory
 
 # Cells of 2 m by 3 m.
 GRID = cs.Grid((4, 1), (8.0, 3.0))
@@ -29,8 +29,8 @@ FRAMES = (
 )  # fmt: skip
 
 
-def evolution(*frames: Frame) -> Evolution:
-    return Evolution(GRID, frames, 7, 1, (), None)  # type: ignore[arg-type]
+def evolution(*frames: Frame) -> Trajectory:
+    return Trajectory(SimpleNamespace(grid=GRID), frames, 7, 1, None)  # type: ignore[arg-type]
 
 
 FOUR = evolution(*FRAMES)
@@ -46,21 +46,3 @@ def test_each_instant_has_its_numbers_and_the_worst_of_them_is_said() -> None:
     assert (FOUR.residual, FOUR.step_error, FOUR.grid_error) == (8e-9, 0.07, 0.009)
     assert (FOUR.steps, FOUR.iterations, FOUR.convolutions) == (9, 50, 67.5)
     assert FOUR.status is cs.Status.STALLED
-
-
-@pytest.mark.parametrize(
-    ("frames", "said"),
-    [
-        (FRAMES, "4 instants from 0.5 s to 4 s, 9 solves, 50 iterations, 7 pairs"),
-        (FRAMES[1:2], "1 instants from 1.5 s to 1.5 s, 2 solves, 10 iterations"),
-    ],
-)
-def test_the_summary_is_from_the_first_to_the_last(frames: tuple[Frame, ...], said: str) -> None:
-    assert said in evolution(*frames).summary()
-
-
-def test_the_summary_says_how_much_of_the_width_is_in_contact_at_the_end() -> None:
-    """Two cells of four, in a width of 8 m."""
-    text = FOUR.summary()
-    assert "peak pressure 5 Pa, in contact 4 m of the width on average, approach 0.125 m" in text
-    assert "at most: steps in time 0.07, grid 0.009" in text

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.evolution.march import Instant, March, unloaded, worst
+from contactstudy.evolution.march import Instant, March, unloaded
 from contactstudy.evolution.steps import STAGE, Scheme
 from contactstudy.problem.problem import Scales
+from contactstudy.solvers.solution import worst
 from tests.conftest import LineContact
 
 LOAD = cs.LoadHistory(times=(0.0, 10.0), per_length=(0.0, 20.0))

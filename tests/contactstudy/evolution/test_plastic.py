@@ -10,7 +10,10 @@ import pytest
 import xarray as xr
 
 import contactstudy as cs
+from contactstudy.answers.evolution import evolution_of
 from contactstudy.evolution import plastic as yielding_volume
+from contactstudy.evolution.evolution import Trajectory
+from contactstudy.evolution.evolve import evolve
 from contactstudy.solvers import settle
 
 EXACT = cs.ExactPeriodicity()
@@ -63,16 +66,16 @@ def test_a_body_yields_first_where_von_mises_says() -> None:
     errors = []
     for cell in (0.2, 0.1):
         grid = grid_of(1.5, cell)
-        found = cs.evolve(pressed(1.5), grid, EXACT, times=(1,), step_error=cs.StepError.NONE)
-        stress = found.to_dataset()["stress"].isel(time=0, y=0)
+        found = evolve(pressed(1.5), grid, EXACT, times=(1,), step_error=cs.StepError.NONE)
+        stress = evolution_of(found).to_dataset()["stress"].isel(time=0, y=0)
         share = von_mises(stress.values).max() / YIELD
         errors.append(1.5 / share / FIRST_YIELD - 1)
         layer = np.unravel_index(von_mises(stress.values).argmax(), stress.shape[1:])[0]
         assert stress["z"][layer] / half_width(1.5) == pytest.approx(0.704, abs=cell)
         for step, yields in ((-1e-3, False), (1e-3, True)):
             scene = pressed(1.5 / share * (1 + step))
-            found = cs.evolve(scene, grid_of(1.5 / share, cell), EXACT, times=(0, 1))
-            assert found.to_dataset()["plastic_strain"].any() == yields
+            found = evolve(scene, grid_of(1.5 / share, cell), EXACT, times=(0, 1))
+            assert evolution_of(found).to_dataset()["plastic_strain"].any() == yields
     assert 0 < errors[1] < 5e-3
     # a quarter, but for where the highest stress lies in its cell
     assert 2 < errors[0] / errors[1] < 8
@@ -85,7 +88,7 @@ def cycle(cell: float, steps: int, *, kinematic: bool = False) -> xr.Dataset:
     At H = 0.1 E; without the axis along.
     """
     moduli = {"hardening": 0.0, "kinematic": 0.1} if kinematic else {"hardening": 0.1}
-    found = cs.evolve(
+    found = evolve(
         pressed(3, **moduli),
         grid_of(3, cell, 6.4),
         EXACT,
@@ -94,7 +97,7 @@ def cycle(cell: float, steps: int, *, kinematic: bool = False) -> xr.Dataset:
         options=cs.SolveOptions(1e-7),
     )
     assert found.status is cs.Status.CONVERGED
-    dataset = found.to_dataset().squeeze("y")
+    dataset = evolution_of(found).to_dataset().squeeze("y")
     a, unit = half_width(3), YIELD / YOUNG
     for name in ("x", "z"):
         dataset[name] = dataset[name] / a
@@ -219,10 +222,8 @@ def test_unloading_from_three_times_yield_is_elastic() -> None:
 def test_loading_again_is_elastic_up_to_where_it_was() -> None:
     scene = replace(pressed(3), load=cs.LoadHistory((0, 1, 2, 3), (0, load(3), 0, load(3))))
     grid = grid_of(3, 0.2)
-    found = cs.evolve(
-        scene, grid, EXACT, times=(0, 0.5, 1, 2, 2.5, 3), options=cs.SolveOptions(1e-9)
-    )
-    strains = found.to_dataset()["plastic_strain"]
+    found = evolve(scene, grid, EXACT, times=(0, 0.5, 1, 2, 2.5, 3), options=cs.SolveOptions(1e-9))
+    strains = evolution_of(found).to_dataset()["plastic_strain"]
     unit = YIELD / YOUNG
     # what the Newton method leaves over
     assert float(np.abs(strains[2] - strains[5]).max()) < 1e-8 * unit
@@ -235,7 +236,7 @@ def test_a_body_that_nothing_makes_yield_is_an_elastic_one(yield_stress: float) 
     scene, grid = pressed(3, yield_stress=yield_stress), grid_of(3, 0.1)
     elastic = replace(scene, solids=(cs.HalfSpace(YOUNG, NU), RIGID))
     times = (0.0, 0.5, 1.0, 1.5, 2.0)
-    without, with_it = (cs.evolve(one, grid, EXACT, times=times) for one in (elastic, scene))
+    without, with_it = (evolve(one, grid, EXACT, times=times) for one in (elastic, scene))
     if yield_stress == inf:
         np.testing.assert_array_equal(with_it.pressure, without.pressure)
         np.testing.assert_array_equal(with_it.gap, without.gap)
@@ -246,7 +247,7 @@ def test_a_body_that_nothing_makes_yield_is_an_elastic_one(yield_stress: float) 
         )
         np.testing.assert_array_equal(first.pressure, second.pressure)
     else:
-        assert not with_it.to_dataset()["plastic_strain"].any()
+        assert not evolution_of(with_it).to_dataset()["plastic_strain"].any()
         # both contacts are solved to 1e-8 of the gap, one a hundred times closer
         np.testing.assert_allclose(
             with_it.pressure, without.pressure, atol=1e-6 * without.pressure.max()
@@ -260,10 +261,13 @@ def test_two_equal_bodies_that_yield_share_the_gap_evenly() -> None:
     both = replace(one, solids=(one.solids[0], one.solids[0]), shapes=(cs.Cylinder(RADIUS),))
     single = replace(one, shapes=(cs.Cylinder(2 * RADIUS),))
     grid, times = grid_of(3 * 2**-0.5, 0.15, 4.0), (0.0, 0.5, 1.0, 2.0)
-    first, second = (cs.evolve(scene, grid, EXACT, times=times) for scene in (both, single))
-    assert float(first.to_dataset()["equivalent_plastic_strain_0"].max()) > 0.1 * YIELD / YOUNG
+    first, second = (evolve(scene, grid, EXACT, times=times) for scene in (both, single))
+    assert (
+        float(evolution_of(first).to_dataset()["equivalent_plastic_strain_0"].max())
+        > 0.1 * YIELD / YOUNG
+    )
     np.testing.assert_allclose(first.pressure, second.pressure, atol=1e-6 * second.pressure.max())
-    labelled, alone = first.to_dataset(), second.to_dataset()
+    labelled, alone = evolution_of(first).to_dataset(), evolution_of(second).to_dataset()
     for name in ("plastic_strain", "residual_stress", "stress"):
         np.testing.assert_array_equal(labelled[f"{name}_0"], labelled[f"{name}_1"])
         scale = float(np.abs(alone[name]).max())
@@ -277,28 +281,28 @@ def test_two_equal_bodies_that_yield_share_the_gap_evenly() -> None:
 
 def test_the_volume_grows_to_what_yields(monkeypatch: pytest.MonkeyPatch) -> None:
     scene, grid = pressed(4, hardening=0.02), grid_of(4, 0.2, 4.8)
-    generous = cs.evolve(scene, grid, EXACT, times=(0, 0.5, 1), options=cs.SolveOptions(1e-7))
+    generous = evolve(scene, grid, EXACT, times=(0, 0.5, 1), options=cs.SolveOptions(1e-7))
     monkeypatch.setattr(yielding_volume, "SHARE", 2.0)
     monkeypatch.setattr(yielding_volume, "ROOM", 0.0)
-    tight = cs.evolve(scene, grid, EXACT, times=(0, 0.5, 1), options=cs.SolveOptions(1e-7))
+    tight = evolve(scene, grid, EXACT, times=(0, 0.5, 1), options=cs.SolveOptions(1e-7))
     assert (
         tight.frames[0].joint_state["strain0"].shape < tight.frames[-1].joint_state["strain0"].shape
     )
     np.testing.assert_allclose(
         tight.pressure, generous.pressure, atol=1e-5 * generous.pressure.max()
     )
-    assert tight.to_dataset()["plastic_strain"].shape[0] == 3
+    assert evolution_of(tight).to_dataset()["plastic_strain"].shape[0] == 3
 
 
 def test_a_sudden_load_is_applied_by_parts_and_says_its_error() -> None:
     """Plastic strain depends on the path of the load, so that one step for all of it would have an error."""
     scene, grid = pressed(3), grid_of(3, 0.2)
     sudden = replace(scene, load=cs.LineLoad(load(3)))
-    found = cs.evolve(sudden, grid, EXACT, times=(0,), options=cs.SolveOptions(1e-7))
-    closer = cs.evolve(sudden, grid, EXACT, times=(0,), error=1.5e-2, options=cs.SolveOptions(1e-7))
+    found = evolve(sudden, grid, EXACT, times=(0,), options=cs.SolveOptions(1e-7))
+    closer = evolve(sudden, grid, EXACT, times=(0,), error=1.5e-2, options=cs.SolveOptions(1e-7))
     fine = slowly(scene, grid)
 
-    def error(one: cs.Evolution) -> float:
+    def error(one: Trajectory) -> float:
         return float(np.abs(one.pressure[-1] - fine).sum() / fine.sum())
 
     # first order: the difference of two marches is the error of the finer one, and a half more is on the safe side
@@ -310,7 +314,7 @@ def test_a_sudden_load_is_applied_by_parts_and_says_its_error() -> None:
 def slowly(scene: cs.Scene, grid: cs.Grid) -> np.ndarray:
     """The pressure under the largest load, by so many steps up to it that a tenth of the least error here is left."""
     times = np.linspace(0.3, 1, 48)
-    return cs.evolve(
+    return evolve(
         scene, grid, EXACT, times=times, step_error=cs.StepError.NONE, options=cs.SolveOptions(1e-7)
     ).pressure[-1]
 
@@ -320,7 +324,7 @@ def slowly(scene: cs.Scene, grid: cs.Grid) -> np.ndarray:
 def test_steps_are_chosen_for_an_error(ratio: float) -> None:
     """Also where yield begins in the last of them, of which a step twice as long knows little."""
     scene, grid = pressed(ratio), grid_of(ratio, 0.3 / ratio)
-    found = cs.evolve(scene, grid, EXACT, error=1e-2, options=cs.SolveOptions(1e-6))
+    found = evolve(scene, grid, EXACT, error=1e-2, options=cs.SolveOptions(1e-6))
     fine = slowly(scene, grid)
     off = np.abs(found.pressure[found.loads.argmax()] - fine).sum() / fine.sum()
     assert off < 1e-2
@@ -333,7 +337,7 @@ def test_steps_are_chosen_for_an_error(ratio: float) -> None:
 def test_a_march_goes_on_from_its_folder(tmp_path: Path) -> None:
     scene, grid = pressed(3), grid_of(3, 0.2)
     times = (0.0, 0.25, 0.5, 1.0, 2.0)
-    whole = cs.evolve(scene, grid, EXACT, times=times, options=cs.SolveOptions(1e-7))
+    whole = evolve(scene, grid, EXACT, times=times, options=cs.SolveOptions(1e-7))
 
     class Killed(Exception):
         pass
@@ -343,7 +347,7 @@ def test_a_march_goes_on_from_its_folder(tmp_path: Path) -> None:
             raise Killed
 
     with pytest.raises(Killed):
-        cs.evolve(
+        evolve(
             scene,
             grid,
             EXACT,
@@ -352,10 +356,10 @@ def test_a_march_goes_on_from_its_folder(tmp_path: Path) -> None:
             folder=tmp_path,
             progress=kill,
         )
-    resumed = cs.evolve(
+    resumed = evolve(
         scene, grid, EXACT, times=times, options=cs.SolveOptions(1e-7), folder=tmp_path
     )
-    first, second = whole.to_dataset(), resumed.to_dataset()
+    first, second = evolution_of(whole).to_dataset(), evolution_of(resumed).to_dataset()
     for name in ("pressure", "plastic_strain", "residual_stress", "equivalent_plastic_strain"):
         np.testing.assert_array_equal(first[name], second[name])
 
@@ -369,12 +373,12 @@ def test_a_march_goes_on_in_the_volume_to_which_it_had_grown(
     scene, grid = pressed(4, hardening=0.02), grid_of(4, 0.2, 4.8)
     times = (0.0, 0.5, 0.75, 1.0)
 
-    def march(*, until: float, folder: Path | None) -> cs.Evolution:
+    def march(*, until: float, folder: Path | None) -> Trajectory:
         def kill(time: float, end: float) -> None:
             if time >= until:
                 raise KeyboardInterrupt
 
-        return cs.evolve(
+        return evolve(
             scene,
             grid,
             EXACT,
@@ -396,9 +400,7 @@ def test_a_march_goes_on_in_the_volume_to_which_it_had_grown(
 
 def test_what_does_not_settle_says_how_far_it_came(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(settle, "ITERATIONS", 2)
-    found = cs.evolve(
-        pressed(3), grid_of(3, 0.2), EXACT, times=(0, 1), step_error=cs.StepError.NONE
-    )
+    found = evolve(pressed(3), grid_of(3, 0.2), EXACT, times=(0, 1), step_error=cs.StepError.NONE)
     assert found.status is cs.Status.NOT_CONVERGED
     assert 1e-8 < found.residual < 1
     assert "shorter steps" in str(found.status)
@@ -406,15 +408,18 @@ def test_what_does_not_settle_says_how_far_it_came(monkeypatch: pytest.MonkeyPat
 
 def test_strain_that_reaches_the_edge_of_the_width_is_said() -> None:
     grid = grid_of(3, 0.1, 2.5)
-    found = cs.evolve(pressed(3), grid, EXACT, times=np.linspace(0, 1, 9))
+    found = evolve(pressed(3), grid, EXACT, times=np.linspace(0, 1, 9))
     assert found.status is cs.Status.YIELD_AT_EDGE
 
 
 def test_a_body_that_yields_can_wear() -> None:
     """The worn volume is k P s to rounding, and the cylinder sinks in as a softer one does."""
     scene = replace(pressed(3), load=cs.LineLoad(load(3)), wear=cs.Wear(1e-15, 1.0))
-    found = cs.evolve(scene, grid_of(3, 0.2), EXACT, times=(0, 1, 2), options=cs.SolveOptions(1e-7))
-    worn = found.to_dataset()["worn_depth"].isel(time=-1).sum().item() * found.grid.cell[0]
+    found = evolve(scene, grid_of(3, 0.2), EXACT, times=(0, 1, 2), options=cs.SolveOptions(1e-7))
+    worn = (
+        evolution_of(found).to_dataset()["worn_depth"].isel(time=-1).sum().item()
+        * found.grid.cell[0]
+    )
     assert worn == pytest.approx(2 * 1e-15 * load(3), rel=1e-9)
     assert found.peak_pressure[-1] < found.peak_pressure[0]
 
@@ -459,7 +464,7 @@ STEEL = cs.HalfSpace(YOUNG, NU)
             r"Scene.solids\[0\] changes in time",
         ),
         (
-            lambda: cs.evolve(
+            lambda: evolve(
                 pressed(3), grid_of(3, 0.2), (EXACT, EXACT), times=(0, 1)
             ),
             r"evolve.padding is ExactPeriodicity\(\) across",

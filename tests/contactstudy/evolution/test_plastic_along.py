@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.answers.evolution import evolution_of
+from contactstudy.evolution.evolution import Trajectory
+from contactstudy.evolution.evolve import evolve
 
 EXACT = cs.ExactPeriodicity()
 YOUNG, NU, YIELD, RADIUS = 210e9, 0.3, 1e9, 0.01
@@ -27,17 +30,19 @@ def pressed(*more: cs.Shape, times_yield: float = 2.5) -> cs.Scene:
     )
 
 
-def evolved(scene: cs.Scene, cells: tuple[int, int], period: float) -> cs.Evolution:
+def evolved(scene: cs.Scene, cells: tuple[int, int], period: float) -> Trajectory:
     """With cells of a sixth of the half-width, along a ``period`` in half-widths."""
     a = half_width(2.5)
     grid = cs.Grid(cells, (cells[0] * a / 6, period * a))
-    return cs.evolve(
+    return evolve(
         scene, grid, EXACT, times=TIMES, options=cs.SolveOptions(1e-7), step_error=cs.StepError.NONE
     )
 
 
 def test_a_smooth_cylinder_is_in_plane_strain_in_any_number_of_cells() -> None:
-    one, many = (evolved(pressed(), (18, along), 2.0).to_dataset() for along in (1, 5))
+    one, many = (
+        evolution_of(evolved(pressed(), (18, along), 2.0)).to_dataset() for along in (1, 5)
+    )
     for name, unit in (
         ("pressure", YIELD),
         ("residual_stress", YIELD),
@@ -59,7 +64,7 @@ def test_a_wavy_cylinder_keeps_to_the_yield_surface_wherever_its_waves_begin() -
         waves = cs.Waviness(height, across=2.4 * a, along=2 * a, phase=-2 * np.pi * cells / 8)
         evolution = evolved(pressed(waves), (18, 8), 2.0)
         assert evolution.status is cs.Status.CONVERGED
-        found[cells] = evolution.to_dataset()
+        found[cells] = evolution_of(evolution).to_dataset()
     loaded = found[0].isel(time=0)
     xx, yy, zz, yz, xz, xy = loaded["stress"].values
     normal = ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2

@@ -88,20 +88,6 @@ def test_it_has_shaken_down_from_the_first_pass_on_that_adds_nothing() -> None:
     assert THREE.status is cs.Status.STALLED
 
 
-def test_the_summary_counts_steps_and_says_where_stress_is_lowest() -> None:
-    text = THREE.summary()
-    assert "3 passes, 30 steps, 120 iterations" in text
-    assert "nothing yields from pass 3 on" in text
-    lowest = THREE.residual_stress[-1, 0]
-    assert f"{lowest.min():.4g} Pa at a depth of 0.5 m" in text
-    assert "the last pass moves the surface by 0 m" in text
-    back = rolled(one(FIRST, 7.0), one(SECOND, 8.0), one(FIRST, 7.0))
-    assert f"{back.residual_stress[0, 0].min():.4g} Pa at" in back.summary()
-    two = rolled(*THREE.passes[:2]).summary()
-    assert "the last pass yields still" in two
-    assert f"by {THREE.forward_displacement[1]:.4g} m" in two
-
-
 def test_a_track_moves_by_a_cell_and_what_is_behind_takes_a_share_of_what_is_left() -> None:
     strain = np.arange(2 * 2 * 3, dtype=float).reshape(2, 2, 3, 1)
     equivalent = 10 + np.arange(6.0).reshape(2, 3, 1)

@@ -3,11 +3,14 @@
 from dataclasses import replace
 from functools import cache
 from math import inf, pi
+from typing import Any
 
 import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.evolution.repeated_rolling import RepeatedRolling, roll_repeatedly
+from contactstudy.io.dataset import passes_dataset
 
 E, NU, Y = 500.0, 0.3, 1.0
 K = Y / 3**0.5
@@ -24,10 +27,15 @@ def scene(peak: float, hardening: float = 0.0) -> cs.Scene:
     return cs.Scene(cs.LineLoad(pi * peak / 2), (body, RIGID), (cs.Cylinder(MODULUS / (2 * peak)),))
 
 
+def roll(scene: cs.Scene, grid: cs.Grid, padding: Any, **rolling: Any) -> RepeatedRolling:
+    """Passes of a contact over its half-space."""
+    return roll_repeatedly(replace(scene, rolling=cs.Rolling(**rolling)), grid, padding)
+
+
 @cache
-def rolled(peak: float, passes: int) -> cs.RepeatedRolling:
+def rolled(peak: float, passes: int) -> RepeatedRolling:
     """A fixed pressure over a perfectly plastic body."""
-    found = cs.roll_repeatedly(
+    found = roll(
         scene(peak), COARSE, EXACT, passes=passes, pressure=cs.RollingPressure.ELASTIC, steady=2e-2
     )
     assert found.status is cs.Status.CONVERGED
@@ -83,7 +91,7 @@ def test_a_first_pass_over_a_finite_distance_is_that_of_finite_elements() -> Non
 
     They say to be right to 3 %, cells of a fifth of a are wrong by another 10 % of the largest.
     """
-    found = cs.roll_repeatedly(
+    found = roll(
         scene(5 * K),
         cs.Grid((85, 1), (17.0, 1.0)),
         EXACT,
@@ -103,14 +111,14 @@ def test_a_settled_contact_lowers_its_pressure_and_is_elastic_for_an_infinite_yi
     None
 ):
     narrow = cs.Grid((20, 1), (4.0, 1.0))
-    found = cs.roll_repeatedly(scene(2.4 * Y, 0.2 * E), narrow, EXACT, passes=1, distance=0.6)
+    found = roll(scene(2.4 * Y, 0.2 * E), narrow, EXACT, passes=1, distance=0.6)
     elastic = cs.solve(
         replace(scene(2.4 * Y), solids=(cs.HalfSpace(E, NU), RIGID)).problem(narrow, EXACT)
     )
     assert found.status is cs.Status.CONVERGED
     assert found.peak_pressure[0] < 0.98 * elastic.pressure.max()
     high = replace(scene(2.4 * Y), solids=(cs.ElasticPlasticHalfSpace(E, NU, 100 * Y), RIGID))
-    kept = cs.roll_repeatedly(high, narrow, EXACT, passes=1, distance=0.6)
+    kept = roll(high, narrow, EXACT, passes=1, distance=0.6)
     np.testing.assert_allclose(
         kept.passes[0].solution.pressure, elastic.pressure, atol=1e-6 * elastic.pressure.max()
     )
@@ -118,11 +126,10 @@ def test_a_settled_contact_lowers_its_pressure_and_is_elastic_for_an_infinite_yi
 
 def test_a_dataset_holds_passes_depths_and_the_window() -> None:
     found = rolled(4.4 * K, 3)
-    dataset = found.to_dataset()
+    dataset = passes_dataset(found, {})
     assert dict(dataset.sizes) == {"pass": 3, "component": 6, "z": len(found.depths), "x": 24}
     np.testing.assert_array_equal(dataset["residual_stress"], found.residual_stress)
     assert dataset["forward_displacement"].attrs["units"] == "m"
-    assert "3 passes" in found.summary()
 
 
 @pytest.mark.parametrize(
@@ -138,13 +145,13 @@ def test_scenes_that_do_not_roll_repeatedly_are_refused(
     changes: dict[str, object], match: str
 ) -> None:
     with pytest.raises(cs.InvalidInput, match=match):
-        cs.roll_repeatedly(replace(scene(4 * K), **changes), COARSE, EXACT, passes=1)  # type: ignore[arg-type]
+        roll(replace(scene(4 * K), **changes), COARSE, EXACT, passes=1)  # type: ignore[arg-type]
 
 
 def test_grids_and_paddings_without_an_operator_are_refused() -> None:
     with pytest.raises(cs.InvalidInput, match=r"^Grid\.cells\[1\] is 2"):
-        cs.roll_repeatedly(scene(4 * K), cs.Grid((24, 2), (4.8, 1.0)), EXACT, passes=1)
+        roll(scene(4 * K), cs.Grid((24, 2), (4.8, 1.0)), EXACT, passes=1)
     with pytest.raises(cs.InvalidInput, match=r"give ExactPeriodicity"):
-        cs.roll_repeatedly(scene(4 * K), COARSE, (EXACT, EXACT), passes=1)
+        roll(scene(4 * K), COARSE, (EXACT, EXACT), passes=1)
     with pytest.raises(cs.InvalidInput, match=r"passes is 0"):
-        cs.roll_repeatedly(scene(4 * K), COARSE, EXACT, passes=0)
+        roll(scene(4 * K), COARSE, EXACT, passes=0)

@@ -11,9 +11,14 @@ import contactstudy as cs
 from contactstudy.elasticity.eigenstrain.volume import Volume
 from contactstudy.evolution import repeated_rolling as rolling
 from contactstudy.evolution.plastic import layers
-from contactstudy.evolution.repeated_rolling import LONGEST, _Rolling, _strain_change
+from contactstudy.evolution.repeated_rolling import (
+    LONGEST,
+    RepeatedRolling,
+    _Rolling,
+    _strain_change,
+)
 from contactstudy.evolution.track import DepthProfile
-from tests.contactstudy.evolution.test_roll_repeatedly import COARSE, EXACT, E, scene
+from tests.contactstudy.evolution.test_roll_repeatedly import COARSE, EXACT, E, roll, scene
 
 # Cells of 0.5 m.
 GRID = cs.Grid((4, 1), (2.0, 1.0))
@@ -135,7 +140,7 @@ def test_a_change_is_the_largest_of_any_layer_to_one_that_may_be_deeper() -> Non
 
 def asked(
     monkeypatch: pytest.MonkeyPatch, grid: cs.Grid, **named: Any
-) -> tuple[dict[str, Any], list[Any], cs.RepeatedRolling]:
+) -> tuple[dict[str, Any], list[Any], RepeatedRolling]:
     """What is known of the steps, the tracks and first steps of the passes, and the result."""
     known: dict[str, Any] = {}
     begun: list[Any] = []
@@ -167,7 +172,7 @@ def asked(
     wide = scene(4.0)
     body = replace(wide.solids[0], yield_stress=2.5)  # type: ignore[type-var]
     posed = replace(wide, load=cs.LineLoad(4 * wide.load.largest), solids=(body, wide.solids[1]))
-    found = cs.roll_repeatedly(posed, grid, EXACT, **named)
+    found = roll(posed, grid, EXACT, **named)
     return known, begun, found
 
 

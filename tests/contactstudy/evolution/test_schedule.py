@@ -1,11 +1,12 @@
 """The instants that a march lands on, by hand."""
 
+from itertools import pairwise
 from math import nan
 
 import pytest
 
 import contactstudy as cs
-from contactstudy.evolution.steps import Mark, schedule
+from contactstudy.evolution.steps import Mark, schedule, within_periods
 
 LOAD = cs.LoadHistory(times=(0.0, 1.0, 1.0, 3.0), per_length=(0.0, 2.0, 5.0, 1.0))
 
@@ -65,3 +66,21 @@ def test_a_load_without_an_end_needs_times() -> None:
         schedule(sudden, None)
     (only,) = schedule(sudden, (0.5,))
     assert (only.before, only.after, only.breaks) == (0, 3, True)
+
+
+@pytest.mark.parametrize(("times", "steps"), [((2.0,), 16), ((0.1, 2.0), 17), ((0.1, 0.2), 2)])
+def test_no_step_is_longer_than_a_quarter_of_the_period(
+    times: tuple[float, ...], steps: int
+) -> None:
+    load = cs.SineLoad(300.0, 200.0, 2.0)
+    found = within_periods(schedule(load, times), load)
+    durations = [last.time - first.time for first, last in pairwise(found)]
+    assert len(durations) == steps
+    assert max(durations) <= 0.125 * (1 + 1e-9)
+    assert [mark.time for mark in found if mark.records] == list(times)
+    for mark in found[1:]:
+        assert mark.before == pytest.approx(load.at(mark.time))
+
+
+def test_a_load_that_does_not_repeat_keeps_its_steps() -> None:
+    assert within_periods(schedule(LOAD, (0.5, 2.5)), LOAD) == schedule(LOAD, (0.5, 2.5))

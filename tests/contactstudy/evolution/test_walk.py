@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.accuracy.expected_error import ErrorParts
+from contactstudy.domain.errors import ErrorParts
 from contactstudy.evolution import walk as walking
 from contactstudy.evolution.march import Instant
 from contactstudy.evolution.steps import Mark, StepControl, schedule

@@ -9,6 +9,8 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.domain.fields import Array
+from contactstudy.evolution.evolution import Trajectory
+from contactstudy.evolution.evolve import evolve
 from contactstudy.evolution.memory import WearMemory, explicit_limit
 from contactstudy.evolution.steps import Scheme
 from tests.contactstudy.evolution.creeping import LOAD, RIGID, SOLID, rolling_cylinder
@@ -27,7 +29,7 @@ CYLINDER = cs.Scene(
 )
 
 
-def wave(evolution: cs.Evolution) -> Array:
+def wave(evolution: Trajectory) -> Array:
     """How much of the wave is left in the pressure, at every instant."""
     left = np.cos(2 * pi * evolution.grid.x) @ evolution.pressure[:, :, 0].T
     return left / left[0]
@@ -45,7 +47,7 @@ def test_a_wave_decays_by_the_implicit_recursion_to_rounding(step: float) -> Non
     """``(1 + k ds / lambda)^-n`` for a wave of eigenvalue lambda, and so without end for long steps."""
     grid = cs.Grid((64, 1), (1.0, 1.0))
     times = step * np.arange(6)
-    found = cs.evolve(
+    found = evolve(
         WAVY, grid, (EXACT, EXACT), times=times, options=cs.SolveOptions(1e-12), step_error=NONE
     )
     expected = (1 + step / eigenvalue(grid)) ** -np.arange(6.0)
@@ -57,7 +59,7 @@ def test_a_wave_decays_by_the_explicit_recursion_on_cells_that_bear_it() -> None
     """``(1 - k ds / lambda)^n``."""
     grid = cs.Grid((8, 1), (1.0, 1.0))
     times = 0.05 * np.arange(11)
-    found = cs.evolve(
+    found = evolve(
         WAVY,
         grid,
         (EXACT, EXACT),
@@ -80,7 +82,7 @@ def test_a_wave_decays_as_the_exponential_with_the_order_of_the_scheme() -> None
         ends = []
         for steps in (10, 20):
             times = np.linspace(0, 1, steps + 1)
-            found = cs.evolve(
+            found = evolve(
                 WAVY,
                 grid,
                 (EXACT, EXACT),
@@ -106,7 +108,7 @@ def test_the_pressure_of_a_punch_evens_out_at_the_known_rate(cells: int) -> None
         shapes = (Tilted(tilt),) if tilt else ()
         scene = cs.Scene(cs.LineLoad(1.0), (ELASTIC, RIGID), shapes, wear=cs.Wear(1.0, 1.0))
         times = step * np.arange(200)
-        found = cs.evolve(
+        found = evolve(
             scene, grid, EXACT, times=times, options=cs.SolveOptions(1e-12), step_error=NONE
         )
         uneven = np.linalg.norm(found.pressure[:, :, 0] - 0.5, axis=1)
@@ -135,7 +137,7 @@ def test_a_worn_cylinder_is_flat_as_wide_as_the_rigid_one() -> None:
     grid = cs.Grid((600, 1), (1.2, 1.0))
     distance = 0.5**3 / (1.5 * LOAD)
     times = np.concatenate([[0.0], np.geomspace(distance * 1e-5, distance, 120)])
-    found = cs.evolve(CYLINDER, grid, EXACT, times=times, step_error=NONE)
+    found = evolve(CYLINDER, grid, EXACT, times=times, step_error=NONE)
     half = found.contact_area[-1] / grid.period / 2
     assert half == pytest.approx(0.5058, abs=grid.cell[0])
     middle = found.frames[-1].pressure[300, 0]
@@ -159,7 +161,7 @@ def test_the_worn_volume_is_that_of_archard_to_rounding(
     grid = cs.Grid((96, 1), (0.6, 1.0))
     scene = replace(CYLINDER, load=load, wear=cs.Wear(1e-3, 1.0))
     times = np.linspace(0, 2, 12)
-    found = cs.evolve(scene, grid, EXACT, times=times, step_error=NONE, scheme=scheme)
+    found = evolve(scene, grid, EXACT, times=times, step_error=NONE, scheme=scheme)
     marks = sorted({*times.tolist(), *load.breaks(2.0)})
     impulse = sum((end - start) * load.mean(start, end) for start, end in pairwise(marks))
     worn = found.frames[-1].fields["worn_depth"].values
@@ -171,7 +173,7 @@ def test_no_wear_is_the_scene_without_it() -> None:
     grid = cs.Grid((64, 1), (0.3, 1.0))
     elastic = cs.solve(replace(CYLINDER, wear=None).problem(grid, EXACT))
     for wear in (cs.Wear(0.0, 1.0), cs.Wear(1.0, 0.0)):
-        found = cs.evolve(replace(CYLINDER, wear=wear), grid, EXACT, times=[0.0, 1.0])
+        found = evolve(replace(CYLINDER, wear=wear), grid, EXACT, times=[0.0, 1.0])
         np.testing.assert_array_equal(found.frames[0].pressure, elastic.pressure)
         np.testing.assert_array_equal(found.frames[0].gap, elastic.gap)
         assert found.step_error == 0
@@ -186,7 +188,7 @@ def test_an_explicit_march_breaks_where_it_is_said_to() -> None:
     scene = cs.Scene(cs.LineLoad(1.0), (ELASTIC, RIGID), (Jagged(1e-9),), wear=cs.Wear(1.0, 1.0))
     for factor in (0.9, 1.1):
         times = factor * limit * np.arange(41)
-        found = cs.evolve(
+        found = evolve(
             scene,
             grid,
             EXACT,
@@ -223,7 +225,7 @@ def test_wear_spreads_the_pressure_of_a_rough_hard_limited_creeping_contact() ->
     )
     rough = cs.Roughness(5e-4, hurst=0.8, roll_off=0.1, cut_off=0.025, seed=3)
     scene = replace(scene, shapes=(*scene.shapes, rough))
-    found = cs.evolve(scene, grid, EXACT, times=[0.0, 0.5, 2.0], step_error=NONE)
+    found = evolve(scene, grid, EXACT, times=[0.0, 0.5, 2.0], step_error=NONE)
     assert found.status is cs.Status.CONVERGED
     worn = found.frames[-1].fields["worn_depth"].values
     assert worn.sum() * grid.cell_area == pytest.approx(0.2 * 2 * LOAD * grid.period, rel=1e-12)
@@ -236,7 +238,7 @@ def test_the_edge_of_a_finite_roller_wears_away() -> None:
     zero = cs.ZeroPadding()
     grid = cs.Grid((48, 64), (0.4, 2.0))
     scene = replace(CYLINDER, shapes=(cs.Cylinder(1.0), cs.FiniteLength(1.5)))
-    found = cs.evolve(scene, grid, (zero, zero), times=[0.0, 1.0], step_error=NONE)
+    found = evolve(scene, grid, (zero, zero), times=[0.0, 1.0], step_error=NONE)
     peaks = [frame.pressure.max() / np.median(frame.pressure[24]) for frame in found.frames]
     assert peaks[1] < peaks[0]
 

@@ -8,6 +8,7 @@ import pytest
 import xarray as xr
 
 import contactstudy as cs
+from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.io.compare import _union
 from tests.conftest import LineContact
 
@@ -116,7 +117,7 @@ def test_grids_of_one_scene_differ_by_no_more_than_the_estimate_says(line_contac
     found = cs.compare(fine, coarse)
     # the coarse one's estimate, against cell means, and what the means of its cells leave out: below half a
     # cell of 2.4/64 half-widths of the steepest pressure, 2 / (pi a) of the load per length
-    assert found.l1 < cs.error_estimate(coarse).l1.total + 2 * (2.4 / 64)
+    assert found.l1 < error_estimate(coarse).l1.total + 2 * (2.4 / 64)
     assert abs(found.load) < 1e-7  # both carry the load, to their residual
     assert "pressure in L1" in str(found)
     assert len(found.plot().axes) == 1

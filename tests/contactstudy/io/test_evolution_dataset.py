@@ -1,12 +1,14 @@
 """What a dataset holds of frames that are written here."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
 import contactstudy as cs
-from contactstudy.evolution.evolution import Evolution, Frame
+from contactstudy.evolution.evolution import Frame, Trajectory
+from contactstudy.io.dataset import evolution_dataset
 from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import PosedScene
 from tests.conftest import LineContact
@@ -33,7 +35,8 @@ class Deep:
 
 def dataset(contact: LineContact, *frames: Frame, outputs: tuple[Any, ...] = (Deep(),)) -> Any:
     posed = PosedScene(contact.scene, GRID, cs.ExactPeriodicity())
-    return Evolution(GRID, frames, 0, 0, outputs, posed).to_dataset()
+    problem: Any = SimpleNamespace(grid=GRID, outputs=outputs)
+    return evolution_dataset(Trajectory(problem, frames, 0, 0, posed), {})
 
 
 def test_a_single_instant_has_all_its_fields_over_a_time_of_one(line_contact: LineContact) -> None:

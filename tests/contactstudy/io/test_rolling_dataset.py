@@ -8,6 +8,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.evolution.repeated_rolling import RepeatedRolling
+from contactstudy.io.dataset import passes_dataset
 from contactstudy.scene.scene import PosedScene
 from tests.conftest import LineContact
 from tests.contactstudy.evolution.test_repeated_rolling import (
@@ -29,7 +30,7 @@ def test_passes_are_counted_from_one_and_the_window_is_that_of_the_last(
     track: Any = SimpleNamespace(operator=THREE.track.operator, strain=strain)
     removed: Any = SimpleNamespace(residual_stress=lambda: stress)
     posed = PosedScene(line_contact.scene, GRID, cs.ExactPeriodicity())
-    found = RepeatedRolling(passes, track, removed, posed).to_dataset()
+    found = passes_dataset(RepeatedRolling(passes, track, removed, posed), {})
     assert found["pass"].values.tolist() == [1, 2, 3]
     assert found["z"].values.tolist() == [0.5, 2.0]
     assert found["x"].values.tolist() == [-1.5, -0.5, 0.5, 1.5]

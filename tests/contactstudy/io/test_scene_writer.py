@@ -13,6 +13,8 @@ SURFACE = np.random.default_rng(1).normal(scale=1e-7, size=(12, 8))
 SHAPES: tuple[cs.Shape, ...] = (
     cs.Cylinder(0.01),
     cs.Crown(0.5),
+    cs.Crown(0.5, 8e-3),
+    cs.Tilt(1e-3),
     cs.LundbergProfile(1e-7, 1e-6, 1e-3),
     cs.FiniteLength(8e-4),
     cs.Waviness(1e-7, along=1e-4, phase=0.25),

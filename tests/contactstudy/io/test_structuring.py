@@ -1,4 +1,5 @@
 import math
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -31,7 +32,8 @@ NUMBER = Unit("", "a number", "0.3")
         ("5 N mm^-1", LOAD, 5e3),
         ("20 1/GPa", PER_PASCAL, 2e-8),
         ("0.3", NUMBER, 0.3),
-        ("30 %", NUMBER, None),
+        ("30 %", NUMBER, 0.3),
+        ("30 %", METRES, None),
         ("90 degree", Unit("rad", "an angle", "90 degree"), math.pi / 2),
         ("inf", PASCALS, math.inf),
         (math.inf, PASCALS, math.inf),
@@ -84,3 +86,23 @@ def test_any_unit_is_one_or_refused(text: str) -> None:
         assert isinstance(quantity("field", text, METRES), float)
     except cs.InvalidInput as error:
         assert str(error).startswith("field is ")  # noqa: PT017 (either is right)
+
+
+def test_a_misspelt_key_is_not_missing_too(tmp_path: Path) -> None:
+    (tmp_path / "scene.toml").write_text(
+        '[load]\nper_lenght = "100 N/mm"\n[[solids]]\nmaterial = "steel"\n[[solids]]\nmaterial = "steel"\n'
+        '[[shapes]]\nkind = "Cylinder"\nradus = "10 N"\n'
+    )
+    with pytest.raises(cs.InvalidInput) as refused:
+        cs.read_scene(tmp_path / "scene.toml")
+    said = str(refused.value)
+    assert "load: 'per_lenght' is not known, did you mean 'per_length'." in said
+    assert "shapes[0]: 'radus' is not known, did you mean 'radius'." in said
+    assert "radius: it is '10 N': give a length" in said
+    assert "missing" not in said
+
+
+def test_a_key_that_is_like_no_other_leaves_another_missing(tmp_path: Path) -> None:
+    (tmp_path / "scene.toml").write_text('[load]\nforce = "100 N/mm"\n')
+    with pytest.raises(cs.InvalidInput, match=r"'force' is not known[\s\S]*it is missing"):
+        cs.read_scene(tmp_path / "scene.toml")

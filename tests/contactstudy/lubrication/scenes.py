@@ -3,6 +3,8 @@
 from math import pi, sqrt
 
 import contactstudy as cs
+from contactstudy.domain.errors import ErrorParts
+from contactstudy.lubrication.lubricated_contact import FilmSolution
 
 RADIUS, LOAD, VISCOSITY = 0.01, 1e5, 0.04
 STEEL = cs.HalfSpace(210e9, 0.3)
@@ -32,6 +34,12 @@ def grid(cells: int, inlet: float, along: int = 1, period: float = 1.0) -> cs.Gr
     return cs.Grid((cells, along), (2 * inlet * a, period * a))
 
 
-def in_moes_units(contact: cs.LubricatedContact, film: float) -> float:
+def in_moes_units(contact: FilmSolution, film: float) -> float:
     """A film [m] as (h / R) (eta0 u_s / (E' R))^(-1/2)."""
     return film / contact.scales.film * 8 * contact.scales.load_parameter / pi
+
+
+def total(parts: ErrorParts | None) -> float:
+    """Sum of the parts of an error that is known."""
+    assert parts is not None
+    return parts.total

@@ -9,6 +9,7 @@ from scipy import ndimage
 
 import contactstudy as cs
 from contactstudy.lubrication import along_length
+from contactstudy.lubrication.solve_lubricated import solve_lubricated
 from tests.contactstudy.lubrication.scenes import DRY, STEEL, by_moes, grid
 
 assert DRY.hertz is not None
@@ -21,14 +22,14 @@ def crossed(amplitude: float) -> cs.Waviness:
 
 
 def film_scale(scene: cs.Scene) -> float:
-    return cs.solve_lubricated(scene, grid(128, 4.0)).central_film
+    return solve_lubricated(scene, grid(128, 4.0)).central_film
 
 
 @pytest.mark.parametrize("along", [2, 8, 32])
 def test_a_uniform_film_is_that_of_plane_strain(along: int) -> None:
     # both iterations stop at the rounding of a film that is a small difference of large heights
     plain, same = (
-        cs.solve_lubricated(by_moes(20, 5), grid(96, 4.5, cells), tolerance=1e-12)
+        solve_lubricated(by_moes(20, 5), grid(96, 4.5, cells), tolerance=1e-12)
         for cells in (1, along)
     )
     assert same.film == pytest.approx(np.repeat(plain.film, along, axis=1), rel=1e-10)
@@ -42,8 +43,8 @@ def test_a_uniform_film_is_that_of_plane_strain(along: int) -> None:
 def test_a_rough_film_converges_and_loses_no_lubricant(load: float, viscosity: float) -> None:
     scene = by_moes(load, viscosity)
     rough = by_moes(load, viscosity, crossed(0.4 * film_scale(scene)))
-    contact = cs.solve_lubricated(rough, grid(256, 4.0, 32))
-    assert contact.status is cs.FilmStatus.CONVERGED
+    contact = solve_lubricated(rough, grid(256, 4.0, 32))
+    assert contact.status is cs.Status.CONVERGED
     assert contact.flux_spread < 1e-6
     assert (contact.film > 0).all()
     carried = contact.pressure.sum() * contact.grid.cell_area / contact.grid.period
@@ -52,9 +53,7 @@ def test_a_rough_film_converges_and_loses_no_lubricant(load: float, viscosity: f
 
 def test_shifting_the_heights_along_the_length_shifts_the_film() -> None:
     height = 0.3 * film_scale(by_moes(20, 5))
-    contact = cs.solve_lubricated(
-        by_moes(20, 5, crossed(height)), grid(96, 4.0, 32), tolerance=1e-10
-    )
+    contact = solve_lubricated(by_moes(20, 5, crossed(height)), grid(96, 4.0, 32), tolerance=1e-10)
     # the waves repeat after half a period
     half = np.roll(contact.film, 16, axis=1)
     assert half == pytest.approx(contact.film, rel=1e-7)
@@ -63,8 +62,8 @@ def test_shifting_the_heights_along_the_length_shifts_the_film() -> None:
 def test_ridges_along_the_motion_are_flattened_in_part() -> None:
     height = 0.5 * film_scale(by_moes(20, 5))
     ridges = cs.Waviness(height, across=np.inf, along=A / 2)
-    contact = cs.solve_lubricated(by_moes(20, 5, ridges), grid(96, 4.0, 32))
-    assert contact.status is cs.FilmStatus.CONVERGED
+    contact = solve_lubricated(by_moes(20, 5, ridges), grid(96, 4.0, 32))
+    assert contact.status is cs.Status.CONVERGED
     middle = contact.film[48]
     assert 0.05 * height < np.ptp(middle) / 2 < height
 
@@ -73,8 +72,8 @@ def test_a_coat_and_roughness_go_together() -> None:
     coat = cs.CoatedHalfSpace(cs.HalfSpace(400e9, 0.25), 5e-6, STEEL)
     scene = by_moes(20, 5, crossed(0.3 * film_scale(by_moes(20, 5))))
     coated = replace(scene, solids=(coat, STEEL))
-    contact = cs.solve_lubricated(coated, grid(96, 4.0, 32))
-    assert contact.status is cs.FilmStatus.CONVERGED
+    contact = solve_lubricated(coated, grid(96, 4.0, 32))
+    assert contact.status is cs.Status.CONVERGED
     assert contact.flux_spread < 1e-6
 
 
@@ -109,16 +108,16 @@ def test_a_sweep_solves_its_lines() -> None:
 
 def test_without_the_compiler_the_film_is_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = by_moes(20, 5, crossed(0.3 * film_scale(by_moes(20, 5))))
-    with_it = cs.solve_lubricated(scene, grid(64, 4.0, 16))
+    with_it = solve_lubricated(scene, grid(64, 4.0, 16))
     monkeypatch.setattr(along_length, "sweeper", lambda: along_length.sweep_by_arrays)
-    without = cs.solve_lubricated(scene, grid(64, 4.0, 16))
+    without = solve_lubricated(scene, grid(64, 4.0, 16))
     assert without.film == pytest.approx(with_it.film, rel=1e-6)
 
 
 def test_a_crowned_roller_has_its_film_in_the_middle_and_none_beyond_its_ends() -> None:
     shape = cs.Crown.of_drop(1.5e-6, length=20 * A)
-    contact = cs.solve_lubricated(by_moes(20, 5, shape), grid(64, 4.0, 32, period=40.0))
-    assert contact.status is not cs.FilmStatus.NOT_CONVERGED
+    contact = solve_lubricated(by_moes(20, 5, shape), grid(64, 4.0, 32, period=40.0))
+    assert contact.status is not cs.Status.FILM_NOT_CONVERGED
     assert contact.flux_spread < 1e-6
     assert contact.pressure[32, 16] > 10 * contact.pressure[32, 0]
     assert contact.film[32, 0] > 3 * contact.film[32, 16]
@@ -127,7 +126,7 @@ def test_a_crowned_roller_has_its_film_in_the_middle_and_none_beyond_its_ends() 
 def test_a_roller_that_ends_in_an_edge_is_refused_with_the_reason() -> None:
     ended = by_moes(20, 5, cs.FiniteLength(20 * A))
     with pytest.raises(cs.InvalidInput, match="a roller's sharp end"):
-        cs.solve_lubricated(ended, grid(64, 4.0, 32, period=40.0))
+        solve_lubricated(ended, grid(64, 4.0, 32, period=40.0))
 
 
 def test_a_texture_and_a_measured_surface_carry_a_film(tmp_path: Path) -> None:
@@ -140,7 +139,7 @@ def test_a_texture_and_a_measured_surface_carry_a_film(tmp_path: Path) -> None:
         tmp_path / "heights.npy", extent=(8 * A, A), unit="m", seam=cs.AsMeasured()
     )
     for shape in (cs.Texture(cs.Dimple(depth, 0.3 * A), pitch=(A, A)), measured):
-        contact = cs.solve_lubricated(by_moes(20, 5, shape), grid(96, 4.0, 32))
-        assert contact.status is not cs.FilmStatus.NOT_CONVERGED
+        contact = solve_lubricated(by_moes(20, 5, shape), grid(96, 4.0, 32))
+        assert contact.status is not cs.Status.FILM_NOT_CONVERGED
         assert contact.flux_spread < 1e-6
         assert np.ptp(contact.film[48]) > 0

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.lubrication.evolve_lubricated import evolve_lubricated
+from contactstudy.lubrication.solve_lubricated import solve_lubricated
 from tests.contactstudy.lubrication.scenes import DRY, by_moes, grid, in_moes_units
 
 assert DRY.hertz is not None
@@ -20,14 +22,14 @@ def plain(scene: cs.Scene) -> cs.Scene:
 
 def wavy(height: float, along: float = np.inf) -> cs.Scene:
     """Waves across of a ``height`` over the smooth film, at M = 20, L = 0, where Moes' film is 1.443."""
-    film = 1.443 / in_moes_units(cs.solve_lubricated(by_moes(20, 0), grid(64, 4.0)), 1.0)
+    film = 1.443 / in_moes_units(solve_lubricated(by_moes(20, 0), grid(64, 4.0)), 1.0)
     return by_moes(20, 0, cs.Waviness(height * film, across=A / 2, along=along))
 
 
 def test_both_agree_where_the_film_forms_once() -> None:
     for scene in (by_moes(20, 5), by_moes(5, 0), wavy(0.5)):
-        both = cs.solve_lubricated(scene, grid(200, 5.0))
-        full = cs.solve_lubricated(plain(scene), grid(200, 5.0))
+        both = solve_lubricated(scene, grid(200, 5.0))
+        full = solve_lubricated(plain(scene), grid(200, 5.0))
         assert full.pressure == pytest.approx(both.pressure, rel=1e-5, abs=10.0)
         assert full.flow == pytest.approx(both.flow, rel=1e-6)
         assert full.flux_spread < 1e-6
@@ -40,7 +42,7 @@ def test_plain_cavitation_makes_lubricant_where_the_film_forms_again(
 ) -> None:
     scene, where = wavy(3.0, along), grid(cells[0], 4.0, cells[1])
     conserving, full = (
-        cs.solve_lubricated(one, where, tolerance=1e-7) for one in (scene, plain(scene))
+        solve_lubricated(one, where, tolerance=1e-7) for one in (scene, plain(scene))
     )
     bearing = np.flatnonzero((conserving.pressure > 0).any(axis=1))
     assert (conserving.pressure[bearing[0] : bearing[-1]] == 0).any()
@@ -53,7 +55,7 @@ def test_a_film_may_cavitate_plainly_in_time() -> None:
     scene = plain(by_moes(20, 5))
     assert scene.lubrication is not None
     times = np.linspace(0, 2 * A / scene.lubrication.largest_speed, 3)
-    march = cs.evolve_lubricated(scene, grid(100, 4.5), times=times)
+    march = evolve_lubricated(scene, grid(100, 4.5), times=times)
     assert march.central_film == pytest.approx(march.central_film[0], rel=1e-6)
 
 

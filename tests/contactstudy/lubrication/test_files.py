@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 
 import contactstudy as cs
+from contactstudy.answers.lubricated_contact import lubricated
+from contactstudy.lubrication.solve_lubricated import solve_lubricated
 from tests.contactstudy.lubrication.scenes import by_moes, grid
 
 OIL = Path(__file__).parents[3] / "examples" / "oil.toml"
@@ -30,9 +32,9 @@ def test_the_plan_of_a_file_reaches_its_error() -> None:
     planned = described.plan()
     assert planned.dimension == 1
     assert planned.error == 0.01
-    contact = described.lubricate(planned)
-    assert contact.status is cs.FilmStatus.CONVERGED
-    assert contact.error is not None
+    contact = described.solve()
+    assert contact.status is cs.Status.CONVERGED
+    assert contact.met
     assert contact.error.central_film.total <= 0.01
     assert contact.error.minimum_film.total <= 0.01
 
@@ -46,7 +48,7 @@ def test_a_rough_plan_has_cells_for_its_waves_and_no_error() -> None:
     assert planned.grid.cell[1] <= 5e-5 / 8
     assert "not known beforehand" in " ".join(planned.warnings)
     with pytest.raises(cs.InvalidInput, match=r"contactstudy\.plan\(scene\)\.grid"):
-        cs.solve_lubricated(scene, error=1e-2)
+        solve_lubricated(scene, error=1e-2)
 
 
 def test_a_load_that_changes_is_planned_at_its_largest() -> None:
@@ -55,8 +57,8 @@ def test_a_load_that_changes_is_planned_at_its_largest() -> None:
 
 
 def test_a_dataset_has_the_film_its_errors_and_the_scene() -> None:
-    contact = cs.solve_lubricated(by_moes(20, 5), grid(100, 4.5))
-    dataset = replace(contact, error=cs.film_error(contact)).to_dataset()
+    contact = solve_lubricated(by_moes(20, 5), grid(100, 4.5))
+    dataset = lubricated(contact).to_dataset()
     assert dataset["film"].dims == ("x", "y")
     assert float(dataset["central_film"]) == contact.central_film
     assert dataset["central_film_error_estimate"].dims == ("cause",)
@@ -69,7 +71,7 @@ def test_stress_below_the_surface_takes_pressure_and_friction() -> None:
     assert scene.lubrication is not None
     still = replace(scene, lubrication=replace(scene.lubrication, slide_roll_ratio=0.0))
     dragged, plain = (
-        cs.solve_lubricated(one, grid(100, 4.5)).to_dataset() for one in (scene, still)
+        lubricated(solve_lubricated(one, grid(100, 4.5))).to_dataset() for one in (scene, still)
     )
     assert dragged["von_mises"].dims == ("z", "x", "y")
     change = float((dragged["stress"] - plain["stress"]).sel(component="xz").sum())
@@ -123,21 +125,19 @@ def test_a_file_marches_a_film_with_histories_of_load_and_speed(tmp_path: Path) 
     lubrication = described.scene.lubrication
     assert lubrication is not None
     assert lubrication.mean_speed == cs.SpeedHistory((0.0, 8e-5), (0.1, 1.0))
-    every_step = described.evolve()
-    assert isinstance(every_step, cs.FilmEvolution)
-    assert len(every_step.times) == every_step.steps + 1
+    every_step = replace(described, time_steps=cs.TimeSteps(error=0.01)).solve()
+    assert len(every_step.times) == every_step.films.steps + 1
     assert every_step.times[-1] == 1e-4
-    march = replace(described, time_steps=replace(described.time_steps, end=1e-4)).evolve()
-    assert isinstance(march, cs.FilmEvolution)
+    march = described.solve()
     assert march.times == pytest.approx([0, 5e-5, 1e-4])
-    assert march.contacts[-1].load_per_length == pytest.approx(1.2e5, rel=1e-5)
-    assert march.contacts[-1].mean_speed == 1.0
+    assert march.frames[-1].load_per_length == pytest.approx(1.2e5, rel=1e-5)
+    assert march.frames[-1].mean_speed == 1.0
     cs.write_scene(described, tmp_path / "again.toml")
     assert cs.read_scene(tmp_path / "again.toml").scene == described.scene
 
 
 def test_a_file_may_carry_a_measured_surface(tmp_path: Path) -> None:
-    rows = "\n".join("0 1e-8 0 -1e-8" for _ in range(4))
+    rows = "\n".join("0 1e-8 0 -1e-8 0 1e-8 0 -1e-8" for _ in range(8))
     (tmp_path / "heights.txt").write_text(rows)
     shape = (
         '{kind = "MeasuredSurface", file = "heights.txt", extent = ["1.2 mm", "1 mm"], unit = "m"}'

@@ -6,9 +6,16 @@ import numpy as np
 import pytest
 
 from contactstudy.domain.fields import Array
-from contactstudy.lubrication.film_equation import Film, FilmEquation, Storage, _drawn_along
+from contactstudy.lubrication.film_equation import (
+    Film,
+    FilmEquation,
+    Linearised,
+    Mask,
+    Storage,
+    _drawn_along,
+)
 from contactstudy.lubrication.plane_strain import DirectStep
-from contactstudy.lubrication.pseudo_time import FilmControls, iterate
+from contactstudy.lubrication.pseudo_time import FilmControls, FilmStep, iterate
 
 
 def equation(nx: int, ny: int, rng: np.random.Generator) -> FilmEquation:
@@ -101,6 +108,24 @@ def rigid_film(inlet: float, cells: int) -> Film:
     last = iterate(rigid, start, DirectStep.for_equation(rigid), FilmControls())
     assert last.converged(1e-8)
     return last.film
+
+
+class Unmoved:
+    """Return steps that change nothing."""
+
+    def step(
+        self, linear: Linearised, film: Film, cavitated: Mask, load_missing: float
+    ) -> FilmStep:
+        still = np.zeros_like(film.pressure)
+        return FilmStep(still, still, 0.0, self)
+
+
+def test_an_iteration_ends_after_thirty_steps_that_do_not_halve_the_residual() -> None:
+    rough = equation(9, 1, np.random.default_rng(4))
+    start = rough.film_of(np.zeros((9, 1)), np.zeros((9, 1)), 0.5)
+    last = iterate(rough, start, Unmoved(), FilmControls())
+    assert last.iterations == 30
+    assert not last.converged(1e-8)
 
 
 @pytest.mark.cases(1)

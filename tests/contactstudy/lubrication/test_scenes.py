@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 
 import contactstudy as cs
+from contactstudy.lubrication.solve_lubricated import solve_lubricated
 from tests.contactstudy.lubrication.scenes import DRY, STEEL, by_moes, grid
 
 OIL = cs.Lubricant(0.04, 2e-8)
@@ -56,19 +57,19 @@ def test_bad_values_are_named_with_a_remedy(make: object, message: str) -> None:
 
 def test_a_dry_scene_is_sent_to_the_dry_solver_and_a_lubricated_one_to_this() -> None:
     with pytest.raises(cs.InvalidInput, match=r"or call contactstudy\.solve"):
-        cs.solve_lubricated(DRY)
-    with pytest.raises(cs.InvalidInput, match=r"call contactstudy\.solve_lubricated"):
+        solve_lubricated(DRY)
+    with pytest.raises(cs.InvalidInput, match=r"call contactstudy\.solve"):
         by_moes(20, 5).problem(grid(100, 4.5), cs.ExactPeriodicity())
 
 
 def test_a_flat_contact_has_no_inlet() -> None:
     with pytest.raises(cs.NotDefined, match="no inlet draws lubricant in"):
-        cs.solve_lubricated(replace(DRY, shapes=(), lubrication=MOTION), grid(100, 4.5))
+        solve_lubricated(replace(DRY, shapes=(), lubrication=MOTION), grid(100, 4.5))
 
 
 def test_a_padding_that_ends_along_the_length_is_refused() -> None:
     with pytest.raises(cs.InvalidInput, match="periodic along the length"):
-        cs.solve_lubricated(by_moes(20, 5), grid(32, 4.5, 4), cs.ZeroPadding())
+        solve_lubricated(by_moes(20, 5), grid(32, 4.5, 4), cs.ZeroPadding())
 
 
 def test_a_scene_without_a_lubricant_imports_nothing_of_it() -> None:
@@ -84,18 +85,18 @@ def test_a_scene_without_a_lubricant_imports_nothing_of_it() -> None:
 
 
 def test_sliding_speed_is_the_ratio_times_the_mean_speed() -> None:
-    contact = cs.solve_lubricated(by_moes(20, 5), grid(64, 4.5))
+    contact = solve_lubricated(by_moes(20, 5), grid(64, 4.5))
     assert contact.sliding_speed == pytest.approx(0.1 * contact.mean_speed)
 
 
 def test_limiting_shear_bounds_the_stress_by_a_share_of_the_pressure() -> None:
     law = cs.LimitingShear(0.05)
     scene = by_moes(20, 10, shear=law)
-    contact = cs.solve_lubricated(scene, grid(200, 4.5))
+    contact = solve_lubricated(scene, grid(200, 4.5))
     assert (contact.shear <= 0.05 * contact.pressure).all()
     assert 0.02 < contact.friction < 0.05
 
 
 def test_cells_wider_than_the_contact_are_refused() -> None:
     with pytest.raises(cs.InvalidInput, match="wider than half the contact: give 18"):
-        cs.solve_lubricated(by_moes(20, 5), grid(12, 9.0))
+        solve_lubricated(by_moes(20, 5), grid(12, 9.0))

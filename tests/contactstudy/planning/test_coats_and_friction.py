@@ -3,7 +3,8 @@
 from dataclasses import replace
 
 import contactstudy as cs
-from contactstudy.planning.plan import needs_of, plan
+from contactstudy.planning.grid_requirements import needs_of
+from contactstudy.planning.plan import plan
 from tests.conftest import STEEL
 
 BODY = cs.CoatedHalfSpace(cs.HalfSpace(250e9, 0.22), 2e-6, STEEL)

@@ -4,7 +4,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.planning.film_needs import film_needs
-from contactstudy.planning.plan import needs_of
+from contactstudy.planning.grid_requirements import needs_of
 from tests.contactstudy.lubrication.scenes import by_moes, grid
 
 

@@ -7,8 +7,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.accuracy.expected_error import smooth_l1
-from contactstudy.planning.grid_requirements import ROOM, ROUGH
-from contactstudy.planning.plan import needs_of
+from contactstudy.planning.grid_requirements import ROUGH, needs_of
 from tests.conftest import LineContact
 
 
@@ -17,8 +16,8 @@ def with_shapes(contact: LineContact, *shapes: cs.Shape) -> cs.Scene:
 
 
 def width(scene: cs.Scene, contact: LineContact) -> float:
-    """Half the planned width over Hertz's half-width, without the room beyond the contact."""
-    return cs.plan(scene, error=0.1).grid.extent[0] / (2 * ROOM * contact.hertz.half_width)
+    """Half-width that is expected of the contact, over that of Hertz."""
+    return needs_of(scene).half_width / contact.hertz.half_width
 
 
 def test_a_smooth_contact_is_as_wide_as_hertz_s(line_contact: LineContact) -> None:
@@ -48,16 +47,12 @@ def test_what_yields_needs_room_for_the_load(line_contact: LineContact) -> None:
     assert width(soft, line_contact) == pytest.approx(pi, rel=1e-12)
 
 
-@pytest.mark.parametrize("error", [1e-3, 1e-4])
-def test_a_smooth_contact_s_cells_follow_the_measured_law(
-    error: float, line_contact: LineContact
-) -> None:
-    """0.446 (cell / a)^1.5 + 0.1 (cell / a)^2, on the number of cells that halves often and is just enough."""
-    plan = cs.plan(line_contact.scene, error=error)
-    cell = plan.grid.cell[0] / line_contact.hertz.half_width
-    assert plan.error == pytest.approx(0.446 * cell**1.5 + 0.1 * cell**2, rel=1e-2)
-    # from 32 cells on they are rounded up by a 32nd at most, the plan's own and those it is brought to
-    assert error / (1 + 2 / 32) ** 2 <= plan.error <= error * (1 + 1e-6)
+def test_a_smooth_contact_s_error_follows_the_measured_law(line_contact: LineContact) -> None:
+    """0.446 (cell / a)^1.5 + 0.1 (cell / a)^2."""
+    needs, a = needs_of(line_contact.scene), line_contact.hertz.half_width
+    for cell in (0.1, 0.01):
+        error = needs.error((cell * a, a))
+        assert error == pytest.approx(0.446 * cell**1.5 + 0.1 * cell**2, rel=1e-2)
 
 
 def test_a_wave_s_error_is_that_of_its_share_in_contact(line_contact: LineContact) -> None:

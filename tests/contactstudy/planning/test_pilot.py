@@ -7,8 +7,8 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.planning.cost import memory
+from contactstudy.planning.grid_requirements import needs_of
 from contactstudy.planning.grid_search import MOST, PLANE, _coarse, affordable, forecast
-from contactstudy.planning.plan import needs_of
 from tests.conftest import LineContact
 
 EXACT = cs.ExactPeriodicity()
@@ -49,7 +49,6 @@ def test_a_crowned_roller_needs_cells_across_and_hardly_any_along(
     grid = cs.Grid((32, 64), (4 * a, length))
     found = forecast(scene, needs, grid)
     assert found.errors[0] > 3 * found.errors[1]
-    assert 2 * a < found.contact_width < 4 * a
     # against the same on four times as many cells either way
     fine = cs.solve(
         scene.problem(cs.Grid((128, 256), grid.extent), needs.padding()), tolerance=1e-6

@@ -244,8 +244,7 @@ def test_a_plan_names_the_device_its_seconds_are_for(
     monkeypatch.setattr("contactstudy.planning.cost.CostModel.seconds", lambda *_: 8.0)
     monkeypatch.setattr("contactstudy.planning.cost._seconds", lambda _, __, on: 1 / on.threads)
     alone, shared = (cs.plan(line_contact.scene, grid=one, on=cs.Cpu(k)) for k in (1, 4))
-    assert (alone.seconds, alone.on) == (8.0, cs.Cpu(1))
-    assert (shared.seconds, shared.on) == (2.0, cs.Cpu(4))
+    assert (alone.seconds / shared.seconds, alone.on, shared.on) == (4, cs.Cpu(1), cs.Cpu(4))
     assert shared.bytes == alone.bytes
     with pytest.raises(cs.InvalidInput, match=r"^plan\.on is 2: give Cpu\(threads=2\) or Gpu\(\)"):
         cs.plan(line_contact.scene, on=2)  # type: ignore[arg-type]
@@ -262,3 +261,23 @@ def test_a_smooth_film_costs_the_cube_of_its_cells_in_time_and_their_square_in_m
     assert twice.seconds == pytest.approx(8 * once.seconds)
     assert once.bytes == 6 * 8 * 200**2
     assert twice.bytes == 4 * once.bytes
+
+
+def test_a_measured_flat_is_solved_on_its_own_points_with_both_axes_periodic(
+    line_contact: LineContact,
+) -> None:
+    heights = 1e-8 * np.random.default_rng(0).standard_normal((16, 12))
+    flat = replace(
+        line_contact.scene,
+        load=cs.LineLoad(100.0),
+        shapes=(cs.MeasuredSurface(heights, extent=(32e-6, 24e-6)),),
+    )
+    exact = cs.ExactPeriodicity()
+    assert cs.plan(flat).grid == cs.Grid((16, 12), (32e-6, 24e-6))
+    assert cs.plan(flat).padding == (exact, exact)
+    answer = cs.solve(flat)
+    assert answer.pressure.shape == (16, 12)
+    assert answer.status is cs.Status.CONVERGED
+    without = replace(flat, shapes=(cs.MeasuredSurface(heights),))
+    with pytest.raises(cs.NotDefined, match="MeasuredSurface with its extent"):
+        cs.solve(without)

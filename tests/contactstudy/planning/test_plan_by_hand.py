@@ -1,7 +1,7 @@
-"""How a plan goes from grid to grid, by forecasts that are written here."""
+"""What a plan makes of forecasts that are written here."""
 
 from dataclasses import replace
-from math import inf, prod
+from math import inf
 from types import SimpleNamespace
 from typing import Any
 
@@ -12,20 +12,14 @@ from contactstudy.planning import grid_search as search
 from contactstudy.planning import in_time
 from contactstudy.planning import plan as planning
 from contactstudy.planning.cost import memory
-from contactstudy.planning.grid_search import (
-    ALMOST,
-    ROUNDS,
-    GridForecast,
-    expected,
-    reaching,
-)
+from contactstudy.planning.grid_requirements import needs_of
+from contactstudy.planning.grid_search import GridForecast, expected
 from contactstudy.planning.in_time import Extremes, Yielding
 from contactstudy.planning.plan import _warnings
 from tests.conftest import LineContact
 
 EXACT = cs.ExactPeriodicity()
 GRID = cs.Grid((64, 32), (4.0, 2.0))
-LARGE = cs.Grid((640, 320), (4.0, 2.0))
 
 
 def seen(error: float, *, cut_off: bool = False, message: str = "") -> GridForecast:
@@ -44,32 +38,6 @@ def seen(error: float, *, cut_off: bool = False, message: str = "") -> GridForec
 def needing(grid: cs.Grid = GRID, **more: Any) -> Any:
     asked = {"widest": inf, "finest": (inf, inf), "roller": 0.0} | more
     return SimpleNamespace(grid=lambda *_: grid, padding=lambda: EXACT, **asked)
-
-
-def reached(
-    monkeypatch: pytest.MonkeyPatch, needs: Any, law: Any, error: float = 0.1
-) -> tuple[list[cs.Grid], GridForecast]:
-    """The grids that are asked after, whose forecasts follow a law, and the forecast of the grid that is planned."""
-    asked: list[cs.Grid] = []
-
-    def answer(_: object, __: object, grid: cs.Grid) -> GridForecast:
-        asked.append(grid)
-        return replace(law(grid), grid=grid)
-
-    monkeypatch.setattr(search, "expected", answer)
-    scene: Any = None
-    return asked, reaching(scene, needs, error, None, memory(LARGE, EXACT))
-
-
-def falling(across: float, along: float, rates: tuple[float, float] = (1.0, 1.0)) -> Any:
-    """Errors of so much at 64 x 32 cells, which fall with the cells along their axis."""
-    return lambda grid: replace(
-        seen(0.0),
-        errors=(
-            across * (64 / grid.cells[0]) ** rates[0], along * (32 / grid.cells[1]) ** rates[1],
-        ),
-        rates=rates,
-    )  # fmt: skip
 
 
 def test_errors_of_both_axes_add_up_and_fall_at_their_own_rates() -> None:
@@ -100,61 +68,6 @@ def test_an_axis_at_its_fewest_cells_leaves_the_error_to_the_other() -> None:
     # 0.0002 are left to 16 cells along: 0.08 * 64 / 0.0398, in steps of four
     assert found.cells == (132, 16)
     assert replace(known, errors=(0.08, 0.0)).grid_for(0.04).cells == (128, 32)
-
-
-def test_a_grid_is_made_as_fine_or_as_coarse_as_the_error_asks(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    for across, along in ((0.4, 0.1), (0.005, 0.03), (0.01, 0.4), (0.05, 0.045)):
-        law = falling(across, along, (1.5, 0.7))
-        asked, found = reached(monkeypatch, needing(), law)
-        assert found.error <= 0.1
-        # the law is known from the first on
-        assert len(asked) <= 3
-        cheapest = law(GRID).grid_for(ALMOST * 0.1)
-        assert prod(found.grid.cells) <= 1.25 * prod(cheapest.cells)
-
-
-def test_a_grid_that_keeps_to_the_error_without_waste_is_taken(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    asked, found = reached(monkeypatch, needing(), falling(0.047, 0.047))
-    assert asked == [GRID]
-    assert found.grid == GRID
-
-
-def test_a_contact_that_outgrows_its_grid_is_given_half_as_much_again(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    def cut(grid: cs.Grid) -> GridForecast:
-        return replace(falling(0.047, 0.047)(grid), cut_off=grid.extent[0] < 5.5)
-
-    asked, found = reached(monkeypatch, needing(), cut)
-    assert (asked[1].extent, asked[1].cells) == ((6, 2), (96, 32))
-    assert not found.cut_off
-    # as far as the surface is known
-    asked, found = reached(monkeypatch, needing(widest=5.0), cut)
-    assert [(grid.extent[0], grid.cells[0]) for grid in asked] == [(4, 64), (5, 80)]
-    assert found.cut_off
-    asked, _ = reached(monkeypatch, needing(), lambda _: seen(0.05, cut_off=True))
-    assert len(asked) == ROUNDS
-
-
-def test_a_roller_s_grid_is_made_as_narrow_as_its_contact(monkeypatch: pytest.MonkeyPatch) -> None:
-    def law(grid: cs.Grid) -> GridForecast:
-        return replace(falling(0.03, 0.03)(grid), contact_width=2.0)
-
-    _, found = reached(monkeypatch, needing(roller=2.0), law)
-    assert found.grid.extent == pytest.approx((2.4, 2.0))
-    _, periodic = reached(monkeypatch, needing(), law)
-    assert periodic.grid.extent == GRID.extent
-
-
-def test_what_memory_does_not_hold_is_not_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked, found = reached(monkeypatch, needing(), falling(3.0, 3.0))
-    assert all(memory(grid, EXACT) <= memory(LARGE, EXACT) for grid in asked)
-    # the best that fits
-    assert memory(found.grid, EXACT) > 0.5 * memory(LARGE, EXACT)
 
 
 def warned(
@@ -207,7 +120,7 @@ def test_a_smooth_contact_is_foreseen_by_its_law_and_one_that_yields_by_small_so
     monkeypatch.setattr(search, "CostModel", Costs)
     monkeypatch.setattr(search, "forecast", lambda *_: seen(0.3))
     scene = line_contact.scene
-    needs = planning.needs_of(scene)
+    needs = needs_of(scene)
     grid = cs.Grid((64, 1), (2 * a, a))
     found = expected(scene, needs, grid)
     assert (found.error, found.rates[0], found.cut_off) == (needs.error(grid.cell), 1.5, False)
@@ -245,7 +158,7 @@ def test_a_plan_of_a_given_grid_is_that_grid(
         monkeypatch.setattr(planning, "available_bytes", lambda share=share: needed / share)
         found = cs.plan(line_contact.scene, grid=grid, period=5e-4)
         assert (found.grid, found.dimension, found.bytes) == (grid, dimension, needed)
-        assert (found.seconds, found.steps) == (2 * search.SMOOTH_CONVOLUTIONS, 1)
+        assert (found.seconds, found.steps) == (planning.JUDGED * 2 * search.SMOOTH_CONVOLUTIONS, 1)
         assert any("this machine has" in said for said in found.warnings) == (not fits)
     with pytest.raises(cs.InvalidInput, match=r"^plan\.period is 0\.0006: leave it out"):
         cs.plan(line_contact.scene, grid=grid, period=6e-4)
@@ -266,12 +179,7 @@ def planned(
         asked.append(named)
         return replace(NARROW, grid=named.get("grid") or NARROW.grid)
 
-    def robust_grid(_: object, error: float, period: float | None) -> cs.Grid:
-        asked.append({"error": error, "period": period})
-        return NARROW.grid
-
     monkeypatch.setattr(planning, "plan", plan)
-    monkeypatch.setattr(planning, "robust_grid", robust_grid)
     monkeypatch.setattr(in_time, "extremes", lambda *_: extremes)
     scene: Any = None
     return asked, planning._plan_in_time(scene, 0.4, 1.0, grid, None)

@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import contactstudy as cs
+from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.domain import fields
 from contactstudy.problem.constraint import Compressive, Constraint, HardnessLimited, PrescribedLoad
 from contactstudy.problem.passes import CompiledPasses, Direction, passes_for
@@ -127,7 +128,7 @@ def test_both_solvers_give_one_answer_under_a_hardness(
         assert solution.note == ""
         assert (solution.pressure <= hardness).all()
         yielding = solution.pressure == hardness
-        estimate = cs.error_estimate(solution)
+        estimate = error_estimate(solution)
         assert max(estimate.l1.residual, estimate.peak_pressure.residual) < 64 * 1e-10 * 10
         assert (solution.gap[yielding] <= 1e-10 * posed.scales.gap).all()
         assert solution.pressure.sum() == pytest.approx(loaded.total, rel=1e-10)

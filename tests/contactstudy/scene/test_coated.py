@@ -254,16 +254,6 @@ def test_a_coat_that_cannot_be_says_so(wrong: dict[str, object], named: str) -> 
         replace(cs.CoatedHalfSpace(DLC, 2e-6, STEEL), **wrong)
 
 
-def test_stress_is_refused_in_a_coated_body_and_given_in_the_other() -> None:
-    body = cs.CoatedHalfSpace(DLC, 2e-6, STEEL)
-    below = cs.SubsurfaceStress(depths=(1e-5,))
-    with pytest.raises(cs.InvalidInput, match="CoatedHalfSpace"):
-        cs.Scene(cs.LineLoad(1e5), (body, STEEL), (cs.Cylinder(0.01),), outputs=(below,))
-    cs.Scene(
-        cs.LineLoad(1e5), (body, STEEL), (cs.Cylinder(0.01),), outputs=(replace(below, solid=1),)
-    )
-
-
 def test_a_coat_is_read_from_a_file_and_written_to_one(tmp_path: Path) -> None:
     body = cs.CoatedHalfSpace(DLC, 2e-6, STEEL)
     scene = cs.Scene(cs.LineLoad(1e5), (body, STEEL), (cs.Cylinder(0.01),))

@@ -8,7 +8,7 @@ from tests.contactstudy.defaults import check_defaults
 
 def test_a_number_that_is_left_out_is_this_one() -> None:
     check_defaults(cs.Carried, body=0)
-    check_defaults(cs.Crown, radius=inf)
+    check_defaults(cs.Crown, radius=inf, length=inf)
     check_defaults(cs.Detail, repeat=0, longest=0, roller=0, height=0, slope=0, widest=inf)
     check_defaults(cs.DowsonHigginson, compressibility=0.6e-9, saturation=1.7e-9)
     check_defaults(cs.ElasticPlasticHalfSpace, hardening_modulus=0, kinematic_modulus=0)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.evolution.evolve import evolve
 from tests.conftest import STEEL
 
 LENGTH = 1e-3
@@ -48,5 +49,5 @@ def test_a_roller_without_a_length_is_refused() -> None:
 
 def test_a_march_carries_the_total_load() -> None:
     worn = replace(scene(cs.TotalLoad(100.0)), wear=cs.Wear(1e-18, 1.0))
-    evolution = cs.evolve(worn, GRID, cs.ZeroPadding(), times=[0.0])
+    evolution = evolve(worn, GRID, cs.ZeroPadding(), times=[0.0])
     assert evolution.pressure[-1].sum() * GRID.cell_area == pytest.approx(100.0, rel=1e-7)

@@ -15,8 +15,8 @@ from contactstudy.solvers.friction import (
     Disks,
     FullSliding,
     Superposed,
-    _uneven_change,
     _with_traction,
+    uneven_change,
 )
 from contactstudy.solvers.solution import Traction
 
@@ -72,10 +72,10 @@ SLIDING = FullSliding(0.5, accumulated)  # type: ignore[arg-type]
 def test_a_gap_that_all_of_the_contact_shares_is_not_felt() -> None:
     change = field(9.0, 1, 3, 3.5, 4)
     # a mean of 2.875 in the contact
-    assert _uneven_change(change, ONE) == 1.875
-    assert _uneven_change(-change, ONE) == 1.875
-    assert _uneven_change(change + 5, ONE) == 1.875
-    assert _uneven_change(change, 0 * ONE) == 0
+    assert uneven_change(change, ONE) == 1.875
+    assert uneven_change(-change, ONE) == 1.875
+    assert uneven_change(change + 5, ONE) == 1.875
+    assert uneven_change(change, 0 * ONE) == 0
 
 
 def test_the_shear_of_a_pass_moves_the_gap_of_the_next_until_it_stays() -> None:
@@ -254,6 +254,16 @@ def test_the_nearest_field_is_shifted_and_cut_off_towards_the_middles_of_the_dis
     moved = trial[:, 1, 0] + shift
     assert found[:, 1, 0] == pytest.approx(moved / np.hypot(*moved))
     assert not found[:, 3].any()
+
+
+def test_a_shift_that_belonged_to_another_trial_does_no_harm() -> None:
+    """The first trial leaves a shift that brings all cells of the second one to their rims, on the wrong side."""
+    radius = field(*np.sqrt(1 - np.linspace(-0.99, 0.99, 60) ** 2))
+    disks = Disks(radius, np.array([-0.6 * radius.sum(), 0.0]))
+    for far in (1e3, -1e3, 1e6, 0.0):
+        trial = np.stack([radius + far, 0 * radius])
+        found = disks.nearest(trial)
+        assert found.sum(axis=(1, 2)) == pytest.approx([-0.6 * radius.sum(), 0], rel=1e-8)
 
 
 def test_all_cells_on_their_rims_carry_all_that_friction_can() -> None:

@@ -1,6 +1,7 @@
 import math
 from dataclasses import replace
 from itertools import product
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -173,6 +174,17 @@ def test_heights_that_are_not_numbers_end_in_a_status(line_contact: LineContact)
     heights[3, 3] = np.nan
     solution = cs.solve(replace(problem, undeformed_gap=heights))
     assert solution.status is cs.Status.NOT_FINITE
+    assert solution.error.l1.total == math.inf
+    assert "NOT_FINITE" in repr(solution)
+
+
+def test_a_folder_for_a_scene_without_frames_is_refused(
+    line_contact: LineContact, tmp_path: Path
+) -> None:
+    with pytest.raises(
+        cs.InvalidInput, match=r"^solve\.folder is given, and a contact at rest has"
+    ):
+        cs.solve(line_contact.scene, folder=tmp_path)
 
 
 @pytest.mark.parametrize("tolerance", [0.0, -1e-8, math.nan, "tight"])

@@ -2,7 +2,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studies.advice.settings_table import pareto_front
+from studies.advice.front import pareto_front
 
 PAIRS = st.lists(st.tuples(st.floats(0, 10), st.floats(0, 10)), max_size=30)
 

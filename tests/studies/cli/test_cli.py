@@ -69,9 +69,6 @@ def test_without_times_a_study_shows_what_needs_none(call: Call, tmp_path: Path)
     done = call("run", "padding", *few)
     assert done.returncode == 0, done.stderr
     assert [path.name for path in tmp_path.glob("outputs/padding/*")] == ["reach.png"]
-    done = call("run", "pareto", *few, "--padding", "exact")
-    assert done.returncode == 1
-    assert done.stderr.endswith("its figures may need times, which are taken without --no-times.\n")
 
 
 @POSIX
@@ -232,7 +229,7 @@ def test_options_of_a_run_do_what_they_say(tmp_path: Path) -> None:
     assert len(list((tmp_path / "period.fields").iterdir())) == 1
     dry = invoke(*here, "--grid", "16,24", "--dry-run")
     assert "1 stored, 1 to compute" in dry.stdout
-    assert "s (within a factor" in dry.stdout
+    assert "s to compute" in dry.stdout
     grown = invoke(*here, "--grid", "16,24", "--repeats", "3", "--retime", "--retry", "failed")
     assert "1 cases are stored, 1 to compute" in grown.stdout
     assert xr.load_dataset(tmp_path / "period.nc").sizes["repeat"] == 3

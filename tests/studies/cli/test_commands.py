@@ -27,5 +27,6 @@ def test_numbers_of_the_command_have_these_limits_and_defaults() -> None:
     }
     for name in ("workers", "repeats"):
         assert [parameters[command, name].default for command in ("report", "run")] == [2, 2]
-    assert parameters["recommend", "error"].default == 1e-3
-    assert parameters["recommend", "period"].default == 2.4
+    for command in ("recommend", "report"):
+        assert parameters[command, "error"].default == 1e-2
+        assert parameters[command, "seconds"].default == 60

@@ -6,7 +6,6 @@ from types import SimpleNamespace
 
 import click
 import pytest
-import xarray as xr
 from click.testing import CliRunner
 
 import contactstudy as cs
@@ -72,21 +71,11 @@ def test_a_solve_of_more_than_a_minute_or_four_gigabytes_is_announced(
         raise Enough
 
     monkeypatch.setattr(cs.SceneFile, "plan", lambda *_, **__: planned)
-    monkeypatch.setattr(solving, "still", enough)
+    monkeypatch.setattr(solving, "solved", enough)
     result = CliRunner().invoke(commands.cli, ["solve", str(path), "--out", str(tmp_path / "out")])
     assert isinstance(result.exception, Enough)
     assert ("estimated cost" in result.output) == bool(said)
     assert said in result.output
-
-
-def test_a_solve_says_its_seconds(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    path = tmp_path / "smooth.toml"
-    path.write_text(SMOOTH, encoding="utf-8")
-    clock = iter((10.0, 12.5))
-    monkeypatch.setattr(scenes, "perf_counter", lambda: next(clock))
-    result = CliRunner().invoke(commands.cli, ["solve", str(path), "--out", str(tmp_path / "out")])
-    assert result.exit_code == 0, result.output
-    assert "\n  2.5 s\n" in result.output
 
 
 def test_one_core_is_there_where_none_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -97,20 +86,10 @@ def test_one_core_is_there_where_none_is_counted(monkeypatch: pytest.MonkeyPatch
     assert scenes._device("cpu", None) == cs.Cpu(6)
 
 
-@pytest.mark.parametrize("status", [cs.Status.CONVERGED, cs.Status.STALLED])
-def test_a_command_ends_with_one_where_a_solve_did_not_converge(
-    status: cs.Status, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_command_ends_with_one_where_a_solve_did_not_converge(tmp_path: Path) -> None:
     path = tmp_path / "smooth.toml"
-    path.write_text(SMOOTH, encoding="utf-8")
-    dataset = xr.Dataset({"load": 1.0}, attrs={"title": "line contact"})
-    ended = []
-    outcome = solving.SceneOutcome(
-        status, [], ["a note"], dataset, None, lambda: ended.append(True)
-    )
-    monkeypatch.setattr(solving, "still", lambda *_, **__: outcome)
+    path.write_text(SMOOTH + "\n[solve]\nmax_iterations = 1\ntolerance = 1e-12\n", encoding="utf-8")
     result = CliRunner().invoke(commands.cli, ["solve", str(path), "--out", str(tmp_path / "out")])
-    assert result.exit_code == (0 if status is cs.Status.CONVERGED else 1)
-    assert "\n  a note\n" in result.output
+    assert result.exit_code == 1
+    assert "ITERATION_LIMIT" in result.output
     assert (tmp_path / "out" / "smooth.nc").is_file()
-    assert ended == [True]

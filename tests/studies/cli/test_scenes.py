@@ -104,7 +104,11 @@ def test_what_is_wrong_with_a_grid_is_said_and_the_solution_flagged(tmp_path: Pa
     [
         ("smooth", ["--device", "gpu"], "^Gpu needs CuPy"),
         ("smooth", ["--device", "gpu", "--threads", "2"], "^--threads is for --device cpu"),
-        ("rubber", ["--device", "gpu"], "^--device gpu is for a dry scene that neither"),
+        (
+            "rubber",
+            ["--device", "gpu"],
+            "^solve.on is given, and a scene that changes in time has no use for it",
+        ),
     ],
 )
 def test_a_device_that_cannot_solve_the_scene_is_refused(
@@ -118,6 +122,19 @@ def test_a_device_that_cannot_solve_the_scene_is_refused(
     assert isinstance(result.exception, cs.InvalidInput)
     assert re.search(message, str(result.exception))
     assert not out.exists()
+
+
+def test_a_history_with_adhesion_is_solved(tmp_path: Path) -> None:
+    pull = 'kind = "PullOff"\npreload = "5 N/m"'
+    history = 'kind = "LoadHistory"\ntimes = [0.0, 1.0]\nper_length = ["1 N/m", "3 N/m"]'
+    text = (EXAMPLES / "gripper.toml").read_text(encoding="utf-8")
+    assert pull in text
+    scene = tmp_path / "history.toml"
+    wide = text.replace(pull, history).replace('extent = ["1.2 mm"', 'extent = ["2.4 mm"')
+    scene.write_text(wide + "\n[evolve]\ninstants = 2\n")
+    result = run("solve", str(scene), "--out", str(tmp_path))
+    assert result.exit_code == 0, result.output
+    assert (tmp_path / "history.nc").is_file()
 
 
 @pytest.mark.parametrize("command", ["plan", "solve"])
@@ -155,8 +172,8 @@ def test_a_rolling_scene_says_its_shift_and_resistance(tmp_path: Path) -> None:
     assert "resistance" in result.output
     assert "CONVERGED" in result.output
     dataset = xr.load_dataset(tmp_path / "out" / "rolling.nc")
-    assert f"{float(dataset['resistance']):.4g}" in result.output
-    assert dataset["shift"].attrs["units"] == "m"
+    assert f"{float(dataset['rolling_resistance']):.4g}" in result.output
+    assert dataset["pressure_shift"].attrs["units"] == "m"
 
 
 def test_numbers_come_first_and_json_has_the_same(tmp_path: Path) -> None:
@@ -168,8 +185,8 @@ def test_numbers_come_first_and_json_has_the_same(tmp_path: Path) -> None:
     found = json.loads(run("solve", scene, "--out", str(tmp_path), "--json").output)
     dataset = xr.load_dataset(tmp_path / "smooth.nc")
     assert found["status"] == "CONVERGED"
-    assert found["numbers"]["peak_pressure"]["value"] == float(dataset["pressure"].max())
-    assert found["numbers"]["approach"]["value"] == float(dataset["approach"])
+    assert found["quantities"]["peak_pressure"]["value"] == float(dataset["pressure"].max())
+    assert found["quantities"]["approach"]["value"] == float(dataset["approach"])
     assert all(Path(file).is_file() for file in found["files"])
 
 

@@ -2,20 +2,25 @@
 
 from dataclasses import replace
 
+import numpy as np
+import pytest
+
 import contactstudy as cs
-from studies.definitions.accuracy import KINDS, scene_at
+from contactstudy.accuracy.estimate import error_estimate
+from studies.definitions.accuracy import KINDS, USES, scene_at, use_of
 from studies.reference.accuracy.case import errors
 from studies.reference.accuracy.matrix import matrix
+from studies.reference.accuracy.random_scenes import RANDOM
 from studies.registry import load
 
 NAME = "smooth cylinder 0"
 
 
 def test_errors_stand_beside_their_bounds_and_a_truth_that_is_not_known_is_below_zero() -> None:
-    case = scene_at({"case": NAME})
+    case = scene_at({"case": NAME, "seed": 1})
     solution = case.run(case.prepare())
     found = {name: float(one) for name, one in load("accuracy").measures(case, solution).items()}
-    true, estimate = errors(solution, matrix()[NAME].truth()), cs.error_estimate(solution)
+    true, estimate = errors(solution, matrix()[NAME].truth()), error_estimate(solution)
     for metric in ("l1", "peak_pressure", "contact_area"):
         assert found[f"{metric}_error"] == getattr(true, metric) > 0
         assert found[f"{metric}_bound"] == getattr(estimate, metric).total
@@ -24,13 +29,35 @@ def test_errors_stand_beside_their_bounds_and_a_truth_that_is_not_known_is_below
     assert found["mean_gap_bound"] > 0
     assert found["silent"] == 0
     assert found["kind"] == KINDS.index("smooth cylinder") == 0
+    assert found["use"] == USES.index("set")
 
 
 def test_a_bound_that_is_missing_without_a_reason_is_counted() -> None:
-    case = scene_at({"case": NAME})
+    case = scene_at({"case": NAME, "seed": 1})
     solution = case.run(case.prepare())
     cut = replace(solution, status=cs.Status.CONTACT_AT_EDGE)
     found = load("accuracy").measures(case, cut)
     # it says that the contact is cut off
     assert float(found["l1_bound"]) == float("inf")
     assert float(found["silent"]) == 0
+
+
+def test_margins_are_judged_on_the_other_half_and_on_random_contacts() -> None:
+    assert use_of("rollers 3") == "judged"
+    assert use_of("rollers 4") == "set"
+    assert use_of("random rollers 3") == "random"
+
+
+def test_a_seed_chooses_other_random_contacts_and_the_same_matrix() -> None:
+    first, other = (scene_at({"case": "random waves 0", "seed": seed}).case for seed in (1, 2))
+    assert first.scene != other.scene
+    assert scene_at({"case": "random waves 0", "seed": 1}).case.scene == first.scene
+    known = [scene_at({"case": NAME, "seed": seed}).case for seed in (1, 2)]
+    assert known[0] is known[1]
+
+
+@pytest.mark.parametrize("kind", RANDOM)
+def test_every_random_contact_has_a_problem(kind: str) -> None:
+    for seed in range(3):
+        problem = scene_at({"case": f"{kind} 0", "seed": seed}).prepare()
+        assert np.isfinite(problem.undeformed_gap).all()

@@ -7,7 +7,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.scene.coated import CoatedHalfSpace
-from contactstudy.scene.stress import StressBelow
+from contactstudy.scene.stress import HalfSpaceStress, StressBelow
 from studies.definitions.coating import A, coated, interface
 from studies.engine.run import run
 from studies.reference.line_contact import STEEL
@@ -25,7 +25,9 @@ def test_stress_at_the_interface_of_like_materials_is_that_of_a_half_space() -> 
     shear, tension = interface(body, pressure, grid.cell[0])
     # the period is 128 half-widths: its square is the error
     assert shear == pytest.approx(0.25, abs=1e-3)
-    below = StressBelow(grid, (cs.ZeroPadding(), cs.ExactPeriodicity()), 0.3, (0.5e-4,))
+    below = StressBelow(
+        grid, (cs.ZeroPadding(), cs.ExactPeriodicity()), HalfSpaceStress(0.3), (0.5e-4,)
+    )
     along = below(pressure[:, None])[0, 0, :, 0]
     assert tension == pytest.approx(max(along.max(), 0), abs=1e-3)
 

@@ -42,9 +42,9 @@ NUMBERS: dict[str, dict[str, tuple[float, ...]]] = {
     "effect_cost": {"grid": (512,)},
     "pareto": {
         "images": (1, 6),
-        "period": (0.6, 2.4, 9.6),
-        "grid": (32, 56, 88, 136),
-        "solver_tolerance": (1e-4, 1e-6, 1e-8),
+        "period": (1,),
+        "grid": (24, 36, 48, 72, 96, 144),
+        "solver_tolerance": (1e-2, 1e-4),
     },
     "peers": {"threads": (1,), "grid": (128, 256, 512)},
     "lubrication": {
@@ -54,7 +54,7 @@ NUMBERS: dict[str, dict[str, tuple[float, ...]]] = {
         "grid": (100, 200, 400),
     },
     "stability": {},
-    "accuracy": {},
+    "accuracy": {"seed": (1,)},
 }
 
 

@@ -6,6 +6,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.analytic import moes_film
+from contactstudy.lubrication.lubricated_contact import FilmScales
 from studies.definitions.lubrication import measures, scene_at
 from studies.registry import load, load_drawing
 from studies.report import page as report
@@ -17,7 +18,7 @@ def test_a_scene_has_the_load_and_viscosity_of_its_point() -> None:
     case = scene_at(POINT)
     assert case.scene.lubrication is not None
     assert case.scene.hertz is not None
-    scales = cs.FilmScales(case.scene.hertz, case.scene.lubrication)
+    scales = FilmScales(case.scene.hertz, case.scene.lubrication)
     assert scales.load_parameter == pytest.approx(20, rel=1e-12)
     assert scales.viscosity_parameter == pytest.approx(5, rel=1e-12)
 

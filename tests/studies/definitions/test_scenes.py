@@ -105,21 +105,6 @@ def test_effects_in_time_are_a_sudden_load_and_one_step_and_yield_comes_in_two()
     assert of("effect_cost", effect=effect_cost.YIELD, grid=4).grid.cells == (2, 1)
 
 
-def test_accuracy_has_a_price_with_one_cell_along_a_length_on_which_nothing_varies() -> None:
-    point = {"images": 6, "grid": 32, "solver_tolerance": 1e-6, "solver": "polonsky_keer"}
-    line, long = (of("pareto", padding="line", period=period, **point) for period in (0.6, 9.6))
-    # one computation for all periods
-    assert line == long
-    assert line.grid.cells == (32, 1)
-    assert half_widths(2.4, 2.4) == line.grid.extent
-    assert line.padding == cs.ExactPeriodicity()
-    square = of("pareto", padding="circular", period=9.6, **point)
-    assert square.grid.cells == (32, 32)
-    assert half_widths(2.4, 9.6) == square.grid.extent
-    assert square.padding == cs.CircularSuperposition(6)
-    assert square.options == cs.SolveOptions(1e-6, solver=cs.PolonskyKeer())
-
-
 def test_rough_surfaces_repeat_after_3_2_across_and_2_4_along() -> None:
     point: Point = {
         "rms": 0.1, "hurst": 0.3, "peklenik": 2.0, "seed": 2, "images": 6, "period": 4.8, "grid": 80,

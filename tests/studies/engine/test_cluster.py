@@ -38,20 +38,19 @@ class Flow(_Flow):
         self.batches: list[int] = []
         self.found: dict[str, Outcome] = {}
         self.said: list[str] = []
-        self._client: Any = SimpleNamespace(
+        client: Any = SimpleNamespace(
             status="running", submit=self._submitted, nthreads=lambda: self.workers
         )
-        self._cluster = Cluster(0, "tcp://here:1", patience, self.said.append)
-        self._token, self._outcomes = "", SimpleQueue()
-        self._finished = self.found.__setitem__
         # some that are sent already, and those that wait
-        self._cases = {str(n): Trouble(float(n)) for n in range(max(count, 100))}
-        self._payload = b""
+        self.cluster = Cluster(0, "tcp://here:1", patience, self.said.append)
+        self.cases = {str(n): Trouble(float(n)) for n in range(max(count, 100))}
+        self.client, self.token, self.payload, self.outcomes = client, "", b"", SimpleQueue()
+        self.finished = self.found.__setitem__
+        self.size, self.threads = 1, threads
         self._waiting = deque(map(str, range(count)))
-        self._open = set(self._cases)
+        self._open = set(self.cases)
         self._running = {}
         self._completed: Any = SimpleNamespace(add=lambda future: None)
-        self._mean, self._threads = cluster.BATCH, threads
         self._looked_at, self._idle_since = -1.0, 0.0
         self.workers: dict[str, int] = {}
 
@@ -65,55 +64,41 @@ def outcomes(count: int, seconds: float = 0.0) -> list[Outcome]:
     return [Outcome(CaseStatus.OK, seconds=seconds) for _ in range(count)]
 
 
-def test_batches_take_a_quarter_of_a_second_and_each_thread_has_three() -> None:
+def test_a_batch_is_twice_what_the_last_one_gave_back_in_time_and_each_thread_has_three() -> None:
     flow = Flow(1000, threads=2)
-    flow._mean = 0.01
     flow._fill()
-    assert flow.batches == [round(cluster.BATCH / 0.01)] * 2 * cluster.AHEAD
-    flow._fill()
-    assert len(flow.batches) == 2 * cluster.AHEAD
+    assert flow.batches == [1] * 2 * cluster.AHEAD
+    for names in list(flow._running.values()):
+        flow._running = {Future("finished"): names}
+        flow._take(next(iter(flow._running)), outcomes(1))
+    assert flow.size == 2
+    batch = Future("finished")
+    flow._running = {batch: [str(n) for n in range(20, 60)]}
+    flow._take(batch, outcomes(25))
+    # what was not begun in time goes first
+    assert flow.size == 50
+    assert list(flow._waiting)[:15] == [str(n) for n in range(45, 60)]
+    assert set(flow.found) == {str(n) for n in (*range(6), *range(20, 45))}
 
 
 def test_a_batch_is_half_a_thread_s_share_of_what_is_left_and_no_more_than_the_largest() -> None:
     flow = Flow(1000, threads=2)
-    flow._mean = 0.0
+    flow.size = cluster.LARGEST
     flow._fill()
     # of 1000, 800, 600, 449, 336 and 251 cases, a quarter and one
     assert flow.batches == [cluster.LARGEST, cluster.LARGEST, 151, 113, 85, 63]
     assert len(flow._waiting) == 1000 - sum(flow.batches)
-
-
-def test_long_cases_go_alone_and_the_last_batch_is_what_is_left() -> None:
-    flow = Flow(5)
-    flow._mean = 7.0
-    flow._fill()
-    assert flow.batches == [1] * cluster.AHEAD
-    assert sorted(chain.from_iterable(flow._running.values())) == ["0", "1", "2"]
-    flow._client.status = "connecting"
+    flow.client.status = "connecting"
     flow._running.clear()
     flow._fill()
-    assert len(flow._waiting) == 2
-
-
-def test_the_mean_goes_to_what_cases_take() -> None:
-    flow = Flow(0)
-    future = Future("finished")
-    for step, seconds in ((0, 8.0), (30, 0.5)):
-        before = flow._mean
-        flow._running[future] = [str(step // 30)]
-        flow._take(future, outcomes(1, seconds))
-        assert min(before, seconds) < flow._mean < max(before, seconds)
-        flow._running[future] = [str(n) for n in range(10 + step, 40 + step)]
-        flow._take(future, outcomes(30, seconds))
-        assert flow._mean == pytest.approx(seconds, rel=1e-3)
-    assert set(flow.found) == {str(n) for n in (0, 1, *range(10, 70))}
+    assert len(flow.batches) == 6
 
 
 def test_what_is_lost_is_the_first_to_be_sent_again_but_for_what_came_meanwhile() -> None:
     flow = Flow(2)
     done, cancelled, dead = Future("finished"), Future("cancelled"), Future("pending")
     flow._running = {done: ["7", "8"], cancelled: ["5", "6"], dead: ["3"]}
-    flow._outcomes.put(("6", outcomes(1)[0]))
+    flow.outcomes.put(("6", outcomes(1)[0]))
     flow._take_delivered()
     flow._take(done, outcomes(2))
     assert list(flow.found) == ["6", "7", "8"]
@@ -141,14 +126,14 @@ def test_a_look_comes_every_second_and_finds_lost_batches(monkeypatch: pytest.Mo
     flow.workers = {"one": 2, "two": 3}
     flow._running = {Future("lost"): ["4", "5"], Future("pending"): ["6"]}
     flow._look()
-    assert (flow._threads, list(flow._waiting)) == (5, ["4", "5", "0"])
+    assert (flow.threads, list(flow._waiting)) == (5, ["4", "5", "0"])
     flow.workers = {"one": 2}
     now[0] += 0.5 * cluster.LOOK
     flow._look()
-    assert flow._threads == 5
+    assert flow.threads == 5
     now[0] += 0.5 * cluster.LOOK
     flow._look()
-    assert flow._threads == 2
+    assert flow.threads == 2
 
 
 def test_a_scheduler_without_workers_is_said_once_after_a_while(
@@ -163,9 +148,9 @@ def test_a_scheduler_without_workers_is_said_once_after_a_while(
     for seconds, said in ((60.0, 0), (61.5, 1), (80.0, 1)):
         now[0] = seconds
         flow._look()
-        assert (len(flow.said), flow._threads) == (said, 1)
+        assert (len(flow.said), flow.threads) == (said, 1)
     assert flow.said == ["waiting for workers of tcp://here:1"]
-    flow._client.status = "closed"
+    flow.client.status = "closed"
     now[0] = 90.0
     with pytest.raises(InvalidInput, match=r"^Scheduler 'tcp://here:1' is lost: start it again"):
         flow._look()
@@ -183,7 +168,7 @@ def test_when_a_run_stops_what_workers_have_finished_is_taken(
         pending: ["5"],
         Future("finished", outcomes(1)): ["6"],
     }
-    flow._outcomes.put(("7", outcomes(1)[0]))
+    flow.outcomes.put(("7", outcomes(1)[0]))
     flow._take_last()
     assert sorted(flow.found) == ["3", "4", "6", "7"]
     assert flow._running == {pending: ["5"]}

@@ -152,12 +152,12 @@ def test_its_processes_go_from_study_to_study_and_outlive_their_troubles(tmp_pat
         (first,) = compute(cluster, [Trouble(2.0)], Work(trouble.measures))
         assert float(first.variables["square"]) == 4
         for _ in range(2):
-            (outcome,) = compute(cluster, [Trouble(1.0)], Work(trouble.parent_process))
+            (outcome,) = compute(cluster, [Trouble(1.0)], Work(trouble.process))
             numbers.append(int(outcome.variables["process"]))
         assert numbers[0] == numbers[1] != os.getpid()
         settings = RunOptions(time_limit=LIMIT, repeats=1)
         examine(run(trouble.study(), tmp_path, options=settings, log=quiet, executor=cluster))
-        (outcome,) = compute(cluster, [Trouble(1.0)], Work(trouble.parent_process))
+        (outcome,) = compute(cluster, [Trouble(1.0)], Work(trouble.process))
         numbers.append(int(outcome.variables["process"]))
     for number in numbers:
         assert not psutil.pid_exists(number) or number == os.getpid()

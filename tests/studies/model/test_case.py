@@ -1,23 +1,12 @@
 """What a case is solved with, and what is recorded of it."""
 
-from inspect import signature
-
 import numpy as np
 
 import contactstudy as cs
 from contactstudy.io.dataset import flags
-from studies.model.case import Case, EvolutionCase, OperatorCase, contact_share, solver_status
-from studies.reference.line_contact import SCENE
+from studies.model.case import OperatorCase, contact_share, solver_status
 
 GRID = cs.Grid((8, 4), (1e-4, 1e-4))
-
-
-def test_a_case_is_solved_as_a_solve_is_unless_told_otherwise() -> None:
-    case, solve = Case(SCENE, GRID, cs.ExactPeriodicity()), signature(cs.solve).parameters
-    for name in ("tolerance", "max_iterations", "solver", "precision"):
-        assert getattr(case.options, name) == solve[name].default, name
-    march = EvolutionCase(SCENE, GRID, cs.ExactPeriodicity(), (0.0, 1.0))
-    assert march.tolerance == solve["tolerance"].default
 
 
 def test_a_status_is_a_flag_of_all_that_there_are() -> None:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.accuracy.estimate import error_estimate
 from studies.reference.accuracy.case import Errors, Shifted, errors
 from studies.reference.accuracy.matrix import matrix
 from studies.reference.line_contact import HERTZ
@@ -22,7 +23,7 @@ def found() -> list[tuple[cs.ErrorEstimate, Errors]]:
     for name in THINNED:
         case = matrix()[name]
         solution = cs.solve(case.problem())
-        pairs.append((cs.error_estimate(solution), errors(solution, case.truth())))
+        pairs.append((error_estimate(solution), errors(solution, case.truth())))
     return pairs
 
 

@@ -103,18 +103,34 @@ def test_the_load_and_the_longest_axis_are_drawn_and_at_most_twelve_figures_of_t
     drawn = curves(many)
     assert [one.caption for one in drawn] == [f"Study; height {n}." for n in range(12)]
     ax = drawn[1].figure.axes[0]
-    assert list(labelled(ax)) == ["each seed", "mean"]
-    assert same(labelled(ax)["mean"], LOADS, many["approach"].sel(height=1).mean("seed"))
+    ((label, line),) = labelled(ax).items()
+    assert label == "mean of 20, ± its spread"
+    assert same(line, LOADS, many["approach"].sel(height=1).mean("seed"))
+
+
+def test_of_many_values_of_a_number_each_has_its_tone_on_a_colour_bar() -> None:
+    axes = {"rms": np.linspace(1e-7, 1e-6, 20).tolist(), "load_per_length": LOADS}
+    ax, bar = curves(swept(axes)[["contact_share", "case_status"]])[0].figure.axes
+    assert len(ax.lines) == 20
+    assert "mean" not in labelled(ax)
+    assert "rms" in bar.get_ylabel()
+
+
+def test_a_film_is_drawn_beside_its_formula() -> None:
+    dataset = numbered({"speed": [0.1, 1.0, 10.0]}, "central_film", "moes_film")
+    dataset["case_status"] = "speed", np.full(3, CaseStatus.OK)
+    ax, *_ = curves(dataset)[0].figure.axes
+    assert same(labelled(ax)["Moes"], [0.1, 1.0, 10.0], dataset["moes_film"])
 
 
 def test_of_many_lines_the_mean_stands_out() -> None:
-    axes = {"seed": range(9), "load_per_length": LOADS}
+    axes = {"surface": [f"s{k}" for k in range(9)], "load_per_length": LOADS}
     dataset = numbered(axes, "contact_share")
     dataset["case_status"] = tuple(axes), np.full((9, 4), CaseStatus.OK)
     [ax] = curves(dataset)[0].figure.axes
-    assert list(labelled(ax)) == ["each seed", "mean"]
-    assert same(labelled(ax)["mean"], LOADS, dataset["contact_share"].mean("seed"))
-    eight = dataset.isel(seed=slice(8))
+    assert list(labelled(ax)) == ["each surface", "mean"]
+    assert same(labelled(ax)["mean"], LOADS, dataset["contact_share"].mean("surface"))
+    eight = dataset.isel(surface=slice(8))
     assert len(labelled(curves(eight)[0].figure.axes[0])) == 8
 
 
@@ -181,3 +197,55 @@ def test_a_caption_says_what_the_scene_holds_constant() -> None:
     assert drawn.caption == "Loads; hardness 4 GPa, rolling speed 0.1."
     (drawn,) = curves(dataset.assign_attrs(scene="# Scene(...)"))
     assert drawn.caption == "Loads."
+
+
+def test_the_measures_that_are_asked_for_are_drawn_alone() -> None:
+    dataset = swept({"load_per_length": LOADS})
+    [drawn] = curves(dataset, ["approach"])
+    assert [ax.get_ylabel() for ax in drawn.figure.axes] == ["approach [µm]"]
+    with pytest.raises(InvalidInput, match="did you mean 'approach'"):
+        curves(dataset, ["aproach"])
+
+
+def test_names_are_points_side_by_side() -> None:
+    [drawn] = curves(swept({"padding": ["zero", "duplicated", "exact"]}))
+    assert all(line.get_linestyle() == "None" for ax in drawn.figure.axes for line in ax.lines)
+
+
+def test_bounds_are_bars() -> None:
+    dataset = swept({"load_per_length": LOADS})
+    dataset["approach_bound"] = 0.1 * dataset["approach"]
+    [drawn] = curves(dataset, ["approach"])
+    (bars,) = drawn.figure.axes[0].collections
+    lengths = [np.ptp(segment[:, 1]) for segment in bars.get_segments() if len(segment)]
+    shown = 1e6 * dataset["approach"].values[1:]  # the first case failed
+    np.testing.assert_allclose([one for one in lengths if one > 0], 0.2 * shown, rtol=1e-9)
+
+
+def test_samples_of_a_surface_are_their_mean_with_its_spread() -> None:
+    dataset = swept({"shapes_1_seed": [1, 2, 3], "load_per_length": LOADS})
+    dataset["case_status"][:] = CaseStatus.OK
+    [drawn] = curves(dataset, ["approach"])
+    (ax,) = drawn.figure.axes
+    (line,) = ax.lines
+    np.testing.assert_allclose(line.get_ydata(), 1e6 * dataset["approach"].mean("shapes_1_seed"))
+    assert len(ax.collections) == 1
+
+
+def test_many_values_of_a_parameter_are_lines_with_a_colour_bar() -> None:
+    rms = [1e-7 * 2**k for k in range(10)]
+    [drawn] = curves(
+        swept({"rms": rms, "load_per_length": list(np.linspace(1e4, 2e4, 12))}), ["approach"]
+    )
+    panel, bar = drawn.figure.axes
+    assert len(panel.lines) == 10
+    assert bar.get_ylabel() == "rms height [µm]"
+    assert bar.get_yscale() == "log"
+
+
+def test_values_in_equal_ratios_have_a_logarithmic_axis() -> None:
+    scales = []
+    for loads in ([1e4, 2e4, 4e4], [1e4, 2e4, 3e4]):
+        [drawn] = curves(swept({"load_per_length": loads}), ["approach"])
+        scales.append(drawn.figure.axes[0].get_xscale())
+    assert scales == ["log", "linear"]

@@ -13,6 +13,9 @@ import xarray as xr
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from contactstudy import InvalidInput
+from studies.advice.measuring import Budget, compared
+from studies.advice.stored import store
+from studies.advice.subject import paper_described
 from studies.engine.cluster import Cluster
 from studies.engine.options import RunOptions
 from studies.engine.run import run
@@ -22,7 +25,7 @@ from studies.model.study import Study
 from studies.reference.accuracy.matrix import matrix
 from studies.registry import BUILT_IN, load, load_drawing
 from studies.report import page as report
-from studies.report.chapters import CHAPTERS, MAIN, Chapter, Part, chapters, single
+from studies.report.chapters import CHAPTERS, MAIN, SETTINGS, Chapter, Part, chapters, single
 from studies.report.style import marked, panels, percent, plain, power
 from tests.studies.conftest import quiet
 
@@ -37,7 +40,7 @@ OWN: Mapping[str, Mapping[str, str]] = {
     "accuracy": SOME,
     "stability": HARD,
     "grid": {"grid": "16,24,32"},
-    "pareto": FEW | {"images": "1", "solver": "preconditioned_cg"},
+    "pareto": {"grid": "16,24", "images": "1", "solver_tolerance": "1e-6"},
     "coating": {"ratio": "0.25,2,4", "thickness": "0.1,1,10", "grid": "64"},
     # one grid: of two, wear would want two marches with short steps to compare with
     "wear": {"grid": "16"},
@@ -65,7 +68,9 @@ def run_few(names: Iterable[str], folder: Path) -> None:
 def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The main chapter of few cases."""
     folder = tmp_path_factory.mktemp("report")
-    run_few([part.name for part in MAIN.parts], folder)
+    run_few([part.name for part in MAIN.parts if part.name != SETTINGS], folder)
+    cylinder = paper_described()
+    store(compared(cylinder.subject(), 1e-2, Budget(1.0)), cylinder.key, folder)
     report.write(MAIN, folder)
     return folder
 
@@ -119,7 +124,7 @@ def test_the_report_answers_at_most_eight_questions_then_shows_its_studies_in_or
 ) -> None:
     summary, _, *sections = re.split(r"<nav |<section ", text)
     assert [re.search('aria-labelledby="(.*?)"', one)[1] for one in sections] == [  # type: ignore[index]
-        "padding", "period", "images", "grid", "paper", "pareto", "stability", "roughness"
+        "padding", "period", "images", "grid", "paper", "settings", "stability", "roughness"
     ]  # fmt: skip
     questions = re.findall(r'class="question">(.*?)<', summary)
     assert questions[:4] == ["Which padding?", "Which period?", "Which n?", "Which grid?"]
@@ -146,7 +151,8 @@ def test_the_report_lists_every_other_chapter_with_its_command_and_seconds(text:
             assert f"<code>contactstudy report {chapter.name}</code>" in text
             assert f'<td class="number">{chapter.seconds}</td>' in text
     in_chapters = [part.name for chapter in CHAPTERS.values() for part in chapter.parts]
-    assert sorted(in_chapters) == sorted(BUILT_IN)
+    # pareto is a study of the same settings, for --scene
+    assert sorted(in_chapters) == sorted({*BUILT_IN, SETTINGS} - {"pareto"})
 
 
 def test_no_list_of_values_is_longer_than_ten(text: str) -> None:
@@ -157,7 +163,7 @@ def test_no_list_of_values_is_longer_than_ten(text: str) -> None:
         {"kind": ("case", [0, 1, 1] * 4)},
         {"case": [f"c{n}" for n in range(12)], "n": range(11)},
     )
-    study = replace(load("accuracy"), points=(*load("accuracy").points, load("images").points[1]))
+    study = replace(load("accuracy"), points=(load("accuracy").points[0], load("images").points[1]))
     dataset = dataset.rename(n="images")
     assert report.swept(study, dataset) == (
         "contact with a known truth: 12 cases of 2 kinds; "

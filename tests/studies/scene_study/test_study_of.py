@@ -14,8 +14,8 @@ import studies
 from contactstudy import InvalidInput
 from contactstudy.io.document import Document, Turn
 from contactstudy.planning.cost import memory
+from studies.model.case import SceneCase
 from studies.scene_study import study_of as grids
-from studies.scene_study.scene_case import SceneCase
 from studies.scene_study.variation import _with_surface
 from tests.conftest import STEEL
 
@@ -192,6 +192,13 @@ def test_the_axes_that_a_person_writes_twice_or_wrongly_are_named(rough: Path) -
     ):
         with pytest.raises(cs.InvalidInput, match=said):
             studies.study_of(rough, vary)
+
+
+def test_numbers_for_a_field_of_lists_are_answered_with_lists(smooth: Path) -> None:
+    grid = '\n[grid]\ncells = [32, 1]\nextent = ["0.4 mm", "0.2 mm"]\n'
+    smooth.write_text(smooth.read_text(encoding="utf-8") + grid, encoding="utf-8")
+    with pytest.raises(cs.InvalidInput, match=r"such as grid\.cells=\[48,48\],\[96,96\]"):
+        studies.study_of(smooth, {"grid.cells": "48,96"})
 
 
 SURFACE = cs.MeasuredSurface(np.eye(8) * 1e-9, extent=(3.0, 2.0), seam=cs.Tapered())
@@ -402,7 +409,7 @@ times = [0, 1]
 @pytest.mark.parametrize(
     ("text", "field", "values", "units", "measured"),
     [
-        (RUBBER + '[rolling]\nspeed = "1 mm/s"\n', "rolling.speed", "1,10 mm/s", "m/s", "resistance"),
+        (RUBBER + '[rolling]\nspeed = "1 mm/s"\n', "rolling.speed", "1,10 mm/s", "m/s", "rolling_resistance"),
         (RUBBER + STEPPED + "[wear]\ncoefficient = 1e-13\nspeed = 1.0\n", "wear.coefficient",
          [1e-13, 2e-13], "1/Pa", "worn_volume"),
         (YIELDING, "load.per_length.1", "800,1000 N/mm", "N m-1", "dent_depth"),

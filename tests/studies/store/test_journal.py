@@ -13,10 +13,10 @@ from studies.model.outcome import CaseStatus, Outcome, Sample
 from studies.store import journal as module
 from studies.store.journal import Journal
 from studies.store.journal_lines import encoded
-from studies.store.records import CaseIdentity
+from studies.store.loaded import LOADED
+from studies.store.records import FORMAT, CaseIdentity, Context
 
 CONTEXT = {"code": "1"}
-PROVENANCE = {"history": "now"}
 SAMPLE = Sample(1.0, 2.0, 0.5, 1.5, 1, 0.1)
 
 
@@ -31,7 +31,8 @@ def outcome(seconds: float = 0.0, value: float = 1.0) -> Outcome:
 
 
 def opened(path: Path, context: dict[str, str] | None = None, machine: str = "here") -> Journal:
-    return Journal(path / "x.journal.jsonl", CONTEXT if context is None else context, machine)
+    part = CONTEXT if context is None else context
+    return Journal(path / "x.journal.jsonl", Context(part), machine)
 
 
 @pytest.fixture
@@ -53,7 +54,7 @@ def test_long_cases_are_on_disk_at_once_and_short_ones_together(
     tmp_path: Path, clock: dict[str, float]
 ) -> None:
     with opened(tmp_path) as journal:
-        journal.start(PROVENANCE, {"number": [1, 2]})
+        journal.start("now", {"number": [1, 2]})
         count = clock["synced"]
         assert not journal.add(identity("a"), outcome(0.02))
         # a twentieth of a second later, and a little more
@@ -78,12 +79,11 @@ def test_long_cases_are_on_disk_at_once_and_short_ones_together(
 
 def test_a_case_comes_back_with_its_numbers(tmp_path: Path) -> None:
     with opened(tmp_path) as journal:
-        journal.start(PROVENANCE, {"number": [1, 2]})
+        journal.start("now", {"number": [1, 2]})
         journal.begin("a")
         assert journal.contents.begun is None
         journal.add(identity("a"), outcome(3.0, value=7.5))
         journal.begin("b")
-        journal.score({"factor": 2.0})
     found = opened(tmp_path).contents
     record = found.records["a"]
     assert (record.seconds, record.cpu, record.case_status) == (3.0, 1.5, CaseStatus.OK)
@@ -96,39 +96,60 @@ def test_a_case_comes_back_with_its_numbers(tmp_path: Path) -> None:
     assert record.is_of(identity("a"))
     assert not record.is_of(identity("a", offset="1"))
     assert found.begun == "b"
-    assert dict(found.score) == {"factor": 2.0}
     assert list(found.axes["number"]) == [1, 2]
     assert found.history == ["now"]
 
 
 def test_what_changed_in_a_case_or_at_its_point_is_said(tmp_path: Path) -> None:
     with opened(tmp_path) as journal:
-        journal.start(PROVENANCE, {})
+        journal.start("now", {})
         journal.add(identity("a"), outcome())
-        assert journal.contents.changed(identity("a")) == []
-        [said] = journal.contents.changed(replace(identity("a"), tree={"": "Case", "number": "z"}))
-        assert said == "case.number was 'a' and is 'z'" or "number was" in said
+        assert journal.contents.why_anew(identity("a")) == ""
+        changed = replace(identity("a"), tree={"": "Case", "number": "z"})
+        assert journal.contents.why_anew(changed) == "case.number was a and is z"
         moved = CaseIdentity("other", {"": "Case", "number": "z"}, {"number": "a"})
-        assert len(journal.contents.changed(moved)) == 1
-        assert journal.contents.changed(identity("new")) == []
+        assert "number was" in journal.contents.why_anew(moved)
+        assert journal.contents.why_anew(identity("new")) == ""
+    other = opened(tmp_path, {"code": "2"}).contents
+    assert other.why_anew(identity("a")) == "code changed"
+    classes = replace(identity("a"), state="of other classes")
+    assert opened(tmp_path).contents.why_anew(classes) == "the state of the case's classes changed"
+
+
+def test_a_case_of_which_anything_loaded_has_changed_is_of_another_program(tmp_path: Path) -> None:
+    right = LOADED.scan()
+    for name, value in (
+        ("module studies.model.case", "0"),
+        ("module gone", "1"),
+        ("python", "2.7"),
+    ):
+        (tmp_path / name).mkdir()
+        with opened(tmp_path / name) as journal:
+            journal.start("now", {})
+            journal.add(identity("a"), replace(outcome(), loaded=right))
+            journal.add(identity("b"), replace(outcome(), loaded={**right, name: value}))
+        found = opened(tmp_path / name).contents
+        assert (set(found.records), set(found.other_records)) == ({"a"}, {"b"})
+        assert found.why_anew(identity("b")) == f"{name.removeprefix('module ')} changed"
 
 
 def test_times_are_of_one_machine_and_of_the_last_epoch(tmp_path: Path) -> None:
     with opened(tmp_path) as journal:
-        journal.start(PROVENANCE, {})
+        journal.start("now", {})
         journal.add(identity("a"), outcome())
+        journal.add(identity("b"), outcome())
         journal.time("a", SAMPLE)
         journal.time("a", replace(SAMPLE, solve=3.0))
         journal.cannot_time("b", "too short")
     found = opened(tmp_path).contents
-    assert found.samples == {"a": [SAMPLE, replace(SAMPLE, solve=3.0)]}
-    assert found.untimed == {"b": "too short"}
+    assert found.samples_of("a") == [SAMPLE, replace(SAMPLE, solve=3.0)]
+    assert found.reason_without_times("b") == "too short"
     assert found.epoch == 0
     elsewhere = opened(tmp_path, machine="there").contents
     assert (elsewhere.samples, elsewhere.untimed) == ({}, {})
-    assert set(elsewhere.records) == {"a"}
+    assert set(elsewhere.records) == {"a", "b"}
     with opened(tmp_path) as journal:
-        journal.start(PROVENANCE, {})
+        journal.start("now", {})
         journal.forget_times()
         assert (journal.contents.samples, journal.contents.untimed) == ({}, {})
         journal.forget_times()
@@ -136,16 +157,27 @@ def test_times_are_of_one_machine_and_of_the_last_epoch(tmp_path: Path) -> None:
         journal.time("a", replace(SAMPLE, solve=4.0))
     again = opened(tmp_path).contents
     assert again.epoch == 2
-    assert again.samples == {"a": [replace(SAMPLE, solve=4.0)]}
+    assert again.samples_of("a") == [replace(SAMPLE, solve=4.0)]
     assert again.untimed == {}
+
+
+def test_times_do_not_outlive_the_program_that_was_timed(tmp_path: Path) -> None:
+    with opened(tmp_path) as journal:
+        journal.start("now", {})
+        journal.add(identity("a"), outcome())
+        journal.time("a", SAMPLE)
+    with opened(tmp_path, {"code": "2"}) as journal:
+        journal.start("later", {})
+        journal.add(identity("a"), outcome())
+        assert journal.contents.samples_of("a") == []
 
 
 def test_cases_of_another_context_are_kept_apart_and_without_one_all_count(tmp_path: Path) -> None:
     with opened(tmp_path) as journal:
-        journal.start(PROVENANCE, {"number": [1]})
+        journal.start("now", {"number": [1]})
         journal.add(identity("a"), outcome())
     with opened(tmp_path, {"code": "2"}) as journal:
-        journal.start({"history": "later"}, {"number": [5]})
+        journal.start("later", {"number": [5]})
         journal.add(identity("b"), outcome())
     now = opened(tmp_path, {"code": "2"}).contents
     assert (set(now.records), set(now.other_records)) == ({"b"}, {"a"})
@@ -161,40 +193,17 @@ def test_a_journal_that_was_removed_or_replaced_while_it_was_written_is_said(
     path = tmp_path / "x.journal.jsonl"
     journal = opened(tmp_path)
     with suppress(InvalidInput), journal:
-        journal.start(PROVENANCE, {})
+        journal.start("now", {})
         path.unlink()
         with pytest.raises(InvalidInput, match="was removed or replaced"):
             journal.sync()
     journal = opened(tmp_path)
     with suppress(InvalidInput), journal:
-        journal.start(PROVENANCE, {})
+        journal.start("now", {})
         path.rename(tmp_path / "moved")
         path.write_bytes(b"")
         with pytest.raises(InvalidInput, match="was removed or replaced"):
             journal.sync()
-
-
-def test_a_hole_in_one_of_two_copies_loses_no_case_beside_the_one_between_them(
-    tmp_path: Path,
-) -> None:
-    path = tmp_path / "x.journal.jsonl"
-    with opened(tmp_path) as journal:
-        journal.start(PROVENANCE, {"number": [1]})
-        journal.add(identity("between"), outcome())
-        journal.add(identity("a"), outcome())
-    lines = path.read_bytes().splitlines(keepends=True)
-    for name in (b'"run":', b'"axis":'):
-        twice = [n for n, line in enumerate(lines) if name in line[:40]]
-        assert len(twice) == 2
-        for number in twice:
-            torn = lines.copy()
-            torn[number] = torn[number][:-5] + b"#" + torn[number][-4:]
-            path.write_bytes(b"".join(torn))
-            found = opened(tmp_path).contents
-            assert float(found.records["a"].outcome.variables["square"]) == 1
-            assert list(found.axes["number"]) == [1]
-            # nobody knows the versions of what comes before the first whole line of its run
-            assert ("between" in found.records) == (number != 0)
 
 
 CASE = {
@@ -222,13 +231,13 @@ ODD: dict[str, list[dict[str, object]]] = {
         CASE | {"failure": {"kind": "a", "sentence": "\x1b[31m", "stage": "c"}}
     ],
     "an axis of tables": [{"axis": "a", "values": [{"x": 1}]}],
-    "a sample of others": [{"time": "a", "epoch": 0, "sample": {"x": 1}}],
+    "a sample of others": [{"time": "a", "epoch": 0, "machine": "here", "sample": {"x": 1}}],
     "an epoch that is text": [{"time": "a", "epoch": "9", "sample": {}}, {"retime": "a"}],
-    "no reason": [{"untimed": "a", "epoch": 0}],
-    "a score that is text": [{"score": "x"}],
-    "a score that hides values": [{"score": {"_FillValue": 1}}],
+    "no reason": [{"time": "a", "epoch": 0, "machine": "here"}],
     "a beginning of lists": [{"begin": [1]}],
-    "a run without versions": [{"run": "b"}],
+    "a run without a study": [{"run": "b", "format": FORMAT}],
+    "a program of lists": [{"part": {}, "state": "", "loaded": {"module a": [1]}}],
+    "a case of an unknown program": [CASE | {"program": "b"}],
     "nothing known": [{"hello": 1}],
 }
 
@@ -238,13 +247,13 @@ def test_a_line_that_no_version_wrote_is_set_aside_though_its_checksum_is_right(
     kind: str, tmp_path: Path
 ) -> None:
     with opened(tmp_path) as journal:
-        journal.start(PROVENANCE, {"number": [1]})
+        journal.start("now", {"number": [1]})
         journal.add(identity("b"), outcome(value=7.0))
-        run = journal._run
+        stamp = journal.contents.records["b"].stamp
         path = journal.path
     with path.open("ab") as file:
         for line in ODD[kind]:
-            file.write(encoded({"of": run, "values": {}} | line))
+            file.write(encoded({"program": stamp, "values": {}} | line))
     with opened(tmp_path) as journal:
         assert list(journal.contents.records) == ["b"]
         assert float(journal.contents.records["b"].outcome.variables["square"]) == 7
@@ -257,21 +266,30 @@ def test_damaged_lines_are_moved_to_another_file_and_the_others_stay_as_they_are
     tmp_path: Path,
 ) -> None:
     with opened(tmp_path) as journal:
-        journal.start(PROVENANCE, {"number": [1, 2]})
+        journal.start("now", {"number": [1, 2]})
         journal.add(identity("b"), outcome(value=7.0))
         path = journal.path
     whole = path.read_bytes().splitlines(keepends=True)
     path.write_bytes(b"".join((whole[0], b"first\n", *whole[1:-1], b"second one\n", whole[-1])))
     with opened(tmp_path) as journal:
-        journal.start(PROVENANCE, {"number": [1, 2]})
+        journal.start("now", {"number": [1, 2]})
     assert path.read_bytes().startswith(b"".join(whole))
     assert path.with_name(f"{path.name}.damaged").read_bytes() == b"first\nsecond one\n"
 
 
-def test_a_journal_of_another_format_is_left_as_it_is(tmp_path: Path) -> None:
+def test_a_journal_of_another_format_is_set_aside_with_a_sentence(tmp_path: Path) -> None:
     path = tmp_path / "x.journal.jsonl"
-    path.write_bytes(encoded({"run": "a", "format": 9, "context": {}, "machine": "here"}))
-    with pytest.raises(
-        InvalidInput, match=r"of format 9, and this version reads format 3\): use the"
-    ):
-        opened(tmp_path)
+    old = encoded({"run": "a", "format": 3, "context": {}, "machine": "here"}) + encoded(
+        {"case": "b"}
+    )
+    path.write_bytes(old)
+    assert opened(tmp_path).contents.records == {}
+    assert path.read_bytes() == old
+    with opened(tmp_path) as journal:
+        journal.start("now", {})
+        journal.add(identity("a"), outcome())
+        assert journal.notes == [
+            "the journal was written by another version: it is set aside as x.journal.jsonl.damaged"
+        ]
+    assert path.with_name("x.journal.jsonl.damaged").read_bytes() == old
+    assert set(opened(tmp_path).contents.records) == {"a"}

@@ -77,7 +77,7 @@ def test_what_a_failed_case_lacks_is_missing_and_not_made_up() -> None:
         "field": xr.Variable(("m",), [1, 2]),
     }
     cases, found = outcomes(one, None)
-    dataset = assemble(AXES, cases, found.get, {}, {})
+    dataset = assemble(AXES, cases, found.get, lambda _: (), {})
     assert dataset["truth"].values[0] == 1
     assert np.isnan(dataset["truth"].values[1])
     assert np.isnan(dataset["count"].values[1])
@@ -97,7 +97,7 @@ def test_what_is_not_like_the_others_is_left_out_and_said() -> None:
         "a": xr.Variable((), 2.0),
     }
     cases, found = outcomes(first, second)
-    dataset = assemble(AXES, cases, found.get, {}, {})
+    dataset = assemble(AXES, cases, found.get, lambda _: (), {})
     assert dataset["a"].values.tolist() == [1.0, 2.0]
     assert "y" not in dataset.coords
     assert dataset.attrs["left_out"] == (

@@ -30,7 +30,8 @@ def test_a_write_takes_a_twentieth_of_the_time_and_waits_a_minute_at_least(
     monkeypatch.setattr(result_file, "assemble", lambda *_: None)
     monkeypatch.setattr(result_file, "write", lambda *_: None)
     monkeypatch.setattr(ResultFile, "_attributes", lambda _: {})
-    contents = SimpleNamespace(score={}, samples={})
+    monkeypatch.setattr(ResultFile, "_content_hash", lambda _: "")
+    contents = SimpleNamespace(samples_of=lambda _: ())
     journal: Any = SimpleNamespace(contents=contents, path=tmp_path / "x.journal.jsonl")
     table: Any = SimpleNamespace(axes=(), keys=())
     study: Any = SimpleNamespace(name="x")
@@ -65,10 +66,12 @@ def test_fields_are_groups_by_the_key_of_the_case(out: Path) -> None:
 def test_fields_of_one_case_come_back_with_their_coordinates(tmp_path: Path) -> None:
     x = xr.Variable(("x",), [1.5, 2.5, 3.5], {"units": "m"})
     pressure = xr.Variable(("x",), [0.0, 2.0, 1.0], {"units": "Pa"})
-    save_fields(tmp_path / "kept", "abc", {"x": x, "pressure": pressure})
-    assert has_fields(tmp_path / "kept", "abc", pytest.fail)
-    assert not has_fields(tmp_path / "kept", "abd", pytest.fail)
-    found = load_fields(tmp_path / "kept", "abc")
+    save_fields(tmp_path / "kept", "abc", "program", {"x": x, "pressure": pressure})
+    assert has_fields(tmp_path / "kept", "abc", "program", pytest.fail)
+    assert not has_fields(tmp_path / "kept", "abd", "program", pytest.fail)
+    assert not has_fields(tmp_path / "kept", "abc", "another", pytest.fail)
+    assert load_fields(tmp_path / "kept", "abc", "another") is None
+    found = load_fields(tmp_path / "kept", "abc", "program")
     assert found is not None
     xr.testing.assert_identical(found, xr.Dataset({"pressure": pressure}, {"x": x}))
 

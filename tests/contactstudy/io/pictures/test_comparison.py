@@ -16,7 +16,7 @@ def test_the_map_shows_the_difference_and_the_section_both_pressures_where_it_is
     fields = {"a": (("x", "y"), A), "b": (("x", "y"), B), "difference": (("x", "y"), B - A)}
     dataset = xr.Dataset(fields, coords={"x": X, "y": Y})
     found = Comparison(0, 0, 0, 0, 0, 3e6, (0.0, 2e-3), dataset)
-    shown, section, _ = compare_picture(found).axes
+    shown, section, _ = compare_picture(found.difference, found.at).axes
     [mesh] = shown.collections
     assert np.asarray(mesh.get_array()) == pytest.approx((B - A) / 1e6)
     assert mesh.get_clim() == (-3, 3)
@@ -28,5 +28,5 @@ def test_the_map_shows_the_difference_and_the_section_both_pressures_where_it_is
     assert [ax.xaxis.get_gridlines()[0].get_visible() for ax in (shown, section)] == [False, True]
     assert (shown.get_xlabel(), shown.get_ylabel()) == ("along [mm]", "across [µm]")
 
-    [line] = compare_picture(Comparison(0, 0, 0, 0, 0, 1e6, (0.0, 0.0), dataset.isel(y=[0]))).axes
+    [line] = compare_picture(dataset.isel(y=[0]), (0.0, 0.0)).axes
     assert line.lines[1].get_ydata() == pytest.approx([1, 4, 5])

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.answers.lubricated_contact import lubricated
 from contactstudy.io.pictures.interference import interference_colours, matching
+from contactstudy.lubrication.solve_lubricated import solve_lubricated
 from tests.contactstudy.lubrication.scenes import by_moes, grid
 
 
@@ -59,7 +61,7 @@ def test_the_matching_functions_peak_where_the_eye_does() -> None:
 
 
 def test_a_contact_is_drawn_in_these_colours() -> None:
-    contact = cs.solve_lubricated(by_moes(20, 5), grid(100, 4.5))
+    contact = lubricated(solve_lubricated(by_moes(20, 5), grid(100, 4.5)))
     figure = contact.plot(colours="interference", refractive_index=1.45)
     (image,) = figure.axes[-1].images
     near = np.abs(contact.grid.x) <= 2 * contact.scales.hertz.half_width

@@ -54,6 +54,20 @@ def test_crown_drops_at_the_ends_by_what_was_asked() -> None:
     assert gap[0, [0, 500, -1]] == pytest.approx([5e-6, 0, 5e-6], rel=1e-12)
 
 
+def test_a_total_load_is_spread_over_the_length_of_a_crown() -> None:
+    shapes = (cs.Cylinder(0.005), cs.Crown.of_drop(5e-6, 0.01))
+    steel = cs.HalfSpace(206e9, 0.3)
+    assert cs.Scene(cs.TotalLoad(1500.0), (steel, steel), shapes).load.per_length == 150e3
+
+
+def test_a_roller_is_planned_over_the_length_of_its_load() -> None:
+    """As ``[load] length`` in a file gives it, where no shape has a length."""
+    steel = cs.HalfSpace(206e9, 0.3)
+    load = cs.TotalLoad(1500.0, length=0.01)
+    scene = cs.Scene(load, (steel, steel), (cs.Cylinder(0.005), cs.Crown(2.5)))
+    assert cs.plan(scene, error=0.05).grid.period == 0.01
+
+
 def test_crowned_cylinder_of_equal_radii_is_a_sphere() -> None:
     grid = cs.Grid(cells=(8, 6), extent=(1e-3, 2e-3))
     both = cs.Cylinder(0.02).gap(grid) + cs.Crown(0.02).gap(grid)
@@ -143,6 +157,7 @@ def test_a_lundberg_profile_removes_the_peak_at_the_ends(line_contact: LineConta
     [
         (lambda: cs.Crown(radius=0.0), r"Crown\.radius"),
         (lambda: cs.Crown(radius=math.nan), r"Crown\.radius"),
+        (lambda: cs.Crown(1.0, length=0.0), r"Crown\.length"),
         (lambda: cs.Crown.of_drop(-1e-6, 0.01), "Crown end_drop"),
         (lambda: cs.Crown.of_drop(1e-6, 0.0), "Crown length"),
         (lambda: cs.LundbergProfile(-1e-7, 1e-6, 0.01), r"LundbergProfile\.amplitude"),

@@ -152,6 +152,9 @@ def test_a_measured_surface_is_as_fine_as_two_points_and_as_wide_as_it_is() -> N
 def test_rollers_say_their_length() -> None:
     assert cs.FiniteLength(2.0).detail == Detail(roller=2.0)
     assert cs.Crown(5.0).detail == Detail(roller=inf)
+    assert cs.Crown(5.0, 0.01).detail == Detail(roller=0.01)
+    assert cs.Tilt(1e-3).detail == Detail(roller=inf)
+    assert cs.Tilt(0.0).detail == Detail()
     assert cs.Crown(inf).detail == Detail()
     assert cs.Sphere(1.0).detail == Detail(roller=inf)
     assert cs.LundbergProfile(1e-6, 1e-5, 2.0).detail == Detail(roller=2.0)

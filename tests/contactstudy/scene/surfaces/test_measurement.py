@@ -167,7 +167,7 @@ def test_a_file_that_is_none_is_refused(tmp_path: Path, written: Path) -> None:
 
 def test_a_file_without_sizes_is_refused(tmp_path: Path, written: Path) -> None:
     heights = tmp_path / "matrix.txt"
-    np.savetxt(heights, HEIGHTS)
+    np.savetxt(heights, LARGE)
     with pytest.raises(
         cs.InvalidInput, match=r"matrix\.txt' is None: give the unit of its numbers"
     ):
@@ -208,24 +208,44 @@ def test_a_scene_without_a_file_does_not_import_the_library() -> None:
 
 
 TABLE = np.array([[1.0, 2.0, 4.0], [3.0, 5.0, 9.0]])
+LARGE = np.arange(1.0, 73.0).reshape(8, 9) / 4
+
+
+def rows(separator: str, *, decimal: str = ".", end: str = "") -> str:
+    """Return the text of LARGE."""
+    lines = (separator.join(f"{value:g}" for value in row) for row in LARGE)
+    return "".join(f"{line.replace('.', decimal)}{end}\n" for line in lines)
 
 
 @pytest.mark.parametrize(
     ("name", "text"),
     [
-        ("heights.csv", "1,2,4\n3,5,9\n"),
-        ("heights.csv", "# heights\n1;2;4\n3;5;9\n"),
-        ("comma.csv", "1,0;2,0;4,0\n3,0;5,0;9,0\n"),
-        ("titles.csv", "a,b,c\n1,2,4\n3,5,9\n"),
-        ("rows.txt", "1 2 4\n3 5 9\n"),
-        ("rows.asc", "1\t2\t4\n3\t5\t9\n"),
+        ("heights.csv", rows(",")),
+        ("heights.csv", "# heights\n" + rows(";")),
+        ("comma.csv", rows(";", decimal=",")),
+        ("blanks.txt", rows("  ", decimal=",")),
+        ("titles.csv", "a,b,c\n" + rows(",")),
+        ("rows.txt", rows(" ")),
+        ("rows.asc", rows("\t", end="\t")),
     ],
 )
 def test_rows_of_numbers_are_read_in_their_unit(tmp_path: Path, name: str, text: str) -> None:
     (tmp_path / name).write_text(text)
     points, extent = read(tmp_path / name, (2e-3, 3e-3), "um")
-    np.testing.assert_allclose(points, TABLE * 1e-6, rtol=1e-15)
+    np.testing.assert_allclose(points, LARGE * 1e-6, rtol=1e-15)
     assert extent == (2e-3, 3e-3)
+
+
+@pytest.mark.parametrize("mark", ["", "NaN", "***", "BAD", "--"])
+def test_a_word_for_a_missing_point_is_missing(tmp_path: Path, mark: str) -> None:
+    (tmp_path / "holes.csv").write_text(rows(";").replace("1.75", mark, 1))
+    points, _ = read(tmp_path / "holes.csv", None, "um")
+    assert np.argwhere(np.isnan(points)).tolist() == [[0, 6]]
+
+
+def test_a_profile_is_one_column(tmp_path: Path) -> None:
+    (tmp_path / "profile.txt").write_text("".join(f"{n}\n" for n in range(8)))
+    assert read(tmp_path / "profile.txt", None, "um")[0].shape == (8, 1)
 
 
 def test_an_array_in_a_file_is_read_in_its_unit(tmp_path: Path) -> None:
@@ -253,7 +273,12 @@ def test_points_in_columns_make_a_grid_with_sizes(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "text", "sentence"),
     [
-        ("words.csv", "not,numbers\nat,all\n", "give rows of equally many numbers"),
+        ("words.csv", "not,numbers\nat,all\n", "'at' stands for a height"),
+        ("small.csv", "a;b;c\n1;2;3\n", "1 rows of 3 numbers: give a surface of at least 8 x 8"),
+        ("headings.csv", "a\nb\n" + rows(";"), "give rows of equally many numbers"),
+        ("units.csv", "a;b\num;um\n1;2\n", "'um' stands for a height: .* one line of heading"),
+        ("comma.csv", rows(",") + "1.5 2.5\n", "give rows of equally many numbers"),
+        ("thousands.csv", rows(";").replace("1.75", "1.000,75"), "'1.000.75' stands for a height"),
         ("ragged.csv", "1,2\n3\n", "give rows of equally many numbers"),
         ("two.xyz", "0 0\n1 1\n", "give columns x, y and height"),
         ("uneven.xyz", "0 0 1\n1 0 1\n3 0 1\n0 1 1\n", "not equidistant"),
@@ -269,7 +294,7 @@ def test_a_table_that_is_no_surface_is_refused_in_a_sentence(
 
 
 def test_a_surface_says_what_was_subtracted_from_it(tmp_path: Path) -> None:
-    tilted = np.linspace(0, 2, 4)[:, None] + np.linspace(0, 3, 5)
+    tilted = np.linspace(0, 2, 8)[:, None] + np.linspace(0, 3, 10)
     np.savetxt(tmp_path / "tilted.csv", tilted, delimiter=",")
     freed, kept = (
         cs.MeasuredSurface.read(

@@ -16,7 +16,11 @@ def made_up() -> xr.Dataset:
     """Four cases of two kinds: ratios 2 and 4, one miss, one without a bound; a gap that is not known."""
     error = np.array([0.01, 0.01, 0.02, 0.03])
     bound = np.array([0.02, 0.04, 0.01, np.inf])
-    data = {"kind": ("case", [0, 0, 1, 1]), "silent": ("case", [0, 0, 0, 0])}
+    data = {
+        "kind": ("case", [0, 0, 1, 1]),
+        "silent": ("case", [0, 0, 0, 0]),
+        "use": ("case", [1, 1, 1, 2]),
+    }
     for metric in METRICS:
         data[f"{metric}_error"] = ("case", error.copy())
         data[f"{metric}_bound"] = ("case", bound.copy())
@@ -36,6 +40,8 @@ def test_the_table_counts_by_kind_and_lists_every_miss(made_up: xr.Dataset) -> N
 def test_the_finding_says_the_share_that_holds(made_up: xr.Dataset) -> None:
     (finding,) = DRAWING.findings(made_up)
     assert "75.0 % of 4 contacts" in finding.claim
+    assert "66.7 / 66.7 / 66.7 % of 3 contacts (judged)" in finding.measured
+    assert "100.0 / 100.0 / 100.0 % of 1 contacts (random)" in finding.measured
     assert "in the median 2 times too large, 1 without a bound" in finding.measured
 
 
@@ -82,3 +88,18 @@ def test_kinds_are_counted_apart_and_a_bound_that_equals_its_error_holds(
     # two of three peak pressures; of an error that nobody knows nothing is missed
     assert of_second[5] == "66.7 %"
     assert of_first[8:] == ("100.0 %", "none", "0")
+
+
+def test_contacts_on_which_margins_are_set_are_not_counted_in_the_finding(
+    made_up: xr.Dataset,
+) -> None:
+    made_up["use"][2] = 0
+    (finding,) = DRAWING.findings(made_up)
+    assert "100.0 % of 3 contacts" in finding.claim
+    assert "0.0 / 0.0 / 0.0 % of 1 contacts (set)" in finding.measured
+
+
+def test_two_seeds_add_random_contacts_alone(made_up: xr.Dataset) -> None:
+    both = xr.concat([made_up, made_up], "seed").assign_coords(seed=[1, 2])
+    (finding,) = DRAWING.findings(both.transpose("case", "seed"))
+    assert "80.0 % of 5 contacts" in finding.claim

@@ -6,9 +6,7 @@ import xarray as xr
 
 from studies.definitions.effect_cost import YIELD
 from studies.model.outcome import CaseStatus
-from studies.report.drawings.pareto import DECADES, decades, dominated_modes, savings
 from tests.studies.report.drawings.drawn import (
-    bands,
     caption,
     curves,
     findings,
@@ -16,9 +14,7 @@ from tests.studies.report.drawings.drawn import (
     named,
     numbered,
     panels,
-    rows,
     same,
-    words,
 )
 
 CELLS = np.array([16, 32, 128])
@@ -246,149 +242,3 @@ def test_effects_are_bars_of_the_finest_grid_with_their_numbers() -> None:
     assert "of the time" not in few
     assert "Creep and wear" not in few
     assert "Yield is alone" not in few
-
-
-PERIODS, TOLERANCES = [0.6, 2.4, 9.6], [1e-4, 1e-8]
-SOLVERS = ["preconditioned_cg", "polonsky_keer"]
-
-
-def pareto() -> xr.Dataset:
-    """Two grids and two n; the error is of the window or of the grid, and the time of both.
-
-    Exact: 1e-2 in 1.1 s, 1e-4 in 4.4 s. Circular: 1e-2 in 0.5 s, 1e-3 in 0.8 s. Superposed: the same in 0.9 s
-    and 1.6 s. Zero: 0.3 in 0.48 s. One cell along: the same as exact in less than a tenth. The corrected errors
-    are a half of these. The other solver takes 3.1 times as long; the looser tolerance leaves all at 0.5.
-    """
-    time = {
-        "zero": [[0.48, 8.8]] * 2,
-        "superposed": [[0.9, 3.0], [1.6, 4.0]],
-        "circular": [[0.5, 1.5], [0.8, 2.0]],
-        "exact": [[1.1, 4.4]] * 2,
-        "line": [[0.1, 0.4]] * 2,
-    }
-    error = {
-        "zero": [[0.3, 0.2]] * 2,
-        "superposed": [[1e-2, 1e-2], [1e-3, 1e-3]],
-        "circular": [[1e-2, 1e-2], [1e-3, 1e-3]],
-        "exact": [[1e-2, 1e-4]] * 2,
-        "line": [[1e-2, 1e-4]] * 2,
-    }
-    dims = ("padding", "images", "grid")
-    here = xr.Dataset(
-        {"solve_time": (dims, [*time.values()]), "pressure_error_l1": (dims, [*error.values()])},
-        coords={"padding": list(time), "images": [1, 6], "grid": [32, 128]},
-    )
-    slower = xr.DataArray([1.0, 3.1], coords={"solver": SOLVERS})
-    loose = xr.DataArray([0.5, 0.0], coords={"solver_tolerance": TOLERANCES})
-    alike = xr.DataArray(np.ones(3), coords={"period": PERIODS})
-    dataset = xr.Dataset(
-        {
-            "solve_time": here["solve_time"] * slower * (1 + 0 * loose) * alike,
-            "pressure_error_l1": np.maximum(here["pressure_error_l1"], loose)
-            * alike
-            * (1 + 0 * slower),
-        }
-    ).transpose("padding", "images", "period", "grid", "solver_tolerance", "solver")
-    dataset["setup_time"] = 0.5 * dataset["solve_time"]
-    dataset["solve_time"] = 0.5 * dataset["solve_time"]
-    dataset["corrected_error_l1"] = dataset["pressure_error_l1"] / 2
-    # one with a sign
-    dataset["peak_pressure_error"] = -dataset["pressure_error_l1"]
-    dataset["half_width_error"] = 3 * dataset["pressure_error_l1"]
-    for name in ("setup_time", "solve_time"):
-        # the slowest repeat takes half as much again
-        dataset[f"{name}_all"] = dataset[name] * xr.DataArray([1.0, 1.5], dims="repeat")
-    return dataset
-
-
-def test_the_front_is_of_the_settings_that_no_other_beats() -> None:
-    axes = panels("pareto", pareto())
-    assert len(axes) == 6
-    for row, share in ((axes[:3], 1.0), (axes[3:], 0.5)):
-        for ax in row:
-            shown = labelled(ax)
-            # of one cell along, by time: 0.1 s, then 0.4 s
-            assert same(shown["front"], [0.1, 0.4], [share * 1e-2, share * 1e-4])
-            assert same(
-                shown["front, cells along the length"],
-                [0.48, 0.5, 0.8, 4.4],
-                [share * 0.3, share * 1e-2, share * 1e-3, share * 1e-4],
-            )
-            # filled marks: the preconditioned solver, 2 tolerances of 2 grids; open ones take 3.1 times as long
-            time, error = shown["exact"]
-            assert sorted(time) == pytest.approx([1.1, 1.1, 4.4, 4.4])
-            assert sorted(error) == pytest.approx([share * e for e in (1e-4, 1e-2, 0.5, 0.5)])
-            hollow = [line for line in ax.lines if line.get_markerfacecolor() == "none"]
-            assert sorted(hollow[3].get_xdata()) == pytest.approx(
-                3.1 * np.array([1.1, 1.1, 4.4, 4.4])
-            )
-            # bars from the least to the slowest repeat
-            spans = [segment[:, 0] for bar in ax.collections for segment in bar.get_segments()]
-            for start, end in spans:
-                assert end == pytest.approx(1.5 * start)
-            assert len(spans) == 6
-    times, errors = "wall time, set-up and solve [s]", ("L1 error as solved", "L1 error, corrected")
-    assert [named(ax) for ax in axes] == [
-        (times if row else "", errors[row] if period == 0.6 else "", "" if row else f"period L = {period:g} a")
-        for row in (0, 1)
-        for period in PERIODS
-    ]  # fmt: skip
-
-
-def test_the_cost_of_a_decade_is_that_of_the_cheapest_setting_that_reaches_it() -> None:
-    axes = panels("pareto", pareto(), 1)
-    assert [ax.get_title() for ax in axes] == [
-        "of the peak pressure", "of the pressure in L1", "of the half-width",
-    ]  # fmt: skip
-    # the smallest errors of each, and the dearest request that is met; requests are a fiftieth of a decade apart
-    for ax, share in zip(axes, (1.0, 0.5, 3.0), strict=True):
-        target, cost = labelled(ax)["exact"]
-        assert target.max() == pytest.approx(0.1)
-        assert share * 1e-4 <= target.min() < share * 1e-4 * 10**0.02
-        assert np.diff(np.log10(target)) == pytest.approx(np.full(len(target) - 1, -0.02))
-        assert cost == pytest.approx(np.where(target >= share * 1e-2, 1.1, 4.4))
-        low, high = bands(ax)[list(labelled(ax)).index("exact")]
-        assert low == pytest.approx(cost[::-1])
-        assert high == pytest.approx(1.5 * cost[::-1])
-    assert [named(ax)[:2] for ax in axes] == [
-        ("requested error", "shortest wall time that reaches it [s]"),
-        ("requested error", ""),
-        ("requested error", ""),
-    ]
-    text = caption("pareto", pareto(), 1)
-    assert "at L = 2.4 a" in text
-    assert "peak pressure 0.010 % (exact, 128 cells)" in text
-    assert "pressure in L1 0.0050 % (exact, 128 cells)" in text
-    assert "half-width 0.030 % (exact, 128 cells)" in text
-
-
-def test_the_table_of_decades_and_what_a_mode_saves() -> None:
-    dataset = pareto()
-    bought = decades(dataset)
-    # 0.1, 0.01, 1e-3, 1e-4, 1e-5 of the corrected error, a half of that as solved
-    assert len(DECADES) == 5
-    assert bought["exact", "2.4 a"] == pytest.approx((1.1, 1.1, 4.4, 4.4, np.inf))
-    assert bought["circular", "0.6 a"] == pytest.approx((0.5, 0.5, 0.8, np.inf, np.inf))
-    assert bought["line", "any"] == pytest.approx((0.1, 0.1, 0.4, 0.4, np.inf))
-    assert bought["zero", "9.6 a"][:2] == pytest.approx((8.8, np.inf))
-    assert ("exact", "2.4 a", "1.1", "1.1", "4.4", "4.4", "none") in rows("pareto", dataset)
-    saved = savings(dataset)
-    assert saved["exact"][2.4] == (np.inf, pytest.approx(5e-5))
-    # 1.6 s of the sum that is not circular over 0.8 s, and 0.5 s over 0.9 s and over 0.48 s of it
-    assert saved["circular"][0.6] == pytest.approx((2.0, 5e-4))
-    assert saved["superposed"][9.6] == pytest.approx((0.5 / 0.9, 5e-3))
-    assert saved["zero"][2.4][0] == pytest.approx(0.5 / 0.48)
-    claim, measured = dominated_modes(dataset)
-    assert claim == "Zero and superposed padding are never the cheapest."
-    measured = words(measured)
-    assert "superposed padding, at its best, takes 1.8 times as long as another mode" in measured
-    assert "(at an error of 0.50 %)" in measured
-    # within what two times of one computation may differ by
-    assert "zero padding, at its best, is no faster than another mode" in measured
-    assert (
-        "circular saves up to a factor of 2, at L = 0.6, 2.4, 9.6 a, for errors of 0.050 %"
-        in measured
-    )
-    assert "exact is the only one at the smallest errors at L = 0.6, 2.4, 9.6 a" in measured
-    # at 0.005 % in both: 4.4 s over 0.4 s
-    assert "one cell along it is 11 times faster, for an error of 0.0050 %" in measured

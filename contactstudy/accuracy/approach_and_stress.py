@@ -1,0 +1,141 @@
+"""Errors of the approach, and of the largest von Mises stress below the surface and its depth."""
+
+from dataclasses import replace
+from math import inf
+
+import numpy as np
+
+from contactstudy.accuracy.estimate import GAP
+from contactstudy.domain.errors import ErrorEstimate, ErrorParts
+from contactstudy.domain.fields import Array
+from contactstudy.solvers.solution import Solution
+
+# Error of the largest stress over the L1 error of the pressure.
+STRESS = 0.5
+NO_DATUM = (
+    "No bound for the approach: it counts from a place that depends on the images that the padding leaves out, give "
+    "ExactPeriodicity."
+)
+NO_COARSER = (
+    "No bound for the stress: there is no solution on cells of twice the size to compare with."
+)
+
+
+def approach_error(
+    solution: Solution, estimate: ErrorEstimate, coarse: Solution | None
+) -> ErrorParts:
+    """Return the relative error of the approach.
+
+    It moves with the gap: by what the L1 error of the pressure displaces, or its change from larger cells.
+
+    Parameters
+    ----------
+    solution
+        The solution.
+    estimate
+        Errors of its pressure.
+    coarse
+        The same contact on cells of twice the size; None where none was solved.
+    """
+    size = abs(solution.approach)
+    images = estimate.l1.truncation or 0.0
+    if images or not size:
+        return ErrorParts(inf if images else 0.0, inf, 0.0, reason=NO_DATUM if images else "")
+    change = 0.0 if coarse is None else abs(solution.approach - coarse.approach)
+    varies = float(solution.displacement.std())
+    cells, residual = estimate.l1.discretisation or 0.0, estimate.l1.residual or 0.0
+    moved = max(change, GAP * cells * varies)
+    reason = next(iter(estimate.warnings), "") if moved == inf else ""
+    return ErrorParts(0.0, moved / size, residual * varies / size, reason=reason)
+
+
+def stress_errors(
+    solution: Solution,
+    von_mises: Array,
+    depths: Array,
+    estimate: ErrorEstimate,
+    coarse: Solution | None,
+) -> tuple[ErrorParts, ErrorParts]:
+    """Return the relative errors of the largest von Mises stress at some depths, and of its depth.
+
+    The stress at a depth shows no waves of the pressure that are much shorter. So the error of the peak pressure counts
+    at the surface, and falls like the stress of a wave of two cells; that in L1 counts everywhere, as does the change
+    from larger cells. Between cells and between depths the maximum lies above the largest value by the parabola through
+    three of them. Any depth may be that of the largest stress where the stress comes as near to it as its error.
+
+    Parameters
+    ----------
+    solution
+        The solution.
+    von_mises
+        Von Mises stress (z, x, y) [Pa] below it.
+    depths
+        Depths (z,) [m], growing.
+    estimate
+        Errors of its pressure.
+    coarse
+        The same contact on cells of twice the size; None where there is none.
+    """
+    largest = von_mises.max(axis=(1, 2))
+    level, x, y = np.unravel_index(int(von_mises.argmax()), von_mises.shape)
+    peak = float(largest[level])
+    images, residual = estimate.l1.truncation or 0.0, estimate.l1.residual or 0.0
+    if coarse is None or not peak > 0:
+        no_bound = ErrorParts(images, inf, residual, reason=NO_COARSER)
+        return no_bound, no_bound
+    change = abs(_largest_at(coarse, float(depths[level])) / peak - 1)
+    between = (
+        _excess(von_mises[level, :, y], int(x))
+        + _excess(von_mises[level, x], int(y))
+        + _excess(largest, int(level))
+    )
+    decay = np.pi * depths / min(_cells(solution))
+    local = _finite(estimate.peak_pressure) * (1 + decay) * np.exp(-decay)
+    usual = max(change, STRESS * (estimate.l1.discretisation or 0.0)) + between / peak
+    highest = largest * (1 + usual + local)
+    cells = float(highest.max() / peak - 1)
+    reason = next(iter(estimate.warnings), NO_COARSER) if cells == inf else ""
+    stress = ErrorParts(images, cells, residual, reason=reason)
+    if len(depths) == 1:
+        return stress, ErrorParts(0.0, 0.0, 0.0)
+    near = np.flatnonzero(highest >= (1 - usual) * peak)
+    # the depth may lie up to those beside
+    lowest, highest = max(near[0] - 1, 0), min(near[-1] + 1, len(depths) - 1)
+    depth = float(depths[level])
+    away = max(depth - depths[lowest], depths[highest] - depth) / depth if depth else inf
+    why = "" if away < inf else "No bound for the depth: the largest stress lies at the surface."
+    return stress, ErrorParts(0.0, float(away), 0.0, reason=why)
+
+
+def _cells(solution: Solution) -> list[float]:
+    """Return the sizes of a cell [m] along the axes with more than one."""
+    grid = solution.problem.grid
+    return [size for size, count in zip(grid.cell, grid.cells, strict=True) if count > 1]
+
+
+def _finite(parts: ErrorParts | None) -> float:
+    """Return the error by the cells; 1 where it has no bound."""
+    error = 1.0 if parts is None or parts.discretisation is None else parts.discretisation
+    return error if error < inf else 1.0
+
+
+def _excess(values: Array, place: int) -> float:
+    """Return by how much the parabola through a largest value and those beside rises above it."""
+    if not 0 < place < len(values) - 1:
+        return 0.0
+    before, here, after = (float(value) for value in values[place - 1 : place + 2])
+    bend = 2 * here - before - after
+    return (after - before) ** 2 / (8 * bend) if bend > 0 else 0.0
+
+
+def _largest_at(solution: Solution, depth: float) -> float:
+    """Return the largest von Mises stress [Pa] at a `depth` [m] below a solution; 0 if its scene names no stress."""
+    from contactstudy.scene.stress import StressBelow, von_mises
+
+    for output in solution.problem.outputs:
+        if isinstance(output, StressBelow):
+            below = replace(output, depths=(depth,))
+            if solution.traction is not None:
+                below = below.under(solution.traction.shear)
+            return float(von_mises(below(solution.pressure)).max())
+    return 0.0

@@ -1,0 +1,131 @@
+"""What every answer has: status, grid, error, quantities, and the ways to read them."""
+
+from base64 import b64encode
+from collections.abc import Mapping
+from html import escape
+from io import BytesIO
+from itertools import islice
+from math import isfinite
+from typing import TYPE_CHECKING
+
+from contactstudy.domain.errors import ErrorEstimate
+from contactstudy.domain.grid import Grid, Padding, Paddings
+from contactstudy.io.quantities import Quantities, as_text
+from contactstudy.solvers.solution import Status
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+# Quantities in a representation, which has ten lines with the accuracy and the status.
+SHOWN = 8
+
+
+# Numbers of a solver with their meaning, by name.
+Counts = Mapping[str, tuple[float, str]]
+
+
+class Answer:
+    """Members that every answer of :func:`~contactstudy.solve` has.
+
+    Attributes
+    ----------
+    requested
+        Relative error that was asked for; None where none was.
+    status
+        Outcome, with cause and remedy.
+    grid, padding
+        Cells and boundary conditions of the fields.
+    error
+        Estimate of the errors by quantity and cause; found when it is first asked for.
+    quantities
+        Numbers by name, with unit and bound.
+    counts
+        What the solve took, as numbers with their meaning by name.
+    """
+
+    if TYPE_CHECKING:
+
+        @property
+        def requested(self) -> float | None: ...  # noqa: D102
+        @property
+        def status(self) -> Status: ...  # noqa: D102
+        @property
+        def grid(self) -> Grid: ...  # noqa: D102
+        @property
+        def padding(self) -> Padding | Paddings | None: ...  # noqa: D102
+        @property
+        def error(self) -> ErrorEstimate: ...  # noqa: D102
+        @property
+        def quantities(self) -> Quantities: ...  # noqa: D102
+        @property
+        def counts(self) -> Counts: ...  # noqa: D102
+
+    def to_dataset(self) -> "xr.Dataset":
+        """Return fields and quantities with dimensions, units, long names, bounds and the scene."""
+        raise NotImplementedError
+
+    def plot(self, dataset: "xr.Dataset | None" = None) -> "Figure":
+        """Return a picture of the fields, of the `dataset` that :meth:`to_dataset` gave if it is at hand."""
+        raise NotImplementedError
+
+    @property
+    def judged(self) -> tuple[str, float]:
+        """Name of the measure that the accuracy asked for is judged by, and its bound."""
+        return "in L1", self.error.l1.total
+
+    @property
+    def met(self) -> bool | None:
+        """Whether the accuracy asked for is met, by its bound; None where none was asked for."""
+        if self.requested is None:
+            return None
+        return self.judged[1] <= self.requested
+
+    @property
+    def accuracy(self) -> str:
+        """Sentence on the accuracy, such as ``1 % met: 0.7 % in L1``."""
+        measure, bound = self.judged
+        reached = f"{100 * bound:.2g} % {measure}" if isfinite(bound) else f"no bound {measure}"
+        if self.requested is None:
+            return f"error at most {reached}" if isfinite(bound) else reached
+        why = "" if self.met else self.error.l1.reason
+        if not (why or isfinite(bound)):
+            why = next(iter(self.error.warnings), "")
+        verdict = "met" if self.met else "not met"
+        return f"{100 * self.requested:g} % {verdict}: {reached}{f'; {why}' * bool(why)}"
+
+    @property
+    def work(self) -> str:
+        """What the solve took, in one line."""
+        return ", ".join(f"{label} {value:.3g}" for value, label in self.counts.values())
+
+    def summary(self) -> str:
+        """Return accuracy, warnings, quantities with their bounds, status and work as text."""
+        warnings = (f"  warning: {warning}" for warning in self.error.warnings)
+        return "\n".join(
+            (self.accuracy, *warnings, as_text(self.quantities), f"  {self.status}", f"  {self.work}")
+        )  # fmt: skip
+
+    def __repr__(self) -> str:
+        """Return accuracy, status and the first quantities with their bounds, in at most ten lines."""
+        shown = dict(islice(self.quantities.items(), SHOWN))
+        cells = " x ".join(map(str, self.grid.cells))
+        head = f"{type(self).__name__}: {self.accuracy}"
+        return f"{head}\n  {self.status.name}, {cells} cells\n{as_text(shown)}"
+
+    def _repr_html_(self) -> str:
+        """Return the representation beside a small picture, for notebooks."""
+        return f"<pre>{escape(repr(self))}</pre>{_image(self)}"
+
+
+def _image(answer: Answer) -> str:
+    """Return a picture of an answer for HTML; empty without finite fields, or without a library that draws."""
+    if not answer.quantities:
+        return ""
+    file = BytesIO()
+    try:
+        answer.plot().savefig(file, format="png", dpi=60)
+    except ModuleNotFoundError:
+        return ""
+    data = b64encode(file.getvalue()).decode()
+    return f"<img alt='fields of the answer' src='data:image/png;base64,{data}'>"

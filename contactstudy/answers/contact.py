@@ -1,0 +1,164 @@
+"""The answer for a dry contact."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
+from math import inf
+from typing import TYPE_CHECKING, Any
+
+from contactstudy.accuracy.coarser import coarse_solution
+from contactstudy.accuracy.estimate import error_estimate
+from contactstudy.answers.answer import Answer, Counts
+from contactstudy.domain.checks import NotDefined
+from contactstudy.domain.errors import ErrorEstimate, ErrorParts
+from contactstudy.domain.grid import Grid, Padding, Paddings
+from contactstudy.domain.imports import needed_for
+from contactstudy.io.quantities import Quantities, contact_quantities, scene_of
+from contactstudy.problem.problem import Field, Sheared
+from contactstudy.scene.scene import PosedScene, Scene
+from contactstudy.solvers.solution import Solution
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+    from contactstudy.evolution.rolling import SteadyRolling
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Contact(Answer, Solution):
+    """Dry contact: fields (x, y) of its :class:`Solution`, and what its scene names beside them.
+
+    Parameters
+    ----------
+    requested
+        Relative error that was asked for.
+    estimate
+        Estimate of its errors, where it is known already; None finds it when it is asked for.
+    rolling
+        Rolling resistance and centroid of a steadily rolling contact; None for others.
+    time
+        Time [s] of a frame of an evolution; None for others.
+    state
+        Fields that a frame keeps from one instant to the next, such as the worn depth, by name.
+    """
+
+    requested: float | None = None
+    estimate: ErrorEstimate | None = None
+    rolling: "SteadyRolling | None" = None
+    time: float | None = None
+    state: Mapping[str, Field] = field(default_factory=dict)
+
+    @property
+    def scene(self) -> Scene | None:
+        """Scene of the contact; None for a problem that was not made of one."""
+        return scene_of(self)
+
+    @property
+    def grid(self) -> Grid:
+        """Grid of the fields."""
+        return self.problem.grid
+
+    @property
+    def padding(self) -> Padding | Paddings | None:
+        """Boundary conditions; None for an operator that has none."""
+        posed = self.problem.description
+        return posed.padding if isinstance(posed, PosedScene) else self.problem.paddings
+
+    @cached_property
+    def error(self) -> ErrorEstimate:
+        """Estimate of the errors, see :func:`~contactstudy.accuracy.estimate.error_estimate`."""
+        try:
+            if self.rolling is not None:
+                return self.rolling.error_estimate()
+            if not self._is_at_rest:
+                return self.estimate or error_estimate(self)
+            coarse = coarse_solution(self.problem, self.pressure)
+            return self._with_derived(self.estimate or error_estimate(self, coarse=coarse), coarse)
+        except NotDefined as reason:
+            unknown = ErrorParts(discretisation=inf, reason=f"No bound: {reason}")
+            return ErrorEstimate(unknown, unknown, unknown, unknown, warnings=(unknown.reason,))
+
+    @property
+    def _is_at_rest(self) -> bool:
+        """True for a pressure at rest and without adhesion, whose approach and stress have an error."""
+        moves = self.time is not None or self.adhesion is not None
+        return not (moves or self.status.is_failure) and bool(self.pressure.any())
+
+    def _with_derived(self, estimate: ErrorEstimate, coarse: Solution | None) -> ErrorEstimate:
+        """Return `estimate` with the errors of the approach and of the largest stress.
+
+        Both are compared with those of `coarse`, the contact on cells of twice the size; None where there is none.
+        """
+        from contactstudy.accuracy.approach_and_stress import approach_error, stress_errors
+
+        approach = approach_error(self, estimate, coarse)
+        if "von_mises" not in self.derived:
+            return replace(estimate, approach=approach)
+        stress, depths = (self.derived[name].values for name in ("von_mises", "z"))
+        largest, depth = stress_errors(self, stress, depths, estimate, coarse)
+        return replace(
+            estimate,
+            approach=approach,
+            largest_von_mises=largest,
+            largest_von_mises_depth=depth,
+        )
+
+    @cached_property
+    def derived(self) -> Mapping[str, Field]:
+        """Fields of the outputs that the scene names, such as stress below the surface."""
+        fields: dict[str, Field] = {}
+        for output in self.problem.outputs:
+            sheared = self.traction is not None and isinstance(output, Sheared)
+            under = output.under(self.traction.shear) if sheared else output  # type: ignore[union-attr, attr-defined]
+            fields |= under.fields(self.pressure)
+        return fields
+
+    @cached_property
+    def quantities(self) -> Quantities:
+        """Numbers of the contact by name, with unit and bound."""
+        return contact_quantities(self, self.error, self.derived, self.rolling)
+
+    @property
+    def judged(self) -> tuple[str, float]:
+        """The bound of the load of separation where that is sought, else of the pressure in L1."""
+        if self.error.pull_off is not None:
+            return "in the pull-off load", self.error.pull_off.total
+        return super().judged
+
+    @property
+    def counts(self) -> Counts:
+        """Iterations, transforms and residual of the solver, and passes where it took some."""
+        counts = {
+            "iterations": (self.iterations, "solver iterations"),
+            "convolutions": (self.convolutions, "transform pairs of the full grid"),
+            "residual": (self.residual, "residual of the solver"),
+        }
+        if self.adhesion is not None:
+            counts["passes"] = self.adhesion.passes, "passes of the attraction"
+        if self.rolling is not None:
+            counts["passes"] = self.rolling.settled.passes, "passes of the lagged part"
+        return counts
+
+    def to_dataset(self) -> "xr.Dataset":
+        """Return fields (x, y) and quantities with units, long names, bounds, errors by cause and the scene.
+
+        The attribute ``scene`` is the scene as TOML with grid and padding, which :func:`~contactstudy.read_scene` reads
+        back.
+        """
+        with needed_for("Contact.to_dataset"):
+            from contactstudy.io.dataset import contact_dataset
+
+        return contact_dataset(self, self.error, self.quantities, self.derived)
+
+    def plot(self, dataset: "xr.Dataset | None" = None) -> "Figure":
+        """Return a picture of pressure, gap and stress as a matplotlib figure."""
+        with needed_for("Contact.plot"):
+            from contactstudy.io.pictures.contact import picture
+
+        return picture(self.to_dataset() if dataset is None else dataset)
+
+
+def contact_of(solution: Solution, **more: Any) -> Contact:
+    """Return a solution as an answer, with `more` fields of :class:`Contact`."""
+    return Contact(**{one.name: getattr(solution, one.name) for one in fields(Solution)}, **more)

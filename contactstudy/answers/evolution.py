@@ -1,0 +1,262 @@
+"""The answer for a scene that changes in time, or rolls again and again: a sequence of answers with times."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import inf
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contactstudy.answers.answer import Answer, Counts
+from contactstudy.answers.contact import Contact, contact_of
+from contactstudy.domain.errors import ErrorEstimate, ErrorParts
+from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Grid, Padding, Paddings
+from contactstudy.domain.imports import needed_for
+from contactstudy.io.quantities import (
+    Quantities,
+    cycle_quantities,
+    evolution_quantities,
+    own_length,
+    passes_quantities,
+)
+from contactstudy.problem.problem import Field
+from contactstudy.scene.scene import PosedScene
+from contactstudy.solvers.solution import Status, worst
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+    from contactstudy.answers.lubricated_contact import LubricatedContact
+    from contactstudy.evolution.evolution import Frame, Trajectory
+    from contactstudy.evolution.repeated_rolling import RepeatedRolling
+    from contactstudy.lubrication.evolve_lubricated import FilmTrajectory
+
+
+OF_PASSES = (
+    "No bound by the cells: the error of repeated rolling falls in proportion to the cell, solve again on cells of half "
+    "the width."
+)
+OF_FILMS = "No bound by the cells: that of a film that changes in time is not known."
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Evolution(Answer):
+    """Contacts at several instants, or after several passes of a contact that rolls.
+
+    Parameters
+    ----------
+    frames
+        Answer at each instant: a contact or a lubricated contact.
+    times
+        The instants [s] (time,); the numbers of the passes where a contact rolls again and again.
+    posed
+        The scene with grid and padding.
+    requested
+        Relative error that was asked for, of cells and steps together.
+    trajectory, films, passes
+        What was recorded: of a dry contact, of a film, or of a contact that rolls again and again; the others are None.
+    """
+
+    frames: "tuple[Contact | LubricatedContact, ...]"
+    times: Array
+    posed: PosedScene
+    requested: float | None = None
+    trajectory: "Trajectory | None" = None
+    films: "FilmTrajectory | None" = None
+    passes: "RepeatedRolling | None" = None
+
+    @property
+    def status(self) -> Status:
+        """The worst status of all steps."""
+        return worst([frame.status for frame in self.frames])
+
+    @property
+    def grid(self) -> Grid:
+        """Grid of the fields."""
+        return self.posed.grid
+
+    @property
+    def padding(self) -> Padding | Paddings:
+        """Boundary conditions."""
+        return self.posed.padding
+
+    @property
+    def pressure(self) -> Array:
+        """Pressure (time, x, y) [Pa]."""
+        return np.stack([frame.pressure for frame in self.frames])
+
+    def over_time(self, quantity: str) -> Array:
+        """Return a quantity of every frame (time,) in its SI unit, such as ``"peak_pressure"``."""
+        return np.array([frame.quantities[quantity].value for frame in self.frames])
+
+    @cached_property
+    def error(self) -> ErrorEstimate:
+        """Estimate of the errors at the worst instant, by cause."""
+        # bodies apart have no error to speak of
+        touching = [frame for frame in self.frames if frame.status is not Status.DETACHED]
+        estimates = [frame.error for frame in touching or self.frames]
+        largest = max(estimates, key=lambda estimate: estimate.l1.total)
+        sentences = (warning for estimate in estimates for warning in estimate.warnings)
+        warnings = tuple(dict.fromkeys(sentences))
+        if self.status in (Status.NOT_CONVERGED, Status.FILM_NOT_CONVERGED):
+            parts = replace(largest.l1, residual=inf, reason=str(self.status))
+            return ErrorEstimate(parts, warnings=(parts.reason, *warnings))
+        return replace(largest, warnings=warnings)
+
+    @cached_property
+    def quantities(self) -> Quantities:
+        """Extreme numbers over time, the numbers at the end, and what is left behind, by name."""
+        if self.passes is not None:
+            last = self.frames[-1].quantities["peak_pressure"]
+            return {"peak_pressure": last} | passes_quantities(self.passes)
+        last_frame = None if self.trajectory is None else self.trajectory.frames[-1]
+        joint = None if self.trajectory is None else self.trajectory.joint
+        strained: Mapping[str, Field] = {}
+        if joint is not None and last_frame is not None:
+            strained = joint.over_time([last_frame.joint_state], [last_frame.pressure])
+        numbers = evolution_quantities(
+            [frame.quantities for frame in self.frames],
+            [float(time) for time in self.times],
+            last_frame,
+            own_length(self.posed.scene),
+            (self.grid.cell_area, self.grid.period),
+            strained,
+        )
+        if self.trajectory is not None and self.posed.scene.adhesion is not None:
+            from contactstudy.evolution.adhesive_history import cycle, separation
+
+            frames = self.trajectory.frames
+            numbers = cycle_quantities(cycle(frames), separation(frames)) | numbers
+        return numbers
+
+    @property
+    def counts(self) -> Counts:
+        """Instants or passes, steps and iterations, and the largest residual."""
+        if self.passes is not None:
+            passes = self.passes.passes
+            return {
+                "passes": (len(passes), "passes"),
+                "steps": (sum(one.steps for one in passes), "steps"),
+                "iterations": (sum(one.iterations for one in passes), "iterations of all steps"),
+            }
+        instants = len(self.frames), "instants recorded"
+        residual = max(frame.residual for frame in self.frames), "largest residual"
+        if self.films is not None:
+            return {
+                "instants": instants,
+                "steps": (self.films.steps, "steps in time"),
+                "iterations": (self.films.iterations, "iterations of all steps"),
+                "linear_iterations": (self.films.linear_iterations, "iterations of linear systems"),
+                "residual": residual,
+            }
+        one = self.trajectory
+        assert one is not None
+        return {
+            "instants": instants,
+            "steps": (one.steps, "solves"),
+            "iterations": (one.iterations, "solver iterations of all steps"),
+            "convolutions": (one.convolutions, "transform pairs of the full grid"),
+            "rejected": (one.rejected, "pairs of steps rejected"),
+            "restarts": (one.restarts, "restarts with shorter steps"),
+            "residual": residual,
+        }
+
+    def to_dataset(self) -> "xr.Dataset":
+        """Return fields over (time, x, y) and quantities with units, long names, bounds and the scene."""
+        with needed_for("Evolution.to_dataset"):
+            from contactstudy.io import dataset as labels
+
+        if self.passes is not None:
+            return labels.passes_dataset(self.passes, self.quantities)
+        if self.trajectory is not None:
+            return labels.evolution_dataset(self.trajectory, self.quantities)
+        assert self.films is not None
+        contacts = [frame.to_dataset() for frame in self.frames]
+        joined = labels.films_dataset(self.times, contacts, self.quantities)
+        joined["step_error"] = labels.labelled(
+            (), self.films.step_error, "1", "largest error of a step"
+        )
+        return joined
+
+    def plot(self, dataset: "xr.Dataset | None" = None) -> "Figure":
+        """Return a picture of the fields and of the numbers over time as a matplotlib figure."""
+        with needed_for("Evolution.plot"):
+            from contactstudy.io.pictures import evolution as pictures
+
+        dataset = self.to_dataset() if dataset is None else dataset
+        if self.films is not None:
+            return pictures.film_evolution_picture(dataset)
+        if self.passes is not None:
+            return pictures.passes_picture(dataset)
+        return pictures.evolution_picture(dataset)
+
+
+def evolution_of(trajectory: "Trajectory", requested: float | None = None) -> Evolution:
+    """Return the frames of a dry contact as an answer."""
+    frames = tuple(_frame(trajectory, frame) for frame in trajectory.frames)
+    posed = trajectory.description
+    return Evolution(frames, trajectory.times, posed, requested, trajectory=trajectory)
+
+
+def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
+    """Return one recorded instant as an answer, whose heights include what was worn away."""
+    if frame.solution is not None:
+        return contact_of(frame.solution, time=frame.time, state=frame.fields)
+    problem = trajectory.problem
+    parts = frame.grid_error_parts
+    steps = replace(parts, steps=frame.step_error)
+    reason = next(iter(frame.warnings), "")
+    if frame.step_error == inf:
+        reason = reason or "No bound: the error by the steps in time was not estimated."
+    l1 = replace(steps, reason=reason)
+    return Contact(
+        problem=problem,
+        pressure=frame.pressure,
+        displacement=frame.gap + frame.approach - problem.undeformed_gap,
+        gap=frame.gap,
+        approach=frame.approach,
+        status=frame.status,
+        iterations=frame.iterations,
+        convolutions=frame.convolutions,
+        residual=frame.residual,
+        estimate=ErrorEstimate(l1, peak_pressure=l1, warnings=frame.warnings),
+        time=frame.time,
+        state=frame.fields,
+    )
+
+
+def passes_of(rolled: "RepeatedRolling", requested: float | None = None) -> Evolution:
+    """Return the passes of a contact that rolls again and again as an answer."""
+    unknown = ErrorParts(discretisation=inf, reason=OF_PASSES)
+    estimate = ErrorEstimate(unknown, unknown, unknown, unknown, warnings=(OF_PASSES,))
+    frames = tuple(
+        contact_of(replace(one.solution, status=one.status), estimate=estimate)
+        for one in rolled.passes
+    )
+    numbers = np.arange(1.0, len(frames) + 1)
+    return Evolution(frames, numbers, rolled.description, requested, passes=rolled)
+
+
+def films_of(films: "FilmTrajectory", requested: float | None = None) -> Evolution:
+    """Return the instants of a film as an answer."""
+    from contactstudy.answers.lubricated_contact import lubricated
+
+    parts = ErrorParts(discretisation=inf, steps=films.step_error, reason=OF_FILMS)
+
+    def of(name: str) -> ErrorParts:
+        return replace(parts, steps=float(films.errors_by_steps[name].max()))
+
+    estimate = ErrorEstimate(
+        parts, of("peak_pressure"), central_film=of("central_film"), minimum_film=of("minimum_film"),
+        friction_coefficient=of("friction"), warnings=(OF_FILMS,),
+    )  # fmt: skip
+    frames = [
+        lubricated(replace(contact, estimate=estimate), time=time)
+        for contact, time in zip(films.contacts, films.times, strict=True)
+    ]
+    first = frames[0]
+    posed = PosedScene(first.scene, first.grid, first.padding)
+    return Evolution(tuple(frames), np.array(films.times), posed, requested, films=films)

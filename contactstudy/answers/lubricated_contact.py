@@ -1,0 +1,103 @@
+"""The answer for a lubricated contact."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Literal
+
+from contactstudy.answers.answer import Answer, Counts
+from contactstudy.domain.errors import ErrorEstimate
+from contactstudy.domain.imports import needed_for
+from contactstudy.io.quantities import Quantities, film_quantities
+from contactstudy.lubrication.lubricated_contact import FilmSolution
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LubricatedContact(Answer, FilmSolution):
+    """Lubricated contact: fields (x, y) of its film, pressure and shear.
+
+    Parameters
+    ----------
+    requested
+        Relative error of the central and the smallest film that was asked for.
+    time
+        Time [s] of a frame of an evolution; None for others.
+    """
+
+    requested: float | None = None
+    time: float | None = None
+
+    @cached_property
+    def error(self) -> ErrorEstimate:
+        """Estimate of the errors, from further solutions where it is not known already."""
+        from contactstudy.lubrication.solve_lubricated import film_error
+
+        return film_error(self) if self.estimate is None else self.estimate
+
+    @cached_property
+    def quantities(self) -> Quantities:
+        """Numbers of the film by name, with unit and bound."""
+        return film_quantities(self, self.error)
+
+    @property
+    def judged(self) -> tuple[str, float]:
+        """The larger bound of the central and the smallest film."""
+        films = self.error.central_film, self.error.minimum_film
+        return "in the film", max(parts.total for parts in films if parts is not None)
+
+    @property
+    def counts(self) -> Counts:
+        """Iterations of the film and of its linear systems, and the residual."""
+        return {
+            "iterations": (self.iterations, "steps on the finest grid"),
+            "linear_iterations": (self.linear_iterations, "iterations of linear systems"),
+            "residual": (self.residual, "residual of the film"),
+        }
+
+    def to_dataset(self) -> "xr.Dataset":
+        """Return fields (x, y) and quantities with units, long names, bounds, errors by cause and the scene."""
+        with needed_for("LubricatedContact.to_dataset"):
+            from contactstudy.io.dataset import film_dataset
+
+        return film_dataset(self, self.error, self.quantities)
+
+    def plot(
+        self,
+        dataset: "xr.Dataset | None" = None,
+        *,
+        colours: Literal["pressure", "interference"] = "pressure",
+        refractive_index: float = 1.5,
+        wavelengths: Sequence[float] | None = None,
+    ) -> "Figure":
+        """Return a picture of pressure and film as a matplotlib figure.
+
+        Parameters
+        ----------
+        dataset
+            What :meth:`to_dataset` returned, if at hand.
+        colours
+            Map of the pressure, or of the film in the colours of two-beam interference, dark where it vanishes.
+        refractive_index
+            Refractive index of the lubricant, for interference.
+        wavelengths
+            Wavelengths [m] of the light, for interference; white light if None.
+        """
+        with needed_for("LubricatedContact.plot"):
+            from contactstudy.io.pictures.contact import film_picture
+
+        return film_picture(
+            self.to_dataset() if dataset is None else dataset,
+            colours,
+            refractive_index,
+            wavelengths,
+        )
+
+
+def lubricated(contact: FilmSolution, **more: Any) -> LubricatedContact:
+    """Return a film as an answer, with `more` fields of :class:`LubricatedContact`."""
+    values = {one.name: getattr(contact, one.name) for one in fields(FilmSolution)}
+    return LubricatedContact(**values, **more)

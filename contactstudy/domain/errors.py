@@ -1,0 +1,101 @@
+"""Estimated errors by quantity and by cause, the one measure of accuracy of every answer."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, fields, replace
+
+
+@dataclass(frozen=True)
+class ErrorParts:
+    """Upper estimate of a relative error by cause; a part is None where its cause does not apply.
+
+    Attributes
+    ----------
+    truncation
+        Error by the images that the padding leaves out.
+    discretisation
+        Error by the cells.
+    residual
+        Error by the solver's remaining residual.
+    steps
+        Error by the steps in time.
+    inlet
+        Error by the finite inlet of a film.
+    range
+        Error by a range of the attraction that is chosen for the grid, in place of the limit of short ranges.
+    reason
+        Sentence on why a part is infinite; empty where none is.
+    """
+
+    truncation: float | None = None
+    discretisation: float | None = None
+    residual: float | None = None
+    steps: float | None = None
+    inlet: float | None = None
+    range: float | None = None
+    reason: str = ""
+
+    @property
+    def by_cause(self) -> dict[str, float]:
+        """Parts that apply, by their causes."""
+        causes = [field.name for field in fields(self) if field.name != "reason"]
+        return {cause: part for cause in causes if (part := getattr(self, cause)) is not None}
+
+    @property
+    def total(self) -> float:
+        """Sum of the parts, the error if all of them have the same sign."""
+        return sum(self.by_cause.values())
+
+    def scaled(self, factor: float) -> "ErrorParts":
+        """Return all parts times a factor."""
+        parts = {cause: factor * part for cause, part in self.by_cause.items()}
+        return replace(self, **parts)  # type: ignore[arg-type]
+
+
+@dataclass(frozen=True)
+class ErrorEstimate:
+    """Relative errors of an answer, as upper estimates by quantity and cause.
+
+    The pressure in L1 is judged against the cell means of the true pressure, relative to its L1 norm: a cell of constant
+    pressure stands for such a mean.
+
+    Attributes
+    ----------
+    l1
+        Error of the pressure in L1.
+    peak_pressure, contact_area, mean_gap, approach, largest_von_mises, largest_von_mises_depth
+        Errors of the numbers of a contact; None where the answer does not have the number.
+    central_film, minimum_film, friction_coefficient
+        Errors of the numbers of a film; None for a dry contact.
+    contact_load_fraction, contact_area_fraction
+        Errors of what asperities bear in a film; None without a boundary film.
+    rolling_resistance
+        Error of the rolling resistance; None where nothing rolls.
+    load, pull_off
+        Errors of the load at a given approach, and of the load of separation; None where they are not sought.
+    warnings
+        A sentence for each bound that is infinite, or on what to change.
+    """
+
+    l1: ErrorParts
+    peak_pressure: ErrorParts | None = None
+    contact_area: ErrorParts | None = None
+    mean_gap: ErrorParts | None = None
+    approach: ErrorParts | None = None
+    largest_von_mises: ErrorParts | None = None
+    largest_von_mises_depth: ErrorParts | None = None
+    central_film: ErrorParts | None = None
+    minimum_film: ErrorParts | None = None
+    friction_coefficient: ErrorParts | None = None
+    contact_load_fraction: ErrorParts | None = None
+    contact_area_fraction: ErrorParts | None = None
+    rolling_resistance: ErrorParts | None = None
+    load: ErrorParts | None = None
+    pull_off: ErrorParts | None = None
+    warnings: tuple[str, ...] = ()
+
+    def __iter__(self) -> Iterator[tuple[str, ErrorParts]]:
+        """Iterate over names and errors of the quantities that have one."""
+        for field in fields(self):
+            parts = getattr(self, field.name)
+            if isinstance(parts, ErrorParts):
+                yield field.name, parts

@@ -1,0 +1,175 @@
+"""Approach and separation of adhesive bodies under a load that changes: each state begins with the one before.
+
+Between two turning points of the load the states follow one from the other however many lie between: the traction that
+a pass makes grows with the one that it begins with. Recorded instants therefore add no error to each other.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import pairwise
+from math import inf
+
+from numpy.typing import ArrayLike
+
+from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.grid import Grid, Padding, Paddings
+from contactstudy.evolution.evolution import Frame, Trajectory
+from contactstudy.evolution.steps import schedule
+from contactstudy.problem.constraint import PrescribedLoad
+from contactstudy.problem.problem import Field, Problem
+from contactstudy.scene.load import ChangingLoad, LineLoad
+from contactstudy.scene.scene import PosedScene, Scene
+from contactstudy.solvers.adhesion import Adhesive
+from contactstudy.solvers.solution import Solution, Status
+from contactstudy.solvers.solve import SolveOptions
+
+
+def follow_adhesion(
+    scene: Scene,
+    grid: Grid,
+    padding: Padding | Paddings,
+    *,
+    times: ArrayLike | None = None,
+    options: SolveOptions = SolveOptions(),  # noqa: B008 (a frozen value)
+    progress: Callable[[float, float], None] | None = None,
+) -> Trajectory:
+    """Follow `scene`, whose load changes in time, from its first load on.
+
+    Parameters
+    ----------
+    scene
+        The scene, with adhesion.
+    grid, padding
+        Cells and boundary conditions.
+    times
+        Recorded instants [s], which do not decrease; None records the instants at which the load turns or jumps.
+    options
+        How each contact is solved.
+    progress
+        Called with the time reached and the last time [s].
+
+    Returns
+    -------
+    Trajectory
+        The recorded frames, each with its attraction.
+
+    Raises
+    ------
+    InvalidInput
+        If times decrease, or begin before the load.
+    """
+    load = scene.load
+    if not isinstance(load, ChangingLoad) or scene.adhesion is None:
+        raise InvalidInput("Scene.load does not change beside Adhesion: give a LoadHistory.")
+    marks = schedule(load, times)
+    first = load.at(marks[0].time)
+    problem = _under(scene, first).problem(grid, padding)
+    law = problem.adhesion
+    assert isinstance(law, Adhesive)
+    largest = replace(scene, load=LineLoad(load.largest)).problem(grid, padding)
+    frames: list[Frame] = []
+    last: Solution | None = None
+    for mark in marks:
+        loads = (mark.before, mark.after) if mark.jumps and last is not None else (mark.after,)
+        for number, value in enumerate(loads):
+            last = _solved(_posed(largest, scene, value, law), last, options)
+            records = times is None or mark.records > len(loads) - 1 - number
+            if records:
+                frames.append(_frame(mark.time, value, last))
+        if progress is not None:
+            progress(mark.time, marks[-1].time)
+    return Trajectory(largest, tuple(frames), 0, 0, PosedScene(scene, grid, padding))
+
+
+def _under(scene: Scene, load: float) -> Scene:
+    """Return `scene` under a constant `load` [N/m]; under a pull it is that of bodies which were in contact."""
+    adhesion = scene.adhesion
+    assert adhesion is not None
+    branch = adhesion.branch if load > 0 else "from full contact"
+    return replace(scene, load=LineLoad(load), adhesion=replace(adhesion, branch=branch))
+
+
+def _posed(problem: Problem, scene: Scene, load: float, law: Adhesive) -> Problem:
+    """Return `problem` under a `load` [N/m], with the heights, the operator and the law that all instants share."""
+    posed = problem.description
+    assert isinstance(posed, PosedScene)
+    grid, instant = posed.grid, _under(scene, load)
+    return replace(
+        problem,
+        resultant=PrescribedLoad(load * grid.period / grid.cell_area),
+        adhesion=law,
+        source=instant.source_with(grid, posed.padding, law),
+        description=PosedScene(instant, grid, posed.padding),
+    )
+
+
+def _solved(problem: Problem, last: Solution | None, options: SolveOptions) -> Solution:
+    """Return the solution that follows from the `last` one, or the first."""
+    law, start = problem.adhesion, None
+    assert isinstance(law, Adhesive)
+    if last is not None:
+        law = law.after(last)
+        start = last.pressure if last.pressure.any() else None
+    return options.solved(replace(problem, adhesion=law), start)
+
+
+def _frame(time: float, load: float, solution: Solution) -> Frame:
+    """Return a solution as a recorded instant."""
+    adhesion = solution.adhesion
+    assert adhesion is not None
+    name = "attraction between the bodies"
+    return Frame(
+        time=time,
+        load=load,
+        pressure=solution.pressure,
+        gap=solution.gap,
+        approach=solution.approach,
+        fields={"attraction": Field(("x", "y"), adhesion.traction, "Pa", name)},
+        status=solution.status,
+        residual=solution.residual,
+        step_error=0.0,
+        grid_error=inf,
+        steps=adhesion.passes,
+        iterations=solution.iterations,
+        convolutions=solution.convolutions,
+        solution=solution,
+    )
+
+
+def cycle(frames: tuple[Frame, ...]) -> tuple[float, float]:
+    """Return the work lost in a history [J/m], and its change where every other instant is left out.
+
+    It is the integral of the load over the approach; bodies that do not touch bear no load.
+    """
+
+    def integral(states: tuple[Frame, ...]) -> float:
+        pairs = pairwise(states)
+        apart = Status.DETACHED
+        return sum(
+            (a.load + b.load) / 2 * (b.approach - a.approach)
+            for a, b in pairs
+            if a.status is not apart and b.status is not apart
+        )
+
+    every = integral(frames)
+    turning = tuple(
+        frame
+        for number, frame in enumerate(frames)
+        if number % 2 == 0 or number == len(frames) - 1 or _turns(frames, number)
+    )
+    return every, abs(every - integral(turning))
+
+
+def _turns(frames: tuple[Frame, ...], number: int) -> bool:
+    """Return whether the load turns, or contact is lost, at an instant within the history."""
+    before, at, after = frames[number - 1 : number + 2]
+    lost = Status.DETACHED in (before.status, after.status)
+    return lost or (at.load - before.load) * (after.load - at.load) <= 0
+
+
+def separation(frames: tuple[Frame, ...]) -> tuple[float, float] | None:
+    """Return the last load [N/m] that was held and the first that was lost; None where contact is not lost."""
+    for before, after in pairwise(frames):
+        if after.status is Status.DETACHED and before.status is not Status.DETACHED:
+            return before.load, after.load
+    return None

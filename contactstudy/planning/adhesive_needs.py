@@ -1,0 +1,95 @@
+"""Grid that a scene with adhesion needs: six cells in the cohesive zone, and room for the attraction beside it."""
+
+from dataclasses import dataclass, replace
+from math import pi, sqrt
+
+from contactstudy.domain.grid import Grid
+from contactstudy.planning.cost import CostModel
+from contactstudy.planning.grid_requirements import Needs, halvable
+from contactstudy.scene.adhesion import CHOSEN
+from contactstudy.scene.load import ChangingLoad
+from contactstudy.scene.scene import Scene
+from contactstudy.scene.sought_load import PullOff
+
+# Tabor's parameter that stands for the limit of short ranges: of a contact that does not vary along its length, where
+# the pull-off load is then within 1 %, and of one that does, within 4 %. Cost grows with its square.
+SMOOTH, VARYING = 4.0, 2.0
+# Distance at which the attraction of a cylinder has fallen to 1e-6, over the root of twice its radius and range.
+REACH = 3.7
+# Transform pairs of a solve over the square of Tabor's parameter, and at least; solves of a search for the pull-off.
+PAIRS, LEAST, SEARCH = 60.0, 60.0, 10
+
+
+@dataclass(frozen=True)
+class AdhesiveNeeds:
+    """Grid of a contact with adhesion, the seconds of all its solves, their number, and what to say of them."""
+
+    grid: Grid
+    seconds: float
+    solves: int
+    reasons: tuple[str, ...]
+    warnings: tuple[str, ...]
+
+
+def adhesive_needs(
+    scene: Scene, needs: Needs, error: float, period: float | None, grid: Grid | None
+) -> AdhesiveNeeds:
+    """Return the grid that a scene with adhesion needs, and its cost.
+
+    Parameters
+    ----------
+    scene
+        The scene, with adhesion and a curved shape.
+    needs
+        Needs of its shapes.
+    error
+        Relative L1 error of the pressure.
+    period
+        Length of the grid [m]; chosen if None.
+    grid
+        Grid to keep; chosen if None.
+    """
+    adhesion, radius = scene.adhesion, scene.radius
+    assert adhesion is not None
+    assert radius is not None
+    scale = (radius * (adhesion.work / scene.contact_modulus) ** 2) ** (1 / 3)
+    reach_of = adhesion.range or scale / (VARYING if needs.varies else SMOOTH)
+    strength = adhesion.work / reach_of
+    zone = pi * scene.contact_modulus * adhesion.work / (4 * strength**2)
+    if grid is None:
+        grid = _grid(needs, error, period, zone / CHOSEN, REACH * sqrt(2 * radius * reach_of))
+    cell = max(grid.cell) if needs.varies else grid.cell[0]
+    if adhesion.range is None:
+        law = adhesion.cohesive(scene, cell)
+        tabor, cells = scale / law.range, CHOSEN
+    else:
+        tabor, cells = scale / reach_of, zone / cell
+    load = scene.load
+    solves = SEARCH if isinstance(load, PullOff) else 1
+    if isinstance(load, ChangingLoad):
+        solves = 41
+    pairs = max(LEAST, PAIRS * tabor**2)
+    seconds = solves * CostModel().seconds(grid, needs.padding(), pairs)
+    reason = (
+        f"adhesion: {cells:.3g} cells in the cohesive zone at a Tabor parameter of {tabor:.3g}, and room for the "
+        f"attraction beside the contact; of the order of {pairs:.2g} transform pairs a solve, {solves} solves."
+    )
+    warnings: tuple[str, ...] = ()
+    if cells < CHOSEN * (1 - 1e-9):
+        finer = int(grid.cells[0] * CHOSEN / cells) + 1
+        warnings = (
+            f"Grid.cells[0] is {grid.cells[0]}: {cells:.2g} cells in the cohesive zone trap the edge of the contact, "
+            f"give {finer} for six.",
+        )
+    return AdhesiveNeeds(grid, seconds, solves, (reason,), warnings)
+
+
+def _grid(needs: Needs, error: float, period: float | None, cell: float, reach: float) -> Grid:
+    """Return the grid of the surfaces alone, made wider by the `reach` [m] and with cells of this size [m] at most."""
+    base = needs.grid(error, period)
+    width = min(base.extent[0] + 2 * reach, needs.widest)
+    across = halvable(width / min(base.cell[0], cell))
+    along = base.cells[1]
+    if along > 1:
+        along = max(along, halvable(base.period / min(base.cell[1], cell)))
+    return replace(base, cells=(across, along), extent=(width, base.period))

@@ -1,0 +1,77 @@
+"""Stress in a coating and in its substrate, as coefficients of cells under pressure and shear."""
+
+from dataclasses import dataclass
+
+from contactstudy.elasticity.coefficients import Coefficients
+from contactstudy.elasticity.kernels.layer_response import LayerResponse
+from contactstudy.elasticity.kernels.layer_stress import LayerStress
+from contactstudy.elasticity.kernels.layer_stress_remainder import FAMILIES, LayerStressRemainder
+from contactstudy.scene.stress import StressCoefficients
+
+# The substrate's side of the bond, over the thickness.
+BELOW = 1 + 1e-12
+
+
+@dataclass(frozen=True)
+class CoatedStress:
+    """Layer of one material on a half-space of another, as a body that is under stress.
+
+    In the layer the stress is that of a half-space of its material, the stress of the layer under the strain of the
+    substrate at the depth of the point's image in the bond, less that of the first half-space there, and a short-ranged
+    remainder. Below the bond it is that of a half-space of the substrate and a remainder. At the depth of the bond it is
+    that of the layer; only a larger depth is in the substrate.
+
+    Parameters
+    ----------
+    materials
+        Ratio of the moduli and Poisson's ratios.
+    thickness
+        Thickness of the layer [m].
+    """
+
+    materials: LayerResponse
+    thickness: float
+
+    @property
+    def faces(self) -> tuple[float, ...]:
+        """Depths [m] on either side of the bond, where stress jumps."""
+        return self.thickness, self.thickness * BELOW
+
+    def coefficients(
+        self, load: str, name: str, depth: float
+    ) -> tuple[tuple[float, Coefficients], ...]:
+        """Return coefficients with their weights of the stress component `name` at a `depth` [m] under a `load`."""
+        stress = LayerStress(self.materials, depth / self.thickness)
+        remainder = LayerStressRemainder(stress, self.thickness, load, name)
+        layer = self.materials
+        nu1, nu2 = layer.coating_poisson_ratio, layer.substrate_poisson_ratio
+
+        def half_space(component: str, depth: float, ratio: float) -> StressCoefficients:
+            return StressCoefficients(FAMILIES[load][component], depth, ratio)
+
+        if not stress.in_layer:
+            return (1.0, half_space(name, depth, nu2)), (1.0, remainder)
+        own = (1.0, half_space(name, depth, nu1)), (1.0, remainder)
+        weights = self._strained(name)
+        if not weights:  # what does not depend on the material
+            return own
+        image = self.thickness * stress.reach
+        return (
+            *own,
+            (-1.0, half_space(name, image, nu1)),
+            *((weight, half_space(other, image, nu2)) for other, weight in weights.items()),
+        )
+
+    def _strained(self, name: str) -> dict[str, float]:
+        """Return the layer's stress `name` under the substrate's strain, as weights of the substrate's stresses."""
+        layer = self.materials
+        ratio = layer.shear_ratio
+        nu1, nu2 = layer.coating_poisson_ratio, layer.substrate_poisson_ratio
+        if name == "xy":
+            return {"xy": ratio}
+        if name not in ("xx", "yy"):
+            return {}
+        a, b = nu2 / (1 + nu2), nu1 / (1 - nu1)
+        both = b * (1 - 2 * a) - a
+        other = "yy" if name == "xx" else "xx"
+        return {name: ratio * (1 + both), other: ratio * both, "zz": b - ratio * a * (1 + 2 * b)}

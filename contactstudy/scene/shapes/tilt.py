@@ -1,0 +1,62 @@
+"""Misalignment of a roller."""
+
+from dataclasses import dataclass
+from math import inf, tan
+
+import numpy as np
+
+from contactstudy.domain.checks import InvalidInput, answers_typos, finite, set_fields
+from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Grid
+from contactstudy.domain.units import Radians
+from contactstudy.scene.shapes.shape import Detail
+
+# Angle [rad] of a roller beyond which its ends leave the half-space.
+STEEPEST = 0.1
+
+
+@answers_typos
+@dataclass(frozen=True)
+class Tilt:
+    """Misalignment: the axis of a roller turned by an angle out of the plane of contact, ``y tan(angle)``.
+
+    The axis leans in the plane of the load, about the middle of the length. With an angle above zero the gap opens
+    towards larger y, and the end at smaller y carries more. Under a crown of radius R the contact moves along the
+    length by ``-R tan(angle)``. The roller must end within the grid: give it a length, as
+    :class:`~contactstudy.FiniteLength` does, and a free length.
+
+    Parameters
+    ----------
+    angle
+        Angle [rad], between -0.1 and 0.1.
+
+    Raises
+    ------
+    InvalidInput
+        If the angle is outside these limits.
+    """
+
+    angle: Radians
+
+    def __post_init__(self) -> None:
+        remedy = f"give an angle between -{STEEPEST:g} and {STEEPEST:g} rad"
+        angle = finite("Tilt.angle", self.angle, remedy)
+        if abs(angle) > STEEPEST:
+            raise InvalidInput(f"Tilt.angle is {angle!r}: {remedy}.")
+        set_fields(self, angle=angle)
+
+    @property
+    def curvature(self) -> float:
+        """Zero, since a tilt does not bend the cross-section."""
+        return 0.0
+
+    @property
+    def detail(self) -> Detail:
+        """Length scales of a roller whose length is not known."""
+        return Detail(roller=inf if self.angle else 0.0)
+
+    def gap(self, grid: Grid) -> Array:
+        """Return ``y tan(angle)`` [m], of shape (1, length), or (nx, 1) without a tilt."""
+        if self.angle == 0:
+            return np.zeros((grid.cells[0], 1))
+        return (grid.y * tan(self.angle))[None, :]

@@ -1,0 +1,123 @@
+"""Loads that are results: an approach, or the point of separation, given in place of a load."""
+
+from dataclasses import dataclass
+from math import log, pi
+
+from contactstudy.domain.checks import (
+    InvalidInput,
+    answers_typos,
+    in_range,
+    in_range_or_zero,
+    set_fields,
+)
+from contactstudy.domain.units import Metres, NewtonsPerMetre, Number
+
+# Half-widths of a contact to the datum, from which its size is estimated where no datum is given.
+FAR = 4.0
+
+
+@answers_typos
+@dataclass(frozen=True)
+class Approach:
+    """Approach of the bodies, given in place of a load: the load is a result.
+
+    It counts from the undeformed gap, which is 0 m at the axis of a cylinder. The surface of a half-space under a line
+    load moves without bound with the distance that it is counted from, so that an approach has a meaning for one `datum`
+    alone. A larger datum is a softer spring in series with the contact.
+
+    Parameters
+    ----------
+    approach
+        Approach [m], of any sign.
+    datum
+        Distance from the axis at which the surface does not move [m], at least half the width of the grid; None is the
+        width of the grid. It does not count where both axes repeat.
+
+    Raises
+    ------
+    InvalidInput
+        If a number is not finite, or the datum is not above 0 m; on a grid that is more than twice as wide as the datum.
+    """
+
+    approach: Metres
+    datum: Metres | None = None
+
+    def __post_init__(self) -> None:
+        remedy = "give an approach [m]"
+        set_fields(self, approach=in_range_or_zero("Approach.approach", self.approach, remedy))
+        if self.datum is not None:
+            remedy = "give a distance above 0 m"
+            set_fields(self, datum=in_range("Approach.datum", self.datum, remedy))
+
+    def datum_on(self, width: float) -> float:
+        """Return the datum [m] on a grid of this `width` [m]."""
+        if self.datum is None:
+            return width
+        if self.datum < width / 2:
+            raise InvalidInput(
+                f"Approach.datum is {self.datum!r}: give at least half the width of the grid, {width / 2:g} m, or "
+                "parts of the surface would rise under pressure."
+            )
+        return self.datum
+
+    @property
+    def largest(self) -> float:
+        """Load [N/m] that is given: none."""
+        return 0.0
+
+    def estimated_load(self, radius: float, contact_modulus: float) -> float:
+        """Return about the load [N/m] of a cylinder of this `radius` [m] at this approach; 0 if it does not touch.
+
+        ``approach = a^2 / (4 R) (2 ln(2 datum / a) + 1)`` with the half-width a, Johnson (1985), sect. 5.6.
+        """
+        if self.approach <= 0:
+            return 0.0
+        return pi * contact_modulus * self.approach / (2 * log(2 * FAR) + 1)
+
+
+@answers_typos
+@dataclass(frozen=True)
+class PullOff:
+    """Separation of an adhesive contact, in place of a load: the largest pull that it holds is a result.
+
+    The contact is loaded, then pulled by loads between which the last held one is bisected. Each of them begins with the
+    state of the last that was held.
+
+    Parameters
+    ----------
+    preload
+        Load [N/m] that the pull begins from, of any sign.
+    error
+        Difference of the last load held and the first lost, over the latter.
+
+    Raises
+    ------
+    InvalidInput
+        If the load is no finite number, or the error not between 1e-6 and 1; in a scene without adhesion.
+    """
+
+    preload: NewtonsPerMetre
+    error: Number = 4e-3
+
+    def __post_init__(self) -> None:
+        remedy = "give a load [N/m]"
+        set_fields(self, preload=in_range_or_zero("PullOff.preload", self.preload, remedy))
+        remedy = "give an error between 1e-6 and 1"
+        error = in_range("PullOff.error", self.error, remedy)
+        if not 1e-6 <= error < 1:
+            raise InvalidInput(f"PullOff.error is {self.error!r}: {remedy}.")
+        set_fields(self, error=error)
+
+    @property
+    def largest(self) -> float:
+        """Load [N/m] that the pull begins from."""
+        return self.preload
+
+    @property
+    def per_length(self) -> float:
+        """Load [N/m] that the pull begins from."""
+        return self.preload
+
+    def over(self, period: float) -> float:
+        """Return the load [N/m] that the pull begins from, the same over any `period` [m] of a grid."""
+        return self.preload

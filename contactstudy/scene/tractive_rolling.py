@@ -1,0 +1,184 @@
+"""Steady rolling with friction: creepage or tangential force, stick and slip."""
+
+from dataclasses import dataclass
+from functools import partial
+from math import inf, isinf
+
+import numpy as np
+
+from contactstudy.domain.checks import (
+    InvalidInput,
+    answers_typos,
+    in_range_or_zero,
+    set_fields,
+)
+from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Grid, Paddings
+from contactstudy.domain.units import MetresPerSecond, NewtonsPerMetre, Number, PerMetre
+from contactstudy.elasticity.tangential import (
+    ShearResponse,
+    SurfaceField,
+    correlated,
+    shear_response,
+)
+from contactstudy.scene.bodies import HalfSpace
+from contactstudy.scene.friction import ALIKE, FrictionContact, check_still, coefficient, dundurs
+from contactstudy.solvers.rolling_traction import Creepage
+from contactstudy.solvers.tractive_rolling import Coupling, TractiveShear
+
+TRAVELS = "The heights stand still in the contact: shear under roughness that travels with a surface is not followed."
+
+
+@answers_typos
+@dataclass(frozen=True)
+class TractiveRolling:
+    """Steady rolling with creepage: a part of the contact sticks, the rest slips.
+
+    The contact moves to larger x over both bodies, and material enters it at the largest x. Heights stand still in the
+    contact, as those of profiles, roller ends and a lay along the circumference do. Creepage is the rigid slip of the
+    second body against the first, over the distance rolled, so that a positive creepage makes a positive shear on the
+    first body. Between unlike bodies shear changes the pressure, and pressing them makes them slip.
+
+    Parameters
+    ----------
+    coefficient
+        Coefficient of friction, above 0 and below 1.
+    longitudinal
+        Creepage along x; None where `tangential` is given.
+    tangential
+        Force along x on the first body [N/m], of either sign, less than the coefficient times the load. The
+        longitudinal creepage follows from it. None where `longitudinal` is given.
+    lateral
+        Creepage along y.
+    spin
+        Rotation of the second body against the first about z, over the distance rolled [1/m].
+    speed
+        Speed of rolling [m/s], not 0; negative if the contact moves to smaller x. Power is proportional to its size.
+
+    Raises
+    ------
+    InvalidInput
+        For other values; in a scene with a hardness, coated bodies, a change in time, or heights that a body carries.
+    """
+
+    coefficient: Number
+    longitudinal: Number | None = None
+    tangential: NewtonsPerMetre | None = None
+    lateral: Number = 0.0
+    spin: PerMetre = 0.0
+    speed: MetresPerSecond = 1.0
+
+    def __post_init__(self) -> None:
+        set_fields(self, coefficient=coefficient("TractiveRolling", self.coefficient, zero=False))
+        if (self.longitudinal is None) == (self.tangential is None):
+            both = "neither" if self.longitudinal is None else "both"
+            raise InvalidInput(
+                f"TractiveRolling has {both} of longitudinal and tangential: give the creepage along x, or the force "
+                "along x [N/m]."
+            )
+        for name, remedy in (
+            ("longitudinal", "give a creepage, such as 1e-3"),
+            ("tangential", "give a force along x [N/m]"),
+            ("lateral", "give a creepage, such as 1e-3"),
+            ("spin", "give a rotation over the distance rolled [1/m]"),
+            ("speed", "give a speed [m/s], negative if the contact moves to smaller x"),
+        ):
+            if (value := getattr(self, name)) is not None:
+                number = in_range_or_zero(f"TractiveRolling.{name}", value, remedy)
+                set_fields(self, **{name: number})
+        if self.speed == 0:
+            raise InvalidInput(
+                "TractiveRolling.speed is 0: give a speed other than 0 m/s, or PartialSlip for a contact at rest."
+            )
+
+    def check(self, scene: FrictionContact) -> None:
+        """Raise :class:`~contactstudy.InvalidInput` if steady rolling is not defined in this scene."""
+        check_still(scene, "TractiveRolling")
+        if scene.hardness != inf:
+            raise InvalidInput(
+                f"Scene.hardness is {scene.hardness!r} beside TractiveRolling: how a yielding cell sticks is not "
+                "defined here, leave it out."
+            )
+        for number, solid in enumerate(scene.solids):
+            if not isinstance(solid, HalfSpace):
+                raise InvalidInput(
+                    f"Scene.solids[{number}] is a {type(solid).__name__} beside TractiveRolling: its response to "
+                    "shear is not known, give a HalfSpace."
+                )
+        for number, shape in enumerate(scene.shapes):
+            if hasattr(shape, "gap_after"):
+                raise InvalidInput(
+                    f"Scene.shapes[{number}] is carried by a body beside TractiveRolling: heights that travel through "
+                    "the contact make no steady state, give heights that stand still in it."
+                )
+        most = self.coefficient * scene.load.largest
+        if self.tangential is not None and not abs(self.tangential) < most:
+            raise InvalidInput(
+                f"TractiveRolling.tangential is {self.tangential!r}: friction bears less than {most:g} N/m, give "
+                "less, or a longitudinal creepage."
+            )
+
+    def law(
+        self, scene: FrictionContact, gap: Array, grid: Grid, paddings: Paddings, datum: float
+    ) -> TractiveShear:
+        """Return the law for this scene on a grid.
+
+        Raises
+        ------
+        InvalidInput
+            If the padding across wraps, so that material that leaves the contact would enter it again.
+        """
+        if paddings[0].wraps:
+            raise InvalidInput(
+                f"padding[0] is {paddings[0]!r} beside TractiveRolling: what leaves the contact would enter it again, "
+                "give ZeroPadding across."
+            )
+        bodies = tuple(
+            (solid.compliance, solid.poisson_ratio)
+            for solid in scene.solids
+            if isinstance(solid, HalfSpace)
+        )
+        coupling = None
+        if abs(beta := dundurs(scene.solids)) > ALIKE:
+            weight = beta / (np.pi * scene.contact_modulus)
+            coupling = Coupling(
+                *(
+                    correlated(SurfaceField(axis, datum), grid, paddings).times(weight)
+                    for axis in "xy"
+                )
+            )
+        share = None
+        if self.tangential is not None:
+            share = self.tangential / (self.coefficient * scene.load.largest)
+        return TractiveShear(
+            self.coefficient,
+            Creepage(self.longitudinal or 0.0, self.lateral, self.spin),
+            share,
+            self.speed,
+            partial(_response, bodies, paddings, datum),
+            coupling,
+            TRAVELS if self._travels(scene) else "",
+        )
+
+    @staticmethod
+    def _travels(scene: FrictionContact) -> bool:
+        """Return whether a shape has waves across, which would travel with a real surface."""
+        details = [shape.detail for shape in scene.shapes if hasattr(shape, "detail")]
+        return any(not isinf(detail.finest[0]) for detail in details)
+
+    def explanation(self, scene: FrictionContact, *, varies: bool, paddings: Paddings) -> str:
+        """Return a sentence on the solves of the shear."""
+        work = "130" if varies else "75"
+        said = f"friction: tractive rolling by Newton's method, up to about {work} applications of the shear operator"
+        if self.tangential is not None:
+            said += " for each of about 6 creepages until the force is the one given"
+        if abs(dundurs(scene.solids)) > ALIKE:
+            said += ", and again with the pressure under this shear until neither changes"
+        return f"{said}." + (f" {TRAVELS}" if self._travels(scene) else "")
+
+
+def _response(
+    bodies: tuple[tuple[float, float], ...], paddings: Paddings, datum: float, grid: Grid
+) -> ShearResponse:
+    """Return the response of `bodies` to shear on `grid`, the argument that is given last."""
+    return shear_response(bodies, grid, paddings, datum)

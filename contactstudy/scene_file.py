@@ -1,0 +1,239 @@
+"""A scene in a TOML file: numbers in SI units, or texts with a unit such as "10 mm"."""
+
+import tomllib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from math import inf
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.device import Cpu, Device
+from contactstudy.domain.grid import Grid, Padding, Paddings
+from contactstudy.evolution.steps import TimeSteps
+from contactstudy.io.document import (
+    KINDS,
+    CarriedFile,
+    CrownFile,
+    Document,
+    MeasuredFile,
+    PlanSettings,
+    ProfileFile,
+)
+from contactstudy.io.materials import with_materials
+from contactstudy.io.scene_writer import scene_text
+from contactstudy.io.structuring import structured
+from contactstudy.planning.plan import Plan, plan
+from contactstudy.problem.problem import Problem
+from contactstudy.scene.bodies import contact_modulus
+from contactstudy.scene.load import ChangingLoad, ConstantLoad, TotalLoad
+from contactstudy.scene.scene import Scene
+from contactstudy.scene.shapes.carried import Carried
+from contactstudy.scene.shapes.shape import Detail, Shape
+from contactstudy.solvers.solve import SolveOptions
+from contactstudy.solving import solve
+
+if TYPE_CHECKING:
+    from contactstudy.answers.contact import Contact
+    from contactstudy.answers.evolution import Evolution
+    from contactstudy.answers.lubricated_contact import LubricatedContact
+
+
+@dataclass(frozen=True)
+class SceneFile:
+    """Contents of a scene file: the scene, and grid, padding and options if given; a missing grid is planned.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    plan_settings
+        Accuracy and period of the plan.
+    settings
+        Options of a solve.
+    grid, padding
+        Grid and padding of the file, or None.
+    time_steps
+        Instants of a scene that changes in time.
+    vary
+        Fields that the file varies, by their paths, in groups: fields of one group change together.
+    """
+
+    scene: Scene
+    plan_settings: PlanSettings = field(default_factory=PlanSettings)
+    settings: SolveOptions = field(default_factory=SolveOptions)
+    grid: Grid | None = None
+    padding: Padding | Paddings | None = None
+    time_steps: TimeSteps = field(default_factory=TimeSteps)
+    vary: tuple[Mapping[str, object], ...] = ()
+
+    def plan(self, *, on: Device = Cpu()) -> Plan:  # noqa: B008 (frozen)
+        """Return the plan for this scene, on the file's grid if it has one; seconds are for the device `on`."""
+        period, error = None if self.grid else self.plan_settings.period, self.plan_settings.error
+        end = self.time_steps.last
+        return plan(self.scene, error=error, period=period, grid=self.grid, end=end, on=on)
+
+    def problem(self) -> Problem:
+        """Return the problem on the grid and with the padding of the file, or of the plan where it has none."""
+        if self.grid is not None and self.padding is not None:
+            return self.scene.problem(self.grid, self.padding)
+        planned = self.plan()
+        return self.scene.problem(self.grid or planned.grid, self.padding or planned.padding)
+
+    def solve(self, **keywords: Any) -> "Contact | LubricatedContact | Evolution":
+        """Solve the scene where and as the file says; `keywords` as for :func:`~contactstudy.solve`."""
+        described: dict[str, Any] = {
+            "error": self.plan_settings.error,
+            "period": None if self.grid else self.plan_settings.period,
+            "times": self.time_steps if self.scene.changing and not self.scene.rolling else None,
+            "options": self.settings,
+        }
+        return solve(self.scene, self.grid, self.padding, **(described | keywords))
+
+
+def read_scene(path: str | PathLike[str]) -> SceneFile:
+    """Read a scene from a TOML file.
+
+    Tables ``load``, ``solids`` (two), ``shapes`` and ``outputs`` (each with its ``kind``), ``friction``,
+    ``wear``, ``rolling``, ``lubrication``, ``adhesion``, ``grid``, ``padding``, ``plan``, ``solve``, ``evolve`` and
+    ``vary``, and the key ``hardness``, have the fields of the corresponding classes as keys. A solid may name its
+    ``material``.
+
+    Raises
+    ------
+    InvalidInput
+        With a line for every key that cannot be used.
+    """
+    path = Path(path)
+    try:
+        raw = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        raise InvalidInput(
+            f"{path} cannot be read ({error}): give a TOML file in UTF-8."
+        ) from error
+    except (ValueError, RecursionError) as error:  # also a number of thousands of digits
+        raise InvalidInput(f"{path} is not valid TOML: {error}.") from error
+    try:
+        groups = _groups(raw.pop("vary", {}))
+        raw = with_materials(raw)
+    except InvalidInput as error:
+        raise InvalidInput(f"{path}: {error}") from error
+    document = structured(raw, Document, KINDS, str(path))
+    try:
+        return replace(scene_file_from(document, path.parent), vary=groups)
+    except InvalidInput as error:
+        raise InvalidInput(f"{path}: {error}") from error
+
+
+def write_scene(described: Scene | SceneFile, path: str | PathLike[str]) -> None:
+    """Write a scene, or the contents of a scene file, to a TOML file.
+
+    The heights of a measured surface that was not read from a file are written beside it, as netCDF.
+
+    Parameters
+    ----------
+    described
+        A scene, or the result of :func:`~contactstudy.read_scene`.
+    path
+        File to write.
+
+    Raises
+    ------
+    InvalidInput
+        For a shape or a body that no file can hold, or a file that cannot be written.
+    """
+    path = Path(path)
+    if not path.parent.is_dir():
+        raise InvalidInput(
+            f"{path} cannot be written (no such folder): give a path in a folder that is there."
+        )
+    if isinstance(described, Scene):
+        text = scene_text(described, beside=path)
+    else:
+        text = scene_text(
+            described.scene,
+            grid=described.grid,
+            padding=described.padding,
+            settings={
+                "plan": described.plan_settings,
+                "solve": described.settings,
+                "evolve": described.time_steps,
+            },
+            beside=path,
+        )
+    try:
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise InvalidInput(
+            f"{path} cannot be written ({error.strerror}): give another path."
+        ) from None
+
+
+def scene_file_from(document: Document, folder: Path = Path()) -> SceneFile:
+    """Return the scene of `document`; files of surfaces start at `folder`."""
+    modulus = contact_modulus(document.solids)
+    curvature = sum(getattr(shape, "curvature", 0.0) for shape in document.shapes)
+
+    def read(shape: Any) -> Shape:
+        if isinstance(shape, CarriedFile):
+            return Carried(read(shape.shape), shape.body)
+        if isinstance(shape, MeasuredFile | CrownFile | ProfileFile):
+            return shape.shape(folder, (curvature, modulus))
+        described: Shape = shape
+        return described
+
+    shapes = tuple(read(shape) for shape in document.shapes)
+    scene = Scene(
+        _with_length(document, shapes),
+        document.solids,
+        shapes,
+        document.hardness,
+        document.outputs,
+        friction=document.friction,
+        wear=document.wear,
+        rolling=document.rolling,
+        lubrication=document.lubrication,
+        adhesion=document.adhesion,
+    )
+    padding: Padding | Paddings | None = document.padding
+    if document.padding_across is not None:
+        if document.padding is None:
+            raise InvalidInput(
+                "padding_across is given without padding: give the one along the length too."
+            )
+        padding = document.padding_across, document.padding
+    return SceneFile(scene, document.plan, document.solve, document.grid, padding, document.evolve)
+
+
+def _groups(vary: object) -> tuple[Mapping[str, object], ...]:
+    """Return the varied fields in groups: one group for each field of a table, or for each table of a list."""
+    if isinstance(vary, Mapping):
+        return tuple({field: values} for field, values in _paths(vary).items())
+    if isinstance(vary, list) and all(isinstance(group, Mapping) and group for group in vary):
+        return tuple(_paths(group) for group in vary)
+    raise InvalidInput(
+        f"vary is {vary!r}: give a table of fields and their values, such as load.per_length = '50:400:8 N/mm'."
+    )
+
+
+def _paths(table: Mapping[str, object], before: str = "") -> dict[str, object]:
+    """Return the values of nested tables by their paths."""
+    paths: dict[str, object] = {}
+    for key, value in table.items():
+        paths |= (
+            _paths(value, f"{before}{key}.")
+            if isinstance(value, Mapping)
+            else {before + key: value}
+        )
+    return paths
+
+
+def _with_length(document: Document, shapes: Iterable[Shape]) -> ConstantLoad | ChangingLoad:
+    """Return the load; a total load on shapes without a length is spread over the length of the grid, if known."""
+    load = document.load
+    has_length = any(0 < getattr(shape, "detail", Detail()).roller < inf for shape in shapes)
+    period = document.grid.period if document.grid else document.plan.period
+    if isinstance(load, TotalLoad) and load.length is None and not has_length and period:
+        return replace(load, length=period)
+    return load

@@ -1,0 +1,479 @@
+"""Adhesion: a cohesive traction that falls with the gap, frozen in each ordinary contact and found anew after it.
+
+With the pressure p, the cohesive traction t and the undeformed gap h the contact is
+
+    g = h + K (p - t) - approach >= 0,  p >= 0,  p g = 0,  t = sigma(g),
+
+under the load ``sum(p - t)`` or at a given approach. Its energy is convex in the displacements but for the work of
+adhesion, which is concave where sigma falls with the gap. A pass that freezes t, solves the contact with the heights
+``h - K t`` and the load ``L + sum(t)``, and takes ``t = sigma(g)`` replaces the concave part by its tangent: it never
+raises the energy. Anderson's (1965) mixing of the last tractions accelerates it, and is undone where it raises the
+energy.
+
+The traction that a plain pass makes grows with the one that it begins with. From no traction the passes rise to the
+least adhesive state, that of bodies which approach from afar; from the largest traction everywhere they fall to the most
+adhesive one, that of bodies which leave full contact.
+
+Source: Tao & Hoai An (1997), Acta Math. Vietnam. 22, 289 (difference of convex functions); Walker & Ni (2011), eq. 2.2
+(mixing); Xu & Needleman (1994) (exponential law); Maugis (1992) (Dugdale's law).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from enum import Enum
+from itertools import pairwise
+from math import inf
+from typing import Protocol
+
+import numpy as np
+
+from contactstudy.domain.device import Device
+from contactstudy.domain.fields import Array, dot
+from contactstudy.problem.constraint import PrescribedLoad
+from contactstudy.problem.problem import Problem
+from contactstudy.solvers.solution import CohesiveTraction, Solution, Status
+from contactstudy.solvers.solve import SolveOptions
+
+# Change of the traction in the last pass over its sum, in tolerances of the contact.
+CHANGE = 1e3
+# Tolerance of a contact, as a share of the range: a tenth of the last change, but no more than this.
+LOOSEST = 1e-3
+# Plain passes before the first mixture.
+PLAIN = 2
+# A traction that changes heights by this share of the tolerance is not worth another pass.
+UNFELT = 1e-3
+# Traction at an open edge over the largest, above which the attraction that is cut off there matters.
+EDGE = 1e-3
+
+
+class CohesiveLaw(Protocol):
+    """Attraction between two surfaces as a function of their gap, which it falls with."""
+
+    @property
+    def range(self) -> float:
+        """Work of adhesion over the largest traction [m]."""
+        ...
+
+    @property
+    def strength(self) -> float:
+        """Largest traction [Pa], that of surfaces in contact."""
+        ...
+
+    def traction(self, gap: Array) -> Array:
+        """Return the traction [Pa] at a `gap` [m]."""
+        ...
+
+    def remaining_work(self, gap: Array) -> Array:
+        """Return the work [J/m^2] to separate surfaces from a `gap` [m]: the integral of the traction beyond it."""
+        ...
+
+
+@dataclass(frozen=True)
+class Exponential:
+    """Cohesive law ``sigma = w / rho exp(-g / rho)`` with the work of adhesion w [J/m^2] and the range rho [m]."""
+
+    work: float
+    range: float
+
+    @property
+    def strength(self) -> float:
+        """Largest traction [Pa], ``w / rho``."""
+        return self.work / self.range
+
+    def traction(self, gap: Array) -> Array:
+        """Return the traction [Pa] at a `gap` [m]."""
+        return self.strength * np.exp(np.maximum(gap, 0) / -self.range)
+
+    def remaining_work(self, gap: Array) -> Array:
+        """Return the work [J/m^2] to separate surfaces from a `gap` [m]."""
+        return self.work * np.exp(np.maximum(gap, 0) / -self.range)
+
+
+# Half the width of the fall of Dugdale's law, over its range: a sharp one would be trapped between two cells.
+RAMP = 0.1
+
+
+@dataclass(frozen=True)
+class Dugdale:
+    """Cohesive law of Dugdale: the traction ``w / rho`` up to the range rho [m], which falls to 0 over a fifth of it.
+
+    Source: Maugis (1992), J. Colloid Interface Sci. 150, 243, there with a sharp fall.
+    """
+
+    work: float
+    range: float
+
+    @property
+    def strength(self) -> float:
+        """Largest traction [Pa], ``w / rho``."""
+        return self.work / self.range
+
+    def traction(self, gap: Array) -> Array:
+        """Return the traction [Pa] at a `gap` [m]."""
+        share = np.clip(self._remaining(gap) / (2 * RAMP), 0, 1)
+        return np.asarray(self.strength * share)
+
+    def remaining_work(self, gap: Array) -> Array:
+        """Return the work [J/m^2] to separate surfaces from a `gap` [m]."""
+        remaining = np.maximum(self._remaining(np.maximum(gap, 0)), 0)
+        on_ramp = np.minimum(remaining, 2 * RAMP)
+        return self.work * (remaining - on_ramp + on_ramp**2 / (4 * RAMP))
+
+    def _remaining(self, gap: Array) -> Array:
+        """Return the distance to the gap without traction, over the range."""
+        return np.asarray(1 + RAMP - gap / self.range)
+
+
+class Branch(Enum):
+    """History of an adhesive contact, which decides between several states of equilibrium."""
+
+    #: Bodies that approach from afar: the least adhesive state.
+    FROM_AFAR = "from afar"
+    #: Bodies that leave full contact: the most adhesive state.
+    FROM_FULL_CONTACT = "from full contact"
+    #: Bodies that come from the state before.
+    CONTINUED = "continued"
+
+
+@dataclass(frozen=True, eq=False)
+class Adhesive:
+    """Law of adhesion of one problem.
+
+    Parameters
+    ----------
+    law
+        Traction as a function of the gap.
+    branch
+        History that decides between several states.
+    cells_in_zone
+        Number of cells in the cohesive zone.
+    tabor
+        Tabor's parameter, or None without a curved shape.
+    regularised
+        Whether the range was chosen for the grid, in place of the limit of short ranges.
+    traction
+        Traction (x, y) [Pa] of the state before, for a history that is continued.
+    depth
+        Number of tractions before the last that the next one is mixed of; 0 takes plain passes alone, each
+        contact solved to its tolerance.
+    """
+
+    law: CohesiveLaw
+    branch: Branch
+    cells_in_zone: float
+    tabor: float | None = None
+    regularised: bool = False
+    traction: Array | None = None
+    depth: int = 5
+
+    def continued(self, traction: Array) -> "Adhesive":
+        """Return this law for a contact that comes from a state with this `traction` (x, y) [Pa]."""
+        return replace(self, branch=Branch.CONTINUED, traction=traction)
+
+    def after(self, solution: Solution) -> "Adhesive":
+        """Return this law for a contact that comes from the state of `solution`."""
+        assert solution.adhesion is not None
+        return self.continued(solution.adhesion.traction)
+
+    def separated(self, error: float) -> "Separation":
+        """Return the search for the load of separation to a relative `error`."""
+        return Separation(self, error)
+
+    def solved(
+        self, problem: Problem, options: SolveOptions, start: Array | None, on: Device
+    ) -> Solution:
+        """Return the solution of the contact `problem` with adhesion, from the state that the branch names."""
+        shape = problem.undeformed_gap.shape
+        first = {
+            Branch.FROM_AFAR: 0.0,
+            Branch.FROM_FULL_CONTACT: self.law.strength,
+            Branch.CONTINUED: self.traction,
+        }[self.branch]
+        passes = _Passes(problem, self.law, self.depth, options, on)
+        return passes.solution(self, np.broadcast_to(np.asarray(first), shape), start)
+
+
+# Iterations of each load in a search, over those of a solve.
+LINGERING = 10
+# Pull beyond the last load held, over the attraction of all cells, until a load is lost.
+PULL = 0.25
+
+
+@dataclass(frozen=True, eq=False)
+class Separation:
+    """Search for the largest pull that a contact with adhesion holds, from the load of its problem on.
+
+    The load is lowered until it is lost, and bisected between the last load held and the first lost. Each of them begins
+    with the last state that was held.
+
+    Parameters
+    ----------
+    adhesive
+        Law of adhesion.
+    error
+        Difference of both loads over the first lost.
+    """
+
+    adhesive: Adhesive
+    error: float
+
+    def continued(self, traction: Array) -> "Separation":
+        """Return this search, which begins with the load of its problem in any case."""
+        return self
+
+    def solved(
+        self, problem: Problem, options: SolveOptions, start: Array | None, on: Device
+    ) -> Solution:
+        """Return the last state that was held; its part `adhesion` has the first load lost."""
+        assert isinstance(problem.resultant, PrescribedLoad)
+        held = self.adhesive.solved(problem, options, start, on)
+        iterations, convolutions = held.iterations, held.convolutions
+        load, lost = problem.resultant.total, -inf
+        # states near the last held one take long to be lost
+        options = replace(options, max_iterations=LINGERING * options.max_iterations)
+        while held.status in HELD and (lost == -inf or load - lost > self.error * abs(lost)):
+            assert held.adhesion is not None
+            pull = PULL * float(held.adhesion.traction.sum())
+            trial = load - pull if lost == -inf else (load + lost) / 2
+            pulled = replace(problem, resultant=PrescribedLoad(trial))
+            state = self.adhesive.after(held).solved(pulled, options, held.pressure, on)
+            iterations += state.iterations
+            convolutions += state.convolutions
+            if state.status is Status.DETACHED:
+                lost = trial
+            else:
+                load, held = trial, state
+        assert held.adhesion is not None
+        line = problem.grid.cell_area / problem.grid.period
+        part = replace(
+            held.adhesion,
+            branch=self.adhesive.branch.value,
+            lost=lost * line if lost > -inf else None,
+        )
+        return replace(held, iterations=iterations, convolutions=convolutions, adhesion=part)
+
+
+# Outcomes in which a state is one of equilibrium.
+HELD = (Status.CONVERGED, Status.CONTACT_AT_EDGE, Status.ATTRACTION_AT_EDGE)
+
+
+@dataclass(frozen=True, eq=False)
+class _State:
+    """Contact under a frozen `traction` (x, y) [Pa], which makes the displacement `pulled` (x, y) [m] of the surface.
+
+    `following` is the traction (x, y) [Pa] at its gap, `change` the distance to it over its sum, `energy` [J] that of
+    the elastic bodies, the load and the work of adhesion, and `cohesion` [J] the last alone.
+    """
+
+    contact: Solution
+    traction: Array
+    pulled: Array
+    following: Array
+    change: float
+    energy: float
+    cohesion: float
+
+
+@dataclass(eq=False)
+class _Passes:
+    """Passes over the traction of one problem, and what they took."""
+
+    problem: Problem
+    law: CohesiveLaw
+    depth: int
+    options: SolveOptions
+    on: Device
+    count: int = 0
+    iterations: int = 0
+    convolutions: float = 0.0
+    energies: list[float] = field(default_factory=list)
+
+    def solution(self, adhesive: Adhesive, traction: Array, start: Array | None) -> Solution:
+        """Return the solution that the passes from a `traction` (x, y) [Pa] lead to."""
+        tolerance = CHANGE * self.options.tolerance
+        loosest = 0.0 if self.depth == 0 or self._slight() else LOOSEST
+        inner = loosest
+        pressure, last = start, None
+        tractions: list[Array] = []
+        changes: list[Array] = []
+        plain, cautious, mixed = PLAIN, PLAIN, False
+        while True:
+            load = self._carried(traction)
+            if load <= 0 and not mixed:
+                return self._detached(adhesive, last)
+            pulled = self.problem.operator(traction)
+            self.convolutions += 1
+            if last is not None and self._unfelt(traction, pulled, last):
+                return self._ended(adhesive, replace(last, change=0.0))
+            state = self._passed(traction, pulled, load, pressure, inner) if load > 0 else None
+            if state is not None and not np.isfinite(state.contact.residual):
+                return self._ended(adhesive, state)
+            if mixed and (
+                state is None or (last is not None and state.energy > _allowed(last, state))
+            ):
+                # not downhill: back to the traction that the last accepted state leads to
+                assert last is not None
+                traction, mixed = last.following, False
+                tractions, changes = [], []
+                plain, cautious = cautious, 2 * cautious
+                continue
+            assert state is not None
+            last, pressure = state, state.contact.pressure
+            self.energies.append(state.energy)
+            exact = self._inner(inner) <= self.options.tolerance
+            if (state.change <= tolerance and exact) or self._spent():
+                return self._ended(adhesive, state)
+            if state.change <= tolerance:
+                inner = 0.0  # once more, to the tolerance of the contact
+                continue
+            inner = min(max(state.change, tolerance) / 10, loosest)
+            tractions = [*tractions, state.traction][-self.depth - 1 :]
+            changes = [*changes, state.following - state.traction][-self.depth - 1 :]
+            plain -= 1
+            mixed = plain < 0 and len(changes) > 1
+            traction = self._mixture(tractions, changes) if mixed else state.following
+
+    def _slight(self) -> bool:
+        """Return whether the largest traction everywhere is too little to be felt: one pass may be all there is."""
+        load = self.problem.resultant
+        most = self.law.strength * self.problem.undeformed_gap.size
+        return isinstance(load, PrescribedLoad) and most < self.options.tolerance * load.total
+
+    def _carried(self, traction: Array) -> float:
+        """Return the load of the pressure alone, over the area of a cell [Pa]; infinite under a given approach."""
+        resultant = self.problem.resultant
+        if not isinstance(resultant, PrescribedLoad):
+            return inf
+        return resultant.total + float(traction.sum())
+
+    def _inner(self, share: float) -> float:
+        """Return the dimensionless tolerance of a contact whose gap may be wrong by a `share` of the range."""
+        allowed = share * self.law.range / self.problem.scales.gap
+        return max(self.options.tolerance, allowed)
+
+    def _spent(self) -> bool:
+        """Return whether the iterations of all passes have reached their limit."""
+        return self.iterations + self.count > self.options.max_iterations
+
+    def _unfelt(self, traction: Array, pulled: Array, last: _State) -> bool:
+        """Return whether a `traction` leaves the contact of the `last` state as it is, by far within the tolerance."""
+        problem, allowed = self.problem, UNFELT * self.options.tolerance
+        moved = float(np.abs(pulled - last.pulled).max())
+        added = float(np.abs(traction - last.traction).sum())
+        exact = last.contact.residual <= self.options.tolerance
+        carried = float(last.contact.pressure.sum())
+        return exact and moved <= allowed * problem.scales.gap and added <= allowed * carried
+
+    def _passed(
+        self, traction: Array, pulled: Array, load: float, pressure: Array | None, share: float
+    ) -> _State:
+        """Return the contact under a frozen `traction`, from a `pressure` (x, y) [Pa]."""
+        problem, law = self.problem, self.law
+        resultant = problem.resultant if load == inf else PrescribedLoad(load)
+        frozen = replace(
+            problem,
+            undeformed_gap=problem.undeformed_gap - pulled,
+            resultant=resultant,
+            adhesion=None,
+        )
+        options = replace(self.options, tolerance=self._inner(share))
+        contact = options.solved(frozen, pressure, self.on)
+        self.count += 1
+        self.iterations += contact.iterations
+        self.convolutions += contact.convolutions
+        following = law.traction(contact.gap)
+        total = float(following.sum())
+        change = float(np.abs(following - traction).sum())
+        area = problem.grid.cell_area
+        cohesion = area * float(law.remaining_work(contact.gap).sum())
+        net, moved = contact.pressure - traction, contact.displacement - pulled
+        energy = area * dot(net, moved) / 2 - cohesion
+        if load != inf:
+            energy -= area * (load - float(traction.sum())) * contact.approach
+        relative = change / total if total else change
+        return _State(contact, traction, pulled, following, relative, energy, cohesion)
+
+    def _mixture(self, tractions: Sequence[Array], changes: Sequence[Array]) -> Array:
+        """Return the combination of tractions with the smallest change, changed by that, within the law's limits."""
+        between = np.stack([(b - a).ravel() for a, b in pairwise(changes)], axis=1)
+        moves = np.stack([(b - a).ravel() for a, b in pairwise(tractions)], axis=1)
+        share = np.linalg.lstsq(between, changes[-1].ravel(), rcond=1e-8)[0]
+        mixture = (
+            tractions[-1] + changes[-1] - ((moves + between) @ share).reshape(tractions[-1].shape)
+        )
+        return np.clip(mixture, 0, self.law.strength)
+
+    def _ended(self, adhesive: Adhesive, state: _State) -> Solution:
+        """Return the solution of the last `state`."""
+        contact, problem = state.contact, self.problem
+        shares = _edge_share(state.traction, problem)
+        residual = max(contact.residual, state.change / CHANGE)
+        status = contact.status
+        if status is Status.CONVERGED and residual > self.options.tolerance:
+            status = Status.ITERATION_LIMIT
+        elif status is Status.CONVERGED and not contact.pressure.any():
+            status = Status.DETACHED
+        elif status is Status.CONVERGED and shares > EDGE:
+            status = Status.ATTRACTION_AT_EDGE
+        part = CohesiveTraction(
+            traction=state.traction,
+            branch=adhesive.branch.value,
+            energies=tuple(self.energies),
+            cells_in_zone=adhesive.cells_in_zone,
+            tabor=adhesive.tabor,
+            regularised=adhesive.regularised,
+            edge_share=shares,
+            passes=self.count,
+            range=self.law.range,
+        )
+        return replace(
+            contact,
+            problem=problem,
+            displacement=contact.displacement - state.pulled,
+            status=status,
+            iterations=self.iterations,
+            convolutions=self.convolutions,
+            residual=residual,
+            adhesion=part,
+        )
+
+    def _detached(self, adhesive: Adhesive, last: _State | None) -> Solution:
+        """Return the bodies far apart: no traction carries the load."""
+        problem = self.problem
+        nothing = np.zeros_like(problem.undeformed_gap)
+        part = CohesiveTraction(
+            traction=nothing,
+            branch=adhesive.branch.value,
+            energies=(0.0,),
+            cells_in_zone=adhesive.cells_in_zone,
+            tabor=adhesive.tabor,
+            regularised=adhesive.regularised,
+            edge_share=0.0,
+            passes=self.count,
+            range=self.law.range,
+        )
+        return Solution(
+            problem=problem,
+            pressure=nothing,
+            displacement=nothing.copy(),
+            gap=problem.undeformed_gap - problem.undeformed_gap.min(),
+            approach=float(problem.undeformed_gap.min()),
+            status=Status.DETACHED,
+            iterations=self.iterations,
+            convolutions=self.convolutions,
+            residual=0.0,
+            adhesion=part,
+        )
+
+
+def _allowed(last: _State, state: _State) -> float:
+    """Return the energy [J] up to which a mixture is accepted: that before, and what the change left open."""
+    return last.energy + state.change**2 * state.cohesion
+
+
+def _edge_share(traction: Array, problem: Problem) -> float:
+    """Return the largest traction in the rows at open edges, over the largest of all."""
+    rows = [traction[row] for row in problem.open_edges]
+    rows += [traction[:, row] for row in problem.open_ends]
+    largest = float(traction.max())
+    return max((float(row.max()) for row in rows), default=0.0) / largest if largest else 0.0

@@ -1,0 +1,43 @@
+"""Shear of a contact that frets, with the loop, the slip and the energy that belong to it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contactstudy.domain.fields import Array
+from contactstudy.solvers.solution import Traction
+
+
+@dataclass(frozen=True, eq=False)
+class FrettingTraction(Traction):
+    """Shear on the first body after the last of several tangential forces, and what happened in the last cycle.
+
+    The last cycle begins when the last force acted before; without one it is all that happened.
+
+    Parameters
+    ----------
+    forces
+        Tangential forces (steps + 1,) [N] on the grid, from none on.
+    rigid
+        Rigid displacement along x (steps + 1,) [m] of the first body against the second, from none on.
+    shears
+        Shear after each force (step, component, x, y) [Pa].
+    slip_distance
+        Distance slipped in the last cycle (x, y) [m].
+    energy
+        Energy lost to friction in the last cycle, per area (x, y) [J/m^2].
+    cycle_from
+        Index of the first force of the last cycle.
+    """
+
+    forces: Array
+    rigid: Array
+    shears: Array
+    slip_distance: Array
+    energy: Array
+    cycle_from: int
+
+    @property
+    def largest_shear(self) -> float:
+        """Largest shear [Pa] of all steps."""
+        return float(np.hypot(self.shears[:, 0], self.shears[:, 1]).max(initial=0.0))

@@ -1,0 +1,61 @@
+"""Shear of steady rolling with the creepage, the slip and the power that belong to it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Grid
+from contactstudy.solvers.solution import Traction
+
+
+@dataclass(frozen=True)
+class Creepage:
+    """Rigid slip of the second against the first body, per distance rolled.
+
+    Parameters
+    ----------
+    longitudinal, lateral
+        Along x and along y.
+    spin
+        About z [1/m].
+    """
+
+    longitudinal: float
+    lateral: float
+    spin: float
+
+    def on(self, grid: Grid) -> Array:
+        """Return the rigid slip (component, x, y) in the cells of `grid`."""
+        rigid = np.empty((2, *grid.cells))
+        rigid[0] = self.longitudinal - self.spin * grid.y
+        rigid[1] = self.lateral + self.spin * grid.x[:, None]
+        return rigid
+
+
+@dataclass(frozen=True, eq=False)
+class RollingTraction(Traction):
+    """Shear of steady rolling on the first body, with its slip and its power.
+
+    Parameters
+    ----------
+    slip
+        Slip of the first against the second body per distance rolled (component, x, y).
+    creepage
+        Rigid slip of the second against the first body; found where the tangential force is given.
+    power
+        Frictional power per area (x, y) [W/m^2], from the mean of the shear before and after a step of one cell.
+    outside
+        Part of the power that falls outside the contact, relative: the error of the power by the size of the cells.
+    force_error
+        Estimated error of the tangential force over the load, by coarser grids; infinite where there is none.
+    creepage_given
+        Whether the creepage was given, and not the force.
+    """
+
+    slip: Array
+    creepage: Creepage
+    power: Array
+    outside: float
+    force_error: float
+    creepage_given: bool

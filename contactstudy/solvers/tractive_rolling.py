@@ -1,0 +1,330 @@
+"""Steady rolling with creepage: shear, stick and slip, their power, and the creepage of a given force.
+
+The contact moves to larger x, material enters it at the largest x. Under the shear q on the first body its surface is
+displaced by ``A q`` against the second one. The slip of the first against the second body, per distance rolled, is
+
+    ``s = -c + D q``,  ``(D q)(x) = [(A q)(x) - (A q)(x + dx)] / dx``,  ``c = (xi - phi y, eta + phi x)``,
+
+with the creepages xi and eta of the second against the first body and the spin phi. Coulomb's law is ``|q| <= mu p``,
+``s = 0`` where the inequality is strict, and else ``q = -mu p s / |s|``. A is symmetric and positive, and so the
+symmetric part of D is positive too: a monotone variational inequality, which has one answer. It is solved on coarser
+grids first, each by :class:`~contactstudy.solvers.coulomb_newton.Rolled`.
+
+Source: Carter (1926), Proc. R. Soc. A 112, 151; Kalker (1990), ch. 4.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from math import inf, isfinite, sqrt
+
+import numpy as np
+
+from contactstudy.domain.device import Device
+from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Grid
+from contactstudy.elasticity.tangential import Correlated, ShearResponse
+from contactstudy.problem.problem import Problem
+from contactstudy.solvers.coulomb_newton import Rolled
+from contactstudy.solvers.friction import uneven_change
+from contactstudy.solvers.rolling_traction import Creepage, RollingTraction
+from contactstudy.solvers.solution import Solution, Status, Traction
+from contactstudy.solvers.solve import SolveOptions
+
+# Fewest cells along an axis of a coarser grid.
+COARSEST = 24
+# Residual on coarser grids, whose own error is larger.
+COARSE_TOLERANCE = 1e-3
+# Passes between pressure and shear of unlike bodies; solves for a given tangential force.
+MOST_PASSES, MOST_FORCES = 60, 40
+# Distance [cells] within which the edge of stick is found.
+EDGE = 0.3
+# A cell sticks whose shear is below the limit by more than this share.
+STICKING = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Coupling:
+    """Normal displacement by shear [m/Pa], along both axes: odd, and the reverse for displacement by pressure."""
+
+    across: Correlated
+    along: Correlated
+
+    def gap(self, shear: Array) -> Array:
+        """Return the change of the gap (x, y) [m] by `shear` (component, x, y) [Pa]."""
+        return self.across(shear[0]) + self.along(shear[1])
+
+    def drift(self, pressure: Array, step: float) -> Array:
+        """Return the slip (component, x, y) by the displacement along the surface under `pressure` (x, y) [Pa].
+
+        `step` [m] is the width of a cell, negative where the contact moves to smaller x.
+        """
+        moved = -np.stack([self.across(pressure), self.along(pressure)])
+        return (moved - ahead(moved, step)) / abs(step)
+
+
+def ahead(field: Array, step: float) -> Array:
+    """Return the values of a `field` (component, x, y) one cell ahead, zero beyond the leading edge."""
+    shifted = np.zeros_like(field)
+    if step > 0:
+        shifted[:, :-1] = field[:, 1:]
+    else:
+        shifted[:, 1:] = field[:, :-1]
+    return shifted
+
+
+@dataclass(frozen=True, eq=False)
+class TractiveShear:
+    """Shear of steady rolling, added to the pressure of a frictionless contact.
+
+    Parameters
+    ----------
+    coefficient
+        Coefficient of friction mu.
+    creepage
+        Creepage and spin; the longitudinal creepage is found if `share` is given.
+    share
+        Tangential force along x over mu P, between -1 and 1, or None.
+    speed
+        Speed of rolling [m/s], negative to smaller x.
+    respond
+        Function that returns the response to shear on a grid.
+    coupling
+        Of pressure and shear; None where the bodies are alike in shear.
+    note
+        Sentence on the scene, or empty.
+    """
+
+    coefficient: float
+    creepage: Creepage
+    share: float | None
+    speed: float
+    respond: Callable[[Grid], ShearResponse]
+    coupling: Coupling | None
+    note: str = ""
+
+    def solved(
+        self, problem: Problem, options: SolveOptions, start: Array | None, on: Device
+    ) -> Solution:
+        """Return the normal contact with its shear; for unlike bodies again until neither changes the other."""
+        normal = options.solved(problem, start, on)
+        if normal.status is Status.NO_ADMISSIBLE_PRESSURE or not normal.pressure.any():
+            nothing = np.zeros((2, *normal.pressure.shape))
+            stick = np.zeros(normal.pressure.shape, dtype=bool)
+            return replace(normal, traction=Traction(nothing, stick, "tractive rolling", 0))
+        rolled = self.settled(problem.grid, normal.pressure, options)
+        iterations, convolutions = normal.iterations, normal.convolutions
+        passes, change, lagged = 1, 0.0, np.zeros_like(normal.gap)
+        while self.coupling is not None:
+            convolutions += rolled.convolutions + 2
+            iterations += rolled.applications
+            displacement = self.coupling.gap(rolled.shear)
+            change = uneven_change(displacement - lagged, normal.pressure) / problem.scales.gap
+            if change <= options.tolerance or passes == MOST_PASSES or not np.isfinite(change):
+                break
+            lagged = displacement
+            shifted = replace(problem, undeformed_gap=problem.undeformed_gap + lagged)
+            normal = options.solved(shifted, normal.pressure, on)
+            iterations += normal.iterations
+            convolutions += normal.convolutions
+            rolled = self.settled(problem.grid, normal.pressure, options, rolled)
+            passes += 1
+        else:
+            convolutions += rolled.convolutions
+            iterations += rolled.applications
+        residual = max(normal.residual, rolled.residual, change)
+        status = normal.status
+        if status is Status.CONVERGED and not residual <= options.tolerance:
+            limited = rolled.applications >= options.max_iterations
+            status = Status.ITERATION_LIMIT if limited else Status.STALLED
+        said = f"{passes} passes over the shear." if self.coupling is not None else ""
+        return replace(
+            normal,
+            problem=problem,
+            displacement=normal.displacement + lagged,
+            status=status,
+            residual=residual,
+            iterations=iterations,
+            convolutions=convolutions,
+            note=" ".join(filter(None, (normal.note, said, self.note))),
+            traction=self._traction(problem.grid, normal.pressure, rolled),
+        )
+
+    def _traction(self, grid: Grid, pressure: Array, rolled: "SteadyShear") -> RollingTraction:
+        """Return the traction of a steady state with its power."""
+        step = np.copysign(grid.cell[0], self.speed)
+        limit = self.coefficient * pressure
+        # the shear before and after a step: q . s alone misses what the step from cell to cell dissipates
+        mean = (rolled.shear + ahead(rolled.shear, step)) / 2
+        power = -abs(self.speed) * np.einsum("cxy,cxy->xy", mean, rolled.slip)
+        total = float(power.sum())
+        return RollingTraction(
+            shear=rolled.shear,
+            stick=(limit > 0) & (np.hypot(*rolled.shear) < limit * (1 - STICKING)),
+            method="tractive rolling, Newton",
+            passes=rolled.applications,
+            slip=rolled.slip,
+            creepage=rolled.creepage,
+            power=power,
+            outside=float(power[limit == 0].sum()) / total if total else 0.0,
+            force_error=self.coefficient * rolled.force_error,
+            creepage_given=self.share is None,
+        )
+
+    def settled(
+        self, grid: Grid, pressure: Array, options: SolveOptions, last: "SteadyShear | None" = None
+    ) -> "SteadyShear":
+        """Return the steady state under `pressure` (x, y), from the `last` one or from those on coarser grids."""
+        creepage, shares, work = self.creepage, list[float](), 0.0
+        shear: Array = np.zeros((2, *grid.cells))
+        if last is not None:
+            creepage, shear = last.creepage, last.shear
+        drift: Array = np.zeros((2, *grid.cells))
+        if self.coupling is not None:
+            drift = self.coupling.drift(pressure, np.copysign(grid.cell[0], self.speed))
+        found = None
+        for one in [grid] if last is not None else coarser_grids(grid):
+            fine = one is grid
+            limit = resampled(self.coefficient * pressure, one.cells)
+            limit = np.where(limit < 1e-12 * limit.max(), 0, limit)
+            rolled = Rolled(self.respond(one), limit, np.copysign(one.cell[0], self.speed))
+            found = self._forced(
+                rolled,
+                creepage,
+                one,
+                on_grid(drift, one),
+                on_grid(shear, one),
+                options.tolerance if fine else max(COARSE_TOLERANCE, options.tolerance),
+                options.max_iterations,
+            )
+            creepage, shear = found.creepage, found.shear
+            work += 2 * rolled.applications * limit.size / pressure.size
+            shares.append(float(shear[0].sum() / limit.sum()))
+        assert found is not None
+        if last is not None:
+            return replace(found, convolutions=work, force_error=last.force_error)
+        touching = np.pad(limit > 0, ((1, 0), (0, 0)))
+        chord = np.count_nonzero(touching) / np.count_nonzero(touching[1:] & ~touching[:-1])
+        return replace(found, convolutions=work, force_error=_force_error(shares, chord))
+
+    def _forced(
+        self,
+        rolled: Rolled,
+        creepage: Creepage,
+        grid: Grid,
+        drift: Array,
+        shear: Array,
+        tolerance: float,
+        most: int,
+    ) -> "SteadyShear":
+        """Return the steady state on one grid under the creepage, or under that which makes the tangential force.
+
+        Creepage is found by secants between ``1 - sqrt(1 - Q / (mu P))``, which Carter's closed form makes a straight
+        line, within the interval known to hold it.
+        """
+
+        def steady(creepage: Creepage, shear: Array, tolerance: float) -> SteadyShear:
+            rigid = drift - creepage.on(grid)
+            values, _, residual = rolled.solved(rigid, rolled.gathered(shear), tolerance, most)
+            return SteadyShear(rolled.field(values), rigid, creepage, residual, rolled.applications)
+
+        def finished(state: SteadyShear, mismatch: float) -> SteadyShear:
+            slip = state.slip + rolled.slip_field(rolled.gathered(state.shear))
+            return replace(state, slip=slip, residual=max(state.residual, abs(mismatch)))
+
+        if self.share is None:
+            return finished(steady(creepage, shear, tolerance), 0.0)
+        wanted = self.share
+        below, above = -np.inf, np.inf
+        known: list[tuple[float, float]] = []
+        guess = creepage.longitudinal or rolled.saturation * _straight(wanted)
+        for _ in range(MOST_FORCES):
+            mismatch = known[-1][1] - _straight(wanted) if known else 1.0
+            state = steady(
+                replace(creepage, longitudinal=guess),
+                shear,
+                max(tolerance, min(COARSE_TOLERANCE, 1e-2 * abs(mismatch))),
+            )
+            shear = state.shear
+            share = float(shear[0].sum() / rolled.capacity)
+            if abs(share - wanted) <= tolerance and state.residual <= tolerance:
+                break
+            known.append((guess, _straight(share)))
+            below, above = (guess, above) if share < wanted else (below, guess)
+            guess = _next_guess(known, _straight(wanted), below, above, rolled.saturation)
+        return finished(state, share - wanted)
+
+
+@dataclass(frozen=True, eq=False)
+class SteadyShear:
+    """Steady state on one grid: shear and slip (component, x, y), and what it took."""
+
+    shear: Array
+    slip: Array
+    creepage: Creepage
+    residual: float
+    applications: int
+    convolutions: float = 0.0
+    force_error: float = inf
+
+
+def _straight(share: float) -> float:
+    """Return the creepage over that at which all slides, in Carter's closed form, for a force over mu P."""
+    return float(np.copysign(1 - sqrt(max(1 - abs(share), 0.0)), share))
+
+
+def _next_guess(
+    known: list[tuple[float, float]], wanted: float, below: float, above: float, unit: float
+) -> float:
+    """Return the creepage to try next: by the last two `known` (creepage, straightened force), kept in the bracket."""
+    last, force = known[-1]
+    before, force_before = known[-2] if len(known) > 1 else (0.0, 0.0)
+    slope = (force - force_before) / (last - before) if last != before else 0.0
+    guess = last + (wanted - force) / slope if slope > 0 else inf
+    if below < guess < above and isfinite(guess):
+        return guess
+    if isfinite(below) and isfinite(above):
+        return (below + above) / 2
+    reach = max(2 * abs(last), unit)
+    return last + (reach if force < wanted else -reach)
+
+
+def _force_error(shares: list[float], chord: float) -> float:
+    """Return the error of the last of `shares` of mu P, by coarser grids and by the cell that stick ends in.
+
+    Grids are each twice as fine and the error is of first order: two differences count, for one alone is small now and
+    then. The edge of stick is known to EDGE of a cell, which moves the force as in Carter's closed form for a contact of
+    `chord` cells along x.
+    """
+    differences = np.abs(np.diff(shares))[::-1][:2] / (1.0, 2.0)[: len(shares) - 1]
+    part = abs(_straight(shares[-1]))
+    edge = 4 * part * (1 - part) * EDGE * 2 / chord
+    return float(max(differences.max(), edge)) if len(differences) else inf
+
+
+def coarser_grids(grid: Grid) -> list[Grid]:
+    """Return `grid` and those with half the cells along each axis that allows it, coarsest first."""
+    grids = [grid]
+    while (cells := tuple(max(n // 2, min(n, COARSEST)) for n in grids[-1].cells)) != grids[
+        -1
+    ].cells:
+        grids.append(Grid((cells[0], cells[1]), grid.extent))
+    return grids[::-1]
+
+
+def on_grid(field: Array, grid: Grid) -> Array:
+    """Return a `field` (component, x, y) on another grid of the same extent, by its means over the cells."""
+    return np.stack([resampled(component, grid.cells) for component in field])
+
+
+def resampled(field: Array, cells: tuple[int, int]) -> Array:
+    """Return the means of a `field` (x, y), constant in each cell, over the cells of another grid of its extent."""
+    for axis, count in enumerate(cells):
+        known = field.shape[axis]
+        if known != count:
+            sums = np.insert(np.cumsum(field, axis), 0, 0, axis)
+            edges = np.linspace(0, known, count + 1)
+            below = np.minimum(edges.astype(int), known - 1)
+            part = np.expand_dims(edges - below, 1 - axis)
+            at_edges = sums.take(below, axis) * (1 - part) + sums.take(below + 1, axis) * part
+            field = np.diff(at_edges, axis=axis) * (count / known)
+    return field

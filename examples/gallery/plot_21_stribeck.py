@@ -1,0 +1,66 @@
+"""
+From the film to asperities
+===========================
+
+A rough line contact slows down. At first a film of oil keeps the surfaces apart, then asperities bear more and more of the load on a
+boundary film of 3 nm, and the friction rises to theirs: a Stribeck curve. Ridges across the motion, in plane strain: all oil
+has to pass them, so that they cross from film to contact within a small range of speeds.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import contactstudy as cs
+
+steel = cs.HalfSpace(youngs_modulus=210e9, poisson_ratio=0.3)
+oil = cs.Lubricant(viscosity=0.04, pressure_viscosity=1.5e-8, shear=cs.Eyring(5e6))
+boundary = cs.Boundary(film=3e-9, coefficient=0.12)
+ridges = tuple(
+    cs.Waviness(height, across=wave, phase=phase)
+    for height, wave, phase in ((2e-8, 5e-5, 0.3), (1.2e-8, 3.1e-5, 1.1), (0.8e-8, 1.7e-5, 2.0))
+)
+
+
+def scene_at(speed):
+    motion = cs.Lubrication(oil, mean_speed=speed, slide_roll_ratio=0.1, boundary=boundary)
+    return cs.Scene(
+        cs.LineLoad(1e5), (steel, steel), (cs.Cylinder(0.01), *ridges), lubrication=motion
+    )
+
+
+# %%
+# Twenty speeds downwards, each from the film of the one before.
+
+grid = cs.Grid((480, 1), (6.3e-4, 1e-3))
+speeds = np.geomspace(0.5, 1e-4, 20)
+contacts, last = [], None
+for speed in speeds:
+    contact = cs.solve(scene_at(speed), grid, start=last)
+    contacts.append(contact)
+    last = contact
+settled = [one.status is not cs.Status.FILM_NOT_CONVERGED for one in contacts]
+share = np.array([one.contact_load_fraction for one in contacts])
+friction = np.array([one.friction for one in contacts])
+figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")
+left.semilogx(speeds[settled], friction[settled], "o-")
+left.set(xlabel="mean speed [m/s]", ylabel="friction at 10 % sliding", ylim=(0, 0.13))
+right.semilogx(speeds[settled], share[settled], "o-", color="#D55E00")
+right.set(xlabel="mean speed [m/s]", ylabel="share of the load on asperities")
+print(f"{sum(settled)} of {len(speeds)} speeds, shares from {share.min():.2f} to {share.max():.2f}")
+assert sum(settled) >= 18
+assert share[0] == 0
+assert share[-1] > 0.99
+assert abs(friction[-1] / 0.12 - 1) < 0.01
+
+# %%
+# Pressure of the oil and of the asperities, where both bear.
+
+both = contacts[int(np.argmin(np.abs(share - 0.5)))]
+figure, axes = plt.subplots(figsize=(7, 3.6), layout="constrained")
+x = grid.x * 1e3
+axes.plot(x, both.lubricant_pressure[:, 0] / 1e9, label="oil")
+axes.plot(x, both.contact_pressure[:, 0] / 1e9, label="asperities")
+axes.set(xlabel="across [mm]", ylabel="pressure [GPa]", xlim=(-0.15, 0.15))
+axes.legend()
+print(both)
+assert both.film.min() >= 3e-9 * (1 - 1e-6)

@@ -1,0 +1,280 @@
+"""What was measured of a scene's settings, and the verdict on a requested error."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from math import inf, isfinite, nan
+
+import numpy as np
+
+import contactstudy as cs
+from studies.advice.front import pareto_front
+from studies.advice.rounds import ratio
+from studies.advice.subject import Setting
+from studies.reference.line_contact import PADDINGS
+
+# A setting of another boundary is chosen only if it is quicker by this factor, and not by chance.
+QUICKER, CHANCE = 1.1, 0.01
+# Factor by which the median of few times outside of rounds may be too short.
+UNSURE = 1.25
+FREE = "free"
+# Boundary with one cell along a length on which nothing varies.
+LINE = "exact, one cell along"
+
+
+def mode_of(padding: cs.Padding | cs.Paddings) -> tuple[str, int]:
+    """Return the name of a padding and its number of images, 0 if it counts none."""
+    if isinstance(padding, tuple):
+        names = {mode_of(axis)[0] for axis in padding}
+        return (FREE if names == {"zero"} else " by ".join(mode_of(axis)[0] for axis in padding)), 0
+    images = getattr(padding, "images", 0)
+    name = next(
+        (name for name, make in PADDINGS.items() if type(make(1)) is type(padding)), repr(padding)
+    )
+    return name, images
+
+
+def label_of(padding: cs.Padding | cs.Paddings) -> str:
+    """Return a padding in words, with its n where it has one."""
+    name, images = mode_of(padding)
+    return f"{name}, n = {images}" if hasattr(padding, "images") else name
+
+
+@dataclass(frozen=True)
+class PaddingError:
+    """What a padding alone does: its answer against the scene's own boundary on the same grid.
+
+    Attributes
+    ----------
+    padding
+        The padding.
+    l1
+        Relative L1 error of the pressure.
+    changes
+        Relative changes of the main numbers.
+    """
+
+    padding: cs.Padding | cs.Paddings
+    l1: float
+    changes: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A setting with its error and times.
+
+    Attributes
+    ----------
+    setting
+        The setting.
+    label
+        Name of its padding, with :data:`LINE` for one cell along a length on which nothing varies.
+    error
+        Relative L1 error of the pressure against the reference; the largest of this and any finer grid of its padding.
+    is_bounded
+        Whether the solution itself says how large its error is.
+    seconds
+        Processor times [s] outside of rounds.
+    rounds
+        Processor time [s] in each round; nan or missing where it took no part.
+    """
+
+    setting: Setting
+    label: str
+    error: float
+    is_bounded: bool
+    seconds: tuple[float, ...]
+    rounds: tuple[float, ...] = ()
+
+    @property
+    def time(self) -> float:
+        """Median processor time [s], of the rounds if it took part in some."""
+        rounds = [second for second in self.rounds if isfinite(second)]
+        return float(np.median(rounds or self.seconds))
+
+
+@dataclass(frozen=True)
+class Rival:
+    """Another setting that meets the request: how long it takes over the chosen one, and by chance with `p`."""
+
+    measured: Measured
+    ratio: float
+    p: float
+
+    @property
+    def is_tie(self) -> bool:
+        """Whether the times differ by less than a tenth."""
+        return 1 / QUICKER <= self.ratio <= QUICKER
+
+    @property
+    def is_shown(self) -> bool:
+        """Whether the rounds show a difference of more than a tenth."""
+        return not self.is_tie and self.p < CHANCE
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The quickest setting for a request.
+
+    Attributes
+    ----------
+    error
+        Requested relative L1 error.
+    best
+        The setting; if none meets the request, that of least error.
+    rivals
+        The quickest setting of every other padding that meets it.
+    coarser
+        The next coarser setting of the same padding, or None.
+    meets
+        Whether its error and that of the reference together meet the request.
+    """
+
+    error: float
+    best: Measured
+    rivals: tuple[Rival, ...]
+    coarser: Measured | None
+    meets: bool
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What was measured of a scene.
+
+    Attributes
+    ----------
+    name, text
+        Name of the scene, and the scene as TOML.
+    extent
+        Width and length [m].
+    own
+        The boundary of the scene itself.
+    error
+        Requested relative L1 error.
+    floor
+        Bound on the error of the reference, below which nothing is claimed.
+    reference
+        Cells of the reference; None where it is Hertz's contact.
+    bounds
+        Bounds on the relative errors of the reference's main numbers.
+    paddings, paddings_on
+        What each padding alone does, and the cells on which.
+    tolerances
+        Relative L1 error by each tolerance, on the same cells.
+    settings
+        All settings.
+    notes
+        A sentence for each thing that was left out or is to be known.
+    spent
+        Seconds that it took.
+    """
+
+    name: str
+    text: str
+    extent: tuple[float, float]
+    own: cs.Padding | cs.Paddings
+    error: float
+    floor: float
+    reference: tuple[int, int] | None
+    bounds: Mapping[str, float]
+    paddings: tuple[PaddingError, ...]
+    paddings_on: tuple[int, int]
+    tolerances: Mapping[float, float]
+    settings: tuple[Measured, ...]
+    notes: tuple[str, ...] = ()
+    spent: float = nan
+
+    def asking(self, error: float) -> "Comparison":
+        """Return this comparison with another requested error."""
+        return replace(self, error=error)
+
+    @property
+    def own_label(self) -> str:
+        """Name of the scene's own boundary."""
+        return label_of(self.own)
+
+    def of(self, label: str) -> list[Measured]:
+        """Return the settings of one padding, from the coarsest."""
+        chosen = [measured for measured in self.settings if measured.label == label]
+        return sorted(chosen, key=lambda measured: np.prod(measured.setting.cells))
+
+    @property
+    def labels(self) -> list[str]:
+        """Names of all paddings that were timed, the own boundary first."""
+        return list(
+            dict.fromkeys([self.own_label, *(measured.label for measured in self.settings)])
+        )
+
+    def meeting(self, error: float) -> list[Measured]:
+        """Return the settings that meet an error with the reference's own bound added, from the quickest."""
+        meeting = [
+            measured
+            for measured in self.settings
+            if measured.is_bounded and measured.error + self.floor <= error
+        ]
+        return sorted(meeting, key=lambda measured: measured.time)
+
+    def quickest(self, error: float) -> dict[str, Measured]:
+        """Return the quickest setting of each padding that meets an error, by its name.
+
+        One that took no part in the rounds must be quicker by a quarter than one that did.
+        """
+        quickest: dict[str, Measured] = {}
+        for one in sorted(
+            self.meeting(error), key=lambda one: one.time * (1 if one.rounds else UNSURE)
+        ):
+            quickest.setdefault(one.label, one)
+        return dict(sorted(quickest.items(), key=lambda pair: pair[1].time))
+
+    def front(self, label: str) -> list[Measured]:
+        """Return the settings of a padding that no other of it beats in both time and error."""
+        good = [measured for measured in self.of(label) if measured.is_bounded]
+        if not good:
+            return []
+        cost = np.array([measured.time for measured in good])
+        error = np.array([measured.error for measured in good])
+        return [good[k] for k in pareto_front(cost, error)]
+
+    def verdict(self, error: float | None = None) -> Verdict | None:
+        """Return the quickest setting that meets an error, by default the requested one; None without any setting.
+
+        It is one of the scene's own boundary, unless another padding is quicker by more than a tenth in nearly all
+        rounds.
+        """
+        error = self.error if error is None else error
+        meeting = self.meeting(error)
+        if not meeting:
+            candidates = [one for one in self.settings if one.is_bounded] or list(self.settings)
+            if not candidates:
+                return None
+            best = min(candidates, key=lambda one: (float(f"{one.error:.1e}"), one.time))
+            return Verdict(error, best, (), self._coarser(best), meets=False)
+        quickest = self.quickest(error)
+        best = quickest.get(self.own_label, meeting[0])
+        for one in quickest.values():
+            rival = _rival(one, best)
+            if rival.is_shown and rival.ratio < 1:
+                best = one
+        rivals = tuple(_rival(one, best) for one in quickest.values() if one is not best)
+        return Verdict(error, best, rivals, self._coarser(best), meets=True)
+
+    def _coarser(self, best: Measured) -> Measured | None:
+        """Return the next coarser setting of the same padding."""
+        cells = np.prod(best.setting.cells)
+        coarser = [one for one in self.of(best.label) if np.prod(one.setting.cells) < cells]
+        return coarser[-1] if coarser else None
+
+
+def _rival(one: Measured, best: Measured) -> Rival:
+    """Return a setting beside the best one."""
+    rounds = min(len(one.rounds), len(best.rounds))
+    found, chance = ratio(one.rounds[:rounds], best.rounds[:rounds])
+    return Rival(one, found if isfinite(found) else one.time / best.time, chance)
+
+
+def with_envelope(errors: Sequence[float]) -> list[float]:
+    """Return the largest of each error and all after it, of errors on ever finer grids."""
+    enveloped, largest = [], -inf
+    for error in reversed(errors):
+        largest = max(largest, error)
+        enveloped.append(largest)
+    return enveloped[::-1]

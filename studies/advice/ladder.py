@@ -1,0 +1,60 @@
+"""Nested grids of one extent: cells 2^k and 1.5 x 2^k times a coarsest of about 12."""
+
+from collections.abc import Sequence
+from math import inf, log
+
+# Cells along the shorter axis of the unit that every rung has a multiple of; a rung has an even multiple.
+UNIT = (4, 5, 6, 8)
+LARGEST_UNIT = 1024
+# Multiples of the unit: 2^k and 3 x 2^k.
+MULTIPLES = tuple(sorted(part * 2**k for k in range(14) for part in (2, 3)))[:-1]
+
+
+def unit_of(cells: tuple[int, int]) -> tuple[int, int]:
+    """Return a small number of cells, without prime factors above 5, in nearly the ratio of `cells`.
+
+    An axis with one cell keeps it.
+    """
+    across, along = cells
+    if along == 1:
+        return UNIT[2], 1
+    ratio = max(across, along) / min(across, along)
+    smooth = [n for n in range(1, LARGEST_UNIT + 1) if _is_smooth(n)]
+    least = inf
+    best = (1, 1)
+    for short in UNIT:
+        for long in smooth:
+            # a unit of 6 cells first: its rungs are those that most others have
+            deviation = abs(log(long / short / ratio)) + (0.02 if short != 6 else 0.0)
+            if deviation < least:
+                least, best = deviation, (short, long)
+    return best if along >= across else (best[1], best[0])
+
+
+def rungs(unit: tuple[int, int], most: int) -> Sequence[tuple[int, tuple[int, int]]]:
+    """Return every multiple of the unit with its cells (across, along), up to `most` cells in all."""
+    return [
+        (multiple, cells)
+        for multiple in MULTIPLES
+        for cells in [cells_at(unit, multiple)]
+        if cells[0] * cells[1] <= most
+    ]
+
+
+def cells_at(unit: tuple[int, int], multiple: int) -> tuple[int, int]:
+    """Return the cells (across, along) of a multiple of the unit; one cell along stays one."""
+    across, along = unit
+    return across * multiple, along * multiple if along > 1 else 1
+
+
+def is_reference(multiple: int) -> bool:
+    """Return whether all rungs that are at most a third as fine divide this one: it is 3 x 2^k."""
+    return multiple % 3 == 0
+
+
+def _is_smooth(count: int) -> bool:
+    """Return whether a number has no prime factor above 5."""
+    for factor in (2, 3, 5):
+        while count % factor == 0:
+            count //= factor
+    return count == 1

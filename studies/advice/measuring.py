@@ -1,0 +1,447 @@
+"""The comparison of a scene's settings within a budget: which padding, n, grid and tolerance.
+
+A ladder of grids at the scene's own boundary leads to a reference. Paddings and tolerances are judged on one grid of
+it, where the error by the cells is the same and cancels, so that solves add and do not multiply. Whole settings, on
+grids that nest in the reference, are then timed in turns.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from math import inf, isfinite, log, prod
+from time import perf_counter
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+import contactstudy as cs
+from contactstudy.domain.checks import positive
+from studies.advice.comparison import (
+    LINE,
+    Comparison,
+    Measured,
+    PaddingError,
+    label_of,
+    with_envelope,
+)
+from studies.advice.ladder import MULTIPLES, cells_at, is_reference
+from studies.advice.rounds import ROUNDS, in_rounds, seconds_of
+from studies.advice.subject import (
+    Answer,
+    Setting,
+    Subject,
+    bounds_of,
+    failure_of,
+    hertz_means,
+    numbers_of,
+    pressure_of,
+    relative_l1,
+)
+
+# Tolerance of the reference, and of what is compared on one grid.
+TIGHT = 1e-8
+TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
+# Outcomes that finer cells do not mend.
+FATAL = (cs.Status.CONTACT_AT_EDGE, cs.Status.YIELD_AT_EDGE, cs.Status.NO_ADMISSIBLE_PRESSURE)
+# Multiple of the unit from which on a solve that fails is no fault of too coarse a grid.
+RESOLVED = 8
+# Multiple of the unit up to which every rung is solved.
+COARSE = 6
+# Share of the requested error that the tolerance may take.
+TOLERANCE_SHARE = 0.1
+# Cells on which paddings and tolerances are compared.
+MIDDLE = 2**14
+# Exponent of the time over the cells, at least and at most.
+GROWTH = 1.0, 1.3
+# Share of the time left that the next solve of the ladder may take, and that it may take where the reference is too
+# coarse for the request; the share of a budget for the paddings on one grid.
+NEXT, NEXT_FOR_REFERENCE, FOR_PADDINGS = 0.15, 0.45, 0.15
+# Factor of the expected time above which a solve is repeated.
+UNUSUAL = 3.0
+# Cost of a bound over that of its answer: solutions on cells of twice the size, of a film three further ones.
+BOUND, BOUND_OF_FILM = 0.5, 2.0
+# Share of the requested error above which the bound on the reference's own error is too large.
+TOO_COARSE = 0.5
+# Factor of the least error by the cells up to which a padding's own error is worth timing.
+WORTH = 20.0
+# Turns in which every setting is timed before the rounds of the best: one time alone may be interrupted.
+REPEATS = 3
+# Settings of the last rounds, and how much slower than the quickest they may be.
+MOST, SLOWER = 7, 2.0
+# Share of the budget that is kept for the rounds, and for what follows them.
+FOR_ROUNDS, SPARE = 0.3, 0.03
+# Share of the budget that the finest grid may take where the reference is a closed form.
+FINEST = 0.005
+# Numbers of images that are compared on one grid, and those that are timed.
+CIRCULAR, SUPERPOSED, TIMED = (1, 2, 4, 6, 10, 20), (1, 6, 20), (1, 6)
+
+Log = Callable[[str], object]
+
+
+@dataclass
+class Budget:
+    """Wall time [s] that a comparison may take."""
+
+    seconds: float
+    start: float = field(default_factory=perf_counter)
+
+    @property
+    def spent(self) -> float:
+        """Seconds since the start."""
+        return perf_counter() - self.start
+
+    @property
+    def left(self) -> float:
+        """Seconds left."""
+        return self.seconds * (1 - SPARE) - self.spent
+
+
+def compared(
+    subject: Subject, error: float, budget: Budget, log: Log = lambda text: None
+) -> Comparison:
+    """Return what was measured of a scene's settings within a budget.
+
+    Parameters
+    ----------
+    subject
+        The scene.
+    error
+        Requested relative L1 error of the pressure.
+    budget
+        Its seconds; a solve that has begun is not stopped.
+    log
+        Takes a sentence on each step.
+
+    Raises
+    ------
+    InvalidInput
+        If the error or the seconds are not above 0, or the scene has no solution on the coarsest grids.
+    """
+    positive("error", error, "must be a relative error above 0, such as 1e-2")
+    positive("seconds", budget.seconds, "must be a time above 0 s, such as 60")
+    with threadpool_limits(1):
+        return _Comparing(subject, error, budget, log).result()
+
+
+@dataclass(frozen=True)
+class _Rung:
+    """A multiple of the unit, with the tolerance that suffices on it, and whether its answer has a bound."""
+
+    multiple: int
+    tolerance: float
+    is_bounded: bool
+
+
+@dataclass
+class _Comparing:
+    """A comparison while it is made."""
+
+    subject: Subject
+    error: float
+    budget: Budget
+    log: Log
+    notes: list[str] = field(default_factory=list)
+    # answers at the own boundary, by the multiple of the unit, with their wall times [s]
+    solved: dict[int, Answer] = field(default_factory=dict)
+    walls: dict[int, float] = field(default_factory=dict)
+
+    def result(self) -> Comparison:
+        """Run all steps."""
+        subject = self.subject
+        self.notes += subject.notes
+        self._climb(lambda multiple: prod(self._cells(multiple)) <= MIDDLE, NEXT)
+        middle = self._middle()
+        paddings = self._paddings(middle)
+        tolerances = self._tolerances(middle)
+        hertz = subject.exact
+        reference, bounds = None, {"pressure_l1": 0.0}
+        if hertz is None:
+            reference, bounds = self._reference()
+        floor = bounds["pressure_l1"]
+        settings = self._settings(reference, paddings)
+        measured = Comparison(
+            name=subject.name,
+            text=subject.text,
+            extent=subject.extent,
+            own=subject.own,
+            error=self.error,
+            floor=floor,
+            reference=None if reference is None else self._cells(reference),
+            bounds=bounds,
+            paddings=tuple(paddings),
+            paddings_on=self._cells(middle),
+            tolerances=tolerances,
+            settings=tuple(settings),
+        )
+        measured = self._in_turns(measured)
+        return replace(measured, notes=tuple(self.notes), spent=self.budget.spent)
+
+    def _cells(self, multiple: int) -> tuple[int, int]:
+        return cells_at(self.subject.unit, multiple)
+
+    def _solve(self, multiple: int) -> None:
+        """Solve at the own boundary, on a rung; a rung that is too coarse for the scene is passed over."""
+        start = perf_counter()
+        setting = Setting(self.subject.own, self._cells(multiple), TIGHT)
+        try:
+            answer = self.subject.solve(setting)
+        except cs.InvalidInput:
+            if multiple >= RESOLVED:
+                raise
+            return
+        self.walls[multiple] = perf_counter() - start
+        self.solved[multiple] = answer
+        if answer.status in FATAL and multiple >= RESOLVED:
+            raise cs.InvalidInput(
+                f"{self.subject.name} has no solution to compare: {failure_of(answer)}"
+            )
+
+    def _climb(self, wanted: Callable[[int], bool], share: float) -> None:
+        """Solve ever finer rungs that are wanted, until the next one would take a share of the time left.
+
+        The coarsest rungs are solved in any case.
+        """
+        if not self.solved:
+            self._solve(MULTIPLES[0])  # warms up
+        for multiple in MULTIPLES:
+            is_coarse = multiple <= COARSE
+            if not wanted(multiple) or (not is_coarse and multiple <= max(self.solved)):
+                continue
+            expected = inf if is_coarse else self.forecast(multiple)
+            costs = expected * (1 + self._bound_cost)
+            if not is_coarse and costs > (1 + BOUND) * share * self.budget.left:
+                return
+            if not self.subject.fits(self._cells(multiple)):
+                self.notes.append("Finer grids do not fit into this machine's memory.")
+                return
+            if multiple not in self.solved or len(self.solved) == 1:
+                self._solve(multiple)
+                # a first solve of a size may compile, or was interrupted
+                if self.walls.get(multiple, 0.0) > UNUSUAL * expected:
+                    self._solve(multiple)
+
+    @property
+    def _bound_cost(self) -> float:
+        """Cost of a bound over that of its answer."""
+        return BOUND_OF_FILM if self.subject.scene.lubrication is not None else BOUND
+
+    def forecast(self, multiple: int) -> float:
+        """Return the seconds to expect of a solve at the own boundary."""
+        finest = max(self.solved)
+        size = self._size(multiple) / self._size(finest)
+        exponent = GROWTH[1]
+        before = [m for m in self.solved if self._size(m) <= self._size(finest) / 3]
+        if before:
+            coarse = max(before)
+            grown = log(self.walls[finest] / self.walls[coarse])
+            exponent = grown / log(self._size(finest) / self._size(coarse))
+        return float(self.walls[finest] * size ** min(max(exponent, GROWTH[0]), GROWTH[1]))
+
+    def _size(self, multiple: int) -> int:
+        return prod(self._cells(multiple))
+
+    def _middle(self) -> int:
+        """Return the finest rung on which all paddings can be solved in their share of the budget."""
+        count = 2.0 * (len(self._candidates()) + len(TOLERANCES))
+        affordable = [
+            multiple
+            for multiple in self.solved
+            if not failure_of(self.solved[multiple])
+            and count * self.walls[multiple] <= FOR_PADDINGS * self.budget.seconds
+        ]
+        if not affordable:
+            return min(self.solved)
+        return max(affordable)
+
+    def _candidates(self) -> Sequence[cs.Padding | cs.Paddings]:
+        """Return the paddings other than the own boundary."""
+        own, one_line = self.subject.own, self.subject.unit[1] == 1
+        if self.subject.is_free and label_of(own) != "free":
+            return ()
+        circular = [cs.CircularSuperposition(n) for n in CIRCULAR]
+        if one_line:
+            return (cs.ZeroPadding(), *circular)
+        others: list[cs.Padding | cs.Paddings] = [
+            cs.DuplicatedPadding(),
+            *circular,
+            *(cs.Superposition(n) for n in SUPERPOSED),
+        ]
+        if self.subject.is_free:
+            return (cs.ExactPeriodicity(), *others)
+        return (*others, cs.ZeroPadding())
+
+    def _paddings(self, middle: int) -> list[PaddingError]:
+        """Return what each padding alone does on the middle grid."""
+        cells, own = self._cells(middle), self.solved[middle]
+        found = []
+        for padding in self._candidates():
+            answer = self.subject.solve(Setting(padding, cells, TIGHT))
+            if not pressure_of(answer).any() or not np.isfinite(pressure_of(answer)).all():
+                self.notes.append(f"{label_of(padding)} is left out: {failure_of(answer)}")
+                continue
+            numbers = numbers_of(answer)
+            changes = {
+                name: numbers[name] / value - 1
+                for name, value in numbers_of(own).items()
+                if value and name in numbers
+            }
+            found.append(
+                PaddingError(padding, relative_l1(pressure_of(answer), pressure_of(own)), changes)
+            )
+        self.log(f"paddings on {cells[0]} x {cells[1]} cells: {self.budget.spent:.0f} s")
+        return found
+
+    def _tolerances(self, middle: int) -> dict[float, float]:
+        """Return the error by each tolerance, on the middle grid."""
+        cells, own = self._cells(middle), self.solved[middle]
+        return {
+            tolerance: relative_l1(
+                self.subject.solve(Setting(self.subject.own, cells, tolerance)).pressure,
+                pressure_of(own),
+            )
+            for tolerance in TOLERANCES
+        }
+
+    def _reference(self) -> tuple[int, dict[str, float]]:
+        """Return the finest rung in which the others nest, and the bounds on its errors."""
+        self._climb(is_reference, NEXT)
+        reference = max(filter(is_reference, self.solved))
+        bounds = bounds_of(self.solved[reference])
+        if bounds["pressure_l1"] > TOO_COARSE * self.error:
+            self._climb(is_reference, NEXT_FOR_REFERENCE)
+            finer = max(filter(is_reference, self.solved))
+            if finer > reference:
+                reference, bounds = finer, bounds_of(self.solved[finer])
+        cells = self._cells(reference)
+        self.log(
+            f"reference on {cells[0]} x {cells[1]} cells, bound {bounds['pressure_l1']:.2g}: "
+            f"{self.budget.spent:.0f} s"
+        )
+        if failure_of(self.solved[reference]):
+            self.notes.append(f"The reference: {failure_of(self.solved[reference])}")
+        return reference, bounds
+
+    def _multiples(self, reference: int | None) -> Iterator[int]:
+        """Yield the rungs that nest in the reference and are at most a third as fine; all for a closed form."""
+        for multiple in MULTIPLES:
+            if reference is not None:
+                if multiple <= reference // 3 and reference % multiple == 0:
+                    yield multiple
+            elif multiple in self.solved or self.forecast(multiple) < FINEST * self.budget.seconds:
+                yield multiple
+
+    def _settings(self, reference: int | None, paddings: Sequence[PaddingError]) -> list[Measured]:
+        """Return the whole settings with their errors and first times, which are taken in turns."""
+        rungs: list[_Rung] = []
+        for multiple in self._multiples(reference):
+            # where a coarser answer has a bound, a finer one has
+            rung = self._rung(multiple, is_bounded=any(one.is_bounded for one in rungs))
+            rungs += [] if rung is None else [rung]
+        own = self._solved(self.subject, self.subject.own, rungs, reference)
+        least = min((one.error for one in own if one.is_bounded), default=inf)
+        settings = own
+        if self.subject.exact is not None and self.subject.unit[1] > 1:
+            line = replace(self.subject, unit=(self.subject.unit[0], 1))
+            settings = settings + self._solved(line, cs.ExactPeriodicity(), rungs, None, LINE)
+        # first those of which one may be chosen
+        late = []
+        most = max(TIMED)
+        short = any(
+            one.l1 > TOLERANCE_SHARE * self.error
+            for one in paddings
+            if getattr(one.padding, "images", 0) == most
+        )
+        for one in sorted(paddings, key=lambda one: one.l1 > max(WORTH * least, self.error)):
+            images = getattr(one.padding, "images", most)
+            if images not in TIMED and not (short and images == max(CIRCULAR)):
+                continue
+            so_far = sum(one.time for one in settings) / len(own) * len(rungs)
+            if (1 + REPEATS) * so_far > self.budget.left - FOR_ROUNDS * self.budget.seconds:
+                late.append(label_of(one.padding))
+                continue
+            settings = settings + self._solved(self.subject, one.padding, rungs, reference)
+        if late:
+            self.notes.append(f"Not timed, since the seconds did not suffice: {'; '.join(late)}.")
+        self.log(f"{len(settings)} settings solved: {self.budget.spent:.0f} s")
+        a_turn = 1.2 * sum(one.time for one in settings)
+        turns = in_rounds(
+            [partial(self.subject.solve, one.setting) for one in settings],
+            REPEATS,
+            lambda: self.budget.left - FOR_ROUNDS / 2 * self.budget.seconds > a_turn,
+        )
+        return [
+            replace(one, seconds=tuple(turn[k] for turn in turns) or one.seconds)
+            for k, one in enumerate(settings)
+        ]
+
+    def _rung(self, multiple: int, *, is_bounded: bool) -> "_Rung | None":
+        """Return a rung with the loosest tolerance that suffices on it; None where it is too coarse to be solved."""
+        if multiple not in self.solved:
+            self._solve(multiple)
+        if multiple not in self.solved:
+            return None
+        tight = self.solved[multiple]
+        is_bounded = not failure_of(tight) and (
+            is_bounded
+            or self.subject.exact is not None
+            or isfinite(bounds_of(tight)["pressure_l1"])
+        )
+        for tolerance in TOLERANCES:
+            setting = Setting(self.subject.own, self._cells(multiple), tolerance)
+            error = relative_l1(pressure_of(self.subject.solve(setting)), pressure_of(tight))
+            if error <= TOLERANCE_SHARE * self.error:
+                return _Rung(multiple, tolerance, is_bounded)
+        return _Rung(multiple, TIGHT, is_bounded)
+
+    def _solved(
+        self,
+        subject: Subject,
+        padding: cs.Padding | cs.Paddings,
+        rungs: Sequence["_Rung"],
+        reference: int | None,
+        label: str = "",
+    ) -> list[Measured]:
+        """Return the settings of a padding on all rungs, with their errors."""
+        rows, errors = [], []
+        for rung in rungs:
+            setting = Setting(padding, cells_at(subject.unit, rung.multiple), rung.tolerance)
+            seconds, answer = seconds_of(partial(subject.solve, setting))
+            errors.append(self._error(answer, reference))
+            is_bounded = rung.is_bounded and not failure_of(answer)
+            rows.append(Measured(setting, label or label_of(padding), 0.0, is_bounded, (seconds,)))
+        enveloped = with_envelope(errors)
+        return [replace(row, error=error) for row, error in zip(rows, enveloped, strict=True)]
+
+    def _error(self, answer: Answer, reference: int | None) -> float:
+        """Return the relative L1 error of an answer against the reference."""
+        if reference is not None:
+            return relative_l1(pressure_of(answer), pressure_of(self.solved[reference]))
+        hertz, shape = self.subject.exact, pressure_of(answer).shape
+        assert hertz is not None
+        grid = self.subject.grid((shape[0], shape[1]))
+        return relative_l1(pressure_of(answer), hertz_means(hertz, grid))
+
+    def _in_turns(self, measured: Comparison) -> Comparison:
+        """Return the comparison with the times of its best settings, taken in turns."""
+        meeting = measured.meeting(self.error)
+        quickest = measured.quickest(self.error).values()
+        close = [one for one in meeting if one.time <= SLOWER * meeting[0].time]
+        front = (*measured.front(measured.own_label), *measured.front(LINE))
+        ordered = {id(one): one for one in (*quickest, *close)}
+        chosen = list({id(one): one for one in (*list(ordered.values())[:MOST], *front)}.values())
+        if not chosen:
+            return measured
+        a_round = sum(one.time for one in chosen)
+        rounds = in_rounds(
+            [partial(self.subject.solve, one.setting) for one in chosen],
+            ROUNDS,
+            lambda: self.budget.left > 1.2 * a_round,
+        )
+        if len(rounds) < ROUNDS:
+            self.notes.append(
+                f"The seconds sufficed for {len(rounds)} of {ROUNDS} rounds of times."
+            )
+        times = {id(one): tuple(turn[k] for turn in rounds) for k, one in enumerate(chosen)}
+        settings = tuple(replace(one, rounds=times.get(id(one), ())) for one in measured.settings)
+        self.log(f"{len(rounds)} rounds of {len(chosen)} settings: {self.budget.spent:.0f} s")
+        return replace(measured, settings=settings)

@@ -1,0 +1,71 @@
+"""Times that decide between settings: rounds in changing order, and the sign test on their paired ratios."""
+
+from collections.abc import Callable, Iterable, Sequence
+from math import comb
+from random import Random
+from time import process_time
+from typing import TypeVar
+
+import numpy as np
+
+# Rounds that tell two times apart that differ by a tenth in nearly all cases.
+ROUNDS = 15
+
+T = TypeVar("T")
+
+
+def seconds_of(run: Callable[[], T]) -> tuple[float, T]:
+    """Return the processor time [s] of a call, and its result."""
+    start = process_time()
+    result = run()
+    return process_time() - start, result
+
+
+def in_rounds(
+    runs: Sequence[Callable[[], object]], count: int, goes_on: Callable[[], bool]
+) -> list[list[float]]:
+    """Return the processor times [s] of several calls, a list for each complete round.
+
+    Every round takes all calls in a new order, so that a busy machine slows none of them alone.
+
+    Parameters
+    ----------
+    runs
+        The calls.
+    count
+        Largest number of rounds.
+    goes_on
+        Whether there is time for another round.
+    """
+    order, shuffle = list(range(len(runs))), Random(1).shuffle
+    rounds: list[list[float]] = []
+    while len(rounds) < count and goes_on():
+        shuffle(order)
+        times = [0.0] * len(runs)
+        for place in order:
+            times[place] = seconds_of(runs[place])[0]
+        rounds.append(times)
+    return rounds
+
+
+def ratio(first: Iterable[float], second: Iterable[float]) -> tuple[float, float]:
+    """Return the median ratio of paired times, and the probability of such a majority of pairs by chance.
+
+    Pairs with nan are left out; without any, the ratio is nan and the probability 1. The probability is that of the
+    two-sided sign test.
+    """
+    pairs = [
+        (a, b) for a, b in zip(first, second, strict=True) if np.isfinite(a) and np.isfinite(b)
+    ]
+    if not pairs:
+        return float("nan"), 1.0
+    quicker = sum(a < b for a, b in pairs)
+    slower = sum(a > b for a, b in pairs)
+    return float(np.median([a / b for a, b in pairs])), sign_test(quicker, slower)
+
+
+def sign_test(less: int, more: int) -> float:
+    """Return the probability of a majority at least this clear among tosses of a fair coin."""
+    tosses, majority = less + more, max(less, more)
+    tail = sum(comb(tosses, k) for k in range(majority, tosses + 1))
+    return float(min(1.0, 2 * tail / 2**tosses))

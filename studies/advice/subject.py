@@ -1,0 +1,343 @@
+"""What a comparison of settings needs of a scene: its extent and own boundary, its answers and their bounds."""
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from math import sqrt
+from pathlib import Path
+
+import numpy as np
+
+import contactstudy as cs
+from contactstudy.accuracy.coarser import on_cells
+from contactstudy.domain.device import available_bytes
+from contactstudy.domain.fields import Array
+from contactstudy.domain.identity import canonical, key
+from contactstudy.domain.reuse import reusing
+from contactstudy.planning.cost import memory
+from contactstudy.planning.grid_requirements import needs_of
+from contactstudy.planning.plan import SHARE
+from studies.advice.ladder import unit_of
+from studies.reference.line_contact import HERTZ, SCENE, WIDTH
+
+# Relative error of the quick grid that gives extent and ratio of cells where a scene has none.
+QUICK = 0.2
+# Cells and tolerance of the solutions that tell the ratio of cells, the most of them, and the factor of the ratio at
+# which it is good enough.
+TRIAL, TRIAL_TOLERANCE, TRIALS, ENOUGH = 2**11, 1e-4, 4, 1.3
+# Factor by which a width is made larger that the contact reaches the end of.
+WIDER = 1.5
+# Quantities whose change by a padding is reported, and what they are called.
+REPORTED = {
+    "peak_pressure": "peak pressure",
+    "contact_area": "contact area",
+    "mean_gap": "mean gap",
+    "largest_von_mises": "largest von Mises stress",
+    "shear": "largest shear",
+    "central_film": "central film",
+    "minimum_film": "smallest film",
+    "friction_coefficient": "friction",
+}
+Answer = cs.Contact | cs.LubricatedContact | cs.Evolution
+
+
+@dataclass(frozen=True)
+class Setting:
+    """Way to solve a scene.
+
+    Attributes
+    ----------
+    padding
+        Boundary conditions.
+    cells
+        Cells (across, along).
+    tolerance
+        Tolerance of the solver.
+    """
+
+    padding: cs.Padding | cs.Paddings
+    cells: tuple[int, int]
+    tolerance: float
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """Scene whose settings are compared, on one extent.
+
+    Attributes
+    ----------
+    name
+        Name for people.
+    scene
+        The scene, with random surfaces of the extent.
+    extent
+        Width and length [m] of every grid.
+    own
+        The boundary of the scene itself: all images, or free ends.
+    unit
+        Cells of which every grid has a multiple, see :func:`~studies.advice.ladder.unit_of`.
+    options
+        Options of a solve beside the tolerance.
+    times
+        Instants of a scene that changes in time; None for others.
+    text
+        The scene as TOML, which tells stored measurements of two scenes apart.
+    notes
+        A sentence for each choice.
+    """
+
+    name: str
+    scene: cs.Scene
+    extent: tuple[float, float]
+    own: cs.Padding | cs.Paddings
+    unit: tuple[int, int]
+    options: cs.SolveOptions = field(default_factory=cs.SolveOptions)
+    times: cs.TimeSteps | None = None
+    text: str = ""
+    notes: tuple[str, ...] = ()
+
+    def grid(self, cells: tuple[int, int]) -> cs.Grid:
+        """Return the grid with a number of cells."""
+        return cs.Grid(cells, self.extent)
+
+    def solve(self, setting: Setting) -> Answer:
+        """Return the answer at a setting, posed and solved anew."""
+        with reusing(None):
+            return cs.solve(
+                self.scene,
+                self.grid(setting.cells),
+                setting.padding,
+                times=self.times,
+                options=replace(self.options, tolerance=setting.tolerance),
+            )
+
+    def fits(self, cells: tuple[int, int]) -> bool:
+        """Return whether this machine's memory holds a solve at the own boundary."""
+        return memory(self.grid(cells), self.own) <= SHARE * available_bytes()
+
+    @property
+    def is_free(self) -> bool:
+        """Whether the scene itself ends along its length, so that no image belongs to it."""
+        return isinstance(self.own, tuple)
+
+    @cached_property
+    def exact(self) -> "cs.analytic.HertzLine | None":
+        """Hertz's line contact where it is the truth: a smooth elastic cylinder; else None."""
+        if (
+            self.scene.hertz is None
+            or self.is_free
+            or self.scene.outputs
+            or not _is_at_rest(self.scene)
+        ):
+            return None
+        needs = needs_of(self.scene)
+        hertz = needs.hertz
+        fits = 2 * hertz.half_width < self.extent[0]
+        return (
+            hertz if needs.smooth and fits and self.scene.hardness > hertz.peak_pressure else None
+        )
+
+
+def last_of(answer: Answer) -> cs.Contact | cs.LubricatedContact:
+    """Return an answer, or the last frame of one that is an evolution."""
+    return answer.frames[-1] if isinstance(answer, cs.Evolution) else answer
+
+
+def pressure_of(answer: Answer) -> Array:
+    """Return the pressure (x, y) [Pa] of an answer, at its end if it is an evolution."""
+    return last_of(answer).pressure
+
+
+def failure_of(answer: Answer) -> str:
+    """Return a sentence on an answer that did not converge; empty if it did."""
+    good = answer.status in (cs.Status.CONVERGED, cs.Status.PRECISION_LIMIT)
+    return "" if good else str(answer.status)
+
+
+def numbers_of(answer: Answer) -> dict[str, float]:
+    """Return the main numbers of an answer in SI units by name, without their bounds."""
+    last = last_of(answer)
+    numbers = {"peak_pressure": float(last.pressure.max())}
+    if isinstance(last, cs.LubricatedContact):
+        return numbers | {
+            "central_film": last.central_film,
+            "minimum_film": last.minimum_film,
+            "friction_coefficient": last.friction,
+        }
+    numbers["contact_area"] = float(np.count_nonzero(last.pressure) * last.grid.cell_area)
+    numbers["mean_gap"] = last.mean_gap
+    if last.traction is not None:
+        numbers["shear"] = float(np.hypot(*last.traction.shear).max())
+    if "von_mises" in last.derived:
+        numbers["largest_von_mises"] = float(np.asarray(last.derived["von_mises"].values).max())
+    return numbers
+
+
+def bounds_of(answer: Answer) -> dict[str, float]:
+    """Return bounds on the relative errors of an answer by its cells and steps, infinite where there is none."""
+    names = {"l1": "pressure_l1"}
+    return {
+        names.get(name, name): sum(
+            part
+            for cause, part in parts.by_cause.items()
+            if cause not in ("truncation", "residual")
+        )
+        for name, parts in last_of(answer).error
+        if name == "l1" or name in REPORTED
+    }
+
+
+def hertz_means(hertz: "cs.analytic.HertzLine", grid: cs.Grid) -> Array:
+    """Return the means of Hertz's pressure over the cells of a grid (x, y) [Pa]."""
+    borders = np.linspace(-0.5, 0.5, grid.cells[0] + 1) * grid.extent[0] / hertz.half_width
+    borders = np.clip(borders, -1, 1)
+    integral = (borders * np.sqrt(1 - borders**2) + np.arcsin(borders)) / 2
+    means = np.diff(integral) * hertz.peak_pressure * hertz.half_width / grid.cell[0]
+    return np.repeat(means[:, None], grid.cells[1], axis=1)
+
+
+def relative_l1(pressure: Array, reference: Array) -> float:
+    """Return the L1 error of a pressure (x, y) against a finer one's cell means, relative to the reference."""
+    means = on_cells(reference, (pressure.shape[0], pressure.shape[1]))
+    return float(np.abs(pressure - means).sum() / means.sum())
+
+
+@dataclass(frozen=True)
+class Described:
+    """Scene to compare settings of, as a file describes it, before any grid is chosen.
+
+    Attributes
+    ----------
+    name, text
+        Name for people, and the scene as TOML.
+    file
+        The scene with its grid, padding and settings, if it has some.
+    """
+
+    name: str
+    text: str
+    file: cs.SceneFile
+
+    @property
+    def key(self) -> str:
+        """Text that is equal for equal scenes alone."""
+        file = self.file
+        parts = (
+            file.scene,
+            file.grid,
+            file.padding,
+            file.settings,
+            file.time_steps,
+            file.plan_settings.period,
+        )
+        return key(canonical(parts))
+
+    def subject(self, error: float = QUICK) -> "Subject":
+        """Return the scene on an extent, where the requested error matters little."""
+        return subject_of(self.file, self.name, self.text, error)
+
+
+def described_in(path: Path) -> Described:
+    """Return the scene in a TOML file."""
+    described = cs.read_scene(path)  # says what is wrong with a file
+    return Described(path.stem, path.read_text(encoding="utf-8"), described)
+
+
+def paper_described(period: float = WIDTH) -> Described:
+    """Return the paper's steel cylinder, with a period in half-widths."""
+    a = HERTZ.half_width
+    file = cs.SceneFile(SCENE, grid=cs.Grid((128, 128), (WIDTH * a, period * a)))
+    return Described("the paper's cylinder", f"# the paper's cylinder, L = {period:g} a\n", file)
+
+
+def subject_of(described: cs.SceneFile, name: str, text: str = "", error: float = QUICK) -> Subject:
+    """Return the scene of a file as a subject.
+
+    Parameters
+    ----------
+    described
+        The scene with its grid, padding and settings, if it has some.
+    name
+        Name for people.
+    text
+        The scene as TOML.
+    error
+        Error that is requested; a quick grid is planned for it, or for 0.2.
+
+    Raises
+    ------
+    InvalidInput
+        If the scene has no width of its own and no grid, or is not a dry contact at rest.
+    """
+    scene = described.scene
+    at_rest = _is_at_rest(scene)
+    notes = []
+    own = described.padding or cs.ExactPeriodicity()
+    if described.grid is not None:
+        grid = described.grid
+    elif scene.hertz is None:
+        raise cs.InvalidInput(
+            f"{name} has no curved shape, so that it has no width of its own: give it a [grid]."
+        )
+    elif at_rest:
+        grid = needs_of(scene).grid(max(error, QUICK), described.plan_settings.period)
+    else:
+        grid = described.plan().grid
+    if scene.hertz is not None:
+        needs = needs_of(scene)
+        own = needs.padding()
+        if check := needs.period_check(grid.period):
+            notes.append(check)
+    elif not isinstance(own, tuple):
+        own = cs.ExactPeriodicity()
+    shapes = tuple(
+        replace(shape, extent=grid.extent)
+        if isinstance(shape, cs.Roughness) and shape.extent is None
+        else shape
+        for shape in scene.shapes
+    )
+    subject = Subject(
+        name,
+        replace(scene, shapes=shapes),
+        grid.extent,
+        own,
+        unit_of(grid.cells),
+        described.settings,
+        described.time_steps if scene.changing and not scene.rolling else None,
+        text,
+        tuple(notes),
+    )
+    return balanced(subject, grid.cells) if described.grid is None and at_rest else subject
+
+
+def _is_at_rest(scene: cs.Scene) -> bool:
+    """Return whether a scene is a dry contact that neither rolls nor changes in time."""
+    return scene.lubrication is None and scene.rolling is None and scene.changing is None
+
+
+def balanced(subject: Subject, cells: tuple[int, int]) -> Subject:
+    """Return the subject, wide enough, with cells in a ratio at which finer cells along either axis gain about as much.
+
+    Found by solutions on some thousand cells, each twice as fine along one axis.
+    """
+    ratio = cells[0] / cells[1]
+    if cells[1] == 1:
+        return subject
+    for _ in range(TRIALS):
+        along = max(4, round(sqrt(TRIAL / ratio)))
+        trial = max(4, round(ratio * along)), along
+        answers = [
+            subject.solve(Setting(subject.own, tried, TRIAL_TOLERANCE))
+            for tried in (trial, (2 * trial[0], trial[1]), (trial[0], 2 * trial[1]))
+        ]
+        widest = needs_of(subject.scene).widest
+        width = min(WIDER * subject.extent[0], widest)
+        if answers[0].status is cs.Status.CONTACT_AT_EDGE and width > subject.extent[0]:
+            subject = replace(subject, extent=(width, subject.extent[1]))
+            continue
+        pressure, finer_across, finer_along = map(pressure_of, answers)
+        gain = relative_l1(pressure, finer_across) / (relative_l1(pressure, finer_along) or 1.0)
+        factor = min(max(gain**0.8, 1 / 4), 4.0)
+        ratio *= factor
+        if 1 / ENOUGH < factor < ENOUGH:
+            break
+    return replace(subject, unit=unit_of((round(1000 * ratio), 1000)))

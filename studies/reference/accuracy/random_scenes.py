@@ -1,0 +1,201 @@
+"""Random accuracy cases of each kind, other ones for every seed: no margin of an estimate is set on them."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import inf, tau
+
+import numpy as np
+
+import contactstudy as cs
+from contactstudy.domain.fields import Array
+from studies.reference.accuracy.case import (
+    EXACT,
+    FLATTENED,
+    FREE,
+    MODULUS,
+    P_H,
+    A,
+    AccuracyCase,
+    Finer,
+    scene,
+)
+from studies.reference.accuracy.matrix import POINT, PROFILES, Bumps, ground
+from studies.reference.line_contact import SCENE
+
+# Cases of each kind.
+EACH = 10
+Made = tuple[cs.Scene, cs.Grid, cs.Padding | cs.Paddings, Finer]
+
+
+@dataclass(frozen=True)
+class Slits:
+    """Slits along the length, as a shape of a user's own: places, width and depth [m]."""
+
+    places: tuple[float, ...]
+    width: float
+    depth: float
+    curvature = 0.0
+
+    def gap(self, grid: cs.Grid) -> Array:
+        """Return the depth within half a width of a place."""
+        away = np.min([np.abs(grid.x - place) for place in self.places], axis=0)
+        return np.asarray(np.where(away < self.width / 2, self.depth, 0.0)[:, None])
+
+
+def _ratio(rng: np.random.Generator, low: float, high: float) -> float:
+    """Return a number between two, evenly in its logarithm."""
+    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+
+def _waves(rng: np.random.Generator, cells: tuple[float, float]) -> Made:
+    """Waves across or along, of as many cells."""
+    height, phase = _ratio(rng, 1e-3, 1.0) * FLATTENED, rng.uniform(0, tau)
+    width = (2.6 + 2 * (height / FLATTENED) ** 0.5) * A
+    if rng.random() < 0.6:
+        grid = cs.Grid((int(rng.integers(40, 200)), 1), (width, A))
+        wave = cs.Waviness(height, across=_ratio(rng, *cells) * grid.cell[0], phase=phase)
+        return scene(wave), grid, EXACT, Finer((32, 1), EXACT)
+    grid = cs.Grid((int(rng.integers(30, 60)), int(rng.integers(12, 30))), (width, A))
+    count = max(1, round(grid.cells[1] / _ratio(rng, *cells)))
+    wave = cs.Waviness(height, along=A / count, phase=phase)
+    return scene(wave), grid, EXACT, Finer((4, 12), EXACT)
+
+
+def waves(rng: np.random.Generator) -> Made:
+    """Waves of four to forty cells."""
+    return _waves(rng, (4.0, 40.0))
+
+
+def waves_of_few_cells(rng: np.random.Generator) -> Made:
+    """Waves of one to three cells, every third of them of exactly two."""
+    return _waves(rng, (2.0, 2.0) if rng.random() < 1 / 3 else (1.0, 3.0))
+
+
+def slits(rng: np.random.Generator) -> Made:
+    """Slits of a tenth of a cell to three cells."""
+    grid = cs.Grid((int(rng.integers(40, 250)), 1), (rng.uniform(2.6, 3.4) * A, A))
+    places = tuple(rng.uniform(-1, 1, int(rng.integers(1, 4))) * A)
+    shape = Slits(places, rng.uniform(0.1, 3) * grid.cell[0], _ratio(rng, 0.01, 10) * FLATTENED)
+    return scene(shape), grid, EXACT, Finer((64, 1), EXACT)
+
+
+def needles(rng: np.random.Generator) -> Made:
+    """Bumps of a third of a cell to one and a half."""
+    cells = int(rng.integers(30, 50)), int(rng.integers(14, 30))
+    grid = cs.Grid(cells, (3 * A, 3 * A * cells[1] / cells[0]))
+    shape = Bumps(
+        _ratio(rng, 1e-3, 0.3) * FLATTENED,
+        rng.uniform(0.3, 1.5) * grid.cell[0],
+        (rng.uniform(5, 20) * grid.cell[0], grid.period / int(rng.integers(1, 4))),
+        (rng.uniform(-1, 1) * A, rng.uniform(-1, 1) * A),
+    )
+    return scene(shape), grid, EXACT, Finer((12, 12), EXACT)
+
+
+def textures(rng: np.random.Generator) -> Made:
+    """Grooves and dimples with each flank."""
+    profile = PROFILES[int(rng.integers(3))]
+    depth = _ratio(rng, 0.02, 5) * FLATTENED
+    if rng.random() < 0.5:
+        grid = cs.Grid((int(rng.integers(50, 400)), 1), (2.9 * A, A))
+        pitch = _ratio(rng, 4, 60) * grid.cell[0]
+        groove = cs.Groove(depth, rng.uniform(0.3, 1) * pitch, profile)
+        return scene(cs.Texture(groove, (pitch, inf))), grid, EXACT, Finer((24, 1), EXACT)
+    across, along = rng.uniform(0.3, 0.9, 2) * A
+    cells = int(rng.integers(40, 90))
+    grid = cs.Grid((cells, max(8, round(cells * along / (2.6 * A)))), (2.6 * A, along))
+    dimple = cs.Dimple(depth, rng.uniform(0.4, 1) * min(across, along), profile)
+    return scene(cs.Texture(dimple, (across, along))), grid, EXACT, Finer((6, 6), EXACT)
+
+
+def roughness(rng: np.random.Generator) -> Made:
+    """Roughness cut off at one to sixteen cells."""
+    cells = int(rng.integers(60, 110))
+    grid = cs.Grid((cells, cells // 2), (3.6 * A, 1.8 * A))
+    cut_off = _ratio(rng, 1, 16) * grid.cell[0]
+    shape = cs.Roughness(
+        _ratio(rng, 0.02, 1) * FLATTENED,
+        hurst=rng.uniform(0.3, 0.9),
+        roll_off=max(rng.uniform(0.3, 0.9) * A, cut_off),
+        cut_off=cut_off,
+        seed=int(rng.integers(1_000_000)),
+    )
+    return scene(shape), grid, EXACT, Finer((4, 4), EXACT)
+
+
+def measured(rng: np.random.Generator) -> Made:
+    """A ground surface at one to three cells a point."""
+    heights = ground((80, 40), int(rng.integers(1_000_000))) * _ratio(rng, 0.01, 0.8) * FLATTENED
+    surface = cs.MeasuredSurface(heights, (80 * POINT, 40 * POINT), seam=cs.Tapered())
+    each = rng.uniform(1, 3)
+    grid = cs.Grid((round(72 * each), round(40 * each)), (72 * POINT, 40 * POINT))
+    return scene(surface), grid, EXACT, Finer((3, 3), EXACT)
+
+
+def coats(rng: np.random.Generator) -> Made:
+    """Coats 2 to 200 times stiffer than the substrate, of a tenth of a cell to thirty."""
+    stiffer, cells = _ratio(rng, 2, 200), int(rng.integers(30, 150))
+    coating, substrate = (
+        cs.HalfSpace(modulus, 0.3) for modulus in (2e11 * stiffer**0.5, 2e11 / stiffer**0.5)
+    )
+    thickness = _ratio(rng, 0.1, 30) * 3 * A / cells
+    body = cs.CoatedHalfSpace(coating, thickness, substrate)
+    coated = cs.Scene(SCENE.load, (body, SCENE.solids[1]), SCENE.shapes)
+    hertz = coated.hertz
+    assert hertz is not None
+    grid = cs.Grid((cells, 1), (rng.uniform(2.7, 3.6) * hertz.half_width, A))
+    return coated, grid, EXACT, Finer((16, 1), EXACT, 1e-8)
+
+
+def point_contacts(rng: np.random.Generator) -> Made:
+    """Spheres that touch in a few cells to some hundred."""
+    point = cs.analytic.HertzPoint(30.0, 0.01, MODULUS)
+    width = rng.uniform(2.2, 10) * point.contact_radius
+    across, along = (int(count) for count in rng.integers(5, 40, 2))
+    grid = cs.Grid((across, along), (width, width))
+    ball = cs.Scene(cs.LineLoad(30.0 / width), SCENE.solids, (cs.Sphere(0.01),))
+    return ball, grid, (FREE, FREE), Finer((8, 8), (FREE, FREE))
+
+
+def rollers(rng: np.random.Generator) -> Made:
+    """Rollers of a tenth of a cell to all of the length, straight or crowned."""
+    period = rng.uniform(3, 16) * A
+    grid = cs.Grid((int(rng.integers(28, 60)), int(rng.integers(16, 80))), (4 * A, period))
+    length = (
+        rng.uniform(0.1, 3) * grid.cell[1] if rng.random() < 0.3 else rng.uniform(0.6, 1) * period
+    )
+    shapes: list[cs.Shape] = [cs.FiniteLength(length)]
+    if rng.random() < 0.4:
+        shapes.append(cs.Crown.of_drop(_ratio(rng, 0.5, 30) * FLATTENED, length))
+    load = cs.LineLoad(SCENE.load.largest * length / period)
+    ended = cs.Scene(load, SCENE.solids, (*SCENE.shapes, *shapes))
+    return ended, grid, (FREE, FREE), Finer((3, 12), (FREE, FREE))
+
+
+def hard(rng: np.random.Generator) -> Made:
+    """Roughness on a body with a hardness."""
+    cells = int(rng.integers(40, 100))
+    grid = cs.Grid((cells, cells // 2), (3.6 * A, 1.8 * A))
+    shape = cs.Roughness(
+        _ratio(rng, 0.05, 0.8) * FLATTENED,
+        hurst=0.8,
+        roll_off=0.9 * A,
+        cut_off=rng.uniform(0.1, 0.4) * A,
+        seed=int(rng.integers(1_000_000)),
+    )
+    soft = scene(shape, hardness=rng.uniform(0.7, 4) * P_H)
+    return soft, grid, EXACT, Finer((4, 4), EXACT)
+
+
+MAKERS: tuple[Callable[[np.random.Generator], Made], ...] = (
+    waves, waves_of_few_cells, slits, needles, textures, roughness, measured, coats, point_contacts, rollers, hard,
+)  # fmt: skip
+RANDOM = {f"random {make.__name__.replace('_', ' ')}": make for make in MAKERS}
+NAMES = tuple(f"{kind} {number}" for kind in RANDOM for number in range(EACH))
+
+
+def random_case(name: str, seed: int) -> AccuracyCase:
+    """Return the case of a name, one of `NAMES`, under a seed."""
+    kind = name.rpartition(" ")[0]
+    rng = np.random.default_rng([seed, NAMES.index(name)])
+    return AccuracyCase(kind, *RANDOM[kind](rng))

@@ -1,0 +1,75 @@
+"""The sections of a page about a scene's settings, from what a folder has stored of it or from a measurement."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from contactstudy.domain.checks import positive
+from studies.advice.comparison import Comparison
+from studies.advice.measuring import Budget, compared
+from studies.advice.stored import path_in, store, stored
+from studies.advice.subject import Described
+from studies.report.chapters import SETTINGS
+from studies.report.drawings.settings import parts
+from studies.report.section import FORMATS, Section, embedded
+from studies.store.netcdf import open_folder
+
+Log = Callable[[str], object]
+
+
+def comparison_of(
+    described: Described, error: float, budget: Budget, out: Path, log: Log
+) -> Comparison:
+    """Return the comparison of a scene that a folder has, if it answers the request; else measure and store it.
+
+    Parameters
+    ----------
+    described
+        The scene.
+    error
+        Requested relative L1 error of the pressure.
+    budget
+        Seconds for a measurement.
+    out
+        Folder of the file.
+    log
+        Takes a sentence on each step.
+    """
+    positive("error", error, "must be a relative error above 0, such as 1e-2")
+    known = stored(described.key, out)
+    if known is not None:
+        verdict = known.verdict(error)
+        if known.error == error or (verdict is not None and verdict.meets and verdict.best.rounds):
+            log(f"read the rounds stored in {path_in(out)}")
+            return known.asking(error)
+    measured = compared(described.subject(error), error, budget, log)
+    store(measured, described.key, open_folder(out))
+    return measured
+
+
+def scene_sections(
+    measured: Comparison, out: Path, formats: Sequence[str] = FORMATS, most: int | None = None
+) -> Sequence[Section]:
+    """Draw a comparison into a folder, and return it, or the first `most` parts of it, as sections of a page."""
+    return [
+        Section(
+            name=part.name,
+            title=part.title,
+            swept="",
+            findings=part.findings,
+            figures=[embedded(figure, SETTINGS, out, formats) for figure in part.figures],
+            tables=part.tables,
+            file=SETTINGS,
+        )
+        for part in parts(measured)[:most]
+    ]
+
+
+def lead(measured: Comparison) -> str:
+    """Return what is compared, in some sentences."""
+    width, length = (1e3 * side for side in measured.extent)
+    return (
+        f"The scene {measured.name} on {width:.4g} mm x {length:.4g} mm, solved with every padding on finer and finer "
+        "grids. Neighbouring periods can be ignored (zero), copied once (duplicated), summed over n periods on each "
+        "side in a window fixed to the domain (superposed) or moving with the point (circular), or summed to infinity "
+        f"in closed form (exact); free ends have none. Measured in {measured.spent:.0f} s, times on one thread."
+    )

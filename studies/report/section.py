@@ -1,0 +1,74 @@
+"""Sections of a page: findings, figures and tables of a study, with the figures saved beside the page."""
+
+import base64
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from io import BytesIO
+from pathlib import Path
+
+from contactstudy.domain.files import replacing
+from studies.model.drawing import CaptionedFigure, Finding, Table
+
+FORMATS = ("png",)
+CLAIM = "The paper's"  # findings about the paper stand in its section
+
+
+@dataclass(frozen=True, eq=False)
+class Section:
+    """The part of a page that shows a study."""
+
+    name: str
+    title: str
+    swept: str
+    findings: Sequence[Finding]
+    figures: Sequence[Mapping[str, str]]
+    tables: Sequence[Table]
+    file: str = ""
+
+    @property
+    def data(self) -> str:
+        """Name of the netCDF file beside the page, without its ending."""
+        return self.file or self.name
+
+    @property
+    def answers(self) -> Sequence[Finding]:
+        """Findings that answer a question of the reader."""
+        return [
+            finding
+            for finding in self.findings
+            if finding.question.endswith("?") or is_claim(finding)
+        ]
+
+
+def saved(drawn: CaptionedFigure, folder: Path, formats: Sequence[str]) -> bytes:
+    """Save a figure in these formats; return its PNG."""
+    # laid out once for all files: each would do it again
+    if engine := drawn.figure.get_layout_engine():
+        engine.execute(drawn.figure)
+        drawn.figure.set_layout_engine("none")
+    picture = BytesIO()
+    for suffix in formats:
+        data = BytesIO()
+        drawn.figure.savefig(data, format=suffix)
+        with replacing(folder / f"{drawn.name}.{suffix}") as path:
+            path.write_bytes(data.getvalue())
+        picture = data if suffix == "png" else picture
+    return picture.getvalue()
+
+
+def embedded(
+    drawn: CaptionedFigure, folder: str, out: Path, formats: Sequence[str]
+) -> Mapping[str, str]:
+    """Save a figure into ``<out>/<folder>``, and return what a page shows of it."""
+    return {
+        "png": base64.b64encode(saved(drawn, out / folder, formats)).decode(),
+        "files": " ".join(f"{folder}/{drawn.name}.{suffix}" for suffix in formats),
+        "caption": drawn.caption,
+        "width": f"{100 * drawn.figure.get_figwidth():.0f}",
+        "height": f"{100 * drawn.figure.get_figheight():.0f}",
+    }
+
+
+def is_claim(finding: Finding) -> bool:
+    """Return whether a finding is about a claim of the paper."""
+    return finding.question.startswith(CLAIM)

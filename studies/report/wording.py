@@ -1,0 +1,146 @@
+"""The verdict on a scene's settings in words, for the page and for the command."""
+
+from collections.abc import Sequence
+from math import inf, isfinite
+
+from studies.advice.comparison import LINE, Comparison, Measured, Rival, Verdict
+from studies.advice.subject import REPORTED, Setting
+from studies.report.style import percent
+
+NAMES = {"exact": "exact periodicity", LINE: "exact periodicity", "free": "free ends"}
+# Paddings that a figure's title names as equally fast.
+MOST_TIES = 3
+# Requested errors of the table of costs.
+DECADES = (0.3, 0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4, 1e-4)
+
+
+def padding_name(label: str) -> str:
+    """Return the name of a padding in a sentence."""
+    return NAMES.get(label, f"{label} padding" if label in ("zero", "duplicated") else label)
+
+
+def cells_text(cells: tuple[int, int]) -> str:
+    """Return numbers of cells, such as "128 x 96 cells"."""
+    return f"{cells[0]} x {cells[1]} cells"
+
+
+def setting_text(one: Measured) -> str:
+    """Return a setting in words."""
+    return f"{padding_name(one.label)}, {cells_text(one.setting.cells)}, tolerance {one.setting.tolerance:.0e}"
+
+
+def seconds_text(seconds: float) -> str:
+    """Return a time with two digits, in ms below a second."""
+    return f"{1000 * seconds:.2g} ms" if seconds < 0.9995 else f"{seconds:.2g} s"
+
+
+def error_text(error: float, floor: float) -> str:
+    """Return an error with the reference's bound, where there is one."""
+    if floor == 0:
+        return percent(error)
+    return f"{percent(error)} ± {percent(floor)}" if isfinite(floor) else f"{percent(error)} ± ?"
+
+
+def rival_name(rival: Rival) -> str:
+    """Return the padding of a rival."""
+    return padding_name(rival.measured.label)
+
+
+def ratio_text(rival: Rival) -> str:
+    """Return how long a rival takes beside the chosen setting."""
+    return f"{padding_name(rival.measured.label)} ({rival.ratio:.2g} times)"
+
+
+def verdict_text(measured: Comparison, verdict: Verdict) -> str:
+    """Return the verdict in a sentence."""
+    best = verdict.best
+    cost = f"in {seconds_text(best.time)} on one thread"
+    error = error_text(best.error, measured.floor)
+    if verdict.meets:
+        return (
+            f"Use {setting_text(best)}: the pressure is {error} off in L1, {cost}; "
+            f"{percent(verdict.error)} was asked."
+        )
+    if measured.floor == inf:
+        return (
+            f"No setting can be shown to meet {percent(verdict.error)}: the finest solution has no bound on its own "
+            f"error. The nearest is {setting_text(best)}, {percent(best.error)} from it, {cost}."
+        )
+    return f"No setting is shown to meet {percent(verdict.error)}. The nearest is {setting_text(best)}: {error}, {cost}."
+
+
+def rivals_text(measured: Comparison, verdict: Verdict) -> str:
+    """Return sentences on the other paddings and on the next coarser grid."""
+    rounds, sentences = _rounds(measured), []
+    timed = [rival for rival in verdict.rivals if rival.measured.rounds]
+    shown = [rival for rival in timed if rival.is_shown]
+    for words, rivals, text in (
+        ("As fast, within a tenth", [r for r in timed if r.is_tie], rival_name),
+        (f"Slower in {rounds} rounds", [r for r in shown if r.ratio > 1], ratio_text),
+        (f"Quicker in {rounds} rounds", [r for r in shown if r.ratio < 1], ratio_text),
+        (
+            f"Not decided by {rounds} rounds",
+            [r for r in timed if not r.is_tie and not r.is_shown],
+            ratio_text,
+        ),
+        (
+            "Meets the request too, but is not among the quickest",
+            [r for r in verdict.rivals if not r.measured.rounds],
+            ratio_text,
+        ),
+    ):
+        if rivals:
+            sentences.append(f"{words}: {', '.join(map(text, rivals))}.")
+    meeting = {verdict.best.label, *(rival.measured.label for rival in verdict.rivals)}
+    misses = [label for label in measured.labels if label not in meeting and measured.of(label)]
+    if misses and verdict.meets:
+        finest = ", ".join(
+            f"{padding_name(label)} ({percent(measured.of(label)[-1].error)})" for label in misses
+        )
+        sentences.append(f"On no grid accurate enough: {finest}.")
+    if coarser := verdict.coarser:
+        took = f"{coarser.time / verdict.best.time:.2g} times the time"
+        sentences.append(
+            f"The next coarser grid, {cells_text(coarser.setting.cells)}, has an error of "
+            f"{percent(coarser.error)} in {took}{_why(measured, verdict, coarser)}."
+        )
+    return " ".join(sentences)
+
+
+def _why(measured: Comparison, verdict: Verdict, coarser: Measured) -> str:
+    """Return why the next coarser grid was not chosen."""
+    if not verdict.meets:
+        return ""
+    if not coarser.is_bounded:
+        return ", but nothing bounds its own error"
+    if coarser.error + measured.floor > verdict.error >= coarser.error:
+        return ", which meets the request only if the reference's own bound is not added"
+    if coarser.error > verdict.error:
+        return " and misses the request"
+    return ", which is no saving"
+
+
+def _rounds(measured: Comparison) -> int:
+    return max((len(one.rounds) for one in measured.settings), default=0)
+
+
+def title_text(measured: Comparison, verdict: Verdict) -> str:
+    """Return the verdict in two short lines, for a figure."""
+    best: Setting = verdict.best.setting
+    first = f"{measured.name}: {verdict.best.label}, {cells_text(best.cells)}, tol. {best.tolerance:.0e}"
+    second = (
+        f"{error_text(verdict.best.error, measured.floor)} in {seconds_text(verdict.best.time)}"
+    )
+    if not verdict.meets:
+        return f"{first}\n{second}: {percent(verdict.error)} is not met"
+    ties = [
+        rival.measured.label for rival in verdict.rivals if rival.is_tie and rival.measured.rounds
+    ]
+    named = "; ".join(ties[:MOST_TIES]) + "; ..." * (len(ties) > MOST_TIES)
+    return f"{first}\n{second}" + f"; as fast: {named}" * bool(ties)
+
+
+def reported_quantities(measured: Comparison) -> Sequence[tuple[str, str]]:
+    """Return the numbers whose change by a padding is known, each with its name for people."""
+    known = {name for one in measured.paddings for name in one.changes}
+    return [(name, words) for name, words in REPORTED.items() if name in known]

@@ -1,0 +1,294 @@
+"""What a process has loaded: the sources of its modules, and the versions of distributions and Python."""
+
+import hashlib
+import importlib
+import os
+import secrets
+import site
+import sys
+import sysconfig
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from functools import cache
+from importlib.machinery import ModuleSpec
+from pathlib import Path
+from typing import Any
+
+import psutil
+
+CODE = (".py", ".pyc", ".pyd", ".so")
+PYTHON = "{}.{}".format(*sys.version_info)
+OWN = ("contactstudy", "studies")
+# distributions that send, run and show cases, and change no number
+SPARED = frozenset((
+    "charset_normalizer", "click", "cloudpickle", "dask", "distributed", "fsspec", "jinja2", "locket", "markupsafe",
+    "msgpack", "packaging", "partd", "psutil", "pyyaml", "setuptools", "sortedcontainers", "tblib", "threadpoolctl",
+    "toolz", "tornado", "tqdm", "zict",
+))  # fmt: skip
+MARGIN = 0.02  # seconds by which the clock of a file system may be late
+Record = Mapping[str, str]
+
+
+@cache
+def _site_folders() -> tuple[str, ...]:
+    """Return the folders in which distributions are installed."""
+    paths = sysconfig.get_paths()
+    folders = [paths["purelib"], paths["platlib"], site.getusersitepackages()]
+    return tuple(dict.fromkeys(map(os.path.realpath, [*folders, *site.getsitepackages()])))
+
+
+@cache
+def _installed() -> tuple[Mapping[str, str], Mapping[str, str]]:
+    """Return the distribution of each installed file, and the version of each distribution.
+
+    A distribution that did not come from an index has a digest of its code beside its version.
+    """
+    files: dict[str, str] = {}
+    versions: dict[str, str] = {}
+    for folder in _site_folders():
+        for about in Path(folder).glob("*.dist-info"):
+            name, _, version = about.stem.lower().partition("-")
+            with suppress(OSError):
+                rows = (about / "RECORD").read_text(encoding="utf-8").splitlines()
+                code = [row for row in rows if row.partition(",")[0].strip('"').endswith(CODE)]
+                if (about / "direct_url.json").exists():
+                    version = f"{version} {digest(chr(10).join(sorted(code)).encode())}"
+                versions.setdefault(name, version)
+                for row in code:
+                    path = f"{folder}/{row.partition(',')[0].strip(chr(34))}"
+                    files[os.path.normpath(path) if ".." in path or os.sep != "/" else path] = name
+    return files, versions
+
+
+@cache
+def _real_folder(folder: str) -> str:
+    """Return a folder without symbolic links."""
+    return os.path.realpath(folder)
+
+
+@cache
+def _is_standard(folder: str) -> bool:
+    """Return whether a folder is of the standard library, and no folder of distributions within."""
+    paths = sysconfig.get_paths()
+    standard = {os.path.realpath(paths[name]) for name in ("stdlib", "platstdlib")}
+    path = Path(folder)
+    parents = {str(path), *map(str, path.parents)}
+    return bool(parents & standard) and not parents & set(_site_folders())
+
+
+def digest(content: bytes) -> str:
+    """Return sixteen digits of a hash."""
+    return hashlib.blake2b(content, digest_size=8).hexdigest()
+
+
+def entry_of(name: str, spec: ModuleSpec) -> tuple[str, str] | None:
+    """Return the entry of the record for a module: its source, or the version of its distribution.
+
+    Returns None for a module of the standard library, and for one that no file is known of.
+    """
+    origin = spec.origin if spec.has_location else None
+    if origin is None:
+        return None if spec.submodule_search_locations is None else (f"module {name}", "a folder")
+    path = os.path.abspath(origin)  # noqa: PTH100 (a path object takes ten times as long)
+    folder, file = os.path.split(path)
+    folder = _real_folder(folder)
+    files, versions = _installed()
+    distribution = files.get(f"{folder}{os.sep}{file}", "")
+    if distribution in SPARED or name.startswith("__editable__"):
+        return None
+    if distribution and distribution not in OWN:
+        return f"distribution {distribution}", versions[distribution]
+    if not distribution and _is_standard(folder):
+        return None
+    get_data: Any = getattr(spec.loader, "get_data", None)
+    try:
+        content = get_data(origin) if get_data else Path(path).read_bytes()
+    except OSError:
+        return f"module {name}", "unreadable"
+    return f"module {name}", digest(content)
+
+
+def resolved(name: str) -> ModuleSpec | None:
+    """Return the specification of the module that an import of `name` would load now; nothing is imported."""
+    parent, _, _ = name.rpartition(".")
+    path: list[str] | None = None
+    if parent:
+        above = resolved(parent)
+        if above is None or above.submodule_search_locations is None:
+            return None
+        path = list(above.submodule_search_locations)
+        loaded = _spec_of(sys.modules.get(parent))
+        if loaded is not None and loaded.origin == above.origin:  # it may have added folders
+            path += getattr(sys.modules[parent], "__path__", ())
+    for finder in sys.meta_path:
+        if finder is not LOADED:
+            with suppress(Exception):  # a finder of others may do anything
+                if spec := finder.find_spec(name, path, None):
+                    return spec
+    # one that was loaded by its path
+    return _spec_of(sys.modules.get(name))
+
+
+def _spec_of(module: object) -> ModuleSpec | None:
+    """Return the specification of a module, without waking up a lazy one."""
+    with suppress(AttributeError):
+        spec = object.__getattribute__(module, "__dict__").get("__spec__")
+        return spec if isinstance(spec, ModuleSpec) else None
+    return None
+
+
+class Loaded:
+    """Record of all that this process has loaded, kept while it lives.
+
+    It stands first among the finders of ``sys.meta_path``, finds nothing, and notes the source of each module before it
+    is loaded. A source that is another one afterwards, or that may have been, matches nothing.
+    """
+
+    def __init__(self) -> None:
+        self.record: Record = {"python": PYTHON}
+        self._modules: dict[str, object] = {}
+        self._noted: dict[str, tuple[str, str] | None] = {}
+        # the interpreter itself takes longer than the margin before it loads anything of this program
+        self._started = self._scanned = _process_start() + MARGIN
+        self._busy = False
+
+    def find_spec(self, name: str, path: Any, target: Any = None) -> None:
+        """Note the source that is about to be loaded as `name`."""
+        if self._busy:  # a finder of others that asks all finders
+            return
+        self._busy = True
+        try:
+            for finder in sys.meta_path:
+                if finder is not self and (spec := finder.find_spec(name, path, target)):
+                    self._noted[name] = entry_of(name, spec)
+                    return
+        finally:
+            self._busy = False
+
+    def scan(self) -> Record:
+        """Return the record with what was loaded since the last scan."""
+        now = time.time()
+        known, noted = self._modules, self._noted
+        changed = [
+            (name, module)
+            for name, module in list(sys.modules.items())
+            if known.get(name) is not module or name in noted
+        ]
+        if not changed and not noted:
+            return self.record
+        entries = dict(self.record)
+        for name, module in changed:
+            known[name] = module
+            if name in ("__main__", "__mp_main__") or _is_study_file(module):
+                noted.pop(name, None)
+                continue
+            self._add(name, _spec_of(module) or resolved(name), entries)
+        for found in noted.values():  # deleted again
+            if found is not None:
+                _enter(*found, entries)
+        noted.clear()
+        self._scanned = now
+        if entries != self.record:
+            self.record = entries
+        return self.record
+
+    def _add(self, name: str, spec: ModuleSpec | None, entries: dict[str, str]) -> None:
+        """Add the entry of a module."""
+        found = None if spec is None else entry_of(name, spec)
+        is_noted = name in self._noted
+        before = self._noted.pop(name, None)
+        if found is None or spec is None:
+            return
+        key, value = found
+        certain = found == before if is_noted else self._is_older(spec)
+        if not certain and key.startswith("module"):
+            value = f"{value} or another {secrets.token_hex(4)}"
+        _enter(key, value, entries)
+
+    def _is_older(self, spec: ModuleSpec) -> bool:
+        """Return whether the file of a module was not changed since the last scan."""
+        path = getattr(spec.loader, "archive", spec.origin)
+        return not spec.has_location or is_older(path, self._scanned)
+
+    def is_since_start(self, path: Path) -> bool:
+        """Return whether a file is as it was when this process started."""
+        return is_older(path, self._started)
+
+
+def is_older(path: Any, instant: float) -> bool:
+    """Return whether a file was not changed since an instant [s since the epoch]."""
+    try:
+        status = os.stat(path)  # noqa: PTH116
+    except (OSError, TypeError):
+        return False
+    return max(status.st_mtime, status.st_ctime) < instant - MARGIN
+
+
+def _enter(key: str, value: str, entries: dict[str, str]) -> None:
+    """Add an entry; one that differs from an earlier one matches nothing, since both may be in use."""
+    before = entries.get(key, value)
+    entries[key] = value if value == before else f"{value} after {before}"
+
+
+def _is_study_file(module: object) -> bool:
+    """Return whether a module is a study file, which is identified by its syntax tree."""
+    with suppress(AttributeError):
+        return "__source__" in object.__getattribute__(module, "__dict__")
+    return False
+
+
+def _process_start() -> float:
+    """Return the time at which this process started [s since the epoch]."""
+    with suppress(OSError, AttributeError, IndexError):
+        fields = Path("/proc/self/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
+        ticks = float(fields[19]) / os.sysconf("SC_CLK_TCK")
+        return time.time() - time.clock_gettime(time.CLOCK_BOOTTIME) + ticks
+    return float(psutil.Process().create_time())
+
+
+LOADED = Loaded()
+sys.meta_path.insert(0, LOADED)
+
+
+class Present:
+    """What this process would load now, looked up once for each name."""
+
+    def __init__(self) -> None:
+        importlib.invalidate_caches()
+        self._entries: dict[str, str] = {"python": PYTHON}
+        self._judged: dict[int, tuple[Record, list[str]]] = {}
+
+    def changes(self, record: Record) -> list[str]:
+        """Return the names of the entries of a record that are not what would be loaded now."""
+        if id(record) not in self._judged:
+            changes = [key for key, value in record.items() if self._entry(key) != value]
+            self._judged[id(record)] = record, changes
+        return self._judged[id(record)][1]
+
+    def _entry(self, key: str) -> str:
+        """Return the entry that a process would record under `key` now."""
+        if key not in self._entries:
+            kind, _, name = key.partition(" ")
+            if kind == "distribution":
+                found = _installed()[1].get(name, "absent")
+            else:
+                spec = resolved(name)
+                entry = None if spec is None else entry_of(name, spec)
+                found = "absent" if entry is None else entry[1] if entry[0] == key else entry[0]
+            self._entries[key] = found
+        return self._entries[key]
+
+
+def shown(changes: Sequence[str]) -> str:
+    """Return the names of changed entries in words, the first of many."""
+    return ", ".join(_names(changes))
+
+
+def _names(changes: Sequence[str]) -> Iterator[str]:
+    """Yield up to four names, and how many more there are."""
+    for change in changes[:4]:
+        kind, _, name = change.partition(" ")
+        yield name if kind == "module" else change
+    if len(changes) > 4:
+        yield f"and {len(changes) - 4} more"

@@ -1,0 +1,147 @@
+"""The part of a study file that its numbers come from: its syntax tree without what only axes and figures need."""
+
+import ast
+import re
+from collections.abc import Iterator
+
+from studies.store.loaded import PYTHON, digest
+
+ROOTS = frozenset({"scene_at", "measures"})
+# words by which a file may use a name that it does not say
+REFLECTIVE = frozenset((
+    "globals", "locals", "vars", "eval", "exec", "dir", "__dict__", "__globals__", "f_globals", "f_locals", "modules",
+    "inspect", "__import__",
+))  # fmt: skip
+NUMPY = frozenset(("np.arange", "np.array", "np.geomspace", "np.linspace", "np.logspace"))
+PURE = NUMPY | frozenset((
+    "Axis", "abs", "dict", "enumerate", "float", "frozenset", "int", "len", "list", "max", "min", "range", "reversed",
+    "round", "set", "sorted", "str", "sum", "tuple", "zip",
+))  # fmt: skip
+WORD = re.compile(r"\w+")
+Names = frozenset[str]
+
+
+def numerical_part(source: bytes) -> str:
+    """Return a digest of the statements of a study file that can change a number.
+
+    A statement that does nothing but define names is left out unless another one that counts says one of the names.
+    Comments, layout and documentation do not count.
+    """
+    body = ast.parse(source).body
+    words = [frozenset(_words(statement)) for statement in body]
+    everything = frozenset().union(*words[1:] if body and _is_text(body[0]) else words)
+    if "__doc__" not in everything:
+        body = [statement for statement in body if not _is_text(statement)]
+        _forget_documentation(body)
+        words = [frozenset(_words(statement)) for statement in body]
+    pure = PURE - frozenset(_bound(body))
+    is_reflective = any(map(_is_reflective, body))
+    defined = [_defined(statement, pure) for statement in body]
+    kept = {
+        place
+        for place, names in enumerate(defined)
+        if names is None or names & ROOTS or is_reflective
+    }
+    reached: set[int] = set()
+    while kept != reached:
+        reached = set(kept)
+        said = frozenset().union(*(words[place] for place in kept))
+        kept |= {place for place, names in enumerate(defined) if names and names & said}
+    return digest("\n".join([PYTHON, *(ast.dump(body[place]) for place in sorted(kept))]).encode())
+
+
+def _words(node: ast.AST) -> Iterator[str]:
+    """Yield every name, attribute and word of a text in a statement."""
+    for part in ast.walk(node):
+        match part:
+            case ast.Name(id=name) | ast.Attribute(attr=name):
+                yield name
+            case ast.Constant(value=str(value)):
+                yield from WORD.findall(value)
+            case ast.alias(name=name):
+                yield from name.split(".")
+            case ast.Global(names=names) | ast.Nonlocal(names=names):
+                yield from names
+
+
+def _is_reflective(statement: ast.stmt) -> bool:
+    """Return whether a statement may use names that it does not say."""
+    parts = [vars(part) for part in ast.walk(statement)]
+    said = (part.get(word) for part in parts for word in ("id", "attr", "name", "module", "value"))
+    return any(isinstance(word, str) and word in REFLECTIVE for word in said)
+
+
+def _bound(body: list[ast.stmt]) -> Iterator[str]:
+    """Yield the pure functions that stand for something else in this file."""
+    for node in (part for statement in body for part in ast.walk(statement)):
+        match node:
+            case ast.Name(id=name, ctx=ast.Store() | ast.Del()):
+                yield name
+            case (
+                ast.FunctionDef(name=name)
+                | ast.AsyncFunctionDef(name=name)
+                | ast.ClassDef(name=name)
+            ):
+                yield name
+            case ast.ImportFrom(module=module, names=aliases):
+                for alias in aliases:
+                    if alias.name == "*":
+                        yield from PURE
+                    elif (module or "").partition(".")[0] != "studies" or alias.asname:
+                        yield alias.asname or alias.name
+            case ast.Import(names=aliases):
+                for alias in aliases:
+                    yield alias.asname or alias.name
+                    if (alias.asname or alias.name) == "np" and alias.name != "numpy":
+                        yield from NUMPY
+
+
+def _defined(statement: ast.stmt, pure: Names) -> Names | None:
+    """Return the names that a statement defines; None if it does anything else."""
+    match statement:
+        case ast.FunctionDef(decorator_list=[]) | ast.AsyncFunctionDef(decorator_list=[]):
+            arguments = statement.args
+            annotated = [*arguments.args, *arguments.posonlyargs, *arguments.kwonlyargs]
+            evaluated = [*arguments.defaults, *arguments.kw_defaults, statement.returns]
+            evaluated += [argument.annotation for argument in annotated]
+            names = [statement.name]
+        case ast.Assign(targets=targets) if all(isinstance(part, ast.Name) for part in targets):
+            evaluated = [statement.value]
+            names = [part.id for part in targets if isinstance(part, ast.Name)]
+        case ast.AnnAssign(target=ast.Name(id=name), value=ast.expr()):
+            evaluated, names = [statement.value, statement.annotation], [name]
+        case _:
+            return None
+    parts = (part for one in evaluated if one is not None for part in _evaluated(one))
+    return frozenset(names) if all(_is_pure(part, pure) for part in parts) else None
+
+
+def _evaluated(node: ast.AST) -> Iterator[ast.AST]:
+    """Yield every part of an expression that is evaluated with it: not the body of a lambda."""
+    yield node
+    if isinstance(node, ast.Lambda):
+        for default in (*node.args.defaults, *node.args.kw_defaults):
+            if default is not None:
+                yield from _evaluated(default)
+        return
+    for part in ast.iter_child_nodes(node):
+        yield from _evaluated(part)
+
+
+def _is_pure(node: ast.AST, pure: Names) -> bool:
+    """Return whether evaluating this part of an expression has no effect but its value."""
+    if isinstance(node, ast.NamedExpr | ast.Await | ast.Yield | ast.YieldFrom):
+        return False
+    return not isinstance(node, ast.Call) or ast.unparse(node.func) in pure
+
+
+def _is_text(statement: ast.stmt) -> bool:
+    """Return whether a statement is a text by itself."""
+    return isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant)
+
+
+def _forget_documentation(body: list[ast.stmt]) -> None:
+    """Remove texts that document functions and classes."""
+    for node in (part for statement in body for part in ast.walk(statement)):
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
+            node.body = [part for part in node.body if not _is_text(part)]

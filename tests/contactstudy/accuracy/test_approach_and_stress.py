@@ -1,0 +1,59 @@
+"""Bounds of the approach and of the largest stress below the surface, beside those of finer cells."""
+
+from dataclasses import replace
+from math import inf
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.accuracy.approach_and_stress import approach_error, stress_errors
+from contactstudy.accuracy.coarser import coarse_solution
+from contactstudy.accuracy.estimate import error_estimate
+from tests.conftest import LineContact
+
+EXACT = cs.ExactPeriodicity()
+DEPTHS = tuple(np.geomspace(1e-6, 2e-4, 30))
+
+
+@pytest.mark.parametrize("wave", [None, (3e-8, 20.0), (1e-7, 40.0)])
+def test_the_bounds_hold_of_smooth_and_of_wavy_contacts(
+    wave: tuple[float, float] | None, line_contact: LineContact
+) -> None:
+    grid = line_contact.grid((90, 1), 1.0, width=3.2)
+    shapes = line_contact.scene.shapes
+    if wave is not None:
+        shapes = (*shapes, cs.Waviness(wave[0], across=wave[1] * grid.cell[0], phase=0.4))
+    scene = replace(line_contact.scene, shapes=shapes, outputs=(cs.SubsurfaceStress(DEPTHS),))
+
+    def solved(cells: int) -> tuple[cs.Contact, np.ndarray]:
+        solution = cs.solve(scene.problem(cs.Grid((cells, 1), grid.extent), EXACT))
+        return solution, np.asarray(solution.derived["von_mises"].values)
+
+    (coarse, stress), (fine, true) = solved(90), solved(720)
+    estimate, companion = error_estimate(coarse), coarse_solution(coarse.problem)
+    approach = approach_error(coarse, estimate, companion)
+    assert abs(fine.approach / coarse.approach - 1) <= approach.total < 0.05
+    largest, depth = stress_errors(coarse, stress, np.array(DEPTHS), estimate, companion)
+    assert abs(true.max() / stress.max() - 1) <= largest.total < 0.3
+    places = [DEPTHS[int(field.max(axis=(1, 2)).argmax())] for field in (stress, true)]
+    assert abs(places[1] / places[0] - 1) <= depth.total
+
+
+def test_what_images_left_out_move_has_no_bound_of_the_approach(line_contact: LineContact) -> None:
+    problem = line_contact.scene.problem(
+        line_contact.grid((48, 4), 1.2), cs.CircularSuperposition(2)
+    )
+    solution = cs.solve(problem)
+    found = approach_error(solution, error_estimate(solution), None)
+    assert found.total == inf
+    assert "ExactPeriodicity" in found.reason
+
+
+def test_stress_without_a_coarser_solution_has_no_bound(line_contact: LineContact) -> None:
+    solution = cs.solve(line_contact.scene.problem(line_contact.grid((48, 1), 1.0), EXACT))
+    parts = stress_errors(
+        solution, np.ones((2, 48, 1)), np.array([0.0, 1.0]), error_estimate(solution), None
+    )
+    assert [part.total for part in parts] == [inf, inf]
+    assert all("twice the size" in part.reason for part in parts)

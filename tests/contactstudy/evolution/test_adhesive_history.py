@@ -1,0 +1,172 @@
+"""Approach and separation under a load history: loops, the load at which contact is lost, and what answers say."""
+
+from dataclasses import replace
+from math import inf, pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.accuracy.sought_load import short_of_limit
+
+SOFT, RIGID = cs.HalfSpace(1.0, 0.0), cs.HalfSpace(inf, 0.3)
+# R = E* = 1 and w = pi: loads over pi have the unit of Johnson, Kendall & Roberts
+SCENE = cs.Scene(
+    cs.LoadHistory((0.0, 1.0, 3.0), (0.1 * pi, pi, -2 * pi)),
+    (SOFT, RIGID),
+    (cs.Cylinder(1.0),),
+    adhesion=cs.Adhesion(pi, 2.0),
+)
+GRID, LINE = cs.Grid((256, 1), (24.0, 1.0)), cs.ExactPeriodicity()
+TIMES = (0.0, 0.5, 1.0, 1.3, 1.6, 1.9, 2.2, 2.4, 2.5, 3.0)
+
+
+@pytest.fixture(scope="module")
+def loop() -> cs.Evolution:
+    """Approach and separation of a cylinder."""
+    evolution = cs.solve(SCENE, GRID, LINE, times=TIMES)
+    assert isinstance(evolution, cs.Evolution)
+    return evolution
+
+
+def test_a_history_pulls_until_contact_is_lost(loop: cs.Evolution) -> None:
+    loads = [frame.load_per_length / pi for frame in loop.frames]
+    assert loads[:8] == pytest.approx([0.1, 0.55, 1.0, 0.55, 0.1, -0.35, -0.8, -1.1], abs=1e-9)
+    assert [frame.status for frame in loop.frames][-2:] == [cs.Status.DETACHED] * 2
+    pull_off = loop.quantities["pull_off"]
+    # lost between the instants 2.4 s and 2.5 s, at 1.14064
+    assert pull_off.value / pi == pytest.approx(1.1)
+    assert pull_off.value / pi + pull_off.bound / pi == pytest.approx(1.25)
+
+
+def test_a_state_follows_from_the_one_before_however_many_lie_between(loop: cs.Evolution) -> None:
+    direct = cs.solve(SCENE, GRID, LINE, times=(0.0, 1.0, 2.4))
+    assert isinstance(direct, cs.Evolution)
+    last, other = direct.frames[-1], loop.frames[7]
+    # the passes leave 1e-5 of the attraction
+    np.testing.assert_allclose(last.pressure, other.pressure, atol=1e-3 * other.pressure.max())
+
+
+def test_the_work_lost_is_the_integral_of_the_load_over_the_approach(loop: cs.Evolution) -> None:
+    held = [frame for frame in loop.frames if frame.status is not cs.Status.DETACHED]
+    loads = np.array([frame.load_per_length for frame in held])
+    approaches = np.array([frame.quantities["approach"].value for frame in held])
+    by_hand = np.sum((loads[1:] + loads[:-1]) / 2 * np.diff(approaches))
+    assert loop.quantities["work_lost"].value == pytest.approx(by_hand, rel=1e-6)
+
+
+def test_the_dataset_of_a_history_has_the_attraction_and_its_picture_the_loop(
+    loop: cs.Evolution,
+) -> None:
+    dataset = loop.to_dataset()
+    assert dataset["attraction"].dims == ("time", "x", "y")
+    assert float(dataset["load"][-1]) == pytest.approx(-2 * pi)
+    titles = [ax.get_title() for ax in loop.plot().axes]
+    assert "approach and separation" in titles
+
+
+def test_a_contact_names_what_adhesion_adds() -> None:
+    contact = cs.solve(replace(SCENE, load=cs.LineLoad(pi)), GRID, LINE)
+    numbers = contact.quantities
+    assert numbers["tabor_parameter"].value == pytest.approx((pi**2 / 8) ** (1 / 3))
+    # pi E* w / (4 sigma0^2) with sigma0 = w / rho
+    assert numbers["cells_in_zone"].value == pytest.approx(1.0 / (24 / 256))
+    assert numbers["attraction_range"].value == 2.0
+    assert numbers["detached"].value == 0
+    assert numbers["load_per_length"].value == pytest.approx(pi, rel=1e-9)
+    assert numbers["energy"].value < 0
+    dataset = contact.to_dataset()
+    assert dataset["branch"].attrs["flag_meanings"].split()[int(dataset["branch"])] == "from_afar"
+    assert float((dataset["pressure"] - dataset["attraction"]).sum()) * 24 / 256 == pytest.approx(
+        pi
+    )
+
+
+def test_the_bound_of_a_pull_off_holds_the_load_of_a_fine_grid() -> None:
+    coarse = cs.solve(replace(SCENE, load=cs.PullOff(pi)), cs.Grid((128, 1), (24.0, 1.0)), LINE)
+    pull_off = coarse.quantities["pull_off"]
+    assert abs(pull_off.value / pi - 1.14064) < pull_off.bound / pi < 0.1
+
+
+def test_without_a_range_the_bound_holds_the_limit_of_short_ranges() -> None:
+    limit = replace(SCENE, load=cs.PullOff(pi), adhesion=cs.Adhesion(pi))
+    for cells in (64, 128):
+        pull_off = cs.solve(limit, cs.Grid((cells, 1), (8.0, 1.0)), LINE).quantities["pull_off"]
+        assert abs(pull_off.value / pi - 1.190551) < pull_off.bound / pi < 0.2
+
+
+def test_a_load_at_a_given_approach_has_a_bound_that_holds_the_load_of_a_fine_grid() -> None:
+    near = replace(SCENE, load=cs.Approach(1.0))
+    finer = cs.solve(near, cs.Grid((1024, 1), GRID.extent), LINE)
+    fine = finer.quantities["load_per_length"].value
+    load = cs.solve(near, cs.Grid((128, 1), GRID.extent), LINE).quantities["load_per_length"]
+    assert abs(load.value - fine) < load.bound < 0.1 * abs(fine)
+
+
+def test_the_shortfall_of_a_cylinder_is_that_of_fine_grids_between_and_at_known_parameters() -> (
+    None
+):
+    assert short_of_limit(1.073) == pytest.approx(1 - 0.95807, abs=1e-4)
+    assert 0.008 < short_of_limit(1.5) < 0.0419
+    assert short_of_limit(0.01) <= 1
+    assert short_of_limit(8.0) < short_of_limit(4.29) == pytest.approx(0.0009, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    "load", [cs.LineLoad(-0.1), cs.PullOff(1.0, 1e-2), cs.Approach(-1e-6, 2.0), SCENE.load]
+)
+def test_a_scene_with_adhesion_is_read_back_from_its_file(load: object, tmp_path: Path) -> None:
+    adhesion = cs.Adhesion(0.05, 2e-8, "dugdale", "from full contact")
+    scene = replace(SCENE, load=load, adhesion=adhesion)  # type: ignore[arg-type]
+    cs.write_scene(scene, tmp_path / "scene.toml")
+    assert cs.read_scene(tmp_path / "scene.toml").scene == scene
+
+
+def test_units_of_a_file_are_converted(tmp_path: Path) -> None:
+    cs.write_scene(replace(SCENE, load=cs.LineLoad(1.0)), tmp_path / "scene.toml")
+    text = (tmp_path / "scene.toml").read_text()
+    text = text.replace(f"work = {pi}", 'work = "50 mJ/m^2"').replace(
+        "range = 2.0", 'range = "20 nm"'
+    )
+    (tmp_path / "scene.toml").write_text(text)
+    assert cs.read_scene(tmp_path / "scene.toml").scene.adhesion == cs.Adhesion(0.05, 2e-8)
+
+
+def test_a_plan_puts_six_cells_into_the_zone_and_leaves_room_for_the_attraction() -> None:
+    planned = cs.plan(replace(SCENE, load=cs.LineLoad(pi)), error=0.1)
+    # one zone is 1 m long here, and the attraction of the cylinder falls to 1e-6 within 7.4 m of the contact
+    assert planned.grid.cell[0] <= 1 / 6
+    assert planned.grid.extent[0] / 2 > 7.4
+    contact = cs.solve(replace(SCENE, load=cs.LineLoad(pi)), planned.grid, planned.padding)
+    assert contact.status is cs.Status.CONVERGED
+    narrow = cs.plan(replace(SCENE, load=cs.LineLoad(pi)), grid=cs.Grid((64, 1), (24.0, 1.0)))
+    assert any("cells in the cohesive zone trap" in warning for warning in narrow.warnings)
+
+
+def test_a_contact_that_starts_from_an_answer_continues_its_state() -> None:
+    grid = cs.Grid((512, 1), (16.0, 1.0))
+    short = replace(SCENE, load=cs.Approach(1.0), adhesion=cs.Adhesion(pi, 1.0))
+    touching = cs.solve(short, grid, LINE)
+    assert isinstance(touching, cs.Contact)
+    away = replace(short, load=cs.Approach(-4.5))
+    # two states are in equilibrium there
+    assert cs.solve(away, grid, LINE).status is cs.Status.DETACHED
+    continued = cs.solve(away, grid, LINE, start=touching)
+    assert isinstance(continued, cs.Contact)
+    assert continued.adhesion is not None
+    assert continued.status is cs.Status.CONVERGED
+    assert continued.adhesion.branch == "continued"
+
+
+def test_a_coating_adheres_and_no_work_leaves_the_coated_contact() -> None:
+    coated = cs.CoatedHalfSpace(cs.HalfSpace(2.0, 0.3), 0.5, cs.HalfSpace(1.0, 0.0))
+    scene = replace(SCENE, load=cs.LineLoad(pi), solids=(coated, RIGID))
+    contact = cs.solve(scene, GRID, LINE)
+    assert contact.status is cs.Status.CONVERGED
+    assert contact.quantities["load_per_length"].value == pytest.approx(pi, rel=1e-9)
+    faint = cs.solve(replace(scene, adhesion=cs.Adhesion(1e-20, 2.0)), GRID, LINE)
+    bare = cs.solve(replace(scene, adhesion=None), GRID, LINE)
+    assert isinstance(faint, cs.Contact)
+    assert isinstance(bare, cs.Contact)
+    np.testing.assert_array_equal(faint.pressure, bare.pressure)

@@ -1,0 +1,189 @@
+"""Test the numbers of a contact that are looked at first."""
+
+import json
+from dataclasses import replace
+from math import inf
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.io.quantities import as_json, as_text, evolution_quantities, readable
+from contactstudy.problem.problem import Field
+from tests.conftest import STEEL, LineContact
+
+GRID = cs.Grid((4, 2), (4e-3, 6e-3))
+PRESSURE = np.array([[0.0, 0.0], [1e6, 0.0], [2e6, 5e6], [0.0, 0.0]])
+
+
+@pytest.mark.parametrize(
+    ("value", "units", "text"),
+    [
+        (5.0e8, "Pa", "500 MPa"),
+        (1.234567e9, "Pa", "1.235 GPa"),
+        (1.83e-4, "m", "183 µm"),
+        (-2.5e-3, "m", "-2.5 mm"),
+        (5.31e-8, "m2", "0.0531 mm²"),
+        (1e5, "N m-1", "100 N/mm"),
+        (2.1e-4, "m2 m-1", "0.21 mm²/mm"),
+        (1.75e-8, "m3 m-1", "0.0175 mm³/mm"),
+        (2e3, "N", "2 kN"),
+        (0.0, "m", "0 nm"),
+        (0.125, "1", "0.125"),
+        (3.0, "kg", "3 kg"),
+    ],
+)
+def test_a_value_is_shown_in_the_unit_that_is_read_most_easily(
+    value: float, units: str, text: str
+) -> None:
+    assert readable(value, units) == text
+
+
+def written(contact: cs.Contact) -> cs.Contact:
+    """A contact with fields that are written here."""
+    return replace(contact, pressure=PRESSURE, gap=np.full((4, 2), 2e-6), approach=3e-6)
+
+
+def test_numbers_are_those_of_the_fields(line_contact: LineContact) -> None:
+    solved = cs.solve(line_contact.scene.problem(GRID, cs.ExactPeriodicity()), max_iterations=1)
+    numbers = written(solved).quantities
+    values = {name: number.value for name, number in numbers.items()}
+    cell = 1e-3 * 3e-3
+    assert values == pytest.approx(
+        {
+            "peak_pressure": 5e6,
+            "mean_pressure": 8e6 / 3,
+            "half_width": 1e-3,
+            "contact_area": 3 * cell / 6e-3,
+            "mean_gap": 2e-6,
+            "approach": 3e-6,
+            "load_per_length": 8e6 * cell / 6e-3,
+        }
+    )
+    assert numbers["contact_area"].unit == "m2 m-1"
+    assert "over the grid's width of 4 mm" in numbers["mean_gap"].label
+    assert numbers["peak_pressure"].place == pytest.approx({"x": 0.5e-3, "y": 1.5e-3})
+
+
+def test_bounds_are_those_of_the_error_and_hold(line_contact: LineContact) -> None:
+    contact = cs.solve(line_contact.scene, line_contact.grid((64, 1), 1.4), cs.ExactPeriodicity())
+    for name in ("peak_pressure", "contact_area", "mean_gap"):
+        one = contact.quantities[name]
+        assert one.bound == getattr(contact.error, name).total * one.value
+        assert not one.reason
+    hertz = line_contact.hertz
+    peak, half_width = (contact.quantities[name] for name in ("peak_pressure", "half_width"))
+    assert abs(peak.value - hertz.peak_pressure) <= peak.bound
+    assert abs(half_width.value - hertz.half_width) <= half_width.bound
+
+
+def test_a_bound_that_is_not_known_has_a_reason() -> None:
+    problem = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01),)).problem(
+        cs.Grid((32, 1), (3e-4, 1e-3)), cs.ExactPeriodicity()
+    )
+    contact = cs.solve(replace(problem, source=None))
+    assert contact.quantities["peak_pressure"].bound == inf
+    assert contact.quantities["peak_pressure"].reason.startswith("No bound by the cells")
+    assert contact.met is None
+
+
+def test_the_load_of_a_roller_is_spread_over_its_length() -> None:
+    shapes = (cs.Cylinder(0.01), cs.FiniteLength(4e-3))
+    scene = cs.Scene(cs.TotalLoad(400.0), (STEEL, STEEL), shapes)
+    numbers = cs.solve(scene, cs.Grid((32, 10), (8e-4, 5e-3)), cs.ZeroPadding()).quantities
+    assert numbers["total_load"].value == pytest.approx(400.0, rel=1e-7)
+    assert numbers["load_per_length"].value == pytest.approx(1e5, rel=1e-7)
+    assert numbers["contact_area"].unit == "m2"
+
+
+def test_the_largest_stress_has_its_place(line_contact: LineContact) -> None:
+    stress = cs.SubsurfaceStress((2e-5, 4e-5, 8e-5))
+    scene = replace(line_contact.scene, outputs=(stress,))
+    contact = cs.solve(scene, line_contact.grid((32, 1), 1.4), cs.ExactPeriodicity())
+    von_mises = contact.to_dataset()["von_mises"]
+    number = contact.quantities["largest_von_mises"]
+    assert number.value == float(von_mises.max())
+    assert number.place is not None
+    at = von_mises.sel(x=number.place["x"], z=number.place["z"])
+    assert float(at.max()) == pytest.approx(number.value, rel=1e-9)
+    assert contact.quantities["largest_von_mises_depth"].value == number.place["z"]
+
+
+ROWS = {
+    "a": cs.Quantity(5e8, "Pa", "peak", 6.15e6, "", {"x": 0.0, "y": 2e-3}),
+    "b": cs.Quantity(1e-6, "m", "approach"),
+    "c": cs.Quantity(2e-6, "m2", "area", inf, "A sharp edge."),
+}
+
+
+def test_a_table_has_name_value_error_and_place_below_each_other() -> None:
+    lines = as_text(ROWS).splitlines()
+    assert lines[0] == "  peak      500 MPa  error <= 1.2 %       at x = 0 nm, y = 2 mm"
+    assert [line.split("  ")[-1] for line in lines[1:]] == [
+        "error not estimated",
+        "error not bounded",
+    ]
+
+
+def test_json_has_the_same_numbers_in_si_units() -> None:
+    table = json.loads(json.dumps(as_json(ROWS)))
+    assert table["a"] == {
+        "value": 5e8,
+        "unit": "Pa",
+        "bound": 6.15e6,
+        "label": "peak",
+        "at": {"x": 0.0, "y": 2e-3},
+    }
+    assert table["b"]["bound"] is table["c"]["bound"] is None
+    assert table["c"]["reason"] == "A sharp edge."
+
+
+def test_a_film_stands_beside_its_formulas_and_the_roughness() -> None:
+    oil = cs.Lubricant(0.04, 2e-8, shear=cs.Eyring(5e6))
+    wavy = (cs.Cylinder(0.01), cs.Waviness(5e-8, across=5e-5))
+    scene = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), wavy, lubrication=cs.Lubrication(oil, 1.0))
+    numbers = cs.solve(scene, cs.Grid((200, 1), (1e-3, 1e-3)), cs.ZeroPadding()).quantities
+    moes = numbers["moes_film"].value
+    assert numbers["lambda_ratio"].value == pytest.approx(moes / (5e-8 / 2**0.5), rel=0.01)
+    elastic = 2 * STEEL.youngs_modulus / (2 * (1 - STEEL.poisson_ratio**2))
+    speed = 0.04 * 1.0 / (elastic * 0.01)
+    dowson = 2.65 * speed**0.7 * (2e-8 * elastic) ** 0.54 * (1e5 / (elastic * 0.01)) ** -0.13 * 0.01
+    assert numbers["dowson_higginson_film"].value == pytest.approx(dowson, rel=1e-9)
+    limits = [
+        numbers[f"{name}_film"].value for name in ("elastic_piezoviscous", "rigid_isoviscous")
+    ]
+    assert max(limits) == pytest.approx(moes, rel=0.1)
+    assert numbers["sliding_loss"].value == 0  # pure rolling
+    assert numbers["power_loss"].value > 0
+
+
+def test_wear_and_dent_are_what_is_left_at_the_last_instant() -> None:
+    worn = cs.Scene(
+        cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01),), wear=cs.Wear(1e-15, 1.0)
+    )
+    grid = cs.Grid((32, 1), (4e-4, 1e-3))
+    evolution = cs.solve(worn, grid, cs.ExactPeriodicity(), times=[0, 1, 2])
+    # Archard: the worn area is the coefficient times the load times the distance
+    volume = evolution.quantities["worn_volume"]
+    assert (volume.value, volume.unit) == (pytest.approx(1e-15 * 1e5 * 2, rel=1e-6), "m3 m-1")
+    highest = evolution.over_time("peak_pressure")
+    assert evolution.quantities["peak_pressure"].value == highest.max()
+    body = cs.ElasticPlasticHalfSpace(210e9, 0.3, 1e9, 5e9)
+    history = cs.LoadHistory((0.0, 1.0, 2.0), (0.0, 8e5, 0.0))
+    dented = cs.Scene(history, (body, cs.HalfSpace(inf, 0.3)), (cs.Cylinder(0.01),))
+    left = cs.solve(dented, cs.Grid((32, 1), (2e-3, 1e-3)), cs.ExactPeriodicity(), times=[1, 2])
+    surface = left.to_dataset()["residual_displacement"].isel(time=-1)
+    assert left.quantities["dent_depth"].value == float(abs(surface).max())
+
+
+def test_the_residual_stress_at_the_end_is_the_extreme_across_or_along() -> None:
+    stress = np.zeros((1, 6, 2, 3, 1))
+    stress[0, 0, 1, 2] = 3e8
+    stress[0, 1, 0, 1] = -4e8
+    stress[0, 2, 0, 0] = 9e8  # in depth
+    dimensions = ("time", "component", "z_1", "x", "y")
+    strained = {"residual_stress_1": Field(dimensions, stress, "Pa", "")}
+    numbers = evolution_quantities([{}], [1.0], None, None, (1.0, 1.0), strained)
+    assert numbers["highest_residual_stress_1"].value == 3e8
+    assert numbers["lowest_residual_stress_1"].value == -4e8
+    assert "of solids[1]" in numbers["lowest_residual_stress_1"].label

@@ -1,0 +1,156 @@
+"""Mixed lubrication: lubricant and asperities bear the load together, in plane strain."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.lubrication.solve_lubricated import film_error, solve_lubricated
+from tests.contactstudy.lubrication.scenes import DRY, by_moes
+
+assert DRY.hertz is not None
+A = DRY.hertz.half_width
+UNIT = A**2 / DRY.hertz.radius
+
+
+def ridges(height: float) -> tuple[cs.Waviness, ...]:
+    """Three transverse waves of a ``height`` over a^2 / R."""
+    waves = ((0.5, 0.5, 0.3), (0.3, 0.31, 1.1), (0.2, 0.17, 2.0))
+    return tuple(
+        cs.Waviness(height * share * UNIT, across=wave * A, phase=phase)
+        for share, wave, phase in waves
+    )
+
+
+def mixed(height: float, speed: float, boundary: float | None = 0.004) -> cs.Scene:
+    """Ridges at M = 20, L = 5 and a share of that ``speed``, on a ``boundary`` film over a^2 / R."""
+    scene = by_moes(20, 5, *ridges(height), shear=cs.Eyring(5e6))
+    assert scene.lubrication is not None
+    layer = None if boundary is None else cs.Boundary(boundary * UNIT, 0.12)
+    speed *= scene.lubrication.largest_speed
+    motion = replace(scene.lubrication, mean_speed=speed, boundary=layer)
+    return replace(scene, lubrication=motion)
+
+
+def grid(cells: int) -> cs.Grid:
+    return cs.Grid((cells, 1), (6 * A, 1e-3))
+
+
+# height, speed: share of asperities, mean film in the contact and flow over 1e-3 a^2 / R, friction, from another
+# program of the same scheme; all digits
+ROWS = (
+    (0.06, 0.2, 0.0, 13.362, 11.907, 0.02548),
+    (0.06, 0.06, 0.00961, 6.054, 4.700, 0.02495),
+    (0.06, 0.02, 0.91651, 5.575, 4.024, 0.10999),
+    (0.03, 0.01, 0.97431, 4.018, 4.013, 0.11692),
+    (0.06, 0.003, 0.99029, 5.354, 4.028, 0.11884),
+)
+
+
+@pytest.mark.parametrize(("height", "speed", "share", "film", "flow", "friction"), ROWS)
+def test_load_share_film_flow_and_friction_are_those_of_the_reference(
+    height: float, speed: float, share: float, film: float, flow: float, friction: float
+) -> None:
+    contact = solve_lubricated(mixed(height, speed), grid(400))
+    inside = np.abs(contact.grid.x) < A
+    assert contact.status is cs.Status.CONVERGED
+    assert contact.contact_load_fraction == pytest.approx(share, abs=1e-5)
+    assert contact.film[inside].mean() / UNIT == pytest.approx(1e-3 * film, rel=1e-3)
+    assert contact.flow / contact.mean_speed / UNIT == pytest.approx(1e-3 * flow, rel=1e-3)
+    assert contact.friction == pytest.approx(friction, abs=1e-5)
+
+
+def test_asperities_bear_only_where_the_film_is_the_boundary_film() -> None:
+    contact = solve_lubricated(mixed(0.06, 0.06), grid(400))
+    assert contact.contact_pressure is not None
+    touching = contact.contact_pressure > 0
+    assert touching.any()
+    assert (contact.lubricant_pressure >= 0).all()
+    assert contact.film[touching] == pytest.approx(0.004 * UNIT, rel=1e-7)
+    assert contact.film.min() >= 0.004 * UNIT * (1 - 1e-7)
+    assert contact.flow >= 0.004 * UNIT * contact.mean_speed
+    assert contact.load_per_length == pytest.approx(1e5, rel=1e-7)
+
+
+def test_slower_films_become_the_dry_contact_to_first_order_in_speed() -> None:
+    cells, smooth = grid(400), replace(mixed(0.06, 1.0), lubrication=None)
+    dry = cs.solve(smooth, cells, cs.ExactPeriodicity(), tolerance=1e-10)
+    distances, shares = [], []
+    for speed in (1e-2, 1e-4, 1e-6):
+        contact = solve_lubricated(mixed(0.06, speed), cells)
+        distances.append(float(np.abs(contact.pressure - dry.pressure).sum() / dry.pressure.sum()))
+        shares.append(1 - contact.contact_load_fraction)
+    assert distances == pytest.approx([5.1e-3, 4.7e-5, 4.7e-7], rel=0.02)
+    assert shares[1] / shares[2] == pytest.approx(100, rel=0.01)
+
+
+def test_without_contact_the_film_is_that_without_a_boundary_film() -> None:
+    both, film = (
+        solve_lubricated(mixed(0.06, 0.2, boundary), grid(400)) for boundary in (0.004, None)
+    )
+    assert both.contact_load_fraction == 0
+    assert film.contact_pressure is None
+    assert np.abs(both.pressure - film.pressure).max() <= 1e-10 * film.peak_pressure
+    assert both.friction == pytest.approx(film.friction, rel=1e-10)
+
+
+def test_shares_near_the_dry_contact_settle_with_finer_cells_within_their_error() -> None:
+    coarse, fine = (solve_lubricated(mixed(0.06, 0.01), grid(cells)) for cells in (800, 1600))
+    parts = film_error(coarse).contact_load_fraction
+    assert parts is not None
+    assert parts.total < 0.02
+    share = fine.contact_load_fraction
+    assert coarse.contact_load_fraction == pytest.approx(share, rel=parts.total)
+    assert coarse.contact_load_fraction == pytest.approx(share, abs=1e-2)
+
+
+def test_isoviscous_ridges_have_two_films_at_one_speed() -> None:
+    """From higher speeds on a thick film; from the dry contact held flat. On 800 cells, at 0.06 of the speed."""
+    scene = by_moes(20, 0, *ridges(0.06), shear=cs.Eyring(5e6))
+    assert scene.lubrication is not None
+    layer = cs.Boundary(0.004 * UNIT, 0.12)
+
+    def at(speed: float) -> cs.Scene:
+        assert scene.lubrication is not None
+        slow = speed * scene.lubrication.largest_speed
+        return replace(
+            scene, lubrication=replace(scene.lubrication, mean_speed=slow, boundary=layer)
+        )
+
+    above = solve_lubricated(at(0.1), grid(800))
+    below = solve_lubricated(at(0.04), grid(800))
+    down, up = (solve_lubricated(at(0.06), grid(800), start=start) for start in (above, below))
+    assert down.contact_load_fraction == pytest.approx(0.1999, abs=1e-4)
+    assert up.contact_load_fraction == pytest.approx(0.8335, abs=1e-4)
+
+
+def test_a_boundary_film_is_refused_where_it_is_not_known() -> None:
+    scene = mixed(0.03, 1.0)
+    with pytest.raises(cs.InvalidInput, match="a boundary film is known in plane strain"):
+        solve_lubricated(scene, cs.Grid((64, 8), (6 * A, A)))
+    with pytest.raises(cs.InvalidInput, match=r"Boundary\.film is 0\.0"):
+        cs.Boundary(0.0)
+    assert scene.lubrication is not None
+    with pytest.raises(cs.InvalidInput, match=r"Lubrication\.boundary is known for a steady film"):
+        replace(scene.lubrication, cavitation=cs.ReynoldsCavitation())
+
+
+def test_the_answer_has_the_load_share_with_its_bound_and_the_field() -> None:
+    contact = cs.solve(mixed(0.06, 0.01), grid(200))
+    assert isinstance(contact, cs.LubricatedContact)
+    share = contact.quantities["contact_load_fraction"]
+    assert share.value == contact.contact_load_fraction
+    assert share.bound is not None
+    dataset = contact.to_dataset()
+    assert dataset["contact_pressure"].dims == ("x", "y")
+    assert float(dataset["contact_load_fraction"]) == share.value
+    # of both, in the direction of sliding
+    assert contact.friction == pytest.approx(0.12 * share.value, rel=0.05)
+
+
+def test_a_boundary_film_reads_back_as_it_was_written(tmp_path: object) -> None:
+    scene = mixed(0.03, 1.0)
+    path = f"{tmp_path}/mixed.toml"
+    cs.write_scene(scene, path)
+    assert cs.read_scene(path).scene == scene

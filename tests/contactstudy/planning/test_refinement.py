@@ -1,0 +1,93 @@
+from dataclasses import replace
+from math import prod
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.accuracy.coarser import on_cells
+from contactstudy.planning.refinement import Refined, solve_to
+from tests.conftest import LineContact
+
+STEEL = cs.HalfSpace(210e9, 0.3)
+
+
+def true_error(refined: Refined, scene: cs.Scene) -> float:
+    """Relative L1 error by cell means, against three times the cells along each axis."""
+    problem = refined.solution.problem
+    nx, ny = problem.grid.cells
+    assert problem.paddings is not None
+    finer = cs.Grid((3 * nx, 3 * ny if ny > 1 else 1), problem.grid.extent)
+    fine = cs.solve(scene.problem(finer, problem.paddings), tolerance=1e-6)
+    means = on_cells(fine.pressure, (nx, ny))
+    return float(np.abs(refined.solution.pressure - means).sum() / means.sum())
+
+
+def shapes(contact: LineContact) -> dict[str, tuple[cs.Shape, ...]]:
+    a, gap = contact.hertz.half_width, contact.hertz.half_width**2 / contact.hertz.radius / 2
+    return {
+        "smooth": (),
+        "waves": (cs.Waviness(0.1 * gap, along=0.6 * a),),
+        "rough": (cs.Roughness(0.1 * gap, 0.8, roll_off=1.1 * a, cut_off=0.35 * a, seed=5),),
+        "dimples": (cs.Texture(cs.Dimple(0.2 * gap, 0.4 * a, cs.Cosine()), pitch=(0.9 * a, 0.8 * a)),),
+        "sharp end": (cs.FiniteLength(14 * a),),
+        "crown": (cs.Crown.of_drop(0.5 * gap, 15 * a), cs.FiniteLength(15 * a)),
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", ["smooth", "waves", "rough", "dimples", "sharp end", "crown"])
+def test_the_error_that_is_asked_for_is_kept(kind: str, line_contact: LineContact) -> None:
+    scene = replace(
+        line_contact.scene, shapes=(*line_contact.scene.shapes, *shapes(line_contact)[kind])
+    )
+    refined = solve_to(scene, 2e-2)
+    assert refined.met
+    assert refined.sentence.startswith("2 % met: ")
+    assert refined.solution.status is cs.Status.CONVERGED
+    assert true_error(refined, scene) <= refined.estimate.l1.total <= 2e-2
+
+
+def test_an_error_out_of_reach_ends_with_what_stands_in_the_way(line_contact: LineContact) -> None:
+    refined = solve_to(line_contact.scene, 1e-12)
+    assert not refined.met
+    assert "residual" in refined.sentence
+    rough = replace(
+        line_contact.scene, shapes=(*line_contact.scene.shapes, *shapes(line_contact)["rough"])
+    )
+    refined = solve_to(rough, 1e-3, most_cells=5000)
+    assert not refined.met
+    assert prod(refined.grids[-1].cells) <= 5000
+    assert "5,000 are allowed" in refined.sentence
+
+
+@pytest.mark.parametrize("error", [0.0, 1.0, 2.0, float("nan")])
+def test_an_error_that_is_no_share_is_refused(error: float, line_contact: LineContact) -> None:
+    with pytest.raises(cs.InvalidInput, match=r"error is .*between 0 and 1"):
+        solve_to(line_contact.scene, error)
+
+
+def test_images_left_out_are_named_where_no_finer_grid_helps(line_contact: LineContact) -> None:
+    refined = solve_to(line_contact.scene, 1e-3, padding=cs.CircularSuperposition(1))
+    assert not refined.met
+    assert "images" in refined.sentence
+
+
+def test_a_roller_that_ends_within_its_period_takes_few_cells() -> None:
+    cylinder = cs.Cylinder(0.01)
+    hertz = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cylinder,)).hertz
+    assert hertz is not None
+    a = hertz.half_width
+    scene = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cylinder, cs.FiniteLength(10 * a)))
+    refined = solve_to(scene, 3e-2, period=10.2 * a)
+    assert refined.met
+    # the end lies between cells from 51 of them on
+    assert prod(refined.grids[-1].cells) <= 4 * 16 * 51
+
+
+def test_a_steel_roller_needs_a_hundredth_of_the_cells_of_its_finest_grid() -> None:
+    scene = cs.Scene(
+        cs.TotalLoad(1500), (STEEL, STEEL), (cs.Cylinder(7e-3), cs.FiniteLength(12e-3))
+    )
+    refined = solve_to(scene, 1e-2)
+    assert refined.met
+    assert prod(refined.grids[-1].cells) < 1e5

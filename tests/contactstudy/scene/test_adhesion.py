@@ -1,0 +1,167 @@
+"""Scenes with adhesion: what is refused and why, the zone on the grid, and an approach in place of a load."""
+
+from dataclasses import replace
+from math import inf, pi, sqrt
+from typing import Any
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+
+SOFT, RIGID = cs.HalfSpace(1e6, 0.5), cs.HalfSpace(inf, 0.3)
+SCENE = cs.Scene(
+    cs.LineLoad(2.0), (SOFT, RIGID), (cs.Cylinder(0.01),), adhesion=cs.Adhesion(work=0.05)
+)
+GRID = cs.Grid((256, 1), (1.5e-3, 1.0))
+LINE = cs.ExactPeriodicity()
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"work": 0.0}, r"^Adhesion\.work is 0\.0: give a work above 0 J/m\^2\.$"),
+        ({"work": 1.0, "range": -1.0}, r"^Adhesion\.range is -1\.0: give a range above 0 m"),
+        ({"work": 1.0, "law": "dugdal"}, r"^Adhesion\.law is 'dugdal': did you mean 'dugdale'"),
+        ({"work": 1.0, "branch": "afar"}, r"^Adhesion\.branch is 'afar': did you mean 'from afar'"),
+    ],
+)
+def test_values_of_adhesion_are_checked_by_name(values: Any, message: str) -> None:
+    with pytest.raises(cs.InvalidInput, match=message):
+        cs.Adhesion(**values)
+
+
+@pytest.mark.parametrize(
+    ("effect", "message"),
+    [
+        ({"hardness": 1e6}, r"^Scene\.hardness is 1000000\.0 beside Adhesion"),
+        ({"friction": cs.Sliding(0.1)}, r"^Scene\.friction is Sliding"),
+        ({"wear": cs.Wear(1e-17, 1.0)}, r"^Scene\.wear is Wear"),
+        ({"rolling": cs.Rolling(1.0)}, r"^Scene\.rolling is Rolling"),
+        (
+            {"solids": (cs.ElasticPlasticHalfSpace(1e6, 0.3, 1e4, 0.0), RIGID)},
+            r"^Scene\.solids\[0\] yields beside Adhesion",
+        ),
+    ],
+)
+def test_adhesion_is_refused_beside_effects_that_it_is_not_defined_with(
+    effect: Any, message: str
+) -> None:
+    with pytest.raises(cs.InvalidInput, match=message):
+        replace(SCENE, **effect)
+
+
+@pytest.mark.parametrize(
+    "load", [cs.LineLoad(0.0), cs.LineLoad(-1.0), cs.LoadHistory((0.0, 1.0), (-1.0, 1.0))]
+)
+def test_bodies_from_afar_need_a_load_that_brings_them_together(load: Any) -> None:
+    with pytest.raises(cs.InvalidInput, match=r"^Scene\.load begins with .* beside Adhesion"):
+        replace(SCENE, load=load)
+    replace(SCENE, load=load, adhesion=cs.Adhesion(0.05, branch="from full contact"))
+
+
+@pytest.mark.parametrize(
+    "load", [cs.LineLoad(-1.0), cs.TotalLoad(-1.0, 1.0), cs.LoadHistory((0.0, 1.0), (1.0, -1.0))]
+)
+def test_a_pull_without_adhesion_is_refused(load: Any) -> None:
+    with pytest.raises(cs.InvalidInput, match=r" is -1\.0: give a load (above 0 N|from 0 N/m on)"):
+        replace(SCENE, load=load, adhesion=None)
+
+
+def test_a_pull_off_without_adhesion_is_refused() -> None:
+    with pytest.raises(cs.InvalidInput, match=r"^Scene\.load is a PullOff without adhesion"):
+        replace(SCENE, load=cs.PullOff(1.0), adhesion=None)
+
+
+def test_a_range_that_the_grid_cannot_hold_names_the_range_and_the_cell_that_would_do() -> None:
+    work, modulus, cell = 0.05, SCENE.contact_modulus, GRID.cell[0]
+    short = replace(SCENE, adhesion=cs.Adhesion(work, 1e-9))
+    with pytest.raises(cs.InvalidInput, match=r"^Adhesion\.range is 1e-09: its cohesive zone of"):
+        short.problem(GRID, LINE)
+    # two cells in pi E* rho^2 / (4 w)
+    enough = sqrt(8 * cell * work / (pi * modulus))
+    with pytest.raises(cs.InvalidInput, match=f"a range of at least {enough:.3g} m"):
+        short.problem(GRID, LINE)
+    solution = cs.solve(replace(SCENE, adhesion=cs.Adhesion(work, 1.001 * enough)), GRID, LINE)
+    assert solution.adhesion is not None
+    assert solution.adhesion.cells_in_zone == pytest.approx(2 * 1.001**2)
+
+
+def test_without_a_range_six_cells_are_in_the_zone_on_any_grid() -> None:
+    for cells in (128, 256):
+        solution = cs.solve(SCENE, cs.Grid((cells, 1), GRID.extent), LINE)
+        assert solution.adhesion is not None
+        assert solution.adhesion.cells_in_zone == pytest.approx(6.0)
+
+
+def test_a_coarser_grid_of_the_source_keeps_the_law() -> None:
+    problem = SCENE.problem(GRID, LINE)
+    assert problem.source is not None
+    coarser = problem.source.problem(cs.Grid((64, 1), GRID.extent))
+    assert coarser.adhesion is problem.adhesion
+
+
+@pytest.mark.parametrize("adhesion", [None, cs.Adhesion(0.05)])
+def test_the_approach_of_a_loaded_contact_gives_back_its_load(adhesion: cs.Adhesion | None) -> None:
+    near = replace(SCENE, adhesion=adhesion, load=cs.Approach(4e-5))
+    held = cs.solve(near, GRID, LINE, tolerance=1e-10)
+    assert held.approach == 4e-5
+    attraction = 0.0 if held.adhesion is None else held.adhesion.traction
+    load = float((held.pressure - attraction).sum()) * GRID.cell[0]
+    problem = replace(SCENE, adhesion=adhesion, load=cs.LineLoad(load)).problem(GRID, LINE)
+    held_operator = replace(problem, operator=held.problem.operator)
+    loaded = cs.solve(held_operator, start=held.pressure, tolerance=1e-10)
+    assert loaded.approach == pytest.approx(4e-5, rel=1e-6)
+    np.testing.assert_allclose(loaded.pressure, held.pressure, atol=1e-4 * held.pressure.max())
+
+
+def test_an_approach_presses_a_cylinder_as_hertz_says() -> None:
+    datum = 2e-3
+    scene = replace(SCENE, adhesion=None, load=cs.Approach(4e-5, datum))
+    solution = cs.solve(scene, cs.Grid((2048, 1), (1.5e-3, 1.0)), LINE)
+    load = float(solution.pressure.sum()) * 1.5e-3 / 2048
+    hertz = cs.analytic.HertzLine(load, 0.01, SCENE.contact_modulus)
+    # of first order in the cell
+    assert float(hertz.displacement(0.0, datum)) == pytest.approx(
+        4e-5, rel=1.5e-3 / 2048 / hertz.half_width
+    )
+
+
+def test_an_approach_that_leaves_a_gap_bears_no_pressure() -> None:
+    solution = cs.solve(replace(SCENE, adhesion=None, load=cs.Approach(-1e-6)), GRID, LINE)
+    assert not solution.pressure.any()
+    assert solution.gap.min() == pytest.approx(1e-6, rel=1e-3)
+
+
+def test_a_datum_within_the_grid_is_refused() -> None:
+    near = replace(SCENE, load=cs.Approach(1e-6, datum=1e-4))
+    with pytest.raises(cs.InvalidInput, match=r"^Approach\.datum is 0\.0001: give at least half"):
+        near.problem(GRID, LINE)
+
+
+@pytest.mark.parametrize("solver", [cs.PreconditionedCG(), cs.PolonskyKeer()])
+def test_solvers_agree_under_a_given_approach(solver: Any) -> None:
+    wavy = (cs.Cylinder(0.01), cs.Waviness(2e-6, across=2e-4, along=2e-4))
+    scene = replace(SCENE, adhesion=None, shapes=wavy, load=cs.Approach(2e-5))
+    grid = cs.Grid((64, 32), (1.2e-3, 4e-4))
+    found = cs.solve(scene, grid, LINE, solver=solver)
+    assert found.status is cs.Status.CONVERGED
+    under_load = replace(
+        scene, load=cs.LineLoad(float(found.pressure.sum()) * grid.cell_area / grid.period)
+    )
+    loaded = cs.solve(replace(under_load.problem(grid, LINE), operator=found.problem.operator))
+    np.testing.assert_allclose(found.pressure, loaded.pressure, atol=1e-5 * loaded.pressure.max())
+    assert loaded.approach == pytest.approx(2e-5, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("effect", "name"),
+    [
+        ({"hardness": 1e6}, "hardness"),
+        ({"wear": cs.Wear(1e-17, 1.0)}, "wear"),
+        ({"rolling": cs.Rolling(1.0)}, "rolling"),
+    ],
+)
+def test_an_approach_is_for_elastic_bodies_at_rest(effect: Any, name: str) -> None:
+    with pytest.raises(cs.InvalidInput, match=f"^Scene.load is an Approach beside Scene.{name}"):
+        replace(SCENE, adhesion=None, load=cs.Approach(1e-6), **effect)

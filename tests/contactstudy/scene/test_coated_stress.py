@@ -1,0 +1,192 @@
+"""Stress in a coating and below it: quadrature, limits, and one field across the paddings."""
+
+from dataclasses import replace
+from math import inf
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.elasticity.kernels.layer_response import LayerResponse
+from contactstudy.elasticity.kernels.layer_stress import LayerStress, half_space
+from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
+from contactstudy.scene.coated_stress import BELOW, CoatedStress
+from contactstudy.scene.stress import HalfSpaceStress, StressBelow, von_mises
+from tests.conftest import STEEL
+
+LINE = cs.ZeroPadding(), cs.ExactPeriodicity()
+LATTICE = (cs.ExactPeriodicity(),) * 2
+FREE = (cs.ZeroPadding(),) * 2
+# a lattice's closed forms are sums over many rows
+ALL = [LINE, FREE, pytest.param(LATTICE, marks=pytest.mark.whole)]
+NAMES = list(COMPONENTS)
+
+
+def integral(s: np.ndarray) -> np.ndarray:
+    s = np.clip(s, -1, 1)
+    return (s * np.sqrt(1 - s * s) + np.arcsin(s)) / 2
+
+
+def under_ellipse(ratio: float, cells: int, *depths: float) -> np.ndarray:
+    """Return stress (component, depth, x) under ``sqrt(1 - x^2)`` on a layer of thickness 1, nu = 0.3 throughout."""
+    grid = cs.Grid((cells, 1), (2.4, 1.0))
+    ends = grid.x[:, None] + np.array([-0.5, 0.5]) * grid.cell[0]
+    pressure = np.diff(integral(ends), axis=1) / grid.cell[0]
+    medium = CoatedStress(LayerResponse(ratio, 0.3, 0.3), 1.0)
+    return StressBelow(grid, LINE, medium, depths)(pressure)[..., 0]
+
+
+@pytest.mark.cases(5)
+@pytest.mark.parametrize(
+    ("ratio", "surface", "above", "below", "normal", "shear"),
+    [
+        (4.0, -1.848123638, 0.572596958, -0.041852663, -0.575561474, 0.18282438),
+        (2.0, -1.340154568, 0.135961520, -0.070823998, -0.647755538, 0.20701233),
+        (1.0, -1.0, -0.121320344, -0.121320344, -0.707106781, 0.21796353),
+        (0.5, -0.785043097, -0.253020878, -0.183848206, -0.751784948, 0.21695559),
+        (0.25, -0.656839278, -0.312125626, -0.242306219, -0.782597110, 0.21002334),
+    ],
+)
+def test_stress_on_the_axis_is_that_of_a_quadrature_over_waves(
+    ratio: float, surface: float, above: float, below: float, normal: float, shear: float
+) -> None:
+    """To six digits, from two grids: the error of a pressure constant in each cell falls with the square of the cell."""
+    coarse, fine = (under_ellipse(ratio, n, 0.0, 1.0, BELOW) for n in (201, 401))
+    xx, zz = NAMES.index("xx"), NAMES.index("zz")
+    found = []
+    for component, level in ((xx, 0), (xx, 1), (xx, 2), (zz, 1)):
+        one, two = coarse[component, level, 100], fine[component, level, 200]
+        found.append(two + (two - one) / ((401 / 201) ** 2 - 1))
+    assert found == pytest.approx([surface, above, below, normal], abs=1e-6)
+    assert fine[NAMES.index("xz"), 1].max() == pytest.approx(shear, rel=2e-5)
+
+
+def test_von_mises_stress_on_the_axis_is_that_of_a_quadrature() -> None:
+    depths = 0.25, 0.5, 0.75, 1.0, BELOW, 1.5, 2.0, 3.0
+    found = von_mises(under_ellipse(4.0, 401, *depths))[:, 200]
+    expected = [
+        0.4092062,
+        0.4056089,
+        0.6397773,
+        0.9943345,
+        0.4784160,
+        0.3977497,
+        0.3347978,
+        0.2501797,
+    ]
+    assert found == pytest.approx(expected, rel=2e-5)
+
+
+def test_one_wave_of_pressure_and_shear() -> None:
+    """A system of six equations, solved with 40 digits."""
+    materials, k = LayerResponse(4.0, 0.25, 0.35), np.array([0.7])
+    for depth, expected in (
+        (0.4, (-0.859772142243, -0.558805376983, -0.12054257933)),
+        (BELOW, (-0.651302638895, -0.34616473468, 0.0410268304655)),
+    ):
+        pressed, sheared = LayerStress(materials, depth).plane(k)[:, :, 0]
+        assert pressed + 0.4 * sheared == pytest.approx(expected, abs=1e-11)
+
+
+@pytest.mark.parametrize("depth", [0.0, 0.4, 1.0, 1.5])
+def test_a_layer_of_the_substrates_material_is_a_half_space(depth: float) -> None:
+    k = np.geomspace(1e-8, 200, 200)
+    found = LayerStress(LayerResponse(1.0, 0.3, 0.3), depth).plane(k)
+    np.testing.assert_allclose(found, half_space(k * depth), rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize("depth", [0.3, 1.0, 1.6])
+def test_both_bases_of_a_wave_agree(depth: float) -> None:
+    stress, k = LayerStress(LayerResponse(7.0, 0.25, 0.45), depth), np.linspace(0.5, 2.5, 20)
+    np.testing.assert_allclose(stress._by_state(k), stress._by_exponentials(k), atol=1e-12)
+
+
+@pytest.mark.parametrize("paddings", ALL)
+def test_equal_moduli_give_the_half_space_with_every_padding(paddings: cs.Paddings) -> None:
+    grid = cs.Grid((5, 2), (1.0, 0.7))
+    random = np.random.default_rng(5)
+    pressure, shear = random.random(grid.cells), random.random((2, *grid.cells))
+    depths = 0.0, 0.3, 0.8
+    coated, plain = (
+        StressBelow(grid, paddings, medium, depths).under(shear)(pressure)
+        for medium in (CoatedStress(LayerResponse(1.0, 0.3, 0.3), 0.5), HalfSpaceStress(0.3))
+    )
+    np.testing.assert_allclose(coated, plain, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("paddings", ALL)
+def test_traction_is_continuous_at_the_bond_and_the_surface_bears_what_presses_it(
+    paddings: cs.Paddings,
+) -> None:
+    grid = cs.Grid((5, 2), (1.0, 0.7))
+    random = np.random.default_rng(5)
+    pressure, shear = random.random(grid.cells), random.random((2, *grid.cells))
+    medium = CoatedStress(LayerResponse(5.0, 0.2, 0.4), 0.5)
+    stress = StressBelow(grid, paddings, medium, (0.0, 0.5, 0.5 * BELOW)).under(shear)(pressure)
+    rows = [NAMES.index(name) for name in ("zz", "yz", "xz")]
+    np.testing.assert_allclose(stress[rows, 1], stress[rows, 2], rtol=0, atol=3e-12)
+    np.testing.assert_allclose(
+        stress[rows, 0], [-pressure, -shear[1], -shear[0]], rtol=0, atol=1e-12
+    )
+    # strain in the plane is continuous too: for xy it is that over the shear modulus
+    row = NAMES.index("xy")
+    np.testing.assert_allclose(stress[row, 1], 5.0 * stress[row, 2], rtol=0, atol=1e-11)
+
+
+def test_what_is_alike_along_the_length_is_plane_strain() -> None:
+    medium = CoatedStress(LayerResponse(3.0, 0.25, 0.35), 0.2)
+    pressure = np.random.default_rng(2).random((8, 1))
+    shear = np.stack([pressure**2, 1 - pressure])
+    depths = 0.0, 0.1, 0.4
+    line, strip = (
+        StressBelow(cs.Grid((8, n), (1.0, 0.7)), LINE, medium, depths).under(
+            np.repeat(shear, n, axis=2)
+        )(np.repeat(pressure, n, axis=1))
+        for n in (1, 2)
+    )
+    np.testing.assert_allclose(strip, np.repeat(line, 2, axis=3), rtol=0, atol=2e-10)
+
+
+def test_a_cell_alone_is_one_of_a_row_with_a_long_period() -> None:
+    """What differs is what all other cells of the row, and of the lattice that stands for a cell, do there."""
+    medium = CoatedStress(LayerResponse(3.0, 0.25, 0.35), 0.2)
+    pressure = np.zeros((8, 64))
+    pressure[2:6, 30:34] = 1.0
+    grid = cs.Grid((8, 64), (1.0, 8.0))
+    alone, row = (
+        StressBelow(grid, paddings, medium, (0.0, 0.1, 0.4))(pressure)[..., 24:40]
+        for paddings in (FREE, LINE)
+    )
+    assert np.abs(alone - row).max() < 2e-2 * np.abs(row).max()
+
+
+def test_a_substrate_that_does_not_yield_holds_the_coating_in_its_plane() -> None:
+    """Without strain in the plane at the bond ``s_xx = nu / (1 - nu) s_zz``."""
+    medium = CoatedStress(LayerResponse(0.0, 0.3, 0.3), 0.5)
+    grid = cs.Grid((32, 1), (2.4, 1.0))
+    pressure = np.sqrt(np.maximum(1 - grid.x[:, None] ** 2, 0))
+    stress = StressBelow(grid, LINE, medium, (0.5,))(pressure)
+    xx, zz = stress[NAMES.index("xx")], stress[NAMES.index("zz")]
+    np.testing.assert_allclose(xx, 0.3 / 0.7 * zz, atol=1e-9)
+
+
+def test_a_scene_with_a_coated_body_has_its_stress_on_both_sides_of_the_bond() -> None:
+    coated = cs.CoatedHalfSpace(cs.HalfSpace(840e9, 0.3), 1e-4, STEEL)
+    scene = cs.Scene(
+        cs.LineLoad(1e5),
+        (coated, cs.HalfSpace(inf, 0.3)),
+        (cs.Cylinder(0.01),),
+        outputs=(cs.SubsurfaceStress(),),
+    )
+    grid = cs.Grid((48, 1), (4e-4, 1e-3))
+    found = cs.solve(scene.problem(grid, cs.ExactPeriodicity())).to_dataset()
+    assert {1e-4, 1e-4 * BELOW} <= set(found["z"].values)
+    # of a homogeneous body the largest is 0.558 times the highest pressure
+    assert float(found["von_mises"].max()) > 0.57 * float(found["pressure"].max())
+    same = replace(scene, solids=(cs.CoatedHalfSpace(STEEL, 1e-4, STEEL), cs.HalfSpace(inf, 0.3)))
+    plain = replace(scene, solids=(STEEL, cs.HalfSpace(inf, 0.3)))
+    one, two = (
+        cs.solve(which.problem(grid, cs.ExactPeriodicity())).to_dataset()["von_mises"].values
+        for which in (same, plain)
+    )
+    np.testing.assert_array_equal(one, two)

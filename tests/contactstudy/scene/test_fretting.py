@@ -1,0 +1,150 @@
+"""Fretting under a constant load: Mindlin and Deresiewicz' loop, and the energy that a cycle loses."""
+
+from dataclasses import replace
+from math import log, pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.problem.problem import Problem
+from tests.conftest import STEEL
+
+MU = 0.3
+# E* = 1, a load of 1 N/m and a half-width of 1 m
+BODY = cs.HalfSpace(2 * (1 - 0.3**2), 0.3)
+LINE = cs.Scene(cs.LineLoad(1.0), (BODY, BODY), (cs.Cylinder(pi / 4),))
+P0 = LINE.hertz.peak_pressure
+STRIP = cs.Grid((220, 1), (2.2, 1.0))
+ROUGH = cs.Roughness(2e-7, hurst=0.8, roll_off=1e-4, cut_off=4e-5, seed=1)
+
+
+def fretted(
+    friction: cs.Fretting, grid: cs.Grid = STRIP, tolerance: float = 1e-7, scene: cs.Scene = LINE
+) -> cs.Solution:
+    return cs.solve(
+        replace(scene, friction=friction), grid, cs.ExactPeriodicity(), tolerance=tolerance
+    )
+
+
+def test_shear_on_the_way_down_is_mindlin_and_deresiewicz() -> None:
+    """At x = 0, 0.5, 0.7 and 0.9 half-widths, over mu p_0; beside the edge of stick the error of a cell is larger."""
+    known = {
+        0.18: (0.36754447, 0.47872707, 0.71414284, 0.43588989),
+        0.12: (0.26491106, 0.35912781, 0.56648201, 0.16411011),
+        0.06: (0.15639885, 0.22991596, 0.39941003, -0.43588989),
+        0.0: (0.04086452, 0.08831705, 0.20237230, -0.43588989),
+        -0.09: (-0.14921583, -0.15787862, -0.22424489, -0.43588989),
+        -0.18: (-0.36754447, -0.47872707, -0.71414284, -0.43588989),
+        0.001: (),
+    }
+    found = fretted(cs.Fretting(MU, tuple(known)))
+    assert found.status is cs.Status.CONVERGED
+    errors = []
+    for (force, values), shear in zip(known.items(), found.traction.shears, strict=True):
+        assert shear.sum() * STRIP.cell_area == pytest.approx(force, abs=1e-9)
+        if values:
+            sampled = np.interp((0, 0.5, 0.7, 0.9), STRIP.x, shear[0, :, 0] / (MU * P0))
+            errors.append(np.abs(sampled - values).mean())
+    assert np.mean(errors) < 1e-3
+
+
+@pytest.mark.parametrize("share", [0.3, 0.6, 0.9])
+def test_a_cycle_loses_the_energy_of_the_closed_form(share: float) -> None:
+    """By Masing's rule from the displacement under Cattaneo's shear; 0.2 % at 220 cells."""
+    found = fretted(cs.Fretting.cycle(MU, share * MU))
+    expected = MU**2 / pi * (4 * (1 - share) * log(1 - share) + 4 * share - 2 * share**2)
+    energy = found.quantities["energy_per_cycle"]
+    assert (energy.value, energy.unit) == (pytest.approx(expected, rel=2e-3), "J m-1")
+    # the area of the loop of force and displacement, which one step a half cycle does not show
+    steps = fretted(cs.Fretting.cycle(MU, share * MU, steps=8))
+    assert steps.quantities["energy_per_cycle"].value == pytest.approx(energy.value, rel=1e-3)
+    loop = slice(steps.traction.cycle_from, None)
+    force, moved = steps.traction.forces[loop], steps.traction.rigid[loop]
+    middle = (force[1:] + force[:-1]) / 2
+    assert (middle * np.diff(moved)).sum() == pytest.approx(expected, rel=5e-2)
+
+
+def test_slip_of_a_cycle_is_four_times_that_of_loading() -> None:
+    """``s = (mu p_0 / (E* a)) [x sqrt(x^2 - c^2) - c^2 arccosh(x / c)]`` outside the stick zone of half-width c."""
+    found = fretted(cs.Fretting.cycle(MU, 0.6 * MU)).traction
+    x, c = STRIP.x, np.sqrt(0.4)
+    outside = np.maximum(np.abs(x), c)
+    slip = MU * P0 * (outside * np.sqrt(outside**2 - c**2) - c**2 * np.arccosh(outside / c))
+    inside = np.abs(x) < 0.97
+    np.testing.assert_allclose(
+        found.slip_distance[inside, 0], 4 * slip[inside], atol=0.01 * slip.max()
+    )
+    np.testing.assert_allclose(found.energy, MU * fretted_pressure() * found.slip_distance)
+
+
+def fretted_pressure() -> np.ndarray:
+    return cs.solve(LINE, STRIP, cs.ExactPeriodicity(), tolerance=1e-7).pressure
+
+
+def test_the_first_force_is_partial_slip() -> None:
+    """The residual, times the ratio of the stiffest to the softest wave of 220 cells, is the error of the shear."""
+    scene = replace(LINE, friction=cs.PartialSlip(MU, 0.5 * MU))
+    known = cs.solve(scene, STRIP, cs.ExactPeriodicity(), tolerance=1e-7)
+    found = fretted(cs.Fretting(MU, (0.5 * MU,)))
+    np.testing.assert_allclose(found.shear, known.shear, atol=1e-3 * MU * P0)
+
+
+def test_a_cycle_with_its_signs_changed_is_its_mirror() -> None:
+    one, other = (fretted(cs.Fretting.cycle(MU, sign * 0.12), tolerance=1e-6) for sign in (1, -1))
+    np.testing.assert_array_equal(other.shear, -one.shear)
+    np.testing.assert_array_equal(other.traction.energy, one.traction.energy)
+
+
+def test_without_forces_nothing_slips() -> None:
+    found = fretted(cs.Fretting(MU, (0.0, 0.0)), cs.Grid((32, 1), (2.2, 1.0)))
+    assert not found.shear.any()
+    assert found.traction.energy.sum() == 0
+
+
+def test_a_rough_contact_closes_its_loop() -> None:
+    """The second cycle loses what the first one does, and its shear is back where it was."""
+    scene = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01), ROUGH))
+    grid = cs.Grid((32, 32), (3.2e-4, 3.2e-4))
+    forces = (1.8e4, -1.8e4, 1.8e4, -1.8e4, 1.8e4)
+    once = fretted(cs.Fretting(MU, forces[:3]), grid, 1e-6, scene)
+    twice = fretted(cs.Fretting(MU, forces), grid, 1e-6, scene)
+    assert twice.status is cs.Status.CONVERGED
+    np.testing.assert_allclose(twice.shear, once.shear, atol=1e-3 * once.shear.max())
+    energy, again = (one.quantities["energy_per_cycle"].value for one in (once, twice))
+    assert again == pytest.approx(energy, rel=1e-3)
+    assert twice.to_dataset()["tangential_force"].sizes == {"step": 6}
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (lambda: cs.Fretting(MU, ()), "forces"),
+        (lambda: cs.Fretting(0.0, (0.1,)), "coefficient"),
+        (lambda: cs.Fretting(MU, (0.1, float("nan"))), "forces"),
+        (lambda: cs.Fretting.cycle(MU, 0.1, steps=0), "steps"),
+        (lambda: replace(LINE, friction=cs.Fretting(MU, (0.1, -0.3))), "forces"),
+        (lambda: replace(LINE, friction=cs.Fretting(MU, (0.1,)), hardness=1.0), "hardness"),
+        (
+            lambda: replace(
+                LINE, friction=cs.Fretting(MU, (0.1,)), solids=(BODY, cs.HalfSpace(1.0, 0.1))
+            ),
+            "unlike",
+        ),
+        (
+            lambda: replace(LINE, friction=cs.Fretting(MU, (0.1,)), wear=cs.Wear(1e-9, 1.0)),
+            "Scene.wear",
+        ),
+    ],
+)
+def test_what_is_not_defined_is_refused(make: object, said: str) -> None:
+    with pytest.raises(cs.InvalidInput, match=said):
+        make()
+
+
+def test_fretting_is_read_from_a_file_and_written_to_one(tmp_path: Path) -> None:
+    path, scene = tmp_path / "scene.toml", replace(LINE, friction=cs.Fretting.cycle(MU, 0.1))
+    cs.write_scene(scene, path)
+    assert cs.read_scene(path).scene == scene
+    assert isinstance(scene.problem(STRIP, cs.ExactPeriodicity()), Problem)

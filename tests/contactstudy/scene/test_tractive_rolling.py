@@ -1,0 +1,417 @@
+"""Tractive rolling: Carter's closed form, Kalker's coefficients, limits, and what is refused."""
+
+from dataclasses import dataclass, replace
+from math import inf, pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.scene.friction import dundurs
+from tests.conftest import STEEL
+
+MU, RADIUS = 0.3, 0.01
+CYLINDER = (cs.Cylinder(radius=RADIUS),)
+ROUGH = (*CYLINDER, cs.Roughness(2e-7, hurst=0.8, roll_off=1e-4, cut_off=2e-5, seed=1))
+LOAD = cs.LineLoad(1e5)
+SMOOTH = cs.Scene(LOAD, (STEEL, STEEL), CYLINDER)
+A, P0 = SMOOTH.hertz.half_width, SMOOTH.hertz.peak_pressure
+# Creepage at which all of the contact slides, Carter (1926).
+SATURATION = MU * A / RADIUS
+
+
+def rolling(**creepage: float) -> cs.TractiveRolling:
+    return cs.TractiveRolling(MU, **{"longitudinal": 0.0, **creepage})
+
+
+def solved(
+    friction: object, cells: tuple[int, int] = (128, 1), tolerance: float = 1e-8, **other: object
+) -> cs.Solution:
+    scene = replace(SMOOTH, friction=friction, **other)
+    grid = cs.Grid(cells, (3.2e-4 if other else 2.4 * A, 3.2e-4))
+    return cs.solve(scene.problem(grid, cs.ExactPeriodicity()), tolerance=tolerance)
+
+
+def traction_share(solution: cs.Solution) -> np.ndarray:
+    """Return the tangential force (2,) over the largest that friction bears."""
+    return solution.shear.sum(axis=(1, 2)) / (MU * solution.pressure.sum())
+
+
+@pytest.mark.parametrize("part", [0.1, 0.5, 0.9])
+@pytest.mark.parametrize("cells", [32, 64, 256, 1024, 2048])
+def test_shear_of_a_cylinder_is_carters(cells: int, part: float) -> None:
+    """The error of the force is of first order, by where the edge of stick falls in its cell."""
+    solution = solved(rolling(longitudinal=part * SATURATION), (cells, 1))
+    dx = solution.problem.grid.cell[0]
+    assert solution.status is cs.Status.CONVERGED
+    error = traction_share(solution)[0] - (1 - (1 - part) ** 2)
+    assert MU * abs(error) <= solution.traction.force_error <= 50 * MU / cells
+    stick_width = solution.stick.sum() * dx / 2
+    assert stick_width == pytest.approx(A * (1 - part), abs=dx)
+    x, half = solution.problem.grid.x, A * (1 - part)
+    whole, stuck = (
+        np.sqrt(np.maximum(1 - ((x - middle) / width) ** 2, 0))
+        for middle, width in ((0.0, A), (A - half, half))
+    )
+    carter = MU * P0 * (whole - half / A * stuck)
+    assert np.abs(solution.shear[0, :, 0] - carter).mean() < 4 * MU * P0 / cells
+    assert solution.traction.passes <= 30
+
+
+def test_no_more_applications_are_needed_than_promised() -> None:
+    """Four transforms each, those of coarser grids in proportion, beside the convolutions of the normal solve."""
+    normal = solved(None, (1024, 1)).convolutions
+    for part in (0.02, 0.5, 0.9):
+        smooth = solved(rolling(longitudinal=part * SATURATION), (1024, 1))
+        assert (smooth.convolutions - normal) / 2 <= 75
+    one = rolling(longitudinal=0.2 * SATURATION)
+    normal = solved(None, (128, 128), 1e-6, shapes=ROUGH).convolutions
+    rough = solved(one, (128, 128), 1e-6, shapes=ROUGH)
+    assert rough.status is cs.Status.CONVERGED
+    assert (rough.convolutions - normal) / 2 <= 130
+
+
+def test_lateral_creepage_in_plane_strain_is_carters_with_the_compliance_along() -> None:
+    """The surface gives way 1 / (1 - nu) times as much along the cylinder."""
+    solution = solved(rolling(lateral=0.5 * SATURATION / (1 - STEEL.poisson_ratio)), (512, 1))
+    assert traction_share(solution) == pytest.approx([0, 0.75], abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("poisson_ratio", "shape", "c11", "c22", "c23"),
+    [
+        (0.0, 1.0, 3.40, 3.40, 1.33),
+        (0.25, 1.0, 4.12, 3.67, 1.47),
+        (0.5, 1.0, 5.20, 3.98, 1.63),
+        (0.25, 0.5, 3.62, 3.01, 0.929),
+        (0.25, 2.0, 5.10, 4.90, 2.62),
+        (0.25, 0.2, 3.37, 2.63, 0.603),
+    ],
+)
+def test_small_creepages_act_by_kalkers_coefficients(
+    poisson_ratio: float, shape: float, c11: float, c22: float, c23: float
+) -> None:
+    """Kalker (1990), table E.3: ``F = G a b C11 xi``, ``G a b C22 eta``, ``G (a b)^1.5 C23 phi``; read to 1 %."""
+    body = cs.HalfSpace(1e9, poisson_ratio)
+    grid, along = cs.Grid((72, 72), (2.2 * shape, 2.2)), 1.0
+    x, y = grid.x[:, None] / shape, grid.y / along
+    pressure = np.sqrt(np.maximum(1 - x * x - y * y, 0))
+    modulus, area = 1e9 / 2 / (1 + poisson_ratio), shape * along
+    free = cs.ZeroPadding(), cs.ZeroPadding()
+    for creepage, axis, expected in (
+        ({"longitudinal": 1e-14}, 0, c11 * area),
+        ({"lateral": 1e-14}, 1, c22 * area),
+        ({"spin": 1e-14}, 1, c23 * area**1.5),
+    ):
+        scene = cs.Scene(
+            cs.LineLoad(1.0), (body, body), (cs.Sphere(1.0),), friction=rolling(**creepage)
+        )
+        law = scene.problem(grid, free).friction
+        state = law.settled(grid, pressure, cs.SolveOptions(1e-6))
+        force = state.shear[axis].sum() * grid.cell_area
+        assert force / (modulus * 1e-14) == pytest.approx(expected, rel=1.5e-2)
+
+
+@pytest.mark.parametrize(
+    ("xi", "eta", "phi", "force", "stick"),
+    [
+        (0.1, 0, 0, (0.42520, 0), 0.754),
+        (0.3, 0, 0, (0.89693, 0), 0.288),
+        (0.3, 0.3, 0, (0.71991, 0.66575), 0.113),
+        (0, 0, 0.5, (0, 0.61135), 0.080),
+        (0.2, 0.1, 0.4, (0.46419, 0.70450), 0.054),
+    ],
+)
+def test_a_sphere_with_creepage_and_spin(
+    xi: float, eta: float, phi: float, force: tuple[float, float], stick: float
+) -> None:
+    """Computed once by another program on this grid, to the digits given; a = p_0 = E* = 1."""
+    body = cs.HalfSpace(2 * (1 - 0.25**2), 0.25)
+    grid = cs.Grid((64, 64), (2.2, 2.2))
+    pressure = np.sqrt(np.maximum(1 - grid.x[:, None] ** 2 - grid.y**2, 0))
+    friction = cs.TractiveRolling(MU, longitudinal=xi, lateral=eta, spin=phi)
+    scene = cs.Scene(cs.LineLoad(1.0), (body, body), (cs.Sphere(1.0),), friction=friction)
+    law = scene.problem(grid, (cs.ZeroPadding(), cs.ZeroPadding())).friction
+    state = law.settled(grid, pressure, cs.SolveOptions(1e-7))
+    assert state.shear.sum(axis=(1, 2)) / (MU * pressure.sum()) == pytest.approx(force, abs=1e-5)
+    size = np.hypot(*state.shear)
+    assert (size < MU * pressure * (1 - 1e-6)).sum() / (pressure > 0).sum() == pytest.approx(
+        stick, abs=1e-3
+    )
+
+
+def test_power_is_that_of_the_creepages() -> None:
+    """``V (Qx xi + Qy eta + M phi)``; nowhere below 0 by more than the direction of slip turns in a cell."""
+    friction = rolling(
+        longitudinal=0.4 * SATURATION, lateral=-0.1 * SATURATION, spin=3.0, speed=2.0
+    )
+    solution = solved(friction, (64, 64), 1e-9, shapes=ROUGH)
+    grid, (qx, qy) = solution.problem.grid, solution.shear
+    work = qx * (friction.longitudinal - 3.0 * grid.y) + qy * (
+        friction.lateral + 3.0 * grid.x[:, None]
+    )
+    power = solution.traction.power
+    # spin acts half a cell off in the mean of two steps
+    assert power.sum() == pytest.approx(2.0 * work.sum(), rel=1e-3)
+    assert power.min() > -1e-3 * power.max()
+    outside = power[solution.pressure == 0].sum() / power.sum()
+    assert solution.traction.outside == pytest.approx(outside)
+    assert 0 < outside < 0.6
+
+
+def test_the_largest_creepage_makes_all_of_the_contact_slide() -> None:
+    sliding = solved(cs.Sliding(MU), (64, 16), shapes=ROUGH)
+    rolled = solved(rolling(longitudinal=1e3 * SATURATION), (64, 16), shapes=ROUGH)
+    np.testing.assert_allclose(rolled.shear[0], sliding.shear[0], rtol=1e-5)
+    assert np.abs(rolled.shear[1]).max() < 1e-2 * sliding.shear.max()
+    assert not rolled.stick.any()
+
+
+def test_without_creepage_nothing_is_sheared() -> None:
+    solution = solved(rolling(), (64, 1))
+    assert not solution.shear.any()
+    assert (solution.stick == (solution.pressure > 0)).all()
+    assert solution.traction.power.sum() == 0
+
+
+def test_shear_goes_with_the_coefficient_to_zero() -> None:
+    slippery = solved(cs.TractiveRolling(1e-9, longitudinal=1e-3), (64, 1))
+    np.testing.assert_allclose(slippery.shear[0], 1e-9 * slippery.pressure, rtol=1e-6)
+
+
+def test_creepage_reversed_reverses_the_shear() -> None:
+    creepage = {"longitudinal": 0.3 * SATURATION, "lateral": 0.2 * SATURATION}
+    one, other = (
+        solved(
+            rolling(**{name: sign * value for name, value in creepage.items()}),
+            (32, 32),
+            shapes=ROUGH,
+        )
+        for sign in (1, -1)
+    )
+    np.testing.assert_array_equal(other.shear, -one.shear)
+
+
+@dataclass(frozen=True)
+class Mirrored:
+    """Waves that a sign of -1 mirrors across."""
+
+    sign: float
+    curvature = 0.0
+
+    def gap(self, grid: cs.Grid) -> np.ndarray:
+        x, y = self.sign * grid.x[:, None], grid.y
+        return (
+            1e-7 * np.sin(2 * pi * (x / 1e-4 + 0.1)) * np.cos(2 * pi * y / grid.period + x / 2e-5)
+        )
+
+
+def test_rolling_back_is_rolling_in_a_mirror() -> None:
+    """Mirrored across, the speed, the longitudinal creepage and the spin change their signs."""
+    ahead, back = (
+        solved(
+            rolling(
+                longitudinal=sign * 0.3 * SATURATION,
+                lateral=0.1 * SATURATION,
+                spin=sign * 5.0,
+                speed=sign,
+            ),
+            (48, 16),
+            1e-10,
+            shapes=(*CYLINDER, Mirrored(sign)),
+        )
+        for sign in (1.0, -1.0)
+    )
+    mirrored = back.shear[:, ::-1] * np.array([-1, 1])[:, None, None]
+    np.testing.assert_allclose(mirrored, ahead.shear, atol=1e-7 * MU * P0)
+
+
+def test_bodies_that_do_not_contract_resist_alike_along_both_axes() -> None:
+    """Poisson's ratio 0: in plane strain a cylinder is as stiff along as across."""
+    solids = (replace(STEEL, poisson_ratio=0.0),) * 2
+    across = solved(rolling(longitudinal=0.4 * SATURATION), (64, 1), solids=solids)
+    along = solved(rolling(lateral=0.4 * SATURATION), (64, 1), solids=solids)
+    np.testing.assert_allclose(along.shear[1], across.shear[0], rtol=1e-6)
+
+
+def test_a_cylinder_on_many_cells_along_is_one_in_plane_strain() -> None:
+    line, strip = (solved(rolling(longitudinal=0.4 * SATURATION), (64, n), 1e-9) for n in (1, 8))
+    np.testing.assert_allclose(
+        strip.shear, np.broadcast_to(line.shear, strip.shear.shape), atol=1e-6 * MU * P0
+    )
+
+
+def test_more_creepage_makes_more_traction() -> None:
+    parts = (0.05, 0.2, 0.5, 1.0, 2.0)
+    forces = [
+        traction_share(solved(rolling(longitudinal=f * SATURATION), (32, 32), shapes=ROUGH))[0]
+        for f in parts
+    ]
+    assert (np.diff(forces) > 0).all()
+
+
+@pytest.mark.parametrize("share", [0.1, 0.5, 0.9, 0.99, -0.5])
+def test_creepage_of_a_given_force_is_carters(share: float) -> None:
+    friction = cs.TractiveRolling(MU, tangential=share * MU * LOAD.per_length)
+    solution = solved(friction, (512, 1), 1e-7)
+    assert solution.status is cs.Status.CONVERGED
+    assert traction_share(solution)[0] == pytest.approx(share, abs=1e-7)
+    expected = np.sign(share) * (1 - np.sqrt(1 - abs(share)))
+    found = solution.traction.creepage.longitudinal / SATURATION
+    assert found == pytest.approx(expected, abs=1e-4)
+
+
+RIGID, ELASTIC = cs.HalfSpace(inf, 0.3), cs.HalfSpace(210e9, 0.3)
+
+
+@pytest.mark.parametrize(("part", "share"), [(-0.5, -0.9553), (0.0, -0.7364), (0.5, -0.2116)])
+def test_pressing_unlike_bodies_shifts_the_creep_curve(part: float, share: float) -> None:
+    """Computed once by another program: Poisson's ratio 0.3 on a rigid body, 256 cells."""
+    solids = (ELASTIC, RIGID)
+    a = replace(SMOOTH, solids=solids).hertz.half_width
+    grid = cs.Grid((256, 1), (2.4 * a, 1e-3))
+    scene = replace(SMOOTH, solids=solids, friction=rolling(longitudinal=part * MU * a / RADIUS))
+    solution = cs.solve(scene.problem(grid, cs.ExactPeriodicity()), tolerance=1e-6)
+    assert solution.status is cs.Status.CONVERGED
+    assert traction_share(solution)[0] == pytest.approx(share, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("coefficient", "free", "stick"),
+    [(0.05, 0.8206, 0.383), (0.1, 0.7525, 0.607), (0.3, 0.6585, 0.943)],
+)
+def test_unlike_bodies_that_roll_freely_creep(
+    coefficient: float, free: float, stick: float
+) -> None:
+    """In units of ``beta a / R``; ``2 / pi`` where all sticks. The elastic body is stretched, and so falls behind."""
+    solids = (ELASTIC, RIGID)
+    a = replace(SMOOTH, solids=solids).hertz.half_width
+    grid = cs.Grid((256, 1), (2.4 * a, 1e-3))
+    found = []
+    for pair in (solids, solids[::-1]):
+        scene = replace(
+            SMOOTH, solids=pair, friction=cs.TractiveRolling(coefficient, tangential=0.0)
+        )
+        solution = cs.solve(scene.problem(grid, cs.ExactPeriodicity()), tolerance=1e-6)
+        assert solution.status is cs.Status.CONVERGED
+        found.append(solution.traction.creepage.longitudinal * RADIUS / (abs(dundurs(pair)) * a))
+        assert solution.stick.sum() / (solution.pressure > 0).sum() == pytest.approx(
+            stick, abs=1e-2
+        )
+    assert found == pytest.approx([free, -free], rel=2e-3)
+
+
+def test_unlike_bodies_are_coupled_along_both_axes_alike() -> None:
+    """A sphere that rolls with lateral creepage, seen from a quarter turn, is not the same; from its mirror it is."""
+    scene = replace(
+        SMOOTH, solids=(ELASTIC, RIGID), shapes=(cs.Sphere(RADIUS),), load=cs.LineLoad(1e4)
+    )
+    grid = cs.Grid((32, 32), (4e-4, 4e-4))
+    free = cs.ZeroPadding(), cs.ZeroPadding()
+    one, other = (
+        cs.solve(
+            replace(scene, friction=rolling(longitudinal=2e-4, lateral=sign * 5e-4)).problem(
+                grid, free
+            ),
+            tolerance=1e-7,
+        )
+        for sign in (1, -1)
+    )
+    assert one.status is cs.Status.CONVERGED
+    assert one.shear.any()
+    mirrored = other.shear[:, :, ::-1] * np.array([1, -1])[:, None, None]
+    np.testing.assert_allclose(mirrored, one.shear, atol=1e-4 * one.shear.max())
+    np.testing.assert_allclose(
+        other.pressure[:, ::-1], one.pressure, atol=1e-5 * one.pressure.max()
+    )
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({}, "neither"),
+        ({"longitudinal": 1e-3, "tangential": 1e3}, "both"),
+        ({"longitudinal": "much"}, "longitudinal"),
+        ({"longitudinal": 1e-3, "speed": 0.0}, "speed"),
+        ({"longitudinal": 1e-3, "spin": float("nan")}, "spin"),
+        ({"longitudinal": 1e-3, "coefficient": 0.0}, "coefficient"),
+        ({"longitudinal": 1e-3, "coefficient": 1.0}, "coefficient"),
+    ],
+)
+def test_values_that_cannot_be_say_so(given: dict[str, object], said: str) -> None:
+    with pytest.raises(cs.InvalidInput, match=said):
+        cs.TractiveRolling(**{"coefficient": MU, **given})
+
+
+@pytest.mark.parametrize(
+    ("other", "said"),
+    [
+        ({"hardness": 1e9}, "hardness"),
+        ({"load": cs.SineLoad(1e5, 1e4, 1.0)}, "Scene.load changes"),
+        ({"wear": cs.Wear(1e-15, 1.0)}, "Scene.wear changes"),
+        ({"rolling": cs.Rolling(1.0)}, "Scene.rolling"),
+        ({"solids": (cs.CoatedHalfSpace(STEEL, 1e-6, STEEL), STEEL)}, "response to shear"),
+        ({"shapes": (*CYLINDER, cs.Carried(ROUGH[1]))}, "travel through the contact"),
+        ({"friction": cs.TractiveRolling(MU, tangential=MU * 1e5)}, "tangential"),
+    ],
+)
+def test_what_makes_no_steady_state_is_refused(other: dict[str, object], said: str) -> None:
+    with pytest.raises(cs.InvalidInput, match=said):
+        replace(SMOOTH, **{"friction": rolling(longitudinal=1e-3), **other})
+
+
+def test_material_that_would_enter_again_is_refused() -> None:
+    scene = replace(SMOOTH, friction=rolling(longitudinal=1e-3))
+    with pytest.raises(cs.InvalidInput, match="enter it again"):
+        scene.problem(cs.Grid((32, 1), (3 * A, 1e-3)), (cs.ExactPeriodicity(),) * 2)
+
+
+def test_heights_that_would_travel_are_said() -> None:
+    assert "travels" in solved(rolling(longitudinal=1e-4), (16, 16), 1e-3, shapes=ROUGH).note
+    assert "travels" not in solved(rolling(longitudinal=1e-4), (16, 1), 1e-3).note
+
+
+@pytest.mark.parametrize(
+    "friction",
+    [
+        cs.TractiveRolling(0.3, longitudinal=1e-3, lateral=-2e-4, spin=0.5, speed=3.0),
+        cs.TractiveRolling(0.3, tangential=2e4),
+    ],
+)
+def test_rolling_is_read_from_a_file_and_written_to_one(friction: object, tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    scene = replace(SMOOTH, friction=friction)
+    cs.write_scene(scene, path)
+    assert cs.read_scene(path).scene == scene
+
+
+def test_a_plan_says_how_rolling_is_solved() -> None:
+    reasons = cs.plan(replace(SMOOTH, friction=cs.TractiveRolling(MU, tangential=1e3))).reasons
+    assert any("tractive rolling" in reason and "creepages" in reason for reason in reasons)
+
+
+def test_slope_of_carters_curve_is_pi_over_two_times_modulus_and_half_width() -> None:
+    """``dQ / dxi = pi E* a / 2`` per length."""
+    small = 1e-3 * SATURATION
+    force = solved(rolling(longitudinal=small), (512, 1)).shear.sum() * 2.4 * A / 512
+    assert force / small == pytest.approx(pi / 2 * SMOOTH.contact_modulus * A, rel=2e-3)
+
+
+def test_the_answer_lists_traction_stick_creepage_and_power_with_their_bounds() -> None:
+    """Of Carter's closed form at half the saturating creepage, rolling at 3 m/s."""
+    xi = 0.5 * SATURATION
+    numbers = solved(rolling(longitudinal=xi, speed=3.0), (512, 1)).quantities
+    traction, power = numbers["traction_coefficient"], numbers["frictional_power"]
+    assert abs(traction.value - 0.75 * MU) <= traction.bound < 0.01 * MU
+    assert (power.unit, numbers["creepage"].value, numbers["creepage"].bound) == ("W m-1", xi, 0.0)
+    assert abs(power.value - 3.0 * 0.75 * MU * 1e5 * xi) <= power.bound < 0.02 * power.value
+    assert numbers["stick_fraction"].value == pytest.approx(0.5, abs=5e-3)
+
+
+def test_a_dataset_has_slip_and_power() -> None:
+    solution = solved(rolling(longitudinal=0.5 * SATURATION, speed=3.0), (64, 1))
+    dataset = solution.to_dataset()
+    np.testing.assert_array_equal(dataset["slip_x"].values, solution.traction.slip[0])
+    np.testing.assert_array_equal(dataset["power_density"].values, solution.traction.power)
+    assert dataset["power_density"].attrs["units"] == "W m-2"

@@ -1,0 +1,216 @@
+"""Adhesion against closed forms, limits, and pull-off loads found on fine grids."""
+
+from dataclasses import replace
+from math import inf, pi
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.solvers.adhesion import Dugdale, Exponential
+
+SOFT, RIGID = cs.HalfSpace(1.0, 0.0), cs.HalfSpace(inf, 0.3)
+LINE = cs.ExactPeriodicity()
+# Where R = E* = 1 and w = pi, lengths and loads over pi have the units of Johnson, Kendall & Roberts.
+UNIT = pi
+
+
+def cylinder(lam: float, load: float, law: str = "exponential", **named: str) -> cs.Scene:
+    """Cylinder whose attraction has Maugis' parameter `lam`, under a `load` in the unit."""
+    adhesion = cs.Adhesion(pi, 4 / lam, law, **named)
+    return cs.Scene(cs.LineLoad(load * UNIT), (SOFT, RIGID), (cs.Cylinder(1.0),), adhesion=adhesion)
+
+
+def force(solution: cs.Solution) -> float:
+    """Load per length that pressure and attraction carry [N/m]."""
+    grid = solution.problem.grid
+    assert solution.adhesion is not None
+    net = solution.pressure - solution.adhesion.traction
+    return float(net.sum()) * grid.cell_area / grid.period
+
+
+def pulled(scene: cs.Scene, grid: cs.Grid, error: float, padding: object = LINE) -> cs.Solution:
+    """The last state held of a scene under a pull, begun at the scene's load."""
+    pull = cs.PullOff(scene.load.largest, error)
+    solution = cs.solve(replace(scene, load=pull), grid, padding, tolerance=1e-9)  # type: ignore[arg-type]
+    assert solution.status is cs.Status.CONVERGED
+    return solution
+
+
+@pytest.mark.parametrize(
+    ("lam", "width", "cells", "pull_off"),
+    [
+        (0.5, 50.0, 2048, 0.82149),
+        (1.0, 36.0, 2048, 1.02312),
+        (2.0, 24.0, 2048, 1.14064),
+        pytest.param(4.0, 16.0, 2048, 1.18108, marks=pytest.mark.whole),
+        pytest.param(8.0, 10.0, 4096, 1.18945, marks=pytest.mark.whole),
+    ],
+)
+def test_a_cylinder_separates_at_the_pull_off_load_of_fine_grids(
+    lam: float, width: float, cells: int, pull_off: float
+) -> None:
+    error = 1e-4
+    found = pulled(cylinder(lam, 0.5), cs.Grid((cells, 1), (width, 1.0)), error)
+    assert -force(found) / UNIT == pytest.approx(pull_off, rel=2 * error)
+    assert found.adhesion is not None
+    assert found.adhesion.lost == pytest.approx(force(found), rel=1.01 * error)
+
+
+@pytest.mark.parametrize(("lam", "width", "limit"), [(0.1, 120.0, 0.39633), (0.2, 80.0, 0.56050)])
+def test_a_stiff_cylinder_nearly_separates_as_a_rigid_one(
+    lam: float, width: float, limit: float
+) -> None:
+    # w sqrt(2 pi R / rho), less by the deformation, of first order in lam
+    found = pulled(cylinder(lam, 0.3), cs.Grid((1024, 1), (width, 1.0)), 1e-3)
+    assert limit * (1 - 0.1 * lam) < -force(found) / UNIT < limit
+
+
+@pytest.mark.cases(1)
+@pytest.mark.parametrize(("lam", "width", "pull_off"), [(1.0, 36.0, 1.11303), (2.0, 24.0, 1.18011)])
+def test_the_law_of_dugdale_has_the_pull_off_load_of_baney_and_hui(
+    lam: float, width: float, pull_off: float
+) -> None:
+    found = pulled(cylinder(lam, 0.5, "dugdale"), cs.Grid((2048, 1), (width, 1.0)), 2e-4)
+    # the fall of the attraction over a fifth of its range takes up to 2.1e-4
+    assert -force(found) / UNIT == pytest.approx(pull_off, rel=6e-4)
+
+
+@pytest.mark.cases(1)
+@pytest.mark.parametrize(("zone", "share"), [(24, -0.0172), (12, -0.0074), (6, -0.0021)])
+def test_a_wave_separates_as_johnson_says_in_the_limit_of_short_ranges(
+    zone: int, share: float
+) -> None:
+    height, alpha, cells = 0.05, 0.3, 1024
+    closing = pi * height
+    work = (alpha * closing) ** 2 / 2
+    strength = np.sqrt(pi * work * cells / (4 * zone))
+    scene = cs.Scene(
+        cs.LineLoad(0.05 * closing),
+        (SOFT, RIGID),
+        (cs.Waviness(height, across=1.0),),
+        adhesion=cs.Adhesion(work, work / strength),
+    )
+    found = pulled(scene, cs.Grid((cells, 1), (1.0, 1.0)), 1e-3, (LINE, LINE))
+    # max over psi of alpha sqrt(tan psi) - sin^2 psi, Johnson (1995)
+    assert -force(found) / closing / 0.095944 - 1 == pytest.approx(share, abs=1.5e-3)
+
+
+def test_a_sphere_separates_between_the_limits_of_bradley_and_of_johnson_kendall_and_roberts() -> (
+    None
+):
+    width = 9.5
+    scene = cs.Scene(
+        cs.TotalLoad(0.5, length=width),
+        (SOFT, RIGID),
+        (cs.Sphere(1.0),),
+        adhesion=cs.Adhesion(1.0, 1.0),
+    )
+    free = cs.ZeroPadding(), cs.ZeroPadding()
+    found = pulled(scene, cs.Grid((64, 64), (width, width)), 1e-3, free)
+    assert found.adhesion is not None
+    assert found.adhesion.tabor == pytest.approx(1.0)
+    assert -force(found) * width / pi == pytest.approx(1.6639, rel=2e-3)
+
+
+MODULUS, RADIUS, WORK = 1e6 / (1 - 0.49**2), 0.01, 0.1
+WIDE = 12 * (WORK * RADIUS**2 / (pi * MODULUS)) ** (1 / 3)
+HOLD = (pi * MODULUS * WORK**2 * RADIUS) ** (1 / 3)
+ROUGH = cs.Scene(
+    cs.LineLoad(HOLD),
+    (cs.HalfSpace(1e6, 0.49), RIGID),
+    (
+        cs.Cylinder(RADIUS),
+        cs.Roughness(1e-6, hurst=0.8, roll_off=WIDE / 4, cut_off=WIDE / 16, seed=1),
+    ),
+    adhesion=cs.Adhesion(WORK, 2 * WORK / (pi**2 * MODULUS**2 * WORK / RADIUS) ** (1 / 3)),
+)
+CELLS = cs.Grid((128, 128), (WIDE, WIDE))
+
+
+def test_a_rough_roller_has_the_contact_and_the_approach_found_before() -> None:
+    solution = cs.solve(ROUGH, CELLS, LINE)
+    assert solution.adhesion is not None
+    assert solution.adhesion.tabor == pytest.approx(1.0725, rel=1e-4)
+    assert np.mean(solution.pressure > 0) == pytest.approx(0.56830, abs=1e-5)
+    assert solution.approach / (WIDE / 12) ** 2 * RADIUS == pytest.approx(4.39027, rel=1e-5)
+    assert force(solution) == pytest.approx(HOLD, rel=1e-12)
+
+
+def test_a_rough_roller_holds_a_pull_until_it_is_lost() -> None:
+    found = cs.solve(replace(ROUGH, load=cs.PullOff(HOLD, 4e-3)), CELLS, LINE)
+    assert found.adhesion is not None
+    assert found.adhesion.lost is not None
+    assert -1.031 < found.adhesion.lost / HOLD < force(found) / HOLD < -1.023
+
+
+@pytest.mark.parametrize(("work", "attraction_range"), [(1e-30, None), (1e-15, 1e-7)])
+def test_no_work_gives_the_contact_without_adhesion_to_the_last_bit(
+    work: float, attraction_range: float | None
+) -> None:
+    with_it = replace(ROUGH, adhesion=cs.Adhesion(work, attraction_range))
+    found = cs.solve(with_it, CELLS, LINE)
+    without = cs.solve(replace(ROUGH, adhesion=None), CELLS, LINE)
+    np.testing.assert_array_equal(found.pressure, without.pressure)
+    np.testing.assert_array_equal(found.gap, without.gap)
+    assert found.approach == without.approach
+
+
+@pytest.mark.parametrize("branch", ["from afar", "from full contact"])
+@pytest.mark.parametrize("law", [Exponential, Dugdale])
+def test_a_plain_pass_never_raises_the_energy(branch: str, law: type) -> None:
+    scene = cylinder(2.0, 0.2, branch=branch)
+    problem = scene.problem(cs.Grid((256, 1), (24.0, 1.0)), LINE)
+    plain = replace(problem.adhesion, depth=0, law=law(pi, 2.0))  # type: ignore[type-var]
+    solution = cs.solve(replace(problem, adhesion=plain))
+    assert solution.adhesion is not None
+    energies = np.array(solution.adhesion.energies)
+    assert len(energies) > 10
+    # to the tolerance of each contact, a thousandth of the range at most
+    assert (np.diff(energies) < 1e-8 * abs(energies[-1])).all()
+
+
+def test_a_short_range_leaves_two_states_and_the_history_decides() -> None:
+    grid = cs.Grid((512, 1), (16.0, 1.0))
+    near = replace(cylinder(4.0, 0.5), load=cs.Approach(-4.5))
+    afar = cs.solve(near, grid, LINE)
+    leaving = cs.Adhesion(pi, 1.0, branch="from full contact")
+    left = cs.solve(replace(near, adhesion=leaving), grid, LINE)
+    assert afar.status is cs.Status.DETACHED
+    assert left.status is cs.Status.CONVERGED
+    assert force(left) < 2 * force(afar) < 0
+    assert afar.adhesion is not None
+    assert left.adhesion is not None
+    assert left.adhesion.energy < afar.adhesion.energy
+
+
+def test_below_a_tabor_parameter_of_0_3_loading_equals_unloading() -> None:
+    grid = cs.Grid((256, 1), (50.0, 1.0))
+    for load in (0.1, 0.5):
+        afar = cs.solve(cylinder(0.5, load), grid, LINE)
+        left = cs.solve(cylinder(0.5, load, branch="from full contact"), grid, LINE)
+        # the passes leave 1e-5 of the traction
+        np.testing.assert_allclose(left.pressure, afar.pressure, atol=1e-4 * afar.pressure.max())
+
+
+def test_a_load_beyond_the_pull_off_leaves_the_bodies_detached() -> None:
+    grid = cs.Grid((256, 1), (24.0, 1.0))
+    solution = cs.solve(cylinder(2.0, -1.5, branch="from full contact"), grid, LINE)
+    assert solution.status is cs.Status.DETACHED
+    assert not solution.pressure.any()
+    assert force(solution) == 0
+
+
+def test_an_attraction_cut_off_at_the_edge_is_said() -> None:
+    solution = cs.solve(cylinder(0.5, 0.5), cs.Grid((128, 1), (8.0, 1.0)), LINE)
+    assert solution.status is cs.Status.ATTRACTION_AT_EDGE
+
+
+@pytest.mark.parametrize("law", [Exponential(2.0, 0.5), Dugdale(2.0, 0.5)])
+def test_the_remaining_work_is_the_integral_of_the_traction(law: Exponential | Dugdale) -> None:
+    gap = np.linspace(0, 20, 400_001)
+    traction = law.traction(gap)
+    step = gap[1]
+    beyond = np.cumsum((traction[::-1][1:] + traction[::-1][:-1]) * step / 2)[::-1]
+    np.testing.assert_allclose(law.remaining_work(gap[:-1]), beyond, atol=4 * step**2)
+    assert law.remaining_work(np.zeros(1))[0] == pytest.approx(2.0)

@@ -1,0 +1,104 @@
+"""Newton's method on Coulomb's projection, its linear equations and its fallback."""
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.elasticity.tangential import shear_response
+from contactstudy.solvers import coulomb_newton
+from contactstudy.solvers.coulomb_newton import Rolled, gmres
+
+GRID = cs.Grid((24, 12), (2.2, 2.2))
+FREE = cs.ZeroPadding(), cs.ZeroPadding()
+# The coefficient of friction times the pressure of a sphere with E* = 1.
+LIMIT = 0.3 * np.sqrt(np.maximum(1 - GRID.x[:, None] ** 2 - GRID.y**2, 0))
+RESPONSE = shear_response(((0.5, 0.25),) * 2, GRID, FREE, 1.0)
+RIGID = -np.stack(
+    [np.full(GRID.cells, 0.2), 0.1 + 0.3 * np.broadcast_to(GRID.x[:, None], GRID.cells)]
+)
+
+
+def settled() -> tuple[Rolled, np.ndarray, np.ndarray, float]:
+    rolled = Rolled(RESPONSE, LIMIT, GRID.cell[0])
+    start = np.zeros((2, np.count_nonzero(LIMIT)))
+    return rolled, *rolled.solved(RIGID, start, 1e-9, 2000)
+
+
+def test_shear_obeys_coulombs_law() -> None:
+    rolled, shear, slip, residual = settled()
+    assert residual <= 1e-9
+    radius, size, speed = (
+        rolled.gathered(np.stack([LIMIT] * 2))[0],
+        np.hypot(*shear),
+        np.hypot(*slip),
+    )
+    assert (size <= radius * (1 + 1e-12)).all()
+    slides = speed > 1e-6 * speed.max()
+    assert slides.any()
+    assert not slides.all()
+    np.testing.assert_allclose(size[slides], radius[slides], rtol=1e-5)
+    against = -np.einsum("cn,cn->n", shear, slip)[slides]
+    np.testing.assert_allclose(against, (size * speed)[slides], rtol=1e-4)
+
+
+def test_slip_is_the_rigid_one_and_the_change_of_displacement_from_the_cell_ahead() -> None:
+    rolled, shear, slip, _ = settled()
+    displacement = RESPONSE(rolled.field(shear))
+    change = (displacement[:, :-1] - displacement[:, 1:]) / GRID.cell[0]
+    expected = (RIGID[:, :-1] + change)[:, LIMIT[:-1] > 0]
+    np.testing.assert_allclose(slip, expected, atol=1e-9)
+
+
+def test_projections_alone_find_the_same_shear(monkeypatch: pytest.MonkeyPatch) -> None:
+    _, newton, _, _ = settled()
+    monkeypatch.setattr(coulomb_newton, "NEWTON", 0)
+    _, projected, _, residual = settled()
+    assert residual <= 1e-9
+    np.testing.assert_allclose(projected, newton, atol=1e-7)
+
+
+def test_the_limit_of_applications_ends_the_iteration() -> None:
+    rolled = Rolled(RESPONSE, LIMIT, GRID.cell[0])
+    start = np.zeros((2, np.count_nonzero(LIMIT)))
+    *_, residual = rolled.solved(RIGID, start, 1e-12, 7)
+    assert residual > 1e-12
+    assert rolled.applications <= 8
+
+
+def test_linear_equations_are_solved_by_as_many_vectors_as_there_are_unknowns() -> None:
+    random = np.random.default_rng(3)
+    matrix, target = random.normal(size=(6, 6)), random.normal(size=(2, 3))
+    given = []
+
+    def apply(vector: np.ndarray) -> np.ndarray:
+        given.append(vector)
+        return (matrix @ vector.ravel()).reshape(2, 3)
+
+    weights = gmres(apply, target, 1e-12, 20)
+    assert len(weights) == len(given) == 6
+    found = sum(weight * vector for weight, vector in zip(weights, given, strict=True))
+    np.testing.assert_allclose(matrix @ found.ravel(), target.ravel(), atol=1e-10)
+
+
+@pytest.mark.parametrize("elongation", [1.6, 20.0, 62.0])
+@pytest.mark.parametrize("poisson_ratio", [0.0, 0.3, 0.49])
+def test_a_finite_roller_takes_no_more_applications_than_promised(
+    elongation: float, poisson_ratio: float
+) -> None:
+    body = cs.HalfSpace(210e9, poisson_ratio)
+    length = 0.01
+    shapes = (cs.Cylinder(0.01), cs.LundbergProfile(2e-6, 2e-5, length))
+    friction = cs.TractiveRolling(0.3, longitudinal=1e-3, lateral=5e-4, spin=0.1)
+    scene = cs.Scene(cs.LineLoad(1e5), (body, body), shapes, friction=friction)
+    width = 2.6 * scene.hertz.half_width
+    cells = 48, round(1.05 * length / (elongation * width / 48))
+    if cells[1] > 400:
+        cells = 48, 400
+    grid = cs.Grid(cells, (width, 1.05 * length))
+    problem = scene.problem(grid, FREE)
+    pressure = cs.solve(
+        cs.Scene(scene.load, scene.solids, shapes).problem(grid, FREE), tolerance=1e-6
+    ).pressure
+    state = problem.friction.settled(grid, pressure, cs.SolveOptions(1e-6))
+    assert state.residual <= 1e-6
+    assert state.convolutions / 2 <= 75

@@ -1,0 +1,79 @@
+"""Settings of any scene as a study."""
+
+from dataclasses import replace
+from math import pi
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from studies.advice.subject import Subject, described_in, paper_described, subject_of
+from studies.definitions.settings import SettingCase, measures, preset
+from studies.model.study import Point
+from studies.reference.line_contact import HERTZ, SCENE
+from tests.studies.advice.test_measuring import EXAMPLES
+
+A = HERTZ.half_width
+POINT: Point = {"padding": "exact", "images": 1, "period": 1, "grid": 24, "solver_tolerance": 1e-8}
+
+
+@pytest.fixture(scope="module")
+def wavy() -> Subject:
+    """A cylinder with waves along its length, on one period of them."""
+    shapes = (*SCENE.shapes, cs.Waviness(amplitude=2e-8, along=1.2 * A))
+    grid = cs.Grid((12, 6), (2.4 * A, 1.2 * A))
+    return subject_of(cs.SceneFile(replace(SCENE, shapes=shapes), grid=grid), "wavy")
+
+
+def measured(subject: Subject, **point: object) -> dict[str, float]:
+    study = preset("padding", subject)
+    case = study.scene_at({**POINT, **point})  # type: ignore[arg-type, dict-item]
+    assert isinstance(case, SettingCase)
+    small = replace(case, reference=case.reference and (96, 48))
+    return {
+        name: float(one.values) for name, one in measures(small, small.run(small.prepare())).items()
+    }
+
+
+def test_several_periods_of_a_scene_have_the_error_of_one(wavy: Subject) -> None:
+    one, two, three = (measured(wavy, period=n) for n in (1, 2, 3))
+    for several in (two, three):
+        assert several["pressure_error_l1"] == pytest.approx(one["pressure_error_l1"], rel=1e-4)
+        for name in ("contact_area_error", "mean_gap_error"):
+            assert several[name] == pytest.approx(one[name], abs=1e-6)
+
+
+def test_a_window_on_the_papers_cylinder_adds_its_own_error_to_that_of_the_grid() -> None:
+    cylinder = paper_described().subject()
+    exact, window = (
+        measured(cylinder, padding=padding, images=2, grid=96) for padding in ("exact", "circular")
+    )
+    # the window's own error, a^2 / (2 pi D^2), and at most the grid's beside it
+    law = 1 / (2 * pi * 6.0**2)
+    grid = exact["pressure_error_l1"]
+    assert 0.9 * law - grid < window["pressure_error_l1"] < 1.1 * law + grid
+
+
+def test_the_free_ends_of_a_roller_are_one_of_its_paddings() -> None:
+    roller = described_in(EXAMPLES / "rough-roller.toml").subject()
+    study = preset("grid", roller)
+    assert "free" in study.points[0].values
+    case = study.scene_at({**POINT, "padding": "free"})
+    assert isinstance(case, SettingCase)
+    assert case.padding == (cs.ZeroPadding(), cs.ZeroPadding())
+    with pytest.raises(cs.InvalidInput, match="ends along its length"):
+        study.scene_at({**POINT, "period": 2})
+
+
+def test_a_measured_surface_has_no_period_but_its_own() -> None:
+    heights = 1e-8 * np.random.default_rng(1).standard_normal((16, 16))
+    shapes = (*SCENE.shapes, cs.MeasuredSurface(heights, (2.4 * A, 2.4 * A)))
+    grid = cs.Grid((16, 16), (2.4 * A, 2.4 * A))
+    subject = subject_of(cs.SceneFile(replace(SCENE, shapes=shapes), grid=grid), "measured")
+    with pytest.raises(cs.InvalidInput, match="has one period"):
+        preset("period", subject).scene_at({**POINT, "period": 2})
+
+
+def test_an_unknown_preset_is_answered_with_the_right_one() -> None:
+    with pytest.raises(cs.InvalidInput, match="did you mean 'padding'"):
+        preset("paddin", paper_described().subject())

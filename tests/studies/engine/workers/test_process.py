@@ -1,0 +1,203 @@
+"""Cases in a process of their own: each is answered, whatever becomes of the others."""
+
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import cloudpickle
+import psutil
+import pytest
+
+from studies.engine import time_limit
+from studies.engine.executors import packed
+from studies.engine.workers import process as module
+from studies.engine.workers.leftovers import MARK, end_all
+from studies.engine.workers.process import Worker
+from studies.model.outcome import CaseStatus, Failure, Outcome, Sample, Work
+from studies.store.loaded import Present
+from tests.studies.conftest import POSIX
+from tests.studies.engine import trouble
+from tests.studies.engine.trouble import DIES, RAISES, Trouble, Unsendable
+
+OK, FAILED, KILLED = CaseStatus.OK, CaseStatus.FAILED, CaseStatus.KILLED
+
+
+@dataclass(frozen=True)
+class Leaving(Trouble):
+    """Ends its process with an exit code, as some libraries do."""
+
+    def run(self, prepared: float) -> float:
+        super().run(prepared)
+        os._exit(3)
+
+
+@pytest.fixture
+def worker() -> Iterator[Worker]:
+    one = Worker(packed(Work(trouble.measures)))
+    yield one
+    one.end()
+
+
+def outcomes_of(worker: Worker, *cases: Trouble) -> list[Outcome]:
+    names = [str(place) for place in range(len(cases))]
+    return list(worker.run(cloudpickle.dumps(cases), names))
+
+
+def squares(outcomes: list[Outcome]) -> list[float | CaseStatus]:
+    return [
+        float(one.variables["square"]) if one.case_status is OK else one.case_status
+        for one in outcomes
+    ]
+
+
+@POSIX
+def test_every_case_of_a_batch_is_answered_in_its_order(worker: Worker, tmp_path: Path) -> None:
+    """One that its process dies of is tried a second time, for it may have been ended from outside."""
+    log = tmp_path / "log"
+    cases = [Trouble(float(n), log=str(log)) for n in (DIES, 1, RAISES, 2, 4, DIES, 5, 6)]
+    begun = time.perf_counter()
+    outcomes = outcomes_of(worker, *cases)
+    taken = time.perf_counter() - begun
+    assert squares(outcomes) == [KILLED, 1, FAILED, 4, 16, KILLED, 25, 36]
+    tried = [float(line) for line in log.read_text(encoding="utf-8").split()]
+    assert tried == [DIES, DIES, 1, RAISES, 2, 4, DIES, DIES, 5, 6]
+    assert outcomes[0].error == (
+        "Killed: its process was ended by SIGKILL, perhaps for want of memory while it was computed"
+    )
+    assert all(0 <= one.seconds <= taken for one in outcomes)
+
+
+@POSIX
+def test_a_case_that_ends_its_own_process_is_not_tried_again(
+    worker: Worker, tmp_path: Path
+) -> None:
+    log = tmp_path / "log"
+    outcomes = outcomes_of(worker, Leaving(1.0, log=str(log)), Trouble(2.0))
+    assert squares(outcomes) == [KILLED, 4]
+    assert "its process ended with exit code 3" in outcomes[0].error
+    assert log.read_text(encoding="utf-8").split() == ["1.0"]
+
+
+def test_a_run_against_the_clock_is_a_sample_or_says_why_not(worker: Worker) -> None:
+    assert isinstance(worker.time_once("one", Trouble(2.0), None), Sample)
+    failure = worker.time_once("one", Trouble(float(RAISES)), None)
+    assert isinstance(failure, Failure)
+    assert (failure.kind, failure.stage) == ("ArithmeticError", "timing")
+    failure = worker.time_once("one", Unsendable(9.0), None)
+    assert isinstance(failure, Failure)
+    assert failure.stage == "setup"
+
+
+def test_other_work_is_done_by_the_same_process(worker: Worker) -> None:
+    (first,) = outcomes_of(worker, Trouble(1.0))
+    worker.set_work(packed(Work(trouble.process, time_limit=50.0)))
+    before, again = outcomes_of(worker, Trouble(1.0), Trouble(2.0))
+    worker.set_work(packed(Work(trouble.process, time_limit=70.0)))
+    (after,) = outcomes_of(worker, Trouble(2.0))
+    numbers = [int(one.variables["process"]) for one in (before, again, after)]
+    assert float(first.variables["square"]) == 1
+    assert len(set(numbers)) == 1
+    assert psutil.pid_exists(numbers[0])
+    worker.end()
+    assert not psutil.pid_exists(numbers[0])
+    assert outcomes_of(worker, Trouble(1.0)) == []
+
+
+def test_a_worker_s_own_alarm_comes_before_its_supervisor_s(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A tenth and half a second later it is late; without a limit it never is."""
+    asked: list[float | None] = []
+
+    def next_answer(until: float | None) -> object:
+        asked.append(until)
+        return (1, 0, Outcome(OK), False, None) if until is None else TimeoutError
+
+    monkeypatch.setattr(time_limit, "monotonic", lambda: 100.0)
+    monkeypatch.setattr(module, "perf_counter", iter((4.0, 7.0, 4.0)).__next__)
+    one = Worker(packed(Work(trouble.measures)))
+    monkeypatch.setattr(one, "_next", next_answer)
+    (late, *_), (other, *_) = (one._receive(0, limit) for limit in (20.0, None))
+    assert isinstance(late, Outcome)
+    assert (late.case_status, late.seconds) == (CaseStatus.TIMEOUT, 3.0)
+    assert isinstance(other, Outcome)
+    assert other.case_status is OK
+    assert asked == [122.5, None]
+    one.end()
+
+
+def test_an_outcome_says_what_its_process_had_loaded(worker: Worker) -> None:
+    (one,) = outcomes_of(worker, Trouble(1.0))
+    assert Present().changes(one.loaded) == []
+    assert "module tests.studies.engine.trouble" in one.loaded
+    assert "distribution numpy" in one.loaded
+
+
+def test_a_batch_ends_after_its_time_and_leaves_the_rest(
+    worker: Worker, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "BATCH", 0.0)
+    assert squares(outcomes_of(worker, Trouble(2.0), Trouble(3.0), Trouble(4.0))) == [4]
+    assert squares(outcomes_of(worker, Trouble(4.0))) == [16]
+
+
+@POSIX
+def test_what_worker_processes_need_is_loaded_before_they_are_forked(tmp_path: Path) -> None:
+    """A module that cannot be preloaded would slow every one of them, without a word."""
+    (tmp_path / "random.py").write_text("1 / 0")
+    script = (
+        "from studies.engine.workers.process import Worker\nfrom studies.engine.executors import packed\n"
+        "from studies.model.outcome import Work\nfrom tests.studies.engine import trouble\n"
+        "import cloudpickle, os, psutil\n"
+        "one = Worker(packed(Work(trouble.parent_process)))\n"
+        "(found,) = one.run(cloudpickle.dumps((trouble.Trouble(1.0),)), ['one'])\n"
+        "server = psutil.Process(int(found.variables['process']))\n"
+        "assert server.pid != os.getpid()\n"
+        "print('libraries', any('_multiarray_umath' in part.path for part in server.memory_maps()))\n"
+        "one.end()\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", script], cwd=tmp_path, capture_output=True, text=True,
+        env=os.environ | {"PYTHONPATH": str(Path(__file__).parents[4])},
+    )  # fmt: skip
+    assert done.stdout == "libraries True\n", done.stderr
+
+
+@pytest.mark.parametrize(
+    ("code", "said"),
+    [
+        (0, "ended with exit code 0"),
+        (1, "ended with exit code 1"),
+        (None, "ended"),
+        (-15, "was ended by SIGTERM"),
+        (-9, "was ended by SIGKILL, perhaps for want of memory"),
+    ],
+)
+@POSIX
+def test_how_a_process_ended_is_said_in_words(code: int | None, said: str) -> None:
+    assert module._ending(code) == said
+
+
+@POSIX
+def test_what_a_worker_left_behind_ends_with_it_and_nothing_else() -> None:
+    """Told by the mark in its environment, also where it leads a session of its own."""
+
+    def waiting(mark: str) -> subprocess.Popen[bytes]:
+        return subprocess.Popen(
+            [sys.executable, "-c", "input()"],
+            stdin=subprocess.PIPE,
+            env=os.environ | {MARK: mark},
+            start_new_session=True,
+        )
+
+    leader, left, other = waiting("first"), waiting("first"), waiting("second")
+    end_all(leader.pid, "first")
+    assert other.poll() is None
+    for one in (leader, left, other):
+        one.communicate()
+    assert (leader.returncode, left.returncode) == (-9, -9)
+    assert other.returncode == 1  # of an empty input, and of no signal

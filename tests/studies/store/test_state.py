@@ -1,0 +1,159 @@
+"""Two functions of one file are told apart by what they hold, or are refused."""
+
+import functools
+import types
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import pytest
+
+from contactstudy import InvalidInput
+from contactstudy.domain.identity import text
+from studies.store.state import States
+
+Measures = Callable[..., Any]
+
+
+def state(measures: Any) -> str:
+    return text(States().held(measures))
+
+
+def closure(scale: float) -> Measures:
+    return lambda case, result: scale * result
+
+
+def closure_of_a_function(scale: float) -> Measures:
+    inner = closure(scale)
+
+    def measures(case: object, result: float) -> float:
+        return float(inner(case, result))
+
+    return measures
+
+
+def closure_of_a_table(scale: float) -> Measures:
+    table = {"k": [scale]}
+    return lambda case, result: table["k"][0] * result
+
+
+def closure_of_functions(scale: float) -> Measures:
+    functions = {"k": (closure(scale),)}
+    return lambda case, result: functions["k"][0](case, result)
+
+
+def default(scale: float) -> Measures:
+    def measures(case: object, result: float, *, factor: float = scale) -> float:
+        return factor * result
+
+    return measures
+
+
+def attribute(scale: float) -> Measures:
+    def measures(case: object, result: float) -> float:
+        return float(measures.scale * result)  # type: ignore[attr-defined]
+
+    vars(measures)["scale"] = scale
+    return measures
+
+
+def decorated(scale: float) -> Measures:
+    @functools.wraps(closure)
+    def measures(case: object, result: float) -> float:
+        return scale * result
+
+    return measures
+
+
+@dataclass(frozen=True)
+class Frozen:
+    scale: float
+    inner: Measures | None = None
+
+    def __call__(self, case: object, result: float) -> float:
+        return self.scale * result
+
+
+def local_class(scale: float) -> Measures:
+    @dataclass(frozen=True)
+    class Local:
+        offset: float = 0.0
+
+        def __call__(self, case: object, result: float) -> float:
+            return scale * result + self.offset
+
+    return Local()
+
+
+KINDS: dict[str, Callable[[float], Any]] = {
+    made.__name__: made
+    for made in (closure, closure_of_a_function, closure_of_a_table, closure_of_functions, default, attribute)
+} | {
+    "decorated": decorated,
+    "partial": lambda scale: functools.partial(pow, scale),
+    "frozen dataclass": Frozen,
+    "method of a frozen dataclass": lambda scale: Frozen(scale).__call__,
+    "frozen dataclass with a function": lambda scale: Frozen(1.0, closure(scale)),
+    "class in a function": local_class,
+    "cached": lambda scale: functools.lru_cache(closure(scale)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_a_function_holds_tells_it_from_another(kind: str) -> None:
+    first, again, other = (state(KINDS[kind](scale)) for scale in (1.0, 1.0, 2.0))
+    assert first == again
+    assert first != other
+
+
+class Plain:
+    def __init__(self, scale: float) -> None:
+        self.scale = scale
+
+    def measure(self, case: object, result: float) -> float:
+        return self.scale * result
+
+    __call__ = measure
+
+
+@dataclass
+class Changeable:
+    scale: float = 1.0
+    more: list[float] = field(default_factory=list)
+
+    def __call__(self, case: object, result: float) -> float:
+        return self.scale * result
+
+
+def over(value: object) -> Measures:
+    return lambda case, result: value
+
+
+@pytest.mark.parametrize(
+    "measures",
+    [
+        Plain(1.0), Plain(1.0).measure, over(Plain(1.0)), over([Plain(1.0)]), functools.partial(pow, Plain(1.0)),
+        Changeable(), over(types.SimpleNamespace(k=1.0)), over(iter([1])),
+    ],
+)  # fmt: skip
+def test_an_object_whose_state_cannot_be_seen_is_refused_with_the_remedy(measures: Any) -> None:
+    with pytest.raises(InvalidInput, match="a partial of one, or a frozen dataclass with __call__"):
+        state(measures)
+
+
+def test_lines_and_documentation_are_no_state() -> None:
+    def made(source: str) -> Any:
+        names: dict[str, Any] = {"__name__": __name__}
+        exec(source, names)
+        return names["f"]
+
+    plain = state(made("def f(c, r):\n    return 2 * r\n"))
+    assert state(made("\n\ndef f(c, r):\n    'It doubles.'\n    return 2 * r\n")) == plain
+    assert state(made("def f(c, r):\n    return 3 * r\n")) != plain
+
+
+def test_a_function_that_names_itself_has_a_state() -> None:
+    def measures(case: object, result: int) -> int:
+        return 1 if result == 0 else result * measures(case, result - 1)
+
+    assert state(measures) == state(measures)

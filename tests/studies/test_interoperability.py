@@ -29,6 +29,7 @@ def known(tmp_path_factory: pytest.TempPathFactory) -> dict[str, object]:
     return names | {"folder": folder}
 
 
+@pytest.mark.whole
 @pytest.mark.filterwarnings("default")  # those of other libraries are theirs
 @pytest.mark.parametrize(
     "library", ["cf_xarray", "pint_xarray", "zarr", "hvplot"], ids=lambda name: name
@@ -50,6 +51,7 @@ def test_the_block_of_a_library_prints_what_it_says(
     assert capsys.readouterr().out.splitlines() == SAID.findall(block)
 
 
+@pytest.mark.whole
 @pytest.mark.filterwarnings("default")
 def test_a_study_with_units_of_pint_gives_the_same_answers(known: dict[str, object]) -> None:
     pytest.importorskip("pint_xarray")
@@ -66,6 +68,7 @@ def test_a_study_with_units_of_pint_gives_the_same_answers(known: dict[str, obje
     )
 
 
+@pytest.mark.whole
 def test_the_library_of_paraview_reads_the_fields_of_a_solution(known: dict[str, object]) -> None:
     vtk = pytest.importorskip("vtk")
     pytest.importorskip("pyevtk")
@@ -84,6 +87,7 @@ def test_the_library_of_paraview_reads_the_fields_of_a_solution(known: dict[str,
         assert cells.GetArray(name).GetValue(5) == float(field[5, 0])
 
 
+@pytest.mark.whole
 def test_snakemake_runs_the_rules_of_the_page_once(tmp_path: Path) -> None:
     snakemake = shutil.which(
         "snakemake", path=f"{Path(sys.executable).parent}:{os.environ['PATH']}"

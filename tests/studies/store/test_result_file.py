@@ -126,6 +126,7 @@ def test_what_lacks_its_fields_is_computed_for_them_and_nothing_else(tmp_path: P
     np.testing.assert_array_equal(first["residual"], again["residual"])
 
 
+@pytest.mark.whole
 def test_a_cf_checker_finds_nothing(out: Path) -> None:
     pytest.importorskip("compliance_checker")
     command = [str(Path(sys.executable).with_name("compliance-checker")), "--test=cf:1.11"]

@@ -131,12 +131,14 @@ def written(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.mark.whole
 def test_a_file_is_read_in_metres(written: Path) -> None:
     points, extent = read(written)
     np.testing.assert_allclose(points, HEIGHTS, rtol=1e-14)
     assert extent == pytest.approx((6e-6, 8e-6), rel=1e-14)
 
 
+@pytest.mark.whole
 def test_a_surface_from_a_file_is_that_of_its_heights(written: Path) -> None:
     surface = cs.MeasuredSurface.read(str(written))
     points, extent = read(written)
@@ -146,6 +148,7 @@ def test_a_surface_from_a_file_is_that_of_its_heights(written: Path) -> None:
         cs.MeasuredSurface(written)
 
 
+@pytest.mark.whole
 def test_missing_points_of_a_file_are_missing(tmp_path: Path, written: Path) -> None:
     surfaces = pytest.importorskip("SurfaceTopography")
     heights = np.ma.masked_greater(HEIGHTS, HEIGHTS.mean())
@@ -154,6 +157,7 @@ def test_missing_points_of_a_file_are_missing(tmp_path: Path, written: Path) -> 
     np.testing.assert_array_equal(np.isnan(read(path)[0]), heights.mask)
 
 
+@pytest.mark.whole
 def test_a_file_that_is_none_is_refused(tmp_path: Path, written: Path) -> None:
     nothing = tmp_path / "nothing.x3p"
     nothing.write_bytes(b"nothing")
@@ -165,6 +169,7 @@ def test_a_file_that_is_none_is_refused(tmp_path: Path, written: Path) -> None:
         read(tmp_path / "absent.x3p")
 
 
+@pytest.mark.whole
 def test_a_file_without_sizes_is_refused(tmp_path: Path, written: Path) -> None:
     heights = tmp_path / "matrix.txt"
     np.savetxt(heights, LARGE)

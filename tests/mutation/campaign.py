@@ -19,7 +19,7 @@ from pathlib import Path
 
 from tests.mutation.coverage_record import CoverageRecord, statement_in_function
 from tests.mutation.forked import first_failure, import_libraries
-from tests.mutation.mutations import KNOWN, Mutation, chosen, mutations
+from tests.mutation.mutations import Mutation, chosen, mutations
 
 ROOT = Path(__file__).parents[2]
 FOLDERS = ("contactstudy", "studies", "tests", "docs", "examples")
@@ -150,8 +150,6 @@ def _fate(mutation: Mutation) -> tuple[Mutation, str]:
 
 def _asked_for(asked: argparse.Namespace, root: Path) -> list[Mutation]:
     """In no order, so that a campaign that is stopped has been everywhere."""
-    if asked.known:
-        return [known.found_in(root) for known in KNOWN]
     if asked.again:
         lines = set(asked.again.read_text(encoding="utf-8").splitlines())
         paths = sorted({line.partition(":")[0] for line in lines if ".py:" in line})
@@ -167,7 +165,6 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=70)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", default="", help="modules whose path begins so")
-    parser.add_argument("--known", action="store_true", help="the changes that once survived")
     parser.add_argument("--again", type=Path, help="a file with the changes to try, one a line")
     parser.add_argument("--seconds", type=float, default=60.0, help="of tests on each change")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes")

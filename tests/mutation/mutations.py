@@ -4,7 +4,6 @@ import ast
 import random
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import zip_longest
 from pathlib import Path
 
 SWAPPED = {
@@ -45,58 +44,6 @@ class Mutation:
         """The changed text."""
         assert text[self.start : self.end] == self.old
         return text[: self.start] + self.new + text[self.end :]
-
-
-@dataclass(frozen=True)
-class KnownMutation:
-    """A change of the one place in the file at ``path`` that reads ``old``."""
-
-    path: str
-    old: str
-    new: str
-
-    def found_in(self, root: Path) -> Mutation:
-        """The change, where it is now."""
-        text = (root / self.path).read_text(encoding="utf-8")
-        assert text.count(self.old) == 1, f"{self.path} has {self.old!r} not once"
-        start = text.index(self.old)
-        line = text.count("\n", 0, start) + 1
-        return Mutation(self.path, line, start, start + len(self.old), self.old, self.new)
-
-
-# What the suite once did not notice.
-KNOWN = (
-    KnownMutation("contactstudy/accuracy/truncation.py", "END_POWER = 0.5", "END_POWER = 0.25"),
-    KnownMutation("contactstudy/accuracy/discretisation.py", "- bent / 24", "- bent / 12"),
-    KnownMutation(
-        "contactstudy/planning/grid_requirements.py", "1.5 if self.roller", "1.0 if self.roller"
-    ),
-    KnownMutation("contactstudy/scene/shapes/texture.py", "slope = 2 *", "slope = 1 *"),
-    KnownMutation(
-        "contactstudy/problem/constraint.py",
-        ".max(height[pressure > 0])",
-        ".min(height[pressure > 0])",
-    ),
-    KnownMutation(
-        "studies/reference/line_contact.py",
-        "grid.period / grid.cell_area",
-        "2 * grid.period / grid.cell_area",
-    ),
-    KnownMutation("studies/reference/line_contact.py", "(edge - 1,", "(1 - edge,"),
-    KnownMutation(
-        "contactstudy/io/pictures/contact.py",
-        'solved["y"] / length, middle',
-        'solved["y"] * length, middle',
-    ),
-    KnownMutation(
-        "contactstudy/accuracy/discretisation.py", "ALL * ends + EACH", "ALL * ends - EACH"
-    ),
-    KnownMutation(
-        "contactstudy/problem/bare_problem.py",
-        "-float(xp.min(block))",
-        "+float(xp.min(block))",
-    ),
-)
 
 
 def mutations(path: str, text: str) -> list[Mutation]:
@@ -171,14 +118,11 @@ def _computing(node: ast.AST) -> Iterator[ast.AST]:
 
 
 def chosen(root: Path, count: int, seed: int, only: str = "") -> list[Mutation]:
-    """``count`` changes, spread over the modules of both packages; the same for the same code and seed."""
-    rng = random.Random(seed)
-    of_modules = []
+    """``count`` changes drawn from all of both packages; the same for the same code and seed."""
+    found = []
     for path in sorted([*root.glob("contactstudy/**/*.py"), *root.glob("studies/**/*.py")]):
         name = path.relative_to(root).as_posix()
         if name.startswith(only):
-            found = mutations(name, path.read_text(encoding="utf-8"))
-            of_modules.append(rng.sample(found, len(found)))
-    rng.shuffle(of_modules)
-    turns = [one for turn in zip_longest(*of_modules) for one in turn if one is not None]
-    return sorted(turns[:count], key=lambda one: (one.path, one.start))
+            found += mutations(name, path.read_text(encoding="utf-8"))
+    drawn = random.Random(seed).sample(found, min(count, len(found)))
+    return sorted(drawn, key=lambda one: (one.path, one.start))

@@ -9,7 +9,7 @@ import pytest
 from tests.mutation.mutations import chosen, mutations
 
 pytest.importorskip("coverage")
-from tests.mutation.coverage_record import statement_in_function  # noqa: E402
+from tests.mutation.coverage_record import statement_in_function
 
 pytestmark = pytest.mark.whole
 

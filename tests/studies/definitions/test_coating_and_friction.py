@@ -78,3 +78,13 @@ def test_friction_is_measured_and_drawn(tmp_path: Path) -> None:
     assert "Cattaneo" in finding.claim
     report.draw(study, drawing, tmp_path)
     assert (tmp_path / "friction" / "friction.png").is_file()
+
+
+@pytest.mark.parametrize(
+    ("axis", "value", "said"),
+    [("grid", 31, "at least 32 cells"), ("rough_grid", 15, "at least 16 cells")],
+)
+def test_a_grid_that_shows_no_contact_is_refused(axis: str, value: int, said: str) -> None:
+    point = {"poisson_ratio": 0.3, "grid": 32, "rough_grid": 16} | {axis: value}
+    with pytest.raises(cs.InvalidInput, match=said):
+        load("friction").scene_at(point)

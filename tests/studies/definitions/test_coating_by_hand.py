@@ -7,11 +7,9 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.elasticity.coating import CoatingDisplacement
 from contactstudy.elasticity.kernels.layer_image import image_cell, image_lattice, image_row
 from contactstudy.scene.coated import CoatedHalfSpace
 from studies.definitions import coating
-from studies.registry import load
 
 MODULUS = 70e9
 
@@ -77,71 +75,3 @@ def test_known_contacts_are_met_to_the_square_of_the_cell(ratio: float) -> None:
     assert found is not None
     # half-widths of one in a width of 2.4
     assert found < (2.4 / 96) ** 2
-
-
-def test_the_error_is_the_largest_of_the_contacts_that_are_known(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    (ratio, wide, force, peak), (_, wider, more, higher), *_ = coating.REFERENCE
-    off = (ratio, wide, force, peak / 1.02), (ratio, wider, more, higher / 1.01)
-    monkeypatch.setattr(coating, "REFERENCE", off)
-    assert coating._reference_error(ratio, 96) == pytest.approx(0.02, abs=1.02 * (2.4 / 96) ** 2)
-    assert coating._reference_error(3.0, 96) is None
-
-
-def test_a_coated_contact_is_recorded_over_hertz_s_on_the_substrate(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    study = load("coating")
-    case: Any = study.scene_at({"ratio": 4.0, "thickness": 0.3, "grid": 32})
-    seen: list[Any] = []
-
-    def interface(coat: CoatedHalfSpace, pressure: np.ndarray, step: float) -> tuple[float, float]:
-        seen.append((coat, pressure.shape, step))
-        return 0.3e9, 0.9e9
-
-    pressure = np.zeros((32, 1))
-    pressure[14:18, 0] = [1e9, 2e9, 3e9, 1.5e9]
-    alone = pressure.copy()
-    alone[14:18, 0] = [1e9, 1.5e9, 4.5e9, 1.5e9]
-    monkeypatch.setattr(coating, "interface", interface)
-    monkeypatch.setattr(coating, "_image_alone", lambda *_: SimpleNamespace(pressure=alone))
-    monkeypatch.setattr(coating, "half_widths", lambda *_: np.array([0.7 * coating.A]))
-    monkeypatch.setattr(
-        coating, "_reference_error", lambda ratio, cells: 0.01 * ratio + 0.001 * cells
-    )
-    solution: Any = SimpleNamespace(pressure=pressure)
-    found = {name: float(one) for name, one in study.measures(case, solution).items()}
-    assert found["half_width"] == pytest.approx(0.7)
-    # on the substrate alone, a rigid cylinder of 10 mm under 100 N/mm
-    peak = (1e5 * 210e9 / (1 - 0.3**2) / (np.pi * 0.01)) ** 0.5
-    assert found["peak_pressure"] == pytest.approx(3e9 / peak)
-    assert found["interface_shear"] == pytest.approx(0.1)
-    assert found["interface_tension"] == pytest.approx(0.3)
-    # 0.5 and 1.5 of 7.5
-    assert found["image_error"] == pytest.approx(2 / 7.5)
-    assert found["reference_error"] == pytest.approx(0.04 + 0.032)
-    [(coat, shape, step)] = seen
-    assert (coat, shape) == (case.scene.solids[0], (32,))
-    assert step == pytest.approx(case.grid.extent[0] / 32)
-    monkeypatch.setattr(coating, "_reference_error", lambda *_: None)
-    assert "reference_error" not in study.measures(case, solution)
-
-
-def test_the_image_alone_takes_the_place_of_the_coating_and_of_nothing_else(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    case: Any = load("coating").scene_at({"ratio": 4.0, "thickness": 0.3, "grid": 32})
-    terms: list[Any] = []
-    superposed = cs.superposed
-
-    def seen(given: Any, *rest: Any) -> Any:
-        terms.append(given)
-        return superposed(given, *rest)
-
-    monkeypatch.setattr(cs, "superposed", seen)
-    coating._image_alone(case, case.scene.solids[0])
-    kinds = {type(one).__name__: weight for one, weight in terms[-1].items()}
-    assert "ImageAlone" in kinds
-    assert CoatingDisplacement.__name__ not in kinds
-    assert len(kinds) == 2

@@ -1,14 +1,7 @@
-from pathlib import Path
-
 import numpy as np
-import pytest
 
 import contactstudy as cs
 from studies.definitions.effect_cost import P_H, SCENES, YIELD, scene_at
-from studies.engine.run import run
-from studies.registry import load, load_drawing
-from studies.report import page as report
-from tests.studies.conftest import quiet
 
 
 def test_one_cell_along_gives_the_pressure_of_many() -> None:
@@ -38,25 +31,3 @@ def test_the_row_of_yield_yields_on_a_quarter_of_the_cells() -> None:
     assert not (half.joint_state["equivalent0"] > 0).any()
     assert (full.joint_state["equivalent0"] > 0).any()
     assert full.peak_pressure < P_H
-
-
-@pytest.mark.whole
-def test_every_effect_counts_and_is_shown(tmp_path: Path) -> None:
-    study = load("effect_cost").override({"grid": "256"})
-    dataset = run(study, tmp_path, workers=0, repeats=0, log=quiet).isel(grid=0)
-    assert (dataset["solver_status"] == 0).all()
-    found = {name: dataset.sel(effect=name) for name in SCENES}
-    # no shape keeps a field of its own; one cell along asks for a 64th, but for what any solve holds
-    shapes = [float(found[name]["memory"]) for name in ("waviness", "texture", "roughness")]
-    field = 256 * 64 * 8 / 1e6  # MB
-    assert max(shapes) - min(shapes) < field
-    assert float(found["smooth, 1-D"]["memory"]) < float(found["smooth, 2-D"]["memory"]) / 16
-    # where no coating is set up, which takes more for a while
-    assert float(found["sliding, no coating"]["memory"]) > float(found["roughness"]["memory"])
-    # stress is found from the solution, which knows nothing of it
-    assert found["stress"]["iterations"] == found["hardness"]["iterations"]
-    assert found["stress"]["contact_share"] == found["hardness"]["contact_share"]
-    # a hardness widens the contact that roughness has left
-    assert found["hardness"]["contact_share"] > found["coating"]["contact_share"]
-    report.draw(study, load_drawing("effect_cost"), tmp_path)
-    assert (tmp_path / "effect_cost" / "effects.png").is_file()

@@ -1,15 +1,11 @@
 """The study of films: its scenes have the parameters asked for, and its numbers are those of the contact."""
 
-from pathlib import Path
-
 import pytest
 
 import contactstudy as cs
 from contactstudy.analytic import moes_film
 from contactstudy.lubrication.lubricated_contact import FilmScales
 from studies.definitions.lubrication import measures, scene_at
-from studies.registry import load, load_drawing
-from studies.report import page as report
 
 POINT = {"load": 20.0, "viscosity": 5.0, "rms": 0.0, "grid": 128}
 
@@ -51,15 +47,3 @@ def test_a_point_without_sense_is_refused(field: str) -> None:
 def test_a_law_of_cavitation_that_is_not_known_is_refused() -> None:
     with pytest.raises(cs.InvalidInput, match="elrod-adams or reynolds"):
         scene_at(POINT | {"cavitation": "none"})
-
-
-def test_roughness_and_cavitation_add_figures(tmp_path: Path) -> None:
-    axes = {"load": "20,100", "viscosity": "5", "rms": "0,0.2", "grid": "32,64"}
-    axes["cavitation"] = "elrod-adams,reynolds"
-    study = load("lubrication").override(axes)
-    from studies.engine.run import run
-
-    run(study, tmp_path, workers=0)
-    report.draw(study, load_drawing("lubrication"), tmp_path)
-    drawn = {path.stem for path in (tmp_path / "lubrication").glob("*.png")}
-    assert drawn == {"films", "film_cost", "rough_films", "cavitation"}

@@ -1,8 +1,6 @@
 """Each number that a sweep stores, against a value found by hand."""
 
 from dataclasses import dataclass, replace
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -46,36 +44,6 @@ def test_memory_of_an_effect_is_in_megabytes() -> None:
     assert float(found["memory"]) == pytest.approx(40, rel=1e-2)
     assert found["memory"].attrs["units"] == "MB"
     assert float(found["contact_share"]) == 0.25
-
-
-def test_the_share_in_contact_of_a_march_is_that_of_its_last_frame() -> None:
-    frames = [SimpleNamespace(pressure=np.eye(4)[:cells]) for cells in (1, 2, 3)]
-    frames[2].pressure[0, 3] = 1.0
-    march: Any = SimpleNamespace(frames=frames)
-    found = load("effect_cost").measures(Hoard(1000), march)  # type: ignore[arg-type]
-    assert float(found["contact_share"]) == pytest.approx(4 / 12)
-
-
-def test_of_a_step_in_time_the_last_one_is_recorded() -> None:
-    @dataclass(frozen=True)
-    class March:
-        frames: tuple[int, ...]
-        status: cs.Status = cs.Status.CONVERGED
-        convolutions: float = 0.0
-        residual: float = 0.0
-        steps: int = 0
-
-        @property
-        def iterations(self) -> int:
-            return sum(self.frames)
-
-    step = load("effect_cost").scene_at({"effect": "one step of wear", "grid": 16})
-    found = step.record(March((100, 20, 3)))
-    assert int(found["iterations"]) == 3
-
-
-def test_a_march_goes_to_a_residual_of_1e_8_unless_told_otherwise() -> None:
-    assert load("wear").scene_at({"scheme": "implicit", "steps": 2, "grid": 4}).tolerance == 1e-8  # type: ignore[attr-defined]
 
 
 def test_memory_of_a_solve_is_counted_in_fields_of_eight_bytes_a_cell() -> None:

@@ -1,7 +1,6 @@
 """A window of images on a rough surface: the same law as on a smooth one."""
 
 from math import pi
-from pathlib import Path
 
 import pytest
 import xarray as xr
@@ -10,10 +9,7 @@ import contactstudy as cs
 from contactstudy import InvalidInput
 from contactstudy.analytic import truncation_error
 from studies.definitions.roughness import LENGTH, ROLL_OFF, WIDTH, measures, scene_at
-from studies.engine.run import run
-from studies.registry import load, load_drawing
-from studies.report import page as report
-from tests.studies.conftest import quiet
+from studies.registry import load
 
 POINT = {
     "rms": 0.1,
@@ -148,13 +144,3 @@ def test_without_roughness_all_choices_are_one_case() -> None:
 def test_a_point_that_cannot_be_is_refused(axis: str, values: str, message: str) -> None:
     with pytest.raises(InvalidInput, match=f"^{message}"):
         load("roughness").override({axis: values}).cases()
-
-
-@pytest.mark.whole
-@pytest.mark.parametrize("rms", ["0", "0.1"])
-def test_figures_can_be_drawn_of_one_surface(rms: str, tmp_path: Path) -> None:
-    one = {"rms": rms, "hurst": "0.8", "peklenik": "1", "seed": "1", "images": "0", "grid": "40"}
-    study = load("roughness").override(one)
-    run(study, tmp_path, workers=0, repeats=0, log=quiet)
-    report.draw(study, load_drawing("roughness"), tmp_path)
-    assert len(list((tmp_path / "roughness").glob("*.png"))) == 3

@@ -97,41 +97,11 @@ def test_a_third_axis_has_a_figure_for_each_value_and_says_it() -> None:
     assert same(shown, [10, 20, 50, 200], stored / 1e6)
 
 
-def test_the_load_and_the_longest_axis_are_drawn_and_at_most_twelve_figures_of_the_others() -> None:
-    many = numbered({"seed": range(20), "load_per_length": LOADS, "height": range(13)}, "approach")
-    many["case_status"] = many["approach"].dims, np.full((20, 4, 13), CaseStatus.OK)
-    drawn = curves(many)
-    assert [one.caption for one in drawn] == [f"Study; height {n}." for n in range(12)]
-    ax = drawn[1].figure.axes[0]
-    ((label, line),) = labelled(ax).items()
-    assert label == "mean of 20, ± its spread"
-    assert same(line, LOADS, many["approach"].sel(height=1).mean("seed"))
-
-
-def test_of_many_values_of_a_number_each_has_its_tone_on_a_colour_bar() -> None:
-    axes = {"rms": np.linspace(1e-7, 1e-6, 20).tolist(), "load_per_length": LOADS}
-    ax, bar = curves(swept(axes)[["contact_share", "case_status"]])[0].figure.axes
-    assert len(ax.lines) == 20
-    assert "mean" not in labelled(ax)
-    assert "rms" in bar.get_ylabel()
-
-
 def test_a_film_is_drawn_beside_its_formula() -> None:
     dataset = numbered({"speed": [0.1, 1.0, 10.0]}, "central_film", "moes_film")
     dataset["case_status"] = "speed", np.full(3, CaseStatus.OK)
     ax, *_ = curves(dataset)[0].figure.axes
     assert same(labelled(ax)["Moes"], [0.1, 1.0, 10.0], dataset["moes_film"])
-
-
-def test_of_many_lines_the_mean_stands_out() -> None:
-    axes = {"surface": [f"s{k}" for k in range(9)], "load_per_length": LOADS}
-    dataset = numbered(axes, "contact_share")
-    dataset["case_status"] = tuple(axes), np.full((9, 4), CaseStatus.OK)
-    [ax] = curves(dataset)[0].figure.axes
-    assert list(labelled(ax)) == ["each surface", "mean"]
-    assert same(labelled(ax)["mean"], LOADS, dataset["contact_share"].mean("surface"))
-    eight = dataset.isel(surface=slice(8))
-    assert len(labelled(curves(eight)[0].figure.axes[0])) == 8
 
 
 def test_names_stand_side_by_side_and_one_case_is_a_point() -> None:
@@ -182,21 +152,6 @@ def test_times_are_drawn_where_there_is_nothing_else_and_without_measures_nothin
     assert np.isnan(y[0])
     with pytest.raises(InvalidInput, match="no measure to draw"):
         curves(other.drop_vars("solve_time"))
-
-
-def test_a_caption_says_what_the_scene_holds_constant() -> None:
-    scene = 'hardness = "4 GPa"\n[load]\nper_length = "100 N/mm"\n[rolling]\nspeed = 0.1\n'
-    values = {
-        "peak_pressure": ("load_per_length", [1.0, 2.0]),
-        "case_status": ("load_per_length", [1, 1]),
-    }
-    dataset = xr.Dataset(
-        values, {"load_per_length": [1e3, 2e3]}, {"title": "Loads", "scene": scene}
-    )
-    (drawn,) = curves(dataset)
-    assert drawn.caption == "Loads; hardness 4 GPa, rolling speed 0.1."
-    (drawn,) = curves(dataset.assign_attrs(scene="# Scene(...)"))
-    assert drawn.caption == "Loads."
 
 
 def test_the_measures_that_are_asked_for_are_drawn_alone() -> None:

@@ -252,32 +252,6 @@ def test_one_grid_is_as_wide_as_the_widest_and_as_fine_as_the_finest(
     assert found[0].padding == cs.ExactPeriodicity()
 
 
-def test_one_cell_along_stays_one_unless_another_point_varies(
-    planned: dict[float, cs.Grid],
-) -> None:
-    planned |= {1.0: cs.Grid((64, 1), (4.0, 2.0)), 2.0: cs.Grid((64, 1), (2.0, 2.0))}
-    assert grids.posed([point(1.0), point(2.0)])[0][0].grid.cells == (128, 1)
-    planned[3.0] = cs.Grid((32, 40), (2.0, 2.0))
-    assert grids.posed([point(1.0), point(3.0)])[0][0].grid.cells == (64, 40)
-    planned[1.0] = cs.Grid((64, 2), (4.0, 2.0))
-    assert grids.posed([point(1.0)])[0][0].grid.cells[1] > 1
-
-
-def test_the_longest_period_is_taken_where_it_suits_all_and_else_each_has_its_own(
-    planned: dict[float, cs.Grid],
-) -> None:
-    planned |= {1.0: cs.Grid((64, 32), (4.0, 1.0)), 2.0: cs.Grid((64, 32), (4.0, 2.0))}
-    found, notes = grids.posed([point(1.0), point(2.0)])
-    assert {one.grid for one in found} == {cs.Grid((64, 64), (4.0, 2.0))}
-    planned[2.0] = cs.Grid((64, 32), (4.0, 1.4))
-    found, notes = grids.posed([point(1.0), point(2.0)])
-    assert [one.grid.period for one in found] == [1.0, 1.4]
-    assert notes[0].startswith("no period suits all of 2 points")
-    assert grids.posed([point(1.0)])[1] == (
-        "grid 64 x 32 cells over 4 m x 1 m, planned once for 1 point",
-    )
-
-
 def test_a_measured_surface_bounds_the_width_and_the_period(planned: dict[float, cs.Grid]) -> None:
     planned |= {1.0: cs.Grid((64, 32), (4.0, 1.0)), 2.0: cs.Grid((64, 32), (3.0, 2.0))}
     found, notes = grids.posed([point(1.0, SURFACE), point(2.0, SURFACE)])
@@ -304,17 +278,6 @@ def test_a_common_grid_is_no_larger_than_the_machine(
     assert memory(one.grid, cs.ExactPeriodicity()) <= 16e6
     assert "640 x 640 cells" in notes[1]
     assert "this machine has 0.02 GB: the common grid is the finest that it holds" in notes[1]
-
-
-def test_points_that_ask_for_another_error_or_give_a_grid_have_grids_of_their_own(
-    planned: dict[float, cs.Grid],
-) -> None:
-    planned |= {1.0: cs.Grid((64, 32), (4.0, 2.0)), 2.0: cs.Grid((128, 32), (4.0, 2.0))}
-    given = cs.Grid((48, 48), (3.0, 3.0))
-    first, second, third = grids.posed([point(1.0), point(2.0), point(1.0, grid=given)])[0]
-    assert (first.grid, third.grid) == (second.grid, given)
-    both = grids.posed([point(1.0), point(2.0, error=0.01)])[0]
-    assert [one.grid.cells[0] for one in both] == [64, 128]
 
 
 def test_random_surfaces_get_the_widest_extent_and_the_part_that_periods_share(

@@ -6,7 +6,6 @@ import xarray as xr
 
 from studies.definitions.accuracy import KINDS, METRICS, UNKNOWN
 from studies.registry import load_drawing
-from tests.studies.report.drawings.drawn import labelled, same
 
 DRAWING = load_drawing("accuracy")
 
@@ -43,22 +42,6 @@ def test_the_finding_says_the_share_that_holds(made_up: xr.Dataset) -> None:
     assert "66.7 / 66.7 / 66.7 % of 3 contacts (judged)" in finding.measured
     assert "100.0 / 100.0 / 100.0 % of 1 contacts (random)" in finding.measured
     assert "in the median 2 times too large, 1 without a bound" in finding.measured
-
-
-def test_the_figure_draws_the_bound_over_the_true_error_of_what_has_one(
-    made_up: xr.Dataset,
-) -> None:
-    made_up["l1_error"][0], made_up["l1_bound"][1] = 0.0, 0.0
-    [drawn] = DRAWING.figure(made_up)
-    of_l1, of_peak, _ = drawn.figure.axes
-    # an error of nothing, and a bound of nothing, at the left and at the lower end
-    first, second = (labelled(of_l1)[kind] for kind in KINDS[:2])
-    assert same(first, [1e-7, 0.01], [0.02, 1e-7])
-    assert same(second, [0.02], [0.01])
-    assert same(labelled(of_peak)[KINDS[0]], [0.01, 0.01], [0.02, 0.04])
-    x, y = labelled(of_l1)["bound = error"]
-    assert x.tolist() == y.tolist() == [1e-7, 2.0]
-    assert "(1 of the peak pressure)" in drawn.caption
 
 
 def test_the_ratio_is_of_errors_that_are_known_and_not_nothing(made_up: xr.Dataset) -> None:

@@ -3,22 +3,11 @@
 from typing import Any
 
 import numpy as np
-import pytest
 import xarray as xr
 
-from studies.definitions.plastic import REFERENCE
-from studies.report.style import percent
 from tests.studies.report.drawings.drawn import (
-    bands,
-    caption,
-    curves,
     findings,
-    labelled,
-    named,
     numbered,
-    panels,
-    same,
-    words,
 )
 
 RMS, SEEDS, PADDINGS = (
@@ -33,7 +22,6 @@ ERRORS = (
     "pressure_error_l1", "half_width_error", "peak_pressure_error", "pressure_error_max",
     "curved_difference",
 )  # fmt: skip
-PLACES = np.arange(3)
 
 
 def rough() -> xr.Dataset:
@@ -64,77 +52,11 @@ def finest(dataset: xr.Dataset) -> xr.Dataset:
     return dataset.sel(images=6, period=4.8, grid=160)
 
 
-def middle_and_span(values: xr.DataArray) -> tuple[np.ndarray, np.ndarray]:
-    """Of all surfaces at each rms."""
-    flat = values.transpose("rms", ...).values.reshape(3, -1)
-    return np.median(flat, axis=1), np.array([flat.min(axis=1), flat.max(axis=1)])
-
-
-def test_what_roughness_does_stands_over_its_rms_by_lay_and_hurst_exponent() -> None:
-    dataset = rough()
-    stored = finest(dataset).sel(padding="exact")
-    for ax, name in zip(panels("roughness", dataset), ANSWERS, strict=True):
-        shown, spans = labelled(ax), bands(ax)
-        assert len(shown) == len(spans) == 4
-        for (label, line), span in zip(shown.items(), spans, strict=True):
-            lay, hurst = (float(part.split(" ")[-1]) for part in label.split(", H ="))
-            middle, both = middle_and_span(stored[name].sel(peklenik=lay, hurst=hurst))
-            assert same(line, PLACES, middle)
-            assert span == pytest.approx(both)
-        assert [text.get_text() for text in ax.get_xticklabels()] == ["smooth", "0.1", "0.3"]
-    text = caption("roughness", dataset)
-    most = stored.sel(rms=0.3)
-    for lay in (0.5, 2.0):
-        area, peak = (
-            float(most[name].sel(peklenik=lay).mean()) for name in ("contact_area", "peak_pressure")
-        )
-        assert f"lay {lay:g}: area {area:.2f}, peak pressure {peak:.1f} p_{{H}}" in text
-    assert "At an rms of 0.3" in text
-
-
-def test_errors_of_paddings_stand_over_the_rms_beside_what_roughness_does() -> None:
-    dataset = rough()
-    stored = finest(dataset)
-    names = (
-        "pressure_error_l1",
-        "half_width_error",
-        "peak_pressure_error",
-        "pressure_error_max",
-    )
-    for ax, name in zip(panels("roughness", dataset, 1), names, strict=True):
-        lines, spans = curves(ax), bands(ax)
-        for number, padding in enumerate(PADDINGS[:4]):
-            middle, both = middle_and_span(abs(stored[name].sel(padding=padding)))
-            assert same(lines[number], PLACES, middle)
-            assert spans[number] == pytest.approx(both)
-        assert len(lines) == 4 + (name == "pressure_error_l1")
-        if name == "pressure_error_l1":
-            middle, _ = middle_and_span(stored["smooth_difference"].sel(padding="exact"))
-            # the smooth contact differs from itself by nothing that could be drawn
-            assert np.isnan(lines[4][1, 0])
-            assert lines[4][1, 1:] == pytest.approx(middle[1:])
-
-
 # a window of 4.8 a to each side, and two of 6.5 times that
 LAWS = {
     name: 1 / (8 * (reach * 4.8) ** 2)
     for name, reach in (("duplicated", 1), ("superposed", 6.5), ("circular", 6.5))
 }
-
-
-def test_the_error_of_a_window_is_drawn_over_its_law() -> None:
-    dataset = rough()
-    stored = finest(dataset)
-    ratio, after = panels("roughness", dataset, 2)
-    for place, (name, law) in enumerate(LAWS.items()):
-        one = stored.sel(padding=name)
-        middle, both = middle_and_span(-one["half_width_error"] / law)
-        assert same(curves(ratio)[place], PLACES, middle)
-        assert bands(ratio)[place] == pytest.approx(both)
-        left, _ = middle_and_span(one["curved_difference"] / one["pressure_error_l1"])
-        assert same(curves(after)[place], PLACES, left)
-    assert curves(ratio)[3][1].tolist() == [1, 1]
-    assert (ratio.get_yscale(), after.get_yscale()) == ("linear", "log")
 
 
 def test_the_finding_compares_the_smooth_contact_with_the_roughest() -> None:
@@ -194,73 +116,6 @@ def plastic(steps: list[int] = STEPS, grid: list[int] = GRID) -> xr.Dataset:
     dataset["layers"] = (1e4 * dataset["layers"]).round()
     dataset["dent"] *= 100
     return dataset
-
-
-def test_what_yields_stands_over_the_load_beside_a_hardness_and_the_known_contact() -> None:
-    dataset = plastic()
-    stored = dataset.isel(steps=-1, grid=-1)
-    axes = panels("plastic", dataset)
-    for ax, name in zip(axes, SHOWN, strict=False):
-        lines = labelled(ax)
-        for hardening in (0.1, 0.5):
-            line = lines.pop(f"plastic, H = {hardening:g} E")
-            assert same(line, PRESSURES, stored[name].sel(hardening=hardening))
-        assert same(lines.pop("known"), [3.0], [REFERENCE[name]])
-        if name in CAPS:
-            assert same(
-                lines.pop("hardness 2.8 Y"), PRESSURES, stored[CAPS[name]].sel(hardening=0.1)
-            )
-        assert not lines
-    known = dataset.sel(pressure=3.0, hardening=0.1)
-    steps, cost = axes[4:]
-    wrong = known["peak_pressure_error"]
-    # the layers follow 11 times 24 numbers; those of 8 steps at 3 Y are the 11th and 12th
-    for number, cells in enumerate(GRID):
-        label = f"{cells} cells, {11 * 24 + 11 + number} layers"
-        assert same(labelled(steps)[label], STEPS, wrong.sel(grid=cells))
-        work = known["convolutions"].sel(grid=cells) * cells
-        assert same(labelled(cost)[label], work, wrong.sel(grid=cells))
-    # of first order, through the fewest steps on the finest grid
-    first = float(wrong.sel(grid=48, steps=2))
-    assert same(curves(steps)[2], STEPS, [first, first / 4])
-    without = panels("plastic", dataset.sel(pressure=[2.0, 4.0]))
-    assert not without[4].lines
-    assert not without[5].lines
-    assert not panels("plastic", dataset.sel(hardening=[0.5]))[4].lines
-
-
-def test_of_three_grids_and_three_numbers_of_steps_the_last_are_said_and_drawn() -> None:
-    dataset = plastic([2, 4, 8], [24, 32, 48])
-    finest = dataset.sel(steps=8, grid=48)
-    axes = panels("plastic", dataset)
-    for ax, name in zip(axes, SHOWN, strict=False):
-        shown = labelled(ax)["plastic, H = 0.1 E"]
-        assert same(shown, PRESSURES, finest[name].sel(hardening=0.1))
-    known = dataset.sel(pressure=3.0, hardening=0.1)
-    wrong, layers = known["peak_pressure_error"], known["layers"].sel(steps=8, grid=32)
-    assert same(
-        labelled(axes[4])[f"32 cells, {float(layers):g} layers"], [2, 4, 8], wrong.sel(grid=32)
-    )
-    first = float(wrong.sel(grid=48, steps=2))
-    assert same(curves(axes[4])[3], [2, 4, 8], [first, first / 2, first / 4])
-    over = "p_H / Y"
-    assert [named(ax) for ax in axes] == [
-        (over, "peak pressure / p_H", ""),
-        (over, "half-width / a", ""),
-        (over, "dent / (a Y / E)", ""),
-        (over, "plastic depth / a", ""),
-        ("steps in load", "error of the peak pressure", "dotted: first order"),
-        ("transform pairs times cells", "error of the peak pressure", ""),
-    ]
-    cap, cost = findings("plastic", dataset)
-    least, most = (finest["cap_difference"].sel(hardening=0.1, pressure=p) for p in (2.0, 4.0))
-    assert words(f"differs by {percent(most)} in L1") in cap
-    assert words(f"At 2 Y it differs by {percent(least)}") in cap
-    dent = percent(known["dent_error"].sel(steps=8, grid=48))
-    assert "With 8 steps and 48 cells" in cost
-    assert words(f"the dent within {dent} and") in cost
-    fall = float(wrong.sel(grid=48, steps=2) / wrong.sel(grid=48, steps=8))
-    assert f"falls by a factor of {fall:.1f}" in cost
 
 
 def test_the_findings_of_yield_are_of_the_most_steps_and_the_finest_grid() -> None:

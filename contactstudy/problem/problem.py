@@ -161,7 +161,7 @@ class Problem:
 
     @property
     def datum(self) -> float:
-        """Height [m] that a bare problem counts from: the given approach, or else the gap at the highest point.
+        """Height [m] that a bare problem counts from, the given approach or else the gap at the highest point.
 
         Large heights have large rounding errors, which should be far from where the bodies touch.
         """

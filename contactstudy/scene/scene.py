@@ -313,7 +313,7 @@ class Scene:
 
     @property
     def reference_load(self) -> float:
-        """Load [N/m] that the scales follow from: the largest one, or more where the attraction adds to it."""
+        """Load [N/m] that the scales follow from, the largest one, or more where the attraction adds to it."""
         largest = self.load.largest
         if isinstance(self.load, Approach) and self.radius is not None:
             largest = self.load.estimated_load(self.radius, self.contact_modulus)
@@ -467,7 +467,7 @@ class Scene:
 
     @property
     def keeps_frames(self) -> bool:
-        """True for a dry scene that changes in time, without adhesion: a folder can keep its frames."""
+        """True if a folder can keep the frames, as of a dry scene that changes in time without adhesion."""
         others = self.lubrication, self.rolling, self.adhesion
         return self.changing is not None and all(effect is None for effect in others)
 

@@ -62,7 +62,7 @@ class Approach:
 
     @property
     def largest(self) -> float:
-        """Load [N/m] that is given: none."""
+        """Zero, for no load [N/m] is given."""
         return 0.0
 
     def estimated_load(self, radius: float, contact_modulus: float) -> float:

@@ -80,7 +80,7 @@ class Status(Enum):
 
     @property
     def is_failure(self) -> bool:
-        """True if there is no pressure: none is admissible, or the iteration left the range of numbers."""
+        """True if there is no pressure, as none is admissible or the iteration left the range of numbers."""
         return self in (Status.NOT_FINITE, Status.NO_ADMISSIBLE_PRESSURE)
 
 

@@ -113,10 +113,10 @@ class Evolution(Answer):
             last = self.frames[-1].quantities["peak_pressure"]
             return {"peak_pressure": last} | passes_quantities(self.passes)
         last_frame = None if self.trajectory is None else self.trajectory.frames[-1]
-        joint = None if self.trajectory is None else self.trajectory.joint
+        coupled = None if self.trajectory is None else self.trajectory.coupled
         strained: Mapping[str, Field] = {}
-        if joint is not None and last_frame is not None:
-            strained = joint.over_time([last_frame.joint_state], [last_frame.pressure])
+        if coupled is not None and last_frame is not None:
+            strained = coupled.over_time([last_frame.coupled_state], [last_frame.pressure])
         numbers = evolution_quantities(
             [frame.quantities for frame in self.frames],
             [float(time) for time in self.times],

@@ -1,1 +1,1 @@
-"""Contacts that change in time: memories, steps, their control, the result. May import `accuracy`, `scene` and below."""
+"""Contacts that change in time: state variables, steps, their control, results. May import `accuracy`, `scene`."""

@@ -61,23 +61,23 @@ def follow_adhesion(
     load = scene.load
     if not isinstance(load, ChangingLoad) or scene.adhesion is None:
         raise InvalidInput("Scene.load does not change beside Adhesion: give a LoadHistory.")
-    marks = schedule(load, times)
-    first = load.at(marks[0].time)
+    breakpoints = schedule(load, times)
+    first = load.at(breakpoints[0].time)
     problem = _under(scene, first).problem(grid, padding)
     law = problem.adhesion
     assert isinstance(law, Adhesive)
     largest = replace(scene, load=LineLoad(load.largest)).problem(grid, padding)
     frames: list[Frame] = []
     last: Solution | None = None
-    for mark in marks:
-        loads = (mark.before, mark.after) if mark.jumps and last is not None else (mark.after,)
+    for point in breakpoints:
+        loads = (point.before, point.after) if point.jumps and last is not None else (point.after,)
         for number, value in enumerate(loads):
             last = _solved(_posed(largest, scene, value, law), last, options)
-            records = times is None or mark.records > len(loads) - 1 - number
+            records = times is None or point.records > len(loads) - 1 - number
             if records:
-                frames.append(_frame(mark.time, value, last))
+                frames.append(_frame(point.time, value, last))
         if progress is not None:
-            progress(mark.time, marks[-1].time)
+            progress(point.time, breakpoints[-1].time)
     return Trajectory(largest, tuple(frames), 0, 0, PosedScene(scene, grid, padding))
 
 

@@ -1,4 +1,4 @@
-"""Checkpoint of a march on disk: recorded frames, and the state to continue from."""
+"""Checkpoint of an integration on disk: recorded frames, and the state to continue from."""
 
 import json
 from collections.abc import Iterator, Mapping
@@ -23,17 +23,17 @@ from contactstudy.domain.identity import canonical, key
 from contactstudy.domain.imports import import_for
 from contactstudy.domain.version import VERSION, source_hash
 from contactstudy.evolution.evolution import Frame
-from contactstudy.evolution.march import Instant
+from contactstudy.evolution.time_stepper import Instant
 
 T = TypeVar("T")
 
 
 @dataclass
 class Checkpoint:
-    """Folder of a march: ``request.json``, ``frame_00000.npz`` and so on, and ``state.npz``, for one march at a time.
+    """Folder of one integration: ``request.json``, ``frame_00000.npz`` and so on, and ``state.npz``.
 
-    Each file has a checksum and is replaced in one step, so that a killed march leaves the previous one and damage is
-    detected. Each names the request that it belongs to.
+    Each file has a checksum and is replaced in one step, so that a killed integration leaves the previous one and
+    damage is detected. Each names the request that it belongs to.
     """
 
     folder: Path
@@ -41,18 +41,18 @@ class Checkpoint:
 
     @contextmanager
     def open(self, request: object) -> Iterator[None]:
-        """Make the folder for a march, or check that it holds this march, and lock it in the block.
+        """Make the folder for an integration, or check that it holds this integration, and lock it in the block.
 
         Parameters
         ----------
         request
-            Scene, grid and options that identify the march.
+            Scene, grid and options that identify the integration.
 
         Raises
         ------
         InvalidInput
-            If the folder holds another march, one of another version of this program or in another process, or damaged
-            files.
+            If the folder holds another integration, one of another version of this program or in another process, or
+            damaged files.
         """
         self.folder.mkdir(parents=True, exist_ok=True)
         tree = {"request": canonical(request), "version": VERSION, "source": source_hash()}
@@ -63,7 +63,7 @@ class Checkpoint:
                 f"evolve.folder is {str(self.folder)!r}; {holder}: run again when it has ended, or give another folder."
             )
 
-        with locked(self.folder / ".march.lock", refuse):
+        with locked(self.folder / ".integration.lock", refuse):
             remove_partial_files(self.folder)
             path = self.folder / "request.json"
             if path.exists():
@@ -82,9 +82,9 @@ class Checkpoint:
             content = read_sealed(self.folder / "request.json")
             stored = json.loads(content or b"")
             identity = [stored[name] for name in tree]
-        what = "a march of another version of this program"
+        what = "an integration of another version of this program"
         if identity[0] != tree["request"]:
-            what = "the march of another scene, grid or request"
+            what = "the integration of another scene, grid or request"
         if identity != list(tree.values()):
             raise InvalidInput(
                 f"evolve.folder is {str(self.folder)!r}, which holds {what}: give another folder."
@@ -110,23 +110,23 @@ class Checkpoint:
         return self._read(self._frame(number), Frame)
 
     def write_state(self, progress: Mapping[str, Any], instants: Mapping[str, Instant]) -> None:
-        """Write the state of the march.
+        """Write the state of the integration.
 
         Parameters
         ----------
         progress
-            Counts and flags of the march, as JSON holds them.
+            Counts and flags of the integration, as JSON holds them.
         instants
-            The instants of main march and companion, by name.
+            The instants of fine and doubled steps, by name.
         """
-        self._write(self.folder / "state.npz", MarchState(progress, instants))
+        self._write(self.folder / "state.npz", IntegrationState(progress, instants))
 
     def read_state(self) -> tuple[Mapping[str, Any], Mapping[str, Instant]] | None:
         """Return the progress and the instants that were written last; None if there are none."""
         path = self.folder / "state.npz"
         if not path.exists():
             return None
-        state = self._read(path, MarchState)
+        state = self._read(path, IntegrationState)
         return state.progress, state.instants
 
     def _frame(self, number: int) -> Path:
@@ -148,14 +148,14 @@ class Checkpoint:
             arrays = {name: file[name] for name in file.files}
             about = json.loads(str(arrays.pop("about")))
             if (about["request"], about["file"]) != (self.request, path.name):
-                raise ValueError("a file of another march")
+                raise ValueError("a file of another integration")
             value: T = _converter(arrays).structure(about["value"], kind)
             return value
 
 
 @dataclass(frozen=True)
-class MarchState:
-    """State of a march: its `progress`, and the `instants` of main march and companion by name."""
+class IntegrationState:
+    """State of an integration: its `progress`, and the `instants` of fine and doubled steps by name."""
 
     progress: Mapping[str, Any]
     instants: Mapping[str, Instant]

@@ -1,4 +1,4 @@
-"""Results of a march in time: recorded frames."""
+"""Results of an integration in time: recorded frames."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -9,7 +9,7 @@ import numpy as np
 from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
-from contactstudy.evolution.memory import JointMemory
+from contactstudy.evolution.state_variables import CoupledStateVariable
 from contactstudy.problem.problem import Field, Problem
 from contactstudy.scene.scene import PosedScene
 from contactstudy.solvers.solution import Solution, Status, worst
@@ -21,9 +21,9 @@ UNKNOWN = ErrorParts(0.0, inf, 0.0)
 class Frame:
     """A contact at one recorded instant.
 
-    Steps, iterations and convolutions are counted since the previous frame, and include rejected steps and the companion
-    march. Errors are relative L1 errors of the pressure, infinite where there is no estimate, and relative to
-    the pressure of the largest load where bodies yield.
+    Steps, iterations and convolutions are counted since the previous frame, and include rejected steps and the doubled
+    step integration. Errors are relative L1 errors of the pressure, infinite where there is no estimate, and relative
+    to the pressure of the largest load where bodies yield.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class Frame:
     approach
         Approach of the bodies [m].
     fields
-        Fields (x, y) of the memories, such as the worn depth, by name.
+        Fields (x, y) of the state variables, such as the worn depth, by name.
     status
         The worst status of the steps since the previous frame.
     residual
@@ -53,7 +53,7 @@ class Frame:
         Number of iterations.
     convolutions
         Transform pairs of the full grid.
-    joint_state
+    coupled_state
         State solved for together with the pressure, such as plastic strain, as arrays by name.
     solution
         Solution of a frame with adhesion; None for others.
@@ -76,7 +76,7 @@ class Frame:
     steps: int
     iterations: int
     convolutions: float
-    joint_state: Mapping[str, Array] = field(default_factory=dict)
+    coupled_state: Mapping[str, Array] = field(default_factory=dict)
     grid_error_parts: ErrorParts = UNKNOWN
     warnings: tuple[str, ...] = ()
     solution: Solution | None = None
@@ -100,11 +100,11 @@ class Trajectory:
     rejected
         Number of pairs of steps that were rejected as too long.
     restarts
-        Number of times that the march was started again, because its steps added up to too large an error.
+        Number of times that the integration was started again, because its steps added up to too large an error.
     description
         The scene, grid and padding.
-    joint
-        Memory that derives fields from the frames' joint states; None if there is none.
+    coupled
+        StateVariable that derives fields from the frames' coupled states; None if there is none.
     """
 
     problem: Problem
@@ -112,7 +112,7 @@ class Trajectory:
     rejected: int
     restarts: int
     description: PosedScene
-    joint: JointMemory | None = None
+    coupled: CoupledStateVariable | None = None
 
     @property
     def grid(self) -> Grid:
@@ -157,7 +157,7 @@ class Trajectory:
 
     @property
     def steps(self) -> int:
-        """Number of solves, including rejected steps and the companion march."""
+        """Number of solves, including rejected steps and the doubled steps."""
         return sum(frame.steps for frame in self.frames)
 
     @property

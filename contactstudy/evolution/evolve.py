@@ -1,4 +1,4 @@
-"""Follow a scene through time: its memories, its steps, and the method."""
+"""Follow a scene through time: its state variables, its steps, and the method."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -14,10 +14,15 @@ from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import Precision
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.elasticity.coefficients import Displacement
+from contactstudy.evolution.adaptive_integrator import AdaptiveIntegrator
 from contactstudy.evolution.checkpoint import Checkpoint
 from contactstudy.evolution.evolution import Trajectory
-from contactstudy.evolution.march import March, solved_or_unloaded
-from contactstudy.evolution.memory import CreepMemory, JointMemory, Memory, WearMemory
+from contactstudy.evolution.state_variables import (
+    CoupledStateVariable,
+    CreepState,
+    StateVariable,
+    WearState,
+)
 from contactstudy.evolution.steps import (
     Scheme,
     StepControl,
@@ -25,7 +30,7 @@ from contactstudy.evolution.steps import (
     schedule,
     within_periods,
 )
-from contactstudy.evolution.walk import Walk
+from contactstudy.evolution.time_stepper import TimeStepper, solved_or_unloaded
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import response, sudden
 from contactstudy.scene.inelastic import ViscoelasticHalfSpace
@@ -35,8 +40,8 @@ from contactstudy.solvers.solution import Solution
 from contactstudy.solvers.solve import SolveOptions
 
 
-def memories(scene: Scene, datum: float) -> tuple[Memory, ...]:
-    """Return the creep memories of the viscoelastic bodies of `scene`, followed by its memory of wear, if any.
+def state_variables(scene: Scene, datum: float) -> tuple[StateVariable, ...]:
+    """Return a creep state for each viscoelastic body of `scene`, then the state of wear, if any.
 
     Parameters
     ----------
@@ -45,20 +50,20 @@ def memories(scene: Scene, datum: float) -> tuple[Memory, ...]:
     datum
         Distance [m] at which the displacement of a body is zero, as in its ``response``.
     """
-    scene_memories: list[Memory] = [
-        CreepMemory(body.creep.times(1 / pi), Displacement(datum))
+    scene_memories: list[StateVariable] = [
+        CreepState(body.creep.times(1 / pi), Displacement(datum))
         for body in scene.solids
         if isinstance(body, ViscoelasticHalfSpace) and body.creeps
     ]
     if scene.wear is not None and scene.wear.rate > 0:
-        scene_memories.append(WearMemory(scene.wear.rate))
+        scene_memories.append(WearState(scene.wear.rate))
     return tuple(scene_memories)
 
 
-def joint_memory(
+def coupled_state_variable(
     scene: Scene, problem: Problem, solved: Callable[[Problem], Solution], precision: Precision
-) -> JointMemory | None:
-    """Return the memory of plastic strain of the bodies that yield; None if none yields.
+) -> CoupledStateVariable | None:
+    """Return the state variable of plastic strain of the bodies that yield; None if none yields.
 
     Parameters
     ----------
@@ -80,7 +85,7 @@ def joint_memory(
         return None
 
     # imported only for scenes with such a body
-    from contactstudy.evolution.plastic import PlasticMemory, YieldingBody
+    from contactstudy.evolution.plastic import PlasticState, YieldingBody
 
     paddings = problem.paddings
     assert paddings is not None
@@ -90,7 +95,7 @@ def joint_memory(
             f"evolve.padding is {across!r} across and {along!r} along: plastic strain is known below a surface "
             "that goes on across and repeats along, give ExactPeriodicity()."
         )
-    return PlasticMemory(YieldingBody.in_scene(scene), solved(problem), precision)
+    return PlasticState(YieldingBody.in_scene(scene), solved(problem), precision)
 
 
 def evolve(
@@ -100,7 +105,7 @@ def evolve(
     *,
     times: ArrayLike | None = None,
     error: float | None = None,
-    step_error: StepError = StepError.COMPANION,
+    step_error: StepError = StepError.STEP_DOUBLING,
     scheme: Scheme = Scheme.IMPLICIT,
     options: SolveOptions = SolveOptions(),  # noqa: B008 (a frozen value)
     folder: str | PathLike[str] | None = None,
@@ -108,10 +113,11 @@ def evolve(
 ) -> Trajectory:
     """Follow `scene` through time, from the start of its load.
 
-    The error by the steps is the difference of two marches, one with steps twice as long. It estimates the error of the
-    longer steps, so it is an upper estimate for the shorter ones, which are recorded. It is relative to the pressure at
-    the same instant. Where bodies yield, steps are of first order: the error is 1.5 times the difference, relative to
-    the pressure under the largest load, as is the error by the grid, and a load that jumps is applied by parts.
+    The error by the steps is the difference of two integrations, one with steps twice as long. It estimates the error
+    of the longer steps, so it is an upper estimate for the shorter ones, which are recorded. It is relative to the
+    pressure at the same instant. Where bodies yield, steps are of first order: the error is 1.5 times the difference,
+    relative to the pressure under the largest load, as is the error by the grid, and a load that jumps is applied by
+    parts.
 
     Parameters
     ----------
@@ -133,7 +139,7 @@ def evolve(
     options
         How each contact is solved.
     folder
-        Folder for frames and states. A march that was stopped continues from there.
+        Folder for frames and states. An integration that was stopped continues from there.
     progress
         Called with the time reached and the last time [s].
 
@@ -146,52 +152,52 @@ def evolve(
     ------
     InvalidInput
         If both `times` and `error` are None, times decrease, the error is out of reach, the scene rolls steadily or has
-        friction, or the folder belongs to another march.
+        friction, or the folder belongs to another integration.
     """
     if times is None and error is None:
         raise InvalidInput("evolve.times and evolve.error are None: give one of them, or both.")
     control = None if error is None else StepControl.for_error(error, options.tolerance)
     load = _load(scene, grid, times)
-    marks = schedule(load, times)
-    march = _march(scene, grid, padding, load, scheme, options)
-    if march.all_memories:
-        marks = within_periods(marks, load)
-    companion = step_error is StepError.COMPANION or control is not None
+    breakpoints = schedule(load, times)
+    stepper = _time_stepper(scene, grid, padding, load, scheme, options)
+    if stepper.all_state_variables:
+        breakpoints = within_periods(breakpoints, load)
+    step_doubling = step_error is StepError.STEP_DOUBLING or control is not None
     checkpoint = None if folder is None else Checkpoint(Path(folder))
-    walk = Walk(
-        march=march,
-        marks=marks,
+    integrator = AdaptiveIntegrator(
+        stepper=stepper,
+        breakpoints=breakpoints,
         control=control,
-        companion=bool(march.all_memories) and companion,
+        step_doubling=bool(stepper.all_state_variables) and step_doubling,
         records_all=times is None,
         checkpoint=checkpoint,
         progress=progress,
     )
     if checkpoint is None:
-        walk.go()
+        integrator.integrate()
     else:
         instants = None if times is None else tuple(np.asarray(times, float).ravel().tolist())
         with checkpoint.open((scene, grid, padding, instants, error, step_error, scheme, options)):
-            walk.restore()
-            walk.go()
+            integrator.restore()
+            integrator.integrate()
     return Trajectory(
-        march.problem,
-        tuple(walk.frames),
-        walk.rejected,
-        walk.restarts,
+        stepper.problem,
+        tuple(integrator.frames),
+        integrator.rejected,
+        integrator.restarts,
         PosedScene(scene, grid, padding),
-        march.joint,
+        stepper.coupled,
     )
 
 
-def _march(
+def _time_stepper(
     scene: Scene,
     grid: Grid,
     padding: Padding | Paddings,
     load: ChangingLoad,
     scheme: Scheme,
     options: SolveOptions,
-) -> March:
+) -> TimeStepper:
     """Return the steps of `scene`, from the elastic contact under the largest load, applied suddenly."""
     if scene.friction is not None:
         raise InvalidInput("Scene.friction has no history here: leave it out.")
@@ -200,12 +206,12 @@ def _march(
     problem = elastic.problem(grid, padding)
     datum = problem.scales.length
     solved = partial(solved_or_unloaded, options)
-    return March(
+    return TimeStepper(
         problem=problem,
         load=load,
         weights=dict(response(solids, datum)),
-        memories=memories(scene, datum),
-        joint=joint_memory(scene, problem, solved, options.precision),
+        state_variables=state_variables(scene, datum),
+        coupled=coupled_state_variable(scene, problem, solved, options.precision),
         scheme=scheme,
         options=options,
     )

@@ -1,4 +1,4 @@
-"""Plastic strain as a memory: which cells below the surface may yield, and how a step changes their strain."""
+"""Plastic strain as a state variable: which cells below the surface may yield, and how a step changes their strain."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -13,7 +13,7 @@ from contactstudy.domain.grid import Grid
 from contactstudy.elasticity.eigenstrain.plane_strain import PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import EigenstrainOperator, Moduli, Volume
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
-from contactstudy.evolution.memory import Contact, State
+from contactstudy.evolution.state_variables import Contact, State
 from contactstudy.problem.problem import Field, Problem
 from contactstudy.scene.inelastic import ElasticPlasticHalfSpace
 from contactstudy.scene.scene import Scene
@@ -160,8 +160,8 @@ class YieldingBody:
 
 
 @dataclass(eq=False)
-class PlasticMemory:
-    """Memory of plastic strain and equivalent plastic strain of each yielding body.
+class PlasticState:
+    """StateVariable of plastic strain and equivalent plastic strain of each yielding body.
 
     They are kept in volumes of cells that grow as bodies yield.
 
@@ -205,15 +205,15 @@ class PlasticMemory:
             )
         return state
 
-    def settled(
+    def solve_step(
         self, state: State, problem: Problem, contact: Contact, tolerance: float
     ) -> tuple[Solution, State]:
         """Solve a step for contact and plastic strain together, in volumes that hold everything that yields.
 
-        See :meth:`~contactstudy.evolution.memory.JointMemory.settled` for parameters and result.
+        See :meth:`~contactstudy.evolution.state_variables.CoupledStateVariable.solve_step` for parameters and result.
         """
         while True:
-            # first, because the state of a continued march may be in larger volumes
+            # first, because the state of a continued integration may be in larger volumes
             strains, equivalents = self._in_volumes(state)
             bodies = YieldingBodies(
                 tuple(self.operators), tuple(body.hardening for body in self.bodies)

@@ -230,7 +230,7 @@ def roll_repeatedly(
             track = replace(track, front=track.rear)
         track, rolling_pass = steps.one_pass(track, () if finished else (pressed,))
         finished.append(rolling_pass)
-    lifted, _ = track.settled(no_contact(problem), options.tolerance, length)
+    lifted, _ = track.solve_step(no_contact(problem), options.tolerance, length)
     return RepeatedRolling(tuple(finished), track, lifted, PosedScene(scene, grid, padding))
 
 
@@ -309,7 +309,7 @@ class _Rolling:
 
     def step(self, track: Track) -> tuple[Track, Step]:
         """Return the track after the contact has settled on it, and that contact."""
-        after, settled = track.settled(self.contact, self.tolerance, self.length)
+        after, settled = track.solve_step(self.contact, self.tolerance, self.length)
         solution = step_solution(settled, self.tolerance)
         return after, (solution, settled.iterations)
 
@@ -320,7 +320,7 @@ def _strain_change(before: Array, after: Array) -> float:
 
 
 def _single_yielding_body(scene: Scene) -> YieldingBody:
-    """Return the one yielding body of `scene`; refuse scenes with another memory."""
+    """Return the one yielding body of `scene`; refuse scenes with another state variable."""
     if scene.wear is not None or not isinstance(scene.load, ConstantLoad):
         field = "Scene.load" if scene.wear is None else "Scene.wear"
         raise InvalidInput(

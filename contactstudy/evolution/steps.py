@@ -30,7 +30,7 @@ class Scheme(Enum):
     TWO_STAGE = ((STAGE, 0.0), (1 - STAGE, (1 - 2 * STAGE) / (1 - STAGE)))
     #: First order, stable however long the step, one solve.
     IMPLICIT = ((1.0, 0.0),)
-    #: First order, unstable beyond :func:`~contactstudy.evolution.memory.explicit_limit`: for comparison.
+    #: First order, unstable beyond :func:`~contactstudy.evolution.state_variables.explicit_limit`: for comparison.
     EXPLICIT = ((1.0, 1.0),)
 
     @property
@@ -43,8 +43,8 @@ class Scheme(Enum):
 class StepError(Enum):
     """Choice of how the error by the steps in time is estimated."""
 
-    #: By a second march with steps twice as long, at half the cost of the first.
-    COMPANION = "companion"
+    #: By step doubling: a second integration with steps twice as long, at half the cost of the first.
+    STEP_DOUBLING = "step doubling"
     #: No estimate: the error is infinite.
     NONE = "none"
 
@@ -79,7 +79,7 @@ class TimeSteps:
     instants: int | None = None
     error: Number | None = None
     scheme: Scheme = Scheme.IMPLICIT
-    step_error: StepError = StepError.COMPANION
+    step_error: StepError = StepError.STEP_DOUBLING
     step: Seconds | None = None
 
     @property
@@ -113,7 +113,7 @@ class TimeSteps:
 
 
 @dataclass(frozen=True)
-class Mark:
+class Breakpoint:
     """An instant at which steps end.
 
     Attributes
@@ -140,7 +140,7 @@ class Mark:
         return self.before != self.after
 
 
-def schedule(load: ChangingLoad, times: ArrayLike | None) -> tuple[Mark, ...]:
+def schedule(load: ChangingLoad, times: ArrayLike | None) -> tuple[Breakpoint, ...]:
     """Return the instants at which steps end, from the start of the load to the last recorded time.
 
     Parameters
@@ -163,7 +163,7 @@ def schedule(load: ChangingLoad, times: ArrayLike | None) -> tuple[Mark, ...]:
     counts = Counter(recorded or ())
     breaks = set(load.breaks(end)) | {load.start}
     return tuple(
-        Mark(time, load.before(time), load.at(time), counts[time], time in breaks)
+        Breakpoint(time, load.before(time), load.at(time), counts[time], time in breaks)
         for time in sorted(breaks | set(counts) | {end})
     )
 
@@ -172,18 +172,20 @@ def schedule(load: ChangingLoad, times: ArrayLike | None) -> tuple[Mark, ...]:
 PER_PERIOD = 4
 
 
-def within_periods(marks: tuple[Mark, ...], load: ChangingLoad) -> tuple[Mark, ...]:
-    """Return `marks` with more between them, so that no step is longer than a quarter of the period of `load`.
+def within_periods(
+    breakpoints: tuple[Breakpoint, ...], load: ChangingLoad
+) -> tuple[Breakpoint, ...]:
+    """Return `breakpoints` with more between them, so that no step is longer than a quarter of the period of `load`.
 
     Steps of whole periods would meet the load at the same place of each, and not see that it changes.
     """
     longest = getattr(load, "period", inf) / PER_PERIOD
-    finer = list(marks[:1])
-    for first, last in pairwise(marks):
+    finer = list(breakpoints[:1])
+    for first, last in pairwise(breakpoints):
         parts = ceil((last.time - first.time) / longest * (1 - 1e-9))
         for part in range(1, parts):
             time = first.time + (last.time - first.time) * part / parts
-            finer.append(Mark(time, load.at(time), load.at(time), records=0, breaks=False))
+            finer.append(Breakpoint(time, load.at(time), load.at(time), records=0, breaks=False))
         finer.append(last)
     return tuple(finer)
 
@@ -206,13 +208,14 @@ def _checked(times: ArrayLike, load: ChangingLoad) -> list[float]:
     return [float(value) for value in values]
 
 
-# In the first march, a pair of steps may add this share of the allowed error to the difference of two marches.
+# In the first integration, a pair of steps may add this share of the allowed error to the difference of two
+# integrations.
 SHARE = 0.5
 # Smallest and largest factor on the length of a step, and the share of the allowed length that is aimed at.
 SHRINK, GROW, AIM = 0.2, 2.0, 0.9
 # What one pair adds grows with its length to this power; what all pairs add, to this power minus 1.
 ORDER = 2
-# Duration of the first pair of steps over that of the march: if it is too long, it is rejected.
+# Duration of the first pair of steps over that of the integration: if it is too long, it is rejected.
 FIRST = 1e-2
 # The least ratio of the error to the solver's tolerance, so that the solver's error does not count.
 ABOVE_TOLERANCE = 100
@@ -222,8 +225,8 @@ ABOVE_TOLERANCE = 100
 class StepControl:
     """Control of the step length by what a pair of steps adds to the error of the pressure.
 
-    How much of that error the contact forgets later cannot be known beforehand: where the sum gets too large, the march
-    starts again with a :meth:`stricter` control.
+    How much of that error the contact forgets later cannot be known beforehand: where the sum gets too large, the
+    integration starts again with a :meth:`stricter` control.
 
     Attributes
     ----------
@@ -238,7 +241,7 @@ class StepControl:
 
     @classmethod
     def for_error(cls, error: float, tolerance: float) -> "StepControl":
-        """Return the control of a first march.
+        """Return the control of a first integration.
 
         Parameters
         ----------
@@ -274,6 +277,6 @@ class StepControl:
         return min(max(AIM * longer, SHRINK), GROW)
 
     def stricter(self, excessive_error: float) -> "StepControl":
-        """Return the control of the next march, after one whose error is above the allowed one."""
+        """Return the control of the next integration, after one whose error is above the allowed one."""
         shorter = min(AIM * self.error / excessive_error, 0.7) ** (ORDER / (ORDER - 1))
         return StepControl(self.error, self.adds * shorter)

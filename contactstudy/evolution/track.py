@@ -9,8 +9,13 @@ import numpy as np
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.eigenstrain.plane_strain import HalfLines, PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import Volume
-from contactstudy.evolution.march import LoweredContact, lowered, solved_or_unloaded, unloaded
 from contactstudy.evolution.plastic import embedded, enlarged
+from contactstudy.evolution.time_stepper import (
+    LoweredContact,
+    lowered,
+    solved_or_unloaded,
+    unloaded,
+)
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.motion import RollingPressure
 from contactstudy.solvers.settle import ContactTangent, Settled, Tangent, settle
@@ -165,7 +170,7 @@ class Track:
         behind = self.behind + share * (self.rear.strain - self.behind)
         return replace(self, strain=strain, equivalent=equivalent, behind=behind)
 
-    def settled(
+    def solve_step(
         self, contact: LowerableContact, tolerance: float, length: float
     ) -> tuple["Track", Settled]:
         """Solve a step: the contact, and the plastic strain below it.

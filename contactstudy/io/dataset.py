@@ -315,10 +315,10 @@ def _memories_over_time(evolution: "Trajectory") -> dict[str, xr.Variable]:
     """Return the fields that bodies and wear remember, such as worn depth and plastic strain, at every instant."""
     frames = evolution.frames
     fields = _over_time([frame.fields for frame in frames])
-    if evolution.joint is not None:
-        states = [frame.joint_state for frame in frames]
+    if evolution.coupled is not None:
+        states = [frame.coupled_state for frame in frames]
         pressures = [frame.pressure for frame in frames]
-        joint = evolution.joint.over_time(states, pressures)
+        joint = evolution.coupled.over_time(states, pressures)
         fields |= {name: _of_field(field) for name, field in joint.items()}
     return fields
 

@@ -73,7 +73,7 @@ INNER = (
     "elasticity.tangential.ShearResponse",
     "elasticity.viscoelastic.Creep",
     "evolution.evolution.Frame",
-    "evolution.memory.JointMemory",
+    "evolution.state_variables.CoupledStateVariable",
     "io.document.PlanSettings",
     "problem.problem.Derived",
     "problem.problem.Field",

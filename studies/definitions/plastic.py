@@ -69,7 +69,7 @@ def measures(case: EvolutionCase, result: Trajectory) -> Mapping[str, xr.Variabl
     peak = case.scene.load.largest * 2 / pi
     x = case.grid.x
     loaded, last = result.frames[-2:]
-    deep = last.joint_state["equivalent0"]
+    deep = last.coupled_state["equivalent0"]
     yielded = np.flatnonzero((deep > 0).any(axis=(1, 2)))
     surface = last.fields["residual_displacement"].values[:, 0]
     answers = {
@@ -77,7 +77,7 @@ def measures(case: EvolutionCase, result: Trajectory) -> Mapping[str, xr.Variabl
         "half_width": (_half_width(loaded.pressure, x), "half-width over Hertz's"),
         "dent": (_dent(surface, x) / STRAIN, f"dent below the surface at {FAR:g} a over a Y / E"),
         "plastic_depth": (
-            float(last.joint_state["edges0"][yielded[-1] + 1]) if yielded.size else 0.0,
+            float(last.coupled_state["edges0"][yielded[-1] + 1]) if yielded.size else 0.0,
             "depth down to which it has yielded over Hertz's half-width",
         ),
         "plastic_strain": (
@@ -114,7 +114,7 @@ def measures(case: EvolutionCase, result: Trajectory) -> Mapping[str, xr.Variabl
         ),
     }
     layers = {
-        "layers": (len(last.joint_state["edges0"]) - 1, "layers of the volume that may yield")
+        "layers": (len(last.coupled_state["edges0"]) - 1, "layers of the volume that may yield")
     }
     return numbers(answers | errors | cap | layers)
 

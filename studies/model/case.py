@@ -144,7 +144,7 @@ class EvolutionCase:
     times: tuple[float, ...]
     error: float | None = None
     scheme: str = "IMPLICIT"
-    step_error: str = "COMPANION"
+    step_error: str = "STEP_DOUBLING"
     tolerance: float = 1e-8
 
     def prepare(self) -> None:

@@ -9,7 +9,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.evolution.evolution import Trajectory
 from contactstudy.evolution.evolve import evolve
-from contactstudy.evolution.memory import delay_weights
+from contactstudy.evolution.state_variables import delay_weights
 from tests.contactstudy.evolution.creeping import (
     LOAD,
     RIGID,
@@ -32,7 +32,7 @@ def width_of(frame: Trajectory, number: int = -1) -> float:
 
 
 def test_a_held_load_spreads_as_lee_and_radok_have_it() -> None:
-    """Reference: p0(2) = 0.031855429, a(2) = 0.151558473, by the closed form and an independent march."""
+    """Reference: p0(2) = 0.031855429, a(2) = 0.151558473, by the closed form and an independent integration."""
     assert half_width(SOLID, 2.0) == pytest.approx(0.151558473, rel=1e-8)
     assert held_pressure(SOLID, 2.0, np.zeros(1))[0] == pytest.approx(0.031855429, rel=1e-7)
     grid = line(400)

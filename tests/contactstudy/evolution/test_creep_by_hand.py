@@ -5,11 +5,11 @@ import pytest
 
 from contactstudy.elasticity.coefficients import Displacement
 from contactstudy.elasticity.viscoelastic import Creep
-from contactstudy.evolution.memory import CreepMemory, Step, delay_weights
+from contactstudy.evolution.state_variables import CreepState, Step, delay_weights
 
 STILL = Displacement(0.7)
-FLUID = CreepMemory(Creep(1.0, ((2.0, 0.5), (3.0, 4.0)), fluidity=0.7), STILL)
-SOLID = CreepMemory(Creep(1.0, ((2.0, 0.5),)), STILL)
+FLUID = CreepState(Creep(1.0, ((2.0, 0.5), (3.0, 4.0)), fluidity=0.7), STILL)
+SOLID = CreepState(Creep(1.0, ((2.0, 0.5),)), STILL)
 BEFORE, AFTER = np.array([[1.0, 5.0]]), np.array([[3.0, 2.0]])
 STATE = {
     "delayed0": np.array([[0.5, 0.25]]),
@@ -43,12 +43,12 @@ def test_the_past_strains_and_a_step_softens() -> None:
 
 
 def test_delayed_pressures_and_the_impulse_are_those_of_a_pressure_that_is_linear() -> None:
-    found = FLUID.advance(STATE, BEFORE, AFTER, STEP)
+    found = FLUID.update(STATE, BEFORE, AFTER, STEP)
     for name, (kept, before, after) in (("delayed0", FAST), ("delayed1", SLOW)):
         wanted = kept * STATE[name] + before * BEFORE + after * AFTER
         np.testing.assert_allclose(found[name], wanted, rtol=1e-14)
     np.testing.assert_allclose(found["impulse"], STATE["impulse"] + 0.75 * (BEFORE + AFTER))
-    assert list(SOLID.advance(STATE, BEFORE, AFTER, STEP)) == ["delayed0"]
+    assert list(SOLID.update(STATE, BEFORE, AFTER, STEP)) == ["delayed0"]
 
 
 def test_a_delayed_pressure_follows_its_equation() -> None:
@@ -59,7 +59,7 @@ def test_a_delayed_pressure_follows_its_equation() -> None:
         p = BEFORE + (AFTER - BEFORE) * (n + 0.5) / count
         step = duration / count / 0.5
         delayed = (delayed * (1 - step / 2) + step * p) / (1 + step / 2)
-    found = SOLID.advance(STATE, BEFORE, AFTER, STEP)["delayed0"]
+    found = SOLID.update(STATE, BEFORE, AFTER, STEP)["delayed0"]
     np.testing.assert_allclose(found, delayed, rtol=10 * count**-2)
 
 

@@ -14,7 +14,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.evolution import checkpoint
 from contactstudy.evolution.evolution import Trajectory
 from contactstudy.evolution.evolve import _load, evolve
-from contactstudy.evolution.memory import Contribution, Step
+from contactstudy.evolution.state_variables import Contribution, Step
 from tests.contactstudy.evolution.creeping import LOAD, RIGID, SOLID, rolling_cylinder
 
 EXACT = cs.ExactPeriodicity()
@@ -36,7 +36,7 @@ def test_an_elastic_scene_forgets_its_path() -> None:
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("error", [1e-2, 2e-3])
 def test_steps_keep_to_the_error_asked_for(error: float) -> None:
-    """Against a march with 400 steps, whose own error is a small part of that of any of these."""
+    """Against an integration with 400 steps, whose own error is a small part of that of any of these."""
     history = cs.LoadHistory((0.0, 0.5, 1.0, 1.0), (LOAD, LOAD, 2 * LOAD, 0.7 * LOAD))
     scene = rolling_cylinder(SOLID, history)
     times = [0.0, 0.25, 0.5, 1.0, 1.0, 2.0]
@@ -130,7 +130,7 @@ def test_a_folder_is_of_one_version_and_of_one_process(
     evolve(scene, GRID, EXACT, times=[0.0, 1.0], folder=tmp_path, progress=second)
     assert seen
     monkeypatch.setattr(checkpoint, "source_hash", lambda: "other")
-    with pytest.raises(cs.InvalidInput, match="a march of another version of this program"):
+    with pytest.raises(cs.InvalidInput, match="an integration of another version of this program"):
         evolve(scene, GRID, EXACT, times=[0.0, 1.0], folder=tmp_path)
 
 
@@ -207,7 +207,7 @@ def test_a_dataset_names_all_that_was_found() -> None:
     ],
     ids=str,
 )
-def test_every_padding_marches(padding: cs.Padding | cs.Paddings) -> None:
+def test_every_padding_is_integrated(padding: cs.Padding | cs.Paddings) -> None:
     """A wavy creeping cylinder that wears: converged throughout, the load borne at the end."""
     scene = rolling_cylinder(SOLID, wear=cs.Wear(0.1, 1.0))
     scene = replace(scene, shapes=(*scene.shapes, cs.Waviness(1e-3, across=0.2, along=0.3)))
@@ -292,8 +292,8 @@ def test_a_sine_load_is_zero_where_it_would_pull() -> None:
     values = np.array([load.at(time) for time in times])
     assert values.min() == 0
     assert values.max() == pytest.approx(load.largest, rel=1e-6)
-    marks: Array = np.array([*load.breaks(8.0), 8.0])
-    sums = [load.mean(a, b) * (b - a) for a, b in pairwise(marks)]
+    breakpoints: Array = np.array([*load.breaks(8.0), 8.0])
+    sums = [load.mean(a, b) * (b - a) for a, b in pairwise(breakpoints)]
     by_points = (values[1:] + values[:-1]).sum() / 2 * (times[1] - times[0])
     assert sum(sums) == pytest.approx(by_points, rel=1e-6)
 

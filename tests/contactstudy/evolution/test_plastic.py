@@ -137,7 +137,7 @@ def measures(dataset: xr.Dataset) -> dict[str, float]:
 
 
 def test_a_cylinder_at_three_times_yield_has_the_numbers_of_finite_elements() -> None:
-    """Eight equal steps, as an independent finite-element march took: Q2, contact by penalty, box of 1000 a.
+    """Eight equal steps, as an independent finite-element integration took: Q2, contact by penalty, box of 1000 a.
 
     Its own elements of 0.05 a and this mesh differ by 0.2 % in the pressure, 0.6 % in strain and dent.
     """
@@ -286,7 +286,8 @@ def test_the_volume_grows_to_what_yields(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr(yielding_volume, "ROOM", 0.0)
     tight = evolve(scene, grid, EXACT, times=(0, 0.5, 1), options=cs.SolveOptions(1e-7))
     assert (
-        tight.frames[0].joint_state["strain0"].shape < tight.frames[-1].joint_state["strain0"].shape
+        tight.frames[0].coupled_state["strain0"].shape
+        < tight.frames[-1].coupled_state["strain0"].shape
     )
     np.testing.assert_allclose(
         tight.pressure, generous.pressure, atol=1e-5 * generous.pressure.max()
@@ -305,7 +306,7 @@ def test_a_sudden_load_is_applied_by_parts_and_says_its_error() -> None:
     def error(one: Trajectory) -> float:
         return float(np.abs(one.pressure[-1] - fine).sum() / fine.sum())
 
-    # first order: the difference of two marches is the error of the finer one, and a half more is on the safe side
+    # first order: the difference of two integrations is the error of the finer one, and a half more is on the safe side
     assert 0.3 < error(found) / found.step_error < 1
     assert error(closer) < closer.step_error <= 1.5e-2
     assert closer.steps > found.steps
@@ -328,7 +329,7 @@ def test_steps_are_chosen_for_an_error(ratio: float) -> None:
     fine = slowly(scene, grid)
     off = np.abs(found.pressure[found.loads.argmax()] - fine).sum() / fine.sum()
     assert off < 1e-2
-    # the march so finely stepped has an error too, some third of the smaller one here
+    # the integration so finely stepped has an error too, some third of the smaller one here
     assert 0.5 < found.step_error / off < 3
     assert found.step_error < 1e-2
     assert found.steps < 90
@@ -373,7 +374,7 @@ def test_a_march_goes_on_in_the_volume_to_which_it_had_grown(
     scene, grid = pressed(4, hardening=0.02), grid_of(4, 0.2, 4.8)
     times = (0.0, 0.5, 0.75, 1.0)
 
-    def march(*, until: float, folder: Path | None) -> Trajectory:
+    def integration(*, until: float, folder: Path | None) -> Trajectory:
         def kill(time: float, end: float) -> None:
             if time >= until:
                 raise KeyboardInterrupt
@@ -389,10 +390,14 @@ def test_a_march_goes_on_in_the_volume_to_which_it_had_grown(
         )
 
     with pytest.raises(KeyboardInterrupt):
-        march(until=1.0, folder=tmp_path)
-    resumed, whole = march(until=np.inf, folder=tmp_path), march(until=np.inf, folder=None)
+        integration(until=1.0, folder=tmp_path)
+    resumed, whole = (
+        integration(until=np.inf, folder=tmp_path),
+        integration(until=np.inf, folder=None),
+    )
     assert (
-        whole.frames[0].joint_state["strain0"].shape < whole.frames[1].joint_state["strain0"].shape
+        whole.frames[0].coupled_state["strain0"].shape
+        < whole.frames[1].coupled_state["strain0"].shape
     )
     for one, other in zip(resumed.frames, whole.frames, strict=True):
         np.testing.assert_array_equal(one.pressure, other.pressure)

@@ -11,7 +11,7 @@ import contactstudy as cs
 from contactstudy.domain.fields import Array
 from contactstudy.evolution.evolution import Trajectory
 from contactstudy.evolution.evolve import evolve
-from contactstudy.evolution.memory import WearMemory, explicit_limit
+from contactstudy.evolution.state_variables import WearState, explicit_limit
 from contactstudy.evolution.steps import Scheme
 from tests.contactstudy.evolution.creeping import LOAD, RIGID, SOLID, rolling_cylinder
 
@@ -162,8 +162,8 @@ def test_the_worn_volume_is_that_of_archard_to_rounding(
     scene = replace(CYLINDER, load=load, wear=cs.Wear(1e-3, 1.0))
     times = np.linspace(0, 2, 12)
     found = evolve(scene, grid, EXACT, times=times, step_error=NONE, scheme=scheme)
-    marks = sorted({*times.tolist(), *load.breaks(2.0)})
-    impulse = sum((end - start) * load.mean(start, end) for start, end in pairwise(marks))
+    breakpoints = sorted({*times.tolist(), *load.breaks(2.0)})
+    impulse = sum((end - start) * load.mean(start, end) for start, end in pairwise(breakpoints))
     worn = found.frames[-1].fields["worn_depth"].values
     assert worn.sum() * grid.cell[0] == pytest.approx(1e-3 * impulse, rel=1e-13)
     assert worn.min() >= 0
@@ -248,10 +248,10 @@ def test_the_edge_of_a_finite_roller_wears_away() -> None:
 def test_the_shares_of_a_step_carry_its_mean_load(
     loads: tuple[float, float], explicit: float
 ) -> None:
-    from contactstudy.evolution.memory import Step
+    from contactstudy.evolution.state_variables import Step
 
     step = Step(0.0, 2.0, loads, sum(loads) / 2, explicit)
-    after = WearMemory(3.0).advance(
+    after = WearState(3.0).update(
         {"worn_depth": np.zeros(())}, np.array(loads[0]), np.array(loads[1]), step
     )
     assert after["worn_depth"] == pytest.approx(3.0 * 2.0 * sum(loads) / 2, rel=1e-15)

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from contactstudy.evolution.memory import Step, WearMemory, explicit_limit
+from contactstudy.evolution.state_variables import Step, WearState, explicit_limit
 
 # 3 m/(Pa s) for 2 s: 6 m for each pascal.
-MEMORY = WearMemory(3.0)
+WEAR = WearState(3.0)
 
 
 @pytest.mark.parametrize(
@@ -33,18 +33,18 @@ def test_a_step_wears_by_the_mean_load(
     explicit: float, loads: tuple[float, float], mean: float, shares: tuple[float, float]
 ) -> None:
     step = Step(1.0, 3.0, loads, mean, explicit)
-    assert MEMORY._shares(step) == pytest.approx(shares)
+    assert WEAR._shares(step) == pytest.approx(shares)
     first, last = shares
     worn, before, after = np.array([[0.5]]), np.array([[4.0]]), np.array([[7.0]])
-    found = MEMORY.contribution({"worn_depth": worn}, before, step)
+    found = WEAR.contribution({"worn_depth": worn}, before, step)
     assert found.gap == pytest.approx(0.5 + 4 * first)
     assert found.local_compliance == pytest.approx(last)
-    now = MEMORY.advance({"worn_depth": worn}, before, after, step)
+    now = WEAR.update({"worn_depth": worn}, before, after, step)
     assert now["worn_depth"] == pytest.approx(0.5 + 4 * first + 7 * last)
 
 
 def test_nothing_is_worn_to_begin_with() -> None:
-    np.testing.assert_array_equal(MEMORY.start((2, 3))["worn_depth"], np.zeros((2, 3)))
+    np.testing.assert_array_equal(WEAR.start((2, 3))["worn_depth"], np.zeros((2, 3)))
 
 
 def test_an_explicit_step_is_shorter_than_twice_the_softest_wave_allows() -> None:

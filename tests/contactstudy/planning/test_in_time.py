@@ -70,7 +70,7 @@ def test_a_plan_makes_room_for_what_yields(ratio: float) -> None:
     assert plan.steps / 3 < found.steps < 3 * plan.steps
     assert found.grid_error < 1.2 * 8e-2
     said = next(reason for reason in plan.reasons if reason.startswith("yield:"))
-    layers = found.frames[-1].joint_state["equivalent0"].shape[0]
+    layers = found.frames[-1].coupled_state["equivalent0"].shape[0]
     assert f"{ratio:.3g} times the lowest yield stress" in said
     assert 0.7 < int(said.split("some ")[1].split()[0]) / layers < 1.4
 

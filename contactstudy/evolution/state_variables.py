@@ -13,7 +13,7 @@ from contactstudy.elasticity.viscoelastic import Creep
 from contactstudy.problem.problem import Field, Problem
 from contactstudy.solvers.solution import Solution
 
-# The fields (x, y) that a memory keeps, by name: all that a checkpoint needs of it.
+# The fields (x, y) that a state variable keeps, by name: all that a checkpoint needs of it.
 State = Mapping[str, Array]
 # From the lift of a surface (x, y) [m] to the contact over it.
 Contact = Callable[[Array], Solution]
@@ -50,7 +50,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Contribution:
-    """Contribution of a memory to the problem at the end of a step.
+    """Contribution of a state variable to the problem at the end of a step.
 
     Attributes
     ----------
@@ -70,7 +70,7 @@ class Contribution:
     local_compliance: float = 0.0
 
 
-class AnyMemory(Protocol):
+class AnyStateVariable(Protocol):
     """Protocol of everything that a body or an interface keeps between instants.
 
     States are never changed in place: a step may be tried and rejected.
@@ -90,11 +90,11 @@ class AnyMemory(Protocol):
         ...
 
 
-class Memory(AnyMemory, Protocol):
-    """Protocol of a memory whose change in a step follows from the pressures at both ends of the step."""
+class StateVariable(AnyStateVariable, Protocol):
+    """Protocol of a state variable whose change in a step follows from the pressures at both ends of the step."""
 
     def contribution(self, state: State, pressure: Array, step: Step) -> Contribution:
-        """Return the contribution of this memory to the problem at the end of a step.
+        """Return the contribution of this state variable to the problem at the end of a step.
 
         Parameters
         ----------
@@ -107,7 +107,7 @@ class Memory(AnyMemory, Protocol):
         """
         ...
 
-    def advance(self, state: State, before: Array, after: Array, step: Step) -> State:
+    def update(self, state: State, before: Array, after: Array, step: Step) -> State:
         """Return the state at the end of a step.
 
         Parameters
@@ -122,13 +122,13 @@ class Memory(AnyMemory, Protocol):
         ...
 
 
-class JointMemory(AnyMemory, Protocol):
-    """Protocol of a memory whose change in a step is solved for together with the pressure at its end.
+class CoupledStateVariable(AnyStateVariable, Protocol):
+    """Protocol of a state variable whose change in a step is solved for together with the pressure at its end.
 
     It depends on the path of the load, not on how fast the load follows it.
     """
 
-    def settled(
+    def solve_step(
         self, state: State, problem: Problem, contact: Contact, tolerance: float
     ) -> tuple[Solution, State]:
         """Solve a step for the contact and the state together.
@@ -161,8 +161,8 @@ class JointMemory(AnyMemory, Protocol):
 
 
 @dataclass(frozen=True)
-class CreepMemory:
-    """Memory of a viscoelastic body: its delayed pressures, and the impulse of the pressure where it is a fluid.
+class CreepState:
+    """StateVariable of a viscoelastic body: its delayed pressures, and the impulse of the pressure where it is a fluid.
 
     Delayed pressures follow ``c_i' = (p - c_i) / lambda_i``, the impulse ``b' = p``. The surface moves as under
     ``J_0 p + sum(J_i c_i) + fluidity b``. Steps are exact for a pressure that is linear in time.
@@ -203,7 +203,7 @@ class CreepMemory:
             strained={self.coefficients: strain}, compliance={self.coefficients: compliance}
         )
 
-    def advance(self, state: State, before: Array, after: Array, step: Step) -> State:
+    def update(self, state: State, before: Array, after: Array, step: Step) -> State:
         """Return the delayed pressures [Pa] and the impulse [Pa s] at the end of the step."""
         delayed: dict[str, Array] = {}
         for number, (_, time) in enumerate(self.creep.terms):
@@ -240,8 +240,8 @@ def delay_weights(ratio: float) -> tuple[float, float, float]:
 
 
 @dataclass(frozen=True)
-class WearMemory:
-    """Memory of wear: the worn depth w, with ``dw/dt = rate p`` (Archard 1953).
+class WearState:
+    """StateVariable of wear: the worn depth w, with ``dw/dt = rate p`` (Archard 1953).
 
     The pressure at the start of a step acts in its explicit share, the pressure at its end in the remaining share, which
     adds a constant to the operator. The worn volume is exact: where the load changes within the step, both pressures are
@@ -269,7 +269,7 @@ class WearMemory:
             worn = worn + before * pressure
         return Contribution(gap=worn, local_compliance=after)
 
-    def advance(self, state: State, before: Array, after: Array, step: Step) -> State:
+    def update(self, state: State, before: Array, after: Array, step: Step) -> State:
         """Return the worn depth at the end of the step."""
         first, last = self._shares(step)
         worn = state["worn_depth"] + last * after

@@ -1,4 +1,4 @@
-"""One step in time: the problem that a scene's memories make of it, solved from the previous pressure."""
+"""One step in time: the problem that a scene's state variables make of it, solved from the previous pressure."""
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
@@ -12,12 +12,12 @@ from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.convolution import Convolution, combined, superposed
-from contactstudy.evolution.memory import (
-    AnyMemory,
+from contactstudy.evolution.state_variables import (
+    AnyStateVariable,
     Contribution,
-    JointMemory,
-    Memory,
+    CoupledStateVariable,
     State,
+    StateVariable,
     Step,
 )
 from contactstudy.evolution.steps import Scheme
@@ -28,7 +28,8 @@ from contactstudy.scene.scene import ShapesSource
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions
 
-# Factor on the tolerance of a contact that is solved together with a memory, which depends on the contact's error.
+# Factor on the tolerance of a contact that is solved together with a state variable, which depends on the contact's
+# error.
 CLOSER = 0.01
 # The single, implicit stage of a step that has no stages.
 WHOLE = ((1.0, 0.0),)
@@ -47,7 +48,7 @@ class Instant:
     pressure
         Pressure (x, y) [Pa].
     states
-        State of each memory, in the order of :attr:`March.all_memories`.
+        State of each state variable, in the order of :attr:`TimeStepper.all_state_variables`.
     """
 
     time: float
@@ -94,21 +95,21 @@ class LoweredContact:
 
 
 @dataclass(frozen=True, eq=False)
-class March:
+class TimeStepper:
     """Steps in time of one scene on one grid.
 
     Attributes
     ----------
     problem
-        The contact under the largest load, applied suddenly before any memory has changed.
+        The contact under the largest load, applied suddenly before any state variable has changed.
     load
         Load over time.
     weights
         Weights [1/Pa] of the influence coefficients in its operator.
-    memories
+    state_variables
         Memories that follow from the pressures at both ends of a step.
-    joint
-        Memory that is solved for together with the pressure; None if there is none.
+    coupled
+        StateVariable that is solved for together with the pressure; None if there is none.
     scheme
         Stages of a step.
     options
@@ -118,25 +119,29 @@ class March:
     problem: Problem
     load: ChangingLoad
     weights: Mapping[Coefficients, float]
-    memories: tuple[Memory, ...]
-    joint: JointMemory | None
+    state_variables: tuple[StateVariable, ...]
+    coupled: CoupledStateVariable | None
     scheme: Scheme
     options: SolveOptions
 
     @property
-    def all_memories(self) -> tuple[AnyMemory, ...]:
-        """Every memory of the scene, in the order of an instant's states."""
-        return self.memories if self.joint is None else (*self.memories, self.joint)
+    def all_state_variables(self) -> tuple[AnyStateVariable, ...]:
+        """Every state variable of the scene, in the order of an instant's states."""
+        return (
+            self.state_variables if self.coupled is None else (*self.state_variables, self.coupled)
+        )
 
     @property
     def is_first_order(self) -> bool:
         """True if the error of a step falls only in proportion to its duration."""
-        return len(self.scheme.stages) == 1 and any(memory.has_stages for memory in self.memories)
+        return len(self.scheme.stages) == 1 and any(
+            state_variable.has_stages for state_variable in self.state_variables
+        )
 
     def start(self, time: float) -> Instant:
         """Return the instant before the first load, at `time` [s]."""
         shape = self.problem.grid.cells
-        states = tuple(memory.start(shape) for memory in self.all_memories)
+        states = tuple(state_variable.start(shape) for state_variable in self.all_state_variables)
         return Instant(time, 0.0, np.zeros(shape), states)
 
     def at_rest(self) -> Solution:
@@ -186,8 +191,8 @@ class March:
             The contact at `end`, and the solutions of all stages on the way.
         """
         after, solutions = self._step(instant, end, load)
-        joint = self.joint
-        if not onset or joint is None or not joint.abrupt(instant.states[-1], after.states[-1]):
+        coupled = self.coupled
+        if not onset or coupled is None or not coupled.abrupt(instant.states[-1], after.states[-1]):
             return after, solutions
         time = (instant.time + end) / 2
         half = self.load.at(time) if instant.time < end else (instant.load + load) / 2
@@ -202,7 +207,9 @@ class March:
             return self._stage(instant, Step(end, end, (instant.load, load), load))
         solutions: list[Solution] = []
         stages = (
-            self.scheme.stages if any(memory.has_stages for memory in self.all_memories) else WHOLE
+            self.scheme.stages
+            if any(state_variable.has_stages for state_variable in self.all_state_variables)
+            else WHOLE
         )
         share = 0.0
         for part, explicit in stages:
@@ -216,29 +223,29 @@ class March:
         return instant, solutions
 
     def _stage(self, instant: Instant, step: Step) -> tuple[Instant, list[Solution]]:
-        """Solve the contact at the end of one stage, and advance every memory."""
+        """Solve the contact at the end of one stage, and advance every state variable."""
         problem = self._problem_at_end(instant, step)
-        joint: tuple[State, ...] = ()
-        if self.joint is not None:
+        coupled: tuple[State, ...] = ()
+        if self.coupled is not None:
             contact = LoweredContact(problem, self.options, instant.pressure)
-            solution, state = self.joint.settled(
+            solution, state = self.coupled.solve_step(
                 instant.states[-1], problem, contact, self.options.tolerance
             )
-            joint = (state,)
+            coupled = (state,)
         else:
             solution = solved_or_unloaded(self.options, problem, instant.pressure)
         after = solution.pressure
         states = tuple(
-            memory.advance(state, instant.pressure, after, step)
-            for memory, state in zip(self.memories, instant.states, strict=False)
+            state_variable.update(state, instant.pressure, after, step)
+            for state_variable, state in zip(self.state_variables, instant.states, strict=False)
         )
-        return Instant(step.end, step.loads[1], after, states + joint), [solution]
+        return Instant(step.end, step.loads[1], after, states + coupled), [solution]
 
     def _problem_at_end(self, instant: Instant, step: Step) -> Problem:
-        """Return the problem at the end of a step, with the contributions of all memories."""
+        """Return the problem at the end of a step, with the contributions of all state variables."""
         contributions = [
-            memory.contribution(state, instant.pressure, step)
-            for memory, state in zip(self.memories, instant.states, strict=False)
+            state_variable.contribution(state, instant.pressure, step)
+            for state_variable, state in zip(self.state_variables, instant.states, strict=False)
         ]
         weights = Counter(self.weights)
         for contribution in contributions:
@@ -280,7 +287,7 @@ class March:
         )
 
     def _gap(self, contributions: Iterable[Contribution]) -> Array:
-        """Return the undeformed gap (x, y) [m] plus the contributions of all memories."""
+        """Return the undeformed gap (x, y) [m] plus the contributions of all state variables."""
         gap = self.problem.undeformed_gap
         strains: dict[Coefficients, Array] = {}
         for contribution in contributions:
@@ -306,7 +313,7 @@ class March:
 
     @cached_property
     def _units(self) -> Mapping[Coefficients, Convolution]:
-        """Operators on the grid of the march for each kind of coefficients [m]."""
+        """Operators on the grid of the integration for each kind of coefficients [m]."""
         return self._units_of(self.problem)
 
     def _units_of(self, problem: Problem) -> Mapping[Coefficients, Convolution]:
@@ -323,7 +330,7 @@ class March:
         }
 
     def _scales(self, load: float, softer: float) -> Scales:
-        """Return the scales of a contact under `load` [N/m] with `softer` times the compliance of the march.
+        """Return the scales of a contact under `load` [N/m] with `softer` times the compliance of the integration.
 
         The width of a curved contact grows with the square root of load and compliance; a flat contact keeps its width.
         """

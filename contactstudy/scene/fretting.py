@@ -111,6 +111,6 @@ class Fretting:
     def explanation(self, scene: FrictionContact, *, varies: bool, paddings: Paddings) -> str:
         """Return a sentence on the solves of the shear."""
         return (
-            f"friction: fretting by accelerated projections, {len(self.forces)} steps of some hundred "
-            "iterations of four transforms each beside the normal solve."
+            f"friction: fretting by Newton's method, {len(self.forces)} steps of 20 to 80 applications of the "
+            "response, four transforms each, beside the normal solve."
         )

@@ -215,7 +215,7 @@ class PartialSlip:
             )
         return (
             "friction: partial slip for both components of shear, for something varies along the length and "
-            "Poisson's ratio is not 0; some hundred iterations of four transforms each beside the normal solve."
+            "Poisson's ratio is not 0; 30 to 80 applications of four transforms each beside the normal solve."
         )
 
     @staticmethod

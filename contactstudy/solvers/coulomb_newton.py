@@ -1,75 +1,92 @@
-"""Newton's method on Coulomb's projection: the shear of steady rolling on one grid.
+"""Newton's method on Coulomb's projection: the shear of a contact that sticks in part and slips in part.
 
-With the slip ``s = s0 + D q``, ``(D q)(x) = [(A q)(x) - (A q)(x + dx)] / dx``, Coulomb's law is
+With the slip ``s = s0 + D q`` of the first against the second body, Coulomb's law is
 
     ``F(q) = q - Proj(q - rho s) = 0``
 
-with the projection onto the disks ``|q| <= mu p`` and the inverse rho of a cell's own slip. A cell sticks where
-``z = q - rho s`` is within its disk. There the derivative of F is ``rho D``; elsewhere, with ``n = z / |z|`` and
-``g = mu p / |z|``, it is ``1 - g (1 - n n^T) (1 - rho D)``. Its equations are solved by GMRES. Where Newton's steps no
-longer reduce F, two projections an iteration do, more slowly.
+with the projection onto the disks ``|q| <= mu p``, with a given resultant if there is one, and the inverse rho of a
+cell's own slip. The derivative of F is ``1 - P (1 - rho D)`` with that of the projection, P: ``rho D`` in cells that
+stick. Its equations are solved by GMRES. Where a Newton step does not reduce F, some iterations of two projections each
+lead on to where one does.
 
 Source: semismooth Newton of Alart & Curnier (1991); Saad & Schultz (1986); extragradient of Korpelevich (1976).
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from math import sqrt
 
 import numpy as np
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.tangential import ShearResponse
-from contactstudy.elasticity.transforms import TRANSFORMS
-
-# Share of F that one Newton step leaves.
-FORCING = 0.1
-NEWTON, KRYLOV, HALVINGS = 60, 200, 10
+from contactstudy.solvers.disks import Disks
+from contactstudy.solvers.slip import SlipOperator
 
 
-class Rolled:
+@dataclass(frozen=True)
+class NewtonConstants:
+    """Constants of Newton's method on Coulomb's projection.
+
+    Attributes
+    ----------
+    forcing
+        Fraction of F that the linear equations of a step may leave: 0.01 takes fewer steps and more applications in all.
+    max_vectors
+        Vectors of one GMRES: ten times what was seen on any contact.
+    max_halvings
+        Halvings of a step that does not reduce F before projections take over.
+    first_projections
+        Extragradient iterations after a step that failed, before the next Newton step; doubled each time. Newton steps
+        fail far from the solution alone, where a few projections find most of the cells that stick.
+    """
+
+    forcing: float = 0.1
+    max_vectors: int = 200
+    max_halvings: int = 10
+    first_projections: int = 4
+
+
+CONSTANTS = NewtonConstants()
+
+
+class CoulombNewton:
     """Newton's method, and its fallback, for the shear (2, cells) of the cells in contact on one grid.
 
     Parameters
     ----------
-    response
-        Displacement under shear, A.
+    slip
+        Slip under shear, D.
     limit
         Largest shear (x, y) [Pa], the coefficient of friction times the pressure.
-    step
-        Width of a cell [m], negative where the contact moves to smaller x.
+    total
+        Sum of the shear over all cells (2,) [Pa], or None where the rigid slip is given.
     """
 
-    def __init__(self, response: ShearResponse, limit: Array, step: float) -> None:
-        self._shape, self._cells = limit.shape, np.flatnonzero(limit)
-        self._radius = limit.ravel()[self._cells]
-        self.capacity = float(self._radius.sum())
-        self._ahead = 1 if step > 0 else -1
-        padded = response.xx.padded
-        waves = np.exp(2j * np.pi * self._ahead / padded[0] * np.arange(padded[0]))
-        change = (1 - waves)[:, None] / abs(step)
-        self._slip = response.times(change)
-        own = TRANSFORMS.backward(self._slip.xx.spectrum.copy(), limit.shape, padded)[0, 0]
-        self._rho = 1 / float(own)
-        self._stiffness = tuple(
-            _inverted(part.spectrum.real) for part in (response.xx, response.yy)
-        )
-        self._padded, self._scale = padded, abs(step) / self._rho
+    def __init__(self, slip: SlipOperator, limit: Array, total: Array | None = None) -> None:
+        self._operator, self._shape, self._cells = slip, limit.shape, np.flatnonzero(limit)
+        self._disks = Disks(limit.ravel()[self._cells], total)
+        self.capacity = float(self._disks.radius.sum())
+        self._rho = 1 / slip.own
         self.applications = 0
 
     @property
     def saturation(self) -> float:
-        """Creepage [1] of the order of that at which all cells slide."""
-        return float(self._radius.max()) / self._rho
+        """Rigid slip of the order of that at which all cells slide."""
+        return float(self._disks.radius.max()) / self._rho
+
+    @property
+    def rigid(self) -> Array:
+        """Rigid slip (2,) that the last projection took away to meet the given sum."""
+        return self._disks.shift / self._rho
 
     def slip(self, shear: Array) -> Array:
         """Return the slip (2, cells) by elastic deformation under `shear` (2, cells)."""
-        self.applications += 1
-        return self.gathered(self._slip(self.field(shear)))
+        return self.gathered(self.slip_field(shear))
 
     def slip_field(self, shear: Array) -> Array:
         """Return the slip (component, x, y) of all cells by elastic deformation under `shear` (2, cells)."""
         self.applications += 1
-        return self._slip(self.field(shear))
+        return self._operator(self.field(shear))
 
     def field(self, values: Array) -> Array:
         """Return `values` (2, cells) as a field (component, x, y), zero outside the contact."""
@@ -82,119 +99,97 @@ class Rolled:
         gathered: Array = whole.reshape(2, -1)[:, self._cells]
         return gathered
 
-    def projected(self, trial: Array) -> Array:
-        """Return the nearest shear (2, cells) to a `trial` one that friction bears."""
-        return trial * (self._radius / np.maximum(np.hypot(*trial), self._radius))
+    def project(self, shear: Array) -> Array:
+        """Return the nearest shear (2, cells) that friction carries, with the given sum if there is one."""
+        return self._disks.project(shear)
 
-    def residual(self, shear: Array, slip: Array) -> tuple[Array, float]:
-        """Return F (2, cells), and its root mean square over the largest shear."""
-        nearest = self.projected(shear - self._rho * slip)
-        error = shear - nearest
-        mean = float(np.einsum("cn,cn->", error, error)) / self._radius.size
-        largest = float(np.hypot(*nearest).max())
-        return error, sqrt(mean) / largest if largest else 0.0
-
-    def preconditioned(self, values: Array, sticks: Array) -> Array:
-        """Return the approximate inverse of `rho D` on the cells that stick, the identity on the others.
-
-        ``D = (I - S) A / dx`` with the shift S by one cell. The sum from the leading edge undoes ``I - S``, the division
-        by the spectrum undoes A.
-        """
-        whole = self.field(np.where(sticks, values, 0))[:, :: -self._ahead]
-        summed = np.cumsum(whole, axis=1)[:, :: -self._ahead]
-        for component, inverse in zip(summed, self._stiffness, strict=True):
-            waves = TRANSFORMS.forward(component, self._padded)
-            waves *= inverse
-            component[:] = TRANSFORMS.backward(waves, self._shape, self._padded)
-        return np.where(sticks, self._scale * self.gathered(summed), values)
-
-    def solved(
-        self, rigid: Array, shear: Array, tolerance: float, most: int
+    def solve(
+        self, free_slip: Array, shear: Array, tolerance: float, max_applications: int
     ) -> tuple[Array, Array, float]:
-        """Return shear and slip (2, cells) from a first `shear`, and the residual; at most `most` applications.
+        """Return shear and slip (2, cells) from a first `shear`, and the residual.
 
-        `rigid` (component, x, y) is the slip without shear.
+        `free_slip` (component, x, y) is the slip without shear. The residual is the root mean square of F over the
+        largest shear.
         """
-        free, most = self.gathered(rigid), most + self.applications
-        shear = self.projected(shear)
+        free, most = self.gathered(free_slip), max_applications + self.applications
+        shear = self._disks.project(shear)
         slip = free + self.slip(shear)
-        error, size = self.residual(shear, slip)
-        for _ in range(NEWTON):
-            if size <= tolerance or self.applications >= most:
-                return shear, slip, size
-            change, slip_change = self._newton_step(
-                shear, slip, error, _forcing(tolerance, size), most
-            )
+        error, residual = self._residual(shear, slip)
+        length, projections = self._rho, CONSTANTS.first_projections
+        while residual > tolerance and self.applications < most:
+            forcing = _forcing(tolerance, residual)
+            change, slip_change = self._newton_step(shear, slip, error, forcing, most)
             # slip is linear in the shear: shorter steps cost nothing
-            for halving in range(HALVINGS):
+            for halving in range(CONSTANTS.max_halvings):
                 part = 0.5**halving
                 trial = shear + part * change, slip + part * slip_change
-                trial_error, trial_size = self.residual(*trial)
-                if trial_size <= (1 - 0.1 * part) * size:
+                trial_error, trial_residual = self._residual(*trial)
+                if trial_residual <= (1 - 0.1 * part) * residual:
+                    (shear, slip), error, residual = trial, trial_error, trial_residual
                     break
             else:
-                break
-            (shear, slip), error, size = trial, trial_error, trial_size
-        return self._extragradient(free, shear, slip, tolerance, most)
+                for _ in range(projections):
+                    shear, slip, length = self._extragradient(free, shear, slip, length)
+                    error, residual = self._residual(shear, slip)
+                    if residual <= tolerance or self.applications >= most:
+                        break
+                projections *= 2
+        return shear, slip, residual
+
+    def _residual(self, shear: Array, slip: Array) -> tuple[Array, float]:
+        """Return F (2, cells), and its root mean square over the largest shear."""
+        projected = self._disks.project(shear - self._rho * slip)
+        error = shear - projected
+        mean = float(np.einsum("cn,cn->", error, error)) / self._cells.size
+        largest = float(np.hypot(*projected).max())
+        return error, sqrt(mean) / largest if largest else 0.0
 
     def _newton_step(
         self, shear: Array, slip: Array, error: Array, forcing: float, most: int
     ) -> tuple[Array, Array]:
-        """Return the changes of shear and slip (2, cells) that reduce the linearised F to the share `forcing`."""
-        trial = shear - self._rho * slip
-        distance = np.hypot(*trial)
-        sticks = distance <= self._radius
-        direction = trial / np.maximum(distance, np.finfo(float).tiny)
-        cut = self._radius / np.maximum(distance, self._radius)
+        """Return the changes of shear and slip (2, cells) that leave the fraction `forcing` of the linearised F."""
+        projection, stick = self._disks.derivative(shear - self._rho * slip)
         steps: list[tuple[Array, Array]] = []
 
         def derivative(values: Array) -> Array:
-            change = self.preconditioned(values, sticks)
-            moved = self.slip(change)
-            steps.append((change, moved))
-            across = change - self._rho * moved
-            across -= direction * np.einsum("cn,cn->n", direction, across)
-            return np.where(sticks, self._rho * moved, change - cut * across)
+            change = self._preconditioned(values, stick)
+            slip_change = self.slip(change)
+            steps.append((change, slip_change))
+            return change - projection(change - self._rho * slip_change)
 
-        weights = gmres(derivative, -error, forcing, min(KRYLOV, most - self.applications))
+        vectors = min(CONSTANTS.max_vectors, most - self.applications)
+        weights = gmres(derivative, -error, forcing, vectors)
         change, slip_change = np.zeros_like(shear), np.zeros_like(slip)
         for weight, (one, its_slip) in zip(weights, steps, strict=True):
             change += weight * one
             slip_change += weight * its_slip
         return change, slip_change
 
+    def _preconditioned(self, values: Array, stick: Array) -> Array:
+        """Return the approximate inverse of `rho D` on the cells that stick, the identity on the others."""
+        inverse = self._operator.approximate_inverse(self.field(np.where(stick, values, 0)))
+        return np.where(stick, self.gathered(inverse) / self._rho, values)
+
     def _extragradient(
-        self, free: Array, shear: Array, slip: Array, tolerance: float, most: int
+        self, free: Array, shear: Array, slip: Array, length: float
     ) -> tuple[Array, Array, float]:
-        """Return shear, slip and residual by two projections an iteration, whose step is shortened as needed."""
-        step = self._rho
-        size = self.residual(shear, slip)[1]
-        while size > tolerance and self.applications < most:
-            while True:
-                half = self.projected(shear - step * slip)
-                half_slip = free + self.slip(half)
-                moved, felt = np.linalg.norm(half - shear), np.linalg.norm(half_slip - slip)
-                if step * felt <= 0.9 * moved or self.applications >= most:
-                    break
-                step *= 0.7
-            shear = self.projected(shear - step * half_slip)
-            slip = free + self.slip(shear)
-            size = self.residual(shear, slip)[1]
-        return shear, slip, size
+        """Return shear and slip after two projections, and their step length, which is shortened as needed."""
+        project = self._disks.project
+        while True:
+            half = project(shear - length * slip)
+            half_slip = free + self.slip(half)
+            moved, felt = np.linalg.norm(half - shear), np.linalg.norm(half_slip - slip)
+            if length * felt <= 0.9 * moved:
+                break
+            length *= 0.7
+        shear = project(shear - length * half_slip)
+        return shear, free + self.slip(shear), length
 
 
-def _inverted(spectrum: Array) -> Array:
-    """Return the inverse of a `spectrum` whose first entry, the rigid shift, is set to the largest."""
-    sizes = np.abs(spectrum)
-    sizes[0, 0] = 0
-    sizes[0, 0] = largest = sizes.max()
-    return np.asarray(1 / np.maximum(sizes, 1e-9 * largest))
-
-
-def _forcing(tolerance: float, size: float) -> float:
-    """Return the share of F that a Newton step may leave; the last steps end at the tolerance, not far below it."""
-    last = 0.5 * tolerance / size
-    return last if last > 0.2 * FORCING else FORCING
+def _forcing(tolerance: float, residual: float) -> float:
+    """Return the fraction of F that a Newton step may leave; the last steps end at the tolerance, not far below it."""
+    last = 0.5 * tolerance / residual
+    return last if last > 0.2 * CONSTANTS.forcing else CONSTANTS.forcing
 
 
 def gmres(

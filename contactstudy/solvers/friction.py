@@ -8,6 +8,7 @@ from contactstudy.domain.device import Device
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.tangential import Correlated, ShearResponse
 from contactstudy.problem.problem import Problem
+from contactstudy.solvers.partial_slip import slip_step
 from contactstudy.solvers.solution import Solution, Status, Traction
 from contactstudy.solvers.solve import SolveOptions
 
@@ -83,10 +84,6 @@ def uneven_change(change: Array, pressure: Array) -> float:
     return float(np.abs(within - within.mean()).max())
 
 
-# Newton's steps of the projection onto disks with a resultant; each doubles the digits.
-NEWTON = 200
-
-
 @dataclass(frozen=True, eq=False)
 class Superposed:
     """Shear as a difference of two normal contacts: ``q = mu (p(P) - p(P - Q / mu))``.
@@ -123,12 +120,11 @@ class Superposed:
 
 @dataclass(frozen=True, eq=False)
 class CoulombDisks:
-    """Shear of least complementary energy among ``|q| <= mu p`` with a given resultant along x.
+    """Shear of two components: of least complementary energy among ``|q| <= mu p`` with a given resultant along x.
 
-    It minimises ``1/2 q A q`` over q of two components: A is symmetric and positive and the set convex, so that there is
-    one answer. Cells within their disk stick, those on its rim slip against the shear. Loading is monotonic.
-    `coefficient` is mu, `share` is Q / (mu P), and `response` is A. Source: Kalker (1990), ch. 4; Beck & Teboulle (2009)
-    with restart (O'Donoghue & Candes 2015).
+    It minimises ``1/2 q A q``: A is symmetric and positive and the set convex, so that there is one answer. Cells within
+    their disk stick, those on its rim slip against the shear. Loading is monotonic. `coefficient` is mu, `share` is
+    Q / (mu P), and `response` is A. Source: Kalker (1990), ch. 4.
     """
 
     coefficient: float
@@ -138,47 +134,25 @@ class CoulombDisks:
     def solved(
         self, problem: Problem, options: SolveOptions, start: Array | None, on: Device
     ) -> Solution:
-        """Return the normal contact with its shear, by accelerated projected gradients from :class:`Superposed`."""
-        normal = Superposed(self.coefficient, self.share).solved(problem, options, start, on)
-        assert normal.traction is not None
-        if self.share == 0 or normal.status is Status.NO_ADMISSIBLE_PRESSURE:
-            return normal
-        radius = self.coefficient * normal.pressure
-        total = np.array([self.share * radius.sum(), 0.0])
-        scale = self.coefficient * problem.scales.gap
-        disks = Disks(radius, total)
-        shear = disks.nearest(normal.traction.shear)
-        extrapolated, inertia, step = shear, 1.0, 1 / self.response.largest
-        residual, iteration, best = np.inf, 0, np.inf
-        last_improvement = 0
-        while True:
-            displacement = self.response(extrapolated)
-            trial = disks.nearest(extrapolated - step * displacement)
-            size = np.abs(trial)
-            residual = float(np.abs(trial - extrapolated).sum() / (size.sum() * step * scale))
-            residual *= float(size.max())
-            if residual < 0.7 * best:
-                best, last_improvement = residual, iteration
-            iteration += 1
-            stalled = iteration - last_improvement > 400
-            if residual <= options.tolerance or iteration >= options.max_iterations or stalled:
-                shear = trial
-                break
-            change = trial - shear
-            if np.einsum("cxy,cxy->", extrapolated - trial, change) > 0:
-                inertia = 1.0
-            following = (1 + np.sqrt(1 + 4 * inertia**2)) / 2
-            extrapolated = trial + (inertia - 1) / following * change
-            shear, inertia = trial, following
+        """Return the normal contact with its shear, by one step from no shear."""
+        normal = options.solved(problem, start, on)
+        limit = self.coefficient * normal.pressure
+        step = slip_step(
+            self.response,
+            limit,
+            np.zeros((2, *limit.shape)),
+            options.tolerance,
+            options.max_iterations,
+            total=np.array([self.share * limit.sum(), 0.0]),
+        )
         status = Status.CONVERGED
-        if residual > options.tolerance:
-            limited = iteration >= options.max_iterations
+        if step.residual > options.tolerance:
+            limited = step.applications >= options.max_iterations
             status = Status.ITERATION_LIMIT if limited else Status.STALLED
-        size = np.hypot(*shear)
-        rounding = 1e-9 * radius.max()
-        stick = (radius > 0) & (size < radius - rounding)
-        traction = Traction(shear, stick, "Coulomb disks", iteration)
-        return _with_traction(normal, status, residual, iteration, 2.0 * iteration, traction)
+        traction = Traction(step.shear, step.stick, "Coulomb disks", step.applications)
+        return _with_traction(
+            normal, status, step.residual, step.applications, 2.0 * step.applications, traction
+        )
 
 
 def _with_traction(
@@ -198,73 +172,3 @@ def _with_traction(
         convolutions=solution.convolutions + convolutions,
         traction=traction,
     )
-
-
-class Disks:
-    """Convex set of tractions (2, x, y) with ``|q| <= radius`` (x, y) in each cell and the sum `total` (2,)."""
-
-    def __init__(self, radius: Array, total: Array) -> None:
-        self._cells, self._total = np.flatnonzero(radius), total
-        self._radius = radius.ravel()[self._cells]
-        self._shift: Array | None = None
-
-    @property
-    def shift(self) -> Array:
-        """Vector (2,) by which the last trial was shifted."""
-        assert self._shift is not None
-        return self._shift
-
-    def nearest(self, trial: Array) -> Array:
-        """Return the traction of this set that is nearest to a `trial` one.
-
-        The trial is shifted by one vector and cut off at the disks. The vector is found by Newton's method on two
-        unknowns, damped, whose residual is the gradient of a convex function. It begins with the vector found before.
-        """
-        total, r = self._total, self._radius
-        x, y = trial.reshape(2, -1)[:, self._cells]
-        shift, guessed = self._shift, self._shift is not None
-        if shift is None:
-            shift = (total - np.array([x.sum(), y.sum()])) / r.size
-        size, ridge = float(r.sum()), 1e-12 * r.size
-        reach = 4 * float(max(r.max(), np.abs(x).max(initial=0.0), np.abs(y).max(initial=0.0)))
-        u = v = cut = np.zeros(0)
-        origin, step, slope = shift, np.zeros(2), 0.0
-        error = worst = np.inf
-        for _ in range(NEWTON):
-            u, v = x + shift[0], y + shift[1]
-            distance = np.sqrt(u * u + v * v)
-            farther = np.maximum(distance, r)
-            cut = r / farther
-            missing = total - np.array([np.einsum("i,i->", cut, u), np.einsum("i,i->", cut, v)])
-            worst = float(np.abs(missing).max())
-            if float(missing @ step) < -0.5 * slope:
-                # past the lowest point of the convex function: where all cells are on their rims it has no curvature
-                step, slope = step / 2, slope / 2
-                reach = float(np.abs(step).max())
-                shift = origin + step
-                continue
-            if worst <= 1e-14 * size or (worst >= error * (1 - 1e-3) and worst <= 1e-10 * size):
-                break
-            error = worst
-            # derivative of a cell: the identity within, cut (1 - e e^T) on the rim, e = (u, v) / distance
-            rim = (distance > r) * cut / farther**2
-            diagonal, across = float(cut.sum()) + ridge, rim * u
-            xx, xy = (
-                diagonal - float(np.einsum("i,i->", across, u)),
-                -float(np.einsum("i,i->", across, v)),
-            )
-            yy = diagonal - float(np.einsum("i,i->", rim * v, v))
-            direction = np.linalg.solve(np.array([[xx, xy], [xy, yy]]), missing)
-            longest = float(np.abs(direction).max())
-            step = (min(1.0, reach / longest) if longest else 1.0) * direction
-            origin, slope = shift, float(missing @ step)
-            shift = origin + step
-            reach *= 2
-        if guessed and not worst <= 1e-9 * size:
-            # a shift that brought all cells to their rims leaves Newton's method without a slope
-            self._shift = None
-            return self.nearest(trial)
-        self._shift = shift
-        result = np.zeros_like(trial)
-        result.reshape(2, -1)[:, self._cells] = cut * u, cut * v
-        return result

@@ -8,7 +8,7 @@ displaced by ``A q`` against the second one. The slip of the first against the s
 with the creepages xi and eta of the second against the first body and the spin phi. Coulomb's law is ``|q| <= mu p``,
 ``s = 0`` where the inequality is strict, and else ``q = -mu p s / |s|``. A is symmetric and positive, and so the
 symmetric part of D is positive too: a monotone variational inequality, which has one answer. It is solved on coarser
-grids first, each by :class:`~contactstudy.solvers.coulomb_newton.Rolled`.
+grids first, each by :class:`~contactstudy.solvers.coulomb_newton.CoulombNewton`.
 
 Source: Carter (1926), Proc. R. Soc. A 112, 151; Kalker (1990), ch. 4.
 """
@@ -24,9 +24,10 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.elasticity.tangential import Correlated, ShearResponse
 from contactstudy.problem.problem import Problem
-from contactstudy.solvers.coulomb_newton import Rolled
+from contactstudy.solvers.coulomb_newton import CoulombNewton
 from contactstudy.solvers.friction import uneven_change
 from contactstudy.solvers.rolling_traction import Creepage, RollingTraction
+from contactstudy.solvers.slip import RollingSlip
 from contactstudy.solvers.solution import Solution, Status, Traction
 from contactstudy.solvers.solve import SolveOptions
 
@@ -186,7 +187,8 @@ class TractiveShear:
             fine = one is grid
             limit = resampled(self.coefficient * pressure, one.cells)
             limit = np.where(limit < 1e-12 * limit.max(), 0, limit)
-            rolled = Rolled(self.respond(one), limit, np.copysign(one.cell[0], self.speed))
+            slip = RollingSlip(self.respond(one), np.copysign(one.cell[0], self.speed))
+            rolled = CoulombNewton(slip, limit)
             found = self._forced(
                 rolled,
                 creepage,
@@ -208,7 +210,7 @@ class TractiveShear:
 
     def _forced(
         self,
-        rolled: Rolled,
+        rolled: CoulombNewton,
         creepage: Creepage,
         grid: Grid,
         drift: Array,
@@ -224,7 +226,7 @@ class TractiveShear:
 
         def steady(creepage: Creepage, shear: Array, tolerance: float) -> SteadyShear:
             rigid = drift - creepage.on(grid)
-            values, _, residual = rolled.solved(rigid, rolled.gathered(shear), tolerance, most)
+            values, _, residual = rolled.solve(rigid, rolled.gathered(shear), tolerance, most)
             return SteadyShear(rolled.field(values), rigid, creepage, residual, rolled.applications)
 
         def finished(state: SteadyShear, mismatch: float) -> SteadyShear:

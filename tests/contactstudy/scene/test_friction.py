@@ -12,7 +12,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.elasticity.tangential import shear_response
 from contactstudy.scene.friction import _passes, dundurs
-from contactstudy.solvers.friction import CoulombDisks, Disks, Superposed
+from contactstudy.solvers.friction import CoulombDisks, Superposed
 from tests.conftest import STEEL
 
 RIGID = cs.HalfSpace(infinite, 0.3)
@@ -173,21 +173,6 @@ def test_a_gap_that_does_not_vary_takes_the_superposition_and_disks_agree() -> N
     disks = replace(problem, friction=CoulombDisks(0.3, 0.5, response))
     both = [cs.solve(each, tolerance=1e-10).shear for each in (problem, disks)]
     np.testing.assert_allclose(both[1], both[0], atol=1e-7 * both[0].max())
-
-
-def test_the_nearest_field_on_disks_is_nearest() -> None:
-    chance = np.random.default_rng(3)
-    radius = chance.uniform(0, 1, (9, 7)) * (chance.uniform(size=(9, 7)) > 0.3)
-    trial = chance.normal(size=(2, 9, 7))
-    for share in (0.01, 0.6, 0.999):
-        total = np.array([share * radius.sum(), 0.0])
-        found = Disks(radius, total).nearest(trial)
-        assert (np.hypot(*found) <= radius * (1 + 1e-14)).all()
-        assert found.sum(axis=(1, 2)) == pytest.approx(total, abs=1e-9)
-        # no admissible direction comes nearer: others of the same sum, on their disks
-        for _ in range(20):
-            other = Disks(radius, total).nearest(chance.normal(size=(2, 9, 7)))
-            assert ((trial - found) * (other - found)).sum() <= 1e-7
 
 
 # Highest von Mises stress over Hertz's pressure under full sliding, nu = 0.3: closed form of the line contact

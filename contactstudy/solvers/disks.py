@@ -1,0 +1,119 @@
+"""Coulomb's limit on the shear of every cell as a convex set, and the projection onto it."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from contactstudy.domain.fields import Array
+
+# Newton's iterations of a projection that meets a resultant; each doubles the digits.
+MAX_ITERATIONS = 200
+
+
+class Disks:
+    """Convex set of tractions (2, cells) with ``|q| <= radius`` in each cell, and with a given sum if there is one.
+
+    Parameters
+    ----------
+    radius
+        Largest traction of each cell (cells,), above 0.
+    total
+        Sum of the tractions (2,), or None where it may be any.
+    """
+
+    def __init__(self, radius: Array, total: Array | None = None) -> None:
+        self.radius, self.total = radius, total
+        self._shift: Array | None = None
+
+    @property
+    def shift(self) -> Array:
+        """Vector (2,) by which the last trial was shifted to meet the sum, zero where any sum is met."""
+        return np.zeros(2) if self._shift is None else self._shift
+
+    def project(self, trial: Array) -> Array:
+        """Return the traction of this set that is nearest to a `trial` one, both (2, cells).
+
+        The trial is shifted by one vector, which meets the sum, and cut off at the disks.
+        """
+        if self.total is not None:
+            self._shift = self._shift_to(self.total, trial)
+        shifted = trial + self.shift[:, None]
+        return np.asarray(shifted * (self.radius / np.maximum(np.hypot(*shifted), self.radius)))
+
+    def derivative(self, trial: Array) -> tuple[Callable[[Array], Array], Array]:
+        """Return the derivative of the projection at the last `trial` as a map of (2, cells), and the cells that stick.
+
+        With ``n = z / |z|`` at the shifted trial z it is ``G = (radius / |z|) (1 - n n^T)`` in the cells whose disk cuts
+        z off, and 1 in those that stick. A given sum takes ``G 1 (1^T G 1)^-1 1^T G`` from G.
+        """
+        shifted = trial + self.shift[:, None]
+        length = np.hypot(*shifted)
+        stick = length <= self.radius
+        normal = np.where(stick, 0, shifted / np.maximum(length, np.finfo(float).tiny))
+        cut = self.radius / np.maximum(length, self.radius)
+
+        def of_cells(change: Array) -> Array:
+            along = np.einsum("cn,cn->n", normal, change)
+            return np.asarray(cut * (change - normal * along))
+
+        if self.total is None:
+            return of_cells, stick
+        rigid = [of_cells(np.repeat(axis[:, None], cut.size, axis=1)) for axis in np.eye(2)]
+        inverse = np.linalg.pinv(np.stack([field.sum(axis=1) for field in rigid]), rcond=1e-12)
+
+        def balanced(change: Array) -> Array:
+            moved = of_cells(change)
+            across, along = inverse @ moved.sum(axis=1)
+            return np.asarray(moved - across * rigid[0] - along * rigid[1])
+
+        return balanced, stick
+
+    def _shift_to(self, total: Array, trial: Array) -> Array:
+        """Return the shift of a `trial` (2, cells) that gives its projection the sum `total`.
+
+        Newton's method on two unknowns, damped, whose residual is the gradient of a convex function. It begins with the
+        shift found before.
+        """
+        r, (x, y) = self.radius, trial
+        shift, guessed = self._shift, self._shift is not None
+        if shift is None:
+            shift = (total - np.array([x.sum(), y.sum()])) / r.size
+        size, ridge = float(r.sum()), 1e-12 * r.size
+        reach = 4 * float(max(r.max(), np.abs(x).max(initial=0.0), np.abs(y).max(initial=0.0)))
+        origin, step, slope = shift, np.zeros(2), 0.0
+        error = worst = np.inf
+        for _ in range(MAX_ITERATIONS):
+            u, v = x + shift[0], y + shift[1]
+            distance = np.sqrt(u * u + v * v)
+            farther = np.maximum(distance, r)
+            cut = r / farther
+            missing = total - np.array([np.einsum("i,i->", cut, u), np.einsum("i,i->", cut, v)])
+            worst = float(np.abs(missing).max())
+            if float(missing @ step) < -0.5 * slope:
+                # past the lowest point of the convex function: where all cells are on their rims it has no curvature
+                step, slope = step / 2, slope / 2
+                reach = float(np.abs(step).max())
+                shift = origin + step
+                continue
+            if worst <= 1e-14 * size or (worst >= error * (1 - 1e-3) and worst <= 1e-10 * size):
+                break
+            error = worst
+            # derivative of a cell: the identity within, cut (1 - e e^T) on the rim, e = (u, v) / distance
+            rim = (distance > r) * cut / farther**2
+            diagonal, across = float(cut.sum()) + ridge, rim * u
+            xx, xy = (
+                diagonal - float(np.einsum("i,i->", across, u)),
+                -float(np.einsum("i,i->", across, v)),
+            )
+            yy = diagonal - float(np.einsum("i,i->", rim * v, v))
+            direction = np.linalg.solve(np.array([[xx, xy], [xy, yy]]), missing)
+            longest = float(np.abs(direction).max())
+            step = (min(1.0, reach / longest) if longest else 1.0) * direction
+            origin, slope = shift, float(missing @ step)
+            shift = origin + step
+            reach *= 2
+        if guessed and not worst <= 1e-9 * size:
+            # a shift that brought all cells to their rims leaves Newton's method without a slope
+            self._shift = None
+            return self._shift_to(total, trial)
+        return shift

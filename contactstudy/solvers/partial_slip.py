@@ -1,0 +1,118 @@
+"""One step of partial slip: the shear of a contact at rest after a change of the tangential force or displacement.
+
+A step from the shear r to q slips by ``s = A (q - r) - d``, with the displacement ``A q`` under shear and a rigid one d.
+Coulomb's law, ``|q| <= mu p`` with s opposed to q on the rim and 0 inside, makes q the shear of least energy
+``1/2 (q - r) A (q - r)`` among those with the resultant that is asked for, or less ``d sum(q)`` under a given d.
+
+Source: Kalker (1990), ch. 4; Mindlin & Deresiewicz (1953).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contactstudy.domain.fields import Array
+from contactstudy.elasticity.tangential import ShearResponse
+from contactstudy.solvers.coulomb_newton import CoulombNewton
+from contactstudy.solvers.slip import SlipAtRest
+
+# A cell sticks whose shear is below the limit by more than this fraction of the largest limit.
+STICKING = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class SlipStep:
+    """Shear at the end of a step, and the slip in it.
+
+    Parameters
+    ----------
+    shear
+        Shear (component, x, y) [Pa] on the first body.
+    slip
+        Slip (component, x, y) [m] of the first against the second body in this step, zero outside the contact.
+    rigid
+        Rigid displacement (2,) [m] of the first against the second body in this step.
+    stick
+        Cells (x, y) in contact that stick.
+    residual
+        Root mean square of the change by one projection, over the largest shear.
+    applications
+        Number of applications of the response to shear.
+    """
+
+    shear: Array
+    slip: Array
+    rigid: Array
+    stick: NDArray[np.bool_]
+    residual: float
+    applications: int
+
+    @property
+    def slides(self) -> bool:
+        """True for gross slip: no cell sticks."""
+        return not self.stick.any()
+
+
+def slip_step(
+    response: ShearResponse,
+    limit: Array,
+    reference: Array,
+    tolerance: float,
+    max_applications: int,
+    *,
+    total: Array | None = None,
+    rigid: Array | None = None,
+    start: Array | None = None,
+) -> SlipStep:
+    """Return the shear after a step from a `reference`, under a given resultant or a given rigid displacement.
+
+    Parameters
+    ----------
+    response
+        Displacement under shear, A.
+    limit
+        Largest shear (x, y) [Pa] at the end of the step, the coefficient of friction times the pressure.
+    reference
+        Shear (component, x, y) [Pa] before the step, and its part that is locked in by a rising pressure, see
+        :func:`locked_shear`. It may exceed the limit: what is cut off moves the surface back.
+    tolerance
+        Largest residual.
+    max_applications
+        Number of applications of the response after which the step ends.
+    total
+        Sum of the shear (2,) [Pa] over all cells, whose size is below that of the limits; or
+    rigid
+        Rigid displacement (2,) [m] of the first against the second body in this step. Beyond some size all cells slide.
+    start
+        Shear (component, x, y) [Pa] to begin with; None begins with the reference.
+    """
+    if not limit.any():
+        nothing, moved = np.zeros_like(reference), np.zeros(2) if rigid is None else rigid
+        return SlipStep(nothing, nothing, moved, np.zeros(limit.shape, dtype=bool), 0.0, 0)
+    newton = CoulombNewton(SlipAtRest(response), limit, total)
+    free_slip = -response(reference)
+    if rigid is not None:
+        free_slip -= rigid[:, None, None]
+    first = newton.gathered(reference if start is None else start)
+    shear, slip, residual = newton.solve(free_slip, first, tolerance, max_applications - 1)
+    if rigid is None:
+        rigid = newton.rigid
+        slip = slip - rigid[:, None]
+    field = newton.field(newton.project(shear))
+    stick = (limit > 0) & (np.hypot(*field) < limit - STICKING * limit.max())
+    applications = newton.applications + 1
+    return SlipStep(field, newton.field(slip), rigid, stick, residual, applications)
+
+
+def locked_shear(shear: Array, before: Array, after: Array, slope: float) -> Array:
+    """Return the shear (component, x, y) [Pa] that a step under a rising pressure is counted from.
+
+    Every increment of pressure from `before` to `after` (x, y) [Pa] takes a shear of `slope` times itself into the
+    contact without slip. The slope is the change of the tangential force over that of the load, within plus or minus the
+    coefficient of friction, and 0 for a falling load. This is exact in plane strain and for a Poisson's ratio of 0.
+    Source: Jaeger (1998), J. Tribol. 120, 677.
+    """
+    reference = shear.copy()
+    reference[0] += slope * (after - before)
+    return reference

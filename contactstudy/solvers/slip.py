@@ -1,0 +1,98 @@
+"""Slip of the first against the second body by elastic deformation under shear: linear and monotone in the shear."""
+
+from typing import Protocol
+
+import numpy as np
+
+from contactstudy.domain.fields import Array
+from contactstudy.elasticity.tangential import Correlated, ShearResponse
+from contactstudy.elasticity.transforms import TRANSFORMS
+
+
+class SlipOperator(Protocol):
+    """Linear map D from shear to slip, both (component, x, y); its symmetric part is positive."""
+
+    @property
+    def own(self) -> float:
+        """Slip of a cell under its own unit shear, for a rigid shift of all cells none."""
+        ...
+
+    def __call__(self, shear: Array) -> Array:
+        """Return the slip under `shear`."""
+        ...
+
+    def approximate_inverse(self, slip: Array) -> Array:
+        """Return about the shear (component, x, y) that makes a `slip` of some cells, zero elsewhere and overwritten."""
+        ...
+
+
+class SlipAtRest:
+    """Slip of a contact at rest: the displacement A q itself, from a state without shear."""
+
+    def __init__(self, response: ShearResponse) -> None:
+        self._response = response
+        own = _coefficients(response.xx)
+        self.own = float(own[0, 0] - own.mean())
+        self._inverse = _inverses(response)
+
+    def __call__(self, shear: Array) -> Array:
+        """Return the slip under `shear`, both (component, x, y)."""
+        return self._response(shear)
+
+    def approximate_inverse(self, slip: Array) -> Array:
+        """Return `slip` divided by the spectra of A on the padded grid."""
+        return _divided(slip, self._inverse, self._response.xx)
+
+
+class RollingSlip:
+    """Slip of steady rolling per distance rolled: ``(D q)(x) = [(A q)(x) - (A q)(x + step)] / |step|``.
+
+    Parameters
+    ----------
+    response
+        Displacement under shear, A.
+    step
+        Width of a cell [m], negative where the contact moves to smaller x.
+    """
+
+    def __init__(self, response: ShearResponse, step: float) -> None:
+        self._response, self._length = response, abs(step)
+        self._ahead = 1 if step > 0 else -1
+        rows = response.xx.padded[0]
+        waves = np.exp(2j * np.pi * self._ahead / rows * np.arange(rows))
+        self._slip = response.times((1 - waves)[:, None] / abs(step))
+        self.own = float(_coefficients(self._slip.xx)[0, 0])
+        self._inverse = _inverses(response)
+
+    def __call__(self, shear: Array) -> Array:
+        """Return the slip under `shear`, both (component, x, y)."""
+        return self._slip(shear)
+
+    def approximate_inverse(self, slip: Array) -> Array:
+        """Return `slip` summed from the leading edge, which undoes the difference, and divided by the spectra of A."""
+        summed = np.cumsum(slip[:, :: -self._ahead], axis=1)[:, :: -self._ahead]
+        return self._length * _divided(summed, self._inverse, self._response.xx)
+
+
+def _coefficients(part: Correlated) -> Array:
+    """Return the convolution (x, y) of a unit in the first cell."""
+    return TRANSFORMS.backward(part.spectrum.copy(), part.cells, part.padded)
+
+
+def _inverses(response: ShearResponse) -> tuple[Array, Array]:
+    """Return the inverse spectra of both components, with the rigid shift as stiff as the softest other wave."""
+    xx, yy = (np.abs(part.spectrum.real) for part in (response.xx, response.yy))
+    for sizes in (xx, yy):
+        sizes[0, 0] = 0
+        sizes[0, 0] = largest = sizes.max()
+        np.maximum(sizes, 1e-9 * largest, out=sizes)
+    return 1 / xx, 1 / yy
+
+
+def _divided(field: Array, inverses: tuple[Array, Array], part: Correlated) -> Array:
+    """Return a `field` (component, x, y) whose waves on the padded grid are multiplied by the `inverses`, in place."""
+    for component, inverse in zip(field, inverses, strict=True):
+        waves = TRANSFORMS.forward(component, part.padded)
+        waves *= inverse
+        component[:] = TRANSFORMS.backward(waves, part.cells, part.padded)
+    return field

@@ -1,0 +1,99 @@
+"""One step of partial slip under a given force or displacement, from a state with shear."""
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.elasticity.tangential import shear_response
+from contactstudy.solvers.partial_slip import SlipStep, locked_shear, slip_step
+
+FREE = cs.ZeroPadding(), cs.ZeroPadding()
+GRID = cs.Grid((24, 12), (2.2, 2.2))
+RESPONSE = shear_response(((0.5, 0.25),) * 2, GRID, FREE, 1.0)
+SPHERE = np.sqrt(np.maximum(1 - GRID.x[:, None] ** 2 - GRID.y**2, 0))
+LIMIT = 0.3 * SPHERE
+NONE = np.zeros((2, *GRID.cells))
+
+
+def step(reference: np.ndarray = NONE, limit: np.ndarray = LIMIT, **given: np.ndarray) -> SlipStep:
+    found = slip_step(RESPONSE, limit, reference, 1e-9, 400, **given)
+    assert found.residual <= 1e-9
+    return found
+
+
+def forced(fraction: float) -> np.ndarray:
+    return np.array([fraction * LIMIT.sum(), 0.0])
+
+
+def check_coulombs_law(found: SlipStep, reference: np.ndarray, limit: np.ndarray) -> None:
+    """The slip is that of the displacement, none where cells stick, and against the shear elsewhere."""
+    slip = RESPONSE(found.shear - reference) - found.rigid[:, None, None]
+    unit = np.abs(slip).max()
+    touching = limit > 0
+    np.testing.assert_allclose(found.slip[:, touching], slip[:, touching], atol=1e-7 * unit)
+    assert np.abs(slip[:, found.stick]).max(initial=0) <= 1e-6 * unit
+    slips = touching & ~found.stick
+    size = np.hypot(*found.shear)
+    np.testing.assert_allclose(size[slips], limit[slips], atol=2e-6 * limit.max())
+    against = -np.einsum("cxy,cxy->xy", found.shear, slip)
+    np.testing.assert_allclose(against[slips], (size * np.hypot(*slip))[slips], atol=1e-6 * unit)
+
+
+@pytest.mark.parametrize("fraction", [0.0, 0.4, -0.9, 0.9999])
+def test_a_force_that_turns_back_leaves_a_state_of_coulombs_law(fraction: float) -> None:
+    before = step(total=forced(0.7)).shear
+    found = step(before, total=forced(fraction))
+    np.testing.assert_allclose(found.shear.sum(axis=(1, 2)), forced(fraction), atol=1e-9)
+    check_coulombs_law(found, before, LIMIT)
+
+
+def test_a_falling_pressure_takes_its_shear_along() -> None:
+    """The shear before is not cut to the new limit: what is cut off moves the surface back."""
+    before = step(total=forced(0.7)).shear
+    limit = 0.5 * LIMIT
+    found = step(before, limit, total=forced(0.3))
+    check_coulombs_law(found, before, limit)
+
+
+def test_the_displacement_of_a_force_gives_its_shear() -> None:
+    known = step(total=forced(0.6))
+    found = step(rigid=known.rigid)
+    np.testing.assert_allclose(found.shear, known.shear, atol=1e-6 * LIMIT.max())
+    check_coulombs_law(found, NONE, LIMIT)
+
+
+def test_far_displacement_slides_everywhere() -> None:
+    """From |d| above the displacement under full sliding on; the shear is then the limit, against the slip."""
+    moved = np.array([3.0, 0.0])
+    found = step(rigid=moved)
+    assert found.slides
+    assert not step(rigid=moved / 100).slides
+    np.testing.assert_allclose(found.shear.sum(axis=(1, 2))[0], LIMIT.sum(), rtol=1e-3)
+
+
+@pytest.mark.parametrize("steps", [1, 4])
+def test_force_and_load_in_proportion_slip_nowhere(steps: int) -> None:
+    shear, before = NONE, 0 * SPHERE
+    slope = 0.2
+    for part in np.arange(1, steps + 1) / steps:
+        after = np.sqrt(np.maximum(part**2 - GRID.x[:, None] ** 2 - GRID.y**2, 0))
+        reference = locked_shear(shear, before, after, slope)
+        total = np.array([slope * after.sum(), 0.0])
+        found = step(reference, 0.3 * after, total=total)
+        np.testing.assert_allclose(found.slip, 0, atol=1e-12)
+        np.testing.assert_allclose(found.shear[0], slope * after, atol=1e-12)
+        shear, before = found.shear, after
+
+
+def test_a_contact_that_steps_failed_far_from_its_shear_converges() -> None:
+    """Nearly all cells of a rough contact stick: Newton's first step fails there, and projections lead on."""
+    chance = np.random.default_rng(1)
+    limit = LIMIT * chance.uniform(0, 1, LIMIT.shape) ** 6
+    for moved in (1e-3, 1e-2, 1e-1):
+        check_coulombs_law(step(rigid=np.array([moved, 0.0]), limit=limit), NONE, limit)
+
+
+def test_bodies_apart_carry_no_shear() -> None:
+    found = step(limit=0 * LIMIT, total=np.zeros(2))
+    assert not found.shear.any()
+    assert found.applications == 0

@@ -112,8 +112,8 @@ class CoulombNewton:
         largest shear.
         """
         free, most = self.gathered(free_slip), max_applications + self.applications
-        shear = self._disks.project(shear)
-        slip = free + self.slip(shear)
+        shear = self.project(shear)
+        slip: Array = free + self.slip(shear)
         error, residual = self._residual(shear, slip)
         length, projections = self._rho, CONSTANTS.first_projections
         while residual > tolerance and self.applications < most:

@@ -203,14 +203,25 @@ def _parts(kind: type) -> tuple[tuple[str, Tree], ...]:
     return tuple(parts)
 
 
+ENCODER = json.JSONEncoder(sort_keys=True, separators=(",", ":"))
+
+
 def text(tree: Tree) -> str:
     """Return ``tree`` as JSON with sorted keys."""
-    return json.dumps(tree, sort_keys=True, separators=(",", ":"))
+    return ENCODER.encode(tree)
 
 
 def key(tree: Tree) -> str:
     """Return the key of a computation in the journal: a hash of ``tree`` without the fields at their defaults."""
-    return hashlib.sha256(text(_bare(tree)).encode()).hexdigest()[:24]
+    return keys(tree)[0]
+
+
+def keys(tree: Tree) -> tuple[str, str]:
+    """Return the key of a computation, and a hash of its whole tree, fields at their defaults included."""
+    whole = text(tree)
+    bare = text(_bare(tree)) if f'"{DEFAULTS}":' in whole else whole
+    key, exact = (hashlib.sha256(part.encode()).hexdigest()[:24] for part in (bare, whole))
+    return key, exact
 
 
 def _bare(tree: Tree) -> Tree:

@@ -139,7 +139,7 @@ class Cluster:
 
     def __exit__(self, *raised: object) -> None:
         self.processes.end()
-        self.rest()
+        self.close_idle()
 
     @contextmanager
     def timer(self, work: bytes) -> Iterator[Worker]:
@@ -151,7 +151,7 @@ class Cluster:
                 self.processes.end()
                 raise
 
-    def rest(self) -> None:
+    def close_idle(self) -> None:
         """Close the connection, and the dask of this process: an idle one takes 3 % of a core."""
         self._client = None
         self._open.close()
@@ -171,7 +171,7 @@ class Cluster:
         try:
             _Flow(self, self._connected(), token, cases, payload, outcomes, finished, stop).run()
         except BaseException:
-            self.rest()
+            self.close_idle()
             raise
         finally:
             RUNS.pop(token, None)

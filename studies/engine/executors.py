@@ -12,8 +12,8 @@ from threadpoolctl import threadpool_limits
 from contactstudy import InvalidInput
 from studies.engine.stop import Stop
 from studies.engine.workers.compute import compute, warm_up
+from studies.engine.workers.interpreter_state import restored_state
 from studies.engine.workers.process import Worker
-from studies.engine.workers.surroundings import kept_surroundings
 from studies.model.case import Computation
 from studies.model.outcome import CaseStatus, Finished, Outcome, Work
 from studies.store.loaded import LOADED
@@ -47,7 +47,7 @@ class Executor(Protocol):
         """Provide the worker process that has read the pickled `work` and does nothing else, for a block."""
         ...
 
-    def rest(self) -> None:
+    def close_idle(self) -> None:
         """Use no processor time until the next run."""
         ...
 
@@ -85,27 +85,27 @@ class InProcess:
         warm_up()
         number = os.getpid()
         LOADED.scan()
-        with threadpool_limits(1), kept_surroundings() as surroundings:
+        with threadpool_limits(1), restored_state() as interpreter_state:
             for name, case in cases.items():
                 stop.check()
                 if name in self.suspects:
                     _run_alone(name, case, work, finished, stop)
                     continue
                 self.begins(name)
-                surroundings.restore(name)
+                interpreter_state.restore(name)
                 with stop.interruptible():
                     outcome = compute(case, work)
                 if os.getpid() != number:
                     # a case has forked, and this is its child, which must not go on with the run
                     os._exit(0)
-                surroundings.restore(name)
+                interpreter_state.restore(name)
                 finished(name, replace(outcome, loaded=LOADED.scan()))
 
     def timer(self, work: bytes) -> AbstractContextManager[Worker]:
         """Provide a worker, which ends with the block."""
         return own_process(work)
 
-    def rest(self) -> None:
+    def close_idle(self) -> None:
         """Do nothing: there is nothing to close."""
 
 

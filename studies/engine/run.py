@@ -169,7 +169,7 @@ class _Run:
             if missing:
                 executor = executor or self._executor(missing, closing)
                 self._solve(missing, executor)
-                executor.rest()
+                executor.close_idle()
             if missing and self.inventory.times_missing():
                 self.file.write()
             activity = "timing"

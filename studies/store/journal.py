@@ -14,7 +14,15 @@ from contactstudy import InvalidInput
 from contactstudy.domain.files import open_descriptor, read_at, reason, replacing, set_aside
 from studies.model.outcome import Outcome, Sample
 from studies.store.journal_lines import START, decoded, encoded, encoded_variable, short_hash
-from studies.store.records import FORMAT, ODD, CaseIdentity, Contents, Context, Program, RecordFile
+from studies.store.records import (
+    FORMAT,
+    MALFORMED_RECORD,
+    CaseIdentity,
+    Contents,
+    Context,
+    Program,
+    RecordFile,
+)
 
 # Seconds after which lines are synced to the disk, which takes 0.3 ms; shorter cases are synced together.
 TOGETHER = 0.05
@@ -136,6 +144,7 @@ class Journal:
             "status": outcome.case_status.name.lower(),
             "point": dict(identity.point),
             "tree": identity.tree,
+            "exact": identity.exact,
             "seconds": outcome.seconds,
             "cpu": outcome.cpu,
             "values": {name: encoded_variable(v) for name, v in outcome.variables.items()},
@@ -277,7 +286,7 @@ class Journal:
         """Take in a line, and return whether it has the form that this version writes."""
         try:
             self.contents.take(line, self._end, size)
-        except ODD:
+        except MALFORMED_RECORD:
             return False
         return True
 

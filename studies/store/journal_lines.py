@@ -12,11 +12,12 @@ import xarray as xr
 START = b'{"sum":"'
 DIGITS = 16
 _HEAD = len(START) + DIGITS
+ENCODER = json.JSONEncoder(separators=(",", ":"))
 
 
 def encoded(line: Mapping[str, Any]) -> bytes:
     """Return a line with its checksum, as bytes that end with a line feed."""
-    content = b'",' + json.dumps(line, separators=(",", ":")).encode()[1:]
+    content = b'",' + ENCODER.encode(line).encode()[1:]
     return START + _checksum(content) + content + b"\n"
 
 
@@ -26,7 +27,7 @@ def decoded(raw: bytes) -> dict[str, Any] | None:
     if not raw.startswith(START) or raw[len(START) : _HEAD] != _checksum(content):
         return None
     try:
-        line = json.loads(b"{" + content[2:])
+        line = json.loads(f"{{{content[2:].decode()}")
     except (ValueError, RecursionError):
         return None
     return line if isinstance(line, dict) else None

@@ -149,6 +149,7 @@ class Loaded:
         self.record: Record = {"python": PYTHON}
         self._modules: dict[str, object] = {}
         self._noted: dict[str, tuple[str, str] | None] = {}
+        self._seen: tuple[list[str], list[object]] = [], []
         # the interpreter itself takes longer than the margin before it loads anything of this program
         self._started = self._scanned = _process_start() + MARGIN
         self._busy = False
@@ -168,15 +169,16 @@ class Loaded:
 
     def scan(self) -> Record:
         """Return the record with what was loaded since the last scan."""
-        now = time.time()
+        seen: tuple[list[str], list[object]] = list(sys.modules), list(sys.modules.values())
         known, noted = self._modules, self._noted
+        if seen == self._seen and not noted:
+            return self.record
+        now, self._seen = time.time(), seen
         changed = [
             (name, module)
             for name, module in list(sys.modules.items())
             if known.get(name) is not module or name in noted
         ]
-        if not changed and not noted:
-            return self.record
         entries = dict(self.record)
         for name, module in changed:
             known[name] = module

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import astuple, dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -11,30 +11,29 @@ import xarray as xr
 
 from contactstudy import InvalidInput
 from contactstudy.domain.files import read_at
-from contactstudy.domain.identity import Tree, differences, text
+from contactstudy.domain.identity import Tree, differences
 from studies.model.outcome import CaseStatus, Failure, Outcome, Sample
 from studies.model.plain_text import is_storable, name_problem
 from studies.store.journal_lines import decoded, decoded_values, decoded_variable
 from studies.store.loaded import Present, shown
 
-FORMAT = 4
+FORMAT = 5
 # errors that a line may raise which this version does not write
-ODD = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError)
+MALFORMED_RECORD = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError)
 
 
 @dataclass(frozen=True, eq=False)
 class CaseIdentity:
-    """A case: its key, its parameters as a tree, the state of its classes, and the first point that asks for it."""
+    """A case: its key, its parameters as a tree, the state of its classes, and the first point that asks for it.
+
+    The key leaves out the fields at their defaults, `exact` does not.
+    """
 
     key: str
+    exact: str
     tree: Tree
     point: Mapping[str, str]
     state: str = ""
-
-    @cached_property
-    def tree_hash(self) -> int:
-        """Hash of the whole tree, defaults included, in this process."""
-        return hash(text(self.tree))
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,8 +87,12 @@ class Record:
         Digest of the program that computed it.
     state
         State of its classes.
-    tree_hash
-        Hash of its parameters.
+    exact
+        Hash of its parameters, defaults included.
+    error
+        Sentence on the failure; empty without one.
+    status
+        Encoded variable ``solver_status``; None without one.
     start, size
         Place of its line in the journal [bytes].
     source
@@ -102,7 +105,9 @@ class Record:
     cpu: float
     stamp: str
     state: str
-    tree_hash: int
+    exact: str
+    error: str
+    status: Any
     start: int
     size: int
     source: "RecordFile"
@@ -111,7 +116,7 @@ class Record:
     def identity(self) -> CaseIdentity:
         """Key, parameters and first point of the case."""
         line = self.source.line(self)
-        return CaseIdentity(self.key, line["tree"], line["point"], self.state)
+        return CaseIdentity(self.key, self.exact, line["tree"], line["point"], self.state)
 
     @property
     def outcome(self) -> Outcome:
@@ -121,21 +126,17 @@ class Record:
         variables = {name: decoded_variable(entry) for name, entry in line["values"].items()}
         return Outcome(self.case_status, variables, failure, self.seconds, {}, self.cpu)
 
-    @property
-    def error(self) -> str:
-        """Sentence on the failure; empty without one."""
-        return str(self.source.line(self).get("failure", {}).get("sentence", ""))
-
     def variable(self, name: str) -> xr.Variable | None:
         """Return the measured variable with the name `name`; None if there is none."""
+        if name == "solver_status":
+            return None if self.status is None else decoded_variable(self.status)
         values = self.source.line(self)["values"]
         return decoded_variable(values[name]) if name in values else None
 
     def is_of(self, identity: CaseIdentity) -> bool:
         """Return whether this record is of exactly this case, its defaults and the state of its classes included."""
         return self.state == identity.state and (
-            self.tree_hash == identity.tree_hash
-            or not differences(self.identity.tree, identity.tree)
+            self.exact == identity.exact or not differences(self.identity.tree, identity.tree)
         )
 
 
@@ -210,7 +211,7 @@ class Contents:
     _present: dict[str, bool] = field(default_factory=dict)
 
     def take(self, line: Mapping[str, Any], start: int, size: int) -> None:
-        """Take in a line of `size` bytes at `start`; raise one of ``ODD`` for one that this version does not write."""
+        """Take in a line of `size` bytes at `start`; raise a ``MALFORMED_RECORD`` for one of no version."""
         if "format" in line:
             self._take_run(line)
         elif "begin" in line:
@@ -275,11 +276,10 @@ class Contents:
             self.samples.setdefault(case, []).append(sample)
 
     def record(self, line: Mapping[str, Any], start: int, size: int) -> Record:
-        """Return the record of a case; raise one of ``ODD`` for a line that this version does not write."""
-        if "failure" in line:
-            failure = Failure(**line["failure"])
-            for part in (failure.kind, failure.sentence, failure.stage):
-                _text(part)
+        """Return the record of a case; raise one of ``MALFORMED_RECORD`` for a line that this version does not write."""
+        failure = Failure(**line["failure"]) if "failure" in line else None
+        for part in astuple(failure) if failure else ():
+            _text(part)
         for name, entry in line["values"].items():
             _name(name)
             values = decoded_values(entry)
@@ -294,7 +294,9 @@ class Contents:
             _number(line["cpu"]),
             line["program"],
             self.programs[line["program"]].state,
-            hash(text(line["tree"])),
+            _text(line["exact"]),
+            failure.sentence if failure else "",
+            line["values"].get("solver_status"),
             start,
             size,
             self.source,

@@ -9,7 +9,7 @@ from pathlib import Path
 import cloudpickle
 
 from contactstudy import InvalidInput
-from contactstudy.domain.identity import IdentityRecord, Tree, canonical, key, text
+from contactstudy.domain.identity import IdentityRecord, Tree, canonical, keys, text
 from studies.model.case import Computation
 from studies.model.outcome import RESERVED_NAMES
 from studies.model.plain_text import one_line
@@ -84,7 +84,7 @@ class CaseStates:
             state = text([self.states.of_class(kind) for kind in kinds])
             self._digests[names] = digest(state.encode())
         about = {axis: str(value) for axis, value in point.items()}
-        return CaseIdentity(key(tree), tree, about, self._digests[names])
+        return CaseIdentity(*keys(tree), tree, about, self._digests[names])
 
 
 def _classes(tree: Tree) -> Iterator[str]:

@@ -15,6 +15,7 @@ import threading
 from collections.abc import Iterator, MutableMapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
+from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from time import monotonic, perf_counter
@@ -34,6 +35,7 @@ from studies.store.loaded import LOADED, Record
 
 BATCH = 0.25  # seconds of work after which a batch of cases is answered
 START = 120.0  # seconds in which a new process must be ready
+PAUSE = 0.5  # seconds after which the process that forks others is started again
 STARTS = 3  # processes that may end before their first case
 # signals from a person, or for lack of memory; a second try shows whether the case causes them
 FROM_OUTSIDE = frozenset({"SIGTERM", "SIGKILL", "SIGINT", "SIGHUP", "SIGQUIT"})
@@ -58,12 +60,27 @@ def _plain_process() -> Iterator[None]:
     settings = multiprocessing.current_process()._config  # type: ignore[attr-defined]
     with (
         STARTING,
+        _interrupts_blocked(),
         _changed(sys.modules, "__main__", ModuleType("__main__")),
         _changed(settings, "daemon", False),  # noqa: FBT003 (a value)
         _changed(os.environ, "PYTHONSAFEPATH", "1"),
         _changed(os.environ, "PYTHONPATH", path),
     ):
         yield
+
+
+@contextmanager
+def _interrupts_blocked() -> Iterator[None]:
+    """Block Ctrl-C in this thread, and so in the processes that it starts, which would print a traceback for it."""
+    if METHOD != "forkserver":
+        yield
+        return
+    resource_tracker.ensure_running()  # its start unblocks the signal
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager
@@ -237,7 +254,7 @@ class Worker:
         )
 
     def _start(self) -> None:
-        """Start a process; raise InvalidInput where the system allows no more."""
+        """Start a process, unless the one that forks it ends; raise InvalidInput where the system allows no more."""
         self._connection: Connection
         self._mark, self._read = secrets.token_hex(8), b""
         try:
@@ -247,11 +264,18 @@ class Worker:
                     PROCESSES.set_forkserver_preload(["studies.engine.workers.preload"])
                 process = PROCESSES.Process(target=main, args=(end, self._mark))
                 process.start()
+        except (EOFError, ConnectionError):
+            self._over.wait(
+                PAUSE
+            )  # or the next one is asked of the same process, while the system ends it
+            return
         except OSError as error:
             raise InvalidInput(
                 f"A worker process cannot be started ({error.strerror}): give fewer with --workers."
             ) from None
         self._process = process
+        if self._over.is_set():  # meanwhile
+            self._discard()
 
     def _discard(self, wait: float = 0.0) -> int | None:
         """End the process, after up to `wait` [s] of its own ending, and all that it started; return its exit code."""

@@ -18,8 +18,8 @@ from typing import Any
 from threadpoolctl import threadpool_limits
 
 from studies.engine.workers.compute import compute, failed, timed, warm_up
+from studies.engine.workers.interpreter_state import InterpreterState
 from studies.engine.workers.leftovers import MARK, end_all
-from studies.engine.workers.surroundings import Surroundings
 from studies.model.outcome import Outcome, Work
 from studies.store.loaded import LOADED, Record
 
@@ -69,6 +69,8 @@ def main(connection: Connection, mark: str) -> None:
     """Answer the supervisor's requests in order, until it is gone or none comes for a long time."""
     # an interrupt from outside ends the process, and is no error of the case
     signal.signal(signal.SIGINT, signal.SIG_DFL)
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     if hasattr(os, "setsid"):
         os.setsid()
     if hasattr(os, "register_at_fork"):
@@ -109,7 +111,7 @@ class _Worker:
             warm_up()
         except Exception as error:  # noqa: BLE001 (a study's module may do anything)
             return failed(error, "setup", 0.0).error
-        self._surroundings = Surroundings.now()
+        self._interpreter_state = InterpreterState.now()
         return ""
 
     def _compute(self, batch: Batch) -> None:
@@ -122,7 +124,7 @@ class _Worker:
             content: Any = failed(error, "setup" if batch.first + 1 == count else UNREAD, 0.0)
         follows, place = True, batch.first
         while follows:
-            self._surroundings.restore(batch.names[place])
+            self._interpreter_state.restore(batch.names[place])
             if cases is not None and batch.task == "clock":
                 content = timed(cases[place], batch.limit)
             elif cases is not None:

@@ -208,7 +208,7 @@ def test_dask_here_listens_to_this_machine_alone_and_rests_while_cases_are_timed
             if connection.status == psutil.CONN_LISTEN
         }
         assert listening <= {"127.0.0.1"}
-        cluster.rest()
+        cluster.close_idle()
         assert not [
             connection
             for connection in psutil.Process().net_connections("inet")

@@ -9,6 +9,7 @@ import pytest
 import xarray as xr
 
 from contactstudy import InvalidInput
+from contactstudy.domain.identity import keys
 from studies.model.outcome import CaseStatus, Outcome, Sample
 from studies.store import journal as module
 from studies.store.journal import Journal
@@ -21,7 +22,8 @@ SAMPLE = Sample(1.0, 2.0, 0.5, 1.5, 1, 0.1)
 
 
 def identity(name: str, **more: str) -> CaseIdentity:
-    return CaseIdentity(name, {"": "Case", "number": name} | more, {"number": name})
+    tree = {"": "Case", "number": name} | more
+    return CaseIdentity(name, keys(tree)[1], tree, {"number": name})
 
 
 def outcome(seconds: float = 0.0, value: float = 1.0) -> Outcome:
@@ -107,7 +109,7 @@ def test_what_changed_in_a_case_or_at_its_point_is_said(tmp_path: Path) -> None:
         assert journal.contents.why_anew(identity("a")) == ""
         changed = replace(identity("a"), tree={"": "Case", "number": "z"})
         assert journal.contents.why_anew(changed) == "case.number was a and is z"
-        moved = CaseIdentity("other", {"": "Case", "number": "z"}, {"number": "a"})
+        moved = replace(identity("z"), key="other", point={"number": "a"})
         assert "number was" in journal.contents.why_anew(moved)
         assert journal.contents.why_anew(identity("new")) == ""
     other = opened(tmp_path, {"code": "2"}).contents

@@ -1,10 +1,13 @@
 """Cases in a process of their own: each is answered, whatever becomes of the others."""
 
+import multiprocessing
 import os
+import signal
 import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -165,6 +168,38 @@ def test_what_worker_processes_need_is_loaded_before_they_are_forked(tmp_path: P
         env=os.environ | {"PYTHONPATH": str(Path(__file__).parents[4])},
     )  # fmt: skip
     assert done.stdout == "libraries True\n", done.stderr
+
+
+@pytest.mark.skipif(module.METHOD != "forkserver", reason="processes are not forked")
+@pytest.mark.parametrize("signal_name", ["SIGKILL", "SIGTERM"])
+def test_the_end_of_the_process_that_forks_workers_ends_no_run(
+    worker: Worker, signal_name: str
+) -> None:
+    assert squares(outcomes_of(worker, Trouble(2.0))) == [4]
+    (server,) = (
+        process
+        for process in psutil.Process().children()
+        if "multiprocessing.forkserver" in " ".join(process.cmdline())
+    )
+    server.send_signal(getattr(signal, signal_name))
+    # the next one is asked for while the system ends it
+    other = Worker(packed(Work(trouble.measures)))
+    assert squares(outcomes_of(other, Trouble(4.0), Trouble(5.0))) == [16, 25]
+    assert squares(outcomes_of(worker, Trouble(6.0))) == [36]
+    other.end()
+
+
+def test_a_worker_that_ends_while_its_process_starts_leaves_none() -> None:
+    """Python would wait at its exit for a process that nobody ends."""
+    one = Worker(packed(Work(trouble.measures)))
+    before = set(multiprocessing.active_children())
+    with ThreadPoolExecutor(1) as pool, module.STARTING:
+        answers = pool.submit(outcomes_of, one, Trouble(2.0))
+        while not hasattr(one, "_mark"):  # it has not come to the lock
+            time.sleep(0.001)
+        one.end()
+    assert answers.result() == []
+    assert set(multiprocessing.active_children()) <= before
 
 
 @pytest.mark.parametrize(

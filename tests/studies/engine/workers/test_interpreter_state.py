@@ -16,7 +16,7 @@ import xarray as xr
 
 from studies.engine.options import RunOptions
 from studies.engine.run import run
-from studies.engine.workers.surroundings import Surroundings, kept_surroundings
+from studies.engine.workers.interpreter_state import InterpreterState, restored_state
 from studies.model.axis import Axis
 from studies.model.study import Point, Study
 from tests.studies.conftest import quiet
@@ -98,10 +98,10 @@ def test_the_answer_of_a_case_does_not_depend_on_the_cases_before_it(
 
 def test_the_caller_s_own_state_is_as_it_was_after_a_block() -> None:
     np.random.seed(7)  # noqa: NPY002
-    before = Surroundings.now()
+    before = InterpreterState.now()
     expected = np.random.RandomState(7).random()
-    with kept_surroundings() as surroundings:
-        surroundings.restore("one")
+    with restored_state() as interpreter_state:
+        interpreter_state.restore("one")
         measures(Leaky(1), 1)
-    assert repr(Surroundings.now()) == repr(before)
+    assert repr(InterpreterState.now()) == repr(before)
     assert np.random.random() == expected  # noqa: NPY002

@@ -18,6 +18,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+Part = tuple[Callable[[], Any], Callable[[Any], object]]
+
 
 def _umask() -> int:
     mask = os.umask(0)
@@ -25,10 +27,17 @@ def _umask() -> int:
     return mask
 
 
-def _set_environment(environment: dict[str, str]) -> None:
-    for name in os.environ.keys() - environment.keys():
-        del os.environ[name]
-    os.environ.update(environment)
+def _set_environment(environment: dict[Any, Any]) -> None:
+    for name in _environment().keys() - environment.keys():
+        del os.environ[os.fsdecode(name)]
+    os.environ.update(
+        {os.fsdecode(name): os.fsdecode(value) for name, value in environment.items()}
+    )
+
+
+def _environment() -> dict[Any, Any]:
+    # encoded as the system has it: decoding all of it takes longer than all else here
+    return dict(os.environ._data)  # type: ignore[attr-defined]
 
 
 def _set_warnings(filters: list[Any]) -> None:
@@ -42,16 +51,19 @@ def _set_xarray_options(options: dict[str, Any]) -> None:
     xr.set_options(**{name: value for name, value in options.items() if now[name] != value})
 
 
-# how each part of the state is read, and how it is set to what was read
-PARTS: tuple[tuple[Callable[[], Any], Callable[[Any], object]], ...] = (
+# how each part of the state is read, as a value that equals another one of the same state, and how it is set
+PARTS: tuple[Part, ...] = (
     (os.getcwd, os.chdir),
-    (lambda: dict(os.environ), _set_environment),
+    (_environment, _set_environment),
     (_umask, os.umask),
     (lambda: list(sys.path), lambda path: sys.path.__setitem__(slice(None), path)),
     (sys.getrecursionlimit, sys.setrecursionlimit),
     (lambda: list(warnings.filters), _set_warnings),
     (lambda: locale.setlocale(locale.LC_ALL), lambda name: locale.setlocale(locale.LC_ALL, name)),
-    (lambda: decimal.getcontext().copy(), lambda context: decimal.setcontext(context.copy())),
+    (
+        lambda: decimal.getcontext().__reduce__()[1],
+        lambda parts: decimal.setcontext(decimal.Context(*parts)),
+    ),
     (np.geterr, lambda errors: np.seterr(**errors)),
     (np.geterrcall, np.seterrcall),
     (np.get_printoptions, lambda options: np.set_printoptions(**options)),
@@ -60,13 +72,13 @@ PARTS: tuple[tuple[Callable[[], Any], Callable[[Any], object]], ...] = (
 
 
 @dataclass(frozen=True)
-class Surroundings:
+class InterpreterState:
     """State of this interpreter at one moment."""
 
     values: tuple[Any, ...]
 
     @classmethod
-    def now(cls) -> "Surroundings":
+    def now(cls) -> "InterpreterState":
         """Return the present state."""
         return cls(tuple(read() for read, _ in PARTS))
 
@@ -74,7 +86,7 @@ class Surroundings:
         """Restore this state, and seed the generators of numpy and random with the name of a case."""
         for (read, write), value in zip(PARTS, self.values, strict=True):
             with suppress(OSError):  # a working directory that was removed
-                if repr(read()) != repr(value):
+                if read() != value:
                     write(value)
         seed = hashlib.blake2b(name.encode(), digest_size=4).digest()
         random.seed(seed)
@@ -82,9 +94,9 @@ class Surroundings:
 
 
 @contextmanager
-def kept_surroundings() -> Iterator[Surroundings]:
-    """Lend the present state to a block of cases, and restore it at the end, random generators included."""
-    before = Surroundings.now()
+def restored_state() -> Iterator[InterpreterState]:
+    """Provide the present state to a block of cases, and restore it at the end, random generators included."""
+    before = InterpreterState.now()
     seeds = random.getstate(), np.random.get_state()  # noqa: NPY002
     try:
         yield before

@@ -26,7 +26,7 @@ class NotDefined(InvalidInput):
     """
 
 
-def answers_typos(cls: type[Described]) -> type[Described]:
+def suggest_fields(cls: type[Described]) -> type[Described]:
     """Make the constructor of a dataclass suggest the most similar field for an unknown keyword."""
     construct = cls.__init__
     names = [field.name for field in fields(cls) if field.init]  # type: ignore[arg-type]

@@ -13,7 +13,7 @@ import numpy as np
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    answers_typos,
+    suggest_fields,
     in_range,
     pair,
     set_fields,
@@ -25,7 +25,7 @@ from contactstudy.domain.units import Metres
 LONGEST = 1e9  # times as long as wide
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class Grid:
     """Grid of equal rectangular cells, centred on the origin.
@@ -121,7 +121,7 @@ class Padding(Protocol):
         ...
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class ZeroPadding:
     """Padding with zeros, the classical DC-FFT: no images, not periodic (Liu, Wang & Liu 2000)."""
@@ -134,7 +134,7 @@ class ZeroPadding:
         return period / 2
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class DuplicatedPadding:
     """Padding with a copy of the pressure in the padded half of the axis (Liu, Wang & Liu 2000).
@@ -172,7 +172,7 @@ class _Counted:
         return (self.images + 0.5) * period
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class Superposition(_Counted):
     """Padding with zeros, and coefficients summed over images on each side.
@@ -189,7 +189,7 @@ class Superposition(_Counted):
     wraps: ClassVar[bool] = False
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class CircularSuperposition(_Counted):
     """Circular axis with coefficients summed over images on each side of the observer.
@@ -207,7 +207,7 @@ class CircularSuperposition(_Counted):
     wraps: ClassVar[bool] = True
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class ExactPeriodicity:
     """Circular axis with the sum over infinitely many images, in closed form.

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contactstudy.domain.checks import InvalidInput, answers_typos, positive, whole
+from contactstudy.domain.checks import InvalidInput, suggest_fields, positive, whole
 from contactstudy.domain.units import Number, Seconds
 from contactstudy.scene.load import ChangingLoad
 
@@ -49,7 +49,7 @@ class StepError(Enum):
     NONE = "none"
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class TimeSteps:
     """Instants to record of a scene that changes in time, and how steps between them are taken.

@@ -8,7 +8,7 @@ import numpy as np
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    answers_typos,
+    suggest_fields,
     in_range,
     set_fields,
     suggestion,
@@ -57,7 +57,7 @@ class AdhesionContact(BodyContext, Protocol):
         ...
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class Adhesion:
     """Adhesion: an attraction between the surfaces that falls with their gap.

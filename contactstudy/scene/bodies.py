@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Protocol, TypeGuard, runtime_checkable
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    answers_typos,
+    suggest_fields,
     finite,
     in_range_or_infinite,
     set_fields,
@@ -53,7 +53,7 @@ class Homogeneous(Body, Protocol):
         ...
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class HalfSpace:
     """Homogeneous, isotropic elastic half-space.

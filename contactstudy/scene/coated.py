@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, answers_typos, in_range, set_fields
+from contactstudy.domain.checks import InvalidInput, suggest_fields, in_range, set_fields
 from contactstudy.domain.units import Metres
 from contactstudy.elasticity.coating import CoatingDisplacement
 from contactstudy.elasticity.coefficients import Coefficients, Displacement
@@ -23,7 +23,7 @@ LARGEST_RATIO = 1e4
 WAVE = 1.2
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class CoatedHalfSpace:
     """Layer of one material, bonded to a half-space of another; the bond neither slips nor opens.

@@ -7,7 +7,7 @@ import numpy as np
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    answers_typos,
+    suggest_fields,
     each,
     finite,
     set_fields,
@@ -22,7 +22,7 @@ from contactstudy.scene.friction import ALIKE, FrictionContact, check_still, coe
 from contactstudy.solvers.fretting import SwingingShear
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class Fretting:
     """Partial slip under tangential forces that follow one another, beside a constant load.

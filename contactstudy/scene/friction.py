@@ -6,7 +6,7 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, answers_typos, finite, in_range, set_fields
+from contactstudy.domain.checks import InvalidInput, suggest_fields, finite, in_range, set_fields
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.units import NewtonsPerMetre, Number
@@ -77,7 +77,7 @@ class Friction(Protocol):
         ...
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class Sliding:
     """Full sliding: the first body is dragged along +x, shear is the coefficient times the pressure.
@@ -132,7 +132,7 @@ class Sliding:
         )
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class PartialSlip:
     """Partial slip under a tangential force that friction holds back.

@@ -7,7 +7,7 @@ from functools import cached_property
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    answers_typos,
+    suggest_fields,
     in_range,
     in_range_from_zero,
     in_range_or_infinite,
@@ -27,7 +27,7 @@ from contactstudy.scene.bodies import (
 )
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class ViscoelasticHalfSpace:
     """Linear viscoelastic half-space with the relaxation modulus ``E(t) = E_inf + sum(E_i exp(-t / tau_i))``.
@@ -105,7 +105,7 @@ class ViscoelasticHalfSpace:
         return bool(self.relaxation)
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class ElasticPlasticHalfSpace:
     """Half-space that yields after von Mises, with linear hardening.

@@ -8,7 +8,7 @@ from typing import Protocol, runtime_checkable
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    answers_typos,
+    suggest_fields,
     each,
     finite,
     in_range,
@@ -21,7 +21,7 @@ from contactstudy.domain.units import Hertz, Metres, Newtons, NewtonsPerMetre, R
 PRESSES, FROM_ZERO = "give a load above 0 N/m", "give a load from 0 N/m on"
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class LineLoad:
     """Constant normal load per length of the contact.
@@ -61,7 +61,7 @@ class LineLoad:
 ROUNDING = 1e-13
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class TotalLoad:
     """Constant normal load on the whole length of a roller.
@@ -160,7 +160,7 @@ class ChangingLoad(History, Protocol):
         ...
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class LoadHistory:
     """Load given at instants, linear between them and held after the last.
@@ -256,7 +256,7 @@ class LoadHistory:
         each("LoadHistory.per_length", self.per_length, in_range_from_zero, FROM_ZERO)
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class SineLoad:
     """Sinusoidal load ``mean_load + amplitude sin(2 pi frequency t + phase)`` from t = 0 on, cut off at zero.

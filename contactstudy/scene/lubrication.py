@@ -8,7 +8,7 @@ import numpy as np
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    answers_typos,
+    suggest_fields,
     each,
     finite,
     in_range,
@@ -55,7 +55,7 @@ class ViscosityLaw(Protocol):
         ...
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class Barus:
     """Viscosity that grows by ``eta = eta0 exp(alpha p)`` (Barus 1893): too fast beyond some 0.5 GPa."""
@@ -65,7 +65,7 @@ class Barus:
         return coefficient * pressure, np.full_like(pressure, coefficient)
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class Roelands:
     """Viscosity that grows by ``ln(eta / eta0) = alpha p0 / z ((1 + p / p0)^z - 1)`` (Roelands 1966).
@@ -115,7 +115,7 @@ class DensityLaw(Protocol):
         ...
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class ConstantDensity:
     """An incompressible lubricant."""
@@ -125,7 +125,7 @@ class ConstantDensity:
         return np.ones_like(pressure), np.zeros_like(pressure)
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class DowsonHigginson:
     """Density that grows by ``rho / rho0 = 1 + c p / (1 + d p)`` (Dowson & Higginson 1966), of mineral oil by default.
@@ -170,7 +170,7 @@ class ShearLaw(Protocol):
         ...
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class Newtonian:
     """A shear stress in proportion to the shear rate, without a limit."""
@@ -180,7 +180,7 @@ class Newtonian:
         return newtonian.copy()
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class Eyring:
     """Shear stress ``tau = tau0 asinh(eta rate / tau0)`` (Eyring 1936).
@@ -207,7 +207,7 @@ class Eyring:
         return np.asarray(self.reference * np.arcsinh(newtonian / self.reference))
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class LimitingShear:
     """Shear stress ``tau = tau_L tanh(eta rate / tau_L)`` with a limit ``tau_L`` in proportion to the pressure.
@@ -240,7 +240,7 @@ class LimitingShear:
         return np.asarray(limit * np.tanh(bounded))
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class ElrodAdams:
     """Cavitation that conserves mass: where the pressure is zero, lubricant fills a share of the film.
@@ -249,7 +249,7 @@ class ElrodAdams:
     """
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class ReynoldsCavitation:
     """Cavitation that only forbids negative pressures: the film counts as full where the pressure is zero.
@@ -263,7 +263,7 @@ class ReynoldsCavitation:
 Cavitation = ElrodAdams | ReynoldsCavitation
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class Boundary:
     """Boundary film of molecules that stick to the surfaces: asperities bear load on it where the lubricant's film ends.
@@ -297,7 +297,7 @@ class ChangingSpeed(History, Protocol):
     """Mean speed [m/s] as a function of time [s]."""
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class SpeedHistory:
     """Mean speed given at instants, linear between them, and held before the first and after the last.
@@ -360,7 +360,7 @@ class SpeedHistory:
         return float(np.interp(time, self.times, self.mean_speed))
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class Lubricant:
     """Lubricant at one temperature.
@@ -407,7 +407,7 @@ class Lubricant:
                 raise InvalidInput(f"Lubricant.{name} is {law!r}: give a law, such as {example}.")
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class Lubrication:
     """Lubricant that floods a contact, and the motion of the surfaces to larger x that draws it in.

@@ -6,7 +6,7 @@ from math import inf
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    answers_typos,
+    suggest_fields,
     body_index,
     in_range_from_zero,
     positive,
@@ -25,7 +25,7 @@ class RollingPressure(Enum):
     ELASTIC = "elastic"
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class Rolling:
     """Rolling: the contact moves to larger x, steadily over both bodies, or again and again over one that yields.
@@ -73,7 +73,7 @@ class Rolling:
         positive("Rolling.steady", self.steady, "give a part of the yield strain, such as 5e-3")
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class Wear:
     """Sliding wear after Archard (1953), ``dw/ds = coefficient p``.

@@ -11,7 +11,7 @@ import numpy as np
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import (
     InvalidInput,
-    answers_typos,
+    suggest_fields,
     finite,
     in_range_or_infinite,
     set_fields,
@@ -150,7 +150,7 @@ LEAST_STRAIN = 1e-6
 PASSES = 12
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class Scene:
     """Line contact of two bodies, and the effects in it.

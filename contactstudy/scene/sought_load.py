@@ -5,7 +5,7 @@ from math import log, pi
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    answers_typos,
+    suggest_fields,
     in_range,
     in_range_or_zero,
     set_fields,
@@ -16,7 +16,7 @@ from contactstudy.domain.units import Metres, NewtonsPerMetre, Number
 FAR = 4.0
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class Approach:
     """Approach of the bodies, given in place of a load: the load is a result.
@@ -75,7 +75,7 @@ class Approach:
         return pi * contact_modulus * self.approach / (2 * log(2 * FAR) + 1)
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class PullOff:
     """Separation of an adhesive contact, in place of a load: the largest pull that it holds is a result.

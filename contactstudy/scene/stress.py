@@ -9,7 +9,7 @@ import numpy as np
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    answers_typos,
+    suggest_fields,
     body_index,
     each,
     non_negative,
@@ -38,7 +38,7 @@ COARSE_STEP, FINE_STEP = 1.35, 1.1
 MOST = 2**25
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class SubsurfaceStress:
     """Stress below the surface of one body: all six components and von Mises' stress.

@@ -8,7 +8,7 @@ import numpy as np
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    answers_typos,
+    suggest_fields,
     in_range_or_zero,
     set_fields,
 )
@@ -29,7 +29,7 @@ from contactstudy.solvers.tractive_rolling import Coupling, TractiveShear
 TRAVELS = "The heights stand still in the contact: shear under roughness that travels with a surface is not followed."
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class TractiveRolling:
     """Steady rolling with creepage: a part of the contact sticks, the rest slips.

@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, answers_typos, positive, set_fields, whole
+from contactstudy.domain.checks import InvalidInput, suggest_fields, positive, set_fields, whole
 from contactstudy.domain.device import Cpu, Device, Precision, checked, device, using
 from contactstudy.domain.fields import Array
 from contactstudy.domain.units import Number
@@ -36,7 +36,7 @@ class Solver(Protocol):
         ...
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class SolveOptions:
     """Accuracy and method of a solve: all that an answer depends on beside the problem itself.

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import ndimage
 
-from contactstudy.domain.checks import InvalidInput, answers_typos, body_index
+from contactstudy.domain.checks import InvalidInput, suggest_fields, body_index
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.scene.shapes.shape import Detail, Shape
@@ -23,7 +23,7 @@ class MovedGrid(Grid):
         return np.asarray(super().x - self.moved)
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class Carried:
     """A shape on the surface of a body, which moves with it to larger x: see :func:`~contactstudy.solve`.

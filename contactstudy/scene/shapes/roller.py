@@ -9,7 +9,7 @@ import numpy as np
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import (
     InvalidInput,
-    answers_typos,
+    suggest_fields,
     in_range,
     in_range_from_zero,
     in_range_or_infinite,
@@ -21,7 +21,7 @@ from contactstudy.domain.units import Metres
 from contactstudy.scene.shapes.shape import Detail
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class Cylinder:
     """Parabolic cylinder about the length axis, ``x^2 / (2 R)``, as in Hertz's theory.
@@ -59,7 +59,7 @@ class Cylinder:
         return (grid.x**2 / (2 * self.radius))[:, None]
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class Sphere:
     """Paraboloid about the origin, ``(x^2 + y^2) / (2 R)``, as in Hertz's theory of a sphere.
@@ -100,7 +100,7 @@ class Sphere:
 HEIGHT = "give a height of 0 m or more"
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class Crown:
     """Parabolic crown along the length, ``y^2 / (2 R)``.
@@ -157,7 +157,7 @@ class Crown:
         return (grid.y**2 / (2 * self.radius))[None, :]
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class LundbergProfile:
     """Lundberg's logarithmic profile, ``-A ln(1 - (1 - exp(-d / A)) (2 y / L)^2)``.
@@ -285,7 +285,7 @@ class LundbergProfile:
         return np.where(inside, drop, self.end_drop)[None, :]
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class FiniteLength:
     """Roller that ends at ``|y| = length / 2``, with flat, sharp-edged faces.

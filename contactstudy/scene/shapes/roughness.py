@@ -8,7 +8,7 @@ from scipy import fft
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    answers_typos,
+    suggest_fields,
     divides,
     finite,
     in_range,
@@ -29,7 +29,7 @@ HIGHEST = 4.0
 MOST_WAVES = 1e9
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class RmsSlope:
     """Roughness given by its slope.
@@ -52,7 +52,7 @@ class RmsSlope:
         return self.slope > 0
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class Ra:
     """Roughness given by its arithmetic mean height Ra (ISO 21920-2).
@@ -80,7 +80,7 @@ class Ra:
         return float(self.height * np.sqrt(np.pi / 2))
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class Roughness:
     """Gaussian surface with the spectral density ``k^(-2 (1 + H))`` between two wavelengths.

@@ -6,7 +6,7 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, answers_typos
+from contactstudy.domain.checks import InvalidInput, suggest_fields
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 
@@ -28,7 +28,7 @@ class Shape(Protocol):
         ...
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class Detail:
     """Length scales of a shape that decide which grid resolves it.

@@ -8,7 +8,7 @@ import numpy as np
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    answers_typos,
+    suggest_fields,
     divides,
     finite,
     in_range,
@@ -32,7 +32,7 @@ class Profile(Protocol):
         ...
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class Parabolic:
     """Parabolic flank ``1 - t^2``: a spherical cap, as the paraboloid that stands for a sphere in Hertz's theory."""
@@ -42,7 +42,7 @@ class Parabolic:
         return (1 - t) * (1 + t)
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class Cosine:
     """Cosine flank ``(1 + cos(pi t)) / 2``, without a kink at the rim."""
@@ -52,7 +52,7 @@ class Cosine:
         return np.asarray((1 + np.cos(np.pi * t)) / 2)
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class FlatBottomed:
     """Flat bottom: the full depth up to the rim, for cylindrical dimples and rectangular grooves."""
@@ -62,7 +62,7 @@ class FlatBottomed:
         return np.ones_like(t)
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class Dimple:
     """Round dimple of a texture.
@@ -99,7 +99,7 @@ class Dimple:
         return pi / 4 * (self.diameter / pitch[0]) * (self.diameter / pitch[1])
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class Groove:
     """Straight groove of a texture.
@@ -136,7 +136,7 @@ class Groove:
         return self.width / min(pitch)
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class Texture:
     """Dimples on a rectangular lattice, or parallel grooves, one of them centred at the origin.
@@ -253,7 +253,7 @@ def _is_profile(name: str, profile: object) -> None:
         raise InvalidInput(f"{name} is {profile!r}: give a profile, such as Cosine().")
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class Waviness:
     """Plane wave of height, ``amplitude cos(2 pi (x / across + y / along) + phase)``.

@@ -5,7 +5,7 @@ from math import inf, tan
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, answers_typos, finite, set_fields
+from contactstudy.domain.checks import InvalidInput, suggest_fields, finite, set_fields
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Radians
@@ -15,7 +15,7 @@ from contactstudy.scene.shapes.shape import Detail
 STEEPEST = 0.1
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class Tilt:
     """Misalignment: the axis of a roller turned by an angle out of the plane of contact, ``y tan(angle)``.

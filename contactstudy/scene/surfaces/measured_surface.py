@@ -11,7 +11,7 @@ import numpy as np
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    answers_typos,
+    suggest_fields,
     divides,
     in_range,
     pair,
@@ -34,7 +34,7 @@ from contactstudy.scene.surfaces.preparation import (
 )
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class MeasuredSurface:
     """Measured surface.

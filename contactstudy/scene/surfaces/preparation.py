@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    answers_typos,
+    suggest_fields,
     pair,
     positive,
     set_fields,
@@ -18,7 +18,7 @@ from contactstudy.domain.checks import (
 from contactstudy.domain.fields import Array
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class Window:
     """Rectangular window of a measured surface that is cut into equal ones.
@@ -79,7 +79,7 @@ class Missing(Protocol):
         ...
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class RefuseMissing:
     """Rule that refuses a surface with missing points."""
@@ -97,7 +97,7 @@ class RefuseMissing:
         return heights
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class HarmonicFill:
     """Rule that lays missing points on the membrane spanned by their neighbours (Laplace's equation).
@@ -212,7 +212,7 @@ class Seam(Protocol):
         ...
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class AsMeasured:
     """Unchanged surface: the step between its end and its beginning stays."""
@@ -227,7 +227,7 @@ class AsMeasured:
         return heights
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class Mirrored:
     """Surface followed by its mirror image: no step, twice the period, all heights unchanged."""
@@ -242,7 +242,7 @@ class Mirrored:
         return np.concatenate([heights, heights[:, ::-1]], axis=1)
 
 
-@answers_typos
+@suggest_fields
 @dataclass(frozen=True)
 class Tapered:
     """Surface that falls to its mean at both ends as a cosine (Tukey's window; Harris 1978, Proc. IEEE 66, eq. 38).

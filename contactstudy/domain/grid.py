@@ -13,10 +13,10 @@ import numpy as np
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    suggest_fields,
     in_range,
     pair,
     set_fields,
+    suggest_fields,
     whole,
 )
 from contactstudy.domain.fields import Array

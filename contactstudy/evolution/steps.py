@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contactstudy.domain.checks import InvalidInput, suggest_fields, positive, whole
+from contactstudy.domain.checks import InvalidInput, positive, suggest_fields, whole
 from contactstudy.domain.units import Number, Seconds
 from contactstudy.scene.load import ChangingLoad
 

@@ -8,9 +8,9 @@ import numpy as np
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    suggest_fields,
     in_range,
     set_fields,
+    suggest_fields,
     suggestion,
 )
 from contactstudy.domain.fields import Array

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Protocol, TypeGuard, runtime_checkable
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    suggest_fields,
     finite,
     in_range_or_infinite,
     set_fields,
+    suggest_fields,
 )
 from contactstudy.domain.units import Number, Pascals
 from contactstudy.elasticity.coefficients import Coefficients, Displacement

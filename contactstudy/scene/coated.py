@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, suggest_fields, in_range, set_fields
+from contactstudy.domain.checks import InvalidInput, in_range, set_fields, suggest_fields
 from contactstudy.domain.units import Metres
 from contactstudy.elasticity.coating import CoatingDisplacement
 from contactstudy.elasticity.coefficients import Coefficients, Displacement

@@ -7,10 +7,10 @@ import numpy as np
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    suggest_fields,
     each,
     finite,
     set_fields,
+    suggest_fields,
     whole,
 )
 from contactstudy.domain.fields import Array

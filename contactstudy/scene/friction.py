@@ -6,7 +6,7 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, suggest_fields, finite, in_range, set_fields
+from contactstudy.domain.checks import InvalidInput, finite, in_range, set_fields, suggest_fields
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.units import NewtonsPerMetre, Number

@@ -7,13 +7,13 @@ from functools import cached_property
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    suggest_fields,
     in_range,
     in_range_from_zero,
     in_range_or_infinite,
     pair,
     sequence,
     set_fields,
+    suggest_fields,
 )
 from contactstudy.domain.units import Number, Pascals, Seconds
 from contactstudy.elasticity.coefficients import Coefficients, Displacement

@@ -8,13 +8,13 @@ from typing import Protocol, runtime_checkable
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    suggest_fields,
     each,
     finite,
     in_range,
     in_range_from_zero,
     in_range_or_zero,
     set_fields,
+    suggest_fields,
 )
 from contactstudy.domain.units import Hertz, Metres, Newtons, NewtonsPerMetre, Radians, Seconds
 

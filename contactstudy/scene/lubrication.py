@@ -8,12 +8,12 @@ import numpy as np
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    suggest_fields,
     each,
     finite,
     in_range,
     in_range_from_zero,
     set_fields,
+    suggest_fields,
 )
 from contactstudy.domain.fields import Array
 from contactstudy.domain.units import (

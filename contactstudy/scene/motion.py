@@ -6,11 +6,11 @@ from math import inf
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    suggest_fields,
     body_index,
     in_range_from_zero,
     positive,
     set_fields,
+    suggest_fields,
     whole,
 )
 from contactstudy.domain.units import Metres, MetresPerSecond, Number, PerPascal

@@ -11,10 +11,10 @@ import numpy as np
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import (
     InvalidInput,
-    suggest_fields,
     finite,
     in_range_or_infinite,
     set_fields,
+    suggest_fields,
 )
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along

@@ -5,10 +5,10 @@ from math import log, pi
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    suggest_fields,
     in_range,
     in_range_or_zero,
     set_fields,
+    suggest_fields,
 )
 from contactstudy.domain.units import Metres, NewtonsPerMetre, Number
 

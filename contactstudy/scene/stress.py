@@ -9,11 +9,11 @@ import numpy as np
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    suggest_fields,
     body_index,
     each,
     non_negative,
     set_fields,
+    suggest_fields,
 )
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings

@@ -8,9 +8,9 @@ import numpy as np
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    suggest_fields,
     in_range_or_zero,
     set_fields,
+    suggest_fields,
 )
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings

@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, suggest_fields, positive, set_fields, whole
+from contactstudy.domain.checks import InvalidInput, positive, set_fields, suggest_fields, whole
 from contactstudy.domain.device import Cpu, Device, Precision, checked, device, using
 from contactstudy.domain.fields import Array
 from contactstudy.domain.units import Number

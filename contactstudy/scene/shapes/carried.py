@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import ndimage
 
-from contactstudy.domain.checks import InvalidInput, suggest_fields, body_index
+from contactstudy.domain.checks import InvalidInput, body_index, suggest_fields
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.scene.shapes.shape import Detail, Shape

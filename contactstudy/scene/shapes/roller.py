@@ -9,11 +9,11 @@ import numpy as np
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import (
     InvalidInput,
-    suggest_fields,
     in_range,
     in_range_from_zero,
     in_range_or_infinite,
     set_fields,
+    suggest_fields,
 )
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid

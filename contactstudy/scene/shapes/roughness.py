@@ -8,13 +8,13 @@ from scipy import fft
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    suggest_fields,
     divides,
     finite,
     in_range,
     in_range_from_zero,
     pair,
     set_fields,
+    suggest_fields,
     whole,
 )
 from contactstudy.domain.fields import Array

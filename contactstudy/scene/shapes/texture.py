@@ -8,7 +8,6 @@ import numpy as np
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    suggest_fields,
     divides,
     finite,
     in_range,
@@ -17,6 +16,7 @@ from contactstudy.domain.checks import (
     pair,
     positive,
     set_fields,
+    suggest_fields,
 )
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid

@@ -5,7 +5,7 @@ from math import inf, tan
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, suggest_fields, finite, set_fields
+from contactstudy.domain.checks import InvalidInput, finite, set_fields, suggest_fields
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Radians

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    suggest_fields,
     pair,
     positive,
     set_fields,
+    suggest_fields,
     whole,
 )
 from contactstudy.domain.fields import Array

@@ -39,23 +39,25 @@ for speed in speeds:
     contacts.append(contact)
     last = contact
 settled = [one.status is not cs.Status.FILM_NOT_CONVERGED for one in contacts]
-share = np.array([one.contact_load_fraction for one in contacts])
+fraction = np.array([one.contact_load_fraction for one in contacts])
 friction = np.array([one.friction for one in contacts])
 figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")
 left.semilogx(speeds[settled], friction[settled], "o-")
 left.set(xlabel="mean speed [m/s]", ylabel="friction at 10 % sliding", ylim=(0, 0.13))
-right.semilogx(speeds[settled], share[settled], "o-", color="#D55E00")
-right.set(xlabel="mean speed [m/s]", ylabel="share of the load on asperities")
-print(f"{sum(settled)} of {len(speeds)} speeds, shares from {share.min():.2f} to {share.max():.2f}")
+right.semilogx(speeds[settled], fraction[settled], "o-", color="#D55E00")
+right.set(xlabel="mean speed [m/s]", ylabel="fraction of the load on asperities")
+print(
+    f"{sum(settled)} of {len(speeds)} speeds, fractions from {fraction.min():.2f} to {fraction.max():.2f}"
+)
 assert sum(settled) >= 18
-assert share[0] == 0
-assert share[-1] > 0.99
+assert fraction[0] == 0
+assert fraction[-1] > 0.99
 assert abs(friction[-1] / 0.12 - 1) < 0.01
 
 # %%
 # Pressure of the oil and of the asperities, where both bear.
 
-both = contacts[int(np.argmin(np.abs(share - 0.5)))]
+both = contacts[int(np.argmin(np.abs(fraction - 0.5)))]
 figure, axes = plt.subplots(figsize=(7, 3.6), layout="constrained")
 x = grid.x * 1e3
 axes.plot(x, both.lubricant_pressure[:, 0] / 1e9, label="oil")

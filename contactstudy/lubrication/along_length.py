@@ -19,18 +19,47 @@ from scipy.sparse.linalg import LinearOperator, SuperLU, gmres, splu
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.lubrication.film_equation import Film, Linearised, Mask, neighbour
-from contactstudy.lubrication.pseudo_time import FilmStep
+from contactstudy.lubrication.pseudo_time import ActiveSets, FilmStep
 
-# The linear residual where GMRES stops, and above which its step is refused; the length of its basis, and restarts.
-REACHED, MISSED, BASIS, RESTARTS = 1e-2, 0.1, 120, 4
-# Waves along the length that the Fourier stage knows.
-WAVES = 33
-# What the local stage has of elasticity: this share of the coefficients of the film, and this part of a cell's width; by
-# lines, and by factors for cells so many times as long as wide, which lines along the length do not couple.
-FILM_SHARE, OWN_SHARE = 0.03, 0.03
-FILM_SHARE_LONG, OWN_SHARE_LONG, LONG_CELL = 0.05, 0.1, 2.0
-# The Fourier stage is made anew where GMRES takes so many times as many iterations, and more, than after it was last.
-SLOWER, MORE, FOURFOLD, LONG_STEP = 1.5, 5, 4.0, 3.0
+
+@dataclass(frozen=True)
+class KrylovTuning:
+    """Tuning constants of the linear solver, chosen by counts of iterations on rough films of 64^2 to 256^2 cells.
+
+    Attributes
+    ----------
+    reached, missed
+        Linear residual where GMRES stops (0.1 costs steps), and above which a step is refused.
+    basis, restarts
+        Length of the basis of GMRES, and restarts.
+    waves
+        Waves along the length that the Fourier stage knows: further ones change no count.
+    film_part, own_part
+        What the local stage has of elasticity: a part of the coefficients of the film, and of a cell's width.
+    film_part_long, own_part_long, long_cell
+        The same by sparse factors, for cells so many times as long as wide, which lines along the length do not couple.
+    slower, more, step_ratio, longest_step
+        Rebuild the preconditioner when iterations exceed ``slower`` times the count at the last build plus ``more``, or
+        when the step in pseudo-time, up to the longest, has changed by ``step_ratio``.
+    """
+
+    reached: float = 1e-2
+    missed: float = 0.1
+    basis: int = 120
+    restarts: int = 4
+    waves: int = 33
+    film_part: float = 0.03
+    own_part: float = 0.03
+    film_part_long: float = 0.05
+    own_part_long: float = 0.1
+    long_cell: float = 2.0
+    slower: float = 1.5
+    more: int = 5
+    step_ratio: float = 4.0
+    longest_step: float = 3.0
+
+
+TUNING = KrylovTuning()
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,12 +77,13 @@ class KrylovStep:
     last: "tuple[StepSystem, Array] | None" = None
 
     def step(
-        self, linear: Linearised, film: Film, cavitated: Mask, load_missing: float
+        self, linear: Linearised, film: Film, active: ActiveSets, load_missing: float
     ) -> FilmStep:
-        """Return the step for a given set of ``cavitated`` cells.
+        """Return the step for given ``active`` sets.
 
         GMRES starts from the step for the set of cells before, if the linearised balance is the same.
         """
+        cavitated = active.cavitated
         pressure = np.where(cavitated, -film.pressure, 0.0)
         void = np.where(cavitated, 0.0, -film.void)
         try:
@@ -77,7 +107,7 @@ class KrylovStep:
             start = self.last[1] * np.append(same.ravel(), True)
         unknowns, missed, count = system.solve(right, start, norm)
         at_first = count if staged.iterations_then is None else staged.iterations_then
-        slow = count > SLOWER * at_first + MORE
+        slow = count > TUNING.slower * at_first + TUNING.more
         solver = replace(
             staged,
             fourier=None if slow else staged.fourier,
@@ -85,14 +115,16 @@ class KrylovStep:
             last=(system, unknowns),
         )
         change, opened, separation = system.split(unknowns)
-        solved = bool(np.isfinite(missed) and missed < MISSED)
+        solved = bool(np.isfinite(missed) and missed < TUNING.missed)
         return FilmStep(pressure + change, void + opened, separation, solver, solved, count)
 
     def _staged(self, linear: Linearised, cavitated: Mask) -> "KrylovStep":
         """Return the solver with a new Fourier stage where the time step has changed, or the last no longer serves."""
-        time_step = min(1 / linear.rate, LONG_STEP) if linear.rate else LONG_STEP
+        time_step = (
+            min(1 / linear.rate, TUNING.longest_step) if linear.rate else TUNING.longest_step
+        )
         ratio = time_step / self.made_for if self.made_for else 0.0
-        if self.fourier is not None and 1 / FOURFOLD < ratio < FOURFOLD:
+        if self.fourier is not None and 1 / TUNING.step_ratio < ratio < TUNING.step_ratio:
             return self
         free = ~(cavitated | linear.equation.fixed)
         fourier = FourierStage.of(linear, free, toeplitz(self.deflection))
@@ -159,7 +191,7 @@ class StepSystem:
             dtype=float,
         )
         solution, _ = gmres(
-            system, missing, rtol=0.0, atol=REACHED * norm, restart=BASIS, maxiter=RESTARTS,
+            system, missing, rtol=0.0, atol=TUNING.reached * norm, restart=TUNING.basis, maxiter=TUNING.restarts,
             callback=counted, callback_type="pr_norm",
         )  # fmt: skip
         unknowns = start + self.preconditioned(solution)
@@ -228,7 +260,7 @@ class FourierStage:
 def toeplitz(deflection: Convolution) -> Array:
     """Return the influence (wave, x, x) of cells across on each other, for the first waves along the length."""
     nx, ny = deflection.cells
-    number = min(WAVES, ny // 2 + 1)
+    number = min(TUNING.waves, ny // 2 + 1)
     columns = fft.ifft(deflection.spectrum[:, :number], axis=0).real.astype(np.float32)
     index = np.arange(nx)
     return np.ascontiguousarray(columns[np.abs(index[:, None] - index)].transpose(2, 0, 1))
@@ -249,7 +281,10 @@ class LineStage:
         """Take from each cell the coefficients of its unknown, the void fraction where it is cavitated."""
         offsets = (0, 0), (0, -1), (0, 1), (-1, 0), (-2, 0)
         return cls(
-            *(_coefficient(linear, cavitated, offset, FILM_SHARE, OWN_SHARE) for offset in offsets)
+            *(
+                _coefficient(linear, cavitated, offset, TUNING.film_part, TUNING.own_part)
+                for offset in offsets
+            )
         )
 
     def solve(self, right: Array) -> Array:
@@ -269,7 +304,9 @@ class FactorStage:
         index = np.arange(cavitated.size).reshape(cavitated.shape)
         rows, columns, values = [], [], []
         for offset in ((0, 0), (0, -1), (0, 1), (1, 0), (-1, 0), (-2, 0)):
-            coefficient = _coefficient(linear, cavitated, offset, FILM_SHARE_LONG, OWN_SHARE_LONG)
+            coefficient = _coefficient(
+                linear, cavitated, offset, TUNING.film_part_long, TUNING.own_part_long
+            )
             inside = neighbour(np.ones_like(cavitated), offset)
             rows.append(index[inside])
             columns.append(neighbour(index, offset)[inside])
@@ -286,22 +323,22 @@ class FactorStage:
 def local_stage(linear: Linearised, cavitated: Mask) -> LineStage | FactorStage:
     """Return lines along the length, or sparse factors where cells are too long for lines to couple them."""
     dx, dy = linear.equation.cell
-    return (FactorStage if dy > LONG_CELL * dx else LineStage).of(linear, cavitated)
+    return (FactorStage if dy > TUNING.long_cell * dx else LineStage).of(linear, cavitated)
 
 
 def _coefficient(
     linear: Linearised,
     cavitated: Mask,
     offset: tuple[int, int],
-    film_share: float,
-    own_share: float,
+    film_part: float,
+    own_part: float,
 ) -> Array:
     """Return the coefficient of the unknown of the neighbour at ``offset``, with a remainder of elasticity."""
     fixed = linear.equation.fixed
     zero = np.zeros(fixed.shape)
-    pressure = linear.pressure.get(offset, zero) + film_share * linear.film.get(offset, zero)
+    pressure = linear.pressure.get(offset, zero) + film_part * linear.film.get(offset, zero)
     if offset == (0, 0):
-        pressure = pressure + own_share * linear.equation.cell[0]
+        pressure = pressure + own_part * linear.equation.cell[0]
     unknown = np.where(neighbour(cavitated, offset), linear.void.get(offset, zero), pressure)
     return np.where(fixed | neighbour(fixed, offset), offset == (0, 0), unknown)
 

@@ -1,4 +1,4 @@
-"""March of a lubricated contact in time: histories of load and speed, and heights that move through it.
+"""Lubricated contact in time: histories of load and speed, and heights that move through it.
 
 The content of the cells is differentiated backwards over two steps (BDF2 with steps of varying length), and each step is
 solved by the iteration of a steady film. A step starts from the extrapolation of those before; the difference to it is
@@ -20,7 +20,9 @@ from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.posed_film import PosedFilm, lubricated_scales, pose
 from contactstudy.lubrication.pseudo_time import FilmControls, FilmIteration, StepSolver, iterate
 from contactstudy.lubrication.steady_film import (
-    ROUGH_CHANGE,
+    TUNING as STEADY,
+)
+from contactstudy.lubrication.steady_film import (
     contact_of,
     continued,
     step_solver,
@@ -31,15 +33,41 @@ from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.carried import Carried
 from contactstudy.solvers.solution import Status, worst
 
-# A step is so much of a cell's passage at first, may change by these factors, aims below the error by this one, and is
-# given up below this share of its first length.
-FIRST, SHORTER, LONGER, SAFETY, LEAST = 0.5, 0.3, 1.6, 0.8, 1e-4
-# Error of a step of BDF2 over the difference to a quadratic through three steps before (Gear 1971, equal steps).
-STEP_ERROR = 2 / 11
-# Error by the steps over the largest difference to a march with steps twice as long.
-LARGEST = 1.5
-# Length of the first pseudo-time step [a / u_m], so long that it is Newton's.
-NEWTON = 1e6
+
+@dataclass(frozen=True)
+class StepTuning:
+    """Constants of the steps in time, chosen on waves that pass in 12 to 96 steps, unless they have a source.
+
+    Attributes
+    ----------
+    first
+        First step, over the passage of a cell.
+    shrink, grow, safety
+        Limits of the factor of a step, and the factor below the error that a step aims at.
+    least
+        Step over the first one where a failed step is kept, and the evolution ends.
+    step_error
+        Error of a step of BDF2 over the difference to a quadratic through three instants (Gear 1971, equal steps).
+    largest
+        Error by the steps over the largest difference to an evolution with steps twice as long.
+    newton
+        First pseudo-time step [a / u_m], so long that it is Newton's.
+    film_fall
+        Fraction of the last film that is left in a film to start from.
+    """
+
+    first: float = 0.5
+    shrink: float = 0.3
+    grow: float = 1.6
+    safety: float = 0.8
+    least: float = 1e-4
+    step_error: float = 2 / 11
+    largest: float = 1.5
+    newton: float = 1e6
+    film_fall: float = 0.3
+
+
+TUNING = StepTuning()
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +75,7 @@ class FilmTrajectory:
     """Lubricated contacts at ``times`` [s], and the steps, iterations and the largest error of a step that they took.
 
     ``step_error`` is that of the film in the Hertzian zone, in L1 over its mean, of one step. ``errors_by_steps``
-    (time,) are estimates of the relative errors of quantities by all steps, from a second march with steps twice as
+    (time,) are estimates of the relative errors of quantities by all steps, from a second evolution with steps twice as
     long; infinite where that failed.
     """
 
@@ -96,9 +124,9 @@ def evolve_lubricated(
     tolerance: float = 1e-6,
     progress: Callable[[float, float], None] | None = None,
 ) -> FilmTrajectory:
-    """March the film of ``scene`` through time, from the steady film at the first time.
+    """Evolve the film of ``scene`` in time, from the steady film at the first time.
 
-    A second march, with steps twice as long, estimates the errors by the steps: one and a half times the largest
+    A second evolution, with steps twice as long, estimates the errors by the steps: one and a half times the largest
     difference. Steps of second order have a third of it, but for waves that pass in a dozen steps.
 
     Parameters
@@ -141,18 +169,18 @@ def evolve_lubricated(
     error = positive(
         "evolve_lubricated.error", 1e-3 if error is None else error, "give one above 0"
     )
-    march = _March.begin(scene, grid, padding, instants[0], tolerance)
+    stepper = _FilmStepper.begin(scene, grid, padding, instants[0], tolerance)
     every = None if times is None else instants
-    found = _through(march, instants, every, error, step, tolerance, progress)
+    found = _through(stepper, instants, every, error, step, tolerance, progress)
     long_step = None if step is None else 2 * step
     wide = _through(
-        march, list(found.times), list(found.times), 8 * error, long_step, tolerance, None
+        stepper, list(found.times), list(found.times), 8 * error, long_step, tolerance, None
     )
     return replace(found, errors_by_steps=_errors_by_steps(found, wide))
 
 
 def _errors_by_steps(found: FilmTrajectory, wide: FilmTrajectory) -> Mapping[str, Array]:
-    """Return estimates from the relative differences of two marches, the second with longer steps."""
+    """Return estimates from the relative differences of two evolutions, the second with longer steps."""
     failed = Status.FILM_NOT_CONVERGED
     errors = {}
     for name in ("central_film", "minimum_film", "friction", "peak_pressure"):
@@ -162,12 +190,12 @@ def _errors_by_steps(found: FilmTrajectory, wide: FilmTrajectory) -> Mapping[str
                 value, coarse = float(getattr(one, name)), float(getattr(other, name))
                 errors[name][number] = abs(value - coarse) / (abs(value) or 1.0)
         # the largest, as a difference may vanish by chance where a wave passes
-        errors[name][:] = LARGEST * errors[name].max()
+        errors[name][:] = TUNING.largest * errors[name].max()
     return errors
 
 
 def _check_loaded(scene: Scene, instants: list[float]) -> None:
-    """Raise :class:`~contactstudy.InvalidInput` if the load is zero at a time of the march."""
+    """Raise :class:`~contactstudy.InvalidInput` if the load is zero at a time of the evolution."""
     if not isinstance(load := scene.load, ChangingLoad):
         return
     start, end = instants[0], instants[-1]
@@ -180,7 +208,7 @@ def _check_loaded(scene: Scene, instants: list[float]) -> None:
 
 
 def _through(
-    march: "_March",
+    stepper: "_FilmStepper",
     instants: list[float],
     times: list[float] | None,
     error: float,
@@ -188,37 +216,39 @@ def _through(
     tolerance: float,
     progress: Callable[[float, float], None] | None,
 ) -> FilmTrajectory:
-    """March to the last of ``instants``; record every step if ``times`` is None."""
-    recorded, contacts = [instants[0]], [march.contact()]
+    """Step to the last of ``instants``; record every step if ``times`` is None."""
+    recorded, contacts = [instants[0]], [stepper.contact()]
     steps, worst, iterations, linear_iterations = 0, 0.0, 0, 0
-    first = march.posed.equation.cell[0] * march.unit
-    length = step or FIRST * first
+    first = stepper.posed.equation.cell[0] * stepper.unit
+    length = step or TUNING.first * first
     for target in instants[1:]:
-        while march.time < target - 1e-9 * first:
-            remaining = target - march.time
+        while stepper.time < target - 1e-9 * first:
+            remaining = target - stepper.time
             # no sliver of a step before an instant
             trial = remaining / max(np.ceil(remaining / length - 1e-3), 1)
-            stepped, size = march.stepped(trial)
+            stepped, size = stepper.stepped(trial)
             iterations += stepped.last.iterations
             linear_iterations += stepped.last.linear_iterations
             failed = not stepped.last.converged(tolerance)
-            if (failed or (step is None and size > error)) and trial > LEAST * first:
-                length = trial * (SHORTER if failed else max(SHORTER, (error / size) ** (1 / 3)))
+            if (failed or (step is None and size > error)) and trial > TUNING.least * first:
+                length = trial * (
+                    TUNING.shrink if failed else max(TUNING.shrink, (error / size) ** (1 / 3))
+                )
                 continue
-            march, steps, worst = stepped, steps + 1, max(worst, size)
+            stepper, steps, worst = stepped, steps + 1, max(worst, size)
             if progress is not None:
-                progress(march.time, instants[-1])
-            factor = SAFETY * (error / size) ** (1 / 3) if size > 0 else 1.0
-            grown = trial * float(np.clip(factor, SHORTER, LONGER))
+                progress(stepper.time, instants[-1])
+            factor = TUNING.safety * (error / size) ** (1 / 3) if size > 0 else 1.0
+            grown = trial * float(np.clip(factor, TUNING.shrink, TUNING.grow))
             # a step that was cut before an instant says nothing against a longer one
             length = step or max(grown, length if trial < length else 0.0)
             if failed:
                 break
-            if times is None and march.time < target - 1e-9 * first:
-                recorded.append(march.time)
-                contacts.append(march.contact())
+            if times is None and stepper.time < target - 1e-9 * first:
+                recorded.append(stepper.time)
+                contacts.append(stepper.contact())
         recorded.append(target)
-        contacts.append(march.contact())
+        contacts.append(stepper.contact())
         if contacts[-1].status is Status.FILM_NOT_CONVERGED:
             break
     return FilmTrajectory(
@@ -253,8 +283,8 @@ def _instants(scene: Scene, times: ArrayLike | None) -> list[float]:
 
 
 @dataclass(frozen=True, eq=False)
-class _March:
-    """The last three instants of a march, and what changes in it."""
+class _FilmStepper:
+    """The last three instants of an evolution, and what changes in it."""
 
     scene: Scene
     grid: Grid
@@ -275,16 +305,16 @@ class _March:
         padding: Padding | Paddings,
         start: float,
         tolerance: float,
-    ) -> "_March":
-        """Return a march that begins with the steady film at the first time."""
+    ) -> "_FilmStepper":
+        """Return a time stepper that begins with the steady film at the first time."""
         changing = isinstance(scene.load, ChangingLoad)
         largest = replace(scene, load=LineLoad(scene.load.largest)) if changing else scene
         posed = pose(largest, grid, padding)
         unit = posed.scales.hertz.half_width / posed.scales.lubrication.largest_speed
-        march = cls(
+        stepper = cls(
             scene, grid, padding, posed, step_solver(posed), unit, tolerance, 0.0, (), posed
         )
-        now = march._posed_at(start, 0.0)
+        now = stepper._posed_at(start, 0.0)
         if now.equation.speed <= 0:
             raise InvalidInput(
                 f"Scene.lubrication.mean_speed is 0 at the first time, {start:g} s, when no film is steady: give a "
@@ -292,7 +322,7 @@ class _March:
             )
         last = continued(now, FilmControls(tolerance=tolerance))
         instant = _Instant(start / unit, last.film, now.equation.content(last.film), last)
-        return replace(march, past=(instant,), now=now)
+        return replace(stepper, past=(instant,), now=now)
 
     @property
     def time(self) -> float:
@@ -304,8 +334,8 @@ class _March:
         """Iteration of the last instant."""
         return self.past[0].iteration
 
-    def stepped(self, length: float) -> tuple["_March", float]:
-        """Return the march after a step [s], and the error of that step."""
+    def stepped(self, length: float) -> tuple["_FilmStepper", float]:
+        """Return the time stepper after a step [s], and the error of that step."""
         end = self.time + length
         speed = self.posed.scales.lubrication.speed_at
         middle = speed(self.time + length / 2)
@@ -316,8 +346,8 @@ class _March:
         controls = FilmControls(
             tolerance=self.tolerance,
             max_iterations=60,
-            time_step=NEWTON,
-            viscosity_change=ROUGH_CHANGE,
+            time_step=TUNING.newton,
+            viscosity_change=STEADY.rough_change,
         )
         last = iterate(
             equation, expected, self.solver, controls,
@@ -327,7 +357,7 @@ class _March:
         inside = np.abs(now.x) < 1
         change = np.abs(last.film.film - self._extrapolated(end / self.unit, "film"))[inside].mean()
         enough = len(self.past) > 2
-        size = STEP_ERROR * float(change / last.film.film[inside].mean()) if enough else 0.0
+        size = TUNING.step_error * float(change / last.film.film[inside].mean()) if enough else 0.0
         past = (instant, *self.past[:2])
         return replace(self, past=past, now=now, distance=distance), size
 
@@ -384,8 +414,8 @@ class _March:
         void = np.where(pressure > 0, 0, last.void)
         separation = float(self._extrapolated(time, "separation").flat[0])
         film = now.equation.film_of(pressure, void, separation)
-        if (film.film > 0.3 * last.film).all():
+        if (film.film > TUNING.film_fall * last.film).all():
             return film
         film = now.equation.film_of(last.pressure, last.void, last.separation)
-        rise = max(0.0, float((0.3 * last.film - film.film).max()))
+        rise = max(0.0, float((TUNING.film_fall * last.film - film.film).max()))
         return now.equation.film_of(last.pressure, last.void, last.separation + rise)

@@ -182,7 +182,7 @@ class FilmEquation:
         return np.asarray(self.filled(film) * self.density(film.pressure)[0] * film.film)
 
     def filled(self, film: Film) -> Array:
-        """Return the share of the film that holds lubricant."""
+        """Return the fraction of the film that holds lubricant."""
         filled = 1 - film.void if self.conserves else np.ones_like(film.void)
         filled[:2] = np.minimum(filled[:2], self.supply / film.film[:2])
         return filled

@@ -94,11 +94,6 @@ class FilmSolution:
     contact_pressure: Array | None = None
 
     @property
-    def is_smooth(self) -> bool:
-        """True in plane strain, with one cell along the length."""
-        return self.grid.cells[1] == 1
-
-    @property
     def central_film(self) -> float:
         """Film on the axis, mean over the length [m]."""
         return float(_on_axis(self.film.mean(axis=1)))

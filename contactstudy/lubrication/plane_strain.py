@@ -6,8 +6,8 @@ from functools import cached_property
 import numpy as np
 
 from contactstudy.domain.fields import Array
-from contactstudy.lubrication.film_equation import Bands, Film, FilmEquation, Linearised, Mask
-from contactstudy.lubrication.pseudo_time import FilmStep
+from contactstudy.lubrication.film_equation import Bands, Film, FilmEquation, Linearised
+from contactstudy.lubrication.pseudo_time import ActiveSets, FilmStep
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,41 +30,67 @@ class DirectStep:
         return cls(column[np.abs(index[:, None] - index)])
 
     def step(
-        self, linear: Linearised, film: Film, cavitated: Mask, load_missing: float
+        self, linear: Linearised, film: Film, active: ActiveSets, load_missing: float
     ) -> FilmStep:
-        """Return the step for a given set of ``cavitated`` cells."""
+        """Return the step for given ``active`` sets.
+
+        The unknowns are the pressure or the void fraction of each cell, the pressure of asperities of each touching
+        cell, and the separation; the rows are the balance of each cell, the film of each touching cell, and the load.
+        """
         if self.last is None or self.last.linear is not linear:
             fresh = replace(self, last=DenseCoefficients(linear, self.influence))
-            return fresh.step(linear, film, cavitated, load_missing)
-        by_pressure, by_void = self.last.by_pressure, self.last.by_void
-        n, fixed, empty = len(film.film), linear.equation.fixed[:, 0], cavitated[:, 0]
+            return fresh.step(linear, film, active, load_missing)
+        equation, width = linear.equation, linear.equation.cell[0]
+        n, fixed, empty = len(film.film), equation.fixed[:, 0], active.cavitated[:, 0]
+        bears = ~(empty | fixed)
+        # what is known: pressures and voids that vanish
         pressure = np.where(empty, -film.pressure[:, 0], 0.0)
         void = np.where(empty, 0.0, -film.void[:, 0])
-
-        system = np.empty((n + 1, n + 1))
-        system[:n, :n] = by_pressure
-        system[:n, :n][:, empty] = by_void[:, empty]
-        system[:n, n] = self.last.by_separation
-        system[n] = np.append(np.where(empty | fixed, 0.0, linear.equation.cell[0]), 0.0)
-        system[:n][fixed] = np.eye(n, n + 1)[fixed]
         change = linear.change(pressure[:, None], void[:, None], 0.0)
-        right = np.append(
-            -(linear.residual + change),
-            load_missing - linear.equation.cell[0] * pressure.sum(),
-        )
-        right[:n][fixed] = 0
+        balance = -(linear.residual + change)[:, 0]
+        load_missing -= width * pressure.sum()
+        contact, places = None, np.empty(0, dtype=int)
+        if film.contact is not None and active.touching is not None:
+            touching = active.touching[:, 0]
+            contact, places = np.where(touching, 0.0, -film.contact[:, 0]), np.flatnonzero(touching)
+            balance -= self.last.by_film @ contact
+            load_missing -= width * contact.sum()
+        balance[fixed] = 0
+
+        size = n + len(places) + 1
+        system = np.zeros((size, size))
+        system[:n, :n] = self.last.by_pressure
+        system[:n, :n][:, empty] = self.last.by_void[:, empty]
+        system[:n, -1] = self.last.by_separation
+        system[-1, :n] = width * bears
+        right = np.zeros(size)
+        right[:n], right[-1] = balance, load_missing
+        if len(places):
+            assert contact is not None
+            system[:n, n:-1] = self.last.by_film[:, places]
+            system[n:-1, :n] = self.influence[places] * bears
+            system[n:-1, n:-1] = self.influence[np.ix_(places, places)]
+            system[n:-1, -1] = 1
+            system[-1, n:-1] = width
+            distance = equation.boundary - film.film[:, 0] - self.influence @ (pressure + contact)
+            right[n:-1] = distance[places]
+        system[:n][fixed] = np.eye(n, size)[fixed]
         scale = np.abs(system).max(axis=1)
         system /= scale[:, None]
         try:
             solution = np.linalg.solve(system, right / scale)
         except np.linalg.LinAlgError:
             return FilmStep(film.pressure, film.void, 0.0, self, solved=False)
-        unknown, separation = solution[:n], float(solution[n])
+        unknown = solution[:n]
+        if contact is not None:
+            contact[places] = solution[n:-1]
+            contact = contact[:, None]
         return FilmStep(
             np.where(empty, pressure, unknown)[:, None],
             np.where(empty, unknown, void)[:, None],
-            separation,
+            float(solution[-1]),
             self,
+            contact=contact,
         )
 
 

@@ -1,12 +1,13 @@
 """Steady film on one grid: coarser grids first, higher speeds where a cold start fails, and the contact in SI units."""
 
-from dataclasses import replace
-from math import ceil, inf, log, sqrt
+from dataclasses import dataclass, replace
+from math import ceil, inf, log
 
 import numpy as np
 
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.lubrication.along_length import KrylovStep
+from contactstudy.lubrication.continuation import SpeedSteps, from_higher_speeds
 from contactstudy.lubrication.film_equation import Film, Mask
 from contactstudy.lubrication.lubricated_contact import (
     FilmSolution,
@@ -31,14 +32,37 @@ SWEEP, INLET_ERROR = 0.94, 0.9
 # A film that is more than this too thin is starved. Cells that are one inlet sweep wide, or across which the film rises
 # by this share beside its lowest cell, do not resolve it.
 STARVED, STEEP = 0.05, 0.5
-# The first step in pseudo-time after a coarser grid, and the change of ln(eta) in a step that is not shortened: in plane
-# strain, and where the film varies along its length.
-REFINED_STEP, REFINED_ROUGH_STEP, ROUGH_CHANGE = 0.3, 0.003, 6.0
-# There may be another film where the rms of heights is so many times the film. It is looked for by heights that grow by
-# this factor, and differs from the first by more than this share.
-RIDGES, GROWTH, ANOTHER = 2.0, 1.25, 0.01
-# Where a cold start fails: factors in speed to go up by, how often at most, and the least one to come down by.
-SPEED_STEP, FASTEST, LEAST_SPEED_STEP = 10.0, 4, 1.05
+
+
+@dataclass(frozen=True)
+class SteadyTuning:
+    """Tuning constants of starts on nested grids, chosen by counts of steps on smooth and rough films.
+
+    Attributes
+    ----------
+    refined, refined_rough
+        First steps in pseudo-time after a coarser grid, in plane strain, and where the film varies along its length.
+    rough_change
+        Largest change of ln(eta) in a step of a film that varies along its length; none is needed in plane strain.
+    ridges, growth
+        Another film is looked for where the rms of heights is more than ``ridges`` times the film, by heights that grow
+        by the factor ``growth``.
+    another
+        Relative difference of the mean film by which another film is another.
+    speeds
+        Where a cold start fails.
+    """
+
+    refined: float = 0.3
+    refined_rough: float = 0.003
+    rough_change: float = 6.0
+    ridges: float = 2.0
+    growth: float = 1.25
+    another: float = 0.01
+    speeds: SpeedSteps = SpeedSteps(10.0, 4, 1.05)  # noqa: RUF009 (a frozen value)
+
+
+TUNING = SteadyTuning()
 
 
 def solve_on(
@@ -67,7 +91,7 @@ def solve_on(
     if last is None or not last.converged(controls.tolerance):
         last = cold = continued(posed, controls)
     contact = contact_of(scene, grid, padding, posed, last, controls.tolerance)
-    if not (last.converged(controls.tolerance) and posed.ridges > RIDGES):
+    if not (last.converged(controls.tolerance) and posed.ridges > TUNING.ridges):
         return contact
     others = [grown] if (grown := _with_growing_ridges(posed, controls)) else []
     if cold is None:
@@ -82,8 +106,8 @@ def _with_growing_ridges(posed: PosedFilm, controls: FilmControls) -> FilmIterat
     """Iterate from a film with lower heights up to these; None where that fails."""
     smooth = posed.x[:, None] ** 2 / 2
     heights, last = posed.equation.gap - smooth, None
-    number = ceil(log(posed.ridges / RIDGES) / log(GROWTH))
-    for share in np.geomspace(RIDGES / posed.ridges, 1, number + 1):
+    number = ceil(log(posed.ridges / TUNING.ridges) / log(TUNING.growth))
+    for share in np.geomspace(TUNING.ridges / posed.ridges, 1, number + 1):
         lower = replace(posed, equation=replace(posed.equation, gap=smooth + share * heights))
         last = (
             _iterated(lower, last.film, controls, last.cavitated)
@@ -99,7 +123,7 @@ def _differs(posed: PosedFilm, one: FilmIteration, other: FilmIteration) -> bool
     """Return whether the mean films of two iterations in the contact are not the same."""
     inside = np.abs(posed.x) < 1
     first, second = (iteration.film.film[inside].mean() for iteration in (one, other))
-    return bool(abs(first - second) > ANOTHER * first)
+    return bool(abs(first - second) > TUNING.another * first)
 
 
 def step_solver(posed: PosedFilm) -> StepSolver:
@@ -114,31 +138,14 @@ def continued(posed: PosedFilm, controls: FilmControls) -> FilmIteration:
     cold = _nested(posed, controls)
     if cold.converged(controls.tolerance):
         return cold
-    return _from_higher_speeds(posed, controls) or cold
-
-
-def _from_higher_speeds(posed: PosedFilm, controls: FilmControls) -> FilmIteration | None:
-    """Iterate from the film at higher speeds down to this one; None where that fails."""
-    resistance = faster = posed.equation.resistance
-    for _ in range(FASTEST):
-        faster *= SPEED_STEP
-        last = _nested(posed.at(faster), controls)
-        if last.converged(controls.tolerance):
-            break
-    else:
-        return None
-    step = SPEED_STEP
-    while faster > resistance:
-        # no sliver of a step at the end
-        slower = faster / step if faster / step > resistance * LEAST_SPEED_STEP else resistance
-        trial = _iterated(posed.at(slower), last.film, controls, last.cavitated)
-        if trial.converged(controls.tolerance):
-            last, faster = trial, slower
-        else:
-            step = sqrt(step)
-            if step <= LEAST_SPEED_STEP:
-                return None
-    return last
+    slowed = from_higher_speeds(
+        posed,
+        TUNING.speeds,
+        controls.tolerance,
+        lambda faster: _nested(faster, controls),
+        lambda slower, last: _iterated(slower, last.film, controls, last.cavitated),
+    )
+    return slowed or cold
 
 
 def _nested(posed: PosedFilm, controls: FilmControls) -> FilmIteration:
@@ -154,14 +161,14 @@ def _nested(posed: PosedFilm, controls: FilmControls) -> FilmIteration:
 def _refining(posed: PosedFilm, controls: FilmControls) -> FilmControls:
     """Return the controls after a coarser grid."""
     smooth = posed.upstream.cells[1] == 1
-    return replace(controls, time_step=REFINED_STEP if smooth else REFINED_ROUGH_STEP)
+    return replace(controls, time_step=TUNING.refined if smooth else TUNING.refined_rough)
 
 
 def _iterated(
     posed: PosedFilm, film: Film, controls: FilmControls, cavitated: Mask | None = None
 ) -> FilmIteration:
     if posed.upstream.cells[1] > 1:
-        controls = replace(controls, viscosity_change=ROUGH_CHANGE)
+        controls = replace(controls, viscosity_change=TUNING.rough_change)
     return iterate(posed.equation, film, step_solver(posed), controls, cavitated=cavitated)
 
 

@@ -10,12 +10,11 @@ from contactstudy.lubrication.film_equation import (
     Film,
     FilmEquation,
     Linearised,
-    Mask,
     Storage,
     _drawn_along,
 )
 from contactstudy.lubrication.plane_strain import DirectStep
-from contactstudy.lubrication.pseudo_time import FilmControls, FilmStep, iterate
+from contactstudy.lubrication.pseudo_time import ActiveSets, FilmControls, FilmStep, iterate
 
 
 def equation(nx: int, ny: int, rng: np.random.Generator) -> FilmEquation:
@@ -114,7 +113,7 @@ class Unmoved:
     """Return steps that change nothing."""
 
     def step(
-        self, linear: Linearised, film: Film, cavitated: Mask, load_missing: float
+        self, linear: Linearised, film: Film, active: ActiveSets, load_missing: float
     ) -> FilmStep:
         still = np.zeros_like(film.pressure)
         return FilmStep(still, still, 0.0, self)

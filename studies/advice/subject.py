@@ -2,22 +2,21 @@
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import sqrt
+from math import inf, sqrt
 from pathlib import Path
 
-import numpy as np
-
 import contactstudy as cs
-from contactstudy.accuracy.coarser import on_cells
 from contactstudy.domain.device import available_bytes
+from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.domain.identity import canonical, key
 from contactstudy.domain.reuse import reusing
+from contactstudy.io.quantities import contact_quantities, film_quantities
 from contactstudy.planning.cost import memory
 from contactstudy.planning.grid_requirements import needs_of
 from contactstudy.planning.plan import SHARE
 from studies.advice.ladder import unit_of
-from studies.reference.line_contact import HERTZ, SCENE, WIDTH
+from studies.reference.line_contact import HERTZ, SCENE, WIDTH, relative_l1
 
 # Relative error of the quick grid that gives extent and ratio of cells where a scene has none.
 QUICK = 0.2
@@ -32,11 +31,15 @@ REPORTED = {
     "contact_area": "contact area",
     "mean_gap": "mean gap",
     "largest_von_mises": "largest von Mises stress",
-    "shear": "largest shear",
+    "stick_fraction": "fraction that sticks",
+    "traction_coefficient": "traction",
+    "rolling_resistance": "rolling resistance",
+    "pull_off": "pull-off load",
     "central_film": "central film",
     "minimum_film": "smallest film",
     "friction_coefficient": "friction",
 }
+UNBOUNDED = ErrorEstimate(ErrorParts(discretisation=inf))
 Answer = cs.Contact | cs.LubricatedContact | cs.Evolution
 
 
@@ -59,7 +62,7 @@ class Setting:
     tolerance: float
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Subject:
     """Scene whose settings are compared, on one extent.
 
@@ -154,22 +157,13 @@ def failure_of(answer: Answer) -> str:
 
 
 def numbers_of(answer: Answer) -> dict[str, float]:
-    """Return the main numbers of an answer in SI units by name, without their bounds."""
+    """Return the numbers of an answer in SI units by name, without their bounds, which would cost further solutions."""
     last = last_of(answer)
-    numbers = {"peak_pressure": float(last.pressure.max())}
     if isinstance(last, cs.LubricatedContact):
-        return numbers | {
-            "central_film": last.central_film,
-            "minimum_film": last.minimum_film,
-            "friction_coefficient": last.friction,
-        }
-    numbers["contact_area"] = float(np.count_nonzero(last.pressure) * last.grid.cell_area)
-    numbers["mean_gap"] = last.mean_gap
-    if last.traction is not None:
-        numbers["shear"] = float(np.hypot(*last.traction.shear).max())
-    if "von_mises" in last.derived:
-        numbers["largest_von_mises"] = float(np.asarray(last.derived["von_mises"].values).max())
-    return numbers
+        table = film_quantities(last, UNBOUNDED)
+    else:
+        table = contact_quantities(last, UNBOUNDED, last.derived, last.rolling)
+    return {name: one.value for name, one in table.items() if name in REPORTED}
 
 
 def bounds_of(answer: Answer) -> dict[str, float]:
@@ -184,21 +178,6 @@ def bounds_of(answer: Answer) -> dict[str, float]:
         for name, parts in last_of(answer).error
         if name == "l1" or name in REPORTED
     }
-
-
-def hertz_means(hertz: "cs.analytic.HertzLine", grid: cs.Grid) -> Array:
-    """Return the means of Hertz's pressure over the cells of a grid (x, y) [Pa]."""
-    borders = np.linspace(-0.5, 0.5, grid.cells[0] + 1) * grid.extent[0] / hertz.half_width
-    borders = np.clip(borders, -1, 1)
-    integral = (borders * np.sqrt(1 - borders**2) + np.arcsin(borders)) / 2
-    means = np.diff(integral) * hertz.peak_pressure * hertz.half_width / grid.cell[0]
-    return np.repeat(means[:, None], grid.cells[1], axis=1)
-
-
-def relative_l1(pressure: Array, reference: Array) -> float:
-    """Return the L1 error of a pressure (x, y) against a finer one's cell means, relative to the reference."""
-    means = on_cells(reference, (pressure.shape[0], pressure.shape[1]))
-    return float(np.abs(pressure - means).sum() / means.sum())
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""The sweeps of the smooth line contact: padding, period, n, grid, coefficients, and the paper's figures."""
+"""The smooth line contact beside its sweeps of settings: influence coefficients, and the paper's figures."""
 
 from collections.abc import Mapping
 
@@ -11,39 +11,6 @@ from contactstudy.elasticity.coefficients import Displacement, kernel
 from studies.model.case import Case, OperatorCase, number
 from studies.model.study import Point, Study
 from studies.reference.line_contact import HERTZ, axes, measures, scene_at
-
-padding = Study(
-    "padding",
-    "Padding strategies side by side: what each reaches, and at what cost.",
-    axes(images=(1, 6, 20), period=(0.6, 2.4), grid=(32, 64, 128, 256)),
-    scene_at,
-    measures,
-)
-period = Study(
-    "period",
-    "Accuracy against the period length.",
-    axes(period=(0.15, 0.3, 0.6, 1.2, 2.4, 4.8, 9.6)),
-    scene_at,
-    measures,
-)
-images = Study(
-    "images",
-    "Accuracy against the number n of superposed periods.",
-    axes(
-        padding=("superposed", "circular", "duplicated", "exact"),
-        images=(0, 1, 2, 3, 4, 6, 8, 10, 20, 50),
-        period=(0.6, 2.4, 9.6),
-    ),
-    scene_at,
-    measures,
-)
-grid = Study(
-    "grid",
-    "Accuracy against the number of cells.",
-    axes(grid=(16, 24, 32, 48, 64, 96, 128, 192, 256)),
-    scene_at,
-    measures,
-)
 
 
 def operator_at(point: Point) -> OperatorCase:

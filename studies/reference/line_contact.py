@@ -1,4 +1,4 @@
-"""The smooth line contact that every sweep solves: its scene at a point, and its errors against Hertz."""
+"""The paper's smooth line contact: its scene at a point, and its errors against Hertz."""
 
 from collections.abc import Callable, Mapping
 
@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 import contactstudy as cs
+from contactstudy.accuracy.coarser import on_cells
 from contactstudy.accuracy.contact_edge import corrected_pressure, half_widths
 from contactstudy.domain.checks import positive, whole
 from contactstudy.domain.fields import Array
@@ -56,7 +57,7 @@ def axes(
 def padding_at(padding: str, images: int) -> cs.Padding:
     """Return the padding of a name, with a number of images where it has one."""
     make = PADDINGS[one_of("padding", padding, PADDINGS)]
-    return make(whole("images", images, 0, "give a whole number of periods from 0 on"))
+    return make(whole("images", images, 0, "must be a whole number, at least 0"))
 
 
 def scene_at(point: Point) -> Case:
@@ -80,8 +81,7 @@ def measures(case: Case, solution: cs.Contact) -> Mapping[str, xr.Variable]:
     error = np.abs(pressure - true).max()
     axis = np.abs(grid.x) < 0.75 * grid.cell[0]
     edge = half_widths(pressure, grid.x).mean() / hertz.half_width
-    true_pressure = hertz.pressure(grid.x)[:, None]
-    l1 = l1_error(solution.pressure, true_pressure, load_on(grid, hertz))
+    l1 = relative_l1(solution.pressure, hertz_means(hertz, grid))
     corrected = np.abs(corrected_pressure(pressure) - true).max()
     measured = {
         "axis_pressure_error": (
@@ -112,9 +112,21 @@ def l1_error(pressure: Array, reference: Array, total: float) -> float:
     return float(np.abs(pressure - reference).sum() / total)
 
 
-def load_on(grid: cs.Grid, hertz: cs.analytic.HertzLine = HERTZ) -> float:
-    """Return the load of a line contact, :data:`SCENE` by default, on one period over the area of a cell [Pa]."""
-    return hertz.load_per_length * grid.period / grid.cell_area
+def hertz_means(hertz: "cs.analytic.HertzLine", grid: cs.Grid) -> Array:
+    """Return the means of Hertz's pressure over the cells of a grid (x, y) [Pa]."""
+    borders = np.linspace(-0.5, 0.5, grid.cells[0] + 1) * grid.extent[0] / hertz.half_width
+    borders = np.clip(borders, -1, 1)
+    integral = (borders * np.sqrt(1 - borders**2) + np.arcsin(borders)) / 2
+    means = (
+        np.maximum(np.diff(integral), 0.0) * hertz.peak_pressure * hertz.half_width / grid.cell[0]
+    )
+    return np.repeat(means[:, None], grid.cells[1], axis=1)
+
+
+def relative_l1(pressure: Array, reference: Array) -> float:
+    """Return the L1 error of a pressure (x, y) against a finer one's cell means, relative to the reference."""
+    means = on_cells(reference, (pressure.shape[0], pressure.shape[1]))
+    return float(np.abs(pressure - means).sum() / means.sum())
 
 
 def covers(dataset: xr.Dataset, names: set[str], **values: set[float]) -> bool:

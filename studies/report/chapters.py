@@ -25,13 +25,15 @@ SECONDS = {
 class Part:
     """A study in a chapter, with other values of its `axes`, and the names of the `figures` shown (None for all).
 
-    Each case is timed at most ``repeats`` times: twice where a front of error against time is shown.
+    Each case is timed at most ``repeats`` times: twice where a front of error against time is shown. The `title` is
+    that of the study if it is empty.
     """
 
     name: str
     axes: Mapping[str, str] = field(default_factory=dict)
     figures: tuple[str, ...] | None = None
     repeats: int = 1
+    title: str = ""
 
     def study(self) -> Study:
         """Return the study over the axes of this chapter."""
@@ -67,14 +69,18 @@ MAIN = Chapter(
     "report",
     "Line contacts, periodic along their length: padding, accuracy and cost",
     (
-        Part("padding", figures=("price",), repeats=2),
-        Part("period"),
-        Part("images", figures=("peak_error",)),
-        Part("grid"),
-        Part("paper"),
         Part(SETTINGS),
-        Part("stability", figures=()),
-        Part("roughness", {"hurst": "0.8", "peklenik": "1", "rms": "0,0.1,0.3"}, ("paddings",)),
+        Part("images", figures=("reach",), repeats=0, title="Which n, for which period?"),
+        Part("grid", figures=("over_grid",), repeats=0, title="Which grid?"),
+        Part("paper", figures=("pressure",), title="What the paper claims"),
+        Part(
+            "roughness",
+            {"hurst": "0.8", "peklenik": "1", "rms": "0,0.1,0.3"},
+            ("paddings",),
+            repeats=0,
+            title="Does roughness change the error of a padding?",
+        ),
+        Part("stability", title="Is it stable? Hard cases"),
     ),
 )
 CHAPTERS = {

@@ -83,7 +83,7 @@ def section(
     ]
     return Section(
         name=part.name,
-        title=study.title.rstrip("."),
+        title=part.title or study.title.rstrip("."),
         swept=swept(study, dataset),
         findings=drawing.findings(dataset),
         figures=[embedded(figure, part.name, out, formats) for figure in figures],
@@ -144,6 +144,10 @@ def write(chapter: Chapter, out: Path, formats: Sequence[str] = FORMATS) -> Path
     datasets, sections = {}, list[Section]()
     for part in chapter.parts:
         if part.name == SETTINGS:
+            if not path_in(out).is_file():
+                raise InvalidInput(
+                    f"Comparison {str(path_in(out))!r} is not there: run contactstudy report first."
+                )
             datasets[SETTINGS] = read(path_in(out))
             sections += scene_sections(from_dataset(datasets[SETTINGS]), out, formats, most=1)
             continue

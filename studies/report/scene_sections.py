@@ -9,7 +9,7 @@ from studies.advice.measuring import Budget, compared
 from studies.advice.stored import path_in, store, stored
 from studies.advice.subject import Described
 from studies.report.chapters import SETTINGS
-from studies.report.drawings.settings import parts
+from studies.report.drawings.comparison import parts
 from studies.report.section import FORMATS, Section, embedded
 from studies.store.netcdf import open_folder
 
@@ -71,5 +71,7 @@ def lead(measured: Comparison) -> str:
         f"The scene {measured.name} on {width:.4g} mm x {length:.4g} mm, solved with every padding on finer and finer "
         "grids. Neighbouring periods can be ignored (zero), copied once (duplicated), summed over n periods on each "
         "side in a window fixed to the domain (superposed) or moving with the point (circular), or summed to infinity "
-        f"in closed form (exact); free ends have none. Measured in {measured.spent:.0f} s, times on one thread."
+        f"in closed form (exact); free ends have none. An error in L1 is the mean size of the pressure's error over "
+        f"the mean "
+        f"pressure. Measured in {measured.spent:.0f} s, times on one thread."
     )

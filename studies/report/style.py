@@ -22,6 +22,8 @@ __all__ = ["LAW_STYLE", "add_legend", "panels"]
 # Okabe & Ito (2008), safe for colour-blind readers.
 COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 
+WIDTH = 9.2  # of a figure on a page [in]
+
 mpl.use("Agg")
 mpl.style.use(SETTINGS)
 

@@ -47,8 +47,10 @@ def rival_name(rival: Rival) -> str:
 
 
 def ratio_text(rival: Rival) -> str:
-    """Return how long a rival takes beside the chosen setting."""
-    return f"{padding_name(rival.measured.label)} ({rival.ratio:.2g} times)"
+    """Return how long a rival takes beside the chosen setting, as a ratio and as a difference."""
+    more = rival.measured.time * (1 - 1 / rival.ratio)
+    difference = f"{seconds_text(abs(more))} {'more' if more > 0 else 'less'}"
+    return f"{padding_name(rival.measured.label)} ({rival.ratio:.2g} times, {difference})"
 
 
 def verdict_text(measured: Comparison, verdict: Verdict) -> str:

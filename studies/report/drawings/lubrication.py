@@ -126,7 +126,8 @@ def _cavitation(dataset: xr.Dataset) -> CaptionedFigure:
         "cavitation",
         fig,
         "Lubricant that cavitation makes: the range of the flow through all sections up to the end of the pressure, "
-        "over its mean, largest over load and viscosity; and the central film, mean over them. A film that only forbids "
+        "over its mean, largest over load and viscosity; and the central film, mean over them. A film that only "
+        "forbids "
         "negative pressure (reynolds) makes lubricant wherever it forms again behind a cavity.",
     )
 
@@ -151,7 +152,8 @@ def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
             f"{converged} of {total} solutions converged, with {int(smooth['iterations'].max())} steps on the finest "
             f"grid at the most and {int(smooth['iterations'].median())} in the median; the flow varies by "
             f"{float(smooth['flux_spread'].max()):.0e} of itself at the most. Where the cells resolve it, the film is "
-            f"within {percent(ratio.max())} of the formula of Moes, and within {percent(ratio.median())} in the median.",
+            f"within {percent(ratio.max())} of the formula of Moes, and within {percent(ratio.median())} in the "
+            f"median.",
             "How thick is the film?",
         ),
     )

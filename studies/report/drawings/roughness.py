@@ -13,6 +13,7 @@ from studies.reference.line_contact import covers, padding_at
 from studies.report.style import (
     COLORS,
     LAW_STYLE,
+    WIDTH,
     captioned,
     padding_style,
     paddings,
@@ -70,11 +71,9 @@ def _shift(dataset: xr.Dataset) -> CaptionedFigure:
 def _paddings(dataset: xr.Dataset) -> CaptionedFigure:
     labels = {
         "pressure_error_l1": "relative L1 error",
-        "half_width_error": "|half-width error|",
-        "peak_pressure_error": "|peak-pressure error|",
-        "pressure_error_max": "largest error / p_H",
+        "pressure_error_max": "largest error of a cell / p_H",
     }
-    fig, axes = panels(len(labels), columns=2, width=4.2, height=2.0)
+    fig, axes = panels(len(labels), width=WIDTH / 2, height=3.2)
     for ax, (variable, label) in zip(axes, labels.items(), strict=True):
         for name in (name for name in paddings(dataset) if name != "exact"):
             part = dataset.sel(padding=name)
@@ -168,18 +167,20 @@ def _rough_surfaces(dataset: xr.Dataset) -> Finding:
         ratios.append(part["half_width_error"].values / -law_of(part))
     low, high = np.min(ratios), np.max(ratios)
     shift = middle["smooth_difference"].sel(padding="exact").isel(rms=1)
-    systematic = "; unlike that difference, the error of a window has one sign on every surface and does not average out"
+    systematic = "; unlike that, the error of a window has one sign on every surface and does not average out"
     return Finding(
-        "On a rough surface a padding has the same error as on a smooth one: a²/(8D²) holds for the contact as a "
-        "whole, but not for single cells.",
-        f"At L = {float(sweep['period']):g} a the L1 error of the pressure is {' and '.join(l1_errors)}, at an "
-        f"rms height of {most:g} a²/(2R). The effective half-width is too small by {low:.2f} to "
-        f"{high:.2f} times a²/(8D²), on every surface. The reason: a window that reaches D makes the cylinder "
-        "more curved by a²/(4D²), whatever its roughness. Compared with exact periodicity on a cylinder of "
-        f"that curvature, {' and '.join(remaining)} of those L1 errors remain. Roughness changes where "
-        f"the error is located: the largest error of any cell grows from {' and from '.join(cells)}, since "
-        "asperities in light contact appear and disappear, while the error of the peak pressure, which is now "
-        f"under an asperity, falls from {' and from '.join(highest)}. Roughness itself changes the pressure by "
-        f"{percent(shift)} (L1) at an rms of {float(shift['rms']):g}{systematic if low > 0 else ''}.",
+        "Hardly: on a rough surface a padding has the same L1 error as on a smooth one, but it lies elsewhere.",
+        f"At L = {float(sweep['period']):g} a the L1 error is {' and '.join(l1_errors)}, at an rms height of {most:g} "
+        f"a²/(2R). The effective half-width is too small by {low:.2f} to {high:.2f} times a²/(8D²) on every surface, "
+        f"since "
+        "a window that reaches D makes the cylinder more curved by a²/(4D²), whatever its roughness: compared with "
+        "exact "
+        f"periodicity on a cylinder of that curvature, {' and '.join(remaining)} of those L1 errors remain. The "
+        f"largest "
+        f"error of any cell grows from {' and from '.join(cells)}, since asperities in light contact appear and "
+        f"disappear; "
+        f"the error of the peak, now under an asperity, falls from {' and from '.join(highest)}. Roughness itself "
+        f"changes "
+        f"the pressure by {percent(shift)} (L1) at an rms of {float(shift['rms']):g}{systematic if low > 0 else ''}.",
         "Does roughness change the error of a padding?",
     )

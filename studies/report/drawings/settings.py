@@ -1,364 +1,382 @@
-"""The comparison of a scene's settings: the price of accuracy, what each padding does, and what each grid does."""
+"""Settings of any scene: errors over the axis that varies, what n is needed, and the price where times were taken."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from itertools import pairwise
-from math import inf, isfinite
-from typing import Any
+from collections.abc import Iterator, Sequence
 
 import numpy as np
+import xarray as xr
 from matplotlib.axes import Axes
 
-from studies.advice.comparison import LINE, Comparison, Measured, Verdict, label_of, mode_of
-from studies.model.drawing import CaptionedFigure, Finding, Table
-from studies.report.style import captioned, padding_style, panels, percent
-from studies.report.wording import (
-    DECADES,
-    cells_text,
-    error_text,
-    padding_name,
-    reported_quantities,
-    rivals_text,
-    seconds_text,
-    title_text,
-    verdict_text,
+from contactstudy.domain.fields import Array
+from studies.advice.front import pareto_front
+from studies.model.drawing import CaptionedFigure, Drawing, Finding, Table
+from studies.model.outcome import CaseStatus
+from studies.reference.line_contact import COUNTS_IMAGES, padding_at, padding_label, total_time
+from studies.report.style import (
+    LAW_STYLE,
+    WIDTH,
+    captioned,
+    padding_style,
+    paddings,
+    panels,
+    percent,
+    power,
 )
+from studies.report.wording import DECADES, seconds_text
 
-WIDTH = 9.2  # of every figure [in]
-# Difference of two labels over the height of the axes, below which they would touch.
-APART = 0.045
-# Errors at the ends of two lines that are one plateau.
-SAME = 1.15
-
-
-@dataclass(frozen=True, eq=False)
-class Part:
-    """A question with its answer: what is drawn, said and listed of it."""
-
-    name: str
-    title: str
-    findings: Sequence[Finding]
-    figures: Sequence[CaptionedFigure]
-    tables: Sequence[Table]
+ERROR = "pressure_error_l1"
+LABEL = "L1 error of the pressure"
+AXES = ("padding", "images", "period", "grid", "solver_tolerance")
+# Axes over which errors are drawn as lines.
+OVER = {
+    "images": "n + ½  (n periods on each side)",
+    "grid": "cells across the width",
+    "period": "period over the scene's own",
+}
+HERTZ = "Hertz's contact"
+# Errors by the padding for which the least n is listed.
+TARGETS = (1e-2, 1e-3, 1e-4)
 
 
-def parts(measured: Comparison) -> Sequence[Part]:
-    """Return the price of accuracy, what each padding and each grid does, and what errors are against."""
-    verdict = measured.verdict()
-    if verdict is None:
-        return ()
-    claim = Finding(
-        verdict_text(measured, verdict), rivals_text(measured, verdict), "Which setting?"
-    )
-    price = Part(
-        "settings",
-        "The price of accuracy",
-        [claim],
-        [_front(measured, verdict)],
-        [_costs(measured)],
-    )
-    about = Part("reference", "What the errors are against", [_reference(measured)], [], [])
-    if not measured.paddings:
-        return price, about
-    causes = Part(
-        "paddings",
-        "What each padding does, and what each grid does",
-        [_which_n(measured, verdict)],
-        [_causes(measured, verdict)],
-        [_changes(measured)],
-    )
-    return price, causes, about
+def _figure(dataset: xr.Dataset) -> Sequence[CaptionedFigure]:
+    """Draw errors over every axis with several values, or as points, and the front of errors and times."""
+    dataset = _on_one_tolerance(dataset) if not _is_timed(dataset) else dataset
+    untimed = _on_one_tolerance(dataset)
+    if dataset.sizes["period"] > 1 and _is_of_hertz(dataset):
+        drawn = [_over_reach(untimed)]
+        varied = ["grid"]
+    else:
+        drawn, varied = [], list(OVER)
+    drawn += [_over(untimed, axis) for axis in varied if dataset.sizes[axis] > 1]
+    if not drawn:
+        drawn = [_points(untimed)]
+    return [*drawn, *([_front(dataset)] if _is_timed(dataset) else [])]
 
 
-def _style(label: str) -> dict[str, Any]:
-    """Return colour and marker of a padding; n changes the shade of a line by its width alone."""
-    mode = "line" if label == LINE else label.partition(",")[0]
-    return padding_style("exact" if mode == "free" else mode)
+def _is_of_hertz(dataset: xr.Dataset) -> bool:
+    """Return whether the errors are against Hertz's contact, for which the law of a window is known."""
+    return str(dataset.attrs.get("against", "")) == HERTZ
 
 
-def _front(measured: Comparison, verdict: Verdict) -> CaptionedFigure:
-    """Draw errors over times, with the verdict as the title."""
-    fig, (ax,) = panels(1, width=WIDTH, height=5.2)
-    best = verdict.best
-    ends: list[tuple[float, float, str]] = []
-    for label in reversed(measured.labels):
-        line = measured.of(label)
-        if not line:
+def _is_timed(dataset: xr.Dataset) -> bool:
+    return "solve_time" in dataset and bool(dataset["solve_time"].notnull().any())
+
+
+def _on_one_tolerance(dataset: xr.Dataset) -> xr.Dataset:
+    """Return a dataset at its smallest tolerance, where it has several."""
+    if "solver_tolerance" not in dataset.dims:
+        return dataset
+    return dataset.sel(solver_tolerance=dataset["solver_tolerance"].min(), drop=True)
+
+
+def _lines(dataset: xr.Dataset, over: str) -> Iterator[tuple[str, str, xr.Dataset]]:
+    """Yield padding, name and part of a dataset for every padding, and every n that is not the axis itself."""
+    for padding in paddings(dataset):
+        part = dataset.sel(padding=padding)
+        if over == "images":
+            yield padding, padding, part
             continue
-        is_own = label == measured.own_label
-        style = _style(label) | ({"lw": 3.0, "ms": 7, "zorder": 4} if is_own else {"lw": 1.0})
-        times, errors = [one.time for one in line], [one.error for one in line]
-        ax.loglog(times, errors, **style, markevery=[one.is_bounded for one in line])
-        hollow = [one for one in line if not one.is_bounded]
-        ax.loglog(
-            [one.time for one in hollow], [one.error for one in hollow],
-            **style | {"ls": "none", "markerfacecolor": "white"},
-        )  # fmt: skip
-        ends.append((times[-1], errors[-1], label))
-        if is_own:
-            _label_cells(ax, line, style["color"])
-    errors = [one.error for one in measured.settings]
-    lowest = min(min(errors), verdict.error) / 2
-    if isfinite(measured.floor) and measured.floor > 0:
-        lowest = min(lowest, measured.floor / 1.8)
-        ax.axhspan(lowest, measured.floor, color="0.87", zorder=0)
-        ax.text(
-            0.01, measured.floor / 1.06, "bound on the error of the reference: not decidable below",
-            transform=ax.get_yaxis_transform(), va="top", fontsize="small", color="0.35",
-        )  # fmt: skip
-    ax.axhline(verdict.error, color="k", ls="--", lw=1.2)
-    ax.text(
-        0.99, verdict.error * 1.04, f"requested {percent(verdict.error)}",
-        transform=ax.get_yaxis_transform(), ha="right", va="bottom", fontsize="small",
-    )  # fmt: skip
-    ax.plot(best.time, best.error, "o", ms=19, mfc="none", mec="k", mew=1.8, zorder=6)
-    ax.set_ylim(lowest, 1.6 * max(errors))
-    _label_ends(ax, ends, measured.own_label)
-    ax.set(
-        xlabel="processor time to pose and solve, on one thread [s]",
-        ylabel="L1 error of the pressure",
+        for n in part["images"].values[: None if padding in COUNTS_IMAGES else 1]:
+            yield padding, padding_label(padding, int(n)), part.sel(images=n)
+
+
+def _finest(part: xr.Dataset, over: str) -> xr.Dataset:
+    """Return a part at the finest grid, the longest period and the largest n, but for the axis `over`."""
+    others = {
+        axis: -1 for axis in ("images", "period", "grid") if axis in part.dims and axis != over
+    }
+    return part.isel(others)
+
+
+def _at(part: xr.Dataset, over: str) -> str:
+    """Return the values of the axes at which a figure is drawn."""
+    words = {"grid": "{} cells across", "period": "L = {:g} a" if _is_of_hertz(part) else ""}
+    shown = _finest(part, over)
+    texts = [words[axis].format(shown[axis].item()) for axis in words if shown[axis].ndim == 0]
+    return ", ".join(text for text in texts if text)
+
+
+def _against(dataset: xr.Dataset) -> str:
+    return f"against {dataset.attrs.get('against', 'a finer solution')}"
+
+
+def _over_reach(dataset: xr.Dataset) -> CaptionedFigure:
+    """Draw the errors of all n and periods over the distance within which a point sees pressure."""
+    finest = dataset.isel(grid=-1)
+    fig, (ax,) = panels(1, width=WIDTH, height=4.2)
+    spans: list[float] = []
+    for name in paddings(dataset):
+        part = finest.sel(padding=name)
+        counted = part if name in COUNTS_IMAGES else part.isel(images=[0])
+        flat = counted[ERROR].stack(setting=("images", "period"))
+        reach = [padding_at(name, int(n)).reach(float(L)) for n, L in flat["setting"].values]
+        style = padding_style(name)
+        if np.isfinite(reach).all():
+            ax.loglog(reach, flat, ls="none", label=name, **style)
+            spans += reach
+        else:
+            ax.axhline(
+                float(flat.max()),
+                color=style["color"],
+                ls="--",
+                label=f"{name}: the error by the cells",
+            )
+    beyond = np.geomspace(max(1.0, min(spans)), max(spans)) if spans else np.array([])
+    if beyond.size:
+        ax.loglog(beyond, _law(beyond), label="law a²/(2πD²)", **LAW_STYLE)
+    ax.set(xlabel="reach D of the window over the half-width a", ylabel=LABEL)
+    return captioned(
+        "reach",
+        fig,
+        f"{LABEL} over the reach D of the window: the distance to each side within which a point sees pressure (L/2 "
+        "without neighbours, L with one copy, (n + ½)L with n periods). Each mark is a padding at one n and one period "
+        f"L, on {int(finest['grid'])} cells across. All windows that move with the point follow one law; one that is "
+        f"fixed "
+        "to the domain also makes the load vary along the length. Dashed: no image is left out.",
     )
-    ax.set_title(title_text(measured, verdict), loc="left")
-    own = padding_name(measured.own_label)
+
+
+def _law(reach: Array) -> Array:
+    """Return the L1 error ``a^2 / (2 pi D^2)`` of a window with a reach of so many half-widths."""
+    return np.asarray(1 / (2 * np.pi * reach**2))
+
+
+def _over(dataset: xr.Dataset, over: str) -> CaptionedFigure:
+    fig, (ax,) = panels(1, width=WIDTH, height=4.2)
+    for padding, label, part in _lines(dataset, over):
+        shown = _finest(part, over)
+        x = shown[over].values + (0.5 if over == "images" else 0.0)
+        style = padding_style(padding)
+        if over == "images" and padding not in COUNTS_IMAGES:
+            style |= {"marker": "none", "ls": "--"}
+        if over == "period":  # some whole numbers are no line
+            style |= {"ls": "none"}
+        ax.loglog(x, shown[ERROR], label=label, **style)
+    ax.set(xlabel=OVER[over], ylabel=LABEL)
+    if over == "grid":
+        ax.set_xticks(dataset["grid"].values, [str(n) for n in dataset["grid"].values])
+        ax.minorticks_off()
+    at = _at(dataset, over)
+    return captioned(
+        f"over_{over}",
+        fig,
+        f"{LABEL} over the {OVER[over].split('  ')[0]}, {_against(dataset)}{'; ' * bool(at)}{at}."
+        + (
+            " A line that becomes horizontal has reached the error of its padding, which no grid removes."
+            if over == "grid"
+            else ""
+        ),
+    )
+
+
+def _points(dataset: xr.Dataset) -> CaptionedFigure:
+    """Draw the error of every padding as a point."""
+    rows = [
+        (label, padding, float(_finest(part, "")[ERROR]))
+        for padding, label, part in _lines(dataset, "")
+    ]
+    fig, (ax,) = panels(1, width=WIDTH, height=1.0 + 0.3 * len(rows))
+    for place, (_, padding, error) in enumerate(rows):
+        ax.plot(error, place, "o", color=padding_style(padding)["color"])
+    names = [label for label, *_ in rows]
+    ax.set(xscale="log", xlabel=LABEL, yticks=range(len(rows)), yticklabels=names)
+    ax.invert_yaxis()
+    return captioned(
+        "paddings", fig, f"{LABEL} of every padding, {_against(dataset)}; {_at(dataset, '')}."
+    )
+
+
+def _flat(dataset: xr.Dataset) -> xr.Dataset:
+    """Return all settings in a row, with their errors and times."""
+    both = dataset[[ERROR]].assign(time=total_time(dataset))
+    flat = both.stack(point=dataset["case_status"].dims).reset_index("point")
+    return flat.where(flat[ERROR].notnull() & flat["time"].notnull(), drop=True)
+
+
+def _front(dataset: xr.Dataset) -> CaptionedFigure:
+    """Draw errors over times, a panel for at most two periods."""
+    periods = dataset["period"].values[[0, -1] if dataset.sizes["period"] > 1 else [0]]
+    fig, axes = panels(len(periods), width=WIDTH / len(periods), height=4.2, share="both")
+    for ax, period in zip(axes, periods, strict=True):
+        part = dataset.sel(period=period)
+        for padding in paddings(dataset):
+            _front_of(ax, part.sel(padding=padding), padding)
+        own = f"period L = {period:g} a" if _is_of_hertz(dataset) else ""
+        ax.set(xlabel="wall time to set up and solve, on one thread [s]", title=own)
+    axes[0].set_ylabel(LABEL)
     return captioned(
         "front",
         fig,
-        f"The price of accuracy for {measured.name}. Each line is one padding on ever finer grids; the thick one is "
-        f"{own}, the boundary of the scene itself, with its cells. A line that becomes horizontal has reached the "
-        "error of its padding, which no grid removes. The ring is the verdict. "
-        + (
-            "Hollow marks: the solution itself gives no bound on its error, and is never recommended. "
-            if not all(one.is_bounded for one in measured.settings)
-            else ""
-        )
-        + "Errors are the largest of this and any finer grid.",
+        "The price of accuracy: of each padding the settings that no other of it beats in both error and time; small "
+        "marks: its other settings.",
     )
 
 
-def _label_cells(ax: Axes, line: Sequence[Measured], color: str) -> None:
-    """Write the cells beside every second mark of the own boundary, from the finest."""
-    for one in line[::-2]:
-        across, along = one.setting.cells
-        ax.annotate(
-            f"{across} x {along}", (one.time, one.error), (-7, -4), textcoords="offset points",
-            ha="right", va="top", fontsize="small", color=color, zorder=5,
-        )  # fmt: skip
+def _front_of(ax: Axes, part: xr.Dataset, padding: str) -> None:
+    flat = _flat(part)
+    cost, error = flat["time"].values, flat[ERROR].values
+    best = pareto_front(np.asarray(cost), np.asarray(error))
+    style = padding_style(padding)
+    ax.loglog(cost[best], error[best], label=padding, **style)
+    ax.loglog(cost, error, **style | {"ls": "none", "ms": 3, "alpha": 0.5})
 
 
-def _label_ends(ax: Axes, ends: Sequence[tuple[float, float, str]], own: str) -> None:
-    """Write the names of the lines at the right, those that end at one error together."""
-    groups: list[list[tuple[float, float, str]]] = []
-    for end in sorted(ends, key=lambda end: end[1]):
-        if groups and end[1] <= SAME * groups[-1][0][1]:
-            groups[-1].append(end)
-        else:
-            groups.append([end])
-    low, high = np.log(ax.get_ylim())
-    rows = [len(group) for group in groups]
-    places = [(np.log(np.mean([end[1] for end in group])) - low) / (high - low) for group in groups]
-    centres = list(places)
-    for _ in range(50):  # push overlapping labels apart
-        for k, (below, above) in enumerate(pairwise(range(len(groups)))):
-            least = APART * (rows[below] + rows[above]) / 2
-            lacking = least - (centres[above] - centres[below])
-            if lacking > 0:
-                centres[k] -= lacking / 2
-                centres[k + 1] += lacking / 2
-    for group, centre in zip(groups, centres, strict=True):
-        has_own = any(label == own for *_, label in group)
-        text = "\n".join(label for *_, label in sorted(group, reverse=True))
-        latest = max(group)
-        color = _style(own if has_own else latest[2])["color"]
-        ax.annotate(
-            text, latest[:2], (1.02, centre), textcoords="axes fraction", xycoords="data",
-            ha="left", va="center", fontsize="small", color=color,
-            weight="bold" if has_own else "normal",
-            arrowprops={"arrowstyle": "-", "color": color, "lw": 0.6, "shrinkA": 0},
-        )  # fmt: skip
+def _tables(dataset: xr.Dataset) -> Sequence[Table]:
+    """Return the n or the cells that are needed where several are stored, and the quickest settings of a timed "
+    "study."""
+    tables = []
+    if dataset.sizes["images"] > 2 and "circular" in paddings(dataset):
+        tables.append(_needed(_on_one_tolerance(dataset)))
+    elif dataset.sizes["grid"] > 2 and "solver_tolerance" not in dataset.dims:
+        tables.append(_cells(dataset))
+    if _is_timed(dataset) and not tables:
+        tables.append(_quickest(dataset))
+    return tables
 
 
-def _causes(measured: Comparison, verdict: Verdict) -> CaptionedFigure:
-    """Draw the error of each padding alone over n, beside the errors by cells and by tolerance."""
-    fig, (left, right) = panels(2, width=WIDTH / 2, height=3.9)
-    modes: dict[str, list[tuple[int, float]]] = {}
-    for one in measured.paddings:
-        mode, images = mode_of(one.padding)
-        modes.setdefault(mode, []).append((images, one.l1))
-    most = max((images for points in modes.values() for images, _ in points), default=1)
-    for mode, points in modes.items():
-        n, errors = np.array(sorted(points)).T
-        if len(points) > 1:
-            left.loglog(n + 0.5, errors, label=mode, **padding_style(mode))
-        else:
-            style = padding_style(mode) | {"marker": "none", "ls": "-."}
-            left.loglog([1, most + 0.5], 2 * [errors[0]], label=mode, **style)
-    own = [one for one in measured.of(measured.own_label) if one.is_bounded]
-    for grid in own[:: max(1, len(own) // 4)]:
-        left.axhline(grid.error, color="0.55", ls=":", lw=1.0)
-        left.text(
-            1.0, grid.error, cells_text(grid.setting.cells), transform=left.get_yaxis_transform(),
-            ha="right", va="bottom", fontsize="x-small", color="0.4",
-        )  # fmt: skip
-    left.set(
-        xlabel="n + ½  (n periods on each side)",
-        ylabel="L1 error by the padding alone",
-        title="Which n: where its line crosses a grid's error",
-    )
-    line = measured.of(measured.own_label)
-    style = _style(measured.own_label)
-    cells = [float(np.sqrt(np.prod(one.setting.cells))) for one in line]
-    if all(one.setting.cells[1] == 1 for one in line):
-        cells = [float(one.setting.cells[0]) for one in line]
-    right.loglog(cells, [one.error for one in line], label="cells", **style)
-    hollow = [k for k, one in enumerate(line) if not one.is_bounded]
-    right.loglog(
-        [cells[k] for k in hollow], [line[k].error for k in hollow],
-        **style | {"ls": "none", "markerfacecolor": "white"},
-    )  # fmt: skip
-    for tolerance, error in measured.tolerances.items():
-        if error > 0.02 * min(one.error for one in line):
-            right.axhline(error, color="#595959", ls=":", lw=1.0)
-            right.text(
-                1.0, error, f"tolerance {tolerance:.0e}", transform=right.get_yaxis_transform(),
-                ha="right", va="bottom", fontsize="x-small", color="0.35",
-            )  # fmt: skip
-    right.axhline(verdict.error, color="k", ls="--", lw=1.0)
-    right.set(
-        xlabel="cells (root of their number)" if line[0].setting.cells[1] > 1 else "cells across",
-        ylabel="L1 error of the pressure",
-        title=f"Which grid: {padding_name(measured.own_label)}",
-    )
-    on = cells_text(measured.paddings_on)
-    return captioned(
-        "causes",
-        fig,
-        f"Left: what each padding alone does to the pressure, against {padding_name(measured.own_label)} on the same "
-        f"{on}, where the error by the cells cancels; dotted: the errors of some grids. A padding whose line lies "
-        "below the error of the grid costs no accuracy. Right: the error by the cells, and (dotted) that of some "
-        f"tolerances on {on}.",
-    )
+def _from_then_on(meets: np.ndarray, values: np.ndarray) -> str:
+    """Return the least of some rising values from which on all meet a condition, or that none does."""
+    enough = np.flatnonzero(np.minimum.accumulate(meets[::-1])[::-1])
+    return str(values[enough[0]]) if enough.size else f"> {values[-1]}"
 
 
-def _which_n(measured: Comparison, verdict: Verdict) -> Finding:
-    """Say from which n on a moving window costs no accuracy, and which paddings never do."""
-    allowed = max(verdict.best.error, verdict.error / 10) / 3
-    enough = [one for one in measured.paddings if one.l1 <= allowed]
-    counted = sorted(
-        mode_of(one.padding)[1] for one in enough if mode_of(one.padding)[0] == "circular"
-    )
-    worst = [one for one in measured.paddings if one.l1 > verdict.error]
-    is_free = measured.own_label == "free"
-    if is_free:
-        least = min(measured.paddings, key=lambda one: one.l1)
-        claim = f"The ends are free: every periodic padding is {percent(least.l1)} wrong or more, at any n."
-    elif counted:
-        claim = f"If images must be counted, n = {counted[0]} in a moving window suffices."
-    else:
-        most = max((mode_of(one.padding)[1] for one in measured.paddings), default=0)
-        claim = f"No n that was tried suffices, up to {most}."
-    texts = "; ".join(
-        f"{label_of(one.padding)} {percent(one.l1)}"
-        for one in sorted(measured.paddings, key=lambda one: -one.l1)
-    )
-    return Finding(
-        claim,
-        f"L1 error of the pressure by the padding alone, on {cells_text(measured.paddings_on)}: {texts}."
-        + (
-            f" Above the request of {percent(verdict.error)} on any grid: "
-            f"{'; '.join(label_of(one.padding) for one in worst)}."
-            if worst and not is_free
-            else ""
-        ),
-        "Which n?",
-    )
-
-
-def _reference(measured: Comparison) -> Finding:
-    """Say what the errors are against, and what was left out."""
-    if measured.reference is None:
-        claim = "Errors are against Hertz's contact, which is exact here."
-        said = "The measure is the L1 norm of the difference to the means of his pressure over each cell."
-    else:
-        bound = (
-            f"its own bound is {percent(measured.floor)}, below which nothing is claimed"
-            if measured.floor < inf
-            else "its own error has no bound, so that nothing is claimed"
-        )
-        claim = f"Errors are against {cells_text(measured.reference)} at the scene's own boundary; {bound}."
-        unknown = [
-            name.replace("_", " ") for name, bound in measured.bounds.items() if bound == inf
-        ]
-        said = (
-            "The measure is the L1 norm of the difference to the reference's means over each cell."
-        )
-        if unknown:
-            said += f" Without a bound even there: {', '.join(unknown)}."
-    return Finding(claim, " ".join([said, *measured.notes]), "Against what?")
-
-
-def _costs(measured: Comparison) -> Table:
-    """Return the quickest setting for each decade, with the next best padding."""
-    rows = []
-    reached = min((one.error for one in measured.settings if one.is_bounded), default=inf)
-    for target in DECADES:
-        verdict = measured.verdict(target)
-        if verdict is None or not verdict.meets:
-            continue
-        best = verdict.best
-        other = min(verdict.rivals, key=lambda rival: rival.ratio, default=None)
-        beside = "none meets it"
-        if other is not None:
-            took = "as fast" if other.is_tie else f"{other.ratio:.2g} times"
-            beside = f"{other.measured.label}: {took}"
-        rows.append(
-            (
-                percent(target),
-                best.label,
-                cells_text(best.setting.cells),
-                f"{best.setting.tolerance:.0e}",
-                error_text(best.error, measured.floor),
-                seconds_text(best.time),
-                beside,
-            )
-        )
-    left_out = (
-        f" Smaller errors are not listed: no setting is shown to reach them; the least error measured is "
-        f"{error_text(reached, measured.floor)}."
-        if reached < inf
-        else ""
+def _cells(dataset: xr.Dataset) -> Table:
+    """Return the least number of cells across from which on each padding stays below some errors."""
+    lines = [
+        (label, _finest(part, "grid")[ERROR].values) for _, label, part in _lines(dataset, "grid")
+    ]
+    cells = dataset["grid"].values
+    rows = tuple(
+        (percent(target), *(_from_then_on(errors <= target, cells) for _, errors in lines))
+        for target in DECADES
+        if min(errors[-1] for _, errors in lines) <= target
     )
     return Table(
-        "The quickest setting for each error, by the median of its processor times on one thread; paddings within a "
-        f"tenth are a tie, which goes to the scene's own boundary.{left_out}",
-        ("error at most", "padding", "grid", "tolerance", "measured", "time", "next padding"),
+        f"Cells across the width from which on the error stays below a target; a padding that stores none says the "
+        f"most "
+        f"that were tried. {_at(dataset, 'grid')}",
+        ("error at most", *(label for label, _ in lines)),
+        rows,
+    )
+
+
+def _needed(dataset: xr.Dataset) -> Table:
+    """Return the least n of a moving window from which on its own error stays below some errors, for each period."""
+    finest = dataset.isel(grid=-1)
+    rows = []
+    for period in dataset["period"].values:
+        part = finest.sel(period=period)
+        own = f"{period:g} a" if _is_of_hertz(dataset) else f"{period:g}"
+        single = [
+            percent(part[ERROR].sel(padding=name).isel(images=0))
+            for name in ("duplicated", "exact")
+            if name in paddings(dataset)
+        ]
+        rows.append((own, *single, *(_least(part, target) for target in TARGETS)))
+    single = [name for name in ("duplicated", "exact") if name in paddings(dataset)]
+    return Table(
+        f"Error of the paddings without an n, and the least n of a circular window whose error does not exceed that "
+        f"of exact "
+        f"periodicity by more than a target, on {int(finest['grid'])} cells across. The n are those stored: "
+        f"{', '.join(str(n) for n in dataset['images'].values)}.",
+        ("period", *single, *(f"n for {percent(target)} more" for target in TARGETS)),
         tuple(rows),
     )
 
 
-def _changes(measured: Comparison) -> Table:
-    """Return what each padding alone does to the main numbers."""
-    names = reported_quantities(measured)
+def _least(part: xr.Dataset, target: float) -> str:
+    errors = part[ERROR].sel(padding="circular").values
+    cells = float(part[ERROR].sel(padding="exact").min()) if "exact" in paddings(part) else 0.0
+    return _from_then_on(errors <= cells + target, part["images"].values)
 
-    def signed(value: float) -> str:
-        sign = "+" if value > 0 else "−"
-        return "0" if abs(value) < 5e-7 else f"{sign}{percent(value)}"
 
-    rows = tuple(
-        (
-            label_of(one.padding),
-            percent(one.l1),
-            *(
-                signed(one.changes[name]) if name in one.changes else "not known"
-                for name, _ in names
-            ),
-        )
-        for one in measured.paddings
-    )
-    no_bound = [words for name, words in names if measured.bounds.get(name) == inf]
-    said = f" No grid bounds the {' and the '.join(no_bound)} of this scene." if no_bound else ""
+def _quickest(dataset: xr.Dataset) -> Table:
+    """Return the quickest setting of the study for each error."""
+    flat = _flat(dataset)
+    rows = []
+    for target in DECADES:
+        meets = flat.where(flat[ERROR] <= target, drop=True)
+        if not meets.sizes["point"]:
+            continue
+        best = meets.isel(point=int(np.argmin(meets["time"].values)))
+        name = padding_label(str(best["padding"].values), int(best["images"]))
+        others = meets.where(meets["padding"] != best["padding"], drop=True)
+        beside = "none meets it"
+        if others.sizes["point"]:
+            other = others.isel(point=int(np.argmin(others["time"].values)))
+            beside = f"{other['padding'].values!s}: {seconds_text(float(other['time']))}"
+        time = seconds_text(float(best["time"]))
+        cells = str(int(best["grid"]))
+        rows.append((percent(target), name, cells, percent(best[ERROR]), time, beside))
     return Table(
-        f"What each padding alone does, against {padding_name(measured.own_label)} on "
-        f"{cells_text(measured.paddings_on)}: the L1 error of the pressure, and the change of each number.{said}",
-        ("padding", "pressure in L1", *(words for _, words in names)),
-        rows,
+        "The quickest setting of the study for each error, by the least of its repeats, beside the next padding. "
+        "Differences of some tenths of a millisecond are noise. Errors that no setting reaches are left out.",
+        ("error at most", "padding", "cells across", "measured", "time", "next padding"),
+        tuple(rows),
     )
+
+
+def _findings(dataset: xr.Dataset) -> Sequence[Finding]:
+    """Return what the sweep says on n, on the period and on the grid; nothing where a case has no numbers."""
+    good = bool((dataset["case_status"] == CaseStatus.OK).all())
+    if not good or "exact" not in paddings(dataset) or not _is_of_hertz(dataset):
+        return ()
+    chosen, found = _on_one_tolerance(dataset), []
+    if {"circular", "duplicated"} <= set(paddings(dataset)) and dataset.sizes["period"] > 1:
+        if dataset.sizes["images"] > 2:
+            found.append(_which_n(chosen))
+        found.append(_which_period(chosen))
+    if dataset.sizes["grid"] > 2:
+        found.append(_which_grid(chosen))
+    return found
+
+
+def _which_n(dataset: xr.Dataset) -> Finding:
+    errors = dataset[ERROR].isel(grid=-1)
+    exact = float(errors.sel(padding="exact").max())
+    n = int(dataset["images"][-1])
+    worst = float(errors.sel(padding="circular").isel(images=-1).max())
+    return Finding(
+        "No n is needed: exact periodicity sums all images in closed form.",
+        f"Its error is that of the cells, at most {percent(exact)} here at any period. A window of n periods leaves "
+        f"out "
+        "an error of a²/(2π(n + ½)²L²): on a short period many n are needed (the table). With "
+        f"n = {n} the largest error of a circular window is {percent(worst)}. More n cannot do better than exact "
+        "periodicity; one copy (duplicated) is as n = ½.",
+        "Which n?",
+    )
+
+
+def _which_period(dataset: xr.Dataset) -> Finding:
+    errors = dataset["axis_pressure_error"].isel(grid=-1, images=-1)
+    short, long = float(errors["period"].min()), float(errors["period"].max())
+    facts = "; ".join(
+        f"{padding_label(name, int(errors['images']))} {percent(part.sel(period=short))} and "
+        f"{percent(part.sel(period=long))}"
+        for name in ("duplicated", "circular", "exact")
+        for part in [errors.sel(padding=name)]
+    )
+    return Finding(
+        "“Independent of the domain extent in the length direction”: true only for exact periodicity.",
+        f"Error of the pressure on the axis at L = {short:g} a and at L = {long:g} a: {facts}.",
+        "The paper's second claim",
+    )
+
+
+def _which_grid(dataset: xr.Dataset) -> Finding:
+    exact = dataset.sel(padding="exact").isel(images=-1, period=-1).sortby("grid")
+    cells, errors = exact["grid"].values, exact[ERROR].values
+    rate = float(np.polyfit(np.log(cells), np.log(errors), 1)[0])
+    enough = _from_then_on(errors <= 1e-2, cells)
+    largest = exact["pressure_error_max"].values
+    return Finding(
+        f"{enough} cells across the width of 2.4 a for 1 %: with exact periodicity the grid is the only source of "
+        f"error.",
+        f"The L1 error falls like {power('N', rate)}, from {percent(errors[0])} at {cells[0]} cells to "
+        f"{percent(errors[-1])} at {cells[-1]}. The largest error of a cell, at the edge of the contact, falls "
+        f"slowly and "
+        f"not monotonically: {percent(largest[-1])} of p_{{H}} at {cells[-1]} cells.",
+        "Which grid?",
+    )
+
+
+padding = period = images = grid = pareto = Drawing(_figure, _findings, _tables, AXES)

@@ -4,16 +4,25 @@ import numpy as np
 import xarray as xr
 
 from studies.definitions.accuracy import KINDS, METRICS, USES
-from studies.definitions.stability import VERDICTS
 from studies.model.drawing import CaptionedFigure, Drawing, Finding, Table
 from studies.reference.hard_case import SOLVERS
 from studies.reference.hard_cases import CASES, GROUPS
-from studies.report.style import COLORS, LAW_STYLE, captioned, panels, percent
+from studies.report.style import COLORS, LAW_STYLE, WIDTH, captioned, panels, percent
 
 # Hard cases
 
 
-RIGHT, EXPLAINED, WRONG, NOT_APPLICABLE = range(len(VERDICTS))
+RIGHT, EXPLAINED, WRONG = range(3)  # of VERDICTS, whose last is "not applicable"
+# What the cases of a group have in common.
+FAMILIES = {
+    "distance": "periods of 0.001 to 1000 half-widths, cells a thousand times as long as wide, a few cells",
+    "load": "loads of 1e-30 and 1e30 N/m, one cell in contact, full contact, contact at the edge of the grid",
+    "units": "one contact in other units of length and pressure",
+    "material": "rigid and incompressible bodies, moduli 1e6 apart, hardnesses down to the mean pressure",
+    "surface": "steps, spikes, a flat punch, noise from cell to cell, far higher than what is flattened",
+    "perturbation": "a contact that is shifted, mirrored, repeated or changed by roundings",
+    "solver": "loose and impossible tolerances, few iterations, single precision, wrong starts",
+}
 SOLVER_COLORS = dict(zip(SOLVERS, COLORS, strict=False))
 SMALLEST_ERROR = 1e-17  # where an error of zero is drawn
 MOST_NAMES = 10  # of cases in a list
@@ -36,7 +45,7 @@ def _count(dataset: xr.Dataset, verdict: int) -> int:
 
 def _stability_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     groups = _groups(dataset)
-    fig, (ax,) = panels(1, width=8.5, height=1.2 + 0.3 * len(groups))
+    fig, (ax,) = panels(1, width=WIDTH, height=1.2 + 0.3 * len(groups))
     for row, cases in enumerate(groups.values()):
         right = cases["verdict"] == RIGHT
         for number, solver in enumerate(map(str, dataset["solver"].values)):
@@ -54,11 +63,10 @@ def _stability_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
         captioned(
             "stability",
             fig,
-            "Errors of hard cases by what is hard about them. The reference answer comes from a dense matrix, built "
-            "pair by pair without transforms, whose contact sets are found by pivoting, or from an equivalent "
-            "form of the same contact (other units, shifted, mirrored, over two periods). The stated error is the "
-            "remaining violation of the contact conditions times the largest compliance of a wave in "
-            "the contact. Errors of exactly zero are drawn at the left end.",
+            "Errors of hard cases by family. The reference answer comes from a dense matrix, built pair by pair "
+            "without "
+            "transforms, or from an equivalent form of the same contact. The bar is the largest error that the program "
+            "states for a case of the family. Errors of exactly zero are drawn at the left end.",
         ),
     )
 
@@ -78,13 +86,26 @@ def _stability_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
         Finding(
             claim,
             f"{dataset.sizes['case']} difficult contacts were solved with {dataset.sizes['padding']} paddings and "
-            f"{dataset.sizes['solver']} solvers, where the combination applies: {_count(dataset, RIGHT)} solves have an "
+            f"{dataset.sizes['solver']} solvers, where the combination applies: {_count(dataset, RIGHT)} solves have "
+            f"an "
             f"error within the one stated for them, {_count(dataset, EXPLAINED)} end with a status that explains why "
-            f"there is no answer, and {n_wrong} do neither{where}. The median error is {percent(share.median())} of the "
-            f"stated error, the largest {percent(share.max())}.",
+            f"there is no answer, and {n_wrong} do neither{where}. The median error is {percent(share.median())} of "
+            f"the "
+            f"stated error, the largest {percent(share.max())}.{_explained(dataset)}",
             "Is it stable?",
         ),
     )
+
+
+def _explained(dataset: xr.Dataset) -> str:
+    """Return the cases that end with a status in the place of an answer, with the number of their solves."""
+    counts = (dataset["verdict"] == EXPLAINED).sum(("padding", "solver"))
+    texts = [
+        f"{name} ({int(count)})"
+        for name, count in zip(dataset["case"].values, counts.values, strict=True)
+        if count
+    ]
+    return f" With a status in the place of an answer end: {', '.join(texts)}." if texts else ""
 
 
 def _stability_tables(dataset: xr.Dataset) -> tuple[Table, ...]:
@@ -94,15 +115,17 @@ def _stability_tables(dataset: xr.Dataset) -> tuple[Table, ...]:
         largest = (float(right[name].max()) for name in ("pressure_error", "stated_error"))
         errors = (f"{error:.0e}" if np.isfinite(error) else "none" for error in largest)
         counts = (_count(cases, verdict) for verdict in (RIGHT, EXPLAINED, WRONG))
-        rows.append((group, str(cases.sizes["case"]), *map(str, counts), *errors))
+        family = FAMILIES.get(group, "")
+        rows.append((group, family, str(cases.sizes["case"]), *map(str, counts), *errors))
     return (
         Table(
-            "Hard cases by what is hard about them, over all paddings and both solvers: solves with an error within the "
-            "stated one, with a status that explains why there is no answer, and with neither; the largest error of the "
-            "pressure over its maximum, and the largest stated error.",
+            "Hard cases by family, over all paddings and both solvers: solves with an error within the stated one, "
+            "with a "
+            "status that explains why there is no answer, and with neither; largest and largest stated error of the "
+            "pressure over its maximum.",
             (
-                "difficulty", "cases", "within stated", "explained", "neither", "largest error",
-                "largest stated",
+                "family", "what is hard", "cases", "within stated", "explained", "neither",
+                "largest error", "largest stated",
             ),
             tuple(rows),
         ),
@@ -174,7 +197,8 @@ def _accuracy_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     silent = int(dataset["silent"].sum())
     return (
         Finding(
-            f"The error bound holds in {100 * lowest:.1f} % of {dataset.sizes['case']} contacts of every kind, on which "
+            f"The error bound holds in {100 * lowest:.1f} % of {dataset.sizes['case']} contacts of every kind, on "
+            f"which "
             "no margin is set, or says why there is none.",
             f"{'; '.join(parts)}. By use of the contacts: {'; '.join(by_use)}. {silent} bounds are missing without a "
             "reason. A bound is missing where "

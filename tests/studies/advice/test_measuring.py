@@ -13,11 +13,10 @@ from studies.advice.stored import store, stored
 from studies.advice.subject import (
     bounds_of,
     described_in,
-    hertz_means,
     paper_described,
     subject_of,
 )
-from studies.reference.line_contact import HERTZ, SCENE
+from studies.reference.line_contact import HERTZ, SCENE, hertz_means
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 

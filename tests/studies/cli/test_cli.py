@@ -68,7 +68,7 @@ def test_without_times_a_study_shows_what_needs_none(call: Call, tmp_path: Path)
     few = ("--no-times", "--workers", "0", "--grid", "16", "--period", "2.4")
     done = call("run", "padding", *few)
     assert done.returncode == 0, done.stderr
-    assert [path.name for path in tmp_path.glob("outputs/padding/*")] == ["reach.png"]
+    assert [path.name for path in tmp_path.glob("outputs/padding/*")] == ["over_images.png"]
 
 
 @POSIX
@@ -100,7 +100,7 @@ def test_without_times_a_study_shows_what_needs_none(call: Call, tmp_path: Path)
         ),
         (
             ["draw", "--out", "empty"],
-            "Study file 'empty/padding.nc' cannot be read (No such file or directory): run the study first.",
+            "Comparison 'empty/settings.nc' is not there: run contactstudy report first.",
         ),
     ],
     ids=lambda part: " ".join(part) if isinstance(part, list) else "",
@@ -167,7 +167,7 @@ def test_studies_are_listed_with_their_axes(call: Call) -> None:
     assert len(lines) == len((*BUILT_IN, *OPTIONAL))
     assert len(done.stdout) < 4000
     assert (
-        "period       Accuracy against the period length. "
+        "period       Accuracy against the period, for the paper's cylinder. "
         "Axes: padding (5), images (1), period (7), grid (1)."
     ) in lines
 

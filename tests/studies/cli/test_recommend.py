@@ -8,8 +8,8 @@ import pytest
 from click.testing import CliRunner
 
 import contactstudy as cs
-from studies.advice.subject import hertz_means
 from studies.cli.commands import cli
+from studies.reference.line_contact import hertz_means
 
 SCENE = """
 [load]

@@ -88,7 +88,7 @@ def test_an_unknown_parameter_is_refused_with_a_remedy() -> None:
         ("period", "0", "period is 0.0: give a period above 0"),
         ("period", "-2.4", "period is -2.4"),
         ("grid", "1", "grid is 1: give at least 2 cells"),
-        ("images", "-1", "images is -1: give a whole number"),
+        ("images", "-1", "images is -1: must be a whole number, at least 0"),
         ("padding", "exakt", "padding is 'exakt': did you mean 'exact'"),
     ],
 )

@@ -6,7 +6,15 @@ from math import pi
 import numpy as np
 import pytest
 
-from studies.reference.line_contact import FLATTENING, HERTZ, SCENE, WIDTH, measures, scene_at
+from studies.reference.line_contact import (
+    FLATTENING,
+    HERTZ,
+    SCENE,
+    WIDTH,
+    hertz_means,
+    measures,
+    scene_at,
+)
 
 CELLS = 96
 POINT = {"padding": "exact", "images": 0, "period": 2.4, "grid": CELLS}
@@ -38,7 +46,7 @@ def test_the_scene_is_hertz_s_with_the_numbers_of_the_paper() -> None:
 
 def test_the_true_pressure_has_no_error_but_that_of_its_samples() -> None:
     found = measured(TRUE)
-    assert found["pressure_error_l1"] == 0
+    assert measured(hertz_means(HERTZ, CASE.grid))["pressure_error_l1"] < 1e-12
     assert found["pressure_error_max"] == 0
     assert found["length_variation"] == 0
     # beside the axis, half a cell from the peak
@@ -50,7 +58,8 @@ def test_the_true_pressure_has_no_error_but_that_of_its_samples() -> None:
 def test_a_uniform_excess_is_its_share_of_the_load_in_l1() -> None:
     """A tenth of p_H over 2.4 a, of a load of pi a p_H / 2."""
     found = measured(TRUE + 0.1 * HERTZ.peak_pressure)
-    assert found["pressure_error_l1"] == pytest.approx(0.1 * 2.4 / (pi / 2), rel=1e-12)
+    means = measured(hertz_means(HERTZ, CASE.grid) + 0.1 * HERTZ.peak_pressure)
+    assert means["pressure_error_l1"] == pytest.approx(0.1 * 2.4 / (pi / 2), rel=1e-12)
     assert found["pressure_error_max"] == pytest.approx(0.1, rel=1e-12)
     assert found["peak_pressure_error"] == pytest.approx(0.1, abs=CELL**2)
     assert found["axis_pressure_error"] == pytest.approx(0.1, abs=CELL**2)

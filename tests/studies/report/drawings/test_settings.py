@@ -1,84 +1,87 @@
-"""The drawing of a comparison of settings, by hand."""
-
-from math import inf
+"""What the drawing of settings says and lists of numbers that are written here."""
 
 import numpy as np
 import pytest
+import xarray as xr
 
-from studies.report.drawings.settings import parts
-from studies.report.wording import rivals_text, title_text, verdict_text
-from tests.studies.advice.test_comparison import COPIED, EXACT, of, one
+from studies.model.outcome import CaseStatus
+from studies.registry import load_drawing
+from tests.studies.report.drawings.drawn import findings, rows, words
 
-COARSE = one(EXACT, 32, 0.04, (1e-3,) * 9)
-FINE = one(EXACT, 64, 0.02, (4e-3,) * 9)
-HOLLOW = one(EXACT, 16, 0.1, (5e-4,) * 9, bounded=False)
-OTHER = one(COPIED, 64, 0.025, (6e-3,) * 9)
-
-
-def test_the_verdict_names_setting_error_bound_and_time() -> None:
-    measured = of(COARSE, FINE, OTHER, floor=0.004)
-    verdict = measured.verdict()
-    assert verdict is not None
-    assert verdict_text(measured, verdict) == (
-        "Use exact periodicity, 64 x 64 cells, tolerance 1e-04: the pressure is 2.0\xa0% ± 0.40\xa0% off in L1, in 4 ms "
-        "on one thread; 3.0\xa0% was asked."
-    )
-    assert rivals_text(measured, verdict) == (
-        "Slower in 9 rounds: duplicated padding (1.5 times). The next coarser grid, 32 x 32 cells, has an error of "
-        "4.0\xa0% in 0.25 times the time and misses the request."
-    )
-    assert title_text(measured, verdict) == (
-        "hand: exact, 64 x 64 cells, tol. 1e-04\n2.0\xa0% ± 0.40\xa0% in 4 ms"
-    )
+PADDINGS = ["zero", "duplicated", "superposed", "circular", "exact"]
+PERIODS, IMAGES, GRID = [0.6, 2.4], [0, 1, 6], [12, 18, 24]
+# Of exact periodicity by the cells: not monotone, and 0.2 % on the finest.
+BY_CELLS = np.array([0.008, 0.012, 0.002])
 
 
-def test_without_a_bound_the_nearest_setting_is_named_and_nothing_claimed() -> None:
-    measured = of(FINE, floor=inf)
-    verdict = measured.verdict()
-    assert verdict is not None
-    text = verdict_text(measured, verdict)
-    assert text.startswith("No setting can be shown to meet 3.0\xa0%")
-    assert "64 x 64 cells" in text
+def swept(*, against: str = "Hertz's contact", timed: bool = False) -> xr.Dataset:
+    """Errors of the cells and, but for exact periodicity, ``1 / (2 pi D^2)`` with D = (n + 1/2) L."""
+    reach = (np.array(IMAGES)[:, None] + 0.5) * np.array(PERIODS)
+    window = 1 / (2 * np.pi * reach**2)
+    alone = {"zero": 0 * reach + 0.3, "duplicated": 0 * reach + 0.02, "exact": 0 * reach}
+    error = np.array([alone.get(name, window) for name in PADDINGS])[..., None] + BY_CELLS
+    axes = ("padding", "images", "period", "grid")
+    data = {
+        "pressure_error_l1": (axes, error),
+        "axis_pressure_error": (axes, error / 2),
+        "pressure_error_max": (axes, 10 * error),
+        "case_status": (axes, np.full(error.shape, CaseStatus.OK)),
+    }
+    if timed:
+        cost = 1e-3 * (1 + np.arange(error.size)).reshape(error.shape)
+        data |= {"setup_time": (axes, 0 * cost), "solve_time": (axes, cost)}
+    coords = {"padding": PADDINGS, "images": IMAGES, "period": PERIODS, "grid": GRID}
+    return xr.Dataset(data, coords, {"against": against})
 
 
-def test_the_front_has_a_ring_at_the_choice_and_hollow_marks_where_nothing_is_bounded() -> None:
-    price, causes, _ = parts(of(HOLLOW, COARSE, FINE, OTHER, floor=0.004))
-    (ax,) = price.figures[0].figure.axes
-    (ring,) = (line for line in ax.lines if line.get_markersize() > 15)
-    assert (ring.get_xdata()[0], ring.get_ydata()[0]) == (4e-3, 0.02)
-    hollow = [
-        line for line in ax.lines if line.get_markerfacecolor() == "white" and len(line.get_xdata())
+def test_the_n_that_is_needed_is_the_least_from_which_on_all_suffice() -> None:
+    # at L = 0.6: 1.77, 0.196 and 0.0105 by the window; at 2.4 a sixteenth of these
+    assert rows("images", swept()) == [
+        ("0.6 a", "2.2 %", "0.20 %", "> 6", "> 6", "> 6"),
+        ("2.4 a", "2.2 %", "0.20 %", "6", "6", "> 6"),
     ]
-    assert [line.get_ydata()[0] for line in hollow] == [0.1]
-    thick = max(ax.lines, key=lambda line: line.get_linewidth())
-    assert np.allclose(thick.get_ydata(), [0.1, 0.04, 0.02])
-    assert (
-        len({figure.figure.get_figwidth() for part in (price, causes) for figure in part.figures})
-        == 1
-    )
 
 
-def test_a_table_of_costs_lists_the_quickest_setting_of_each_error_that_is_reached() -> None:
-    price, _, _ = parts(of(COARSE, FINE, OTHER, floor=0.004))
-    (table,) = price.tables
-    shown = {row[0]: (row[2], row[5], row[6]) for row in table.rows}
-    assert shown["10\xa0%"] == ("32 x 32 cells", "1 ms", "duplicated: 6 times")
-    assert shown["3.0\xa0%"] == ("64 x 64 cells", "4 ms", "duplicated: 1.5 times")
-    assert "1.0\xa0%" not in shown
-    assert "2.0\xa0% ± 0.40\xa0%" in table.caption
+def test_cells_are_enough_where_all_finer_ones_are() -> None:
+    # 12 cells meet 1 % by chance, since 18 do not
+    table = rows("grid", swept().isel(images=[-1], period=[-1]))
+    assert [(row[0], row[-1], row[2]) for row in table] == [
+        ("30 %", "12", "12"),
+        ("10 %", "12", "12"),
+        ("3.0 %", "12", "24"),
+        ("1.0 %", "24", "> 24"),
+        ("0.30 %", "24", "> 24"),
+    ]
+    grid = findings("grid", swept().isel(images=[-1], period=[-1]))[-1]
+    assert "24 cells across the width of 2.4 a for 1 %" in grid
+    assert "from 0.80 % at 12 cells to 0.20 % at 24" in grid
 
 
-def test_what_a_padding_alone_does_is_listed_with_its_sign() -> None:
-    _, causes, _ = parts(of(FINE, OTHER))
-    (table,) = causes.tables
-    assert table.head == ("padding", "pressure in L1", "mean gap")
-    assert table.rows == (("duplicated", "2.0\xa0%", "+10\xa0%"),)
+def test_what_is_said_of_n_and_of_the_period_is_of_the_finest_grid() -> None:
+    n, period, _ = findings("images", swept())
+    assert "at most 0.20 % here at any period" in n
+    # 1.05 % and 0.2 %
+    assert "With n = 6 the largest error of a circular window is 1.2 %" in n
+    # half of 2.2 %, of 1.25 and 0.27 %, of 0.2 %
+    assert "duplicated 1.1 % and 1.1 %; circular, n = 6 0.62 % and 0.13 %" in period
+    assert not findings("images", swept(against="a solution on 96 x 96 cells"))
 
 
-@pytest.mark.parametrize("floor", [0.0, 0.004])
-def test_the_page_says_what_errors_are_against(floor: float) -> None:
-    *_, about = parts(of(FINE, floor=floor))
-    (finding,) = about.findings
-    assert "96 x 96 cells" in finding.claim
-    assert "Without a bound even there: peak pressure." in finding.measured
-    assert "A note." in finding.measured
+def test_the_quickest_setting_of_each_error_stands_beside_the_next_padding() -> None:
+    dataset = swept(timed=True).isel(images=[1], period=[1], grid=[0, 2])
+    table = rows("pareto", dataset)
+    assert table[0] == ("30 %", "duplicated", "12", "2.8 %", "28 ms", "superposed: 46 ms")
+    assert table[-1] == ("0.30 %", "exact", "24", "0.20 %", "84 ms", "none meets it")
+
+
+@pytest.mark.parametrize("against", ["Hertz's contact", "a solution on 96 x 96 cells"])
+def test_every_choice_of_axes_has_a_figure_that_says_what_errors_are_against(against: str) -> None:
+    dataset, drawing = swept(against=against, timed=True), load_drawing("padding")
+    for axes in ([], ["images"], ["grid"], ["period"], ["images", "period"]):
+        one = dataset.isel(
+            {name: [-1] for name in ("images", "period", "grid") if name not in axes}
+        )
+        drawn = drawing.figure(one)
+        assert drawn[-1].name == "front"
+        if "reach" not in (figure.name for figure in drawn):
+            assert against in words(drawn[0].caption)

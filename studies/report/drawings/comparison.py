@@ -1,0 +1,361 @@
+"""The comparison of a scene's settings: the price of accuracy, what each padding does, and what each grid does."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from math import inf, isfinite
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from studies.advice.comparison import LINE, Comparison, Measured, Verdict, label_of, mode_of
+from studies.model.drawing import CaptionedFigure, Finding, Table
+from studies.report.style import WIDTH, captioned, padding_style, panels, percent
+from studies.report.wording import (
+    DECADES,
+    cells_text,
+    error_text,
+    padding_name,
+    reported_quantities,
+    rivals_text,
+    seconds_text,
+    title_text,
+    verdict_text,
+)
+
+# Difference of two labels over the height of the axes, below which they would touch.
+APART = 0.045
+# Errors at the ends of two lines that are one plateau.
+SAME = 1.15
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A question with its answer: what is drawn, said and listed of it."""
+
+    name: str
+    title: str
+    findings: Sequence[Finding]
+    figures: Sequence[CaptionedFigure]
+    tables: Sequence[Table]
+
+
+def parts(measured: Comparison) -> Sequence[Part]:
+    """Return the price of accuracy, what each padding and each grid does, and what errors are against."""
+    verdict = measured.verdict()
+    if verdict is None:
+        return ()
+    claim = Finding(
+        verdict_text(measured, verdict), rivals_text(measured, verdict), "Which setting?"
+    )
+    price = Part(
+        "settings",
+        "The price of accuracy",
+        [claim],
+        [_front(measured, verdict)],
+        [_costs(measured)],
+    )
+    about = Part("reference", "What the errors are against", [_reference(measured)], [], [])
+    if not measured.paddings:
+        return price, about
+    causes = Part(
+        "paddings",
+        "What each padding does, and what each grid does",
+        [_which_n(measured, verdict)],
+        [_causes(measured, verdict)],
+        [_changes(measured)],
+    )
+    return price, causes, about
+
+
+def _style(label: str) -> dict[str, Any]:
+    """Return colour and marker of a padding; n changes the shade of a line by its width alone."""
+    mode = "line" if label == LINE else label.partition(",")[0]
+    return padding_style("exact" if mode == "free" else mode)
+
+
+def _front(measured: Comparison, verdict: Verdict) -> CaptionedFigure:
+    """Draw errors over times, with the verdict as the title."""
+    fig, (ax,) = panels(1, width=WIDTH, height=5.2)
+    best = verdict.best
+    ends: list[tuple[float, float, str]] = []
+    for label in reversed(measured.labels):
+        line = measured.of(label)
+        if not line:
+            continue
+        is_own = label == measured.own_label
+        style = _style(label) | ({"lw": 3.0, "ms": 7, "zorder": 4} if is_own else {"lw": 1.0})
+        times, errors = [one.time for one in line], [one.error for one in line]
+        ax.loglog(times, errors, **style, markevery=[one.is_bounded for one in line])
+        hollow = [one for one in line if not one.is_bounded]
+        ax.loglog(
+            [one.time for one in hollow], [one.error for one in hollow],
+            **style | {"ls": "none", "markerfacecolor": "white"},
+        )  # fmt: skip
+        ends.append((times[-1], errors[-1], label))
+        if is_own:
+            _label_cells(ax, line, style["color"])
+    errors = [one.error for one in measured.settings]
+    lowest = min(min(errors), verdict.error) / 2
+    if isfinite(measured.floor) and measured.floor > 0:
+        lowest = min(lowest, measured.floor / 1.8)
+        ax.axhspan(lowest, measured.floor, color="0.87", zorder=0)
+        ax.text(
+            0.01, measured.floor / 1.06, "bound on the error of the reference: not decidable below",
+            transform=ax.get_yaxis_transform(), va="top", fontsize="small", color="0.35",
+        )  # fmt: skip
+    ax.axhline(verdict.error, color="k", ls="--", lw=1.2)
+    ax.text(
+        0.99, verdict.error * 1.04, f"requested {percent(verdict.error)}",
+        transform=ax.get_yaxis_transform(), ha="right", va="bottom", fontsize="small",
+    )  # fmt: skip
+    ax.plot(best.time, best.error, "o", ms=19, mfc="none", mec="k", mew=1.8, zorder=6)
+    ax.set_ylim(lowest, 1.6 * max(errors))
+    _label_ends(ax, ends, measured.own_label)
+    ax.set(
+        xlabel="processor time to pose and solve, on one thread [s]",
+        ylabel="L1 error of the pressure",
+    )
+    ax.set_title(title_text(measured, verdict), loc="left")
+    own = padding_name(measured.own_label)
+    return captioned(
+        "front",
+        fig,
+        f"The price of accuracy for {measured.name}. Each line is one padding on ever finer grids; the thick one is "
+        f"{own}, the boundary of the scene itself, with its cells. A line that becomes horizontal has reached the "
+        "error of its padding, which no grid removes. The ring is the verdict. "
+        + (
+            "Hollow marks: the solution itself gives no bound on its error, and is never recommended. "
+            if not all(one.is_bounded for one in measured.settings)
+            else ""
+        )
+        + "Errors are the largest of this and any finer grid.",
+    )
+
+
+def _label_cells(ax: Axes, line: Sequence[Measured], color: str) -> None:
+    """Write the cells beside every second mark of the own boundary, from the finest."""
+    for one in line[::-2]:
+        across, along = one.setting.cells
+        ax.annotate(
+            f"{across} x {along}", (one.time, one.error), (-7, -4), textcoords="offset points",
+            ha="right", va="top", fontsize="small", color=color, zorder=5,
+        )  # fmt: skip
+
+
+def _label_ends(ax: Axes, ends: Sequence[tuple[float, float, str]], own: str) -> None:
+    """Write the names of the lines at the right, those that end at one error together."""
+    groups: list[list[tuple[float, float, str]]] = []
+    for end in sorted(ends, key=lambda end: end[1]):
+        if groups and end[1] <= SAME * groups[-1][0][1]:
+            groups[-1].append(end)
+        else:
+            groups.append([end])
+    low, high = np.log(ax.get_ylim())
+    rows = [len(group) for group in groups]
+    places = [(np.log(np.mean([end[1] for end in group])) - low) / (high - low) for group in groups]
+    centres = list(places)
+    for _ in range(50):  # push overlapping labels apart
+        for k, (below, above) in enumerate(pairwise(range(len(groups)))):
+            least = APART * (rows[below] + rows[above]) / 2
+            lacking = least - (centres[above] - centres[below])
+            if lacking > 0:
+                centres[k] -= lacking / 2
+                centres[k + 1] += lacking / 2
+    for group, centre in zip(groups, centres, strict=True):
+        has_own = any(label == own for *_, label in group)
+        text = "\n".join(label for *_, label in sorted(group, reverse=True))
+        latest = max(group)
+        color = _style(own if has_own else latest[2])["color"]
+        ax.annotate(
+            text, latest[:2], (1.02, centre), textcoords="axes fraction", xycoords="data",
+            ha="left", va="center", fontsize="small", color=color,
+            weight="bold" if has_own else "normal",
+            arrowprops={"arrowstyle": "-", "color": color, "lw": 0.6, "shrinkA": 0},
+        )  # fmt: skip
+
+
+def _causes(measured: Comparison, verdict: Verdict) -> CaptionedFigure:
+    """Draw the error of each padding alone over n, beside the errors by cells and by tolerance."""
+    fig, (left, right) = panels(2, width=WIDTH / 2, height=3.9)
+    modes: dict[str, list[tuple[int, float]]] = {}
+    for one in measured.paddings:
+        mode, images = mode_of(one.padding)
+        modes.setdefault(mode, []).append((images, one.l1))
+    most = max((images for points in modes.values() for images, _ in points), default=1)
+    for mode, points in modes.items():
+        n, errors = np.array(sorted(points)).T
+        if len(points) > 1:
+            left.loglog(n + 0.5, errors, label=mode, **padding_style(mode))
+        else:
+            style = padding_style(mode) | {"marker": "none", "ls": "-."}
+            left.loglog([1, most + 0.5], 2 * [errors[0]], label=mode, **style)
+    own = [one for one in measured.of(measured.own_label) if one.is_bounded]
+    for grid in own[:: max(1, len(own) // 4)]:
+        left.axhline(grid.error, color="0.55", ls=":", lw=1.0)
+        left.text(
+            1.0, grid.error, cells_text(grid.setting.cells), transform=left.get_yaxis_transform(),
+            ha="right", va="bottom", fontsize="x-small", color="0.4",
+        )  # fmt: skip
+    left.set(
+        xlabel="n + ½  (n periods on each side)",
+        ylabel="L1 error by the padding alone",
+        title="Which n: where its line crosses a grid's error",
+    )
+    line = measured.of(measured.own_label)
+    style = _style(measured.own_label)
+    cells = [float(np.sqrt(np.prod(one.setting.cells))) for one in line]
+    if all(one.setting.cells[1] == 1 for one in line):
+        cells = [float(one.setting.cells[0]) for one in line]
+    right.loglog(cells, [one.error for one in line], label="cells", **style)
+    hollow = [k for k, one in enumerate(line) if not one.is_bounded]
+    right.loglog(
+        [cells[k] for k in hollow], [line[k].error for k in hollow],
+        **style | {"ls": "none", "markerfacecolor": "white"},
+    )  # fmt: skip
+    for tolerance, error in measured.tolerances.items():
+        if error > 0.02 * min(one.error for one in line):
+            right.axhline(error, color="#595959", ls=":", lw=1.0)
+            right.text(
+                1.0, error, f"tolerance {tolerance:.0e}", transform=right.get_yaxis_transform(),
+                ha="right", va="bottom", fontsize="x-small", color="0.35",
+            )  # fmt: skip
+    right.axhline(verdict.error, color="k", ls="--", lw=1.0)
+    right.set(
+        xlabel="cells (root of their number)" if line[0].setting.cells[1] > 1 else "cells across",
+        ylabel="L1 error of the pressure",
+        title=f"Which grid: {padding_name(measured.own_label)}",
+    )
+    on = cells_text(measured.paddings_on)
+    return captioned(
+        "causes",
+        fig,
+        f"Left: what each padding alone does to the pressure, against {padding_name(measured.own_label)} on the same "
+        f"{on}, where the error by the cells cancels; dotted: the errors of some grids. A padding whose line lies "
+        "below the error of the grid costs no accuracy. Right: the error by the cells, and (dotted) that of some "
+        f"tolerances on {on}.",
+    )
+
+
+def _which_n(measured: Comparison, verdict: Verdict) -> Finding:
+    """Say from which n on a moving window costs no accuracy, and which paddings never do."""
+    allowed = max(verdict.best.error, verdict.error / 10) / 3
+    enough = [one for one in measured.paddings if one.l1 <= allowed]
+    counted = sorted(
+        mode_of(one.padding)[1] for one in enough if mode_of(one.padding)[0] == "circular"
+    )
+    worst = [label_of(one.padding) for one in measured.paddings if one.l1 > verdict.error]
+    is_free = measured.own_label == "free"
+    if is_free:
+        least = min(measured.paddings, key=lambda one: one.l1)
+        claim = f"The ends are free: every periodic padding is {percent(least.l1)} wrong or more, at any n."
+    elif counted:
+        claim = f"If images must be counted, n = {counted[0]} in a moving window suffices."
+    else:
+        most = max((mode_of(one.padding)[1] for one in measured.paddings), default=0)
+        claim = f"No n that was tried suffices, up to {most}."
+    beyond = "" if is_free or not worst else (
+        f" Above the request of {percent(verdict.error)} on any grid: {', '.join(worst)}."
+    )  # fmt: skip
+    return Finding(
+        claim,
+        f"The error of a padding that may be added is taken as a third of the grid's, {percent(allowed)}. The table "
+        f"has what "
+        f"each padding alone does on {cells_text(measured.paddings_on)}.{beyond}",
+        "Which n?",
+    )
+
+
+def _reference(measured: Comparison) -> Finding:
+    """Say what the errors are against, and what was left out."""
+    if measured.reference is None:
+        claim = "Errors are against Hertz's contact, which is exact here."
+        said = "The measure is the L1 norm of the difference to the means of his pressure over each cell."
+    else:
+        bound = (
+            f"its own bound is {percent(measured.floor)}, below which nothing is claimed"
+            if measured.floor < inf
+            else "its own error has no bound, so that nothing is claimed"
+        )
+        claim = f"Errors are against {cells_text(measured.reference)} at the scene's own boundary; {bound}."
+        unknown = [
+            name.replace("_", " ") for name, bound in measured.bounds.items() if bound == inf
+        ]
+        said = (
+            "The measure is the L1 norm of the difference to the reference's means over each cell."
+        )
+        if unknown:
+            said += f" Without a bound even there: {', '.join(unknown)}."
+    return Finding(claim, " ".join([said, *measured.notes]), "Against what?")
+
+
+def _costs(measured: Comparison) -> Table:
+    """Return the quickest setting for each decade, with the next best padding."""
+    rows = []
+    reached = min((one.error for one in measured.settings if one.is_bounded), default=inf)
+    for target in DECADES:
+        verdict = measured.verdict(target)
+        if verdict is None or not verdict.meets:
+            continue
+        best = verdict.best
+        other = min(verdict.rivals, key=lambda rival: rival.ratio, default=None)
+        beside = "none meets it"
+        if other is not None:
+            took = "as fast" if other.is_tie else f"{other.ratio:.2g} times"
+            beside = f"{other.measured.label}: {took}"
+        rows.append(
+            (
+                percent(target),
+                best.label,
+                cells_text(best.setting.cells),
+                f"{best.setting.tolerance:.0e}",
+                error_text(best.error, measured.floor),
+                seconds_text(best.time),
+                beside,
+            )
+        )
+    # a setting that also meets a smaller error stands there alone
+    rows = [row for row, after in zip(rows, [*rows[1:], ()], strict=True) if row[1:4] != after[1:4]]
+    left_out = (
+        f" Smaller errors are not listed: no setting is shown to reach them; the least error measured is "
+        f"{error_text(reached, measured.floor)}."
+        if reached < inf
+        else ""
+    )
+    return Table(
+        "The quickest setting for each error, by the median of its processor times on one thread; paddings within a "
+        f"tenth are a tie, which goes to the scene's own boundary. Larger errors take the setting of the next row."
+        f"{left_out}",
+        ("error at most", "padding", "grid", "tolerance", "measured", "time", "next padding"),
+        tuple(rows),
+    )
+
+
+def _changes(measured: Comparison) -> Table:
+    """Return what each padding alone does to the main numbers."""
+    names = reported_quantities(measured)
+
+    def signed(value: float) -> str:
+        sign = "+" if value > 0 else "−"
+        return "0" if abs(value) < 5e-7 else f"{sign}{percent(value)}"
+
+    rows = tuple(
+        (
+            label_of(one.padding),
+            percent(one.l1),
+            *(
+                signed(one.changes[name]) if name in one.changes else "not known"
+                for name, _ in names
+            ),
+        )
+        for one in measured.paddings
+    )
+    no_bound = [words for name, words in names if measured.bounds.get(name) == inf]
+    said = f" No grid bounds the {' and the '.join(no_bound)} of this scene." if no_bound else ""
+    return Table(
+        f"What each padding alone does, against {padding_name(measured.own_label)} on "
+        f"{cells_text(measured.paddings_on)}: the L1 error of the pressure, and the change of each number.{said}",
+        ("padding", "pressure in L1", *(words for _, words in names)),
+        rows,
+    )

@@ -1,0 +1,86 @@
+"""The drawing of a comparison of settings, by hand."""
+
+from math import inf
+
+import numpy as np
+import pytest
+
+from studies.report.drawings.comparison import parts
+from studies.report.wording import rivals_text, title_text, verdict_text
+from tests.studies.advice.test_comparison import COPIED, EXACT, of, one
+
+COARSE = one(EXACT, 32, 0.04, (1e-3,) * 9)
+FINE = one(EXACT, 64, 0.02, (4e-3,) * 9)
+HOLLOW = one(EXACT, 16, 0.1, (5e-4,) * 9, bounded=False)
+OTHER = one(COPIED, 64, 0.025, (6e-3,) * 9)
+
+
+def test_the_verdict_names_setting_error_bound_and_time() -> None:
+    measured = of(COARSE, FINE, OTHER, floor=0.004)
+    verdict = measured.verdict()
+    assert verdict is not None
+    assert verdict_text(measured, verdict) == (
+        "Use exact periodicity, 64 x 64 cells, tolerance 1e-04: the pressure is 2.0\xa0% ± 0.40\xa0% off in L1, in 4 "
+        "ms "
+        "on one thread; 3.0\xa0% was asked."
+    )
+    assert rivals_text(measured, verdict) == (
+        "Slower in 9 rounds: duplicated padding (1.5 times, 2 ms more). The next coarser grid, 32 x 32 cells, has an "
+        "error of "
+        "4.0\xa0% in 0.25 times the time and misses the request."
+    )
+    assert title_text(measured, verdict) == (
+        "hand: exact, 64 x 64 cells, tol. 1e-04\n2.0\xa0% ± 0.40\xa0% in 4 ms"
+    )
+
+
+def test_without_a_bound_the_nearest_setting_is_named_and_nothing_claimed() -> None:
+    measured = of(FINE, floor=inf)
+    verdict = measured.verdict()
+    assert verdict is not None
+    text = verdict_text(measured, verdict)
+    assert text.startswith("No setting can be shown to meet 3.0\xa0%")
+    assert "64 x 64 cells" in text
+
+
+def test_the_front_has_a_ring_at_the_choice_and_hollow_marks_where_nothing_is_bounded() -> None:
+    price, causes, _ = parts(of(HOLLOW, COARSE, FINE, OTHER, floor=0.004))
+    (ax,) = price.figures[0].figure.axes
+    (ring,) = (line for line in ax.lines if line.get_markersize() > 15)
+    assert (ring.get_xdata()[0], ring.get_ydata()[0]) == (4e-3, 0.02)
+    hollow = [
+        line for line in ax.lines if line.get_markerfacecolor() == "white" and len(line.get_xdata())
+    ]
+    assert [line.get_ydata()[0] for line in hollow] == [0.1]
+    thick = max(ax.lines, key=lambda line: line.get_linewidth())
+    assert np.allclose(thick.get_ydata(), [0.1, 0.04, 0.02])
+    assert (
+        len({figure.figure.get_figwidth() for part in (price, causes) for figure in part.figures})
+        == 1
+    )
+
+
+def test_a_table_of_costs_lists_the_quickest_setting_of_each_error_that_is_reached() -> None:
+    price, _, _ = parts(of(COARSE, FINE, OTHER, floor=0.004))
+    (table,) = price.tables
+    shown = {row[0]: (row[2], row[5], row[6]) for row in table.rows}
+    assert shown["10\xa0%"] == ("32 x 32 cells", "1 ms", "duplicated: 6 times")
+    assert shown["3.0\xa0%"] == ("64 x 64 cells", "4 ms", "duplicated: 1.5 times")
+    assert "1.0\xa0%" not in shown
+    assert "2.0\xa0% ± 0.40\xa0%" in table.caption
+
+
+def test_what_a_padding_alone_does_is_listed_with_its_sign() -> None:
+    _, causes, _ = parts(of(FINE, OTHER))
+    (table,) = causes.tables
+    assert table.head == ("padding", "pressure in L1", "mean gap")
+    assert table.rows == (("duplicated", "2.0\xa0%", "+10\xa0%"),)
+
+
+@pytest.mark.parametrize("floor", [0.0, 0.004])
+def test_the_page_says_what_errors_are_against(floor: float) -> None:
+    *_, about = parts(of(FINE, floor=floor))
+    (finding,) = about.findings
+    assert "96 x 96 cells" in finding.claim
+    assert "Without a bound even there: peak pressure." in finding.measured
+    assert "A note." in finding.measured

@@ -12,7 +12,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from importlib.util import find_spec
-from queue import SimpleQueue
 from time import monotonic
 from typing import TYPE_CHECKING, Any, Self
 
@@ -38,16 +37,9 @@ LOOPBACK = "127.0.0.1:0"
 
 
 class Workers:
-    """Worker processes of this process, each taken by a thread for one batch at a time.
+    """Worker processes of this process, each taken by a thread for one batch at a time."""
 
-    Parameters
-    ----------
-    deliver
-        Takes the name and the outcome of each case at once, where the run is in this process.
-    """
-
-    def __init__(self, deliver: Callable[[str, Outcome], object] | None = None) -> None:
-        self.deliver = deliver
+    def __init__(self) -> None:
         self._turn = threading.Lock()
         self._idle: list[Worker] = []
         self._all: list[Worker] = []
@@ -90,21 +82,11 @@ def compute_batch(token: str, work: bytes, batch: bytes, names: Sequence[str]) -
     workers = RUNS.get(token) if token else ELSEWHERE
     if workers is None:  # the run in this process is over
         return []
-    address = "" if token else _address()
-    outcomes = []
-    with workers.reserved(work) as worker:
-        for name, outcome in zip(names, worker.run(batch, names), strict=False):
-            outcomes.append(replace(outcome, worker=address))
-            if workers.deliver is not None:
-                workers.deliver(name, outcome)
-    return outcomes
-
-
-def _address() -> str:
-    """Return the address of the dask worker that this is."""
     from distributed import get_worker
 
-    return str(get_worker().address)
+    address = "" if token else str(get_worker().address)
+    with workers.reserved(work) as worker:
+        return [replace(outcome, worker=address) for outcome in worker.run(batch, names)]
 
 
 @dataclass
@@ -163,13 +145,11 @@ class Cluster:
         payload = packed(work)
         if not cases:
             return
-        outcomes: SimpleQueue[tuple[str, Outcome]] = SimpleQueue()
         token = "" if self.address else secrets.token_hex(8)
         if token:
-            self.processes.deliver = lambda name, outcome: outcomes.put((name, outcome))
             RUNS[token] = self.processes
         try:
-            _Flow(self, self._connected(), token, cases, payload, outcomes, finished, stop).run()
+            _Flow(self, self._connected(), token, cases, payload, finished, stop).run()
         except BaseException:
             self.close_idle()
             raise
@@ -237,7 +217,6 @@ class _Flow:
     token: str
     cases: Mapping[str, Computation]
     payload: bytes
-    outcomes: "SimpleQueue[tuple[str, Outcome]]"
     finished: Finished
     stop: Stop
     size: int = 1
@@ -262,10 +241,9 @@ class _Flow:
                 self._look()
                 self._fill()
                 completed = self._completed.next_batch(block=False)
-                if not completed and self.outcomes.empty():
+                if not completed:
                     with self._completed.thread_condition:
                         self._completed.thread_condition.wait(timeout=PAUSE)
-                self._take_delivered()
                 for future, result in completed:
                     self._take(future, result)
         except BaseException:
@@ -283,11 +261,6 @@ class _Flow:
         if name in self._open:
             self._open.discard(name)
             self.finished(name, outcome)
-
-    def _take_delivered(self) -> None:
-        """Report the outcomes that threads of this process have delivered."""
-        while not self.outcomes.empty():
-            self._report(*self.outcomes.get())
 
     def _take(self, future: Any, result: Any) -> None:
         """Report a completed batch, and send its unfinished cases again."""
@@ -327,15 +300,16 @@ class _Flow:
 
     def _take_last(self) -> None:
         """Report what workers have finished by the time the run stops, unless the disk takes no more."""
+        from distributed import wait
+
         until = monotonic() + LAST
         with suppress(Exception):
-            self._take_delivered()
-        for future, names in list(self._running.items()):
+            if self.token:  # its processes have been ended, and its batches with them
+                wait(list(self._running), timeout=LAST)
+        for future, names in self._running.items():
             with suppress(Exception):
                 if future.status == "finished" and monotonic() < until:
-                    result = future.result(timeout=until - monotonic())
-                    del self._running[future]
-                    for name, outcome in zip(names, result, strict=False):
+                    for name, outcome in zip(names, future.result(LAST), strict=False):
                         self._report(name, outcome)
 
     def _look(self) -> None:

@@ -15,7 +15,7 @@ from studies.engine.workers.compute import compute, warm_up
 from studies.engine.workers.interpreter_state import restored_state
 from studies.engine.workers.process import Worker
 from studies.model.case import Computation
-from studies.model.outcome import CaseStatus, Finished, Outcome, Work
+from studies.model.outcome import Finished, Work
 from studies.store.loaded import LOADED
 
 
@@ -71,12 +71,9 @@ class InProcess:
     ----------
     begins
         Called with the name of each case before it begins, so that a death can be attributed to it.
-    suspects
-        Cases during which an earlier run died, which get a process of their own.
     """
 
     begins: Callable[[str], object] = lambda name: None
-    suspects: frozenset[str] = frozenset()
 
     def run(
         self, cases: Mapping[str, Computation], work: Work, finished: Finished, stop: Stop
@@ -88,9 +85,6 @@ class InProcess:
         with threadpool_limits(1), restored_state() as interpreter_state:
             for name, case in cases.items():
                 stop.check()
-                if name in self.suspects:
-                    _run_alone(name, case, work, finished, stop)
-                    continue
                 self.begins(name)
                 interpreter_state.restore(name)
                 with stop.interruptible():
@@ -117,23 +111,3 @@ def own_process(work: bytes) -> Iterator[Worker]:
         yield worker
     finally:
         worker.end()
-
-
-def _run_alone(name: str, case: Computation, work: Work, finished: Finished, stop: Stop) -> None:
-    """Compute one case in a separate process."""
-    with own_process(packed(work)) as worker:
-        with stop.interruptible():
-            outcomes = list(worker.run(cloudpickle.dumps((case,)), [name]))
-        for outcome in outcomes:
-            finished(name, _with_advice(outcome))
-
-
-def _with_advice(outcome: Outcome) -> Outcome:
-    """Return an outcome of a killed case with the advice that it needs a separate process; others unchanged."""
-    if outcome.case_status is not CaseStatus.KILLED or outcome.failure is None:
-        return outcome
-    sentence = (
-        f"{outcome.failure.sentence}; it needs a process of its own, since an earlier run in one process "
-        "ended with it"
-    )
-    return replace(outcome, failure=replace(outcome.failure, sentence=sentence))

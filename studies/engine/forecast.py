@@ -41,7 +41,9 @@ class Forecast:
         return text if self.size is None else f"{text}, {self.size / 1000:.2g} kB on disk"
 
 
-def forecast(cases: Sequence[Computation], runs: int, sizes: Sequence[int]) -> Forecast:
+def forecast(
+    cases: Sequence[Computation], runs: int, sizes: Sequence[int], scale: float = 1.0
+) -> Forecast:
     """Return the expected cost of a run.
 
     Of many cases a few are planned, evenly spaced; a padding other than that of the plan is not accounted for.
@@ -54,11 +56,14 @@ def forecast(cases: Sequence[Computation], runs: int, sizes: Sequence[int]) -> F
         Number of timed runs to take.
     sizes
         Bytes of stored cases.
+    scale
+        Ratio of the cases of the run to these.
     """
     chosen = cases[:: -(-len(cases) // SAMPLE) or 1]
     seconds: float | None = 0.0 if not cases else None
     with suppress(Exception):  # a study's own computation is anything
         planned = [cs.plan(case.scene, grid=case.grid).seconds for case in chosen]  # type: ignore[attr-defined]
-        seconds = sum(planned) * len(cases) / len(planned)
-    size = len(cases) * sum(sizes) / len(sizes) if sizes else None
-    return Forecast(len(cases), runs, seconds, size)
+        seconds = sum(planned) * len(cases) / len(planned) * scale
+    count = round(scale * len(cases))
+    size = count * sum(sizes) / len(sizes) if sizes else None
+    return Forecast(count, round(scale * runs), seconds, size)

@@ -123,8 +123,8 @@ class Inventory:
         times = f", {missing} timed runs are missing" if missing else ""
         return f"{stored} of {len(self.request.cases)} cases are stored{times}"
 
-    def forecast(self, missing: Sequence[str]) -> Forecast:
-        """Return the expected cost of the `missing` cases and timed runs."""
+    def forecast(self, missing: Sequence[str], scale: float) -> Forecast:
+        """Return `scale` times the expected cost of the `missing` cases and timed runs."""
         runs = sum(self.times_missing().values()) + self.repeats * len(missing)
         sizes = [record.size for record in self.journal.contents.records.values()]
-        return forecast([self.request.cases[name] for name in missing], runs, sizes)
+        return forecast([self.request.cases[name] for name in missing], runs, sizes, scale)

@@ -22,7 +22,7 @@ from studies.model.outcome import CaseStatus, Outcome, Work, summary_messages
 from studies.model.study import Study
 from studies.store.journal import Journal
 from studies.store.loaded import shown
-from studies.store.netcdf import check_kind, open_folder
+from studies.store.netcdf import check_kind, open_folder, read
 from studies.store.provenance import machine, provenance
 from studies.store.request import Request
 from studies.store.result_file import ResultFile, save_fields
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from studies.engine.executors import Executor
 
 Log = Callable[[str], object]
-MANY = 50_000  # points that take more than a moment
+MANY = 50_000  # points whose cases take more than a moment to make
 
 
 class _FirstFailureError(Exception):
@@ -88,12 +88,25 @@ def run(
 
 
 def estimate_cost(study: Study, out: Path, *, options: RunOptions, log: Log = print) -> Forecast:
-    """Report what :func:`run` would compute, and return its predicted cost; nothing is computed or written."""
+    """Report what :func:`run` would compute, and return its predicted cost; nothing is computed or written.
+
+    Of a large study some points are looked at, evenly spaced.
+    """
     study.check_size(options.most_points)
+    every = study.size
+    while study.size > MANY:
+        longest = max(study.points, key=lambda axis: len(axis.values))
+        thinned = replace(longest, values=longest.values[::2])
+        study = replace(
+            study, points=tuple(thinned if axis is longest else axis for axis in study.points)
+        )
+    scale = every / study.size
+    if scale > 1:
+        log(f"{study.name}: {every} points, judged by {study.size} of them in proportion")
     request = _request(study, log)
     journal = Journal(out / f"{study.name}.journal.jsonl", request.context, machine())
     study, request = _beside_stored(study, request, journal, log)
-    return _Run(study, request, journal, options, log, Stop()).estimate_cost()
+    return _Run(study, request, journal, options, log, Stop()).estimate_cost(scale)
 
 
 def _request(study: Study, log: Log) -> Request:
@@ -189,15 +202,18 @@ class _Run:
             raise
         return self._end()
 
-    def estimate_cost(self) -> Forecast:
-        """Report what is to be computed, and return its predicted cost."""
+    def estimate_cost(self, scale: float) -> Forecast:
+        """Report what is to be computed, and return its predicted cost, all of it `scale` times that of these points."""
         for note in (*self.journal.notes, *self.study.notes):
             self.log(note)
         cases, missing = self.request.cases, self.inventory.missing(self.log)
-        predicted = self.inventory.forecast(missing)
+        predicted = self.inventory.forecast(missing, scale)
+        points, all_cases, computed = (
+            round(scale * len(part)) for part in (self.request.keys, cases, missing)
+        )
         self.log(
-            f"{len(self.request.keys)} points, {len(cases)} distinct cases, {len(cases) - len(missing)} stored, "
-            f"{len(missing)} to compute, {predicted.runs} timed runs to take"
+            f"{points} points, {all_cases} distinct cases, {all_cases - computed} stored, {computed} to compute, "
+            f"{predicted.runs} timed runs to take"
         )
         if missing:
             self.log(str(predicted))
@@ -260,18 +276,20 @@ class _Run:
 
     def _executor(self, missing: Sequence[str], closing: ExitStack) -> "Executor":
         """Return the executor that the options ask for."""
+        workers, scheduler = min(self.options.workers, len(missing)), self.options.scheduler
+        if not workers and not scheduler and self.journal.contents.begun in missing:
+            self.log(
+                "the last run ended during a case: cases are computed in a process of their own"
+            )
+            workers = 1
         # what an executor needs is imported with it
-        if self.options.scheduler is not None or self.options.workers:
+        if workers or scheduler:
             from studies.engine.cluster import Cluster
 
-            workers = min(self.options.workers, len(missing))
-            return closing.enter_context(Cluster(workers, self.options.scheduler, log=self.log))
+            return closing.enter_context(Cluster(workers, scheduler, log=self.log))
         from studies.engine.executors import InProcess
 
-        suspects = frozenset(name for name in missing if name == self.journal.contents.begun)
-        if suspects:
-            self.log("the last run ended during a case, which now needs a process of its own")
-        return InProcess(self.journal.begin, suspects)
+        return InProcess(self.journal.begin)
 
     def _check_program(self, outcome: Outcome) -> None:
         """Refuse an outcome of another program on another machine; report that a file here has been edited meanwhile."""
@@ -294,9 +312,10 @@ class _Run:
 
     def _end(self) -> xr.Dataset:
         """Write the file, report the outcomes, and return the Dataset."""
-        if self.options.fields == "kept" or not self.file.is_complete():
+        dataset = self.file.stored() if self.options.fields == "none" else None
+        if dataset is None:
             self.file.write(fields=self.options.fields)
-        dataset = self.file.read()
+            dataset = read(self.file.path)
         if "left_out" in dataset.attrs:
             self.log(f"left out: {dataset.attrs['left_out']}")
         for sentence in summary_messages(self.inventory.records()):

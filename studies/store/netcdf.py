@@ -90,7 +90,10 @@ def check_kind(
     if not path.is_file():
         return
     try:
-        with interrupts_deferred(), _opened(path) as dataset:
+        with (
+            interrupts_deferred(),
+            xr.open_dataset(_checked(path), engine="netcdf4", decode_cf=False) as dataset,
+        ):
             present = (
                 "study"
                 if "case_status" in dataset
@@ -107,11 +110,11 @@ def check_kind(
         )
 
 
-def _opened(path: Path) -> xr.Dataset:
-    """Return the Dataset in `path`; raise any error for a damaged file."""
-    if is_damaged(path):  # HDF5 may read it as other numbers, or never end
+def _checked(path: Path) -> Path:
+    """Return `path`; raise ValueError for a damaged file, which HDF5 may read as other numbers, or never end."""
+    if is_damaged(path):
         raise ValueError("its checksum is not that of its content")
-    return xr.load_dataset(path, engine="netcdf4")
+    return path
 
 
 def read(path: Path, what: str = "Study file", remedy: str = "run the study first") -> xr.Dataset:
@@ -131,7 +134,7 @@ def read(path: Path, what: str = "Study file", remedy: str = "run the study firs
     """
     try:
         with interrupts_deferred():
-            return _opened(path)
+            return xr.load_dataset(_checked(path), engine="netcdf4")
     except Exception as error:  # noqa: BLE001 (libraries raise anything for a damaged file)
         if isinstance(error, OSError | RuntimeError) and str(error):
             why = reason(error)

@@ -287,6 +287,8 @@ class Contents:
                 raise ValueError(name)
         for name, value in line["point"].items():
             _text(name), _text(value)
+        if not isinstance(line["tree"], dict):
+            raise TypeError(line["tree"])
         return Record(
             _text(line["case"]),
             CaseStatus[line["status"].upper()],

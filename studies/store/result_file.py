@@ -105,12 +105,13 @@ class ResultFile:
         """Path of the folder of fields that go into the file."""
         return self.journal.path.parent / f"{self.study.name}.fields"
 
-    def is_complete(self) -> bool:
-        """Return whether the file has all that the journal has of its points, so that it need not be written."""
+    def stored(self) -> xr.Dataset | None:
+        """Return the Dataset in the file; None unless it has all that the journal has of its points."""
         try:
-            return read(self.path).attrs.get("content_hash") == self._content_hash()
+            dataset = read(self.path)
         except InvalidInput:
-            return False
+            return None
+        return dataset if dataset.attrs.get("content_hash") == self._content_hash() else None
 
     def _content_hash(self) -> str:
         """Return a hash of all that the file shows: its points and attributes, records, and numbers of timed runs."""
@@ -135,10 +136,6 @@ class ResultFile:
         write(dataset, self.path, self._groups() if fields == "kept" else ())
         end = monotonic()
         self.next_write = end + max(OFTEN, SHARE * (end - start))
-
-    def read(self) -> xr.Dataset:
-        """Return the Dataset in the file."""
-        return read(self.path)
 
     def _outcome(self, name: str) -> Outcome | None:
         """Return the outcome of a case; None if there is none."""

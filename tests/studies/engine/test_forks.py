@@ -28,18 +28,8 @@ def fork() -> None:
     os.fork()
 
 
-def fork_twice() -> None:
-    os.fork()
-    os.fork()
-
-
 def fork_of_c() -> None:
     ctypes.CDLL(None).fork()
-
-
-def fork_and_raise() -> None:
-    if os.fork() == 0:
-        raise ValueError("the child")
 
 
 def fork_and_exit() -> None:
@@ -65,7 +55,7 @@ def left_behind() -> None:
 FORKS = {
     one.__name__: one
     for one in (
-        fork, fork_twice, fork_of_c, fork_and_raise, fork_and_exit, fork_in_a_session_of_its_own,
+        fork, fork_of_c, fork_and_exit, fork_in_a_session_of_its_own,
         joined_process, left_behind,
     )
 }  # fmt: skip
@@ -110,8 +100,7 @@ def study(how: str, where: str) -> Study:
 @POSIX
 @pytest.mark.parametrize(
     ("how", "where", "workers"),
-    [(how, "run", 1) for how in FORKS]
-    + [("fork", "prepare", 2), ("fork", "measure", 1), ("fork_of_c", "measure", 2)],
+    [(how, "run", 1) for how in FORKS] + [("fork", "prepare", 2)],
 )
 def test_no_point_holds_the_number_of_another(
     how: str, where: str, workers: int, tmp_path: Path
@@ -131,16 +120,15 @@ from pathlib import Path
 from studies.engine.options import RunOptions
 from studies.engine.run import run
 from tests.studies.engine.test_forks import study
-run(study(sys.argv[1], "run"), Path(sys.argv[2]), options=RunOptions(workers=0, repeats=0))
+run(study("fork", "run"), Path(sys.argv[1]), options=RunOptions(workers=0, repeats=0))
 """
 
 
 @pytest.mark.whole
 @POSIX
-@pytest.mark.parametrize("how", ["fork", "fork_of_c", "fork_and_raise"])
-def test_a_case_that_forks_without_workers_does_not_make_two_runs(how: str, tmp_path: Path) -> None:
+def test_a_case_that_forks_without_workers_does_not_make_two_runs(tmp_path: Path) -> None:
     done = subprocess.run(
-        [sys.executable, "-c", SCRIPT, how, str(tmp_path)],
+        [sys.executable, "-c", SCRIPT, str(tmp_path)],
         cwd=Path(__file__).parents[3], capture_output=True, text=True,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr

@@ -53,13 +53,3 @@ def test_elsewhere_lines_say_how_many_how_fast_and_how_long_still(
         for count in (10, 10, 10):
             bar.add(count)
     assert said == ["solving, 20 of 100 cases, 0.5 a second, 160 s left"]
-
-
-def test_how_much_of_what_is_left_is_timing_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    now = iter([0.0, 40.0])
-    monkeypatch.setattr(progress, "monotonic", lambda: next(now))
-    monkeypatch.setattr(progress, "_is_terminal", lambda: False)
-    said: list[str] = []
-    with Progress("mine", "solving", 100, "case", said.append) as bar:
-        bar.add(20, afterwards=30.0)  # of the twenty that are done
-    assert said[0].endswith("160 s left, and then 150 s of timing")

@@ -11,7 +11,7 @@ import contactstudy as cs
 from studies.engine.run import run
 from studies.model.case import Case, Solved
 from studies.model.study import Study
-from studies.reference.line_contact import HERTZ, SCENE, measures
+from studies.reference.line_contact import HERTZ, measures
 from studies.registry import load
 from studies.store.netcdf import read
 from tests.studies.conftest import quiet
@@ -25,16 +25,6 @@ NUMBERS = [
 @pytest.fixture(scope="module")
 def dataset(small_run: Path) -> xr.Dataset:
     return read(small_run / "padding.nc")
-
-
-@pytest.mark.whole
-def test_every_selection_is_filled(dataset: xr.Dataset) -> None:
-    axes = ("padding", "images", "period", "grid")
-    assert tuple(dataset.sizes) == (*axes, "repeat")
-    for name in NUMBERS:
-        assert dataset[name].dims == axes
-        assert np.isfinite(dataset[name]).all(), name
-    assert (dataset["case_status"] == 1).all()
 
 
 def test_estimates_bound_the_errors_of_a_sweep(dataset: xr.Dataset) -> None:
@@ -56,19 +46,6 @@ def test_a_mode_without_n_is_computed_once_and_broadcast(dataset: xr.Dataset) ->
         assert (exact == exact.isel(images=0)).all()
     superposed = dataset["axis_pressure_error"].sel(padding="superposed", period=0.6, grid=24)
     assert len(set(superposed.values.tolist())) == 3
-
-
-def test_every_variable_says_what_it_is_and_in_which_unit(dataset: xr.Dataset) -> None:
-    for name, variable in dataset.variables.items():
-        assert variable.attrs["long_name"], name
-        assert (
-            name in ("padding", "case_status", "solver_status", "contended", "case_key")
-            or variable.attrs["units"]
-        ), name
-    for name in ("case_status", "solver_status", "contended"):
-        flags = dataset[name].attrs
-        assert dataset[name].dtype == np.int8
-        assert len(flags["flag_values"]) == len(flags["flag_meanings"].split())
 
 
 def test_the_file_says_where_its_numbers_come_from(dataset: xr.Dataset) -> None:
@@ -145,20 +122,6 @@ def test_nothing_is_written_when_a_point_is_bad(small_study: Study, tmp_path: Pa
     with pytest.raises(cs.InvalidInput):
         run(small_study.override({"period": "1,0"}), tmp_path / "new", log=quiet)
     assert not (tmp_path / "new").exists()
-
-
-def test_measures_do_not_depend_on_the_unit_of_length() -> None:
-    """A cell of a nanometre is a cell."""
-    found = []
-    for radius in (1e-2, 1e-7):
-        scene = replace(SCENE, shapes=(cs.Cylinder(radius),), load=cs.LineLoad(1e7 * radius))
-        hertz = scene.hertz
-        assert hertz is not None
-        grid = cs.Grid(cells=(32, 2), extent=(2.4 * hertz.half_width, hertz.half_width))
-        case = Case(scene, grid, cs.ExactPeriodicity(), cs.SolveOptions(1e-11))
-        measured = measures(case, case.run(case.prepare()))
-        found.append([float(variable) for variable in measured.values()])
-    np.testing.assert_allclose(found[0], found[1], rtol=0, atol=1e-9)
 
 
 @pytest.mark.whole

@@ -1,6 +1,5 @@
 """What a run says it will do, does and did, counted by hand."""
 
-import inspect
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -9,9 +8,7 @@ import pytest
 import xarray as xr
 
 from studies.engine import run as module
-from studies.engine import timing
 from studies.engine.options import RunOptions
-from studies.engine.progress import Progress
 from studies.engine.run import estimate_cost, run
 from tests.studies.engine import trouble
 from tests.studies.engine.trouble import RAISES
@@ -64,27 +61,6 @@ def test_repeats_that_are_missing_are_taken_and_no_more(tmp_path: Path) -> None:
             assert int(dataset["solve_time_all"].notnull().sum()) == 2 * taken
 
 
-def test_every_case_and_every_timed_run_is_counted_once(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    counted: dict[str, list[int]] = {}
-
-    class Counted(Progress):
-        def __init__(self, name: str, what: str, total: int, *rest: object) -> None:
-            super().__init__(name, what, total, *rest)  # type: ignore[arg-type]
-            self.what = what
-            counted[what] = [total, 0]
-
-        def add(self, count: int = 1, afterwards: float = 0.0) -> None:
-            counted[self.what][1] += count
-            super().add(count, afterwards)
-
-    monkeypatch.setattr(module, "Progress", Counted)
-    monkeypatch.setattr(timing, "Progress", Counted)
-    said([1, 2, RAISES, 4, 5], tmp_path, RunOptions(workers=0, repeats=2))
-    assert counted == {"solving": [5, 5], "timing": [8, 8]}
-
-
 def test_changed_cases_are_counted_by_what_changed(tmp_path: Path) -> None:
     said([1, 2, 4], tmp_path)
 
@@ -99,21 +75,16 @@ def test_changed_cases_are_counted_by_what_changed(tmp_path: Path) -> None:
     assert anew[0].startswith("trouble: 3 stored cases are computed anew, since ")
 
 
-def test_many_points_are_said_before_their_cases_are_made(
+def test_a_dry_run_of_many_points_judges_by_some_of_them(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(module, "MANY", 3)
-    for count in (3, 4):
-        lines: list[str] = []
-        numbers = [10.0 + n for n in range(count)]
-        estimate_cost(trouble.study(numbers), tmp_path, options=ONE, log=lines.append)
-        made = [line for line in lines if "now made" in line]
-        expected = ["trouble: 4 points, whose cases are now made"] if count == 4 else []
-        assert made == expected
-
-
-def test_a_run_has_the_options_of_a_run_by_default() -> None:
-    defaults = inspect.signature(run).parameters
-    options = RunOptions()
-    assert defaults["workers"].default == options.workers
-    assert defaults["repeats"].default == options.repeats
+    monkeypatch.setattr(module, "MANY", 10)
+    lines: list[str] = []
+    found = estimate_cost(
+        trouble.study([10.0 + n for n in range(40)]), tmp_path, options=ONE, log=lines.append
+    )
+    assert lines[:2] == [
+        "trouble: 40 points, judged by 10 of them in proportion",
+        "trouble: 40 points, 40 distinct cases, 0 stored, 40 to compute, 0 timed runs to take",
+    ]
+    assert found.cases == 40

@@ -7,31 +7,14 @@ import pytest
 from contactstudy import InvalidInput
 from studies.engine.options import RunOptions
 from studies.engine.run import run
-from studies.engine.time_limit import limit_of_timed_run
-from studies.engine.timing import rounds, time_cases
-from studies.model.outcome import CaseStatus, Failure, Sample, is_contended, timing_variables
+from studies.engine.timing import time_cases
+from studies.model.outcome import Failure, Sample, is_contended, timing_variables
 from tests.studies.conftest import quiet
 from tests.studies.engine import trouble
 
 
 def sample(wall: float, cpu: float | None = None) -> Sample:
     return Sample(0.25 * wall, 0.75 * wall, 0.0, wall if cpu is None else cpu, 1)
-
-
-@pytest.mark.parametrize(
-    ("expected", "limit", "seconds"), [(0.0, None, 5), (2.0, None, 25), (2.0, 30.0, 25), (2.0, 9.0, 9)]
-)  # fmt: skip
-def test_a_timed_run_is_given_up_after_ten_times_what_it_took(
-    expected: float, limit: float | None, seconds: float
-) -> None:
-    """And five seconds, which a start may take; after the limit at the latest."""
-    assert limit_of_timed_run(expected, limit) == seconds
-
-
-def test_repeats_are_interleaved_between_cases() -> None:
-    assert list(rounds({"a": 2, "b": 1, "c": 2})) == [
-        (0, "a"), (0, "b"), (0, "c"), (1, "a"), (1, "c"),
-    ]  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -124,12 +107,6 @@ def test_a_case_that_cannot_be_timed_is_given_up_and_the_others_are_timed() -> N
         lambda key, _: taken.append(key), lambda key, _: given_up.append(key),
     )  # fmt: skip
     assert (taken, given_up) == (["good", "good"], ["bad"])
-
-
-def test_what_failed_is_not_timed(tmp_path: Path) -> None:
-    dataset = run(trouble.study([1.0, 3.0]), tmp_path, workers=0, repeats=1, log=quiet)
-    assert dataset["case_status"].values.tolist() == [CaseStatus.OK, CaseStatus.FAILED]
-    assert dataset["contended"].values.tolist()[1] == 2
 
 
 def test_a_study_that_wants_no_times_is_not_timed(tmp_path: Path) -> None:

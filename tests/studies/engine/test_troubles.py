@@ -24,7 +24,7 @@ from tests.studies.conftest import POSIX, quiet
 from tests.studies.engine import trouble
 from tests.studies.engine.trouble import DIES, HANGS, NAN, RAISES, Trouble, Unsendable
 
-LIMIT = 5.0  # seconds; a case takes microseconds, however busy the machine
+LIMIT = 3.0  # seconds; a case takes microseconds, however busy the machine
 ROOT = Path(__file__).parents[3]
 TROUBLES = {
     RAISES: CaseStatus.FAILED,
@@ -118,17 +118,6 @@ def test_four_troubles_among_twenty_are_labelled(address: str | None, tmp_path: 
     examine(run(trouble.study(), tmp_path, options=settings, log=quiet))
 
 
-@pytest.mark.whole
-def test_every_case_of_a_batch_in_which_several_die_is_answered(address: str | None) -> None:
-    numbers = [1, DIES, 2, DIES, DIES, RAISES, 4] * 4
-    with Cluster(2, address) as cluster:
-        outcomes = compute(cluster, [Trouble(float(n)) for n in numbers], Work(trouble.measures))
-    for number, outcome in zip(numbers, outcomes, strict=True):
-        assert outcome.case_status is TROUBLES.get(number, CaseStatus.OK)
-        if outcome.case_status is CaseStatus.OK:
-            assert float(outcome.variables["square"]) == number**2
-
-
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("where", ["written", "read"])
 def test_a_case_that_cannot_be_sent_fails_alone(address: str | None, where: str) -> None:
@@ -142,25 +131,6 @@ def test_a_case_that_cannot_be_sent_fails_alone(address: str | None, where: str)
     assert bad.failure is not None
     assert (bad.case_status, bad.failure.stage) == (CaseStatus.FAILED, "setup")
     assert "it holds an open file" in bad.error
-
-
-@pytest.mark.whole
-def test_its_processes_go_from_study_to_study_and_outlive_their_troubles(tmp_path: Path) -> None:
-    """The processes stay, take the measures of each study, and end with the executor."""
-    numbers = []
-    with Cluster(1) as cluster:
-        (first,) = compute(cluster, [Trouble(2.0)], Work(trouble.measures))
-        assert float(first.variables["square"]) == 4
-        for _ in range(2):
-            (outcome,) = compute(cluster, [Trouble(1.0)], Work(trouble.process))
-            numbers.append(int(outcome.variables["process"]))
-        assert numbers[0] == numbers[1] != os.getpid()
-        settings = RunOptions(time_limit=LIMIT, repeats=1)
-        examine(run(trouble.study(), tmp_path, options=settings, log=quiet, executor=cluster))
-        (outcome,) = compute(cluster, [Trouble(1.0)], Work(trouble.process))
-        numbers.append(int(outcome.variables["process"]))
-    for number in numbers:
-        assert not psutil.pid_exists(number) or number == os.getpid()
 
 
 @pytest.mark.whole
@@ -223,7 +193,7 @@ from pathlib import Path
 from studies.engine.options import RunOptions
 from studies.engine.run import run
 from tests.studies.engine import trouble
-run(trouble.study(), Path(sys.argv[1]), options=RunOptions(workers=0, time_limit=5.0, repeats=1))
+run(trouble.study(), Path(sys.argv[1]), options=RunOptions(workers=0, time_limit=3.0, repeats=1))
 """
 
 
@@ -235,10 +205,9 @@ def test_a_case_that_takes_its_process_down_is_given_its_own_the_next_time(tmp_p
     assert first.returncode == -signal.SIGKILL
     second = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert second.returncode == 0, second.stderr
-    assert "needs a process of its own" in second.stdout
+    assert "computed in a process of their own" in second.stdout
     dataset = xr.load_dataset(tmp_path / "trouble.nc")
     examine(dataset)
-    assert "needs a process of its own" in str(dataset["error"].sel(number=DIES).item())
 
 
 WATCH = """
@@ -270,13 +239,3 @@ def test_a_scheduler_that_is_not_there_is_said() -> None:
     nowhere = Cluster(0, "tcp://127.0.0.1:1", patience=0.2)
     with pytest.raises(InvalidInput, match=refusal), nowhere:
         compute(nowhere, [Trouble(1.0)], Work(trouble.measures))
-
-
-@pytest.mark.whole
-def test_the_first_failure_stops_a_run_that_is_to_stop(tmp_path: Path) -> None:
-    settings = RunOptions(workers=0, after_failure="stop", repeats=1)
-    dataset = run(trouble.study(), tmp_path, options=settings, log=quiet)
-    status = dataset["case_status"].values.tolist()
-    assert status == [CaseStatus.OK] * RAISES + [CaseStatus.FAILED] + [CaseStatus.SKIPPED] * (
-        19 - RAISES
-    )

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from studies.store.loaded import LOADED, Present, shown
+from studies.store.loaded import LOADED, Present
 
 NAMES = ("helper_of_study", "other_of_study", "package_of_study")
 
@@ -159,9 +159,3 @@ def test_a_file_in_a_folder_called_like_that_of_distributions_counts_by_its_sour
     write(tmp_path / "site-packages" / "helper_of_study.py", "K = 1.0\n")
     monkeypatch.syspath_prepend(tmp_path / "site-packages")
     assert list(loaded("helper_of_study")) == ["module helper_of_study"]
-
-
-def test_of_many_changes_the_first_are_named() -> None:
-    many = [f"module m{n}" for n in range(7)]
-    assert shown(many) == "m0, m1, m2, m3, and 3 more"
-    assert shown(["distribution numpy"]) == "distribution numpy"

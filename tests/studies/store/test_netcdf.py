@@ -1,5 +1,4 @@
 import signal
-import threading
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +11,7 @@ from studies.model.axis import Axis
 from studies.model.case import Case
 from studies.model.outcome import CaseStatus, Failure, Outcome
 from studies.reference import line_contact
-from studies.store.netcdf import _shortened, interrupts_deferred, open_folder, read, write
+from studies.store.netcdf import interrupts_deferred, open_folder, read
 from studies.store.table import assemble
 
 
@@ -32,12 +31,6 @@ def test_a_file_stays_until_the_new_one_is_whole(tmp_path: Path) -> None:
         partial.write_text("new")
     assert path.read_text(encoding="utf-8") == "new"
     assert [entry.name for entry in tmp_path.iterdir()] == ["kept.txt"]
-
-
-def test_a_dataset_comes_back_as_it_went(tmp_path: Path) -> None:
-    dataset = xr.Dataset({"a": ("n", [1.0, 2.0], {"units": "m"})}, {"n": [1, 2]}, {"title": "t"})
-    write(dataset, tmp_path / "a.nc")
-    xr.testing.assert_identical(read(tmp_path / "a.nc"), dataset)
 
 
 def test_a_folder_that_cannot_be_is_refused(tmp_path: Path) -> None:
@@ -106,11 +99,6 @@ def test_what_is_not_like_the_others_is_left_out_and_said() -> None:
     )
 
 
-@pytest.mark.parametrize(("length", "shown"), [(100, "x" * 100), (101, "x" * 100 + "...")])
-def test_a_long_name_of_a_folder_is_cut_after_a_hundred_characters(length: int, shown: str) -> None:
-    assert _shortened(Path("x" * length)) == repr(shown)
-
-
 def test_an_interrupt_comes_after_what_must_not_be_left_half_way() -> None:
     done = []
 
@@ -128,41 +116,3 @@ def test_an_interrupt_comes_after_what_must_not_be_left_half_way() -> None:
         assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
     finally:
         signal.signal(signal.SIGINT, before)
-
-
-def test_what_goes_wrong_meanwhile_is_not_hidden_by_an_interrupt() -> None:
-    def work() -> None:
-        with interrupts_deferred():
-            signal.raise_signal(signal.SIGINT)
-            raise OSError("full")
-
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    try:
-        with pytest.raises(OSError, match="full"):
-            work()
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
-def test_where_an_interrupt_is_ignored_it_stays_so() -> None:
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        with interrupts_deferred():
-            signal.raise_signal(signal.SIGINT)
-        assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
-def test_in_another_thread_nothing_is_held_back() -> None:
-    entered = []
-
-    def work() -> None:
-        with interrupts_deferred():
-            entered.append(signal.getsignal(signal.SIGINT))
-
-    before = signal.getsignal(signal.SIGINT)
-    thread = threading.Thread(target=work)
-    thread.start()
-    thread.join()
-    assert entered == [before]

@@ -13,7 +13,6 @@ from studies.engine.run import run
 from studies.model.axis import Axis
 from studies.model.outcome import CaseStatus, Failure, Outcome
 from studies.model.study import Point, Study
-from studies.store import table as module
 from studies.store.table import assemble
 from tests.studies.conftest import quiet
 from tests.studies.engine.trouble import Trouble, measures
@@ -114,17 +113,6 @@ def test_dimensions_that_contradict_another_variable_s_are_left_out(
     assert dataset.attrs["left_out"] == left_out
 
 
-@pytest.mark.parametrize("order", [("first", "k"), ("k", "first")])
-def test_a_variable_with_a_dimension_called_like_another_is_left_out(
-    order: tuple[str, str],
-) -> None:
-    both = {"first": variable([1.0, 2.0], "k"), "k": variable([5.0], "m")}
-    dataset = assembled((SIZE,), "a a", a={name: both[name] for name in order})
-    assert "first" not in dataset
-    assert dataset["k"].values.tolist() == [[5.0], [5.0]]
-    assert dataset.attrs["left_out"] == "first, since another variable has another k"
-
-
 def test_a_failure_says_what_where_and_why_at_its_points() -> None:
     failure = Failure("ValueError", "ValueError: no", "solve")
     found = {
@@ -181,18 +169,3 @@ def test_a_value_of_which_nothing_is_stored_leaves_no_empty_row(tmp_path: Path) 
     run(table((3.0, 7.0), (0.0,)), tmp_path, options=stop, log=quiet)  # 7 is never reached
     dataset = run(study, tmp_path, options=ALONE, log=quiet)
     assert dataset["number"].values.tolist() == [1.0, 3.0]
-
-
-def test_a_table_that_needs_far_more_than_is_stored_leaves_out_what_needs_it(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(module, "ROOM", 1000)
-    row, number = variable(np.zeros(100), "k"), {"n": variable(1.0)}
-    axis = Axis("i", tuple(range(10)), "i")
-    few = {f"c{i}": number | ({"row": row} if i < 2 else {}) for i in range(10)}
-    dataset = assembled((axis,), " ".join(few), **few)
-    assert "row" not in dataset
-    assert dataset["n"].values.tolist() == [1.0] * 10
-    assert dataset.attrs["left_out"].startswith("row of 2 cases, since a table of all points would")
-    many = {f"c{i}": number | ({"row": row} if i < 3 else {}) for i in range(10)}
-    assert "row" in assembled((axis,), " ".join(many), **many)

@@ -15,7 +15,6 @@ import cloudpickle
 import psutil
 import pytest
 
-from studies.engine import time_limit
 from studies.engine.executors import packed
 from studies.engine.workers import process as module
 from studies.engine.workers.leftovers import MARK, end_all
@@ -110,29 +109,6 @@ def test_other_work_is_done_by_the_same_process(worker: Worker) -> None:
     assert outcomes_of(worker, Trouble(1.0)) == []
 
 
-def test_a_worker_s_own_alarm_comes_before_its_supervisor_s(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """A tenth and half a second later it is late; without a limit it never is."""
-    asked: list[float | None] = []
-
-    def next_answer(until: float | None) -> object:
-        asked.append(until)
-        return (1, 0, Outcome(OK), False, None) if until is None else TimeoutError
-
-    monkeypatch.setattr(time_limit, "monotonic", lambda: 100.0)
-    monkeypatch.setattr(module, "perf_counter", iter((4.0, 7.0, 4.0)).__next__)
-    one = Worker(packed(Work(trouble.measures)))
-    monkeypatch.setattr(one, "_next", next_answer)
-    (late, *_), (other, *_) = (one._receive(0, limit) for limit in (20.0, None))
-    assert isinstance(late, Outcome)
-    assert (late.case_status, late.seconds) == (CaseStatus.TIMEOUT, 3.0)
-    assert isinstance(other, Outcome)
-    assert other.case_status is OK
-    assert asked == [122.5, None]
-    one.end()
-
-
 def test_an_outcome_says_what_its_process_had_loaded(worker: Worker) -> None:
     (one,) = outcomes_of(worker, Trouble(1.0))
     assert Present().changes(one.loaded) == []
@@ -200,21 +176,6 @@ def test_a_worker_that_ends_while_its_process_starts_leaves_none() -> None:
         one.end()
     assert answers.result() == []
     assert set(multiprocessing.active_children()) <= before
-
-
-@pytest.mark.parametrize(
-    ("code", "said"),
-    [
-        (0, "ended with exit code 0"),
-        (1, "ended with exit code 1"),
-        (None, "ended"),
-        (-15, "was ended by SIGTERM"),
-        (-9, "was ended by SIGKILL, perhaps for want of memory"),
-    ],
-)
-@POSIX
-def test_how_a_process_ended_is_said_in_words(code: int | None, said: str) -> None:
-    assert module._ending(code) == said
 
 
 @POSIX

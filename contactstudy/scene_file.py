@@ -71,8 +71,9 @@ class SceneFile:
     def plan(self, *, on: Device = Cpu()) -> Plan:  # noqa: B008 (frozen)
         """Return the plan for this scene, on the file's grid if it has one; seconds are for the device `on`."""
         period, error = None if self.grid else self.plan_settings.period, self.plan_settings.error
-        end = self.time_steps.last
-        return plan(self.scene, error=error, period=period, grid=self.grid, end=end, on=on)
+        return plan(
+            self.scene, error=error, period=period, grid=self.grid, times=self.time_steps, on=on
+        )
 
     def problem(self) -> Problem:
         """Return the problem on the grid and with the padding of the file, or of the plan where it has none."""

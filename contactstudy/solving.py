@@ -24,10 +24,8 @@ if TYPE_CHECKING:
     from contactstudy.answers.lubricated_contact import LubricatedContact
     from contactstudy.evolution.steps import TimeSteps
 
-# Share of the accuracy asked for that the cells may take where steps in time take the remainder.
-CELLS = 0.5
-# Iterations of a film at most.
-FILM_ITERATIONS = 300
+# Iterations of a film at most, and the share of the accuracy asked for that its steps in time may take.
+FILM_ITERATIONS, STEPS = 300, 0.5
 # Rounds of refinement of a scene that is not at rest, whose error falls as its cells at least, the largest factor on the
 # cells along an axis in a round, and the most cells of its grid.
 ROUNDS, FINER, MOST_CELLS = 3, 3.0, 2_000_000
@@ -215,10 +213,13 @@ class _Request:
         """Return grid and padding: those that are given, else planned for an `error`."""
         if self.grid is not None and self.padding is not None:
             return self.grid, self.padding
-        from contactstudy.planning.plan import plan  # only where something is left to be chosen
+        from contactstudy.planning.plan import (
+            plan_grid,
+        )  # only where something is left to be chosen
 
-        end = None if self.times is None else self.steps.last
-        found = plan(self.scene, error=error, period=self.period, grid=self.grid, end=end)
+        found = plan_grid(
+            self.scene, error=error, period=self.period, grid=self.grid, times=self.times
+        )
         return found.grid, self.padding or found.padding
 
     @property
@@ -330,10 +331,11 @@ class _Request:
         """Follow a dry scene through time."""
         from contactstudy.answers.evolution import evolution_of
         from contactstudy.evolution.evolve import evolve
+        from contactstudy.planning.in_time import OF_CELLS
 
         requested, steps = self.requested, self.steps
-        share = None if requested is None else CELLS * requested
-        grid, padding = self.planned(share)
+        share = None if requested is None else (1 - OF_CELLS) * requested
+        grid, padding = self.planned(requested)
 
         def solve_on(grid: Grid) -> "Evolution":
             trajectory = evolve(
@@ -412,7 +414,7 @@ class _Request:
             grid,
             padding,
             times=steps.instants_of(self.scene.load, self.scene.lubrication.mean_speed),
-            error=None if steps.step else steps.error or (requested and CELLS * requested),
+            error=None if steps.step else steps.error or (requested and STEPS * requested),
             step=steps.step,
             tolerance=self.options.tolerance,
             progress=self._time_shown,

@@ -34,8 +34,9 @@ SMOOTH_CONVOLUTIONS, ROUGH_CONVOLUTIONS, DIGITS = 35.0, 42.0, 8
 SAMPLE, SAMPLE_IMAGES = 128, (1, 6)
 # Largest number of cells along an axis of the convolution that is timed on a device.
 LARGE_SAMPLE = 512
-# Seconds for which a quick solve or convolution is repeated: the first one fills caches, and a busy machine interrupts.
-LONG_ENOUGH = 0.02
+# Seconds for which a quick solve or convolution is repeated: the first one fills caches, and a busy machine interrupts;
+# the seconds of a set-up or a solve at least.
+LONG_ENOUGH, LEAST = 0.02, 1e-6
 # Overhead of a transform of any size, in units of N log N: the time of a transform of 80 x 80 cells.
 CALLS = 5e4
 
@@ -126,7 +127,7 @@ def log_work(count: float) -> float:
 def timed(
     problem_on: Callable[[Grid], Problem], grid: Grid, tolerance: float
 ) -> tuple[Solution, Timing]:
-    """Solve on `grid`, and return the solution with the least seconds of as many runs as fit into 0.04 s.
+    """Solve on `grid`, and return the solution with the mean seconds of as many runs as fit into 0.04 s.
 
     Parameters
     ----------
@@ -137,19 +138,21 @@ def timed(
     tolerance
         Tolerance of the solver.
     """
-    setups: list[float] = []
-    solves: list[float] = []
-    started = process_time()
-    while len(setups) < 1 or process_time() - started < 2 * LONG_ENOUGH:
+    setup, solve, count = 0.0, 0.0, 0
+    # some clocks tick every 4 to 16 ms: one run tells little, the sum of many does
+    while setup + solve < 2 * LONG_ENOUGH:
         start = process_time()
         problem = problem_on(grid)
         ready = process_time()
         solution = SolveOptions(tolerance).solved(problem)
-        solves.append(process_time() - ready)
-        setups.append(ready - start)
+        setup, solve, count = setup + ready - start, solve + process_time() - ready, count + 1
     assert problem.paddings is not None
     timing = Timing(
-        grid, problem.paddings, max(solution.convolutions, 1.0), min(setups), min(solves)
+        grid,
+        problem.paddings,
+        max(solution.convolutions, 1.0),
+        max(setup / count, LEAST),
+        max(solve / count, LEAST),
     )
     return solution, timing
 

@@ -9,9 +9,14 @@ from contactstudy.lubrication.solve_lubricated import PER_WAVE, film_grid
 from contactstudy.planning.grid_requirements import Needs
 from contactstudy.scene.scene import Scene
 
-# Seconds of a direct step over the cube of the cells across, and steps on all nested grids; seconds a cell for a film
-# that varies along its length, with a roughness of 0.3 of the film. All on one core.
-DIRECT, STEPS, PER_CELL = 6e-11, 12, 5e-5
+# Seconds of a film in plane strain with its estimate on two coarser grids, for the square of its cells, and of any film:
+# medians of 16 films of 320 to 2,700 cells, a third of which are solved again on finer cells. The same of a step in time
+# with its part of the second march, from 9 films of 300 to 2,700 cells.
+OF_SQUARE, FILM, OF_STEP_SQUARE, FILM_STEP = 3.6e-7, 0.03, 7.5e-8, 0.006
+# Steps in time: some to begin with, and at least so many from one recorded instant to the next and in all.
+FIRST, EACH, FEWEST = 5, 2, 30
+# Seconds a cell of a film that varies along its length, with its estimate: the median of 11 films of one wave along.
+PER_CELL = 3.5e-4
 # Numbers held a cell, mostly the basis of the Krylov space, and matrices (x, x) of the Fourier stage.
 FIELDS, MATRICES = 180, 50
 
@@ -26,6 +31,8 @@ class FilmNeeds:
         The grid.
     seconds
         Seconds of a solve on one core.
+    steps
+        Number of steps in time; 1 without any.
     bytes
         Bytes that a solve holds at most.
     reasons
@@ -36,13 +43,19 @@ class FilmNeeds:
 
     grid: Grid
     seconds: float
+    steps: int
     bytes: int
     reasons: tuple[str, ...]
     warnings: tuple[str, ...]
 
 
 def film_needs(
-    scene: Scene, needs: Needs, error: float, period: float | None, grid: Grid | None
+    scene: Scene,
+    needs: Needs,
+    error: float,
+    period: float | None,
+    grid: Grid | None,
+    instants: int = 0,
 ) -> FilmNeeds:
     """Return the grid that a lubricated scene needs, and its cost.
 
@@ -58,6 +71,8 @@ def film_needs(
         Length of the grid [m]; chosen if None.
     grid
         Grid to keep; chosen if None.
+    instants
+        Instants that are recorded of a film in time; 0 of a steady one.
     """
     scales = lubricated_scales(scene)
     warnings = (
@@ -77,13 +92,14 @@ def film_needs(
         f"the inlet begins {inlet:.2g} half-widths from the axis: its error falls as that distance^-2",
         f"cells of {grid.cell[0]:.2g} m across resolve the pressure's rise in the inlet",
     ]
-    if ny == 1:
-        return FilmNeeds(
-            grid, STEPS * DIRECT * nx**3, 8 * 6 * nx**2, tuple(reasons), tuple(warnings)
-        )
-    reasons.append(f"{PER_WAVE} cells or more for the shortest wave")
-    warnings.append("the error of a film between rough surfaces is not known beforehand")
-    numbers = FIELDS * prod(grid.cells) + MATRICES * nx**2
-    return FilmNeeds(
-        grid, PER_CELL * prod(grid.cells), 8 * numbers, tuple(reasons), tuple(warnings)
-    )
+    seconds = FILM + OF_SQUARE * nx**2 if ny == 1 else PER_CELL * prod(grid.cells)
+    steps = 1
+    if instants:
+        steps = FIRST + max(EACH * (instants - 1), FEWEST)
+        seconds += steps * (FILM_STEP + OF_STEP_SQUARE * nx**2 if ny == 1 else seconds)
+    numbers = 6 * nx**2
+    if ny > 1:
+        reasons.append(f"{PER_WAVE} cells or more for the shortest wave")
+        warnings.append("the error of a film between rough surfaces is not known beforehand")
+        numbers = FIELDS * prod(grid.cells) + MATRICES * nx**2
+    return FilmNeeds(grid, seconds, steps, 8 * numbers, tuple(reasons), tuple(warnings))

@@ -32,6 +32,8 @@ SLOWEST, USUAL, FASTEST = 0.5, 1.0, 1.5
 BOUND_ROUGH, BOUND_SMOOTH = 1.5, 1.2
 # Least cells along an axis of a small solution, and of a roller.
 FEWEST, ROLLER = 8, 16
+# Seconds over those of one solve of a solve with its estimate, which takes another on cells of twice the size.
+JUDGED = 1.6
 # Factor on a width that is too narrow.
 WIDER = 1.5
 # Largest factor by which the cells along an axis are extrapolated at once.
@@ -59,9 +61,7 @@ class GridForecast:
     message
         A fault that no grid corrects, such as an infinite pressure; empty without one.
     seconds
-        Seconds of set-up and solve on one thread.
-    looked
-        Seconds that the coarser grids took which a solve to an error begins with.
+        Seconds of a solve with its estimate on one thread, and of the coarser grids of a solve to an error.
     """
 
     grid: Grid
@@ -71,7 +71,6 @@ class GridForecast:
     cut_off: bool
     message: str
     seconds: float
-    looked: float = 0.0
 
     @property
     def error(self) -> float:
@@ -151,7 +150,7 @@ def forecast(scene: Scene, needs: Needs, grid: Grid) -> GridForecast:
         fewest,
         fine.status is Status.CONTACT_AT_EDGE,
         sharp,
-        CostModel((timing,)).seconds(grid, padding, timing.convolutions),
+        JUDGED * CostModel((timing,)).seconds(grid, padding, timing.convolutions),
     )
     return replace(coarse_forecast, grid=grid, errors=coarse_forecast.errors_of(grid.cell))
 
@@ -213,7 +212,7 @@ def expected(scene: Scene, needs: Needs, grid: Grid) -> GridForecast:
     """
     padding = needs.padding()
     if by_law(scene, needs):
-        seconds = CostModel().seconds(grid, padding, SMOOTH_CONVOLUTIONS)
+        seconds = JUDGED * CostModel().seconds(grid, padding, SMOOTH_CONVOLUTIONS)
         width = 2 * needs.hertz.half_width
         return GridForecast(
             grid,

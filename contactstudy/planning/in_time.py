@@ -1,7 +1,7 @@
-"""Requirements of scenes that change in time, roll or yield: grid, number of steps and cost."""
+"""Requirements of scenes that change in time, roll or yield: the width, the load and the cells of their grid."""
 
 from dataclasses import dataclass, replace
-from math import inf, log2, log10, pi, prod, sqrt
+from math import inf, pi, prod, sqrt
 
 import numpy as np
 
@@ -17,12 +17,11 @@ from contactstudy.scene.scene import AnyLoad, Scene
 # Plastic zone below a rigid cylinder pressed with Hertz's peak pressure r times the yield stress, r from 2 to 8, with
 # little or no hardening: over Hertz's half-width, it ends at WIDTH + WIDER r^2 across and at the depth DEPTH r - 1.
 WIDTH, WIDER, DEPTH = 0.62, 0.07, 1.2
-# The error by equal steps is at most STEPS (r / 3)^3 over their number. A march has FIRST solves and SOLVES for each
-# step, with its companion and rejected steps. The error by cells is (r / 3)^CELLS times the elastic one.
-STEPS, FIRST, SOLVES, CELLS = 0.09, 18, 2.5, 1.5
-# A step costs CONTACTS elastic solves, or CONTACTS_OF_LAYER for each layer where strain varies along the length, and
-# holds FIELDS or FIELDS_ALONG fields of the plastic strain. Measured on rough cylinders of 48^2 to 128^2 cells.
-CONTACTS, CONTACTS_OF_LAYER, FIELDS, FIELDS_ALONG = 120, 9, 24, 36
+# The error by cells is (r / 3)^CELLS times the elastic one.
+CELLS = 1.5
+# Fields of plastic strain that a step holds, and where strain varies along the length: measured on rough cylinders of
+# 48^2 to 128^2 cells.
+FIELDS, FIELDS_ALONG = 24, 36
 MARGIN = 1.25
 
 
@@ -53,15 +52,6 @@ class Yielding:
     def cells_error(self) -> float:
         """Error by the cells over that of an elastic contact."""
         return float(max(1.0, self.ratio / 3) ** CELLS)
-
-    def contacts(self, grid: Grid) -> int:
-        """Return the elastic solves that a step costs on `grid`."""
-        count, _, along = self.volume(grid).shape
-        return CONTACTS if along == 1 else CONTACTS_OF_LAYER * count
-
-    def steps(self, error: float) -> int:
-        """Return the solves of a march whose steps cause the relative error `error`, with those that estimate it."""
-        return round(FIRST + SOLVES * STEPS * (self.ratio / 3) ** 3 / error)
 
     def volume(self, grid: Grid) -> Volume:
         """Return the cells of `grid` expected to yield."""
@@ -108,17 +98,10 @@ def yielding(scene: Scene) -> Yielding | None:
     return Yielding(scene.hertz.peak_pressure / min(limits), scene.hertz.half_width, len(limits))
 
 
-# Solves of a march with its companion and rejected steps: LEAST to five recorded instants; for an error of 1, with the
-# power of 1 / error, of creep for each decade of relaxation times, and of wear for each time that the contact doubles
-# its width. Medians of 180 marches on cylinders, smooth and rough. A solve starts from the step before: it takes WARM of
-# the seconds of one alone.
-LEAST, WARM = 32, 0.6
-CREEP, CREEP_RATE = 1.1, 0.5
-WEAR, WEAR_RATE = 0.05, 1.9
-# Passes of a steadily rolling contact to 1e-6, over 1 + the ratio of its compliances.
-PASSES = 8
-
-
+# Fields that the passes of a steadily rolling contact hold.
+LAGGED = 32
+# Share of the accuracy asked for that the cells may take where steps in time take the remainder.
+OF_CELLS = 0.5
 # A contact under a smaller share of the largest load than this is not planned for: cells grow with its root.
 LEAST_LOAD = 0.1
 # Number of instants at which a load is evaluated.
@@ -135,8 +118,6 @@ class Extremes:
         Scene of the smallest load that is planned for, before creep and wear, which needs the finest cells.
     width
         Width [m] that holds the widest contact.
-    steps
-        Number of solves.
     fields
         Fields held between solves, in addition to one solve.
     reasons
@@ -145,29 +126,23 @@ class Extremes:
         A sentence for each fault.
     plastic
         Expected yielding; None without any.
-    share
-        Seconds of a solve over those of one alone.
     """
 
     narrow: Scene
     width: float
-    steps: int
     fields: int
     reasons: tuple[str, ...]
     warnings: tuple[str, ...] = ()
     plastic: Yielding | None = None
-    share: float = 1.0
 
 
-def extremes(scene: Scene, error: float, end: float | None = None) -> Extremes:
+def extremes(scene: Scene, end: float | None = None) -> Extremes:
     """Return the requirements of a scene in time.
 
     Parameters
     ----------
     scene
         The scene, which changes in time or rolls.
-    error
-        Relative L1 error of the pressure by the steps.
     end
         Last time [s]; None ends where the load does.
     """
@@ -186,45 +161,26 @@ def extremes(scene: Scene, error: float, end: float | None = None) -> Extremes:
         half_width = sqrt(4 * load.per_length * hertz.radius * softest / pi)
     fields = 2 * sum(len(body.creep.terms) + bool(body.creep.fluidity) for body in bodies) + 8
     if scene.rolling is not None:
-        ratio = softest * elastic.contact_modulus
-        passes = round(PASSES * (1 + ratio))
-        reason = f"rolling: some {passes} passes until the lagged part settles."
-        return Extremes(elastic, 2 * ROOM * half_width * 1.5, passes, 4 * PASSES, (reason,))
+        return Extremes(elastic, 2 * ROOM * half_width * 1.5, LAGGED, ())
     plastic = yielding(scene)
-    marches = bool(bodies) or (scene.wear is not None and duration > 0)
-    steps = 1.0 + LEAST * marches
     if plastic is not None:
-        steps += plastic.steps(error)
         half_width = max(half_width, plastic.reach / ROOM)
-    if bodies:
-        times = [time for body in bodies for _, time in body.creep.terms] or [duration or 1.0]
-        decades = 1 + log10(max(times) / min(times))
-        steps += CREEP * decades * error**-CREEP_RATE
     if scene.wear is not None and hertz is not None and duration:
         worn_area = 1.5 * hertz.radius * scene.wear.rate * load.per_length * duration
-        wider = float(np.cbrt(half_width**3 + worn_area))
-        steps += WEAR * log2(wider / hertz.half_width) * error**-WEAR_RATE
-        half_width = wider
+        half_width = float(np.cbrt(half_width**3 + worn_area))
     least, warnings = _smallest_load(scene.load, last)
     if plastic is not None:  # errors are relative to the pressure of the largest load
         least, warnings = load.per_length, ()
-    reasons = [
-        f"time: some {steps:.2g} solves for an error of {error:.1g} by the steps, with those that "
-        "estimate it, if evolve(error=...) chooses them."
-    ]
+    reasons: tuple[str, ...] = ()
     if least < load.per_length:
-        reasons.append(
-            f"load: the cells are those that the smallest load asks for, {least:.4g} N/m."
-        )
+        reasons = (f"load: the cells are those that the smallest load asks for, {least:.4g} N/m.",)
     return Extremes(
         replace(elastic, load=LineLoad(least)),
         2 * ROOM * half_width,
-        round(steps),
         fields,
-        tuple(reasons),
+        reasons,
         warnings,
         plastic,
-        WARM if plastic is None else 1.0,
     )
 
 

@@ -1,8 +1,13 @@
 """Plans: the grid and padding that a scene needs, with error and cost, found by small solutions beforehand."""
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import inf, prod
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
 
 from contactstudy.domain.checks import InvalidInput, positive
 from contactstudy.domain.device import ONE_THREAD, Device, available_bytes, checked
@@ -10,6 +15,7 @@ from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.planning.cost import ROUGH_CONVOLUTIONS, CostModel, memory, times_faster
 from contactstudy.planning.grid_requirements import Needs, grid_of_flat, measured_detail, needs_of
 from contactstudy.planning.grid_search import (
+    JUDGED,
     WIDER,
     GridForecast,
     affordable,
@@ -20,12 +26,13 @@ from contactstudy.planning.refinement import reaching
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.shape import Detail
 
+if TYPE_CHECKING:
+    from contactstudy.evolution.steps import TimeSteps
+
 # Relative L1 error of the pressure that is planned where none is requested.
 DEFAULT_ERROR = 1e-2
 # Relative error of the film of a lubricated scene that is planned where none is requested.
 FILM_ERROR = 1e-2
-# Seconds over those of one solve of a solve with its estimate, and half the cells before.
-JUDGED = 1.6
 # The share of the machine's memory that a plan may take.
 SHARE = 0.8
 
@@ -47,7 +54,8 @@ class Plan:
     error
         Relative L1 error of the pressure to expect: of a smooth contact by a law, else from small solutions.
     seconds
-        Seconds of all grids of a solve to the error with their estimates, or of all steps, from solves timed just now.
+        Seconds of processor time of a solve to the error: its plan, all grids and steps, and their estimates, from
+        solves timed just now. What is imported or compiled once is not counted.
     bytes
         Bytes that a solve holds at most.
     period_check
@@ -82,11 +90,13 @@ def plan(
     period: float | None = None,
     grid: Grid | None = None,
     end: float | None = None,
+    times: "ArrayLike | TimeSteps | None" = None,
     on: Device = ONE_THREAD,
 ) -> Plan:
     """Choose a grid and a padding that solve a scene to a relative L1 error of the pressure.
 
-    Takes small solutions of up to some ten thousand cells: the first grids of the solve itself.
+    Takes small solutions of up to some ten thousand cells: the first grids of the solve itself. Of a scene that changes
+    in time or rolls, it takes the steps on coarse cells to count them, for some seconds at most.
 
     Parameters
     ----------
@@ -101,6 +111,9 @@ def plan(
         Grid to keep. The plan then says what is wrong with it.
     end
         Time [s] up to which a scene is followed whose load has no end of its own.
+    times
+        Instants [s] to record, or :class:`~contactstudy.TimeSteps`, as for :func:`~contactstudy.solve`, in place of an
+        end.
     on
         Device that the seconds are for. A scene that changes in time is solved on one thread.
 
@@ -110,6 +123,44 @@ def plan(
         If the scene leaves open what a plan needs: without a curved shape there is no width of contact, without a
         roller's length no grid.
     """
+    found = plan_grid(scene, error=error, period=period, grid=grid, end=end, times=times, on=on)
+    rolls = scene.rolling is not None
+    if (
+        scene.lubrication is not None
+        or not (rolls or scene.changing is not None)
+        or scene.adhesion is not None
+    ):
+        return found
+    # imported only for scenes in time
+    from contactstudy.planning.pilot import pilot
+
+    work = pilot(
+        scene,
+        found.grid,
+        found.padding,
+        error or DEFAULT_ERROR,
+        _time_steps(end, times),
+        refines=grid is None and (rolls or error is not None),
+    )
+    return replace(
+        found,
+        seconds=found.seconds + work.seconds,
+        steps=work.solves,
+        reasons=(*found.reasons, work.reason),
+    )
+
+
+def plan_grid(
+    scene: Scene,
+    *,
+    error: float | None = None,
+    period: float | None = None,
+    grid: Grid | None = None,
+    end: float | None = None,
+    times: "ArrayLike | TimeSteps | None" = None,
+    on: Device = ONE_THREAD,
+) -> Plan:
+    """Return the plan as :func:`plan` does, with the seconds of one contact where a scene changes in time or rolls."""
     checked(on, "plan.on")
     if error is not None:
         error = positive("plan.error", error, "give a relative error above 0, such as 1e-3")
@@ -117,12 +168,21 @@ def plan(
     if scene.hertz is None and detail is not None and scene.changing is None and grid is None:
         return _plan_of_flat(detail, period, on)
     if scene.lubrication is not None:
-        return _plan_of_film(scene, needs_of(scene), error or FILM_ERROR, period, grid)
+        return _plan_of_film(scene, error or FILM_ERROR, period, grid, end, times)
     if scene.adhesion is not None:
         return _plan_of_adhesion(scene, needs_of(scene), error or DEFAULT_ERROR, period, grid)
     if scene.changing is not None or scene.rolling is not None:
-        return _plan_in_time(scene, error or DEFAULT_ERROR, period, grid, end)
+        return _plan_in_time(scene, error, period, grid, _time_steps(end, times))
     return _plan_at_rest(scene, error, period, grid, on)
+
+
+def _time_steps(end: float | None, times: "ArrayLike | TimeSteps | None") -> "TimeSteps":
+    """Return the instants to record: `times` if given, else evenly spaced ones up to the `end` [s]."""
+    from contactstudy.evolution.steps import TimeSteps  # imported only for scenes in time
+
+    if isinstance(times, TimeSteps):
+        return times
+    return TimeSteps(end=end) if times is None else TimeSteps(times)  # type: ignore[arg-type]
 
 
 def _plan_of_flat(detail: Detail, period: float | None, on: Device) -> Plan:
@@ -151,8 +211,9 @@ def _plan_at_rest(
     period: float | None,
     grid: Grid | None,
     on: Device,
+    width: float = 0.0,
 ) -> Plan:
-    """Plan a scene that neither changes in time nor rolls."""
+    """Plan a scene that neither changes in time nor rolls, on a grid of at least this `width` [m]."""
     needs = needs_of(scene)
     padding = needs.padding()
     if grid is not None and period is not None and period != grid.period:
@@ -165,6 +226,8 @@ def _plan_at_rest(
         target = error or DEFAULT_ERROR
         prediction = reaching(scene, needs, target, period, limit)
         grid = prediction.grid
+        if width > grid.extent[0]:
+            grid = as_wide(grid, width)
     else:
         target = inf
         prediction = expected(scene, needs, affordable(grid, padding, limit))
@@ -174,7 +237,7 @@ def _plan_at_rest(
         padding=padding,
         dimension=1 if grid.cells[1] == 1 else 2,
         error=predicted,
-        seconds=prediction.looked + JUDGED * prediction.seconds / times_faster(grid, padding, on),
+        seconds=prediction.seconds / times_faster(grid, padding, on),
         bytes=memory(grid, padding),
         period_check=needs.period_check(grid.period),
         reasons=(*needs.reasons(grid, predicted), *_reasons(prediction, own_points=own_points)),
@@ -200,39 +263,35 @@ def _reasons(expectation: GridForecast, *, own_points: bool) -> Iterator[str]:
 
 
 def _plan_in_time(
-    scene: Scene, error: float, period: float | None, grid: Grid | None, end: float | None
+    scene: Scene,
+    error: float | None,
+    period: float | None,
+    grid: Grid | None,
+    times: "TimeSteps",
 ) -> Plan:
     """Plan a scene that changes in time: wide enough for its widest contact, fine enough for its narrowest."""
-
     # imported only for scenes that change in time
-    from contactstudy.planning.in_time import extremes as extremes_of
+    from contactstudy.planning.in_time import OF_CELLS, extremes
 
-    extremes = extremes_of(scene, error, end)
-    plastic = extremes.plastic
+    found = extremes(scene, times.last)
+    plastic = found.plastic
     error_factor = plastic.cells_error if plastic else 1.0
-    cells_error = error / error_factor
-    if grid is not None:
-        narrow_plan = plan(extremes.narrow, error=cells_error, period=period, grid=grid)
-    else:
-        narrow = plan(extremes.narrow, error=cells_error, period=period).grid
-        width = max(narrow.extent[0], extremes.width)
-        narrow_plan = plan(extremes.narrow, error=cells_error, grid=as_wide(narrow, width))
-    narrow_plan = replace(
-        narrow_plan,
-        seconds=narrow_plan.seconds * extremes.share * extremes.steps,
-        bytes=narrow_plan.bytes + 8 * extremes.fields * prod(narrow_plan.grid.cells),
-        reasons=(*narrow_plan.reasons, *extremes.reasons),
-        warnings=(*narrow_plan.warnings, *extremes.warnings),
-        steps=extremes.steps,
+    share = OF_CELLS if scene.rolling is None else 1.0
+    cells_error = share * (error or DEFAULT_ERROR) / error_factor
+    narrow_plan = _plan_at_rest(
+        found.narrow, cells_error, period, grid, ONE_THREAD, width=found.width
     )
-    if plastic is None:
-        return narrow_plan
+    held = 8 * found.fields * prod(narrow_plan.grid.cells)
+    reasons = found.reasons
+    if plastic is not None:
+        held += plastic.bytes(narrow_plan.grid)
+        reasons = (*reasons, plastic.reason(narrow_plan.grid))
     return replace(
         narrow_plan,
         error=narrow_plan.error * error_factor,
-        seconds=narrow_plan.seconds * plastic.contacts(narrow_plan.grid),
-        bytes=narrow_plan.bytes + plastic.bytes(narrow_plan.grid),
-        reasons=(*narrow_plan.reasons, plastic.reason(narrow_plan.grid)),
+        bytes=narrow_plan.bytes + held,
+        reasons=(*narrow_plan.reasons, *reasons),
+        warnings=(*narrow_plan.warnings, *found.warnings),
     )
 
 
@@ -271,12 +330,25 @@ def _warnings(
 
 
 def _plan_of_film(
-    scene: Scene, needs: Needs, error: float, period: float | None, grid: Grid | None
+    scene: Scene,
+    error: float,
+    period: float | None,
+    grid: Grid | None,
+    end: float | None,
+    times: "ArrayLike | TimeSteps | None",
 ) -> Plan:
     """Plan a lubricated scene."""
     from contactstudy.planning.film_needs import film_needs  # imported only for lubricated scenes
 
-    film = film_needs(scene, needs, error, period, grid)
+    needs, instants = needs_of(scene), 0
+    if scene.changing is not None:
+        assert scene.lubrication is not None
+        speed = scene.lubrication.mean_speed
+        instants = 2  # at least, where nothing says when it ends
+        with suppress(InvalidInput):
+            recorded = _time_steps(end, times).instants_of(scene.load, speed)
+            instants = instants if recorded is None else len(np.ravel(recorded))
+    film = film_needs(scene, needs, error, period, grid, instants)
     smooth = film.grid.cells[1] == 1
     return Plan(
         grid=film.grid,
@@ -284,6 +356,7 @@ def _plan_of_film(
         dimension=1 if smooth else 2,
         error=error if smooth and grid is None else inf,
         seconds=film.seconds,
+        steps=film.steps,
         bytes=film.bytes,
         period_check=needs.period_check(film.grid.period),
         reasons=film.reasons,

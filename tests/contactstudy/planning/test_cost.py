@@ -71,20 +71,17 @@ def test_an_interrupted_run_hardly_counts() -> None:
         assert seconds == pytest.approx(clean.seconds(square(cells), EXACT, 10.0), rel=0.1)
 
 
-def test_a_solve_is_timed_as_it_runs_and_the_quickest_run_counts(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """By a clock that is wound by hand: three runs, set up in 2, 1 and 3 ms, solved in 15, 20 and 10 ms."""
-    clock = iter(
-        [0.0, 0.0, 2e-3, 17e-3, 17e-3, 17e-3, 18e-3, 38e-3, 39e-3, 39e-3, 42e-3, 52e-3, 1.0]
-    )
-    monkeypatch.setattr(cost, "process_time", lambda: next(clock))
+def test_a_clock_that_ticks_every_16_ms_gives_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of five solves of 10 ms, each set up in 1 ms."""
+    passed = iter(np.cumsum([0.0, *[1e-3, 10e-3, 0.0] * 20]))
+    monkeypatch.setattr(cost, "process_time", lambda: next(passed) // 0.016 * 0.016)
     scene = cs.Scene(
         cs.LineLoad(1e4), (cs.HalfSpace(1e11, 0.3), cs.HalfSpace(1e11, 0.3)), (cs.Cylinder(0.01),)
     )
     grid = cs.Grid((32, 1), (3e-4, 1e-3))
     solution, timing = cost.timed(lambda one: scene.problem(one, EXACT), grid, 1e-8)
-    assert (timing.setup, timing.solve) == pytest.approx((1e-3, 1e-2))
+    assert timing.setup > 0
+    assert 5e-3 < timing.setup + timing.solve < 20e-3
     assert (timing.grid, timing.padding) == (grid, solution.problem.paddings)
     assert timing.convolutions == solution.convolutions
     assert solution.status is cs.Status.CONVERGED

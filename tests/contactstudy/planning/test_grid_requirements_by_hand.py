@@ -1,21 +1,18 @@
 """What shapes ask of a grid, of scales that are written here."""
 
 from dataclasses import replace
-from math import acosh, erf, inf, pi, sqrt
+from math import acosh, inf, pi, sqrt
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 import contactstudy as cs
-from contactstudy.accuracy.expected_error import smooth_l1
 from contactstudy.analytic import HertzLine
 from contactstudy.planning.grid_requirements import (
     Needs,
     _cells_per_wave,
     _common_period,
-    _whole_parts,
-    halvable,
 )
 from contactstudy.scene.shapes.shape import Detail
 
@@ -32,79 +29,10 @@ def needs(*details: Detail, hardness: float = inf, **more: Any) -> Needs:
 BOTH, SMOOTH = needs(FINE, COARSE), needs(Detail())
 
 
-def test_of_several_shapes_the_finest_the_longest_and_the_narrowest_count() -> None:
-    assert BOTH.finest == (0.3, 0.25)
-    assert (BOTH.height, BOTH.longest, BOTH.widest) == (0.4, 1.0, 9.0)
-    assert BOTH.rough
-    assert BOTH.varies
-    assert not BOTH.smooth
-    assert (BOTH.roller, needs().roller, needs().longest) == (0, 0, 0)
-    assert needs().finest == (inf, inf)
-    assert needs().widest == inf
-    assert SMOOTH.smooth
-    assert not SMOOTH.varies
-    across = needs(Detail(finest=(0.3, inf)))
-    assert across.rough
-    assert not across.varies
-
-
-def test_the_shortest_roller_counts_and_it_varies_along_its_length() -> None:
-    rollers = needs(Detail(roller=inf), Detail(roller=0.5), Detail(roller=3.0), Detail())
-    assert rollers.roller == 0.5
-    assert rollers.varies
-    assert not rollers.rough
-    assert not rollers.smooth
-    assert rollers.half_width == pytest.approx(1.5 * 2)
-    assert rollers.padding() == (cs.ZeroPadding(), cs.ZeroPadding())
-    assert BOTH.padding() == cs.ExactPeriodicity()
-
-
 @pytest.mark.parametrize("t", [1.5, 10.0])
 def test_the_contact_may_end_where_hertz_s_gap_is_as_high_as_the_highest(t: float) -> None:
     height = 0.2 * (t * sqrt(t**2 - 1) - acosh(t))
     assert needs(Detail(height=height)).half_width == pytest.approx(2 * t)
-
-
-def test_a_hardness_needs_a_width_for_the_load() -> None:
-    assert needs(hardness=10.0).half_width == pytest.approx(100 * pi / 20)
-    assert needs(hardness=1e9).half_width == pytest.approx(2)
-
-
-def test_the_error_is_the_smooth_contact_s_and_the_finest_wave_s() -> None:
-    # the mean pressure is pi / 4 of the highest, over the modulus; slopes add up as squares to 0.5
-    share = erf(sqrt(2) * pi / 4 * 100 / 1000 / 0.5)
-    factor = 0.35 * share**-0.65
-    assert BOTH.coefficient() == pytest.approx(factor)
-    assert SMOOTH.coefficient() == 0.35
-    # in contact is a thousandth at the least
-    assert needs(Detail(slope=1e9)).coefficient() == pytest.approx(0.35 * 1000**0.65)
-    for cell, step in (((0.1, 0.05), 1 / 3), ((0.03, 0.2), 0.8)):
-        wanted = smooth_l1(cell[0] / 2) + factor * step**1.5
-        assert BOTH.error(cell) == pytest.approx(wanted)
-
-
-@pytest.mark.parametrize("error", [0.05, 0.02])
-def test_cells_are_such_that_both_sources_of_error_are_alike(error: float) -> None:
-    """On cells that are rounded to a 32nd; what is left of the smooth one is a tenth of (cell / a)^2."""
-    found = needs(replace(FINE, finest=(inf, 0.25)))
-    grid = found.grid(error, None)
-    assert error / (1 + 2 / 32) ** 2 <= found.error(grid.cell) <= error * (1 + 1e-3)
-    rough = found.coefficient() * (grid.cell[1] / 0.25) ** 1.5
-    smooth = smooth_l1(grid.cell[0] / 2) - 0.1 * (grid.cell[0] / 2) ** 2
-    assert smooth / rough == pytest.approx(1, rel=2 * 1.5 / 32)
-
-
-def test_cells_of_a_wave_across_are_no_wider_than_it_asks() -> None:
-    found = needs(Detail(finest=(0.25, inf), slope=0.4))
-    grid = found.grid(0.1, None)
-    assert grid.cells[1] == 1
-    assert 0.1 / (1 + 2 / 32) ** 2 <= found.error(grid.cell) <= 0.1 * (1 + 1e-3)
-
-
-def test_a_roller_is_looked_at_on_64_cells_along_first() -> None:
-    grid = needs(Detail(roller=20.0)).grid(0.01, None)
-    assert grid.extent == pytest.approx((2 * 1.2 * 3, 20))
-    assert grid.cells[1] == 64
 
 
 def test_a_measured_surface_is_put_on_its_own_points() -> None:
@@ -232,13 +160,6 @@ def test_a_wave_needs_two_cells_along_each_axis() -> None:
     assert ": give a multiple" in odd.warnings(cs.Grid((32, 64), (8.0, 4.0)))[0]
 
 
-def test_a_part_goes_a_whole_number_of_times_to_a_billionth() -> None:
-    assert _whole_parts(6.0, 2.0) == 3
-    assert _whole_parts(1000 + 0.5e-6, 1.0) == 1000
-    for whole, part in ((1000 + 1.5e-6, 1.0), (1000 - 1.5e-6, 1.0), (0.3, 1.0), (5.0, 2.0)):
-        assert _whole_parts(whole, part) is None
-
-
 def test_lengths_share_the_shortest_that_is_a_whole_number_of_each() -> None:
     assert _common_period({0.5, 0.75}) == 1.5
     assert _common_period({2.0, 3.0, 5.0}) == 30
@@ -246,20 +167,3 @@ def test_lengths_share_the_shortest_that_is_a_whole_number_of_each() -> None:
     assert _common_period({1.0, 65 / 64}) == 65
     with pytest.raises(cs.InvalidInput, match="share no period"):
         _common_period({1.0, 66 / 65})
-
-
-@pytest.mark.parametrize(
-    ("count", "cells"), [(3, 32), (32, 32), (33, 33), (63.2, 64), (65, 66), (129, 132), (500, 504)]
-)
-def test_so_many_cells_or_a_few_more_halve_down_to_a_coarse_grid(count: float, cells: int) -> None:
-    assert halvable(count) == cells
-
-
-@pytest.mark.parametrize(("widest", "across"), [(0.6, 2), (1.0, 2), (3.2, 6), (3.5, 7)])
-def test_a_grid_of_points_has_those_within_the_surface_and_two_at_least(
-    widest: float, across: int
-) -> None:
-    """Points are half a metre apart across, and a quarter along a period of 2 m."""
-    surface = Detail(finest=(1.0, 0.5), spacing=(0.5, 0.25), widest=widest)
-    grid = needs(surface).grid_of_points(2.0)
-    assert (grid.cells, grid.extent) == ((across, 8), (0.5 * across, 2.0))

@@ -250,19 +250,6 @@ def test_a_plan_names_the_device_its_seconds_are_for(
         cs.plan(line_contact.scene, on=2)  # type: ignore[arg-type]
 
 
-def test_a_smooth_film_costs_the_cube_of_its_cells_in_time_and_their_square_in_memory(
-    line_contact: LineContact,
-) -> None:
-    """Its dense matrices: six of nx x nx numbers of 8 bytes."""
-    oil = cs.Lubricant(viscosity=0.04, pressure_viscosity=2e-8)
-    scene = replace(line_contact.scene, lubrication=cs.Lubrication(oil, mean_speed=1.0))
-    width = 6 * line_contact.hertz.half_width
-    once, twice = (cs.plan(scene, grid=cs.Grid((n, 1), (width, width))) for n in (200, 400))
-    assert twice.seconds == pytest.approx(8 * once.seconds)
-    assert once.bytes == 6 * 8 * 200**2
-    assert twice.bytes == 4 * once.bytes
-
-
 def test_a_measured_flat_is_solved_on_its_own_points_with_both_axes_periodic(
     line_contact: LineContact,
 ) -> None:

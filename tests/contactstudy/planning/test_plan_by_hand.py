@@ -8,15 +8,11 @@ from typing import Any
 import pytest
 
 import contactstudy as cs
-from contactstudy.planning import grid_search as search
 from contactstudy.planning import in_time
 from contactstudy.planning import plan as planning
-from contactstudy.planning.cost import memory
-from contactstudy.planning.grid_requirements import needs_of
-from contactstudy.planning.grid_search import GridForecast, expected
-from contactstudy.planning.in_time import Extremes, Yielding
+from contactstudy.planning.grid_search import GridForecast
+from contactstudy.planning.in_time import Extremes
 from contactstudy.planning.plan import _warnings
-from tests.conftest import LineContact
 
 EXACT = cs.ExactPeriodicity()
 GRID = cs.Grid((64, 32), (4.0, 2.0))
@@ -113,57 +109,6 @@ class Costs:
         return 2.0 * convolutions
 
 
-def test_a_smooth_contact_is_foreseen_by_its_law_and_one_that_yields_by_small_solutions(
-    line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    a, highest = line_contact.hertz.half_width, line_contact.hertz.peak_pressure
-    monkeypatch.setattr(search, "CostModel", Costs)
-    monkeypatch.setattr(search, "forecast", lambda *_: seen(0.3))
-    scene = line_contact.scene
-    needs = needs_of(scene)
-    grid = cs.Grid((64, 1), (2 * a, a))
-    found = expected(scene, needs, grid)
-    assert (found.error, found.rates[0], found.cut_off) == (needs.error(grid.cell), 1.5, False)
-    assert found.seconds == 2.0 * search.SMOOTH_CONVOLUTIONS
-    assert expected(scene, needs, replace(grid, extent=(1.99 * a, a))).cut_off
-    assert expected(replace(scene, hardness=highest), needs, grid) == seen(0.3)
-    assert expected(replace(scene, hardness=1.01 * highest), needs, grid) == found
-
-
-def test_where_small_solutions_show_no_error_the_law_counts_twice(
-    line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    needs: Any = SimpleNamespace(
-        smooth=False, padding=lambda: EXACT, errors=lambda cell: (cell[0], 2 * cell[1]),
-        finest=(inf, inf), roller=0.0,
-    )  # fmt: skip
-    for pilot, errors, rate in (
-        (seen(inf), (2 / 16, 4 / 16), 1.5), (seen(inf, cut_off=True), (inf, inf), 1.0),
-        (seen(0.3), (0.15, 0.15), 1.0),
-    ):  # fmt: skip
-        monkeypatch.setattr(search, "forecast", lambda *_, pilot=pilot: pilot)
-        found = expected(line_contact.scene, needs, GRID)
-        assert (found.errors, found.rates[0]) == (errors, rate)
-
-
-@pytest.mark.parametrize(("along", "dimension"), [(1, 1), (2, 2), (32, 2)])
-def test_a_plan_of_a_given_grid_is_that_grid(
-    along: int, dimension: int, line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Within four fifths of the memory."""
-    grid = cs.Grid((64, along), (1e-3, 5e-4))
-    needed = memory(grid, EXACT)
-    monkeypatch.setattr(search, "CostModel", Costs)
-    for share, fits in ((0.801, False), (0.799, True)):
-        monkeypatch.setattr(planning, "available_bytes", lambda share=share: needed / share)
-        found = cs.plan(line_contact.scene, grid=grid, period=5e-4)
-        assert (found.grid, found.dimension, found.bytes) == (grid, dimension, needed)
-        assert (found.seconds, found.steps) == (planning.JUDGED * 2 * search.SMOOTH_CONVOLUTIONS, 1)
-        assert any("this machine has" in said for said in found.warnings) == (not fits)
-    with pytest.raises(cs.InvalidInput, match=r"^plan\.period is 0\.0006: leave it out"):
-        cs.plan(line_contact.scene, grid=grid, period=6e-4)
-
-
 NARROW = cs.Plan(
     cs.Grid((40, 2), (2.0, 1.0)), EXACT, 2, 0.01, 3.0, 1000, "", ("a",), ("b",),
 )  # fmt: skip
@@ -183,40 +128,3 @@ def planned(
     monkeypatch.setattr(in_time, "extremes", lambda *_: extremes)
     scene: Any = None
     return asked, planning._plan_in_time(scene, 0.4, 1.0, grid, None)
-
-
-def test_a_plan_in_time_is_as_wide_as_the_widest_and_costs_all_its_steps(
-    line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    extremes = Extremes(line_contact.scene, 6.0, steps=7, fields=5, reasons=("time",))
-    asked, found = planned(monkeypatch, extremes)
-    assert asked[0] == {"error": 0.4, "period": 1.0}
-    assert asked[1] == {"error": 0.4, "grid": cs.Grid((120, 2), (6.0, 1.0))}
-    assert (found.seconds, found.steps) == (21, 7)
-    # five fields of 240 cells
-    assert found.bytes == 1000 + 8 * 5 * 240
-    assert found.reasons == ("a", "time")
-    assert found.error == 0.01
-    _, warm = planned(monkeypatch, replace(extremes, share=0.6))
-    assert warm.seconds == pytest.approx(0.6 * 21)
-    asked, found = planned(monkeypatch, replace(extremes, width=1.5))
-    assert asked[1]["grid"] == NARROW.grid
-    asked, found = planned(monkeypatch, extremes, GRID)
-    assert asked == [{"error": 0.4, "period": 1.0, "grid": GRID}]
-    assert found.grid == GRID
-
-
-def test_cells_of_what_yields_are_finer_by_as_much_as_they_err_more(
-    line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Twelve times the yield stress: 4^1.5 times the elastic error, and so much less is asked for."""
-    plastic = Yielding(ratio=12.0, half_width=0.2, bodies=1)
-    extremes = Extremes(line_contact.scene, 1.0, 7, 5, ("time",), (), plastic)
-    asked, found = planned(monkeypatch, extremes)
-    assert asked[0]["error"] == asked[1]["error"] == pytest.approx(0.05)
-    assert found.error == pytest.approx(0.08)
-    assert found.seconds == 21 * plastic.contacts(NARROW.grid)
-    assert found.bytes == 1000 + 8 * 5 * 80 + plastic.bytes(NARROW.grid)
-    assert found.reasons == ("a", "time", plastic.reason(NARROW.grid))
-    _, elastic = planned(monkeypatch, replace(extremes, plastic=None))
-    assert (elastic.error, elastic.seconds) == (0.01, 21)

@@ -1,0 +1,145 @@
+"""Seconds of a contact in time, or of one that rolls: a pilot on coarse cells counts the steps, one solve is timed."""
+
+from dataclasses import dataclass
+from math import inf
+from time import process_time
+
+from contactstudy.answers.evolution import evolution_of
+from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.grid import Grid, Padding, Paddings
+from contactstudy.evolution.evolve import evolve
+from contactstudy.evolution.rolling import solve_rolling
+from contactstudy.evolution.steps import TimeSteps
+from contactstudy.planning.cost import timed
+from contactstudy.planning.in_time import OF_CELLS, extremes
+from contactstudy.scene.scene import Scene
+
+# Cells (across, along) of a pilot at most, fewer across where bodies yield, whose steps take long; the tolerance of the
+# solves that are timed.
+PILOT, OF_YIELDING, TOLERANCE = (48, 12), 24, 1e-8
+# Seconds of a pilot's steps at most. Where it has not come this far by then, as a part of the time, a larger error is
+# tried; the factor between errors, by which steps of first order become fewer. Solves of a pair of steps.
+ENOUGH, FAR, LOOSER, OF_PAIR = 1.0, 0.25, 4.0, 3
+# The largest error of a pilot; with the volume that yields, seconds grow with this power of the bytes of its operators.
+MOST, PLASTIC = 0.3, 0.8
+# Seconds with the finer grids on which some scenes are solved again, over those on the planned grid, in one dimension:
+# between 1 and 2.5 in 8 scenes that creep, wear or roll. In two dimensions the ratio of two elastic solves, which do not
+# begin with the step before, is too large by as much. Scenes that yield are mostly solved again on twice the cells.
+AGAIN, AGAIN_YIELDING = 1.5, 4.0
+
+
+@dataclass(frozen=True)
+class Pilot:
+    """Expected work of a scene in time.
+
+    Attributes
+    ----------
+    seconds
+        Seconds of processor time; infinite where nothing says when the scene ends.
+    solves
+        Number of solves on the planned grid.
+    reason
+        A sentence on both.
+    """
+
+    seconds: float
+    solves: int
+    reason: str
+
+
+class _Enough(Exception):
+    """The pilot has taken long enough."""
+
+
+def pilot(
+    scene: Scene,
+    grid: Grid,
+    padding: Padding | Paddings,
+    error: float,
+    steps: TimeSteps,
+    *,
+    refines: bool,
+) -> Pilot:
+    """Return the work of `scene` on `grid`, from its steps on a coarse grid.
+
+    Steps in time hardly depend on the cells. They take as many times the pilot's seconds as an elastic solve takes on
+    the planned grid, or, where plastic strain has operators of its own, by a power of their size.
+
+    Parameters
+    ----------
+    scene
+        The scene, which changes in time or rolls.
+    grid, padding
+        Planned cells and boundary conditions.
+    error
+        Relative L1 error of the pressure, by the cells and the steps.
+    steps
+        Instants that are recorded.
+    refines
+        Whether the grid is refined until its bound keeps the error.
+    """
+    found = extremes(scene, steps.last)
+    nx, ny = grid.cells
+    across = PILOT[0] if found.plastic is None else OF_YIELDING
+    coarse = Grid((min(nx, across), min(ny, PILOT[1])), grid.extent)
+    try:
+        seconds, solves = _work(scene, coarse, padding, (1 - OF_CELLS) * error, steps)
+    except InvalidInput as refused:
+        return Pilot(inf, 1, f"seconds: unknown, since {refused}")
+    if found.plastic is not None:
+        slower = (found.plastic.bytes(grid) / found.plastic.bytes(coarse)) ** PLASTIC
+    else:
+        one, other = (
+            timed(lambda each: found.narrow.problem(each, padding), each_grid, TOLERANCE)[1]
+            for each_grid in (grid, coarse)
+        )
+        slower = (one.setup + one.solve) / (other.setup + other.solve)
+    rounds = AGAIN if refines and ny == 1 else 1.0
+    if refines and found.plastic is not None:
+        rounds = AGAIN_YIELDING
+    total = rounds * seconds * max(slower, 1.0)
+    return Pilot(
+        total,
+        solves,
+        f"time: {solves} solves, counted on {coarse.cells[0]} x {coarse.cells[1]} cells, with those that estimate the "
+        f"error by the steps; some {total:.2g} s.",
+    )
+
+
+def _work(
+    scene: Scene, grid: Grid, padding: Padding | Paddings, error: float, steps: TimeSteps
+) -> tuple[float, int]:
+    """Return the seconds and the solves of `scene` on `grid`."""
+    if scene.rolling is not None and scene.rolling.passes is not None:
+        # imported only for scenes with such passes
+        from contactstudy.evolution.repeated_rolling import roll_repeatedly
+
+        begin = process_time()
+        passes = roll_repeatedly(scene, grid, padding).passes
+        return process_time() - begin, sum(each_pass.steps for each_pass in passes)
+    if scene.rolling is not None:
+        begin = process_time()
+        rolling = solve_rolling(scene, grid, padding)
+        rolling.error_estimate()
+        return process_time() - begin, rolling.settled.passes
+    times, larger = steps.instants_of(scene.load), 1.0
+    while True:
+        begin, reached, pairs = process_time(), 0.0, 0
+
+        def stop(time: float, end: float, begin: float = begin) -> None:
+            nonlocal reached, pairs
+            reached, pairs = time / end, pairs + 1
+            if process_time() - begin > ENOUGH:
+                raise _Enough
+
+        allowed = min(larger * error, MOST)
+        try:
+            trajectory = evolve(scene, grid, padding, times=times, error=allowed, progress=stop)
+        except _Enough:
+            if reached < FAR and allowed < MOST:
+                larger *= LOOSER
+                continue
+            more = larger / max(reached, 1e-3)
+            return more * (process_time() - begin), round(more * OF_PAIR * pairs)
+        evolution_of(trajectory).quantities  # noqa: B018 (its time counts)
+        return larger * (process_time() - begin), round(larger * trajectory.steps)

@@ -331,7 +331,7 @@ class _Request:
         """Follow a dry scene through time."""
         from contactstudy.answers.evolution import evolution_of
         from contactstudy.evolution.evolve import evolve
-        from contactstudy.planning.in_time import OF_CELLS
+        from contactstudy.planning.grid_requirements import OF_CELLS
 
         requested, steps = self.requested, self.steps
         share = None if requested is None else (1 - OF_CELLS) * requested

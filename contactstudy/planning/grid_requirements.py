@@ -33,6 +33,8 @@ WAVES = 4
 COARSEST = 32
 # Cells along a roller from which small solutions find how many it needs.
 ALONG = 64
+# Share of the accuracy asked for that the cells may take where steps in time take the remainder.
+OF_CELLS = 0.5
 # A contact wider than this share of the radius is not one of half-spaces.
 THIN = 0.1
 

@@ -100,8 +100,6 @@ def yielding(scene: Scene) -> Yielding | None:
 
 # Fields that the passes of a steadily rolling contact hold.
 LAGGED = 32
-# Share of the accuracy asked for that the cells may take where steps in time take the remainder.
-OF_CELLS = 0.5
 # A contact under a smaller share of the largest load than this is not planned for: cells grow with its root.
 LEAST_LOAD = 0.1
 # Number of instants at which a load is evaluated.

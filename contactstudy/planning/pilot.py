@@ -4,14 +4,14 @@ from dataclasses import dataclass
 from math import inf
 from time import process_time
 
-from contactstudy.answers.evolution import evolution_of
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.evolution.evolve import evolve
 from contactstudy.evolution.rolling import solve_rolling
 from contactstudy.evolution.steps import TimeSteps
 from contactstudy.planning.cost import timed
-from contactstudy.planning.in_time import OF_CELLS, extremes
+from contactstudy.planning.grid_requirements import OF_CELLS
+from contactstudy.planning.in_time import extremes
 from contactstudy.scene.scene import Scene
 
 # Cells (across, along) of a pilot at most, fewer across where bodies yield, whose steps take long; the tolerance of the
@@ -141,5 +141,4 @@ def _work(
                 continue
             more = larger / max(reached, 1e-3)
             return more * (process_time() - begin), round(more * OF_PAIR * pairs)
-        evolution_of(trajectory).quantities  # noqa: B018 (its time counts)
         return larger * (process_time() - begin), round(larger * trajectory.steps)

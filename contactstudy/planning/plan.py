@@ -13,7 +13,13 @@ from contactstudy.domain.checks import InvalidInput, positive
 from contactstudy.domain.device import ONE_THREAD, Device, available_bytes, checked
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.planning.cost import ROUGH_CONVOLUTIONS, CostModel, memory, times_faster
-from contactstudy.planning.grid_requirements import Needs, grid_of_flat, measured_detail, needs_of
+from contactstudy.planning.grid_requirements import (
+    OF_CELLS,
+    Needs,
+    grid_of_flat,
+    measured_detail,
+    needs_of,
+)
 from contactstudy.planning.grid_search import (
     JUDGED,
     WIDER,
@@ -271,7 +277,7 @@ def _plan_in_time(
 ) -> Plan:
     """Plan a scene that changes in time: wide enough for its widest contact, fine enough for its narrowest."""
     # imported only for scenes that change in time
-    from contactstudy.planning.in_time import OF_CELLS, extremes
+    from contactstudy.planning.in_time import extremes
 
     found = extremes(scene, times.last)
     plastic = found.plastic

@@ -3,13 +3,12 @@ import re
 from dataclasses import replace
 from math import inf
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy import TimeSteps, scene_file
+from contactstudy import TimeSteps
 from contactstudy.io.materials import materials
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
@@ -412,10 +411,3 @@ def test_a_table_in_single_brackets_is_answered_with_double_ones(tmp_path: Path)
         cs.InvalidInput, match="shapes: it is one table: write its name in double brackets"
     ):
         described(text, tmp_path)
-
-
-def test_a_file_is_planned_up_to_its_last_instant(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(scene_file, "plan", lambda scene, **given: given["end"])
-    scene: Any = None
-    for steps, end in ((TimeSteps(times=(0.5, 1.0, 3.0)), 3.0), (TimeSteps(end=2.0), 2.0)):
-        assert scene_file.SceneFile(scene, time_steps=steps).plan() == end

@@ -405,7 +405,7 @@ def _residual(solution: Solution) -> tuple[float, float]:
     in_blocks(of_cells, closing, gap, cells)
     if count := np.count_nonzero(cells):  # not where all pressures are at a limit
         extension = inverse.extension(cells)
-        closing = extension.closing(extension(closing))
+        closing = extension.pressure(extension(closing))
         level = inner(closing, cells) / count
 
     def missing(pressure: Array, gap: Array, cells: Array, closing: Array) -> tuple[float, ...]:

@@ -31,15 +31,15 @@ def summing(function: Pass) -> Pass:
 
 
 @summing
-def level(
+def free_gap(
     undeformed: Array, displacement: Array, pressure: Array, limit: float, results: Array
 ) -> None:
     """Write for each row the sum of the gap over free cells, and their number."""
     for i in range(pressure.shape[0]):
         heights, cells = 0.0, 0.0
         for j in range(pressure.shape[1]):
-            bearing = pressure[i, j]
-            free = 1.0 if (bearing > 0) & (bearing < limit) else 0.0
+            loaded = pressure[i, j]
+            free = 1.0 if (loaded > 0) & (loaded < limit) else 0.0
             heights += (undeformed[i, j] + displacement[i, j]) * free
             cells += free
         results[i, 0], results[i, 1] = heights, cells
@@ -59,77 +59,77 @@ def measured(
     # column by column: the largest of a row is found one by one
     worst, farthest = np.zeros(columns), np.zeros(columns)
     for i in range(height.shape[0]):
-        borne, moment, free_borne = 0.0, 0.0, 0.0
+        carried, moment, free_borne = 0.0, 0.0, 0.0
         for j in range(columns):
-            bearing, moved = pressure[i, j], displacement[i, j]
+            loaded, moved = pressure[i, j], displacement[i, j]
             gap = undeformed[i, j] + moved - approach
             height[i, j] = gap
-            empty, full = bearing == 0, bearing >= limit
-            free = 0.0 if empty | full else bearing
-            borne += bearing
+            empty, full = loaded == 0, loaded >= limit
+            free = 0.0 if empty | full else loaded
+            carried += loaded
             moment += free * abs(gap)
             free_borne += free
             violation = -gap if empty else (gap if full else 0.0)
             worst[j] = violation if violation > worst[j] else worst[j]
             farthest[j] = abs(moved) if abs(moved) > farthest[j] else farthest[j]
-        results[i, 0], results[i, 1], results[i, 2] = borne, moment, free_borne
+        results[i, 0], results[i, 1], results[i, 2] = carried, moment, free_borne
         results[i, 3], results[i, 4] = 0.0, 0.0
     results[0, 3], results[0, 4] = worst.max(), farthest.max()
 
 
 @exact
-def contact(pressure: Array, height: Array, limit: float, cells: Array, unlevel: Array) -> None:
-    """Write the cells that bear pressure and are at no limit (1, others 0), and their gap."""
+def contact(pressure: Array, height: Array, limit: float, cells: Array, active_gap: Array) -> None:
+    """Write the active set, cells in contact at no limit (1, others 0), and their gap."""
     for i in range(pressure.shape[0]):
         for j in range(pressure.shape[1]):
-            bearing = pressure[i, j]
-            cells[i, j] = 1.0 if (bearing > 0) & (bearing < limit) else 0.0
+            loaded = pressure[i, j]
+            cells[i, j] = 1.0 if (loaded > 0) & (loaded < limit) else 0.0
         for j in range(pressure.shape[1]):
-            unlevel[i, j] = height[i, j] * cells[i, j]
+            active_gap[i, j] = height[i, j] * cells[i, j]
 
 
 @exact
-def joined(
+def enter(
     pressure: Array, height: Array, extended: Array, step_length: float, limit: float, contact: Array,
-    unlevel: Array, results: Array,
+    active_gap: Array, results: Array,
 ) -> None:  # fmt: skip
-    """Add to a contact the cells at a limit that should leave it after a step, and for each row write their number.
+    """Add to an active set the cells that enter it after a step, and for each row write their number.
 
-    `unlevel`, the gap of the contact, gets theirs. The step changes the gap everywhere by a share `step_length` of the
-    `extended` gap.
+    Cells at a limit enter that should leave it. `active_gap`, the gap of the set, gets theirs. The step changes the gap
+    everywhere by the fraction `step_length` of the `extended` gap.
     """
     for i in range(pressure.shape[0]):
         count = 0
         for j in range(pressure.shape[1]):
-            bearing, expected = pressure[i, j], height[i, j] - step_length * extended[i, j]
-            leaves = ((bearing == 0) & (expected < 0)) | ((bearing >= limit) & (expected > 0))
+            loaded, expected = pressure[i, j], height[i, j] - step_length * extended[i, j]
+            leaves = ((loaded == 0) & (expected < 0)) | ((loaded >= limit) & (expected > 0))
             count += 1 if leaves else 0
             contact[i, j] = 1.0 if leaves else contact[i, j]
-            unlevel[i, j] = height[i, j] if leaves else unlevel[i, j]
+            active_gap[i, j] = height[i, j] if leaves else active_gap[i, j]
         results[i, 0] = count
 
 
 @summing
-def totals(cells: Array, closing: Array, results: Array) -> None:
-    """Write for each row the number of `cells`, and the sum of the pressure that would close them."""
+def totals(cells: Array, residual: Array, results: Array) -> None:
+    """Write for each row the number of `cells`, and the sum of the preconditioned `residual`."""
     for i in range(cells.shape[0]):
         count = closed = 0.0
         for j in range(cells.shape[1]):
             count += cells[i, j]
-            closed += closing[i, j]
+            closed += residual[i, j]
         results[i, 0], results[i, 1] = count, closed
 
 
 @summing
 def products(
-    gap: Array, closing: Array, cells: Array, before: Array, after: Array, moved_before: Array,
+    gap: Array, residual: Array, cells: Array, before: Array, after: Array, moved_before: Array,
     moved_after: Array, results: Array,
 ) -> None:  # fmt: skip
     """Write for each row the sums that make a direction conjugate to the last step.
 
     That step took the pressure from `before` to `after`, and the displacement likewise; it counts from after to before.
-    The sums are the number of cells, the sum of the closing pressure, and the products of gap and closing pressure,
-    closing pressure and response, cells and response, gap of the cells and step, cells and step.
+    The sums are the number of cells, the sum of the residual, and the products of gap and residual, residual and
+    response, cells and response, gap of the cells and step, cells and step.
     """
     for i in range(gap.shape[0]):
         count = closed = downhill = along = over = along_gap = shifted = 0.0
@@ -137,9 +137,9 @@ def products(
             change = cells[i, j] * (before[i, j] - after[i, j])
             response = moved_before[i, j] - moved_after[i, j]
             count += cells[i, j]
-            closed += closing[i, j]
-            downhill += gap[i, j] * closing[i, j]
-            along += closing[i, j] * response
+            closed += residual[i, j]
+            downhill += gap[i, j] * residual[i, j]
+            along += residual[i, j] * response
             over += cells[i, j] * response
             along_gap += gap[i, j] * change
             shifted += change
@@ -149,21 +149,22 @@ def products(
 
 @summing
 def trial(
-    pressure: Array, height: Array, closing: Array, cells: Array, level: float, conjugate: float,
+    pressure: Array, height: Array, residual: Array, cells: Array, shift: float, conjugate: float,
     step_length: float, limit: float, step: Array, results: Array,
 ) -> None:  # fmt: skip
     """Write the pressure one step ahead, without tension, over the pressure before the last `step`.
 
-    The direction is `level` less the `closing` pressure, plus `conjugate` times the last step, from its end to its
-    beginning, in the `cells`. Each row gets the number of cells that were beyond a limit, the load, the number of cells
-    that bear it and the work of the gap on the step; the first row also gets the largest pressure of all rows.
+    The direction is `shift` less the preconditioned `residual`, plus `conjugate` times the last step, which counts from
+    its end to its beginning; it is zero outside the `cells`. Each row gets the number of cells that were beyond a limit,
+    the load, the number of cells with pressure and the work of the gap on the step; the first row also gets the largest
+    pressure of all rows.
     """
     columns = pressure.shape[1]
     largest = np.zeros(columns)
     for i in range(pressure.shape[0]):
-        cut = load = bearing = work = 0.0
+        cut = load = loaded = work = 0.0
         for j in range(columns):
-            direction = level - closing[i, j]
+            direction = shift - residual[i, j]
             if conjugate != 0:
                 direction += conjugate * (step[i, j] - pressure[i, j])
             change = direction * cells[i, j] * step_length
@@ -173,38 +174,38 @@ def trial(
             after = 0.0 if after <= 0 else after  # and nan stays
             step[i, j] = after
             load += after
-            bearing += 1.0 if after > 0 else 0.0
+            loaded += 1.0 if after > 0 else 0.0
             largest[j] = after if after > largest[j] else largest[j]
-        results[i, 0], results[i, 1], results[i, 2], results[i, 3] = cut, load, bearing, work
+        results[i, 0], results[i, 1], results[i, 2], results[i, 3] = cut, load, loaded, work
         results[i, 4] = 0.0
     results[0, 4] = largest.max()
 
 
 @summing
-def lowered(trial: Array, shift: float, results: Array) -> None:
-    """Write for each row the load left of a pressure lowered by a shift, and the number of cells that bear it."""
+def load_above(trial: Array, shift: float, results: Array) -> None:
+    """Write for each row the load left of a pressure less a `shift`, and the number of cells with pressure."""
     for i in range(trial.shape[0]):
-        borne, cells = 0.0, 0.0
+        carried, cells = 0.0, 0.0
         for j in range(trial.shape[1]):
-            lowered_pressure = trial[i, j] - shift
-            borne += 0.0 if lowered_pressure <= 0 else lowered_pressure
-            cells += 1.0 if lowered_pressure > 0 else 0.0
-        results[i, 0], results[i, 1] = borne, cells
+            shifted_pressure = trial[i, j] - shift
+            carried += 0.0 if shifted_pressure <= 0 else shifted_pressure
+            cells += 1.0 if shifted_pressure > 0 else 0.0
+        results[i, 0], results[i, 1] = carried, cells
 
 
 @summing
-def lower(
+def shift_down(
     trial: Array, shift: float, scale: float, pressure: Array, height: Array, results: Array
 ) -> None:
-    """Lower a trial pressure by a shift, cut it off at zero and multiply it by a factor, in place.
+    """Subtract a shift from a trial pressure, cut it off at zero and multiply it by a factor, in place.
 
     Each row gets the work of the gap on the step from `pressure`.
     """
     for i in range(trial.shape[0]):
         work = 0.0
         for j in range(trial.shape[1]):
-            lowered_pressure = trial[i, j] - shift
-            trial[i, j] = (0.0 if lowered_pressure <= 0 else lowered_pressure) * scale
+            shifted_pressure = trial[i, j] - shift
+            trial[i, j] = (0.0 if shifted_pressure <= 0 else shifted_pressure) * scale
             work += height[i, j] * (trial[i, j] - pressure[i, j])
         results[i, 0] = work
 
@@ -243,18 +244,18 @@ def beyond(trial: Array, pressure: Array, factor: float, limit: float, results: 
 
 
 @exact
-def advance(
-    trial: Array, pressure: Array, trial_displacement: Array, displacement: Array, share: float,
+def shorten(
+    trial: Array, pressure: Array, trial_displacement: Array, displacement: Array, fraction: float,
     limit: float,
 ) -> None:  # fmt: skip
-    """Take a `share` of a step: the trial fields become the pressure and displacement that it leads to, in place."""
+    """Take a `fraction` of a step: the trial fields become the pressure and displacement that it leads to, in place."""
     for i in range(trial.shape[0]):
         for j in range(trial.shape[1]):
-            after = pressure[i, j] + share * (trial[i, j] - pressure[i, j])
+            after = pressure[i, j] + fraction * (trial[i, j] - pressure[i, j])
             after = 0.0 if after < 0 else after
             trial[i, j] = limit if after > limit else after
             change = trial_displacement[i, j] - displacement[i, j]
-            trial_displacement[i, j] = displacement[i, j] + share * change
+            trial_displacement[i, j] = displacement[i, j] + fraction * change
 
 
 @exact
@@ -280,7 +281,7 @@ def block_means(field: Array, means: Array, begin: int, end: int) -> None:
 def block_means_transposed(
     blocks: Array, block_contact: Array, contact: Array, pressure: Array, begin: int, end: int
 ) -> None:
-    """Add to the pressure of each cell in contact its share in the pressure of its block, in place.
+    """Add to the pressure of each cell in contact its part of the pressure of its block, in place.
 
     `contact` is 1 in the contact and 0 elsewhere, where the pressure is set to zero; `block_contact` are its means.
     """
@@ -288,9 +289,9 @@ def block_means_transposed(
     line = np.empty(2 * columns, dtype=pressure.dtype)
     for k in range(begin, end):
         for m in range(columns):
-            share = blocks[k, m] / (4 * block_contact[k, m]) if block_contact[k, m] > 0 else 0.0
-            line[2 * m] = share
-            line[2 * m + 1] = share
+            fraction = blocks[k, m] / (4 * block_contact[k, m]) if block_contact[k, m] > 0 else 0.0
+            line[2 * m] = fraction
+            line[2 * m + 1] = fraction
         for i in (2 * k, 2 * k + 1):
             for j in range(2 * columns):
                 pressure[i, j] = (pressure[i, j] + line[j]) * contact[i, j]

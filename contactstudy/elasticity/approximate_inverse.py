@@ -64,7 +64,7 @@ class ExactExtension:
         """Return a `displacement` (x, 1), which is zero outside the contact, extended to all cells."""
         return self._extended @ displacement[self._cells]
 
-    def closing(self, extended: Array) -> Array:
+    def pressure(self, extended: Array) -> Array:
         """Return the pressure (x, 1) on the contact that makes an `extended` displacement."""
         closing = np.zeros_like(extended)
         closing[self._cells] = self._inverse @ extended[self._cells]
@@ -173,7 +173,7 @@ class FullExtension:
         """Return the `pressure` (x, y): the transposed map, weighted by the shares."""
         return pressure
 
-    def closing(self, extended: Array) -> Array:
+    def pressure(self, extended: Array) -> Array:
         """Return the pressure (x, y) on the contact that makes an `extended` displacement."""
         return self.transposed(self._pressure(extended))
 

@@ -17,7 +17,8 @@ from contactstudy.evolution.state_variables import Contact, State
 from contactstudy.problem.problem import Field, Problem
 from contactstudy.scene.inelastic import ElasticPlasticHalfSpace
 from contactstudy.scene.scene import Scene
-from contactstudy.solvers.settle import ContactTangent, Settled, settle
+from contactstudy.solvers.contact_tangent import ContactTangent
+from contactstudy.solvers.elastoplastic_step import ElastoplasticStep, solve_elastoplastic_step
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.yielding_bodies import ROOT, Hardening, YieldingBodies
 
@@ -219,7 +220,9 @@ class PlasticState:
                 tuple(self.operators), tuple(body.hardening for body in self.bodies)
             )
             before, equivalent = bodies.joined(strains), bodies.joined(equivalents)
-            settled = settle(bodies, contact, self._tangent, before, equivalent, tolerance)
+            settled = solve_elastoplastic_step(
+                bodies, contact, self._tangent, before, equivalent, tolerance
+            )
             if not self._grown(bodies.parted(settled.flow)):
                 break
         strains = bodies.parted(settled.strain)
@@ -245,7 +248,9 @@ class PlasticState:
         strains, _ = self._in_volumes(state)
         parts = zip(self.operators, strains, strict=True)
         # of the surface, into the bodies
-        displacement = np.asarray(sum(operator.lift(strain) for operator, strain in parts))
+        displacement = np.asarray(
+            sum(operator.residual_displacement(strain) for operator, strain in parts)
+        )
         long_name = "residual displacement"
         return {"residual_displacement": Field(("x", "y"), displacement, "m", long_name)}
 
@@ -374,7 +379,7 @@ def _meets_edge(volume: Volume, yielded: NDArray[np.bool_]) -> bool:
     return bool(at_start or (volume.last == volume.grid.cells[0] and yielded[:, -1].any()))
 
 
-def step_solution(settled: Settled, tolerance: float) -> Solution:
+def step_solution(settled: ElastoplasticStep, tolerance: float) -> Solution:
     """Return the contact at the end of a step, with the work of all its contacts and the status of the plastic strain.
 
     Parameters

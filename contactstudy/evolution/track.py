@@ -18,7 +18,12 @@ from contactstudy.evolution.time_stepper import (
 )
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.motion import RollingPressure
-from contactstudy.solvers.settle import ContactTangent, Settled, Tangent, settle
+from contactstudy.solvers.contact_tangent import ContactTangent
+from contactstudy.solvers.elastoplastic_step import (
+    ElastoplasticStep,
+    Tangent,
+    solve_elastoplastic_step,
+)
 from contactstudy.solvers.solution import Solution
 from contactstudy.solvers.solve import SolveOptions
 from contactstudy.solvers.yielding_bodies import Hardening, YieldingBodies
@@ -172,7 +177,7 @@ class Track:
 
     def solve_step(
         self, contact: LowerableContact, tolerance: float, length: float
-    ) -> tuple["Track", Settled]:
+    ) -> tuple["Track", ElastoplasticStep]:
         """Solve a step: the contact, and the plastic strain below it.
 
         Layers are added while the last one yields.
@@ -188,17 +193,19 @@ class Track:
 
         Returns
         -------
-        tuple of Track and Settled
+        tuple of Track and ElastoplasticStep
             The track after the step, and the contact with its residual and work.
         """
         track = self
         while True:
             operator, surroundings = track.operator, track.surroundings
             bodies = YieldingBodies((operator,), (track.hardening,))
-            settled = settle(
+            step = solve_elastoplastic_step(
                 bodies,
                 partial(
-                    _lowered_twice, contact, surroundings.lift(track.behind, track.front.strain)
+                    _lowered_twice,
+                    contact,
+                    surroundings.residual_displacement(track.behind, track.front.strain),
                 ),
                 contact.tangent,
                 bodies.joined([track.strain]),
@@ -206,7 +213,7 @@ class Track:
                 tolerance,
                 bodies.joined([surroundings.stress(track.behind, track.front.strain)]),
             )
-            (flow,) = bodies.parted(settled.flow)
+            (flow,) = bodies.parted(step.flow)
             volume = operator.volume
             if not flow[-1].any():
                 break
@@ -214,8 +221,8 @@ class Track:
                 replace(volume, first=0, last=volume.grid.cells[0]), length, flow > 0
             )
             track = track.deeper(deeper_volume)
-        (strain,) = bodies.parted(settled.strain)
-        return replace(track, strain=strain, equivalent=track.equivalent + flow), settled
+        (strain,) = bodies.parted(step.strain)
+        return replace(track, strain=strain, equivalent=track.equivalent + flow), step
 
     def deeper(self, volume: Volume) -> "Track":
         """Return the track in a larger `volume`, whose added layers have not yielded."""

@@ -12,10 +12,10 @@ from contactstudy.problem.passes import Passes, passes_for
 
 # A gap is uncertain by this number of roundings of the largest displacement: residuals stop falling at half of it.
 ROUNDINGS = 2.0
-# Softness of the first springs over that of a cell; the second differ little, whatever it is.
+# Softness of the first Winkler foundation over that of a cell; the second differs little, whatever it is.
 SOFTNESS = 4.0
-# Ratio of the sides of cells from which springs are no start.
-LONGEST = 30.0
+# Ratio of the sides of cells from which a Winkler foundation is no start.
+ELONGATED = 30.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,43 +58,43 @@ class BareProblem:
         gap = self.undeformed_gap
         return arrays().full_like(gap, self.resultant.uniform(prod(gap.shape)))
 
-    def on_springs(self) -> Array:
-        """Return the pressure (x, y) of a bed of springs, as soft as the operator is under a pressure of such springs.
+    def winkler_start(self) -> Array:
+        """Return the pressure (x, y) of a Winkler foundation that is as soft as the operator under such a pressure.
 
         It is uniform where no softness follows, and on elongated cells: there waves along the shorter side are much
         stiffer than others.
         """
-        if not 1 / LONGEST < self.elongation < LONGEST:
+        if not 1 / ELONGATED < self.elongation < ELONGATED:
             return self.uniform()
         softness = SOFTNESS * self.operator.self_compliance
-        pressure = self.nearest(-self.undeformed_gap / softness)
+        pressure = self.project(-self.undeformed_gap / softness)
         free = self.constraint.free(pressure)
-        bearing = total(free)
-        deviation = (pressure - inner(free, pressure) / bearing) * free if bearing else free
+        cells = total(free)
+        deviation = (pressure - inner(free, pressure) / cells) * free if cells else free
         variance = inner(deviation, pressure)
         softness = inner(deviation, self.operator(pressure)) / variance if variance > 0 else 0.0
         if not 0 < softness < inf:
             return self.uniform()
-        return self.nearest(-self.undeformed_gap / softness)
+        return self.project(-self.undeformed_gap / softness)
 
-    def admit(self, trial: Array) -> Array:
+    def make_admissible(self, trial: Array) -> Array:
         """Cut a `trial` pressure off at the limits and scale it to meet the resultant, in place."""
-        return self.resultant.admit(trial, self.constraint)
+        return self.resultant.make_admissible(trial, self.constraint)
 
-    def nearest(self, trial: Array) -> Array:
+    def project(self, trial: Array) -> Array:
         """Replace a `trial` pressure by the nearest admissible one, in place."""
-        return self.resultant.nearest(trial, self.constraint)
+        return self.resultant.project(trial, self.constraint)
 
     def residual(self, pressure: Array, gap: Gap) -> float:
         """Return the dimensionless residual: the largest of complementarity, penetration and error of the load.
 
         `gap` is the gap under `pressure`. See :func:`~contactstudy.solve`.
         """
-        borne = total(pressure) if gap.load is None else gap.load
+        carried = total(pressure) if gap.load is None else gap.load
         measured = gap.measured
         if measured is None:
-            measured = self.constraint.residual(pressure, gap, borne)
-        return largest(measured, self.resultant.error(borne))
+            measured = self.constraint.residual(pressure, gap, carried)
+        return largest(measured, self.resultant.error(carried))
 
     def gap(self, pressure: Array, displacement: Array, into: Gap | None = None) -> Gap:
         """Return the gap under a `pressure` that makes this `displacement`, both (x, y).

@@ -90,7 +90,7 @@ class Constraint(Protocol):
         """Return the approach from the `height` of the gap (x, y) where no cell of `pressure` is free."""
         ...
 
-    def cuts(self, trial: Array) -> bool:
+    def exceeded_by(self, trial: Array) -> bool:
         """Return whether a `trial` pressure is beyond a limit in any cell."""
         ...
 
@@ -98,15 +98,15 @@ class Constraint(Protocol):
         """Cut a `trial` pressure off at the limits, in place."""
         ...
 
-    def carrying(self, trial: Array, total: float) -> Array:
+    def scale_to_load(self, trial: Array, total: float) -> Array:
         """Cut a `trial` pressure off at the limits and scale it to the sum `total`, in place."""
         ...
 
-    def nearest(self, trial: Array, total: float) -> Array:
+    def project(self, trial: Array, total: float) -> Array:
         """Replace a `trial` pressure by the nearest one of this set that has the sum `total`, in place."""
         ...
 
-    def levelled(self, trial: Array, cells: Array, total: float) -> Array:
+    def shift_to_load(self, trial: Array, cells: Array, total: float) -> Array:
         """Cut a `trial` pressure off at the limits and shift its `cells` (1, others 0) to the sum `total`, in place.
 
         Where these cells alone cannot carry it, all cells do.
@@ -117,40 +117,40 @@ class Constraint(Protocol):
         """Return 1 for cells at a limit that should leave it by the `height` of their gap, and 0 for the others."""
         ...
 
-    def residual(self, pressure: Array, gap: Gap, borne: float) -> float:
+    def residual(self, pressure: Array, gap: Gap, carried: float) -> float:
         """Return the larger of complementarity and penetration, in units of the gap scale.
 
-        `borne` is the sum of `pressure`. See :func:`~contactstudy.solve`.
+        `carried` is the sum of `pressure`. See :func:`~contactstudy.solve`.
         """
         ...
 
 
-def shifted(trial: Array, total: float, limit: float) -> Array:
+def project_capped_simplex(trial: Array, total: float, limit: float) -> Array:
     """Shift a `trial` pressure by one value such that, cut off at 0 and `limit`, it has the sum `total`, in place.
 
-    The sum is piecewise linear in the shift, with a bend where a cell begins to bear and where it reaches `limit`.
+    The sum is piecewise linear in the shift, with a bend where a cell comes into contact and where it reaches `limit`.
     Source: Held, Wolfe & Crowder (1974), here with an upper limit.
     """
     xp = arrays()
-    # counted from the highest cell, so that the numbers have the size of the load where it is borne
+    # counted from the highest cell, so that the numbers have the size of the load where the pressure is
     depths = xp.astype(trial, xp.float64, copy=False)
     depths -= float(xp.max(depths))
     bends = xp.sort(xp.reshape(-depths, (-1,)))
     cells = bends.shape[0]
-    bearing = xp.arange(1, cells + 1, dtype=xp.float64)
+    loaded = xp.arange(1, cells + 1, dtype=xp.float64)
     if limit < inf:
         bends = xp.concat([bends, bends + limit])
         order = xp.argsort(bends, stable=True)
         bends = xp.take(bends, order, axis=0)
-        bearing = xp.cumulative_sum(1 - 2 * xp.astype(order >= cells, xp.float64))
-    borne = xp.diff(bends)
-    borne *= bearing[:-1]
-    borne = xp.cumulative_sum(borne)
-    segment = int(xp.searchsorted(borne, xp.full_like(bends[:1], total))[0])
-    missing = total - (float(borne[segment - 1]) if segment else 0.0)
-    count = max(float(bearing[segment]), 1.0)
+        loaded = xp.cumulative_sum(1 - 2 * xp.astype(order >= cells, xp.float64))
+    carried = xp.diff(bends)
+    carried *= loaded[:-1]
+    carried = xp.cumulative_sum(carried)
+    segment = int(xp.searchsorted(carried, xp.full_like(bends[:1], total))[0])
+    missing = total - (float(carried[segment - 1]) if segment else 0.0)
+    count = max(float(loaded[segment]), 1.0)
     shift = float(bends[segment]) + missing / count
-    del bends, bearing, borne
+    del bends, loaded, carried
     # a second correction, for the rounding of a cumulative sum
     shift += (total - float(xp.sum(xp.clip(depths + shift, 0.0, limit)))) / count
     depths += shift
@@ -175,14 +175,14 @@ class Compressive:
         return inf
 
     def free(self, pressure: Array) -> Array:
-        """Return 1 for cells that bear pressure, and 0 for the others."""
+        """Return 1 for cells in contact, and 0 for the others."""
         return arrays().astype(pressure > 0, pressure.dtype)
 
     def approach(self, pressure: Array, height: Array) -> float:
-        """Return nan: there is no approach without cells in contact, and pressure that carries a load has some."""
+        """Return nan: there is no approach without cells in contact, and a load needs some."""
         return nan
 
-    def cuts(self, trial: Array) -> bool:
+    def exceeded_by(self, trial: Array) -> bool:
         """Return whether a `trial` pressure has tension anywhere."""
         return bool(arrays().min(trial) < 0)
 
@@ -190,17 +190,17 @@ class Compressive:
         """Set tension in a `trial` pressure to zero, in place."""
         return replaced(trial, lambda block: arrays().maximum(block, 0))
 
-    def carrying(self, trial: Array, total: float) -> Array:
+    def scale_to_load(self, trial: Array, total: float) -> Array:
         """Set tension to zero and scale the pressure to the sum `total`, in place."""
         self.clip(trial)
         trial *= float(np.divide(total, sum_of(trial)))
         return trial
 
-    def nearest(self, trial: Array, total: float) -> Array:
+    def project(self, trial: Array, total: float) -> Array:
         """Shift a `trial` pressure, cut off at zero, to the sum `total`, in place."""
-        return shifted(trial, total, inf)
+        return project_capped_simplex(trial, total, inf)
 
-    def levelled(self, trial: Array, cells: Array, total: float) -> Array:
+    def shift_to_load(self, trial: Array, cells: Array, total: float) -> Array:
         """Shift the `cells` of a `trial` pressure to the sum `total`, with tension set to zero, in place.
 
         The shift is found in Newton's steps, each of which cuts off more: the sum is convex in the shift.
@@ -208,27 +208,27 @@ class Compressive:
         xp = arrays()
         trial *= cells
         self.clip(trial)
-        bearing = trial[trial != 0]
-        borne = float(xp.sum(bearing))
-        if bearing.shape[0] and float(xp.max(bearing)) > total:
+        loaded = trial[trial != 0]
+        carried = float(xp.sum(loaded))
+        if loaded.shape[0] and float(xp.max(loaded)) > total:
             # numbers of this size would drown the load
             chosen = cells > 0
-            trial[chosen] = shifted(trial[chosen], total, inf)
+            trial[chosen] = project_capped_simplex(trial[chosen], total, inf)
             return trial
 
-        def lowered(shift: float) -> tuple[float, float]:
-            above = bearing[bearing > shift]
+        def load_above(shift: float) -> tuple[float, float]:
+            above = loaded[loaded > shift]
             return float(xp.sum(above)) - shift * above.shape[0], above.shape[0]
 
         epsilon = float(xp.finfo(trial.dtype).eps)
-        shift, factor = lowered_to(total, borne, bearing.shape[0], lowered, epsilon)
+        shift, factor = shift_to_load(total, carried, loaded.shape[0], load_above, epsilon)
         return replaced(trial, lambda block: xp.maximum(block - shift, 0) * factor)
 
     def to_release(self, pressure: Array, height: Array) -> Array:
         """Return 1 for cells without pressure that penetrate, and 0 for the others."""
         return arrays().astype((pressure == 0) & (height < 0), height.dtype)
 
-    def residual(self, pressure: Array, gap: Gap, borne: float) -> float:
+    def residual(self, pressure: Array, gap: Gap, carried: float) -> float:
         """Return the larger of complementarity and penetration, in units of the gap scale."""
         xp = arrays()
 
@@ -237,27 +237,27 @@ class Compressive:
             return dot(block, xp.abs(height)), -float(xp.min(overlap))
 
         moments, deepest = zip(*in_blocks(measure, pressure, gap.height), strict=True)
-        complementarity = sum(moments) / borne if borne else 0.0
+        complementarity = sum(moments) / carried if carried else 0.0
         return largest(complementarity, *deepest)
 
 
-def lowered_to(
+def shift_to_load(
     load: float,
-    borne: float,
-    bearing: float,
-    lowered: Callable[[float], tuple[float, float]],
+    carried: float,
+    loaded: float,
+    load_above: Callable[[float], tuple[float, float]],
     epsilon: float,
 ) -> tuple[float, float]:
     """Return the shift and the factor that make a pressure carry `load`.
 
-    The pressure carries `borne` in a number of `bearing` cells; `lowered` returns both for a shift. The factor makes up
-    for what no shift can reach, and is 1 within some roundings `epsilon`.
+    The pressure has the sum `carried` in a number of `loaded` cells; `load_above` returns both for a shift. The factor
+    makes up for what no shift can reach, and is 1 within some roundings `epsilon`.
     """
     shift, before = 0.0, -1.0
-    while borne > load and bearing != before:
-        shift, before = shift + (borne - load) / bearing, bearing
-        borne, bearing = lowered(shift)
-    return shift, 1.0 if abs(borne / load - 1) <= 16 * epsilon else load / borne
+    while carried > load and loaded != before:
+        shift, before = shift + (carried - load) / loaded, loaded
+        carried, loaded = load_above(shift)
+    return shift, 1.0 if abs(carried / load - 1) <= 16 * epsilon else load / carried
 
 
 @dataclass(frozen=True)
@@ -284,14 +284,14 @@ class HardnessLimited:
         return self.hardness * cells
 
     def free(self, pressure: Array) -> Array:
-        """Return 1 for cells that bear pressure below the hardness, and 0 for the others."""
+        """Return 1 for cells in contact below the hardness, and 0 for the others."""
         return arrays().astype((pressure > 0) & (pressure < self.hardness), pressure.dtype)
 
     def approach(self, pressure: Array, height: Array) -> float:
         """Return the smallest approach that leaves no gap open where all cells have yielded."""
         return float(arrays().max(height[pressure > 0]))
 
-    def cuts(self, trial: Array) -> bool:
+    def exceeded_by(self, trial: Array) -> bool:
         """Return whether a `trial` pressure has tension or exceeds the hardness anywhere."""
         xp = arrays()
         return bool(xp.min(trial) < 0 or xp.max(trial) > self.hardness)
@@ -300,47 +300,47 @@ class HardnessLimited:
         """Cut a `trial` pressure off at zero and at the hardness, in place."""
         return replaced(trial, lambda block: arrays().clip(block, 0.0, self.hardness))
 
-    def carrying(self, trial: Array, total: float) -> Array:
+    def scale_to_load(self, trial: Array, total: float) -> Array:
         """Scale a `trial` pressure and cut it off at the hardness such that it has the sum `total`, in place."""
         xp = arrays()
         replaced(trial, lambda block: xp.maximum(block, 0))
-        bearing = trial > 0
-        count = int(xp.count_nonzero(bearing))
+        loaded = trial > 0
+        count = int(xp.count_nonzero(loaded))
         if count * self.hardness <= total:
             unloaded = max(prod(trial.shape) - count, 1)
             spread = min((total - self.hardness * count) / unloaded, self.hardness)
-            trial[~bearing] = spread
-            trial[bearing] = self.hardness
+            trial[~loaded] = spread
+            trial[loaded] = self.hardness
             return trial
-        borne = trial[bearing]
+        carried = trial[loaded]
         rounding = 8 * float(xp.finfo(trial.dtype).eps)
-        if xp.max(borne) == self.hardness and abs(float(xp.sum(borne)) / total - 1) <= rounding:
+        if xp.max(carried) == self.hardness and abs(float(xp.sum(carried)) / total - 1) <= rounding:
             return trial  # a factor one bit below 1 would take yielding cells off their limit
         # what is carried grows with the factor along a concave broken line: Newton's steps from the left
         # never pass the root, and end on its own segment
-        factor = total / float(xp.sum(borne))
+        factor = total / float(xp.sum(carried))
         while True:
-            yielding = borne * factor >= self.hardness
+            yielding = carried * factor >= self.hardness
             remaining = total - self.hardness * int(xp.count_nonzero(yielding))
-            below = float(xp.sum(borne[~yielding]))
+            below = float(xp.sum(carried[~yielding]))
             if not (below > 0 and remaining / below > factor):
                 break
             factor = remaining / below
         return replaced(trial, lambda block: xp.minimum(block * factor, self.hardness))
 
-    def nearest(self, trial: Array, total: float) -> Array:
+    def project(self, trial: Array, total: float) -> Array:
         """Shift a `trial` pressure, cut off at zero and at the hardness, to the sum `total`, in place."""
-        return shifted(trial, total, self.hardness)
+        return project_capped_simplex(trial, total, self.hardness)
 
-    def levelled(self, trial: Array, cells: Array, total: float) -> Array:
+    def shift_to_load(self, trial: Array, cells: Array, total: float) -> Array:
         """Shift the `cells` of a `trial` pressure to the sum `total`, if they can make up for the others, in place."""
         xp = arrays()
         self.clip(trial)
         chosen = cells > 0
         remaining = total - float(xp.sum(trial[~chosen]))
         if not 0 < remaining < self.capacity(int(xp.count_nonzero(chosen))):
-            return self.carrying(trial, total)
-        trial[chosen] = shifted(trial[chosen], remaining, self.hardness)
+            return self.scale_to_load(trial, total)
+        trial[chosen] = project_capped_simplex(trial[chosen], remaining, self.hardness)
         return trial
 
     def to_release(self, pressure: Array, height: Array) -> Array:
@@ -348,7 +348,7 @@ class HardnessLimited:
         violations = violation(pressure, height, self.free(pressure))
         return arrays().astype(violations > 0, height.dtype)
 
-    def residual(self, pressure: Array, gap: Gap, borne: float) -> float:
+    def residual(self, pressure: Array, gap: Gap, carried: float) -> float:
         """Return the largest of complementarity in free cells, penetration, and open gaps of yielding cells."""
         xp = arrays()
         free = self.free(pressure)
@@ -377,23 +377,23 @@ class Resultant(Protocol):
         """Return the pressure that meets the condition if it is the same in that number of `cells`."""
         ...
 
-    def admit(self, trial: Array, constraint: Constraint) -> Array:
+    def make_admissible(self, trial: Array, constraint: Constraint) -> Array:
         """Cut a `trial` pressure off at the limits of `constraint` and scale it to meet the condition, in place."""
         ...
 
-    def nearest(self, trial: Array, constraint: Constraint) -> Array:
+    def project(self, trial: Array, constraint: Constraint) -> Array:
         """Replace a `trial` pressure by the nearest admissible one, in place.
 
         A step against the gap that ends there lowers the energy.
         """
         ...
 
-    def levelled(self, trial: Array, cells: Array, constraint: Constraint) -> Array:
+    def shift_to_load(self, trial: Array, cells: Array, constraint: Constraint) -> Array:
         """Cut a `trial` pressure off at the limits and shift its `cells` to meet the condition, in place."""
         ...
 
-    def error(self, borne: float) -> float:
-        """Return how far a pressure with the sum `borne` is from meeting the condition, dimensionless."""
+    def error(self, carried: float) -> float:
+        """Return how far a pressure with the sum `carried` is from meeting the condition, dimensionless."""
         ...
 
 
@@ -419,21 +419,21 @@ class PrescribedLoad:
         """Return the pressure of the load spread evenly over a number of `cells`."""
         return self.total / cells
 
-    def admit(self, trial: Array, constraint: Constraint) -> Array:
+    def make_admissible(self, trial: Array, constraint: Constraint) -> Array:
         """Scale a `trial` pressure within the limits of `constraint` to the load, in place."""
-        return constraint.carrying(trial, self.total)
+        return constraint.scale_to_load(trial, self.total)
 
-    def nearest(self, trial: Array, constraint: Constraint) -> Array:
+    def project(self, trial: Array, constraint: Constraint) -> Array:
         """Shift a `trial` pressure within the limits of `constraint` to the load, in place."""
-        return constraint.nearest(trial, self.total)
+        return constraint.project(trial, self.total)
 
-    def levelled(self, trial: Array, cells: Array, constraint: Constraint) -> Array:
+    def shift_to_load(self, trial: Array, cells: Array, constraint: Constraint) -> Array:
         """Shift the `cells` of a `trial` pressure within the limits of `constraint` to the load, in place."""
-        return constraint.levelled(trial, cells, self.total)
+        return constraint.shift_to_load(trial, cells, self.total)
 
-    def error(self, borne: float) -> float:
-        """Return the relative error of the load, ``|borne / total - 1|``."""
-        return abs(borne / self.total - 1)
+    def error(self, carried: float) -> float:
+        """Return the relative error of the load, ``|carried / total - 1|``."""
+        return abs(carried / self.total - 1)
 
 
 @dataclass(frozen=True)
@@ -454,18 +454,18 @@ class PrescribedApproach:
         """Return 0: no pressure meets the condition too."""
         return 0.0
 
-    def admit(self, trial: Array, constraint: Constraint) -> Array:
+    def make_admissible(self, trial: Array, constraint: Constraint) -> Array:
         """Cut a `trial` pressure off at the limits of `constraint`, in place."""
         return constraint.clip(trial)
 
-    def nearest(self, trial: Array, constraint: Constraint) -> Array:
+    def project(self, trial: Array, constraint: Constraint) -> Array:
         """Cut a `trial` pressure off at the limits of `constraint`, in place."""
         return constraint.clip(trial)
 
-    def levelled(self, trial: Array, cells: Array, constraint: Constraint) -> Array:
+    def shift_to_load(self, trial: Array, cells: Array, constraint: Constraint) -> Array:
         """Cut a `trial` pressure off at the limits of `constraint`, in place."""
         return constraint.clip(trial)
 
-    def error(self, borne: float) -> float:
+    def error(self, carried: float) -> float:
         """Return 0: no load is asked for."""
         return 0.0

@@ -20,7 +20,7 @@ class Extension(Protocol):
         """Return the `displacement` extended to all cells."""
         ...
 
-    def closing(self, extended: Array) -> Array:
+    def pressure(self, extended: Array) -> Array:
         """Return the pressure (x, y) on the given cells that makes an `extended` displacement, which may change."""
         ...
 

@@ -30,7 +30,7 @@ from contactstudy.problem.constraint import (
     PrescribedLoad,
     Resultant,
     largest,
-    lowered_to,
+    shift_to_load,
 )
 
 # Heights beyond this need double precision: in single precision their squares and sums would overflow.
@@ -38,11 +38,14 @@ FAR = 1e15
 
 
 class Direction(NamedTuple):
-    """Direction of a step: `level` less the `closing` pressure, plus `conjugate` times the last step, in the `cells`."""
+    """Direction of a step: `shift` less the preconditioned `residual`, plus `conjugate` times the last step.
 
-    closing: Array
-    cells: Array
-    level: float
+    It is zero outside the `active` set.
+    """
+
+    residual: Array
+    active: Array
+    shift: float
     conjugate: float
 
 
@@ -57,15 +60,15 @@ class TrialSums(NamedTuple):
         Sum of the pressure.
     slope
         Slope of the energy along the step, before a limit cuts the pressure.
-    bearing, largest
-        Number of cells that bear pressure, and the largest pressure; nan where the pass is not compiled, which leaves
+    loaded, largest
+        Number of cells with pressure, and the largest pressure; nan where the pass is not compiled, which leaves
         tension in place.
     """
 
     cut: bool
     load: float
     slope: float
-    bearing: float = nan
+    loaded: float = nan
     largest: float = nan
 
 
@@ -106,60 +109,60 @@ class ArrayPasses:
         return Gap(height, approach)
 
     def contact(self, pressure: Array, height: Array, real: DTypeLike) -> tuple[Array, Array]:
-        """Return the cells that bear pressure and are at no limit (1, others 0), and their gap, in `real` numbers."""
-        cells, unlevel = (arrays().empty(pressure.shape, dtype=real) for _ in range(2))
+        """Return the active set, the cells in contact at no limit (1, others 0), and its gap, in `real` numbers."""
+        cells, active_gap = (arrays().empty(pressure.shape, dtype=real) for _ in range(2))
 
-        def select(cells: Array, unlevel: Array, pressure: Array, height: Array) -> None:
+        def select(cells: Array, active_gap: Array, pressure: Array, height: Array) -> None:
             cells[...] = self.constraint.free(pressure)
-            unlevel[...] = height * cells
+            active_gap[...] = height * cells
 
-        in_blocks(select, cells, unlevel, pressure, height)
-        return cells, unlevel
+        in_blocks(select, cells, active_gap, pressure, height)
+        return cells, active_gap
 
-    def joined(
+    def enter(
         self, pressure: Array, height: Array, extended: Array, step_length: float, contact: Array,
-        unlevel: Array,
+        active_gap: Array,
     ) -> bool:  # fmt: skip
-        """Add to a contact the cells at a limit that should leave it after a step, and return whether there are any.
+        """Add to an active set the cells that enter it after a step, and return whether there are any.
 
-        `unlevel`, the gap of the contact, gets theirs. The step changes the gap everywhere by a share `step_length` of
-        the `extended` gap.
+        Cells at a limit enter that should leave it. `active_gap`, the gap of the set, gets theirs. The step changes the
+        gap everywhere by the fraction `step_length` of the `extended` gap.
         """
 
         def add(
-            contact: Array, unlevel: Array, pressure: Array, height: Array, extended: Array
+            contact: Array, active_gap: Array, pressure: Array, height: Array, extended: Array
         ) -> bool:
             released = self.constraint.to_release(pressure, height - step_length * extended)
             leaves = bool(arrays().any(released))
             if leaves:
                 contact[...] = contact + released
-                unlevel[...] = unlevel + height * released
+                active_gap[...] = active_gap + height * released
             return leaves
 
-        return any(in_blocks(add, contact, unlevel, pressure, height, extended))
+        return any(in_blocks(add, contact, active_gap, pressure, height, extended))
 
-    def totals(self, cells: Array, closing: Array) -> tuple[float, ...]:
-        """Return the number of `cells`, and the sum of the pressure that would close them."""
-        return sums(lambda *blocks: tuple(map(_sum, blocks)), cells, closing)
+    def totals(self, cells: Array, residual: Array) -> tuple[float, ...]:
+        """Return the number of `cells`, and the sum of the preconditioned `residual`."""
+        return sums(lambda *blocks: tuple(map(_sum, blocks)), cells, residual)
 
     def products(self, *fields: Array) -> tuple[float, ...]:
         """Return the sums that make a direction conjugate to the last step, which counts from its end to its beginning.
 
-        The `fields` are gap, closing pressure, cells, pressure before and after the step, and displacement before and
-        after it. The sums are the number of cells, the sum of the closing pressure, and the products of gap and closing
-        pressure, closing pressure and response, cells and response, gap of the cells and step, cells and step.
+        The `fields` are gap, preconditioned residual, active set, pressure before and after the step, and displacement
+        before and after it. The sums are the number of cells, the sum of the residual, and the products of gap and
+        residual, residual and response, cells and response, gap of the cells and step, cells and step.
         """
 
         def sums_of(
-            height: Array, closing: Array, cells: Array, before: Array, after: Array,
+            height: Array, residual: Array, cells: Array, before: Array, after: Array,
             moved_before: Array, moved_after: Array,
         ) -> tuple[float, ...]:  # fmt: skip
             change, response = cells * (before - after), moved_before - moved_after
             return (
                 _sum(cells),
-                _sum(closing),
-                dot(height, closing),
-                dot(closing, response),
+                _sum(residual),
+                dot(height, residual),
+                dot(residual, response),
                 dot(cells, response),
                 dot(height, change),
                 _sum(change),
@@ -171,29 +174,29 @@ class ArrayPasses:
         self, pressure: Array, height: Array, direction: Direction, step_length: float, step: Array
     ) -> TrialSums:
         """Write the pressure one step ahead over the pressure before the last `step`."""
-        closing, cells, level, conjugate = direction
+        residual, active, shift, conjugate = direction
 
         def take_step(
-            step: Array, closing: Array, cells: Array, pressure: Array, height: Array
+            step: Array, residual: Array, active: Array, pressure: Array, height: Array
         ) -> tuple[float, ...]:
             if conjugate:
                 step -= pressure
                 step *= conjugate
-                step -= closing
-                step += level
+                step -= residual
+                step += shift
             else:
-                step[...] = level - closing
-            step *= cells
+                step[...] = shift - residual
+            step *= active
             if step_length != 1:
                 step *= step_length
             slope = dot(height, step)
             step += pressure
-            return float(self.constraint.cuts(step)), float(arrays().sum(step)), slope
+            return float(self.constraint.exceeded_by(step)), float(arrays().sum(step)), slope
 
-        cut, load, slope = sums(take_step, step, closing, cells, pressure, height)
+        cut, load, slope = sums(take_step, step, residual, active, pressure, height)
         return TrialSums(cut > 0, load, slope)
 
-    def levelled(
+    def project_to_load(
         self, trial: Array, trial_sums: TrialSums, cells: Array, resultant: Resultant,
         pressure: Array, height: Array,
     ) -> float:  # fmt: skip
@@ -201,7 +204,7 @@ class ArrayPasses:
 
         `trial_sums` are those of the trial. Returns the slope of the energy along the step from `pressure`.
         """
-        resultant.levelled(trial, cells, self.constraint)
+        resultant.shift_to_load(trial, cells, self.constraint)
         return self.slope(trial, pressure, height)
 
     def slope(self, trial: Array, pressure: Array, height: Array) -> float:
@@ -220,19 +223,19 @@ class ArrayPasses:
         """Return whether a cell is beyond a limit after `factor` steps."""
 
         def cuts(trial: Array, pressure: Array) -> bool:
-            return self.constraint.cuts(pressure + factor * (trial - pressure))
+            return self.constraint.exceeded_by(pressure + factor * (trial - pressure))
 
         return any(in_blocks(cuts, trial, pressure))
 
-    def advance(
+    def shorten(
         self, trial: Array, pressure: Array, trial_displacement: Array, displacement: Array,
-        share: float,
+        fraction: float,
     ) -> None:  # fmt: skip
-        """Take a `share` of a step: the trial fields become the pressure and displacement that it leads to, in place."""
+        """Take a `fraction` of a step: the trial fields become the pressure and displacement at its end, in place."""
 
         def take_step(before: Array, after: Array) -> None:
             after -= before
-            after *= share
+            after *= fraction
             after += before
 
         in_blocks(take_step, displacement, trial_displacement)
@@ -261,7 +264,7 @@ class CompiledPasses:
             approach = given
         else:
             heights, cells = (
-                _rows(self._loops.level, *fields, limit, results=2).sum(axis=1).tolist()
+                _rows(self._loops.free_gap, *fields, limit, results=2).sum(axis=1).tolist()
             )
             at_limits = self.constraint.approach
             approach = heights / cells if cells else at_limits(pressure, undeformed + displacement)
@@ -272,22 +275,22 @@ class CompiledPasses:
         return Gap(height, approach, measured, load, float(sums[4].max()))
 
     def contact(self, pressure: Array, height: Array, real: DTypeLike) -> tuple[Array, Array]:
-        """Return the free cells that bear pressure (1, others 0), and their gap, in `real` numbers."""
-        cells, unlevel = (np.empty(pressure.shape, dtype=real) for _ in range(2))
-        _rows(self._loops.contact, pressure, height, self._limit, cells, unlevel)
-        return cells, unlevel
+        """Return the active set (1, others 0), and its gap, in `real` numbers."""
+        cells, active_gap = (np.empty(pressure.shape, dtype=real) for _ in range(2))
+        _rows(self._loops.contact, pressure, height, self._limit, cells, active_gap)
+        return cells, active_gap
 
-    def joined(
+    def enter(
         self, pressure: Array, height: Array, extended: Array, step_length: float, contact: Array,
-        unlevel: Array,
+        active_gap: Array,
     ) -> bool:  # fmt: skip
-        """Add to a contact the cells that should leave a limit after a step, as :meth:`ArrayPasses.joined` does."""
-        fields = pressure, height, extended, step_length, self._limit, contact, unlevel
-        return bool(_rows(self._loops.joined, *fields, results=1).any())
+        """Add to an active set the cells that enter it after a step, as :meth:`ArrayPasses.enter` does."""
+        fields = pressure, height, extended, step_length, self._limit, contact, active_gap
+        return bool(_rows(self._loops.enter, *fields, results=1).any())
 
-    def totals(self, cells: Array, closing: Array) -> tuple[float, ...]:
-        """Return the number of `cells`, and the sum of the pressure that would close them."""
-        return tuple(_rows(self._loops.totals, cells, closing, results=2).sum(axis=1).tolist())
+    def totals(self, cells: Array, residual: Array) -> tuple[float, ...]:
+        """Return the number of `cells`, and the sum of the preconditioned `residual`."""
+        return tuple(_rows(self._loops.totals, cells, residual, results=2).sum(axis=1).tolist())
 
     def products(self, *fields: Array) -> tuple[float, ...]:
         """Return the sums that make a direction conjugate, in the order of :meth:`ArrayPasses.products`."""
@@ -299,37 +302,37 @@ class CompiledPasses:
         """Write the pressure one step ahead, without tension, over the pressure before the last `step`."""
         fields = pressure, height, *direction, step_length, self._limit, step
         sums = _rows(self._loops.trial, *fields, results=5)
-        cut, load, bearing, slope = sums[:4].sum(axis=1).tolist()
-        return TrialSums(cut > 0, load, slope, bearing, float(sums[4].max()))
+        cut, load, loaded, slope = sums[:4].sum(axis=1).tolist()
+        return TrialSums(cut > 0, load, slope, loaded, float(sums[4].max()))
 
-    def levelled(
+    def project_to_load(
         self, trial: Array, trial_sums: TrialSums, cells: Array, resultant: Resultant,
         pressure: Array, height: Array,
     ) -> float:  # fmt: skip
-        """Cut a trial pressure off at the limits and shift its `cells`, in place, as :meth:`ArrayPasses.levelled` does.
+        """Cut a trial pressure off at the limits and shift its `cells`, in place.
 
-        Cells outside `cells` bear nothing where there is no upper limit.
+        Cells outside `cells` have no pressure where there is no upper limit.
         """
         if (
             self._limit < inf
             or not isinstance(resultant, PrescribedLoad)
             or trial_sums.largest > resultant.total  # numbers of this size would drown the load
         ):
-            resultant.levelled(trial, cells, self.constraint)
+            resultant.shift_to_load(trial, cells, self.constraint)
             return self.slope(trial, pressure, height)
 
-        def lowered(shift: float) -> tuple[float, float]:
-            borne, bearing = (
-                _rows(self._loops.lowered, trial, shift, results=2).sum(axis=1).tolist()
+        def load_above(shift: float) -> tuple[float, float]:
+            carried, loaded = (
+                _rows(self._loops.load_above, trial, shift, results=2).sum(axis=1).tolist()
             )
-            return borne, bearing
+            return carried, loaded
 
         epsilon = float(np.finfo(trial.dtype).eps)
-        shift, factor = lowered_to(
-            resultant.total, trial_sums.load, trial_sums.bearing, lowered, epsilon
+        shift, factor = shift_to_load(
+            resultant.total, trial_sums.load, trial_sums.loaded, load_above, epsilon
         )
         fields = trial, shift, factor, pressure, height
-        return float(_rows(self._loops.lower, *fields, results=1).sum())
+        return float(_rows(self._loops.shift_down, *fields, results=1).sum())
 
     def slope(self, trial: Array, pressure: Array, height: Array) -> float:
         """Return how fast the energy grows along the step to `trial`."""
@@ -347,24 +350,24 @@ class CompiledPasses:
         fields = trial, pressure, factor, self._limit
         return bool(_rows(self._loops.beyond, *fields, results=1).any())
 
-    def advance(
+    def shorten(
         self, trial: Array, pressure: Array, trial_displacement: Array, displacement: Array,
-        share: float,
+        fraction: float,
     ) -> None:  # fmt: skip
-        """Take a `share` of a step, in place, as :meth:`ArrayPasses.advance` does."""
+        """Take a `fraction` of a step, in place, as :meth:`ArrayPasses.shorten` does."""
         _rows(
-            self._loops.advance,
+            self._loops.shorten,
             trial,
             pressure,
             trial_displacement,
             displacement,
-            share,
+            fraction,
             self._limit,
         )
 
 
 def _sum(field: Array) -> float:
-    """Return the sum of a field, taken in double precision: a load in single precision would have to be levelled."""
+    """Return the sum of a field in double precision: single precision's rounding would seem an error of the load."""
     xp = arrays()
     return float(xp.sum(field, dtype=xp.float64))
 

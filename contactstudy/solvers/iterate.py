@@ -40,8 +40,8 @@ class Stall:
     def __init__(self, patience: int) -> None:
         self.patience, self.best, self.since = patience, float("inf"), 0
 
-    def sees(self, residual: float) -> bool:
-        """Take the next `residual` and return whether the iteration has stalled."""
+    def stalled(self, residual: float) -> bool:
+        """Record the next `residual` and return whether the iteration has stalled."""
         if residual < self.best / 2:
             self.best, self.since = residual, 0
         else:

@@ -33,7 +33,7 @@ class PolonskyKeer:
         """Iterate until ``problem.residual(pressure, gap) <= tolerance``, the limit, or a stall."""
         xp, constraint = arrays(), problem.constraint
         initial = problem.uniform() if start is None else xp.asarray(start, copy=True)
-        pressure = problem.admit(initial)
+        pressure = problem.make_admissible(initial)
         direction = xp.zeros_like(pressure)
         previous, conjugate = 1.0, 0.0
         stall = Stall(self.patience)
@@ -44,7 +44,7 @@ class PolonskyKeer:
             gap = problem.gap(pressure, displacement)
             residual = problem.residual(pressure, gap)
             ended = problem.ends(residual, displacement, tolerance)
-            if ended or iteration == max_iterations or stall.sees(residual):
+            if ended or iteration == max_iterations or stall.stalled(residual):
                 work = 2.0 * iteration + 1
                 return Iterate(pressure, displacement, gap.approach, residual, iteration, work)
             iteration += 1
@@ -66,7 +66,7 @@ class PolonskyKeer:
             bound = 1 - constraint.free(pressure)
             trial = xp.maximum(pressure - step * gap.height * bound, 0)
             conjugate = 1.0 if xp.all(trial == pressure) else 0.0
-            pressure = problem.admit(trial)
+            pressure = problem.make_admissible(trial)
             # balancing the load has turned the step uphill
             if inner(gap.height, pressure - before) >= 0:
-                conjugate, pressure = 0.0, problem.nearest(before - step * gap.height)
+                conjugate, pressure = 0.0, problem.project(before - step * gap.height)

@@ -7,179 +7,283 @@ from contactstudy.domain.device import arrays
 from contactstudy.domain.fields import Array, equal, inner, total
 from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.problem.constraint import Gap
-from contactstudy.problem.operator import ApproximateInverse, Extension
-from contactstudy.problem.passes import Direction, Passes, TrialSums
+from contactstudy.problem.operator import Extension
+from contactstudy.problem.passes import Direction
 from contactstudy.solvers.iterate import Iterate, Stall
 from contactstudy.solvers.polonsky_keer import PolonskyKeer
 
 
 @dataclass(frozen=True)
+class DescentConstants:
+    """Constants of the iteration, each chosen by its iterations on rough contacts of 9 % to 100 % of Hertz's area.
+
+    Attributes
+    ----------
+    least_fraction
+        A trial step that meets a limit is taken in whole where the best point is beyond this fraction of it: the whole
+        step then lowers the energy too.
+    longest, shortest
+        Limits of the step length. The preconditioner takes a contact to be stiffer than it is, not softer, so that steps
+        beyond 1 overshoot; below 0.1 rounding could make steps shorter and shorter.
+    least_change, largest_change
+        Limits of the change of the step length by one line search.
+    fine_cells
+        Cells along an axis beyond which the coarse grid is solved further, by the square of their ratio. Smooth contacts
+        of 1024 x 1024 cells then take 3 iterations for 6.
+    coarse_reduction
+        Fraction of its first residual at which a coarse grid ends. On rough surfaces its interpolation has about a third
+        of that residual; on smooth ones it has far less, and 0.05 costs iterations.
+    few_cells
+        Number of cells up to which an iteration costs nearly as much as on coarser grids: these are not used.
+    """
+
+    least_fraction: float = 0.5
+    longest: float = 1.0
+    shortest: float = 0.1
+    least_change: float = 0.3
+    largest_change: float = 3.0
+    fine_cells: int = 128
+    coarse_reduction: float = 0.02
+    few_cells: int = 4096
+
+
+CONSTANTS = DescentConstants()
+
+
+@dataclass(frozen=True)
 class PressureStep:
-    """Pressure and displacement before and after a step, and the inner product `curvature` of their changes."""
+    """Pressure and displacement before and after a step, and the inner product `curvature` of their changes.
+
+    `cut` says whether a limit cut the step off, so that the next one cannot be conjugate to it.
+    """
 
     before: Array
     after: Array
     displacement_before: Array
     displacement_after: Array
     curvature: float
+    cut: bool = False
 
 
-@dataclass
+@dataclass(frozen=True)
+class Trial:
+    """Trial pressure (x, y), the `slope` of the energy along the step to it, and whether a limit `cut` the step off."""
+
+    pressure: Array
+    slope: float
+    cut: bool
+
+
+class ContactState:
+    """Pressure, displacement and gap of an iteration, and its last step.
+
+    It owns the buffers: four fields and a gap. The pressure before the last step is the buffer of the next trial.
+    """
+
+    def __init__(self, problem: BareProblem, pressure: Array, convolutions: float) -> None:
+        self.problem, self.pressure = problem, pressure
+        self.displacement, self.convolutions = problem.operator(pressure), convolutions + 1
+        self.gap = problem.gap(pressure, self.displacement)
+        self._last: PressureStep | None = None
+
+    @property
+    def residual(self) -> float:
+        """Residual of the pressure."""
+        return self.problem.residual(self.pressure, self.gap)
+
+    @property
+    def touches(self) -> bool:
+        """True if any cell bears pressure, as it always does under a given load."""
+        return self.problem.resultant.approach is None or bool(arrays().any(self.pressure > 0))
+
+    def released_step(self) -> PressureStep | None:
+        """Return the last step and forget it, so that its fields do not stand through the next convolution."""
+        last, self._last = self._last, None
+        return last
+
+    def advance(self, trial: Trial) -> float:
+        """Take the step to the `trial` up to its best point, and return that point as a fraction of the step.
+
+        The energy is quadratic along the step: one convolution gives its minimum.
+        """
+        passes = self.problem.passes
+        displacement = self.problem.operator(trial.pressure)
+        self.convolutions += 1
+        ends = trial.pressure, self.pressure, displacement, self.displacement
+        curvature = passes.curvature(*ends)
+        best = -trial.slope / curvature if curvature > 0 else 0.0
+        fraction = self._fraction(trial, best)
+        if fraction != 1:
+            passes.shorten(*ends, fraction)
+        self._last = PressureStep(
+            self.pressure,
+            trial.pressure,
+            self.displacement,
+            displacement,
+            curvature * fraction**2,
+            trial.cut,
+        )
+        self.pressure, self.displacement = trial.pressure, displacement
+        self.gap = self.problem.gap(self.pressure, displacement, self.gap)
+        return best
+
+    def _fraction(self, trial: Trial, best: float) -> float:
+        """Return the fraction of a step to take: `best`, that of least energy, unless limits are in the way."""
+        if trial.cut:
+            # zeros are left where tension was; beyond the whole they would turn to tension
+            return 1.0 if best > CONSTANTS.least_fraction else best
+        # nor beyond it to just where a cell meets a limit: rounding would say which of many did
+        passes = self.problem.passes
+        meets = best > 1 and passes.meets_a_limit(trial.pressure, self.pressure, best)
+        return 1.0 if meets else best
+
+
 class ContactPreconditioner:
-    """Preconditioner of a contact that changes: it keeps its `extension` as long as the same cells bear."""
+    """Preconditioner on the predicted active set: it keeps its extension as long as the set stays."""
 
-    problem: BareProblem
-    inverse: ApproximateInverse
-    extension: Extension | None = None
-    punch: tuple[float, float] = 0.0, 0.0
-    convolutions: float = 0.0
+    def __init__(self, problem: BareProblem) -> None:
+        self._problem = problem
+        precision = problem.passes.preconditioner(problem.undeformed_gap)
+        self._inverse = problem.operator.approximate_inverse(precision)
+        self._extension: Extension | None = None
+        self._punch = 0.0, 0.0
+        self._convolutions = 0.0
 
-    def rigid(self, cells: Array, height: Array) -> float:
-        """Return the uniform pressure on `cells` that moves the mean of their `height` to zero, as a flat punch would.
+    @property
+    def convolutions(self) -> float:
+        """Number of convolutions that its work so far is worth."""
+        return self._inverse.work / self._problem.operator.work + self._convolutions
+
+    def rigid(self, active: Array, height: Array) -> float:
+        """Return the uniform pressure on `active` cells that moves the mean of their `height` to zero, as a flat punch.
 
         The compliance of the punch is found again where the number of cells has changed by a tenth.
         """
-        count, compliance = self.punch
-        bearing = total(cells)
-        if abs(bearing - count) > count / 10:
-            compliance = inner(cells, self.problem.operator(cells.astype(height.dtype))) / bearing
-            self.punch, self.convolutions = (bearing, compliance), self.convolutions + 1
-        return inner(cells, height) / bearing / compliance
+        count, compliance = self._punch
+        cells = total(active)
+        if abs(cells - count) > count / 10:
+            compliance = inner(active, self._problem.operator(active.astype(height.dtype))) / cells
+            self._punch, self._convolutions = (cells, compliance), self._convolutions + 1
+        return inner(active, height) / cells / compliance
 
-    def closing(self, pressure: Array, gap: Gap, step_length: float) -> tuple[Array, Array, bool]:
-        """Return the pressure that would close the gap of the cells that will bear.
+    def __call__(self, pressure: Array, gap: Gap, step_length: float) -> tuple[Array, Array, bool]:
+        """Return the preconditioned residual on the predicted active set.
 
-        These cells are those that bear pressure, and those that would penetrate after a step that closes their gap and
-        takes the surroundings along. Judged by its gap before the step, a contact that is slightly too high over a wide
+        The set is the cells that bear pressure, and those that would penetrate after a step that closes the gap of these
+        and moves the cells beside them along. Judged by its gap before the step, a contact slightly too high over a wide
         region would gather every cell there whose gap is small.
 
         Returns
         -------
-        closing
-            The pressure (x, y).
-        cells
-            The cells that will bear (x, y): 1, others 0.
-        joined
-            Whether any cell joined those that bear.
+        preconditioned
+            Pressure (x, y) that would close the gap of the active set.
+        active
+            The active set (x, y): 1, others 0.
+        entered
+            Whether any cell entered the active set.
         """
-        passes = self.problem.passes
-        contact, unlevel = passes.contact(pressure, gap.height, self.inverse.real)
-        extension = self._extension(contact)
-        cells = extension.contact
+        passes = self._problem.passes
+        contact, active_gap = passes.contact(pressure, gap.height, self._inverse.real)
+        extension = self._extended_from(contact)
+        active = extension.contact
         del contact
-        extended = extension(unlevel)
-        joined = passes.joined(pressure, gap.height, extended, step_length, cells, unlevel)
-        if joined:
-            self.extension = None  # it was that of fewer cells,
-            del extension, extended  # and would stand beside that of more
-            extension = self._extension(cells)
-            extended = extension(unlevel)
-        del unlevel
-        return extension.closing(extended), cells, joined
+        extended = extension(active_gap)
+        entered = passes.enter(pressure, gap.height, extended, step_length, active, active_gap)
+        if entered:
+            # free the extension of the smaller set before that of the larger one is made
+            self._extension = None
+            del extension, extended
+            extension = self._extended_from(active)
+            extended = extension(active_gap)
+        del active_gap
+        return extension.pressure(extended), active, entered
 
-    def _extension(self, contact: Array) -> Extension:
+    def _extended_from(self, contact: Array) -> Extension:
         """Return the extension of a `contact` (x, y): the last one where it is that of the same cells."""
-        if self.extension is None or not equal(self.extension.contact, contact):
-            self.extension = None  # or it would stand beside the next one
-            self.extension = self.inverse.extension(contact)
-        return self.extension
+        if self._extension is None or not equal(self._extension.contact, contact):
+            self._extension = None  # free it before the next one is made
+            self._extension = self._inverse.extension(contact)
+        return self._extension
 
 
-def trial_along(
-    problem: BareProblem,
-    pressure: Array,
-    gap: Gap,
-    closing: Array,
-    cells: Array,
-    last: PressureStep | None,
-    conjugate_to: PressureStep | None,
-    step_length: float,
-    rigid: float | None = None,
-) -> tuple[Array, TrialSums]:
-    """Return the pressure (x, y) one step ahead, and sums over it.
+def trial_step(
+    state: ContactState, precondition: ContactPreconditioner, step_length: float
+) -> Trial:
+    """Return the trial pressure a `step_length` along the conjugate direction, projected to the load.
 
-    The direction is against `closing` and conjugate to a step of the same cells, if there is one, where that is
-    downhill. It is zero outside `cells`, and such that the load stays as it is; under a given approach it is also
-    against the uniform pressure `rigid`, and the load follows. The pressure before the `last` step is overwritten.
+    The direction is against the preconditioned residual. It is zero outside the active set, and such that the load stays
+    as it is; under a given approach the residual has a rigid part too, and the load follows. It is conjugate to the last
+    step where the active set is the same, no limit cut that step off and the direction is still one of descent.
     """
-    passes, height = problem.passes, gap.height
-    terms = _direction(passes, height, closing, cells, conjugate_to, rigid)
-    direction = Direction(closing, cells, *terms)
+    problem, pressure, height = state.problem, state.pressure, state.gap.height
+    passes, resultant = problem.passes, problem.resultant
+    residual, active, entered = precondition(pressure, state.gap, step_length)
+    rigid = None if resultant.approach is None else precondition.rigid(active, height)
+    last = state.released_step()
     trial = arrays().empty_like(pressure) if last is None else last.before
-    return trial, passes.trial(pressure, height, direction, step_length, trial)
+    usable = None if last is None or last.cut or entered or last.curvature <= 0 else last
+    shift, conjugate = _conjugate(problem, height, residual, active, usable, rigid)
+    direction = Direction(residual, active, shift, conjugate)
+    sums = passes.trial(pressure, height, direction, step_length, trial)
+    slope, rounding = sums.slope, 16 * float(arrays().finfo(pressure.dtype).eps)
+    if sums.cut or resultant.error(sums.load) > rounding:
+        slope = passes.project_to_load(trial, sums, active, resultant, pressure, height)
+    return Trial(trial, slope, sums.cut)
 
 
-def _direction(
-    passes: Passes,
+def _conjugate(
+    problem: BareProblem,
     height: Array,
-    closing: Array,
-    cells: Array,
+    residual: Array,
+    active: Array,
     last: PressureStep | None,
-    rigid: float | None = None,
+    rigid: float | None,
 ) -> tuple[float, float]:
-    """Return what to add to the direction against `closing`: a constant, and a multiple of the last step."""
-    if last is None or last.curvature <= 0:
+    """Return what to add to the direction against the `residual`: a uniform pressure, and a multiple of the last step.
+
+    Hestenes & Stiefel (1952), eq. 3:1, for directions without a resultant; 0 for the multiple where the direction would
+    not be one of descent.
+    """
+    passes = problem.passes
+    if last is None:
         if rigid is not None:
             return -rigid, 0.0
-        count, closed = passes.totals(cells, closing)
-        return closed / count, 0.0
-    steps = last.before, last.after, last.displacement_before, last.displacement_after
-    sums = passes.products(height, closing, cells, *steps)
-    count, closed, downhill, along, across, uphill, shifted = sums
+        count, summed = passes.totals(active, residual)
+        return summed / count, 0.0
+    fields = last.before, last.after, last.displacement_before, last.displacement_after
+    sums = passes.products(height, residual, active, *fields)
+    count, summed, descent, along, across, ascent, moved = sums
     if rigid is not None:
         conjugate = (along + rigid * across) / last.curvature
-        downhill += rigid * inner(cells, height)
-        return -rigid, conjugate if conjugate * uphill < downhill else 0.0
-    level = closed / count
-    conjugate = (along - level * across) / last.curvature
-    if conjugate * uphill < downhill:
-        return level - conjugate * shifted / count, conjugate
-    return level, 0.0
+        descent += rigid * inner(active, height)
+        return -rigid, conjugate if conjugate * ascent < descent else 0.0
+    mean = summed / count
+    conjugate = (along - mean * across) / last.curvature
+    if conjugate * ascent < descent:
+        return mean - conjugate * moved / count, conjugate
+    return mean, 0.0
 
 
-def step_to_nearest(problem: BareProblem, trial: Array, pressure: Array, gap: Gap) -> float:
-    """Write over `trial` the nearest pressure to a step against the `gap`, and return the energy's slope along it."""
-    trial[...] = pressure - gap.height / problem.operator.self_compliance
-    problem.nearest(trial)
-    return problem.passes.slope(trial, pressure, gap.height)
-
-
-def share_to_take(
-    passes: Passes, trial: Array, pressure: Array, best: float, *, cut: bool
-) -> float:
-    """Return the share to take of a step to `trial`: `best`, that of least energy, unless limits are in the way."""
-    if cut:
-        # zeros are left where tension was; beyond the whole they would turn to tension
-        return 1.0 if best > WHOLE else best
-    # nor beyond it to just where a cell meets a limit: rounding would say which of many did
-    meets = best > 1 and passes.meets_a_limit(trial, pressure, best)
-    return 1.0 if meets else best
-
-
-# A trial step that meets a limit is taken whole where that lowers the energy: half the best step is less.
-WHOLE = 0.5
-# The preconditioner takes a contact to be stiffer than it is, not softer: a step is at most this many
-# times as long as it says. Nor shorter than this, or rounding could make it shorter and shorter.
-LONGEST, SHORTEST = 1.0, 0.1
-# On grids of more cells along an axis a start is the closer, the smaller the cells are: smooth contacts of 1024 x 1024
-# cells then take 3 iterations for 6.
-LOOSE = 128
-# A start has the error of its interpolation, however far the coarser grid was solved: on rough surfaces it has about a
-# third of the residual that the coarser grid began with. On smooth ones it has far less, and a 20th costs iterations.
-REDUCTION = 0.02
-# Grids of so few cells begin on springs: an iteration costs nearly as much on coarser ones.
-SMALL = 4096
+def projected_gradient_step(state: ContactState, trial: Array) -> Trial:
+    """Return the projected gradient step, against the gap, which always lowers the energy; `trial` is overwritten."""
+    problem, pressure, height = state.problem, state.pressure, state.gap.height
+    trial[...] = pressure - height / problem.operator.self_compliance
+    problem.project(trial)
+    return Trial(trial, problem.passes.slope(trial, pressure, height), cut=True)
 
 
 @dataclass(frozen=True)
 class PreconditionedCG:
     """Preconditioned conjugate gradients with a trial step and a start from coarser grids.
 
-    An iteration takes one convolution and one preconditioning. The direction is the preconditioned gap of the cells that
-    bear pressure or will: those expected to penetrate once the contact's own gap is closed. Where the same cells bear as
-    before, it is made conjugate to the last step. A trial pressure one step ahead is made admissible first: tension is
-    cut off, and these cells are shifted to carry the load. Its convolution gives the energy along the whole step, on
-    which the best point is known exactly; so every step lowers the energy.
+    An iteration takes one convolution and one preconditioning:
+
+    1. the preconditioned residual on the predicted active set, the cells that bear pressure and those expected to
+       penetrate once the gap of these is closed;
+    2. a direction against it, conjugate to the last step where the active set is the same;
+    3. a trial pressure along it, projected to the load; a projected gradient step where that is not a descent direction
+       after projection;
+    4. an exact line search: the convolution of the trial gives the energy along the whole step.
 
     Source: active sets Hintermueller, Ito & Kunisch (2002), here with one step of the inner iteration to each set;
     preconditioner Vollebregt (2014); conjugacy Hestenes & Stiefel (1952), eq. 3:1.
@@ -233,17 +337,17 @@ class PreconditionedCG:
     ) -> tuple[Array, float]:
         """Return a new array with the admissible pressure to begin with, and the convolutions it took."""
         if start is not None:
-            admitted = problem.admit(arrays().asarray(start, copy=True))
-            if problem.resultant.approach is None or arrays().any(admitted > 0):
-                return admitted, 0.0
-            return problem.on_springs(), 1.0
+            admissible = problem.make_admissible(arrays().asarray(start, copy=True))
+            if problem.resultant.approach is None or arrays().any(admissible > 0):
+                return admissible, 0.0
+            return problem.winkler_start(), 1.0
         shape = problem.undeformed_gap.shape
-        coarse = problem.coarsened() if prod(shape) > SMALL else None
+        coarse = problem.coarsened() if prod(shape) > CONSTANTS.few_cells else None
         if coarse is None:
-            return problem.on_springs(), 1.0
-        share = min(1.0, (LOOSE / max(shape)) ** 2)
-        enough = max(tolerance, share * self.coarse_tolerance)
-        last = self._descend(coarse, None, enough, self.patience, REDUCTION)
+            return problem.winkler_start(), 1.0
+        fraction = min(1.0, (CONSTANTS.fine_cells / max(shape)) ** 2)
+        enough = max(tolerance, fraction * self.coarse_tolerance)
+        last = self._descend(coarse, None, enough, self.patience, CONSTANTS.coarse_reduction)
         blocks = [n // m for n, m in zip(shape, last.pressure.shape, strict=True)]
         xp = arrays()
         fine = xp.repeat(xp.repeat(last.pressure, blocks[1], axis=1), blocks[0], axis=0)
@@ -261,60 +365,33 @@ class PreconditionedCG:
 
         It also ends at a residual of this `reduction` times the first one.
         """
-        operator, passes = problem.operator, problem.passes
-        inverse = operator.approximate_inverse(passes.preconditioner(problem.undeformed_gap))
-        preconditioner = ContactPreconditioner(problem, inverse)
-        pressure, work = self._begin(problem, start, tolerance)
-        displacement = operator(pressure)
-        work += 1
-        gap: Gap | None = None
-        last: PressureStep | None = None
-        step_length, cut, iteration = 1.0, False, 0
-        rounding = 16 * float(arrays().finfo(pressure.dtype).eps)
-        stall = Stall(self.patience)
-        follows = problem.resultant.approach is not None  # the load from the approach
-        while True:
-            gap = problem.gap(pressure, displacement, gap)
-            residual = problem.residual(pressure, gap)
-            if not iteration:
-                tolerance = max(tolerance, reduction * residual)
-            ended = problem.ends(residual, displacement, tolerance, gap.farthest)
-            if ended or iteration == max_iterations or stall.sees(residual):
-                work += inverse.work / operator.work + preconditioner.convolutions
-                return Iterate(pressure, displacement, gap.approach, residual, iteration, work)
+        precondition = ContactPreconditioner(problem)
+        state = ContactState(problem, *self._begin(problem, start, tolerance))
+        stall, iteration, step_length = Stall(self.patience), 0, 1.0
+        residual = state.residual
+        tolerance = max(tolerance, reduction * residual)
+        while not (
+            problem.ends(residual, state.displacement, tolerance, state.gap.farthest)
+            or iteration == max_iterations
+            or stall.stalled(residual)
+        ):
             iteration += 1
-            work += 1
-            if follows and not arrays().any(pressure > 0):
-                # no contact to precondition: the cells that penetrate begin it
-                trial, slope = arrays().empty_like(pressure), 0.0
-            else:
-                closing, cells, joined = preconditioner.closing(pressure, gap, step_length)
-                conjugate_to = last if not (cut or joined) else None
-                rigid = preconditioner.rigid(cells, gap.height) if follows else None
-                trial, trial_sums = trial_along(
-                    problem, pressure, gap, closing, cells, last, conjugate_to, step_length, rigid
-                )
-                cut, slope = trial_sums.cut, trial_sums.slope
-                if cut or problem.resultant.error(trial_sums.load) > rounding:
-                    slope = passes.levelled(
-                        trial, trial_sums, cells, problem.resultant, pressure, gap.height
-                    )
-                # or they would stand through the next convolution
-                del closing, cells, conjugate_to
-            last = None
-            if slope >= 0:
-                # balancing the load has turned the step uphill: that to the nearest pressure never is
-                cut, step_length = True, max(step_length / 4, SHORTEST)
-                slope = step_to_nearest(problem, trial, pressure, gap)
-            trial_displacement = operator(trial)
-            curvature = passes.curvature(trial, pressure, trial_displacement, displacement)
-            best = -slope / curvature if curvature > 0 else 0.0
-            share = share_to_take(passes, trial, pressure, best, cut=cut)
-            if share != 1:
-                passes.advance(trial, pressure, trial_displacement, displacement, share)
-            last = PressureStep(
-                pressure, trial, displacement, trial_displacement, curvature * share**2
-            )
-            pressure, displacement = trial, trial_displacement
-            del trial, trial_displacement  # or they would stand beside the next ones
-            step_length = min(max(step_length * min(max(best, 0.3), 3.0), SHORTEST), LONGEST)
+            if state.touches:
+                trial = trial_step(state, precondition, step_length)
+            else:  # no contact to precondition: the cells that penetrate begin it
+                trial = projected_gradient_step(state, arrays().empty_like(state.pressure))
+            if trial.slope >= 0:  # not a descent direction after projection
+                step_length = max(step_length / 4, CONSTANTS.shortest)
+                trial = projected_gradient_step(state, trial.pressure)
+            change = state.advance(trial)
+            change = min(max(change, CONSTANTS.least_change), CONSTANTS.largest_change)
+            step_length = min(max(step_length * change, CONSTANTS.shortest), CONSTANTS.longest)
+            residual = state.residual
+        return Iterate(
+            state.pressure,
+            state.displacement,
+            state.gap.approach,
+            residual,
+            iteration,
+            state.convolutions + precondition.convolutions,
+        )

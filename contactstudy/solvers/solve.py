@@ -193,7 +193,7 @@ def _admitted(pressure: Array, problem: Problem, precision: Precision) -> Array:
         )
     # scaled to the load in double precision: single precision may have no number for the factor
     unit = 1 / problem.scales.pressure
-    admitted = problem.resultant.scaled(unit).admit(bare, problem.constraint.scaled(unit))
+    admitted = problem.resultant.scaled(unit).make_admissible(bare, problem.constraint.scaled(unit))
     return admitted.astype(precision.real, copy=False)
 
 

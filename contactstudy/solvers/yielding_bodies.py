@@ -32,7 +32,9 @@ class YieldLaw:
         """Stress over plastic strain along the flow, ``2/3 (H_i + H_k)`` (cells,) [Pa]."""
         return np.asarray(2 / 3 * (self.isotropic + self.kinematic))
 
-    def returned(self, stress: Array, strain: Array, before: Array, equivalent: Array) -> "Return":
+    def return_mapping(
+        self, stress: Array, strain: Array, before: Array, equivalent: Array
+    ) -> "ReturnMapping":
         """Return the plastic strain on the yield surface that `stress` at `strain` asks for.
 
         `before` (C, cells) and `equivalent` (cells,) are the plastic strain and its equivalent at the start of the step.
@@ -41,10 +43,12 @@ class YieldLaw:
         trial = stress + self.twice_shear * (strain - before) - (2 / 3) * self.kinematic * before
         size = np.sqrt(np.einsum("ck,ck->k", trial, trial))
         limit = ROOT * (self.yield_stress + self.isotropic * equivalent)
-        amount = np.maximum(size - limit, 0.0) / (self.twice_shear + self.slope)
-        flows = amount > 0
+        multiplier = np.maximum(size - limit, 0.0) / (self.twice_shear + self.slope)
+        flows = multiplier > 0
         direction = np.divide(trial, size, out=np.zeros_like(trial), where=flows)
-        return Return(self, before + amount * direction, direction, size, amount, flows)
+        return ReturnMapping(
+            self, before + multiplier * direction, direction, size, multiplier, flows
+        )
 
     def dissipation(self, strain: Array, before: Array, equivalent: Array) -> Array:
         """Return the work that the step from `before` to `strain` dissipates, per volume (cells,) [Pa].
@@ -58,24 +62,25 @@ class YieldLaw:
 
 
 @dataclass(frozen=True, eq=False)
-class Return:
-    """Result of a radial return.
+class ReturnMapping:
+    """Return mapping of a trial stress to the yield surface.
 
     It has the plastic `strain` (C, cells) on the yield surface, the unit `direction` of flow (C, cells), the `size` of
-    the trial stress (cells,) [Pa], the `amount` of flow (cells,) and whether a cell `flows` (cells,).
+    the trial stress (cells,) [Pa], the `multiplier`, the increment of the plastic
+    multiplier (cells,), and whether a cell `flows` (cells,).
     """
 
     law: YieldLaw
     strain: Array
     direction: Array
     size: Array
-    amount: Array
+    multiplier: Array
     flows: NDArray[np.bool_]
 
     @property
     def _across(self) -> Array:
-        """Inverse tangent across the flow, trial stress over amount (cells,) [Pa]; 0 where nothing flows."""
-        return np.asarray(self.size / np.where(self.flows, self.amount, np.inf))
+        """Inverse tangent across the flow, trial stress over the multiplier (cells,) [Pa]; 0 where nothing flows."""
+        return np.asarray(self.size / np.where(self.flows, self.multiplier, np.inf))
 
     def inverse_tangent(self, strain: Array) -> Array:
         """Return the inverse derivative of the return times `strain` (C, cells) [Pa]; 0 for cells that do not flow."""
@@ -175,10 +180,10 @@ class YieldingBodies:
         parts = zip(self.operators, self.parted(strain), strict=True)
         return self.joined([operator.stress_of_strain(part) for operator, part in parts])
 
-    def lift(self, strain: Array) -> Array:
+    def residual_displacement(self, strain: Array) -> Array:
         """Return the surface displacement ``S^T e`` (x, y) [m] by plastic `strain`, of all bodies together."""
         parts = zip(self.operators, self.parted(strain), strict=True)
-        return np.asarray(sum(operator.lift(part) for operator, part in parts))
+        return np.asarray(sum(operator.residual_displacement(part) for operator, part in parts))
 
     def inner(self, first: Array, second: Array) -> float:
         """Return the inner product of two fields (C, cells), integrated over the volume [m^3 times their units]."""

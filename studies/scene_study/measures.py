@@ -49,7 +49,7 @@ def normal_stiffness(solution: cs.Solution) -> float:
     for _ in range(MOST):
         if count < 2 or np.abs(residual).sum() / count <= RESIDUAL * first_deviation:
             break
-        correction = level(extension.closing(extension(residual)))
+        correction = level(extension.pressure(extension(residual)))
         previous_size, size = size, inner(residual, correction)
         direction = (
             correction if direction is None else correction + direction * (size / previous_size)

@@ -142,7 +142,7 @@ class ProjectedGradient:
         max_iterations: int,
         start: Array | None = None,
     ) -> cs.Iterate:
-        pressure = problem.admit(problem.uniform() if start is None else start.copy())
+        pressure = problem.make_admissible(problem.uniform() if start is None else start.copy())
         waves = np.random.default_rng(1).standard_normal(pressure.shape)
         for _ in range(30):  # the stiffest wave, by power iteration
             moved = problem.operator(waves / np.linalg.norm(waves))
@@ -154,7 +154,7 @@ class ProjectedGradient:
             left = problem.residual(pressure, gap)
             if problem.ends(left, moved, tolerance) or iteration == max_iterations:
                 break
-            pressure = problem.nearest(pressure - length * gap.height)
+            pressure = problem.project(pressure - length * gap.height)
         return cs.Iterate(pressure, moved, gap.approach, left, iteration, iteration + 31.0)
 
 

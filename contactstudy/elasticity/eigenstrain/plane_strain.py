@@ -207,7 +207,7 @@ class PlaneStrainOperator:
         stress[1] += self.moduli.youngs_modulus * BASIS[1, 1] ** 2 * strain[1]
         return stress
 
-    def lift(self, strain: Array) -> Array:
+    def residual_displacement(self, strain: Array) -> Array:
         """Return the displacement (x, 1) [m] of the unloaded surface into the body by plastic `strain`."""
         volume, spectrum = self.volume, self._pressure_spectrum
         first, last = volume.first, volume.last
@@ -350,7 +350,7 @@ class HalfLines:
         """Return the stress tensor (6, layers, x, 1) [Pa] that the profiles make in the volume, without pressure."""
         return self.operator.tensor(-self._relaxed(left, right), None)
 
-    def lift(self, left: Array, right: Array) -> Array:
+    def residual_displacement(self, left: Array, right: Array) -> Array:
         """Return the surface displacement (x, 1) [m] into the body, on a grid that the volume covers."""
         thicknesses, cells = self.operator.volume.thicknesses, self.operator.volume.grid.cells[0]
         sums = self._lifts[..., :cells]

@@ -150,14 +150,16 @@ class RowOperator:
         """Return the stress (6, layers, x, y) [Pa] under `pressure` (x, y) [Pa]."""
         return self._from_pressure(pressure, Components.TENSOR)
 
-    def lift(self, strain: Array) -> Array:
+    def residual_displacement(self, strain: Array) -> Array:
         """Return the displacement (x, y) [m] of the unloaded surface into the body by plastic `strain`."""
         nx, ny = self.volume.grid.cells
-        mean = self._plane.lift(strain[:3].mean(axis=-1, keepdims=True))
+        mean = self._plane.residual_displacement(strain[:3].mean(axis=-1, keepdims=True))
         along = np.zeros((nx, ny // 2 + 1), dtype=np.complex128)
         along[:, 0] = ny * mean[:, 0]
         for group, waves in self._grouped(strain):
-            displacement = fft.ifft(group.waves.lift(waves), axis=0, workers=threads())
+            displacement = fft.ifft(
+                group.waves.residual_displacement(waves), axis=0, workers=threads()
+            )
             along[group.window, group.orders] = displacement[group.around_window]
         return np.asarray(fft.irfft(along, ny, axis=-1))
 

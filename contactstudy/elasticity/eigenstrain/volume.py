@@ -105,7 +105,7 @@ class EigenstrainOperator(Protocol):
         """Return the deviatoric stress B e (C, layers, x, y) [Pa] that plastic `strain` relaxes; 0 < B < 2G."""
         ...
 
-    def lift(self, strain: Array) -> Array:
+    def residual_displacement(self, strain: Array) -> Array:
         """Return the surface displacement ``S^T e`` (x, y) [m] by plastic `strain` e, into the body, on the whole grid.
 
         ``sum(lift * p) * cell area = sum(cell volume * e : S p)`` for any pressure p.

@@ -237,7 +237,7 @@ class Waves:
         waves = np.stack((pressure.real.ravel(), pressure.imag.ravel()))
         return _complex(unit[:, :, None] * waves, components, pressure.shape)
 
-    def lift(self, strain: Complex) -> Complex:
+    def residual_displacement(self, strain: Complex) -> Complex:
         """Return the surface displacement (period, orders) [m] by `strain` (5, layers, period, orders)."""
         e = _real(strain)
         parts, unit = np.zeros((2, e.shape[3])), self._pressed[Components.DEVIATOR]

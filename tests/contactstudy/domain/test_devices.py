@@ -181,15 +181,15 @@ def test_what_a_constraint_admits_is_the_same(which: Constraint, device: Device)
     trial = rng.standard_normal((3, 4))
     cells = (trial > -0.5).astype(float)
     expected = (
-        which.carrying(trial.copy(), 10.0),
-        which.nearest(trial.copy(), 10.0),
-        which.levelled(trial.copy(), cells, 10.0),
+        which.scale_to_load(trial.copy(), 10.0),
+        which.project(trial.copy(), 10.0),
+        which.shift_to_load(trial.copy(), cells, 10.0),
     )
     with using(device):
         found = (
-            which.carrying(device.put(trial.copy()), 10.0),
-            which.nearest(device.put(trial.copy()), 10.0),
-            which.levelled(device.put(trial.copy()), device.put(cells), 10.0),
+            which.scale_to_load(device.put(trial.copy()), 10.0),
+            which.project(device.put(trial.copy()), 10.0),
+            which.shift_to_load(device.put(trial.copy()), device.put(cells), 10.0),
         )
     for one, two in zip(found, expected, strict=True):
         np.testing.assert_allclose(device.take(one), two, rtol=1e-14, atol=1e-15)

@@ -142,7 +142,7 @@ def stiffness_ratios(cells: int, contact: Array, seen: Array) -> Array:
     compliance, stiffness = [], []
     for unit in np.eye(where.size)[where.ravel()].reshape(-1, cells, cells):
         compliance.append(operator(unit)[where])
-        stiffness.append(extension.closing(extension(unit))[where])
+        stiffness.append(extension.pressure(extension(unit))[where])
     count = len(compliance)
     balanced = np.linalg.svd(np.ones((1, count)))[2][1:].T
     first, second = (balanced.T @ np.array(each) @ balanced for each in (stiffness, compliance))
@@ -181,7 +181,7 @@ def test_one_row_of_few_cells_is_solved_for_the_pressure_of_its_contact(
         extension = inverse.extension(contact)
         extended = extension(known)
         np.testing.assert_allclose(extended * contact, known, atol=1e-11)
-        closing = extension.closing(extended)
+        closing = extension.pressure(extended)
         np.testing.assert_array_equal(closing[~cells], 0)
         # it makes that displacement but for a shift of all cells
         shift = operator(closing) - extended
@@ -193,7 +193,7 @@ def test_a_contact_of_all_cells_is_extended_by_nothing() -> None:
     known = np.random.default_rng(6).standard_normal((8, 6))
     extension = found.extension(np.ones((8, 6)))
     np.testing.assert_array_equal(extension(known), known)
-    np.testing.assert_array_equal(extension.closing(known), found.pressure(known))
+    np.testing.assert_array_equal(extension.pressure(known), found.pressure(known))
     assert found.work == 2 * 48
 
 

@@ -156,7 +156,7 @@ def test_approximate_inverse_is_symmetric_and_positive(padding: cs.Padding | cs.
     contact = (two((8, 6))[0] > -1).astype(float)
     a, b = a * contact, b * contact
     extension = operator((8, 6), padding).approximate_inverse().extension(contact)
-    closing_a, closing_b = (extension.closing(extension(field)) for field in (a, b))
+    closing_a, closing_b = (extension.pressure(extension(field)) for field in (a, b))
     scale = np.abs(closing_a).max() * np.abs(b).sum()
     difference = np.vdot(b, closing_a) - np.vdot(a, closing_b)
     assert abs(difference) < 1e-13 * scale

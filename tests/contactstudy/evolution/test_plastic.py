@@ -14,7 +14,7 @@ from contactstudy.answers.evolution import evolution_of
 from contactstudy.evolution import plastic as yielding_volume
 from contactstudy.evolution.evolution import Trajectory
 from contactstudy.evolution.evolve import evolve
-from contactstudy.solvers import settle
+from contactstudy.solvers import elastoplastic_step
 
 EXACT = cs.ExactPeriodicity()
 YOUNG, NU, YIELD = 210e9, 0.3, 1e9
@@ -404,7 +404,8 @@ def test_a_march_goes_on_in_the_volume_to_which_it_had_grown(
 
 
 def test_what_does_not_settle_says_how_far_it_came(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(settle, "ITERATIONS", 2)
+    constants = elastoplastic_step.PlasticConstants(max_iterations=2)
+    monkeypatch.setattr(elastoplastic_step, "CONSTANTS", constants)
     found = evolve(pressed(3), grid_of(3, 0.2), EXACT, times=(0, 1), step_error=cs.StepError.NONE)
     assert found.status is cs.Status.NOT_CONVERGED
     assert 1e-8 < found.residual < 1

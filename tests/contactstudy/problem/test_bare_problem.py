@@ -9,10 +9,9 @@ import pytest
 
 from contactstudy.domain import fields
 from contactstudy.problem.bare_problem import BareProblem
-from contactstudy.problem.constraint import Compressive, Gap, HardnessLimited, PrescribedLoad
+from contactstudy.problem.constraint import Compressive, HardnessLimited, PrescribedLoad
 from contactstudy.problem.operator import Operator
 from contactstudy.problem.passes import CompiledPasses
-from tests.contactstudy.solvers.kernels import Kernels
 
 LOAD = PrescribedLoad(6.0)
 
@@ -107,44 +106,14 @@ def test_a_bed_of_springs_is_solved_by_its_start(scale: float) -> None:
     bed = replace(
         PROBLEM, operator=cast(Operator, Springs()), undeformed_gap=heights, resultant=load
     )
-    pressure = bed.on_springs()
+    pressure = bed.winkler_start()
     gap = bed.gap(pressure, bed.operator(pressure))
     assert bed.residual(pressure, gap) < 1e-14
     for other in (replace(bed, elongation=31.0), replace(bed, elongation=1 / 31)):
-        np.testing.assert_array_equal(other.on_springs(), bed.uniform())
+        np.testing.assert_array_equal(other.winkler_start(), bed.uniform())
     # springs tell nothing of their softness where all are equally high
     level = replace(bed, undeformed_gap=np.ones((2, 4)))
-    np.testing.assert_allclose(level.on_springs(), bed.uniform())
-
-
-@pytest.mark.parametrize(
-    ("measured", "residual"),
-    [
-        # in two rows: the load, the moment of the gap, the load of free cells, a violation, a displacement
-        ((8.0, 0.4, 0.25, 0.3, 0.7), 1.6),
-        ((8.0, 0.05, 0.25, 0.3, 0.7), 0.3),
-        ((12.0, 0.05, 0.25, 0.3, 0.7), 0.5),
-        ((8.0, 0.9, 0.0, 0.3, 0.7), 0.3),
-    ],
-)
-def test_compiled_passes_leave_the_residual_and_the_farthest_displacement(
-    measured: tuple[float, ...], residual: float
-) -> None:
-    # the largest of all rows is in the first
-    rows = [measured, (*measured[:3], 0.0, 0.0)]
-    kernels = Kernels(level=(3.0, 2.0), measured=rows)
-    limit = HardnessLimited(4.0)
-    hard = replace(PROBLEM, constraint=limit, chosen_passes=CompiledPasses(limit, kernels))
-    pressure, moved = np.full((2, 4), 4.0), np.full((2, 4), 0.5)
-    found = hard.gap(pressure, moved)
-    assert (found.approach, found.farthest) == (1.5, 0.7)
-    assert hard.residual(pressure, found) == pytest.approx(residual)
-    assert kernels.asked["level"][3] == 4
-    assert kernels.asked["measured"][3:5] == (1.5, 4.0)
-    # where none is free, what closes the widest gap: 5.5
-    kernels.results["level"] = (3.0, 0.0)
-    assert hard.gap(pressure, moved, Gap(np.empty((2, 4)), 0.0)).approach == 5.5
-    assert hard.rounding(moved, 3.0) == 2 * 2.0**-52 * 3
+    np.testing.assert_allclose(level.winkler_start(), bed.uniform())
 
 
 def test_where_no_cell_is_free_the_approach_closes_the_widest_gap() -> None:

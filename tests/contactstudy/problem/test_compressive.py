@@ -5,7 +5,7 @@ from math import inf, isnan
 import numpy as np
 import pytest
 
-from contactstudy.problem.constraint import Compressive, Gap, shifted
+from contactstudy.problem.constraint import Compressive, Gap, project_capped_simplex
 
 WHICH = Compressive()
 
@@ -16,8 +16,8 @@ def row(*values: float) -> np.ndarray:
 
 def test_cells_with_any_pressure_are_free_and_any_tension_is_cut_off() -> None:
     assert WHICH.free(row(0.5, 0.0, 3.0)).tolist() == [[1, 0, 1]]
-    assert not WHICH.cuts(row(0.0, 0.5))
-    assert WHICH.cuts(row(2.0, -1e-9))
+    assert not WHICH.exceeded_by(row(0.0, 0.5))
+    assert WHICH.exceeded_by(row(2.0, -1e-9))
     assert WHICH.clip(row(0.5, -2.0, 3.0)).tolist() == [[0.5, 0, 3]]
     assert WHICH.capacity(3) == inf
     assert isnan(WHICH.approach(row(0.0), row(1.0)))
@@ -26,12 +26,12 @@ def test_cells_with_any_pressure_are_free_and_any_tension_is_cut_off() -> None:
 
 
 def test_a_trial_is_scaled_or_shifted_to_the_load() -> None:
-    assert WHICH.carrying(row(0.5, -2.0, 1.5), 6.0).tolist() == [[1.5, 0, 4.5]]
-    assert WHICH.nearest(row(3.0, 1.0, -1.0), 3.0).tolist() == [[2.5, 0.5, 0]]
+    assert WHICH.scale_to_load(row(0.5, -2.0, 1.5), 6.0).tolist() == [[1.5, 0, 4.5]]
+    assert WHICH.project(row(3.0, 1.0, -1.0), 3.0).tolist() == [[2.5, 0.5, 0]]
 
 
 @pytest.mark.parametrize(
-    ("total", "levelled"),
+    ("total", "shifted"),
     [
         # of the first four, 0 of the second and the last: 5.5 Pa
         (4.0, (2.5, 0.0, 1.5, 0.0, 0.0)),
@@ -42,20 +42,20 @@ def test_a_trial_is_scaled_or_shifted_to_the_load() -> None:
     ],
 )
 def test_the_chosen_cells_are_lowered_alike_or_scaled(
-    total: float, levelled: tuple[float, ...]
+    total: float, shifted: tuple[float, ...]
 ) -> None:
     trial, cells = row(3.0, -1.0, 2.0, 0.5, 7.0), row(1.0, 1, 1, 1, 0)
-    assert WHICH.levelled(trial, cells, total) == pytest.approx(row(*levelled), abs=1e-14)
+    assert WHICH.shift_to_load(trial, cells, total) == pytest.approx(row(*shifted), abs=1e-14)
 
 
 def test_what_is_cut_off_on_the_way_down_bears_no_more() -> None:
     """Four cells down by 0.625, which leaves 5.125 in three, and these by a third of 0.125."""
-    found = WHICH.levelled(row(3.0, 1.5, 2.5, 0.5), np.ones((1, 4)), 5.0)
+    found = WHICH.shift_to_load(row(3.0, 1.5, 2.5, 0.5), np.ones((1, 4)), 5.0)
     assert found == pytest.approx(row(3 - 2 / 3, 1.5 - 2 / 3, 2.5 - 2 / 3, 0))
 
 
 def test_a_load_is_not_drowned_by_numbers_far_above_it() -> None:
-    found = WHICH.levelled(row(1e20, 1.0, 2.0, -5.0), row(1.0, 1, 0, 1), 3.0)
+    found = WHICH.shift_to_load(row(1e20, 1.0, 2.0, -5.0), row(1.0, 1, 0, 1), 3.0)
     # what is not chosen bears nothing
     assert found.tolist() == [[3, 0, 0, 0]]
 
@@ -95,4 +95,6 @@ def test_the_residual_is_of_complementarity_or_penetration(
 def test_one_shift_gives_the_sum_between_the_limits(
     total: float, most: float, nearest: tuple[float, ...]
 ) -> None:
-    assert shifted(row(3.0, 1.0, -1.0, -2.0), total, most) == pytest.approx(row(*nearest))
+    assert project_capped_simplex(row(3.0, 1.0, -1.0, -2.0), total, most) == pytest.approx(
+        row(*nearest)
+    )

@@ -38,7 +38,7 @@ def test_what_is_admitted_or_nearest_is_admissible(
 ) -> None:
     trial = np.random.default_rng(seed).standard_normal((3, 4)) * scale
     trial[0, 0] = scale  # one cell at least bears
-    for admitted in (which.carrying(trial.copy(), TOTAL), which.nearest(trial.copy(), TOTAL)):
+    for admitted in (which.scale_to_load(trial.copy(), TOTAL), which.project(trial.copy(), TOTAL)):
         assert admitted.min() >= 0
         assert admitted.max() <= limit(which)
         # under a hardness, cells may have to be lifted by as much as they are below the others
@@ -50,9 +50,9 @@ def test_what_is_admitted_or_nearest_is_admissible(
 def test_no_admissible_pressure_is_nearer_than_the_nearest(seed: int, which: Constraint) -> None:
     rng = np.random.default_rng(seed)
     trial = rng.standard_normal((3, 4)) * 3
-    nearest = which.nearest(trial.copy(), TOTAL)
+    nearest = which.project(trial.copy(), TOTAL)
     for _ in range(10):
-        other = which.carrying(rng.exponential(size=(3, 4)), TOTAL)
+        other = which.scale_to_load(rng.exponential(size=(3, 4)), TOTAL)
         # the step on from the nearest to any other leads away: a convex set's own property
         assert ((trial - nearest) * (other - nearest)).sum() <= 1e-11
         assert ((nearest - trial) ** 2).sum() <= ((other - trial) ** 2).sum() + 1e-11
@@ -60,9 +60,11 @@ def test_no_admissible_pressure_is_nearer_than_the_nearest(seed: int, which: Con
 
 def test_an_admissible_pressure_is_its_own_admitted_and_nearest() -> None:
     for which in CONSTRAINTS:
-        pressure = which.carrying(np.random.default_rng(1).exponential(size=(3, 4)), TOTAL)
-        np.testing.assert_allclose(which.carrying(pressure.copy(), TOTAL), pressure, rtol=1e-14)
-        np.testing.assert_allclose(which.nearest(pressure.copy(), TOTAL), pressure, rtol=1e-12)
+        pressure = which.scale_to_load(np.random.default_rng(1).exponential(size=(3, 4)), TOTAL)
+        np.testing.assert_allclose(
+            which.scale_to_load(pressure.copy(), TOTAL), pressure, rtol=1e-14
+        )
+        np.testing.assert_allclose(which.project(pressure.copy(), TOTAL), pressure, rtol=1e-12)
 
 
 @pytest.mark.parametrize("compiled", ["", "compiled"])
@@ -85,7 +87,7 @@ def test_too_much_load_is_taken_off_all_chosen_cells_alike_and_too_little_scaled
         found = passes.trial(pressure, height, Direction(closing, cells, 0.0, 0.0), 1.0, trial)
         assert found.cut
         load = PrescribedLoad(share * left.sum())
-        slope = passes.levelled(trial, found, cells, load, pressure, height)
+        slope = passes.project_to_load(trial, found, cells, load, pressure, height)
         assert slope == pytest.approx((height * trial).sum(), abs=1e-12)
     bears = lower > 0
     shifts = (left - lower)[bears]

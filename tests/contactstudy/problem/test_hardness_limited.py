@@ -16,7 +16,7 @@ def test_cells_are_free_between_no_pressure_and_the_hardness() -> None:
     assert WHICH.free(row(0.0, 0.5, 3.9, 4.0)).tolist() == [[0, 1, 1, 0]]
     assert WHICH.capacity(3) == 12
     for trial, cuts in ((row(0.0, 4.0), False), (row(-1e-9, 1.0), True), (row(1.0, 4.1), True)):
-        assert WHICH.cuts(trial) == cuts
+        assert WHICH.exceeded_by(trial) == cuts
     assert WHICH.clip(row(0.5, -2.0, 5.0)).tolist() == [[0.5, 0, 4]]
     assert WHICH.scaled(2.5) == HardnessLimited(10.0)
 
@@ -49,7 +49,7 @@ def test_in_another_unit_what_yields_is_at_the_hardness_there() -> None:
 def test_a_trial_carries_the_load_by_one_factor_up_to_the_hardness(
     trial: tuple[float, ...], total: float, carried: tuple[float, ...]
 ) -> None:
-    assert WHICH.carrying(row(*trial), total) == pytest.approx(row(*carried))
+    assert WHICH.scale_to_load(row(*trial), total) == pytest.approx(row(*carried))
 
 
 @pytest.mark.parametrize(
@@ -70,7 +70,7 @@ def test_a_trial_carries_the_load_by_one_factor_up_to_the_hardness(
 def test_the_chosen_cells_are_shifted_where_they_can_make_up_for_the_others(
     total: float, levelled: tuple[float, ...]
 ) -> None:
-    found = WHICH.levelled(row(5.0, 1.0, 2.0, -1.0), row(0.0, 1, 1, 0), total)
+    found = WHICH.shift_to_load(row(5.0, 1.0, 2.0, -1.0), row(0.0, 1, 1, 0), total)
     assert found == pytest.approx(row(*levelled), abs=1e-12)
 
 

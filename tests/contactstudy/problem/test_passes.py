@@ -1,4 +1,6 @@
-"""Passes over the fields of an iteration, by hand, and by compiled loops that are told what they find."""
+"""Passes over the fields of an iteration: compiled loops do what array operations do, but for rounding."""
+
+from typing import Any
 
 import numpy as np
 import pytest
@@ -6,91 +8,123 @@ import pytest
 import contactstudy as cs
 from contactstudy.domain import fields
 from contactstudy.domain.device import using
-from contactstudy.problem.passes import FAR, ArrayPasses, CompiledPasses, TrialSums, _rows
-from tests.contactstudy.solvers.kernels import Kernels, limited
+from contactstudy.problem.constraint import Compressive, Constraint, HardnessLimited, PrescribedLoad
+from contactstudy.problem.passes import FAR, ArrayPasses, CompiledPasses, Direction, passes_for
 
-PRESSURE = np.array([[1.0, 2.0], [0.5, 0.0], [3.0, 1.5]])
-TRIAL = np.array([[2.0, 1.0], [0.75, 0.25], [1.0, 0.0]])
-MOVED = np.array([[0.5, 4.0], [1.0, 2.0], [0.25, 0.0]])
-AHEAD = np.array([[2.5, 3.0], [1.5, 2.25], [0.75, 1.0]])
-HEIGHT = np.array([[0.5, -1.0], [2.0, 4.0], [0.25, 0.5]])
-STEP, RESPONSE = TRIAL - PRESSURE, AHEAD - MOVED
-# Of a pressure with two cells that are free below a limit of 3.
-BEARING = np.array([[0.0, 2.0], [0.5, 0.0], [3.0, 0.0]])
-CONTACT = np.array([[0.0, 1.0], [1.0, 0.0], [0.0, 0.0]])
+SHAPES = [(6, 9), (8, 5)]
+CONSTRAINTS = [Compressive(), HardnessLimited(0.9)]
+# Sums of some dozen products of numbers of size one.
+NEAR = {"rtol": 1e-14, "atol": 1e-14}
 
 
-def test_slope_and_curvature_are_works_of_the_step() -> None:
-    passes = limited(3.0).passes
-    # steps of 1, -1, 0.25, 0.25, -2, and -1.5
-    assert passes.slope(TRIAL, PRESSURE, HEIGHT) == 0.5 + 1 + 0.5 + 1 - 0.5 - 0.75
-    # that change the displacement by 2, -1, 0.5, 0.25, 0.5 and 1
-    assert passes.curvature(TRIAL, PRESSURE, AHEAD, MOVED) == 2 + 1 + 0.125 + 0.0625 - 1 - 1.5
+@pytest.fixture(params=SHAPES, ids=str)
+def given(request: pytest.FixtureRequest) -> list[np.ndarray]:
+    """Six fields; the first is a pressure, some cells of which bear none and some at least 0.9."""
+    values = np.random.default_rng(7).standard_normal((6, *request.param))
+    values[0] = np.minimum(np.abs(values[0]) * (np.arange(request.param[1]) % 3 > 0), 0.9)
+    return list(values)
 
 
-@pytest.mark.parametrize(("factor", "meets"), [(1.0, False), (1.01, True)])
-def test_a_limit_is_met_beyond_it(factor: float, meets: bool) -> None:  # noqa: FBT001
-    assert limited(3.0).passes.meets_a_limit(TRIAL, PRESSURE, factor) == meets
-    higher = PRESSURE + 0.5 * np.eye(3, 2)
-    assert limited(1.5).passes.meets_a_limit(higher, PRESSURE, 0.0)
-    lower_limit = limited(3.5).passes
-    assert not lower_limit.meets_a_limit(np.maximum(higher, TRIAL), PRESSURE, 1.0)
-    assert lower_limit.meets_a_limit(PRESSURE + np.eye(3, 2), PRESSURE, 3.0)
+@pytest.fixture(params=CONSTRAINTS, ids=str)
+def both(
+    request: pytest.FixtureRequest, given: list[np.ndarray], monkeypatch: pytest.MonkeyPatch
+) -> tuple[ArrayPasses, CompiledPasses]:
+    """Both kinds of passes, with the rows of small fields in parts for several threads."""
+    pytest.importorskip("numba")
+    monkeypatch.setattr(fields, "LARGE", 1)
+    monkeypatch.setattr(fields, "PART", 4)
+    compiled = passes_for(request.param, given[0].shape)
+    assert isinstance(compiled, CompiledPasses)
+    return ArrayPasses(request.param), compiled
 
 
-@pytest.mark.parametrize("share", [0.5, 2.0])
-def test_an_advance_leads_to_a_share_of_the_step(share: float) -> None:
-    trial, pressure, ahead, moved = (one.copy() for one in (TRIAL, PRESSURE, AHEAD, MOVED))
-    limited(2.5).passes.advance(trial, pressure, ahead, moved, share)
-    np.testing.assert_array_equal(trial, np.clip(PRESSURE + share * STEP, 0, 2.5))
-    np.testing.assert_array_equal(ahead, MOVED + share * RESPONSE)
-    np.testing.assert_array_equal(pressure, PRESSURE)
-    np.testing.assert_array_equal(moved, MOVED)
+def agree(both: tuple[Any, Any], name: str, *arguments: Any) -> Any:
+    """Call a pass of both on copies, compare results and overwritten fields, and return what the arrays found."""
+    found = []
+    for passes in both:
+        copies = [one.copy() if isinstance(one, np.ndarray) else one for one in arguments]
+        with using(cs.Cpu(3)):
+            result = getattr(passes, name)(*copies)
+        found.append((result, [one for one in copies if isinstance(one, np.ndarray)]))
+    (one, one_fields), (other, other_fields) = found
+    for field, same in zip(one_fields, other_fields, strict=True):
+        np.testing.assert_allclose(same, field, **NEAR)
+    return one, other
 
 
-def test_cells_that_bear_below_the_limit_have_their_gap_and_others_none() -> None:
-    cells, unlevel = limited(3.0).passes.contact(BEARING, HEIGHT, np.float32)
-    assert cells.dtype == unlevel.dtype == np.float32
-    np.testing.assert_array_equal(cells, CONTACT)
-    np.testing.assert_array_equal(unlevel, [[0, -1], [2, 0], [0, 0]])
+def test_gap_and_residual(both: tuple[Any, Any], given: list[np.ndarray]) -> None:
+    pressure, undeformed, moved = given[:3]
+    for approach in (None, 0.3):
+        one, other = agree(both, "gap", undeformed, moved, pressure, 0 * moved, approach)
+        np.testing.assert_allclose(other.height, one.height, **NEAR)
+        assert other.approach == pytest.approx(one.approach, rel=1e-13)
+        measured = both[0].constraint.residual(pressure, one, pressure.sum())
+        assert other.measured == pytest.approx(measured, rel=1e-13)
+        assert other.load == pytest.approx(pressure.sum())
+        assert other.farthest == np.abs(moved).max()
 
 
-@pytest.mark.parametrize(
-    ("length", "joined"), [(0.25, ()), (0.5, ((2, 1),)), (1.0, ((0, 0), (2, 1)))]
-)
-def test_cells_join_that_would_penetrate_after_a_step(
-    length: float, joined: tuple[tuple[int, int], ...]
+@pytest.mark.parametrize("real", [np.float64, np.float32])
+def test_the_active_set(both: tuple[Any, Any], given: list[np.ndarray], real: type) -> None:
+    pressure, height, extended = given[:3]
+    one, other = agree(both, "contact", pressure, height, real)
+    for field, same in zip(one, other, strict=True):
+        assert field.dtype == same.dtype == real
+        np.testing.assert_array_equal(same, field)
+    arguments = pressure, height, extended, 0.4, *(field.astype(float) for field in one)
+    one, other = agree(both, "enter", *arguments)
+    assert one == other
+
+
+def test_sums_of_a_direction(both: tuple[Any, Any], given: list[np.ndarray]) -> None:
+    pressure, height, residual, before, moved_before, moved = given
+    active = both[0].constraint.free(pressure)
+    for name, arguments in (
+        ("totals", (active, residual)),
+        ("products", (height, residual, active, before, pressure, moved_before, moved)),
+    ):
+        one, other = agree(both, name, *arguments)
+        np.testing.assert_allclose(other, one, **NEAR)
+
+
+@pytest.mark.parametrize("conjugate", [0.0, 0.6])
+def test_a_trial_projected_to_the_load(
+    both: tuple[Any, Any], given: list[np.ndarray], conjugate: float
 ) -> None:
-    extended = np.array([[0.75, 5.0], [5.0, -1.0], [5.0, 1.5]])
-    cells, unlevel = CONTACT.copy(), CONTACT * HEIGHT
-    found = limited(3.0).passes.joined(BEARING, HEIGHT, extended, length, cells, unlevel)
-    assert found == bool(joined)
-    expected = CONTACT.copy()
-    for cell in joined:
-        expected[cell] = 1
-    np.testing.assert_array_equal(cells, expected)
-    np.testing.assert_array_equal(unlevel, expected * HEIGHT)
+    """Compiled passes cut tension off at once, arrays with the projection."""
+    pressure, height, residual, before = given[:4]
+    constraint: Constraint = both[0].constraint
+    active = constraint.free(pressure)
+    direction = Direction(residual, active, 0.2, conjugate)
+    found = []
+    for passes in both:
+        trial = before.copy() if conjugate else np.full(before.shape, np.nan)
+        with using(cs.Cpu(3)):
+            sums = passes.trial(pressure, height, direction, 0.7, trial)
+            load = PrescribedLoad(0.5 * float(pressure.sum()))
+            slope = passes.project_to_load(trial, sums, active, load, pressure, height)
+        assert trial.sum() == pytest.approx(load.total)
+        assert slope == pytest.approx((height * (trial - pressure)).sum())
+        found.append((trial, sums.cut, sums.slope))
+    np.testing.assert_allclose(found[1][0], found[0][0], rtol=1e-12, atol=1e-13)
+    assert found[0][1] == found[1][1]
+    assert found[1][2] == pytest.approx(found[0][2], rel=1e-12)
 
 
-def test_compiled_loops_are_asked_with_the_limit_of_a_cell() -> None:
-    """Of three rows."""
-    kernels = Kernels(slope=(0.5,), curvature=(0.25,), beyond=(0.0,), joined=(0.0,))
-    passes = limited(2.5, kernels).passes
-    assert passes.slope(TRIAL, PRESSURE, HEIGHT) == 1.5
-    assert passes.curvature(TRIAL, PRESSURE, AHEAD, MOVED) == 0.75
-    assert not passes.meets_a_limit(TRIAL, PRESSURE, 2.0)
-    assert kernels.asked["beyond"][2:4] == (2.0, 2.5)
-    kernels.results["beyond"] = (1.0,)
-    assert passes.meets_a_limit(TRIAL, PRESSURE, 2.0)
-    passes.advance(TRIAL, PRESSURE, AHEAD, MOVED, 0.5)
-    assert kernels.asked["advance"][4:] == (0.5, 2.5)
-    cells, unlevel = passes.contact(BEARING, HEIGHT, np.float64)
-    assert kernels.asked["contact"][2] == 2.5
-    assert cells.shape == unlevel.shape == (3, 2)
-    assert not passes.joined(BEARING, HEIGHT, AHEAD, 0.5, cells, unlevel)
-    assert kernels.asked["joined"][3:5] == (0.5, 2.5)
-    kernels.results["joined"] = (1.0,)
-    assert passes.joined(BEARING, HEIGHT, AHEAD, 0.5, cells, unlevel)
+@pytest.mark.parametrize("fraction", [0.8, 2.5])
+def test_a_line_search(both: tuple[Any, Any], given: list[np.ndarray], fraction: float) -> None:
+    pressure, step, height, ahead, moved = given[:5]
+    trial = np.clip(pressure + step, 0, both[0].constraint.capacity(1))
+    for name, arguments in (
+        ("slope", (trial, pressure, height)),
+        ("curvature", (trial, pressure, ahead, moved)),
+        ("meets_a_limit", (trial, pressure, fraction)),
+        ("shorten", (trial, pressure, ahead, moved, fraction)),
+    ):
+        one, other = agree(both, name, *arguments)
+        assert (one is None) == (other is None)
+        if one is not None:
+            assert other == pytest.approx(one, rel=1e-13)
 
 
 def test_large_fields_are_preconditioned_in_single_precision_where_heights_allow_it(
@@ -99,39 +133,7 @@ def test_large_fields_are_preconditioned_in_single_precision_where_heights_allow
     small, given = np.array([[0.0, 1.0]]), ArrayPasses(cs.Compressive())
     assert given.preconditioner(small) is None
     monkeypatch.setattr("contactstudy.problem.passes.LARGE", 2)
-    for passes in (given, CompiledPasses(cs.Compressive(), Kernels())):
+    for passes in (given, CompiledPasses(cs.Compressive(), None)):
         assert passes.preconditioner(small) is cs.Precision.SINGLE
-        assert passes.preconditioner(np.array([[-3 * FAR, 0.9 * FAR]])) is cs.Precision.SINGLE
         for far in ((0.0, FAR), (-2 * FAR, -FAR), (0.0, np.nan)):
             assert passes.preconditioner(np.array([far])) is None
-
-
-def test_a_trial_is_levelled_by_the_sums_of_all_rows() -> None:
-    """Two rows bear 5 Pa in three cells, which a third of 1 Pa less leaves 2 Pa in as many: twice that."""
-    kernels = Kernels(lowered=(1.0, 1.5), lower=(0.25,), slope=(0.5,))
-    passes, load = CompiledPasses(cs.Compressive(), kernels), cs.PrescribedLoad(4.0)
-    found = TrialSums(cut=True, load=5.0, slope=np.nan, bearing=3.0, largest=3.0)
-    trial, fields_of = np.ones((2, 3)), (np.ones((2, 3)), load, np.ones((2, 3)), np.zeros((2, 3)))
-    assert passes.levelled(trial, found, *fields_of) == 0.5
-    assert kernels.asked["lowered"][1] == pytest.approx(1 / 3)
-    assert kernels.asked["lower"][1:3] == pytest.approx((1 / 3, 2.0))
-    # one alone that bears more than the load
-    kernels.asked.clear()
-    assert passes.levelled(trial, found._replace(largest=4.5), *fields_of) == 1.0
-    assert list(kernels.asked) == ["slope"]
-
-
-def test_a_compiled_loop_finds_something_in_each_row(monkeypatch: pytest.MonkeyPatch) -> None:
-    """In parts, and only of its fields: numbers are passed on."""
-    monkeypatch.setattr(fields, "PART", 64)
-
-    def kernel(field: np.ndarray, factor: float, out: np.ndarray, found: np.ndarray) -> None:
-        out[...] = factor * field
-        found[:, 0], found[:, 1] = field.sum(axis=1), field.max(axis=1)
-
-    field, out = np.random.default_rng(2).standard_normal((99, 9)), np.empty((99, 9))
-    with using(cs.Cpu(3)):
-        sums, largest = _rows(kernel, field, 2.0, out, results=2)
-    np.testing.assert_array_equal(out, 2 * field)
-    np.testing.assert_array_equal(sums, field.sum(axis=1))
-    np.testing.assert_array_equal(largest, field.max(axis=1))

@@ -57,7 +57,7 @@ def test_no_array_of_a_single_precision_problem_is_double(line_contact: LineCont
         assert operator.spectrum.dtype == np.float32
         assert operator(seen.uniform()).dtype == np.float32
         extension = operator.approximate_inverse().extension(np.ones_like(seen.uniform()))
-        assert extension.closing(extension(seen.uniform())).dtype == np.float32
+        assert extension.pressure(extension(seen.uniform())).dtype == np.float32
         seen = seen.coarsened()
     last = cs.PreconditionedCG().iterate(bare, tolerance=1e-6, max_iterations=50)
     assert last.pressure.dtype == last.displacement.dtype == np.float32

@@ -17,7 +17,7 @@ def stressed(law: YieldLaw, deviators: list[float]) -> tuple[float, float]:
         # dead weights: the strain that makes the trial stress come back to this stress
         guess = strain
         for _ in range(200):
-            found = law.returned(stress, guess, strain, equivalent)
+            found = law.return_mapping(stress, guess, strain, equivalent)
             if np.abs(found.strain - guess).max() < 1e-15:
                 break
             guess = found.strain
@@ -59,10 +59,10 @@ def test_the_tangent_is_the_derivative_of_the_return() -> None:
     many = YieldLaw(*(np.full(20, one) for one in (TWICE_SHEAR, YIELD, 0.3, 0.2)))
     stress, before = random.standard_normal((3, 20)), 0.1 * random.standard_normal((3, 20))
     equivalent, change = random.random(20), random.standard_normal((3, 20))
-    found = many.returned(stress, before, before, equivalent)
+    found = many.return_mapping(stress, before, before, equivalent)
     step = 1e-6
     ahead, behind = (
-        many.returned(stress + sign * step * change, before, before, equivalent).strain
+        many.return_mapping(stress + sign * step * change, before, before, equivalent).strain
         for sign in (1, -1)
     )
     derivative = (ahead - behind) / (2 * step)
@@ -93,7 +93,7 @@ def test_a_step_costs_the_work_of_the_yield_stress_and_of_hardening() -> None:
 def test_the_stiffness_of_cells_that_flow_is_the_inverse_tangent_without_the_shear() -> None:
     stress = np.array([[3.0, 0.1, 2.0], [-1.0, 0.2, 1.0], [0.5, 0.0, -4.0]])
     law = YieldLaw(*(np.array(one) for one in ([1.6, 1.6, 2.5], [1.0] * 3, [0.3] * 3, [0.2] * 3)))
-    found = law.returned(stress, np.zeros((3, 3)), np.zeros((3, 3)), np.zeros(3))
+    found = law.return_mapping(stress, np.zeros((3, 3)), np.zeros((3, 3)), np.zeros(3))
     assert found.flows.tolist() == [True, False, True]
     assert not found.direction[:, 1].any()
     change = np.random.default_rng(5).standard_normal((3, 3))

@@ -32,7 +32,7 @@ def test_strain_that_is_the_same_everywhere_leaves_stress_in_its_own_layer_and_a
     deviator = around.stress(strain, strain) - operator.stress_of_strain(cells)
     np.testing.assert_allclose(deviator, np.einsum("ct,tlxy->clxy", BASIS * (1, 1, 1, 2, 2, 2), stress),
                                atol=1e-12)  # fmt: skip
-    surface = operator.lift(cells) + around.lift(strain, strain)
+    surface = operator.residual_displacement(cells) + around.residual_displacement(strain, strain)
     np.testing.assert_allclose(surface, surface[0, 0], atol=1e-12)
 
 

@@ -1,4 +1,4 @@
-"""Conjugate gradients beside dense algebra."""
+"""A step in load of bodies that yield, and the linear equations in it, beside dense algebra."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -8,17 +8,11 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-import contactstudy.solvers.settle as settle_module
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
-from contactstudy.solvers.settle import (
-    ContactTangent,
-    _energy,
-    _newton_step,
-    _relaxed,
-    conjugate_gradients,
-    settle,
-)
-from contactstudy.solvers.yielding_bodies import ROOT, Hardening, YieldingBodies, YieldLaw
+from contactstudy.solvers.conjugate_gradients import conjugate_gradients
+from contactstudy.solvers.contact_tangent import ContactTangent
+from contactstudy.solvers.elastoplastic_step import solve_elastoplastic_step
+from contactstudy.solvers.yielding_bodies import ROOT, Hardening, YieldingBodies
 from tests.conftest import LineContact
 
 RNG = np.random.default_rng(3)
@@ -44,12 +38,6 @@ def test_six_products_solve_six_equations(diagonal: np.ndarray) -> None:
     # to rounding times the condition, some hundreds
     np.testing.assert_allclose(solved(1e-14, 6, diagonal), RIGHT, rtol=1e-9)
     assert np.abs(solved(1e-14, 5, diagonal) - RIGHT).max() > 1e-6
-
-
-def test_the_first_step_is_that_of_steepest_descent() -> None:
-    length = (WANTED @ WANTED) / (WANTED @ MATRIX @ WANTED)
-    np.testing.assert_allclose(solved(1e-14, 1, np.ones(6)), length * WANTED)
-    assert not solved(1e-14, 0, np.ones(6)).any()
 
 
 @pytest.mark.parametrize("share", [0.5, 0.1, 0.01])
@@ -78,7 +66,7 @@ def solution(line_contact: LineContact) -> cs.Solution:
 
 
 def test_it_is_the_inverse_of_the_dense_operator_under_a_fixed_load(solution: cs.Solution) -> None:
-    """``K^-1 - K^-1 1 1^T K^-1 / (1^T K^-1 1)`` on the cells that bear, to a hundredth in its own norm."""
+    """``K^-1 - K^-1 1 1^T K^-1 / (1^T K^-1 1)`` on the active set, to a hundredth in its own norm."""
     problem = solution.problem
     bears = (solution.pressure > 0).ravel()
     columns = []
@@ -135,7 +123,7 @@ class Local:
     def stress_of_strain(self, strain: np.ndarray) -> np.ndarray:
         return self.takes * strain
 
-    def lift(self, strain: np.ndarray) -> np.ndarray:
+    def residual_displacement(self, strain: np.ndarray) -> np.ndarray:
         found = np.zeros(GRID.cells)
         found[self.volume.rows] = strain.sum(axis=(0, 1))
         return found
@@ -151,9 +139,11 @@ def contact(_: np.ndarray) -> Any:
     return SimpleNamespace(pressure=PRESSURE, displacement=np.zeros(GRID.cells), problem=problem)
 
 
-def settled(tolerance: float, before: np.ndarray | None = None, around: Any = None) -> Any:
+def stepped(tolerance: float, before: np.ndarray | None = None, around: Any = None) -> Any:
     start = np.zeros((3, 8)) if before is None else before
-    return settle(BODIES, contact, lambda _: None, start, np.zeros(8), tolerance, around)
+    return solve_elastoplastic_step(
+        BODIES, contact, lambda _: None, start, np.zeros(8), tolerance, around
+    )
 
 
 # |stress| of each cell: two layers of three cells, then two cells; 2 G is 160 and 80
@@ -164,41 +154,8 @@ SLOPE = np.array([20.0] * 6 + [0.0] * 2)
 FLOW = np.maximum(SIZE - LIMIT, 0) / (0.5 * TWICE_SHEAR + SLOPE)
 
 
-def test_lists_of_both_bodies_cells_stand_one_after_the_other() -> None:
-    assert np.all(BODIES.law.twice_shear == TWICE_SHEAR)
-    assert np.allclose(BODIES.law.slope, SLOPE)
-    assert np.allclose(BODIES.unit, [3 / 200] * 6 + [2 / 100] * 2)
-    # cells of 2 m by 3 m, in layers of 1 m and 2 m, and of 2 m
-    assert BODIES.volumes.tolist() == [6.0] * 3 + [12.0] * 3 + [12.0] * 2
-    assert BODIES.cell_area == 6.0
-    fields = np.arange(24.0).reshape(3, 8)
-    assert np.all(BODIES.joined(BODIES.parted(fields)) == fields)
-    assert BODIES.parted(fields)[1].shape == (3, 1, 2, 1)
-    assert BODIES.inner(fields, fields) == pytest.approx((fields**2 * BODIES.volumes).sum())
-    chosen = np.arange(8) == 6
-    assert np.all(BODIES.self_blocks(chosen) == [40 * np.eye(3)])
-    lifted = BODIES.lift(np.ones((3, 8)))
-    assert lifted.ravel().tolist() == [0, 6, 9, 9, 0, 0]
-
-
-def test_one_body_alone_has_a_block_for_each_layer_on_all_its_cells_along() -> None:
-    grid = cs.Grid((6, 2), (12.0, 3.0))
-    volume = Volume(grid, 1, 4, (0.0, 1.0, 3.0))
-    blocks = np.arange(18.0).reshape(2, 3, 3)
-    operator: Any = SimpleNamespace(volume=volume, moduli=FIRST.moduli, self_blocks=blocks)
-    body = YieldingBodies((operator,), (Hardening(3.0, 20.0, 10.0),))
-    assert body.cell_area == 3.0
-    # two layers of three cells by two
-    chosen = np.arange(12) % 5 == 0
-    assert np.all(body.self_blocks(chosen) == blocks[[0, 0, 1]])
-    (flow,) = body.parted(np.arange(12.0))
-    assert flow.shape == (2, 3, 2)
-    assert flow[1, 0].tolist() == [6, 7]
-    assert body.volumes.tolist() == [3.0] * 6 + [6.0] * 6
-
-
 def test_each_cell_flows_until_its_stress_is_on_the_yield_surface() -> None:
-    found = settled(1e-12)
+    found = stepped(1e-12)
     direction = np.array([0.6, -0.8, 0.0])[:, None]
     np.testing.assert_allclose(found.strain, FLOW * direction, atol=1e-12)
     np.testing.assert_allclose(found.flow, ROOT * FLOW, atol=1e-12)
@@ -208,43 +165,17 @@ def test_each_cell_flows_until_its_stress_is_on_the_yield_surface() -> None:
     assert len(found.contacts) == 2
 
 
-@pytest.mark.parametrize(("share", "contacts"), [(0.3, 2), (1.4, 2), (2.5, 3)])
-def test_a_step_that_lowers_the_energy_is_taken_and_one_that_raises_it_is_halved(
-    share: float, contacts: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Along the step the energy is a parabola with its minimum at 1: it rises beyond 2."""
-
-    def lift(body: Local, strain: np.ndarray) -> np.ndarray:
-        unit = (
-            body.stress_of_pressure(np.ones(GRID.cells)) * np.diff(body.volume.edges)[:, None, None]
-        )
-        found = np.zeros(GRID.cells)
-        found[body.volume.rows] = (unit * strain).sum(axis=(0, 1))
-        return found
-
-    def loaded(gap: np.ndarray) -> Any:
-        solution = contact(gap)
-        solution.problem.undeformed_gap = gap
-        return solution
-
-    monkeypatch.setattr(Local, "lift", lift)
-    monkeypatch.setattr(settle_module, "ITERATIONS", 1)
-    monkeypatch.setattr(settle_module, "_newton_step", lambda *given: share * _newton_step(*given))
-    found = settle(BODIES, loaded, lambda _: None, np.zeros((3, 8)), np.zeros(8), 1e-12)
-    assert (found.iterations, len(found.contacts)) == (1, contacts)
-
-
 def test_the_residual_is_the_largest_error_over_the_yield_strain() -> None:
-    found = settled(1e9)
+    found = stepped(1e9)
     assert found.iterations == 0
     flow = np.maximum(SIZE - LIMIT, 0) / (TWICE_SHEAR + SLOPE)
     np.testing.assert_allclose(found.strain[1], -0.8 * flow, rtol=1e-12)
     assert found.residual == pytest.approx((0.8 * flow / BODIES.unit).max())
 
 
-def test_what_is_elastic_has_settled_at_once_and_keeps_its_strain() -> None:
+def test_what_is_elastic_takes_no_iteration_and_keeps_its_strain() -> None:
     before = 1e-9 * np.ones((3, 8)) * (SIZE < 1.5)
-    quiet = settle(
+    quiet = solve_elastoplastic_step(
         YieldingBodies(BODIES.operators, (Hardening(1e3, 0, 0), Hardening(1e3, 0, 0))),
         contact, lambda _: None, before, np.zeros(8), 1e-12,
     )  # fmt: skip
@@ -255,60 +186,7 @@ def test_what_is_elastic_has_settled_at_once_and_keeps_its_strain() -> None:
 def test_stress_from_outside_adds_to_that_of_the_pressure() -> None:
     around = np.zeros((3, 8))
     around[:, 2] = np.array([0.6, -0.8, 0.0]) * 5
-    found = settled(1e-12, around=around)
+    found = stepped(1e-12, around=around)
     wanted = (6 - LIMIT[2]) / (0.5 * 160 + 20)
     assert found.flow[2] == pytest.approx(ROOT * wanted)
     assert np.delete(found.flow, 2) == pytest.approx(np.delete(ROOT * FLOW, 2))
-
-
-def test_the_energy_of_a_contact_is_of_half_its_displacement_and_all_of_its_gap() -> None:
-    pressure, moved, gap = np.array([[2.0], [5.0]]), np.array([[3.0], [-1.0]]), np.array([[7], [4]])
-    solution: Any = SimpleNamespace(
-        pressure=pressure, displacement=moved, problem=SimpleNamespace(undeformed_gap=gap)
-    )
-    assert _energy(solution, 0.25) == (2 * (7 + 1.5) + 5 * (4 - 0.5)) / 4
-
-
-def test_strain_relaxes_stress_by_itself_and_by_the_pressure_that_it_changes() -> None:
-    strain = np.arange(24.0).reshape(3, 8)
-    own = BODIES.stress_of_strain(strain)
-    assert np.all(_relaxed(BODIES, None, strain) == own)
-    more = BODIES.stress_of_pressure(0.5 * BODIES.lift(strain))
-    assert np.all(_relaxed(BODIES, lambda lift: 0.5 * lift, strain) == own + more)
-
-
-class Coupled:
-    """Four cells of one volume each, whose strain takes stress from all."""
-
-    half = np.random.default_rng(6).standard_normal((12, 12))
-    matrix = half @ half.T + 2 * np.eye(12)
-
-    def stress_of_strain(self, strain: np.ndarray) -> np.ndarray:
-        return (self.matrix @ strain.ravel()).reshape(3, 4)
-
-    def self_blocks(self, cells: np.ndarray) -> np.ndarray:
-        return np.tile(np.eye(3), (int(cells.sum()), 1, 1))
-
-    def inner(self, one: np.ndarray, other: np.ndarray) -> float:
-        return float((one * other).sum())
-
-
-@pytest.mark.parametrize("size", [0.1, 3.0])
-def test_a_step_of_newton_is_that_of_the_dense_linearised_return(size: float) -> None:
-    """In cells that flow it closes the error, in others the strain goes back at once."""
-    law = YieldLaw(*(np.full(4, one) for one in (1.6, 1.0, 0.3, 0.2)))
-    random = np.random.default_rng(8)
-    stress = size * np.array([2.0, 0.1, 1.0, 0.2]) * random.standard_normal((3, 4))
-    returned = law.returned(stress, np.zeros((3, 4)), np.zeros((3, 4)), np.zeros(4))
-    residual = random.standard_normal((3, 4))
-    point: Any = SimpleNamespace(returned=returned, residual=residual, error=1e-14)
-    bodies: Any = Coupled()
-    found = _newton_step(bodies, None, point)
-    flows = returned.flows
-    assert flows.any() == (size > 1)
-    assert not flows.all()
-    np.testing.assert_array_equal(found[:, ~flows], -residual[:, ~flows])
-    # what is left of the linear system, to the smallest share that is asked for and its condition
-    both = bodies.stress_of_strain(found)[:, flows] + returned.inverse_tangent(residual)[:, flows]
-    left = both + np.einsum("kij,jk->ik", returned.stiffness, found[:, flows])
-    assert np.abs(left).max(initial=0) < 1e-4

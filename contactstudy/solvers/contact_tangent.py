@@ -1,0 +1,67 @@
+"""Derivative of the contact pressure by the gap under a fixed load."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from contactstudy.domain.device import Precision
+from contactstudy.domain.fields import Array, inner, total
+from contactstudy.problem.bare_problem import BareProblem
+from contactstudy.problem.operator import Extension
+from contactstudy.problem.problem import Scales
+from contactstudy.solvers.conjugate_gradients import conjugate_gradients
+from contactstudy.solvers.solution import Solution
+
+# A hundredth of the first residual takes Newton's method of a plastic step no more iterations than an exact answer.
+REDUCTION, MAX_PRODUCTS = 1e-2, 200
+
+
+@dataclass(frozen=True, eq=False)
+class ContactTangent:
+    """Derivative ``-dp/dgap`` of the pressure under a fixed load, on the active set.
+
+    It is ``Pi = K^-1 - K^-1 1 1^T K^-1 / (1^T K^-1 1)``, applied by conjugate gradients that are preconditioned as the
+    contact is. `active` (x, y) is 1 for cells that bear pressure and 0 for the others.
+    """
+
+    bare: BareProblem
+    scales: Scales
+    active: Array
+
+    @classmethod
+    def from_solution(cls, solution: Solution, precision: Precision) -> "ContactTangent":
+        """Return the tangent for the active set of `solution`, in this `precision`."""
+        problem = solution.problem
+        active = (solution.pressure > 0).astype(precision.real)
+        return cls(problem.bare(precision), problem.scales, active)
+
+    def __call__(self, gap: Array) -> Array:
+        """Return the fall of the pressure ``Pi gap`` (x, y) [Pa] by a change of the gap (x, y) [m]."""
+        count = total(self.active)
+        if count < 2:
+            return np.zeros_like(gap)
+        real = self.bare.undeformed_gap.dtype
+        deviation = self._deviation(((gap / self.scales.gap) * self.active).astype(real), count)
+        pressure = conjugate_gradients(
+            lambda field: self._deviation(self.bare.operator(field) * self.active, count),
+            lambda field: self._preconditioned(field, count),
+            inner,
+            deviation,
+            REDUCTION,
+            MAX_PRODUCTS,
+        )
+        return np.asarray(pressure * self.scales.pressure, dtype=np.float64)
+
+    def _preconditioned(self, residual: Array, count: float) -> Array:
+        """Return the preconditioned `residual` of the gap."""
+        return self._deviation(self._extension.pressure(self._extension(residual)), count)
+
+    def _deviation(self, field: Array, count: float) -> Array:
+        """Return `field` less its mean over the `count` cells of the active set, and zero elsewhere."""
+        return np.asarray((field - total(field) / count) * self.active)
+
+    @cached_property
+    def _extension(self) -> Extension:
+        """Preconditioner on the active set."""
+        return self.bare.operator.approximate_inverse().extension(self.active)

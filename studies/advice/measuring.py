@@ -55,6 +55,8 @@ GROWTH = 1.0, 1.3
 # Share of the time left that the next solve of the ladder may take, and that it may take where the reference is too
 # coarse for the request; the share of a budget for the paddings on one grid.
 NEXT, NEXT_FOR_REFERENCE, FOR_PADDINGS = 0.15, 0.45, 0.15
+# Share of a budget after which no further padding is compared: some take far longer than the own boundary.
+MOST_FOR_PADDINGS = 0.4
 # Factor of the expected time above which a solve is repeated.
 UNUSUAL = 3.0
 # Cost of a bound over that of its answer: solutions on cells of twice the size, of a film three further ones.
@@ -272,9 +274,16 @@ class _Comparing:
     def _paddings(self, middle: int) -> list[PaddingError]:
         """Return what each padding alone does on the middle grid."""
         cells, own = self._cells(middle), self.solved[middle]
-        found = []
+        found, late = [], []
         for padding in self._candidates():
-            answer = self.subject.solve(Setting(padding, cells, TIGHT))
+            if self.budget.left < (1 - MOST_FOR_PADDINGS) * self.budget.seconds:
+                late.append(label_of(padding))
+                continue
+            try:
+                answer = self.subject.solve(Setting(padding, cells, TIGHT))
+            except cs.InvalidInput as refused:  # an effect may not take this padding
+                self.notes.append(f"{label_of(padding)} is left out: {refused}")
+                continue
             if not pressure_of(answer).any() or not np.isfinite(pressure_of(answer)).all():
                 self.notes.append(f"{label_of(padding)} is left out: {failure_of(answer)}")
                 continue
@@ -287,6 +296,10 @@ class _Comparing:
             found.append(
                 PaddingError(padding, relative_l1(pressure_of(answer), pressure_of(own)), changes)
             )
+        if late:
+            self.notes.append(
+                f"Not compared, since the seconds did not suffice: {'; '.join(late)}."
+            )
         self.log(f"paddings on {cells[0]} x {cells[1]} cells: {self.budget.spent:.0f} s")
         return found
 
@@ -295,7 +308,7 @@ class _Comparing:
         cells, own = self._cells(middle), self.solved[middle]
         return {
             tolerance: relative_l1(
-                self.subject.solve(Setting(self.subject.own, cells, tolerance)).pressure,
+                pressure_of(self.subject.solve(Setting(self.subject.own, cells, tolerance))),
                 pressure_of(own),
             )
             for tolerance in TOLERANCES

@@ -141,8 +141,11 @@ class Subject:
 
 
 def last_of(answer: Answer) -> cs.Contact | cs.LubricatedContact:
-    """Return an answer, or the last frame of one that is an evolution."""
-    return answer.frames[-1] if isinstance(answer, cs.Evolution) else answer
+    """Return an answer, or the last frame under pressure of one that is an evolution."""
+    if not isinstance(answer, cs.Evolution):
+        return answer
+    pressed = [frame for frame in answer.frames if frame.pressure.any()]
+    return pressed[-1] if pressed else answer.frames[-1]
 
 
 def pressure_of(answer: Answer) -> Array:

@@ -3,11 +3,13 @@
 import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any, NoReturn
 
 import click
+from click.core import ParameterSource
 
 from contactstudy import InvalidInput, __version__
 from contactstudy.domain.imports import missing_package
@@ -18,7 +20,7 @@ from studies.cli.recommend import BUDGET, ERROR, measured_scene, recommendation
 from studies.cli.scenes import plan, solve
 from studies.cli.show import compare, show
 from studies.cli.study_help import StudyCommand
-from studies.cli.vary import FIGURES, VARY, load_scene_study
+from studies.cli.vary import FIGURES, REFERENCE, VARY, load_scene_study, with_reference
 from studies.model.axis import MOST_POINTS
 from studies.model.plain_text import one_line, place_of
 from studies.model.study import Study
@@ -170,6 +172,7 @@ def report(
     help="For padding, period, images, grid and pareto: the contact in this TOML file, in a folder of its name.",
 )
 @VARY
+@REFERENCE
 @FIGURES
 @PLOT
 @FORMAT
@@ -194,6 +197,7 @@ def run(
     yes: bool,  # noqa: FBT001
     dry_run: bool,  # noqa: FBT001
     scene: Path | None,
+    reference: str | None,
     **settings: Any,  # further options of a run
 ) -> None:
     """Run STUDY, a built-in name, a .py file or a scene in a .toml file, over its axes or those given here.
@@ -212,6 +216,13 @@ def run(
         chosen = _named(study, scene).override(_axes(context.args), most=most)
     elif scene is not None:
         raise InvalidInput(f"--scene is given beside the scene {study!r}: leave it out.")
+    else:
+        # cases of a scene are timed on request
+        given = context.get_parameter_source("repeats") is ParameterSource.COMMANDLINE
+        if given or settings["old_times"] == "dropped":
+            chosen = replace(chosen, times="taken")
+    if reference is not None:
+        chosen = with_reference(chosen, study, reference)
     drawing = partial(load_drawing, study, figures, names_in(plot))
     if scene is not None:
         out, drawing = out / scene.stem, partial(load_drawing, "pareto")

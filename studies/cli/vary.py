@@ -1,6 +1,7 @@
 """``contactstudy run SCENE.toml --vary FIELD=VALUES``."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,6 +21,12 @@ VARY = click.option(
     metavar="FIELD=VALUES",
     help="A field of the scene file and its values, such as load.per_length=50:400:8 N/mm (8 values), "
     "50:400:8:log N/mm (in equal ratios), shapes.1.rms=0.1 um,0.2 um or surfaces=measured/*.x3p.",
+)
+REFERENCE = click.option(
+    "--reference",
+    metavar="FIELD=VALUE",
+    help="One of the values of a varied field, against which errors are drawn, such as padding=ExactPeriodicity; with "
+    "--repeats also over the times.",
 )
 FIGURES = figures_option(
     "How two varied fields are drawn; for a scene, and a study without a figure of its own."
@@ -60,3 +67,26 @@ def load_scene_study(name: str, vary: Sequence[str], others: Sequence[str]) -> "
             f"contactstudy solve {name}."
         )
     return study_of(Path(name), fields or None)
+
+
+def with_reference(study: "Study", name: str, reference: str) -> "Study":
+    """Return the study of a scene file with the value of a varied field against which errors are drawn.
+
+    Raises :class:`~contactstudy.InvalidInput` for a value that the study does not vary.
+    """
+    from studies.scene_study.variation import variation
+
+    field, equals, value = (part.strip() for part in reference.partition("="))
+    if not name.endswith(".toml") or not equals or not field or not value:
+        raise InvalidInput(
+            f"--reference is {reference!r}: give a varied field of a scene file and one of its values, such as "
+            "padding=ExactPeriodicity."
+        )
+    axis = variation(read_scene(name), field, value, Path(name).parent).axis
+    values = next((own.values for own in study.points if own.name == axis.name), ())
+    if len(axis.values) != 1 or axis.values[0] not in values:
+        raise InvalidInput(
+            f"--reference is {reference!r}, which is not one of the values that are varied: add it to --vary."
+        )
+    place = f"{axis.name}={values.index(axis.values[0])}"
+    return replace(study, attributes={**study.attributes, "reference": place})

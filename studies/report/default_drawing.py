@@ -17,6 +17,7 @@ from contactstudy import InvalidInput
 from studies.model.axis import one_of
 from studies.model.drawing import CaptionedFigure
 from studies.model.outcome import CaseStatus
+from studies.report import against_reference
 from studies.report.style import COLORS, captioned, panels
 
 # Measures of a contact that are drawn if they are stored; of other studies the first six measures are.
@@ -97,7 +98,7 @@ def _figures(dataset: xr.Dataset, kind: str, plot: Sequence[str]) -> Sequence[Ca
         parts = [str(dataset.attrs.get("title", "Study")), place, _constants(dataset, axes)]
         caption = f"{'; '.join(part for part in parts if part)}."
         figures.append(captioned(f"{stem}-{number}" if further else stem, figure, caption))
-    return figures
+    return [*figures, *against_reference.figures(dataset, names)]
 
 
 def _constants(dataset: xr.Dataset, axes: Sequence[str]) -> str:

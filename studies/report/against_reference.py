@@ -1,0 +1,105 @@
+"""Errors of a sweep against one value of a varied field, and their front over the times where these were taken."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from studies.advice.front import pareto_front
+from studies.model.drawing import CaptionedFigure
+from studies.model.outcome import CaseStatus
+from studies.reference.line_contact import total_time
+from studies.report.style import COLORS, WIDTH, captioned, panels, percent
+
+MARKERS = "osv^Dx"
+
+
+def figures(dataset: xr.Dataset, names: Sequence[str]) -> Sequence[CaptionedFigure]:
+    """Draw the relative errors of some measures against the sweep's reference, and over the times of its cases.
+
+    The attribute ``reference`` of the dataset names an axis and the place on it, such as ``padding=2``; without it
+    nothing is drawn. Of the other axes the largest error counts.
+    """
+    text = str(dataset.attrs.get("reference", ""))
+    if not text:
+        return ()
+    axis, _, place = text.partition("=")
+    if axis not in dataset["case_status"].dims or dataset.sizes[axis] < 2:
+        return ()
+    good = dataset.where(dataset["case_status"] == CaseStatus.OK)
+    true = good.isel({axis: int(place)})
+    others = good.isel({axis: [k for k in range(dataset.sizes[axis]) if k != int(place)]})
+    rest = [name for name in dataset["case_status"].dims if name != axis]
+    errors = {
+        name: abs(others[name] / true[name] - 1).max(rest)
+        for name in names
+        if bool((true[name] != 0).all())
+    }
+    if not errors:
+        return ()
+    labels = [_text(value) for value in others[axis].values]
+    reference = f"{axis.replace('_', ' ')} {_text(true[axis].item())}"
+    known = _known(true, list(errors))
+    drawn = [_over_axis(errors, labels, reference, known)]
+    if "solve_time" in dataset and bool(dataset["solve_time"].notnull().any()):
+        drawn.append(_front(errors, total_time(others).median(rest), labels, reference))
+    return drawn
+
+
+def _text(value: object) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)[:30]
+
+
+def _known(true: xr.Dataset, names: Sequence[str]) -> str:
+    """Return a sentence with the bounds of the reference itself, below which no error is told."""
+    bounds = {
+        name: float((true[f"{name}_bound"] / abs(true[name])).max())
+        for name in names
+        if f"{name}_bound" in true
+    }
+    finite = [
+        f"{name.replace('_', ' ')} {percent(bound)}"
+        for name, bound in bounds.items()
+        if 0 < bound < np.inf
+    ]
+    return f" Bounds of the reference itself: {', '.join(finite)}." if finite else ""
+
+
+def _over_axis(
+    errors: dict[str, xr.DataArray], labels: Sequence[str], reference: str, known: str
+) -> CaptionedFigure:
+    fig, (ax,) = panels(1, width=WIDTH, height=1.6 + 0.3 * len(labels))
+    for number, (name, error) in enumerate(errors.items()):
+        ax.plot(
+            error.where(error > 0),
+            np.arange(len(labels)),
+            ls="none",
+            marker=MARKERS[number % len(MARKERS)],
+            color=COLORS[number % len(COLORS)],
+            label=name.replace("_", " "),
+        )
+    ax.set(xscale="log", xlabel="relative error", yticks=range(len(labels)), yticklabels=labels)
+    ax.invert_yaxis()
+    return captioned("errors", fig, f"Relative errors against {reference}.{known}")
+
+
+def _front(
+    errors: dict[str, xr.DataArray], seconds: xr.DataArray, labels: Sequence[str], reference: str
+) -> CaptionedFigure:
+    """Draw the largest of the errors over the time of a case, with the points that no other beats joined."""
+    fig, (ax,) = panels(1, width=WIDTH, height=4.2)
+    largest = np.max([error.values for error in errors.values()], axis=0)
+    best = pareto_front(seconds.values, largest)
+    ax.loglog(seconds.values[best], largest[best], color=COLORS[0])
+    ax.loglog(seconds.values, largest, "o", color=COLORS[0])
+    for x, y, label in zip(seconds.values, largest, labels, strict=True):
+        ax.annotate(label, (x, y), (5, 3), textcoords="offset points", fontsize="small")
+    ax.set(xlabel="wall time to set up and solve, on one thread [s]", ylabel="relative error")
+    names = ", ".join(name.replace("_", " ") for name in errors)
+    return captioned(
+        "front",
+        fig,
+        f"Largest relative error against {reference} of {names}, over the time of a case; the line joins the values "
+        f"that "
+        "no other beats in both.",
+    )

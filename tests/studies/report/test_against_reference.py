@@ -1,0 +1,54 @@
+"""Errors of a sweep against one of its values."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+
+import contactstudy as cs
+from studies.cli.commands import cli
+from studies.model.outcome import CaseStatus
+from studies.report.default_drawing import curves
+from tests.studies.scene_study.conftest import ROUGH
+
+
+def swept() -> xr.Dataset:
+    axes = ("padding", "load")
+    data = {
+        "peak_pressure": (axes, [[2.0, 4.0], [2.1, 4.4], [2.0, 4.0]]),
+        "peak_pressure_bound": (axes, np.full((3, 2), 0.02)),
+        "setup_time": (axes, np.zeros((3, 2))),
+        "solve_time": (axes, [[3.0, 5.0], [1.0, 3.0], [7.0, 9.0]]),
+        "case_status": (axes, np.full((3, 2), CaseStatus.OK)),
+    }
+    coords = {"padding": ["exact", "duplicated", "circular"], "load": [1.0, 2.0]}
+    return xr.Dataset(data, coords, {"reference": "padding=0"})
+
+
+def test_errors_are_the_largest_of_the_other_axes_beside_the_bound_of_the_reference() -> None:
+    *_, errors, front = curves(swept())
+    (ax,) = errors.figure.axes
+    # 5 and 10 % of duplicated; an error of nothing has no place on a logarithmic axis
+    (line,) = ax.lines
+    np.testing.assert_allclose(line.get_xdata(), [0.1, np.nan], rtol=1e-9)
+    # 0.02 of 2 and of 4
+    assert "peak pressure 1.0\xa0%" in errors.caption
+    marks = front.figure.axes[0].lines[1]
+    np.testing.assert_allclose(marks.get_xydata(), [[2.0, 0.1], [8.0, 0.0]], atol=1e-12)
+
+
+def test_a_scene_is_swept_with_errors_and_times(tmp_path: Path) -> None:
+    scene = tmp_path / "scene.toml"
+    scene.write_text(ROUGH)
+    words = ["run", str(scene), "--vary", "padding=ExactPeriodicity,DuplicatedPadding"]
+    more = ["--repeats", "1", "--workers", "0", "--out", str(tmp_path)]
+    reference = ["--reference", "padding=ExactPeriodicity"]
+    done = CliRunner().invoke(cli, [*words, *reference, *more], catch_exceptions=False)
+    assert done.exit_code == 0, done.output
+    names = {path.name for path in (tmp_path / "scene-sweep").iterdir()}
+    assert {"errors.png", "front.png"} < names
+    refused = [*words, "--reference", "padding=ZeroPadding", *more]
+    with pytest.raises(cs.InvalidInput, match="not one of the values that are varied"):
+        CliRunner().invoke(cli, refused, catch_exceptions=False)

@@ -42,6 +42,7 @@ READ_AS: Mapping[str, tuple[tuple[float, str], ...]] = {
     "1": ((1.0, ""),),
 }
 NO_ESTIMATE = "no estimate is known for it"
+FORMULA = "it is the value of a formula"
 
 
 @dataclass(frozen=True)
@@ -168,9 +169,10 @@ def contact_quantities(
     half_width = _half_width(touching, grid.cell[0])
     solved = ErrorParts(residual=solution.residual)
     wide = "" if _wraps(solution) else f", over the grid's width of {readable(grid.extent[0], 'm')}"
+    label = f"peak pressure{_mirrored(pressure, grid.y, peak_place)}"
     numbers = {
         "peak_pressure": bounded(
-            Quantity(peak, "Pa", "peak pressure", place=peak_place), estimate.peak_pressure, why
+            Quantity(peak, "Pa", label, place=peak_place), estimate.peak_pressure, why
         )
     }
     places = {"x": grid.x, "y": grid.y}
@@ -345,7 +347,7 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
         "load_parameter": Quantity(scales.load_parameter, "1", "Moes' M", 0.0, ""),
         "viscosity_parameter": Quantity(scales.viscosity_parameter, "1", "Moes' L", 0.0, ""),
         "moes_film": Quantity(
-            scales.expected_film * scales.film, "m", "central film by the formula of Moes"
+            scales.expected_film * scales.film, "m", "central film by Moes", reason=FORMULA
         ),
         **_of_formulas(contact),
         "flux_spread": Quantity(contact.flux_spread, "1", "flow that the cells do not conserve, relative"),
@@ -370,17 +372,18 @@ def _of_formulas(contact: "FilmSolution") -> dict[str, Quantity]:
     scales = contact.scales
     load, viscosity = scales.load_parameter, scales.viscosity_parameter
     unit = pi / (8 * load) * scales.film
-    label = "smallest film by the formula of Dowson and Higginson"
+    label = "smallest film by Dowson and Higginson"
     film = dowson_higginson_film(load, viscosity) * unit
-    numbers = {"dowson_higginson_film": Quantity(film, "m", label)}
+    numbers = {"dowson_higginson_film": Quantity(film, "m", label, reason=FORMULA)}
     for regime, asymptote in film_asymptotes(load, viscosity).items():
         name = f"{regime.replace(', ', '_')}_film"
-        numbers[name] = Quantity(asymptote * unit, "m", f"central film, asymptote: {regime}")
+        numbers[name] = Quantity(asymptote * unit, "m", f"asymptote {regime}", reason=FORMULA)
     rough = [shape for shape in contact.scene.shapes if _rough(shape)]
     heights = sum((shape.gap(contact.grid) for shape in rough), start=np.zeros((1, 1)))
     if rough and (rms := float(np.std(heights))):
         label = f"lambda ratio, film by Moes over the rms height of {readable(rms, 'm', 3)}"
-        numbers["lambda_ratio"] = Quantity(scales.expected_film * scales.film / rms, "1", label)
+        ratio = scales.expected_film * scales.film / rms
+        numbers["lambda_ratio"] = Quantity(ratio, "1", label, reason=FORMULA)
     return numbers
 
 
@@ -529,8 +532,16 @@ def _largest(
     return float(largest), place
 
 
+def _mirrored(values: Array, y: Array, place: Mapping[str, float]) -> str:
+    """Return the mirrored place along the length at which a largest value is found again, within a thousandth, as text."""
+    if abs(at := place.get("y", 0.0)) < 0.1 * float(np.ptp(y)):
+        return ""
+    mirrored = values[:, int(np.abs(y + at).argmin())].max()
+    return f", as high at y = {readable(-at, 'm', 3)}" if mirrored > 0.999 * values.max() else ""
+
+
 def as_text(quantities: Quantities) -> str:
-    """Return quantities as a table: label, value with unit, error, place."""
+    """Return quantities as a table: label, value with unit, error, place; those by formulas in one line."""
     rows = [
         (
             one.label,
@@ -539,12 +550,19 @@ def as_text(quantities: Quantities) -> str:
             ", ".join(_place(axis, at) for axis, at in (one.place or {}).items()),
         )
         for one in quantities.values()
+        if one.reason != FORMULA
     ]
     widths = [max((len(row[column]) for row in rows), default=0) for column in range(3)]
     lines = []
     for label, value, error, place in rows:
         line = f"  {label:<{widths[0]}}  {value:>{widths[1]}}  {error:<{widths[2]}}"
         lines.append(f"{line}  at {place}" if place else line.rstrip())
+    formulas = [
+        f"{one.label} {readable(one.value, one.unit)}"
+        for one in quantities.values()
+        if one.reason == FORMULA
+    ]
+    lines += [f"  by formulas: {'; '.join(formulas)}"] * bool(formulas)
     return "\n".join(lines)
 
 

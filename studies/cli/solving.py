@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import shutil
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import click
@@ -29,7 +27,9 @@ def solved(
     """
     kept = folder / f"{scene.stem}.march"
     last: list[cs.Progress] = []
-    with _bar(str(scene)) as bar:
+    with tqdm(
+        total=100, desc=str(scene), bar_format=BAR, disable=None, leave=False, delay=1
+    ) as bar:
 
         def show(progress: cs.Progress) -> None:
             last[:] = [progress]
@@ -57,13 +57,6 @@ def solved(
             sys.exit(130)
     shutil.rmtree(kept, ignore_errors=True)
     return answer
-
-
-@contextmanager
-def _bar(name: str) -> Iterator[tqdm[None]]:
-    """Show the progress of a solve as a bar if the output is a terminal."""
-    with tqdm(total=100, desc=name, bar_format=BAR, disable=None, leave=False, delay=1) as bar:
-        yield bar
 
 
 def _keep_stopped(stopped: cs.Progress, path: Path) -> Path:

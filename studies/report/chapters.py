@@ -15,7 +15,7 @@ SETTINGS = "settings"
 INSTALLATION = 30
 # Seconds that each study takes on two cores, with its times and its figures.
 SECONDS = {
-    "padding": 7, "period": 2, "images": 2, "grid": 2, "paper": 2, "settings": 8, "pareto": 6, "stability": 4,
+    "padding": 3, "period": 4, "images": 3, "grid": 1, "paper": 2, "settings": 12, "pareto": 12, "stability": 4,
     "roughness": 2, "coating": 2, "friction": 3, "creep": 3, "wear": 3, "plastic": 2, "accuracy": 10, "lubrication": 4,
     "kernels": 3, "solvers": 9, "speed": 9, "effect_cost": 8, "peers": 120,
 }  # fmt: skip

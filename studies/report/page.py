@@ -31,7 +31,7 @@ from studies.store.netcdf import read
 
 MOST_VALUES = 10  # of an axis that a page lists
 # Request and seconds of the comparison of settings for the paper's cylinder.
-PAPER_ERROR, PAPER_SECONDS = 1e-2, 15.0
+PAPER_ERROR, PAPER_SECONDS = 1e-2, 12.0
 
 NOTHING_TO_DRAW = Drawing(
     lambda dataset: (),

@@ -533,7 +533,7 @@ def _largest(
 
 
 def _mirrored(values: Array, y: Array, place: Mapping[str, float]) -> str:
-    """Return the mirrored place along the length at which a largest value is found again, within a thousandth, as text."""
+    """Return the mirrored place along the length where a largest value stands again, within a thousandth, as text."""
     if abs(at := place.get("y", 0.0)) < 0.1 * float(np.ptp(y)):
         return ""
     mirrored = values[:, int(np.abs(y + at).argmin())].max()

@@ -251,6 +251,11 @@ def subject_of(described: cs.SceneFile, name: str, text: str = "", error: float 
         If the scene has no width of its own and no grid, or is not a dry contact at rest.
     """
     scene = described.scene
+    if isinstance(scene.load, cs.PullOff):
+        raise cs.InvalidInput(
+            f"{name} seeks its load of separation, by many solves a setting: give it a load per length to compare "
+            "paddings and grids."
+        )
     at_rest = _is_at_rest(scene)
     notes = []
     own = described.padding or cs.ExactPeriodicity()

@@ -90,6 +90,11 @@ def test_a_stored_comparison_is_that_of_its_scene_alone(
     assert stored(paper_described(period=0.6).key, tmp_path) is None
 
 
+def test_a_load_that_is_sought_is_answered_with_a_remedy() -> None:
+    with pytest.raises(cs.InvalidInput, match="give it a load per length"):
+        described_in(EXAMPLES / "gripper.toml").subject()
+
+
 def test_a_scene_without_a_width_of_its_own_needs_a_grid() -> None:
     flat = cs.Scene(SCENE.load, SCENE.solids, (cs.Waviness(1e-6, along=1e-4),))
     with pytest.raises(cs.InvalidInput, match="grid"):

@@ -27,7 +27,7 @@ from studies.registry import BUILT_IN, OPTIONAL, load
 GROUPS = {
     "answers": "Answers",
     "scene": "What a scene is made of",
-    "evolution": "Histories and memory",
+    "evolution": "Histories and state variables",
     "domain": "Grids, paddings, checks",
     "solvers": "Solving",
     "accuracy": "Errors",

@@ -222,6 +222,7 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
         iterations=frame.iterations,
         convolutions=frame.convolutions,
         residual=frame.residual,
+        traction=trajectory.traction(frame),
         estimate=ErrorEstimate(l1, peak_pressure=l1, warnings=frame.warnings),
         time=frame.time,
         state=frame.fields,

@@ -12,7 +12,8 @@ from contactstudy.domain.grid import Grid
 from contactstudy.evolution.state_variables import CoupledStateVariable
 from contactstudy.problem.problem import Field, Problem
 from contactstudy.scene.scene import PosedScene
-from contactstudy.solvers.solution import Solution, Status, worst
+from contactstudy.solvers.friction import FullSliding
+from contactstudy.solvers.solution import Solution, Status, Traction, worst
 
 UNKNOWN = ErrorParts(0.0, inf, 0.0)
 
@@ -118,6 +119,11 @@ class Trajectory:
     def grid(self) -> Grid:
         """Grid of the fields."""
         return self.problem.grid
+
+    def traction(self, frame: Frame) -> Traction | None:
+        """Return the shear at the instant of `frame`; None without friction."""
+        law = self.problem.friction
+        return law.traction(frame.pressure) if isinstance(law, FullSliding) else None
 
     @property
     def times(self) -> Array:

@@ -95,7 +95,13 @@ def coupled_state_variable(
             f"evolve.padding is {across!r} across and {along!r} along: plastic strain is known below a surface "
             "that goes on across and repeats along, give ExactPeriodicity()."
         )
-    return PlasticState(YieldingBody.in_scene(scene), solved(problem), precision)
+    friction = getattr(scene.friction, "coefficient", 0.0)
+    if friction and problem.grid.cells[1] > 1:
+        raise InvalidInput(
+            f"Grid.cells[1] is {problem.grid.cells[1]} beside a body that yields while it slides: the stress by shear "
+            "is known in plane strain, give 1 cell along, or no friction."
+        )
+    return PlasticState(YieldingBody.in_scene(scene), solved(problem), precision, friction)
 
 
 def evolve(
@@ -151,8 +157,8 @@ def evolve(
     Raises
     ------
     InvalidInput
-        If both `times` and `error` are None, times decrease, the error is out of reach, the scene rolls steadily or has
-        friction, or the folder belongs to another integration.
+        If both `times` and `error` are None, times decrease, the error is out of reach, or the folder belongs to
+        another integration.
     """
     if times is None and error is None:
         raise InvalidInput("evolve.times and evolve.error are None: give one of them, or both.")
@@ -199,8 +205,6 @@ def _time_stepper(
     options: SolveOptions,
 ) -> TimeStepper:
     """Return the steps of `scene`, from the elastic contact under the largest load, applied suddenly."""
-    if scene.friction is not None:
-        raise InvalidInput("Scene.friction has no history here: leave it out.")
     solids = sudden(scene.solids)
     elastic = replace(scene, load=LineLoad(load.largest), solids=solids, wear=None)
     problem = elastic.problem(grid, padding)

@@ -174,11 +174,14 @@ class PlasticState:
         Contact under the largest load before anything has yielded.
     precision
         Precision of the contact's solver.
+    friction
+        Coefficient of full sliding: shear on the first body over the pressure.
     """
 
     bodies: tuple[YieldingBody, ...]
     elastic: Solution
     precision: Precision
+    friction: float = 0.0
     has_stages: ClassVar[bool] = False
 
     operators: list[EigenstrainOperator] = field(init=False)
@@ -189,7 +192,10 @@ class PlasticState:
         for body in self.bodies:
 
             def share(volume: Volume, body: YieldingBody = body) -> Array:
-                stress = operator_on(volume, body.moduli).stress_of_pressure(self.elastic.pressure)
+                operator, pressure = operator_on(volume, body.moduli), self.elastic.pressure
+                stress = operator.stress_of_pressure(pressure)
+                if self.friction:
+                    stress = stress + self._stress_of_shear(body, operator, pressure)
                 size = np.sqrt((stress**2).sum(axis=0))
                 return np.asarray(size / (ROOT * body.hardening.yield_stress))
 
@@ -220,9 +226,7 @@ class PlasticState:
                 tuple(self.operators), tuple(body.hardening for body in self.bodies)
             )
             before, equivalent = bodies.joined(strains), bodies.joined(equivalents)
-            settled = solve_elastoplastic_step(
-                bodies, contact, self._tangent, before, equivalent, tolerance
-            )
+            settled = self._settled(bodies, contact, before, equivalent, tolerance)
             if not self._grown(bodies.parted(settled.flow)):
                 break
         strains = bodies.parted(settled.strain)
@@ -242,6 +246,50 @@ class PlasticState:
         ):
             solution = replace(solution, status=Status.YIELD_AT_EDGE)
         return solution, after
+
+    def _settled(
+        self,
+        bodies: YieldingBodies,
+        contact: Contact,
+        before: Array,
+        equivalent: Array,
+        tolerance: float,
+    ) -> Settled:
+        """Return pressure and plastic strain at the end of a step.
+
+        Shear by sliding makes the problem unsymmetric, so its stress is that of the pressure in the pass before, until
+        it stays: a plastic strain changes the pressure little.
+        """
+        if not self.friction:
+            return solve_elastoplastic_step(bodies, contact, self._tangent, before, equivalent, tolerance)
+        contacts = [contact(bodies.lift(before))]
+        shear, passes = self._sheared(bodies, contacts[0].pressure), 0
+        while True:
+            settled = solve_elastoplastic_step(bodies, contact, self._tangent, before, equivalent, tolerance, shear)
+            contacts += settled.contacts
+            last, shear = shear, self._sheared(bodies, settled.solution.pressure)
+            change = float((np.abs(shear - last) / bodies.law.yield_stress).max(initial=0.0))
+            passes += 1
+            if change <= tolerance or passes == PASSES or not np.isfinite(change):
+                break
+        residual = max(settled.residual, change)
+        return replace(settled, contacts=tuple(contacts), residual=residual)
+
+    def _sheared(self, bodies: YieldingBodies, pressure: Array) -> Array:
+        """Return the stress (C, cells) [Pa] by the shear that a `pressure` (x, y) [Pa] has while it slides."""
+        parts = zip(self.bodies, self.operators, strict=True)
+        return bodies.joined([self._stress_of_shear(body, one, pressure) for body, one in parts])
+
+    def _stress_of_shear(
+        self, body: YieldingBody, operator: EigenstrainOperator, pressure: Array
+    ) -> Array:
+        """Return the stress (C, layers, x, y) [Pa] in one body by the shear along x on it."""
+        assert isinstance(operator, PlaneStrainOperator)
+        return operator.stress_of_shear(self._drag(body) * pressure)
+
+    def _drag(self, body: YieldingBody) -> float:
+        """Return the shear on a body over the pressure: the first body is dragged along x, the second against it."""
+        return self.friction if body.place == 0 else -self.friction
 
     def fields(self, state: State) -> Mapping[str, Field]:
         """Return the residual displacement (x, y) [m] of both surfaces together, positive into the bodies."""
@@ -280,6 +328,10 @@ class PlasticState:
             )
             residual = np.stack([wide.tensor_of_strain(strain) for strain in strains])
             total = residual + np.stack([wide.tensor_of_pressure(p) for p in pressures])
+            if self.friction:
+                assert isinstance(wide, PlaneStrainOperator)
+                shears = [self._drag(body) * p for p in pressures]
+                total += np.stack([wide.tensor_of_shear(shear) for shear in shears])
             tensors = np.einsum("ct,ncl...->ntl...", wide.basis, np.stack(strains))
             layer = (f"z{suffix}",)
             cells = "time", *layer, "x", "y"
@@ -338,6 +390,8 @@ class PlasticState:
 # A step is abrupt if it adds more than this multiple of the plastic strain before it. A step that doubles the load adds
 # about 3 times the plastic strain.
 ABRUPT = 4.0
+# Passes over the shear of a step while bodies slide.
+PASSES = 50
 # Statuses of a contact that stopped before its tolerance.
 NEARLY = (Status.PRECISION_LIMIT, Status.STALLED, Status.ITERATION_LIMIT)
 # At the edge of the contact the stress has a logarithmic or stronger peak below the size of any cell.

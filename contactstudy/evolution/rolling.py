@@ -155,11 +155,9 @@ def solve_rolling(
     Raises
     ------
     InvalidInput
-        If the scene has no ``rolling``, or has a load that changes, wear, friction or a fluid.
+        If the scene has no ``rolling``, or has a load that changes, wear or a fluid.
     """
     assert scene.rolling is not None
-    if scene.friction is not None:
-        raise InvalidInput("Scene.friction is not known in rolling: leave it out.")
     if scene.wear is not None or not isinstance(scene.load, ConstantLoad):
         field = "Scene.load" if scene.wear is None else "Scene.wear"
         raise InvalidInput(f"{field} changes in time beside Scene.rolling: leave one of them out.")

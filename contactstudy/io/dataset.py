@@ -307,27 +307,44 @@ def evolution_dataset(evolution: "Trajectory", quantities: Quantities) -> xr.Dat
         attrs=_attributes("evolution of a line contact")
         | {"scene": scene_attribute(evolution.description)},
     )
-    dataset = dataset.assign(_memories_over_time(evolution)).assign(_outputs_over_time(evolution))
+    for fields in (_states, _tractions, _outputs):
+        dataset = dataset.assign(fields(evolution))
     return with_quantities(dataset, quantities)
 
 
-def _memories_over_time(evolution: "Trajectory") -> dict[str, xr.Variable]:
-    """Return the fields that bodies and wear remember, such as worn depth and plastic strain, at every instant."""
+def _tractions(evolution: "Trajectory") -> dict[str, xr.Variable]:
+    """Return shear and stick at every instant; empty without friction."""
+    each = [_sheared(evolution.traction(frame)) for frame in evolution.frames]
+    return {
+        name: xr.Variable.concat([one[name] for one in each], "time", combine_attrs="override")
+        for name in each[0]
+    }
+
+
+def _states(evolution: "Trajectory") -> dict[str, xr.Variable]:
+    """Return the state variables of bodies and wear, such as worn depth and plastic strain, at every instant."""
     frames = evolution.frames
     fields = _over_time([frame.fields for frame in frames])
     if evolution.coupled is not None:
         states = [frame.coupled_state for frame in frames]
         pressures = [frame.pressure for frame in frames]
-        joint = evolution.coupled.over_time(states, pressures)
-        fields |= {name: _of_field(field) for name, field in joint.items()}
+        strained = evolution.coupled.over_time(states, pressures)
+        fields |= {name: _of_field(field) for name, field in strained.items()}
     return fields
 
 
-def _outputs_over_time(evolution: "Trajectory") -> dict[str, xr.Variable]:
+def _outputs(evolution: "Trajectory") -> dict[str, xr.Variable]:
     """Return the fields of ``Scene.outputs`` at every instant."""
     fields: dict[str, xr.Variable] = {}
     for output in evolution.problem.outputs:
-        fields |= _over_time([output.fields(frame.pressure) for frame in evolution.frames])
+        instants = []
+        for frame in evolution.frames:
+            traction = evolution.traction(frame)
+            if traction is not None and isinstance(output, Sheared):
+                instants.append(output.under(traction.shear).fields(frame.pressure))
+            else:
+                instants.append(output.fields(frame.pressure))
+        fields |= _over_time(instants)
     return fields
 
 

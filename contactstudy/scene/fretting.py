@@ -1,7 +1,6 @@
 """Fretting: a tangential force that swings beside a constant load."""
 
 from dataclasses import dataclass
-from math import inf
 
 import numpy as np
 
@@ -42,7 +41,7 @@ class Fretting:
     Raises
     ------
     InvalidInput
-        For other values; in a scene with bodies that are unlike in shear or coated, a hardness, or a change in time.
+        For other values; in a scene with bodies that are unlike in shear or coated, or a change in time.
     """
 
     coefficient: Number
@@ -71,11 +70,6 @@ class Fretting:
     def check(self, scene: FrictionContact) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if part of the contact cannot stick, or is not known to."""
         check_still(scene, "Fretting")
-        if scene.hardness != inf:
-            raise InvalidInput(
-                f"Scene.hardness is {scene.hardness!r} beside Fretting: how a yielding cell sticks is not defined "
-                "here, leave it out."
-            )
         for number, solid in enumerate(scene.solids):
             if not isinstance(solid, HalfSpace):
                 raise InvalidInput(

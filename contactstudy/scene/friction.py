@@ -17,7 +17,7 @@ from contactstudy.elasticity.tangential import (
     shear_response,
 )
 from contactstudy.problem.problem import FrictionLaw
-from contactstudy.scene.bodies import Body, BodyContext, HalfSpace
+from contactstudy.scene.bodies import Body, BodyContext, HalfSpace, Homogeneous, is_layered
 from contactstudy.scene.shapes.shape import Shape
 from contactstudy.solvers.friction import CoulombDisks, FullSliding, Superposed
 
@@ -93,7 +93,7 @@ class Sliding:
     Raises
     ------
     InvalidInput
-        For other coefficients; in a scene with unlike bodies one of which is coated, or one that changes in time.
+        For other coefficients; in a scene with unlike bodies one of which is coated or creeps, or that roll.
     """
 
     coefficient: Number
@@ -103,8 +103,24 @@ class Sliding:
 
     def check(self, scene: FrictionContact) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the coupling of these bodies is not known."""
-        check_still(scene, "Sliding")
-        dundurs(scene.solids)
+        beta = dundurs(scene.solids)
+        if scene.rolling is not None and scene.rolling.passes is not None:
+            raise InvalidInput(
+                f"Scene.rolling has {scene.rolling.passes} passes beside Sliding: the shear below passes is not known "
+                "here, leave one of both out."
+            )
+        if abs(beta) <= ALIKE or self.coefficient == 0:
+            return
+        if any(getattr(solid, "creeps", False) for solid in scene.solids):
+            raise InvalidInput(
+                f"Scene.solids are unlike in shear (Dundurs' beta {beta:.3g}) beside Sliding, and one creeps: how their "
+                "coupling creeps is not known here, give equal bodies, or an incompressible one on a rigid one."
+            )
+        if scene.rolling is not None:
+            raise InvalidInput(
+                f"Scene.solids are unlike in shear (Dundurs' beta {beta:.3g}) beside Sliding and Scene.rolling: both "
+                "move the pressure forwards, which is not known here, give bodies of one material, or TractiveRolling."
+            )
 
     def law(
         self, scene: FrictionContact, gap: Array, grid: Grid, paddings: Paddings, datum: float
@@ -138,8 +154,8 @@ class PartialSlip:
     """Partial slip under a tangential force that friction holds back.
 
     The bodies are pressed first, sheared after, and never unloaded. Shear is found by Ciavarella and Jaeger's
-    superposition where that is exact (nothing varies along the length, or Poisson's ratio is 0), and else for both
-    components of shear.
+    superposition where that is exact (nothing varies along the length, or Poisson's ratio is 0, and no hardness limits
+    the pressure), and else for both components of shear.
 
     Parameters
     ----------
@@ -151,7 +167,7 @@ class PartialSlip:
     Raises
     ------
     InvalidInput
-        For other values; in a scene with bodies that are unlike in shear or coated, a hardness, or a change in time.
+        For other values; in a scene with bodies that are unlike in shear or coated, or a change in time.
     """
 
     coefficient: Number
@@ -168,11 +184,6 @@ class PartialSlip:
     def check(self, scene: FrictionContact) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if part of the contact cannot stick, or is not known to."""
         check_still(scene, "PartialSlip")
-        if scene.hardness != inf:
-            raise InvalidInput(
-                f"Scene.hardness is {scene.hardness!r} beside PartialSlip: how a yielding cell sticks is not "
-                "defined here, give Sliding or no hardness."
-            )
         for number, solid in enumerate(scene.solids):
             if not isinstance(solid, HalfSpace):
                 raise InvalidInput(
@@ -214,8 +225,13 @@ class PartialSlip:
                 + ("Poisson's ratio is 0." if varies else "nothing varies along the length.")
             )
         return (
-            "friction: partial slip for both components of shear, for something varies along the length and "
-            "Poisson's ratio is not 0; 30 to 80 applications of four transforms each beside the normal solve."
+            "friction: partial slip for both components of shear, for "
+            + (
+                "a hardness limits the pressure;"
+                if scene.hardness != inf
+                else "something varies along the length and Poisson's ratio is not 0;"
+            )
+            + " 30 to 80 applications of four transforms each beside the normal solve."
         )
 
     @staticmethod
@@ -226,13 +242,15 @@ class PartialSlip:
             for solid in scene.solids
             if isinstance(solid, HalfSpace) and not isinf(solid.youngs_modulus)
         ]
+        if scene.hardness != inf:
+            return False  # a capped pressure is no difference of two contacts
         if all(solid.poisson_ratio == 0 for solid in elastic):
             return True
         return not varies and paddings[1].window is None
 
 
 def dundurs(solids: tuple[Body, ...]) -> float:
-    """Return Dundurs' beta of two half-spaces, 0 for two equal bodies of any kind.
+    """Return Dundurs' beta of two homogeneous bodies under a sudden load, 0 for two equal bodies of any kind.
 
     Source: Dundurs (1969); Johnson (1985), sect. 5.4. Raises :class:`~contactstudy.InvalidInput` for other bodies,
     whose coupling between shear and normal displacement is not known.
@@ -240,9 +258,11 @@ def dundurs(solids: tuple[Body, ...]) -> float:
     first, second = solids
     if first == second:
         return 0.0
-    if not (isinstance(first, HalfSpace) and isinstance(second, HalfSpace)):
+    if not (isinstance(first, Homogeneous) and isinstance(second, Homogeneous)) or any(
+        map(is_layered, solids)
+    ):
         raise InvalidInput(
-            "Scene.solids are unlike and not both HalfSpace beside a friction: how shear moves a coated surface "
+            "Scene.solids are unlike and not both homogeneous beside a friction: how shear moves a coated surface "
             "along its normal is not known, give two equal bodies, or two HalfSpace."
         )
     (soft1, hard1), (soft2, hard2) = (

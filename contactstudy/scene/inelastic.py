@@ -21,8 +21,6 @@ from contactstudy.elasticity.viscoelastic import Creep, creep
 from contactstudy.scene.bodies import (
     BodyContext,
     HalfSpace,
-    Inelastic,
-    Layered,
     poisson_ratio,
 )
 
@@ -176,16 +174,6 @@ class ElasticPlasticHalfSpace:
         """Raise :class:`~contactstudy.InvalidInput` for an effect that is not defined beside plastic strain."""
         if not self.yields:
             return
-        place = next(n for n, solid in enumerate(scene.solids) if solid is self)
-        counterbody = scene.solids[1 - place]
-        kinds = (HalfSpace, ElasticPlasticHalfSpace)
-        if isinstance(counterbody, Layered) or (
-            isinstance(counterbody, Inelastic) and not isinstance(counterbody, kinds)
-        ):
-            raise InvalidInput(
-                f"Scene.solids[{1 - place}] is a {type(counterbody).__name__} beside a body that yields: how they "
-                "change together is not known here, give an elastic or a rigid HalfSpace."
-            )
         if scene.hardness < math.inf:
             raise InvalidInput(
                 f"Scene.hardness is {scene.hardness!r} beside a body that yields, which limits the pressure "

@@ -80,7 +80,7 @@ class SubsurfaceStress:
         if any(getattr(solid, "yields", False) for solid in solids):
             raise InvalidInput(
                 "SubsurfaceStress is that of elastic bodies, and one of Scene.solids yields: its stress, total "
-                "and residual, comes with contactstudy.evolve, leave this output out."
+                "and residual, is in the answer already, leave this output out."
             )
         if isinstance(body, Stressed):
             return

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from functools import partial
-from math import inf, isinf
+from math import isinf
 
 import numpy as np
 
@@ -58,7 +58,7 @@ class TractiveRolling:
     Raises
     ------
     InvalidInput
-        For other values; in a scene with a hardness, coated bodies, a change in time, or heights that a body carries.
+        For other values; in a scene with coated bodies, a change in time, or heights that a body carries.
     """
 
     coefficient: Number
@@ -94,11 +94,6 @@ class TractiveRolling:
     def check(self, scene: FrictionContact) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if steady rolling is not defined in this scene."""
         check_still(scene, "TractiveRolling")
-        if scene.hardness != inf:
-            raise InvalidInput(
-                f"Scene.hardness is {scene.hardness!r} beside TractiveRolling: how a yielding cell sticks is not "
-                "defined here, leave it out."
-            )
         for number, solid in enumerate(scene.solids):
             if not isinstance(solid, HalfSpace):
                 raise InvalidInput(

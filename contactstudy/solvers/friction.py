@@ -37,7 +37,7 @@ class FullSliding:
         """
         solution = options.solved(problem, start, on)
         if self.coupling is None:
-            return replace(solution, traction=self._traction(solution.pressure, 1))
+            return replace(solution, traction=self.traction(solution.pressure))
         lagged = np.zeros_like(solution.gap)
         iterations, convolutions = solution.iterations, solution.convolutions
         passes, change = 1, np.inf
@@ -65,10 +65,10 @@ class FullSliding:
             convolutions=convolutions,
             residual=max(solution.residual, change),
             note=" ".join(filter(None, (solution.note, f"{passes} passes over the shear."))),
-            traction=self._traction(solution.pressure, passes),
+            traction=self.traction(solution.pressure, passes),
         )
 
-    def _traction(self, pressure: Array, passes: int) -> Traction:
+    def traction(self, pressure: Array, passes: int = 1) -> Traction:
         """Return the traction of full sliding under `pressure` (x, y) [Pa]."""
         shear = np.stack([self.coefficient * pressure, np.zeros_like(pressure)])
         method = "full sliding" if self.coupling is None else "full sliding, shear lagged"

@@ -8,7 +8,7 @@ all layers for each wave: one component is odd in x, the others are even, and mu
 makes the matrices real. Transforms are padded to twice the cells, which is exact.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -19,6 +19,8 @@ from scipy.special import zeta
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 
+# Means of the stresses xx, zz and xz by a traction on one cell, from offsets and edges.
+Kernel = Callable[[Array, Array], tuple[Array, Array, Array]]
 # Derivatives of G by depth of the stress (m) and of the source (n); by x there are 4 - m - n.
 ORDERS = tuple((m, n) for m in range(3) for n in range(3))
 
@@ -103,22 +105,41 @@ def pressed(offsets: Array, edges: Array) -> tuple[Array, Array, Array]:
     `offsets` of the stress from the pressure and `edges` of the layers are in cells. Source: the integrals of Johnson
     (1985), eqs. 2.23, over the cells.
     """
-    x = offsets + np.array([-1.0, 0.0, 1.0])[:, None]
-    x, z = x[:, None, :], edges[:, None]
-    squared = x * x + z * z
-    log = log_distance(squared)
-    angle = np.arctan2(x, z)
-    integrals = (
+    x, z, squared, log, angle = _from_one_cell(offsets, edges)
+    return _means(
+        edges,
         (z * z * log - x * z * angle) / np.pi,
         -x * (z * angle + x * log) / np.pi,
         (squared * angle - x * z) / (2 * np.pi),
     )
+
+
+def sheared(offsets: Array, edges: Array) -> tuple[Array, Array, Array]:
+    """Return means of the stresses xx, zz and xz as :func:`pressed`, under one cell of unit shear along x.
+
+    Source: the integrals of Johnson (1985), eqs. 2.26, over the cells: zz and xz are xz and xx of a pressed cell, and
+    ``xx + zz = -2 x / (pi r^2)`` below a line of force.
+    """
+    x, z, squared, log, angle = _from_one_cell(offsets, edges)
+    by_x = np.sign(x) * np.arctan2(z, np.abs(x))
+    zz = (squared * angle - x * z) / (2 * np.pi)
+    trace = -2 / np.pi * (x * z * log + (z * z * angle + x * x * by_x) / 2)
+    return _means(edges, trace - zz, zz, (z * z * log - x * z * angle) / np.pi)
+
+
+def _from_one_cell(offsets: Array, edges: Array) -> tuple[Array, Array, Array, Array, Array]:
+    """Return x, z, r^2, ln r and the angle from the z axis at the edges of cells, (edge across, edge, x)."""
+    x = (offsets + np.array([-1.0, 0.0, 1.0])[:, None])[:, None, :]
+    z = edges[:, None]
+    squared = x * x + z * z
+    return x, z, squared, log_distance(squared), np.arctan2(x, z)
+
+
+def _means(edges: Array, *integrals: Array) -> tuple[Array, Array, Array]:
+    """Return the means (layers, x) over cells of three stresses, integrated twice over x and once over z."""
     thickness = np.diff(edges)[:, None]
-    means = []
-    for integral in integrals:
-        change = np.diff(integral, axis=1)
-        means.append((change[2] - 2 * change[1] + change[0]) / thickness)
-    xx, zz, xz = means
+    changes = [np.diff(integral, axis=1) for integral in integrals]
+    xx, zz, xz = ((one[2] - 2 * one[1] + one[0]) / thickness for one in changes)
     return xx, zz, xz
 
 
@@ -201,6 +222,10 @@ class PlaneStrainOperator:
         """Return the deviatoric stress (3, layers, x, 1) [Pa] under `pressure` (x, 1) [Pa]."""
         return self.deviator(self._pressed(pressure))
 
+    def stress_of_shear(self, shear: Array) -> Array:
+        """Return the deviatoric stress (3, layers, x, 1) [Pa] under `shear` along x (x, 1) [Pa]."""
+        return self.deviator(self._pressed(shear, sheared))
+
     def stress_of_strain(self, strain: Array) -> Array:
         """Return the deviatoric stress (3, layers, x, 1) [Pa] that plastic `strain` relaxes."""
         stress = self.deviator(self._relaxed(strain))
@@ -209,7 +234,7 @@ class PlaneStrainOperator:
 
     def residual_displacement(self, strain: Array) -> Array:
         """Return the displacement (x, 1) [m] of the unloaded surface into the body by plastic `strain`."""
-        volume, spectrum = self.volume, self._pressure_spectrum
+        volume, spectrum = self.volume, self._spectrum_of(pressed)
         first, last = volume.first, volume.last
         padded = self._padded_grid
         moments = np.zeros((3, volume.shape[0], last))
@@ -220,6 +245,10 @@ class PlaneStrainOperator:
     def tensor_of_pressure(self, pressure: Array) -> Array:
         """Return the stress (6, layers, x, 1) [Pa] under `pressure` (x, 1) [Pa]."""
         return self.tensor(self._pressed(pressure), None)
+
+    def tensor_of_shear(self, shear: Array) -> Array:
+        """Return the stress (6, layers, x, 1) [Pa] under `shear` along x (x, 1) [Pa]."""
+        return self.tensor(self._pressed(shear, sheared), None)
 
     def tensor_of_strain(self, strain: Array) -> Array:
         """Return the residual stress (6, layers, x, 1) [Pa] of plastic `strain` without pressure."""
@@ -264,10 +293,10 @@ class PlaneStrainOperator:
             tensor[1] -= self.moduli.youngs_modulus * BASIS[1, 1] * out_of_plane
         return tensor
 
-    def _pressed(self, pressure: Array) -> Array:
-        """Return the in-plane stress (3, layers, x, 1) [Pa] under `pressure` (x, 1) [Pa]."""
+    def _pressed(self, traction: Array, kind: Kernel = pressed) -> Array:
+        """Return the in-plane stress (3, layers, x, 1) [Pa] under a `traction` (x, 1) [Pa], pressure or shear."""
         padded = self._padded_grid
-        waves = self._pressure_spectrum * fft.rfft(pressure[:, 0], padded)
+        waves = self._spectrum_of(kind) * fft.rfft(traction[:, 0], padded)
         return np.asarray(fft.irfft(waves, padded, axis=-1)[..., self.volume.rows, None])
 
     def _relaxed(self, strain: Array) -> Array:
@@ -288,14 +317,20 @@ class PlaneStrainOperator:
         return np.array(self.volume.edges) / self.volume.grid.cell[0]
 
     @cached_property
-    def _pressure_spectrum(self) -> Array:
-        """Spectrum (3, layers, waves) from pressure to in-plane stress."""
-        volume, padded = self.volume, self._padded_grid
-        offsets = np.arange(volume.first - volume.grid.cells[0] + 1, volume.last)
-        xx, zz, xz = pressed(offsets.astype(np.float64), self.edges_in_cells)
-        around = np.zeros((3, volume.shape[0], padded))
-        around[..., offsets % padded] = np.stack((xx, zz, 2**0.5 * xz))
-        return np.asarray(fft.rfft(around, axis=-1))
+    def _spectra(self) -> dict[Kernel, Array]:
+        """Spectra from tractions on the surface to in-plane stress that were computed so far."""
+        return {}
+
+    def _spectrum_of(self, kind: Kernel) -> Array:
+        """Return the spectrum (3, layers, waves) from a traction, pressure or shear, to in-plane stress."""
+        if kind not in self._spectra:
+            volume, padded = self.volume, self._padded_grid
+            offsets = np.arange(volume.first - volume.grid.cells[0] + 1, volume.last)
+            xx, zz, xz = kind(offsets.astype(np.float64), self.edges_in_cells)
+            around = np.zeros((3, volume.shape[0], padded))
+            around[..., offsets % padded] = np.stack((xx, zz, 2**0.5 * xz))
+            self._spectra[kind] = np.asarray(fft.rfft(around, axis=-1))
+        return self._spectra[kind]
 
     def relaxed_means(self, count: int, layer: int) -> Iterator[tuple[int, int, Array]]:
         """Yield the in-plane stress [Pa] of one `layer` that in-plane strain relaxes, for each pair of components.

@@ -444,19 +444,7 @@ STEEL = cs.HalfSpace(YOUNG, NU)
         (lambda: replace(BODY, poisson_ratio=0.6), r"ElasticPlasticHalfSpace.poisson_ratio is 0.6"),
         (lambda: replace(BODY, hardening_modulus=-1.0), r"hardening_modulus is -1.0: give"),
         (lambda: replace(BODY, kinematic_modulus=-1.0), r"kinematic_modulus is -1.0: give"),
-        (
-            lambda: cs.Scene(LINE, (BODY, cs.CoatedHalfSpace(STEEL, 1e-3, STEEL)), SHAPES),
-            r"Scene.solids\[1\] is a CoatedHalfSpace beside a body that yields",
-        ),
-        (
-            lambda: cs.Scene(LINE, (cs.ViscoelasticHalfSpace(YOUNG, NU), BODY), SHAPES),
-            r"Scene.solids\[0\] is a ViscoelasticHalfSpace beside a body that yields",
-        ),
         (lambda: cs.Scene(LINE, (BODY, RIGID), SHAPES, 1e9), r"Scene.hardness is 1000000000.0"),
-        (
-            lambda: cs.Scene(LINE, (BODY, RIGID), SHAPES, friction=cs.Sliding(0.1)),
-            r"changes in time beside Sliding",
-        ),
         (
             lambda: cs.Scene(LINE, (BODY, RIGID), SHAPES, rolling=cs.Rolling(1.0)),
             r"Scene.rolling is Rolling",

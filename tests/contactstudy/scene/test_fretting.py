@@ -125,7 +125,6 @@ def test_a_rough_contact_closes_its_loop() -> None:
         (lambda: cs.Fretting(MU, (0.1, float("nan"))), "forces"),
         (lambda: cs.Fretting.cycle(MU, 0.1, steps=0), "steps"),
         (lambda: replace(LINE, friction=cs.Fretting(MU, (0.1, -0.3))), "forces"),
-        (lambda: replace(LINE, friction=cs.Fretting(MU, (0.1,)), hardness=1.0), "hardness"),
         (
             lambda: replace(
                 LINE, friction=cs.Fretting(MU, (0.1,)), solids=(BODY, cs.HalfSpace(1.0, 0.1))

@@ -227,7 +227,6 @@ def test_a_solution_without_friction_has_no_shear() -> None:
     ("friction", "other", "named"),
     [
         (cs.PartialSlip(0.3, 3e4), {}, "PartialSlip.tangential"),
-        (cs.PartialSlip(0.3, 1e4), {"hardness": 1e9}, "Scene.hardness"),
         (cs.PartialSlip(0.3, 1e4), {"solids": (STEEL, RIGID)}, "unlike in shear"),
         (
             cs.PartialSlip(0.3, 1e4),

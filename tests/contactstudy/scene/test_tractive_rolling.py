@@ -347,7 +347,6 @@ def test_values_that_cannot_be_say_so(given: dict[str, object], said: str) -> No
 @pytest.mark.parametrize(
     ("other", "said"),
     [
-        ({"hardness": 1e9}, "hardness"),
         ({"load": cs.SineLoad(1e5, 1e4, 1.0)}, "Scene.load changes"),
         ({"wear": cs.Wear(1e-15, 1.0)}, "Scene.wear changes"),
         ({"rolling": cs.Rolling(1.0)}, "Scene.rolling"),

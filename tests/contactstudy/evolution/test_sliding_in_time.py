@@ -1,0 +1,148 @@
+"""Sliding beside what changes: load histories, wear, creep, plastic strain."""
+
+from dataclasses import replace
+from math import pi
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.elasticity.eigenstrain.plane_strain import PlaneStrainOperator
+from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
+from tests.conftest import STEEL
+
+EXACT = cs.ExactPeriodicity()
+RADIUS, LOAD = 0.01, 1e5
+RIGID = cs.HalfSpace(float("inf"), 0.3)
+HISTORY = cs.LoadHistory((0.0, 1.0), (LOAD / 2, LOAD))
+SCENE = cs.Scene(HISTORY, (STEEL, STEEL), (cs.Cylinder(RADIUS),), friction=cs.Sliding(0.25))
+GRID = cs.Grid((64, 1), (6e-4, 1e-3))
+RUBBER = cs.ViscoelasticHalfSpace(1e11, 0.5, ((1e11, 0.5),))
+
+
+def solved(
+    scene: cs.Scene, grid: cs.Grid = GRID, times: tuple[float, ...] = (0.0, 0.5, 1.0)
+) -> cs.Evolution:
+    found = cs.solve(scene, grid, EXACT, times=times)
+    assert isinstance(found, cs.Evolution)
+    return found
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"wear": cs.Wear(1e-15, 0.1)},
+        {"solids": (RUBBER, RIGID)},
+        {"solids": (cs.ElasticPlasticHalfSpace(210e9, 0.3, 1e12), STEEL)},
+    ],
+    ids=["history", "wear", "creep", "yield stress that nothing reaches"],
+)
+def test_between_like_bodies_shear_is_the_coefficient_times_an_unchanged_pressure(
+    changes: dict[str, object],
+) -> None:
+    scene = replace(SCENE, **changes)
+    found, plain = solved(scene), solved(replace(scene, friction=None))
+    np.testing.assert_allclose(found.pressure, plain.pressure, atol=1e-6 * plain.pressure.max())
+    for frame in found.frames:
+        np.testing.assert_array_equal(frame.shear, [0.25 * frame.pressure, 0 * frame.pressure])
+        assert frame.quantities["traction_coefficient"].value == pytest.approx(0.25)
+
+
+def test_between_unlike_bodies_each_instant_is_the_contact_at_rest() -> None:
+    scene = replace(SCENE, solids=(STEEL, RIGID), outputs=(cs.SubsurfaceStress(depths=(5e-5,)),))
+    found = solved(scene)
+    stress = found.to_dataset()["von_mises"]
+    for number, time in enumerate((0.0, 0.5, 1.0)):
+        load = cs.LineLoad(HISTORY.at(time))
+        rest = cs.solve(replace(scene, load=load), GRID, EXACT)
+        worst = np.abs(found.frames[number].pressure - rest.pressure).max()
+        assert worst < 1e-6 * rest.pressure.max()
+        np.testing.assert_allclose(stress[number], rest.derived["von_mises"].values, rtol=1e-5)
+
+
+def test_shear_below_a_pressed_cell_is_the_stress_of_cerruti() -> None:
+    """Means over cells beside points in the middle of cells five times as fine."""
+    fine = cs.Grid((5 * 32, 1), (5 * 32e-6, 1.0))
+    shear = np.repeat(np.r_[np.zeros(10), np.linspace(1, 2, 8), np.zeros(14)], 5)[:, None]
+    edges = (0.0, 5e-6, 15e-6)
+    means = PlaneStrainOperator(
+        Volume(cs.Grid((32, 1), fine.extent), 0, 32, edges), Moduli(2e11, 0.3)
+    ).tensor_of_shear(shear[::5])
+    depths = np.r_[(np.arange(6) + 0.5) * 5e-6 / 6, 5e-6 + (np.arange(6) + 0.5) * 10e-6 / 6]
+    below = cs.SubsurfaceStress(tuple(depths)).of((STEEL, STEEL), fine, (cs.ZeroPadding(), EXACT))
+    points = below.under(np.stack([shear, 0 * shear]))(0 * shear)
+    wanted = points.reshape(6, 2, 6, 32, 5, 1).mean(axis=(2, 4))
+    np.testing.assert_allclose(means, wanted, atol=0.01)
+
+
+def yielding(
+    share: float, place: int, friction: cs.Sliding | None, cells: int = 60
+) -> cs.Evolution:
+    """A steel cylinder whose largest von Mises stress is a `share` of the yield stress of one body."""
+    stress = 5e8
+    modulus = STEEL.youngs_modulus / (1 - 0.3**2) / 2
+    # 0.6093 p0 at a coefficient of 0.25: McEwen's stress, maximised
+    peak = share * stress / 0.6093
+    half_width = 2 * peak * RADIUS / modulus
+    solids: list[cs.HalfSpace | cs.ElasticPlasticHalfSpace] = [STEEL, STEEL]
+    solids[place] = cs.ElasticPlasticHalfSpace(210e9, 0.3, stress, 1e10)
+    load = cs.LoadHistory(
+        (0.0, 1.0), (0.8 * pi * half_width * peak / 2, pi * half_width * peak / 2)
+    )
+    scene = replace(SCENE, load=load, solids=(solids[0], solids[1]), friction=friction)
+    grid = cs.Grid((cells, 1), (3 * half_width, half_width))
+    return solved(scene, grid, (0.0, 1.0))
+
+
+@pytest.mark.parametrize("place", [0, 1])
+def test_sliding_bodies_yield_first_where_the_closed_form_says(place: int) -> None:
+    """At 0.676 half-widths ahead of the axis of the first body, 0.489 deep; behind it in the second."""
+    friction = cs.Sliding(0.25)
+    before = yielding(0.97, place, friction).to_dataset()["equivalent_plastic_strain"]
+    assert before.max() == 0
+    data = yielding(1.05, place, friction).to_dataset()
+    strain = data["equivalent_plastic_strain"].isel(time=-1, y=0)
+    worst = strain.where(strain == strain.max(), drop=True)
+    half_width = data["x"].max().item() / 1.5 * 60 / 59
+    ahead = 1 if place == 0 else -1
+    assert worst["x"].item() / half_width == pytest.approx(0.676 * ahead, abs=0.06)
+    assert worst["z"].item() / half_width == pytest.approx(0.489, abs=0.06)
+
+
+def test_yielding_bodies_that_slide_without_friction_are_those_without_a_law() -> None:
+    smooth, plain = (yielding(1.3, 0, one, 40) for one in (cs.Sliding(0.0), None))
+    np.testing.assert_array_equal(smooth.pressure, plain.pressure)
+
+
+def test_a_coating_like_the_body_and_a_creep_that_takes_for_ever_change_no_plastic_strain() -> None:
+    solid = cs.ElasticPlasticHalfSpace(210e9, 0.3, 3e8, 1e10)
+    scene = replace(SCENE, solids=(solid, STEEL), friction=None)
+    plain = solved(scene, times=(0.0, 1.0)).to_dataset()["equivalent_plastic_strain"]
+    assert plain.max() > 0
+    slow = cs.ViscoelasticHalfSpace(110e9, 0.3, ((100e9, 1e9),))
+    for other in (cs.CoatedHalfSpace(STEEL, 5e-5, STEEL), slow):
+        found = solved(replace(scene, solids=(solid, other)), times=(0.0, 1.0)).to_dataset()
+        strain = found["equivalent_plastic_strain"]
+        np.testing.assert_allclose(strain, plain, atol=1e-4 * float(plain.max()))
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"solids": (replace(RUBBER, poisson_ratio=0.4), RIGID)}, "one creeps: how their coupling"),
+        ({"rolling": cs.Rolling(1.0), "solids": (STEEL, RIGID)}, "or TractiveRolling"),
+        ({"rolling": cs.Rolling(passes=2)}, "has 2 passes beside Sliding"),
+    ],
+)
+def test_what_sliding_is_not_known_beside_is_refused(
+    changes: dict[str, object], sentence: str
+) -> None:
+    with pytest.raises(cs.InvalidInput, match=sentence):
+        replace(SCENE, **({"load": cs.LineLoad(LOAD)} | changes))
+
+
+def test_yielding_and_sliding_take_one_cell_along() -> None:
+    scene = replace(SCENE, solids=(cs.ElasticPlasticHalfSpace(210e9, 0.3, 3e8), STEEL))
+    with pytest.raises(cs.InvalidInput, match=r"Grid\.cells\[1\] is 2"):
+        solved(scene, cs.Grid((16, 2), (6e-4, 1e-3)))

@@ -92,7 +92,10 @@ def yielding(
     )
     scene = replace(SCENE, load=load, solids=(solids[0], solids[1]), friction=friction)
     grid = cs.Grid((cells, 1), (3 * half_width, half_width))
-    return solved(scene, grid, (0.0, 1.0))
+    steps = cs.TimeSteps((0.0, 1.0), step_error=cs.StepError.NONE)
+    found = cs.solve(scene, grid, EXACT, times=steps)
+    assert isinstance(found, cs.Evolution)
+    return found
 
 
 @pytest.mark.parametrize("place", [0, 1])

@@ -254,18 +254,22 @@ class PlasticState:
         before: Array,
         equivalent: Array,
         tolerance: float,
-    ) -> Settled:
+    ) -> ElastoplasticStep:
         """Return pressure and plastic strain at the end of a step.
 
         Shear by sliding makes the problem unsymmetric, so its stress is that of the pressure in the pass before, until
         it stays: a plastic strain changes the pressure little.
         """
         if not self.friction:
-            return solve_elastoplastic_step(bodies, contact, self._tangent, before, equivalent, tolerance)
+            return solve_elastoplastic_step(
+                bodies, contact, self._tangent, before, equivalent, tolerance
+            )
         contacts = [contact(bodies.lift(before))]
         shear, passes = self._sheared(bodies, contacts[0].pressure), 0
         while True:
-            settled = solve_elastoplastic_step(bodies, contact, self._tangent, before, equivalent, tolerance, shear)
+            settled = solve_elastoplastic_step(
+                bodies, contact, self._tangent, before, equivalent, tolerance, shear
+            )
             contacts += settled.contacts
             last, shear = shear, self._sheared(bodies, settled.solution.pressure)
             change = float((np.abs(shear - last) / bodies.law.yield_stress).max(initial=0.0))

@@ -155,6 +155,7 @@ def _array(value: "np.ndarray | np.generic") -> Tree:
         tree["kind"] = kind.__name__
     if isinstance(value, np.ma.MaskedArray):
         tree |= {"mask": _array(np.ma.getmaskarray(value)), "fill": repr(value.fill_value)}
+        tree["hard"] = value.hardmask
         value = value.data
     return tree | {"is": hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()}
 

@@ -4,6 +4,7 @@ Two functions of one file differ by their defaults, by what they close over, and
 constants that they name.
 """
 
+import pickle
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
@@ -65,7 +66,7 @@ class States:
             raise _refused(value, holder) from None
 
     def _seen(self, value: Any, _: str = "") -> Tree:
-        """Return the state of a value that a module or a class has; None for an object that its file makes."""
+        """Return the state of a value that a module or a class has; None for an object that cannot be written."""
         state = self._callable(value, self._seen)
         if state is not None or isinstance(value, ModuleType):
             return state
@@ -82,6 +83,8 @@ class States:
             return self._once(
                 value, "seen", lambda: [self.of_class(kind), self._seen(dict(vars(value)))]
             )
+        with suppress(Exception):  # an object of a library, which may not be written
+            return [f"{kind.__module__}.{kind.__qualname__}", digest(pickle.dumps(value))]
         return None
 
     def _callable(self, value: Any, of: Callable[..., Tree]) -> Tree | None:

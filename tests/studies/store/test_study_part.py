@@ -161,7 +161,7 @@ def test_an_edit_of_what_only_people_see_is_none(edit: str, tmp_path: Path) -> N
     "constant",
     [
         "float({})",
-        "[float({})]",
+        "np.polynomial.Polynomial([float({})])",
         "{{'k': float({})}}",
         "np.array([float({})])",
         "Thing(float({}))",

@@ -264,7 +264,7 @@ class PlasticState:
             return solve_elastoplastic_step(
                 bodies, contact, self._tangent, before, equivalent, tolerance
             )
-        contacts = [contact(bodies.lift(before))]
+        contacts = [contact(bodies.residual_displacement(before))]
         shear, passes = self._sheared(bodies, contacts[0].pressure), 0
         while True:
             settled = solve_elastoplastic_step(

@@ -4,46 +4,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contactstudy.accuracy.discretisation import axis_first
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
+from contactstudy.domain.grid import Grid, on_cells
 from contactstudy.problem.problem import Problem, Source
 from contactstudy.solvers.solution import Solution
 from contactstudy.solvers.solve import SolveOptions
-
-
-def on_cells(field: Array, cells: tuple[int, int]) -> Array:
-    """Return the means of a field over the cells of another grid of the same extent.
-
-    Parameters
-    ----------
-    field
-        Values (x, y), constant in each cell.
-    cells
-        Number of cells (across, along) of the other grid.
-    """
-    for axis, count in enumerate(cells):
-        along = axis_first(field, axis)
-        present = len(along)
-        if present == count:
-            continue
-        if count % present == 0:
-            field = axis_first(np.repeat(along, count // present, axis=0), axis)
-            continue
-        if present % count == 0:
-            merged = present // count
-            sums = sum((along[k::merged] for k in range(1, merged)), start=along[::merged])
-            field = axis_first(sums / merged, axis)
-            continue
-        # the integral up to each border of the new cells, which is linear inside a given cell
-        sums = np.concatenate([np.zeros((1, along.shape[1])), np.cumsum(along, axis=0)])
-        border = np.arange(count + 1) * (present / count)
-        full_cells = np.minimum(border.astype(int), present - 1)
-        integral = sums[full_cells] + (border - full_cells)[:, None] * along[full_cells]
-        field = axis_first(np.diff(integral, axis=0) * (count / present), axis)
-    return field
-
 
 # Tolerance of the coarse solution, whose difference needs two digits.
 TOLERANCE = 1e-4

@@ -22,7 +22,8 @@ from contactstudy.domain.checks import (
 from contactstudy.domain.fields import Array
 from contactstudy.domain.units import Metres
 
-LONGEST = 1e9  # times as long as wide
+# Largest ratio of the sides of a cell.
+LARGEST_ELONGATION = 1e9
 
 
 @suggest_fields
@@ -63,9 +64,9 @@ class Grid:
         object.__setattr__(self, "cells", cells)
         object.__setattr__(self, "extent", extent)
         elongation = self.cell[1] / self.cell[0]
-        if not 1 / LONGEST <= elongation <= LONGEST:
+        if not 1 / LARGEST_ELONGATION <= elongation <= LARGEST_ELONGATION:
             raise InvalidInput(
-                f"Grid.extent is {extent!r}: give lengths whose cells are no more than {LONGEST:g} times as "
+                f"Grid.extent is {extent!r}: give lengths whose cells are no more than {LARGEST_ELONGATION:g} times as "
                 f"long as wide, or as wide as long; these are {elongation:g} times as long."
             )
 
@@ -251,3 +252,40 @@ def across_and_along(padding: Padding | Paddings) -> Paddings:
             "tuple of two, (across, along)."
         )
     return both
+
+
+def on_cells(field: Array, cells: tuple[int, int]) -> Array:
+    """Return the means of a field over the cells of another grid of the same extent.
+
+    Parameters
+    ----------
+    field
+        Values (x, y), constant in each cell.
+    cells
+        Number of cells (across, along) of the other grid.
+    """
+    for axis, count in enumerate(cells):
+        along = _turned(field, axis)
+        present = len(along)
+        if present == count:
+            continue
+        if count % present == 0:
+            field = _turned(np.repeat(along, count // present, axis=0), axis)
+            continue
+        if present % count == 0:
+            merged = present // count
+            sums = sum((along[k::merged] for k in range(1, merged)), start=along[::merged])
+            field = _turned(sums / merged, axis)
+            continue
+        # the integral up to each border of the new cells, which is linear inside a given cell
+        sums = np.concatenate([np.zeros((1, along.shape[1])), np.cumsum(along, axis=0)])
+        border = np.arange(count + 1) * (present / count)
+        full_cells = np.minimum(border.astype(int), present - 1)
+        integral = sums[full_cells] + (border - full_cells)[:, None] * along[full_cells]
+        field = _turned(np.diff(integral, axis=0) * (count / present), axis)
+    return field
+
+
+def _turned(field: Array, axis: int) -> Array:
+    """Return a `field` (x, y) with its `axis` first; done twice, it is the field again."""
+    return field.T if axis else field

@@ -29,7 +29,7 @@ HOLES = 2
 # Weights below so many roundings of the largest are noise of a transform.
 ROUNDINGS = 100
 # Cells whose sides differ by a factor of more make no blocks of 2 x 2.
-LONGEST = 4.0
+ELONGATED = 4.0
 
 
 class ExactInverse:
@@ -139,7 +139,7 @@ class SpectralInverse:
         if compiled_loops(self._cells) is None or nx % 4 or ny % 4:
             return None
         elongation = float(spectrum[0, -1]) / float(spectrum[nx // 2, 0])
-        if not 1 / LONGEST < elongation < LONGEST:
+        if not 1 / ELONGATED < elongation < ELONGATED:
             return None
         low = np.concatenate([spectrum[: nx // 4, :], spectrum[nx - nx // 4 :, :]])
         return SpectralInverse(

@@ -25,7 +25,7 @@ from contactstudy.scene.scene import PosedScene
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
 from contactstudy.solvers.fretting_traction import FrettingTraction
 from contactstudy.solvers.rolling_traction import RollingTraction
-from contactstudy.solvers.solution import BRANCHES, CohesiveTraction, Solution, Status, Traction
+from contactstudy.solvers.solution import Branch, CohesiveTraction, Solution, Status, Traction
 
 if TYPE_CHECKING:
     from contactstudy.evolution.evolution import Trajectory
@@ -234,12 +234,13 @@ def _attracted(adhesion: CohesiveTraction | None) -> dict[str, xr.Variable]:
     """Return the attraction, and the history that the state belongs to as a CF flag; empty without adhesion."""
     if adhesion is None:
         return {}
-    branches = [branch.replace(" ", "_") for branch in BRANCHES]
+    known = [branch.value for branch in Branch]
+    branches = [branch.replace(" ", "_") for branch in known]
     return {
         "attraction": labelled(
             ("x", "y"), adhesion.traction, "Pa", "attraction between the bodies"
         ),
-        "branch": flags((), BRANCHES.index(adhesion.branch), branches, "history of the state"),
+        "branch": flags((), known.index(adhesion.branch), branches, "history of the state"),
     }
 
 

@@ -8,14 +8,14 @@ from time import process_time
 import numpy as np
 from scipy import fft
 
-from contactstudy.accuracy.coarser import halved, on_cells
+from contactstudy.accuracy.coarser import halved
 from contactstudy.accuracy.estimate import SHARP_EDGE
 from contactstudy.accuracy.evidence import LEAST, SMOOTH, STEP, Judged, judged
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import Cpu, Device
 from contactstudy.domain.errors import ErrorEstimate
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid, Padding, Paddings
+from contactstudy.domain.grid import Grid, Padding, Paddings, on_cells
 from contactstudy.domain.reuse import ArrayStore, open_store, reusing
 from contactstudy.planning.grid_requirements import ROOM, Needs, needs_of
 from contactstudy.planning.grid_search import GridForecast, affordable, contact_width

@@ -21,7 +21,9 @@ from contactstudy.scene.load import ChangingLoad
 from contactstudy.scene.shapes.roller import Sphere
 from contactstudy.scene.shapes.shape import Shape
 from contactstudy.scene.sought_load import Approach
-from contactstudy.solvers.adhesion import Adhesive, Branch, CohesiveLaw, Dugdale, Exponential
+from contactstudy.solvers.adhesion import Adhesive
+from contactstudy.solvers.cohesive_law import CohesiveLaw, Dugdale, Exponential
+from contactstudy.solvers.solution import Branch
 
 LAWS: dict[str, type[Exponential] | type[Dugdale]] = {
     "exponential": Exponential,

@@ -14,16 +14,11 @@ The traction that a plain pass makes grows with the one that it begins with. Fro
 least adhesive state, that of bodies which approach from afar; from the largest traction everywhere they fall to the most
 adhesive one, that of bodies which leave full contact.
 
-Source: Tao & Hoai An (1997), Acta Math. Vietnam. 22, 289 (difference of convex functions); Walker & Ni (2011), eq. 2.2
-(mixing); Xu & Needleman (1994) (exponential law); Maugis (1992) (Dugdale's law).
+Source: Tao & Hoai An (1997), Acta Math. Vietnam. 22, 289 (difference of convex functions).
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from enum import Enum
-from itertools import pairwise
 from math import inf
-from typing import Protocol
 
 import numpy as np
 
@@ -31,7 +26,9 @@ from contactstudy.domain.device import Device
 from contactstudy.domain.fields import Array, dot
 from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Problem
-from contactstudy.solvers.solution import CohesiveTraction, Solution, Status
+from contactstudy.solvers.anderson import anderson_mixture
+from contactstudy.solvers.cohesive_law import CohesiveLaw
+from contactstudy.solvers.solution import Branch, CohesiveTraction, Solution, Status
 from contactstudy.solvers.solve import SolveOptions
 
 # Change of the traction in the last pass over its sum, in tolerances of the contact.
@@ -44,95 +41,6 @@ PLAIN = 2
 UNFELT = 1e-3
 # Traction at an open edge over the largest, above which the attraction that is cut off there matters.
 EDGE = 1e-3
-
-
-class CohesiveLaw(Protocol):
-    """Attraction between two surfaces as a function of their gap, which it falls with."""
-
-    @property
-    def range(self) -> float:
-        """Work of adhesion over the largest traction [m]."""
-        ...
-
-    @property
-    def strength(self) -> float:
-        """Largest traction [Pa], that of surfaces in contact."""
-        ...
-
-    def traction(self, gap: Array) -> Array:
-        """Return the traction [Pa] at a `gap` [m]."""
-        ...
-
-    def remaining_work(self, gap: Array) -> Array:
-        """Return the work [J/m^2] to separate surfaces from a `gap` [m]: the integral of the traction beyond it."""
-        ...
-
-
-@dataclass(frozen=True)
-class Exponential:
-    """Cohesive law ``sigma = w / rho exp(-g / rho)`` with the work of adhesion w [J/m^2] and the range rho [m]."""
-
-    work: float
-    range: float
-
-    @property
-    def strength(self) -> float:
-        """Largest traction [Pa], ``w / rho``."""
-        return self.work / self.range
-
-    def traction(self, gap: Array) -> Array:
-        """Return the traction [Pa] at a `gap` [m]."""
-        return self.strength * np.exp(np.maximum(gap, 0) / -self.range)
-
-    def remaining_work(self, gap: Array) -> Array:
-        """Return the work [J/m^2] to separate surfaces from a `gap` [m]."""
-        return self.work * np.exp(np.maximum(gap, 0) / -self.range)
-
-
-# Half the width of the fall of Dugdale's law, over its range: a sharp one would be trapped between two cells.
-RAMP = 0.1
-
-
-@dataclass(frozen=True)
-class Dugdale:
-    """Cohesive law of Dugdale: the traction ``w / rho`` up to the range rho [m], which falls to 0 over a fifth of it.
-
-    Source: Maugis (1992), J. Colloid Interface Sci. 150, 243, there with a sharp fall.
-    """
-
-    work: float
-    range: float
-
-    @property
-    def strength(self) -> float:
-        """Largest traction [Pa], ``w / rho``."""
-        return self.work / self.range
-
-    def traction(self, gap: Array) -> Array:
-        """Return the traction [Pa] at a `gap` [m]."""
-        share = np.clip(self._remaining(gap) / (2 * RAMP), 0, 1)
-        return np.asarray(self.strength * share)
-
-    def remaining_work(self, gap: Array) -> Array:
-        """Return the work [J/m^2] to separate surfaces from a `gap` [m]."""
-        remaining = np.maximum(self._remaining(np.maximum(gap, 0)), 0)
-        on_ramp = np.minimum(remaining, 2 * RAMP)
-        return self.work * (remaining - on_ramp + on_ramp**2 / (4 * RAMP))
-
-    def _remaining(self, gap: Array) -> Array:
-        """Return the distance to the gap without traction, over the range."""
-        return np.asarray(1 + RAMP - gap / self.range)
-
-
-class Branch(Enum):
-    """History of an adhesive contact, which decides between several states of equilibrium."""
-
-    #: Bodies that approach from afar: the least adhesive state.
-    FROM_AFAR = "from afar"
-    #: Bodies that leave full contact: the most adhesive state.
-    FROM_FULL_CONTACT = "from full contact"
-    #: Bodies that come from the state before.
-    CONTINUED = "continued"
 
 
 @dataclass(frozen=True, eq=False)
@@ -331,7 +239,10 @@ class _Passes:
             changes = [*changes, state.following - state.traction][-self.depth - 1 :]
             plain -= 1
             mixed = plain < 0 and len(changes) > 1
-            traction = self._mixture(tractions, changes) if mixed else state.following
+            traction = state.following
+            if mixed:
+                mixture = anderson_mixture(tractions, changes)
+                traction = np.clip(mixture, 0, self.law.strength)
 
     def _slight(self) -> bool:
         """Return whether the largest traction everywhere is too little to be felt: one pass may be all there is."""
@@ -393,39 +304,18 @@ class _Passes:
         relative = change / total if total else change
         return _State(contact, traction, pulled, following, relative, energy, cohesion)
 
-    def _mixture(self, tractions: Sequence[Array], changes: Sequence[Array]) -> Array:
-        """Return the combination of tractions with the smallest change, changed by that, within the law's limits."""
-        between = np.stack([(b - a).ravel() for a, b in pairwise(changes)], axis=1)
-        moves = np.stack([(b - a).ravel() for a, b in pairwise(tractions)], axis=1)
-        share = np.linalg.lstsq(between, changes[-1].ravel(), rcond=1e-8)[0]
-        mixture = (
-            tractions[-1] + changes[-1] - ((moves + between) @ share).reshape(tractions[-1].shape)
-        )
-        return np.clip(mixture, 0, self.law.strength)
-
     def _ended(self, adhesive: Adhesive, state: _State) -> Solution:
         """Return the solution of the last `state`."""
         contact, problem = state.contact, self.problem
-        shares = _edge_share(state.traction, problem)
+        edge = _edge_share(state.traction, problem)
         residual = max(contact.residual, state.change / CHANGE)
         status = contact.status
         if status is Status.CONVERGED and residual > self.options.tolerance:
             status = Status.ITERATION_LIMIT
         elif status is Status.CONVERGED and not contact.pressure.any():
             status = Status.DETACHED
-        elif status is Status.CONVERGED and shares > EDGE:
+        elif status is Status.CONVERGED and edge > EDGE:
             status = Status.ATTRACTION_AT_EDGE
-        part = CohesiveTraction(
-            traction=state.traction,
-            branch=adhesive.branch.value,
-            energies=tuple(self.energies),
-            cells_in_zone=adhesive.cells_in_zone,
-            tabor=adhesive.tabor,
-            regularised=adhesive.regularised,
-            edge_share=shares,
-            passes=self.count,
-            range=self.law.range,
-        )
         return replace(
             contact,
             problem=problem,
@@ -434,24 +324,13 @@ class _Passes:
             iterations=self.iterations,
             convolutions=self.convolutions,
             residual=residual,
-            adhesion=part,
+            adhesion=self._part(adhesive, state.traction, tuple(self.energies), edge),
         )
 
     def _detached(self, adhesive: Adhesive, last: _State | None) -> Solution:
         """Return the bodies far apart: no traction carries the load."""
         problem = self.problem
         nothing = np.zeros_like(problem.undeformed_gap)
-        part = CohesiveTraction(
-            traction=nothing,
-            branch=adhesive.branch.value,
-            energies=(0.0,),
-            cells_in_zone=adhesive.cells_in_zone,
-            tabor=adhesive.tabor,
-            regularised=adhesive.regularised,
-            edge_share=0.0,
-            passes=self.count,
-            range=self.law.range,
-        )
         return Solution(
             problem=problem,
             pressure=nothing,
@@ -462,7 +341,23 @@ class _Passes:
             iterations=self.iterations,
             convolutions=self.convolutions,
             residual=0.0,
-            adhesion=part,
+            adhesion=self._part(adhesive, nothing, (0.0,), 0.0),
+        )
+
+    def _part(
+        self, adhesive: Adhesive, traction: Array, energies: tuple[float, ...], edge: float
+    ) -> CohesiveTraction:
+        """Return the part of a solution that adhesion adds; `edge` is the traction at open edges over the largest."""
+        return CohesiveTraction(
+            traction=traction,
+            branch=adhesive.branch.value,
+            energies=energies,
+            cells_in_zone=adhesive.cells_in_zone,
+            tabor=adhesive.tabor,
+            regularised=adhesive.regularised,
+            edge_share=edge,
+            passes=self.count,
+            range=self.law.range,
         )
 
 

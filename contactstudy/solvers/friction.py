@@ -8,12 +8,13 @@ from contactstudy.domain.device import Device
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.tangential import Correlated, ShearResponse
 from contactstudy.problem.problem import Problem
+from contactstudy.solvers.lagged import solve_coupled
 from contactstudy.solvers.partial_slip import slip_step
 from contactstudy.solvers.solution import Solution, Status, Traction
 from contactstudy.solvers.solve import SolveOptions
 
 # Errors fall by at least 1.7 from one pass to the next where both bodies are elastic and friction is below 1.
-MOST_PASSES = 200
+MAX_PASSES = 200
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,36 +36,21 @@ class FullSliding:
         The coupling is odd, so that it has no place in a symmetric operator: its displacement is added to the gap. The
         pass is the last whose own shear changes the gap by less than the tolerance.
         """
-        solution = options.solved(problem, start, on)
-        if self.coupling is None:
+        coupling = self.coupling
+        if coupling is None:
+            solution = options.solved(problem, start, on)
             return replace(solution, traction=self.traction(solution.pressure))
-        lagged = np.zeros_like(solution.gap)
-        iterations, convolutions = solution.iterations, solution.convolutions
-        passes, change = 1, np.inf
-        while True:
-            displacement = self.coefficient * self.coupling(solution.pressure)
-            convolutions += 1
-            change = uneven_change(displacement - lagged, solution.pressure) / problem.scales.gap
-            if change <= options.tolerance or passes == MOST_PASSES or not np.isfinite(change):
-                break
-            lagged = displacement
-            shifted = replace(problem, undeformed_gap=problem.undeformed_gap + lagged)
-            solution = options.solved(shifted, solution.pressure, on)
-            iterations += solution.iterations
-            convolutions += solution.convolutions
+        passes = 0
+
+        def lagged(pressure: Array) -> Array:
+            nonlocal passes
             passes += 1
-        status = solution.status
-        if status is Status.CONVERGED and not change <= options.tolerance:
-            status = Status.STALLED
+            return self.coefficient * coupling(pressure)
+
+        solution = solve_coupled(problem, lagged, options, start, on, MAX_PASSES)
         return replace(
             solution,
-            problem=problem,
-            displacement=solution.displacement + lagged,
-            status=status,
-            iterations=iterations,
-            convolutions=convolutions,
-            residual=max(solution.residual, change),
-            note=" ".join(filter(None, (solution.note, f"{passes} passes over the shear."))),
+            convolutions=solution.convolutions + passes,
             traction=self.traction(solution.pressure, passes),
         )
 
@@ -73,15 +59,6 @@ class FullSliding:
         shear = np.stack([self.coefficient * pressure, np.zeros_like(pressure)])
         method = "full sliding" if self.coupling is None else "full sliding, shear lagged"
         return Traction(shear, np.zeros(pressure.shape, dtype=bool), method, passes)
-
-
-def uneven_change(change: Array, pressure: Array) -> float:
-    """Return the effect of a `change` of the gap: its largest deviation in the contact from its mean there."""
-    touching = pressure > 0
-    if not touching.any():
-        return 0.0
-    within = change[touching]
-    return float(np.abs(within - within.mean()).max())
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,12 +2,13 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
 
+from contactstudy.domain.device import Device
 from contactstudy.domain.fields import Array
 from contactstudy.problem.problem import Problem
+from contactstudy.solvers.anderson import anderson_mixture
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions
 
@@ -66,7 +67,7 @@ def solve_lagged(
 
     Returns
     -------
-    Settled
+    LaggedSolution
         The last solution and what it took.
     """
     mixed: list[Array] = []
@@ -91,21 +92,74 @@ def solve_lagged(
             return LaggedSolution(solution, np.inf, passes, iterations, convolutions)
         step = solution.pressure - guess
         last_change = float(np.abs(step).sum() / solution.pressure.sum())
-        settled = last_change <= change and solution.residual <= options.tolerance
-        if settled or passes == max_passes:
-            if not settled:
+        converged = last_change <= change and solution.residual <= options.tolerance
+        if converged or passes == max_passes:
+            if not converged:
                 solution = replace(solution, status=Status.ITERATION_LIMIT)
             return LaggedSolution(solution, last_change, passes, iterations, convolutions)
         mixed, steps = [*mixed[-DEPTH:], guess], [*steps[-DEPTH:], step]
-        guess = _mixed(mixed, steps)
+        guess = anderson_mixture(mixed, steps)
 
 
-def _mixed(guesses: list[Array], steps: list[Array]) -> Array:
-    """Return the combination of guesses with the smallest step, moved by that step."""
-    step = steps[-1]
-    if len(steps) == 1:
-        return guesses[-1] + step
-    changes = np.stack([(after - before).ravel() for before, after in pairwise(steps)])
-    moves = np.stack([(after - before).ravel() for before, after in pairwise(guesses)])
-    share = np.linalg.lstsq(changes.T, step.ravel(), rcond=1e-12)[0]
-    return guesses[-1] + step - np.reshape(share @ (moves + changes), step.shape)
+def solve_coupled(
+    problem: Problem,
+    lagged: Callable[[Array], Array],
+    options: SolveOptions,
+    start: Array | None,
+    on: Device,
+    max_passes: int,
+) -> Solution:
+    """Return the solution of a problem whose gap also changes by a displacement that is weakly coupled to its pressure.
+
+    Each pass adds the displacement of the pass before to the gap. The passes end where that of a pass changes the gap by
+    less than the tolerance; the status is :attr:`~contactstudy.Status.STALLED` where they do not.
+
+    Parameters
+    ----------
+    problem
+        The contact in SI units, without the displacement.
+    lagged
+        Map from pressure (x, y) [Pa] to the displacement (x, y) [m], called once in each pass.
+    options, start, on
+        Method and tolerance of each solve, pressure [Pa] to begin with, and device.
+    max_passes
+        Limit of the number of passes.
+    """
+    solution = options.solved(problem, start, on)
+    if not solution.pressure.any():
+        return solution
+    iterations, convolutions, passes = solution.iterations, solution.convolutions, 1
+    added: Array = np.zeros_like(solution.gap)
+    while True:
+        displacement = lagged(solution.pressure)
+        change = uneven_change(displacement - added, solution.pressure) / problem.scales.gap
+        if change <= options.tolerance or passes == max_passes or not np.isfinite(change):
+            break
+        added = displacement
+        lowered = replace(problem, undeformed_gap=problem.undeformed_gap + added)
+        solution = options.solved(lowered, solution.pressure, on)
+        iterations += solution.iterations
+        convolutions += solution.convolutions
+        passes += 1
+    status = solution.status
+    if status is Status.CONVERGED and not change <= options.tolerance:
+        status = Status.STALLED
+    return replace(
+        solution,
+        problem=problem,
+        displacement=solution.displacement + added,
+        status=status,
+        residual=max(solution.residual, change),
+        iterations=iterations,
+        convolutions=convolutions,
+        note=" ".join(filter(None, (solution.note, f"{passes} passes over the shear."))),
+    )
+
+
+def uneven_change(change: Array, pressure: Array) -> float:
+    """Return the effect of a `change` of the gap: its largest deviation in the contact from its mean there."""
+    touching = pressure > 0
+    if not touching.any():
+        return 0.0
+    within = change[touching]
+    return float(np.abs(within - within.mean()).max())

@@ -117,8 +117,15 @@ class Traction:
     passes: int
 
 
-# Histories that a state with adhesion may belong to, in words.
-BRANCHES = ("from afar", "from full contact", "continued")
+class Branch(Enum):
+    """History of an adhesive contact, which decides between several states of equilibrium."""
+
+    #: Bodies that approach from afar: the least adhesive state.
+    FROM_AFAR = "from afar"
+    #: Bodies that leave full contact: the most adhesive state.
+    FROM_FULL_CONTACT = "from full contact"
+    #: Bodies that come from the state before.
+    CONTINUED = "continued"
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,11 +21,11 @@ import numpy as np
 
 from contactstudy.domain.device import Device
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
+from contactstudy.domain.grid import Grid, on_cells
 from contactstudy.elasticity.tangential import Correlated, ShearResponse
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.coulomb_newton import CoulombNewton
-from contactstudy.solvers.friction import uneven_change
+from contactstudy.solvers.lagged import solve_coupled
 from contactstudy.solvers.rolling_traction import Creepage, RollingTraction
 from contactstudy.solvers.slip import RollingSlip
 from contactstudy.solvers.solution import Solution, Status, Traction
@@ -36,7 +36,7 @@ COARSEST = 24
 # Residual on coarser grids, whose own error is larger.
 COARSE_TOLERANCE = 1e-3
 # Passes between pressure and shear of unlike bodies; solves for a given tangential force.
-MOST_PASSES, MOST_FORCES = 60, 40
+MAX_PASSES, MAX_FORCES = 60, 40
 # Distance [cells] within which the edge of stick is found.
 EDGE = 0.3
 # A cell sticks whose shear is below the limit by more than this share.
@@ -107,46 +107,41 @@ class TractiveShear:
         self, problem: Problem, options: SolveOptions, start: Array | None, on: Device
     ) -> Solution:
         """Return the normal contact with its shear; for unlike bodies again until neither changes the other."""
-        normal = options.solved(problem, start, on)
-        if normal.status is Status.NO_ADMISSIBLE_PRESSURE or not normal.pressure.any():
+        rolled: SteadyShear | None = None
+        applications, convolutions = 0, 0.0
+
+        def lagged(pressure: Array) -> Array:
+            """Return the change of the gap by the shear that belongs to a pressure."""
+            nonlocal rolled, applications, convolutions
+            rolled = self.steady(problem.grid, pressure, options, rolled)
+            applications += rolled.applications
+            convolutions += rolled.convolutions
+            if self.coupling is None:
+                return np.zeros_like(pressure)
+            convolutions += 2
+            return self.coupling.gap(rolled.shear)
+
+        if self.coupling is not None:
+            normal = solve_coupled(problem, lagged, options, start, on, MAX_PASSES)
+        else:
+            normal = options.solved(problem, start, on)
+            if normal.pressure.any():
+                lagged(normal.pressure)
+        if rolled is None:
             nothing = np.zeros((2, *normal.pressure.shape))
             stick = np.zeros(normal.pressure.shape, dtype=bool)
             return replace(normal, traction=Traction(nothing, stick, "tractive rolling", 0))
-        rolled = self.settled(problem.grid, normal.pressure, options)
-        iterations, convolutions = normal.iterations, normal.convolutions
-        passes, change, lagged = 1, 0.0, np.zeros_like(normal.gap)
-        while self.coupling is not None:
-            convolutions += rolled.convolutions + 2
-            iterations += rolled.applications
-            displacement = self.coupling.gap(rolled.shear)
-            change = uneven_change(displacement - lagged, normal.pressure) / problem.scales.gap
-            if change <= options.tolerance or passes == MOST_PASSES or not np.isfinite(change):
-                break
-            lagged = displacement
-            shifted = replace(problem, undeformed_gap=problem.undeformed_gap + lagged)
-            normal = options.solved(shifted, normal.pressure, on)
-            iterations += normal.iterations
-            convolutions += normal.convolutions
-            rolled = self.settled(problem.grid, normal.pressure, options, rolled)
-            passes += 1
-        else:
-            convolutions += rolled.convolutions
-            iterations += rolled.applications
-        residual = max(normal.residual, rolled.residual, change)
         status = normal.status
-        if status is Status.CONVERGED and not residual <= options.tolerance:
+        if status is Status.CONVERGED and not rolled.residual <= options.tolerance:
             limited = rolled.applications >= options.max_iterations
             status = Status.ITERATION_LIMIT if limited else Status.STALLED
-        said = f"{passes} passes over the shear." if self.coupling is not None else ""
         return replace(
             normal,
-            problem=problem,
-            displacement=normal.displacement + lagged,
             status=status,
-            residual=residual,
-            iterations=iterations,
-            convolutions=convolutions,
-            note=" ".join(filter(None, (normal.note, said, self.note))),
+            residual=max(normal.residual, rolled.residual),
+            iterations=normal.iterations + applications,
+            convolutions=normal.convolutions + convolutions,
+            note=" ".join(filter(None, (normal.note, self.note))),
             traction=self._traction(problem.grid, normal.pressure, rolled),
         )
 
@@ -171,7 +166,7 @@ class TractiveShear:
             creepage_given=self.share is None,
         )
 
-    def settled(
+    def steady(
         self, grid: Grid, pressure: Array, options: SolveOptions, last: "SteadyShear | None" = None
     ) -> "SteadyShear":
         """Return the steady state under `pressure` (x, y), from the `last` one or from those on coarser grids."""
@@ -185,7 +180,7 @@ class TractiveShear:
         found = None
         for one in [grid] if last is not None else coarser_grids(grid):
             fine = one is grid
-            limit = resampled(self.coefficient * pressure, one.cells)
+            limit = on_cells(self.coefficient * pressure, one.cells)
             limit = np.where(limit < 1e-12 * limit.max(), 0, limit)
             slip = RollingSlip(self.respond(one), np.copysign(one.cell[0], self.speed))
             rolled = CoulombNewton(slip, limit)
@@ -239,7 +234,7 @@ class TractiveShear:
         below, above = -np.inf, np.inf
         known: list[tuple[float, float]] = []
         guess = creepage.longitudinal or rolled.saturation * _straight(wanted)
-        for _ in range(MOST_FORCES):
+        for _ in range(MAX_FORCES):
             mismatch = known[-1][1] - _straight(wanted) if known else 1.0
             state = steady(
                 replace(creepage, longitudinal=guess),
@@ -315,18 +310,4 @@ def coarser_grids(grid: Grid) -> list[Grid]:
 
 def on_grid(field: Array, grid: Grid) -> Array:
     """Return a `field` (component, x, y) on another grid of the same extent, by its means over the cells."""
-    return np.stack([resampled(component, grid.cells) for component in field])
-
-
-def resampled(field: Array, cells: tuple[int, int]) -> Array:
-    """Return the means of a `field` (x, y), constant in each cell, over the cells of another grid of its extent."""
-    for axis, count in enumerate(cells):
-        known = field.shape[axis]
-        if known != count:
-            sums = np.insert(np.cumsum(field, axis), 0, 0, axis)
-            edges = np.linspace(0, known, count + 1)
-            below = np.minimum(edges.astype(int), known - 1)
-            part = np.expand_dims(edges - below, 1 - axis)
-            at_edges = sums.take(below, axis) * (1 - part) + sums.take(below + 1, axis) * part
-            field = np.diff(at_edges, axis=axis) * (count / known)
-    return field
+    return np.stack([on_cells(component, grid.cells) for component in field])

@@ -6,10 +6,10 @@ import numpy as np
 import xarray as xr
 
 import contactstudy as cs
-from contactstudy.accuracy.coarser import on_cells
 from contactstudy.accuracy.contact_edge import corrected_pressure, half_widths
 from contactstudy.domain.checks import positive, whole
 from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import on_cells
 from studies.model.axis import Axis, one_of
 from studies.model.case import Case, error_estimates, numbers
 from studies.model.outcome import CaseStatus

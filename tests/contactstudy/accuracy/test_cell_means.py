@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from contactstudy.accuracy.coarser import on_cells
+from contactstudy.domain.grid import on_cells
 
 
 def test_means_on_fewer_and_on_more_cells() -> None:

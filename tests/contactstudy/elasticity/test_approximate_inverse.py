@@ -7,7 +7,7 @@ from contactstudy.domain.device import using
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity import convolution
 from contactstudy.elasticity.approximate_inverse import (
-    LONGEST,
+    ELONGATED,
     BlockExtension,
     ExactInverse,
     SpectralInverse,
@@ -55,7 +55,7 @@ def blocks(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> b
 
 
 def by_blocks(shape: tuple[int, int], elongation: float) -> bool:
-    return shape[0] % 4 == shape[1] % 4 == 0 and 1 / LONGEST < elongation < LONGEST
+    return shape[0] % 4 == shape[1] % 4 == 0 and 1 / ELONGATED < elongation < ELONGATED
 
 
 @pytest.mark.parametrize(("shape", "elongation"), CASES, ids=str)

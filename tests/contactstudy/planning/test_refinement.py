@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.accuracy.coarser import on_cells
+from contactstudy.domain.grid import on_cells
 from contactstudy.planning.refinement import Refined, solve_to
 from tests.conftest import LineContact
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.solvers.adhesion import Dugdale, Exponential
+from contactstudy.solvers.cohesive_law import Dugdale, Exponential
 
 SOFT, RIGID = cs.HalfSpace(1.0, 0.0), cs.HalfSpace(inf, 0.3)
 LINE = cs.ExactPeriodicity()

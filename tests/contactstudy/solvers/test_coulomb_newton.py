@@ -91,6 +91,6 @@ def test_a_finite_roller_takes_no_more_applications_than_promised(
     pressure = cs.solve(
         cs.Scene(scene.load, scene.solids, shapes).problem(grid, FREE), tolerance=1e-6
     ).pressure
-    state = problem.friction.settled(grid, pressure, cs.SolveOptions(1e-6))
+    state = problem.friction.steady(grid, pressure, cs.SolveOptions(1e-6))
     assert state.residual <= 1e-6
     assert state.convolutions / 2 <= 75

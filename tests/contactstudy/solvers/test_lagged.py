@@ -1,4 +1,4 @@
-"""A lagged part that is linear: what it settles to, and in how many passes, by hand."""
+"""Displacement that is lagged into the gap: its fixed point, and passes that do not reach it."""
 
 from dataclasses import replace
 
@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.solvers.lagged import _mixed, solve_lagged
+from contactstudy.solvers import friction
+from contactstudy.solvers.anderson import anderson_mixture
+from contactstudy.solvers.lagged import solve_lagged
 from tests.conftest import LineContact
 
 
@@ -54,8 +56,37 @@ def test_of_a_linear_map_the_mixture_of_as_many_guesses_as_unknowns_is_its_fixed
     steps = []
     for _ in range(3):
         steps.append(matrix @ guesses[-1] + constant - guesses[-1])
-        guesses.append(_mixed(guesses, steps))
+        guesses.append(anderson_mixture(guesses, steps))
     # the first is a plain step
     assert guesses[1] == pytest.approx(constant)
     assert guesses[3] == pytest.approx(fixed)
     assert guesses[2] != pytest.approx(fixed)
+
+
+UNLIKE = cs.Scene(
+    cs.LineLoad(1e5),
+    (cs.HalfSpace(210e9, 0.3), cs.HalfSpace(70e9, 0.33)),
+    (cs.Cylinder(0.01),),
+    friction=cs.Sliding(0.5),
+)
+
+
+def test_passes_over_the_shear_of_unlike_bodies_end_in_equilibrium() -> None:
+    """The gap in the contact is that of the pressure and of its own shear."""
+    posed = UNLIKE.problem(cs.Grid((96, 1), (4e-4, 1e-3)), cs.ExactPeriodicity())
+    found = cs.solve(posed, tolerance=1e-9)
+    assert found.status is cs.Status.CONVERGED
+    displacement = posed.operator(found.pressure) + 0.5 * posed.friction.coupling(found.pressure)
+    gap = posed.undeformed_gap + displacement
+    touching = found.pressure > 0
+    assert np.ptp(gap[touching]) <= 1e-8 * posed.scales.gap
+    assert gap[~touching].min() > gap[touching].mean()
+    assert "passes over the shear" in found.note
+
+
+def test_passes_that_do_not_converge_are_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(friction, "MAX_PASSES", 2)
+    posed = UNLIKE.problem(cs.Grid((96, 1), (4e-4, 1e-3)), cs.ExactPeriodicity())
+    found = cs.solve(posed, tolerance=1e-9)
+    assert found.status is cs.Status.STALLED
+    assert found.residual > 1e-9

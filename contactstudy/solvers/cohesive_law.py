@@ -1,0 +1,89 @@
+"""Cohesive laws: the attraction between two surfaces as a function of their gap."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from contactstudy.domain.fields import Array
+
+
+class CohesiveLaw(Protocol):
+    """Attraction between two surfaces as a function of their gap, which it falls with."""
+
+    @property
+    def range(self) -> float:
+        """Work of adhesion over the largest traction [m]."""
+        ...
+
+    @property
+    def strength(self) -> float:
+        """Largest traction [Pa], that of surfaces in contact."""
+        ...
+
+    def traction(self, gap: Array) -> Array:
+        """Return the traction [Pa] at a `gap` [m]."""
+        ...
+
+    def remaining_work(self, gap: Array) -> Array:
+        """Return the work [J/m^2] to separate surfaces from a `gap` [m]: the integral of the traction beyond it."""
+        ...
+
+
+@dataclass(frozen=True)
+class Exponential:
+    """Cohesive law ``sigma = w / rho exp(-g / rho)`` with the work of adhesion w [J/m^2] and the range rho [m].
+
+    Source: Xu & Needleman (1994), J. Mech. Phys. Solids 42, 1397.
+    """
+
+    work: float
+    range: float
+
+    @property
+    def strength(self) -> float:
+        """Largest traction [Pa], ``w / rho``."""
+        return self.work / self.range
+
+    def traction(self, gap: Array) -> Array:
+        """Return the traction [Pa] at a `gap` [m]."""
+        return self.strength * np.exp(np.maximum(gap, 0) / -self.range)
+
+    def remaining_work(self, gap: Array) -> Array:
+        """Return the work [J/m^2] to separate surfaces from a `gap` [m]."""
+        return self.work * np.exp(np.maximum(gap, 0) / -self.range)
+
+
+# Half the width of the fall of Dugdale's law, over its range: a sharp one would be trapped between two cells.
+RAMP = 0.1
+
+
+@dataclass(frozen=True)
+class Dugdale:
+    """Cohesive law of Dugdale: the traction ``w / rho`` up to the range rho [m], which falls to 0 over a fifth of it.
+
+    Source: Maugis (1992), J. Colloid Interface Sci. 150, 243, there with a sharp fall.
+    """
+
+    work: float
+    range: float
+
+    @property
+    def strength(self) -> float:
+        """Largest traction [Pa], ``w / rho``."""
+        return self.work / self.range
+
+    def traction(self, gap: Array) -> Array:
+        """Return the traction [Pa] at a `gap` [m]."""
+        share = np.clip(self._remaining(gap) / (2 * RAMP), 0, 1)
+        return np.asarray(self.strength * share)
+
+    def remaining_work(self, gap: Array) -> Array:
+        """Return the work [J/m^2] to separate surfaces from a `gap` [m]."""
+        remaining = np.maximum(self._remaining(np.maximum(gap, 0)), 0)
+        on_ramp = np.minimum(remaining, 2 * RAMP)
+        return self.work * (remaining - on_ramp + on_ramp**2 / (4 * RAMP))
+
+    def _remaining(self, gap: Array) -> Array:
+        """Return the distance to the gap without traction, over the range."""
+        return np.asarray(1 + RAMP - gap / self.range)

@@ -108,7 +108,7 @@ def test_small_creepages_act_by_kalkers_coefficients(
             cs.LineLoad(1.0), (body, body), (cs.Sphere(1.0),), friction=rolling(**creepage)
         )
         law = scene.problem(grid, free).friction
-        state = law.settled(grid, pressure, cs.SolveOptions(1e-6))
+        state = law.steady(grid, pressure, cs.SolveOptions(1e-6))
         force = state.shear[axis].sum() * grid.cell_area
         assert force / (modulus * 1e-14) == pytest.approx(expected, rel=1.5e-2)
 
@@ -133,7 +133,7 @@ def test_a_sphere_with_creepage_and_spin(
     friction = cs.TractiveRolling(MU, longitudinal=xi, lateral=eta, spin=phi)
     scene = cs.Scene(cs.LineLoad(1.0), (body, body), (cs.Sphere(1.0),), friction=friction)
     law = scene.problem(grid, (cs.ZeroPadding(), cs.ZeroPadding())).friction
-    state = law.settled(grid, pressure, cs.SolveOptions(1e-7))
+    state = law.steady(grid, pressure, cs.SolveOptions(1e-7))
     assert state.shear.sum(axis=(1, 2)) / (MU * pressure.sum()) == pytest.approx(force, abs=1e-5)
     size = np.hypot(*state.shear)
     assert (size < MU * pressure * (1 - 1e-6)).sum() / (pressure > 0).sum() == pytest.approx(

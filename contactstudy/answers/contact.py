@@ -13,7 +13,8 @@ from contactstudy.domain.checks import NotDefined
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.imports import needed_for
-from contactstudy.io.quantities import Quantities, contact_quantities, scene_of
+from contactstudy.io.contact_quantities import contact_quantities, scene_of
+from contactstudy.io.quantities import Quantities
 from contactstudy.problem.problem import Field, Sheared
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.solvers.solution import Solution

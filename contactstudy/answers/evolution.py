@@ -14,13 +14,12 @@ from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.imports import needed_for
-from contactstudy.io.quantities import (
-    Quantities,
+from contactstudy.io.evolution_quantities import (
     cycle_quantities,
     evolution_quantities,
-    own_length,
     passes_quantities,
 )
+from contactstudy.io.quantities import Quantities, own_length
 from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import PosedScene
 from contactstudy.solvers.solution import Status, worst
@@ -39,6 +38,7 @@ OF_PASSES = (
     "No bound by the cells: the error of repeated rolling falls in proportion to the cell, solve again on cells of half "
     "the width."
 )
+OF_STATES = "No bound: area, gap and approach of a contact that has crept, worn or yielded are not estimated."
 OF_FILMS = "No bound by the cells: that of a film that changes in time is not known."
 
 
@@ -124,6 +124,7 @@ class Evolution(Answer):
             own_length(self.posed.scene),
             (self.grid.cell_area, self.grid.period),
             strained,
+            self.error.l1,
         )
         if self.trajectory is not None and self.posed.scene.adhesion is not None:
             from contactstudy.evolution.adhesive_history import cycle, separation
@@ -211,7 +212,7 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
     reason = next(iter(frame.warnings), "")
     if frame.step_error == inf:
         reason = reason or "No bound: the error by the steps in time was not estimated."
-    l1 = replace(steps, reason=reason)
+    l1, unknown = replace(steps, reason=reason), ErrorParts(discretisation=inf, reason=OF_STATES)
     return Contact(
         problem=problem,
         pressure=frame.pressure,
@@ -223,7 +224,7 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
         convolutions=frame.convolutions,
         residual=frame.residual,
         traction=trajectory.traction(frame),
-        estimate=ErrorEstimate(l1, peak_pressure=l1, warnings=frame.warnings),
+        estimate=ErrorEstimate(l1, l1, unknown, unknown, unknown, warnings=frame.warnings),
         time=frame.time,
         state=frame.fields,
     )

@@ -6,6 +6,7 @@ from math import pi, sqrt
 from contactstudy.domain.grid import Grid
 from contactstudy.planning.cost import CostModel
 from contactstudy.planning.grid_requirements import Needs, halvable
+from contactstudy.planning.grid_search import JUDGED
 from contactstudy.scene.adhesion import CHOSEN
 from contactstudy.scene.load import ChangingLoad
 from contactstudy.scene.scene import Scene
@@ -69,7 +70,7 @@ def adhesive_needs(
     if isinstance(load, ChangingLoad):
         solves = 41
     pairs = max(LEAST, PAIRS * tabor**2)
-    seconds = solves * CostModel().seconds(grid, needs.padding(), pairs)
+    seconds = JUDGED * solves * CostModel().seconds(grid, needs.padding(), pairs)
     reason = (
         f"adhesion: {cells:.3g} cells in the cohesive zone at a Tabor parameter of {tabor:.3g}, and room for the "
         f"attraction beside the contact; of the order of {pairs:.2g} transform pairs a solve, {solves} solves."

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.io.quantities import as_json, as_text, evolution_quantities, readable
+from contactstudy.io.evolution_quantities import evolution_quantities
+from contactstudy.io.quantities import as_json, as_text, readable
 from contactstudy.problem.problem import Field
 from tests.conftest import STEEL, LineContact
 
@@ -183,7 +184,25 @@ def test_the_residual_stress_at_the_end_is_the_extreme_across_or_along() -> None
     stress[0, 2, 0, 0] = 9e8  # in depth
     dimensions = ("time", "component", "z_1", "x", "y")
     strained = {"residual_stress_1": Field(dimensions, stress, "Pa", "")}
-    numbers = evolution_quantities([{}], [1.0], None, None, (1.0, 1.0), strained)
+    numbers = evolution_quantities([{}], [1.0], None, None, (1.0, 1.0), strained, cs.ErrorParts())
     assert numbers["highest_residual_stress_1"].value == 3e8
     assert numbers["lowest_residual_stress_1"].value == -4e8
     assert "of solids[1]" in numbers["lowest_residual_stress_1"].label
+
+
+@pytest.mark.parametrize("share", [0.1, 0.5, 0.9])
+def test_the_bound_of_the_part_that_sticks_holds_cattaneo_s(share: float) -> None:
+    """c / a = (1 - Q / (mu P))^(1/2), Cattaneo (1938)."""
+    steel = cs.HalfSpace(2e11, 0.3)
+    slip = cs.PartialSlip(coefficient=0.3, tangential=share * 0.3 * 1e5)
+    scene = cs.Scene(cs.LineLoad(1e5), (steel, steel), (cs.Cylinder(0.01),), friction=slip)
+    stick = cs.solve(scene, error=2e-2).quantities["stick_fraction"]
+    assert abs(stick.value - (1 - share) ** 0.5) <= stick.bound < 0.5
+
+
+def test_the_worn_volume_is_archard_s_within_its_bound() -> None:
+    steel = cs.HalfSpace(2e11, 0.3)
+    wear = cs.Wear(coefficient=1e-15, speed=0.1)
+    scene = cs.Scene(cs.LineLoad(1e5), (steel, steel), (cs.Cylinder(0.01),), wear=wear)
+    worn = cs.solve(scene, error=5e-2, times=(0.0, 50.0)).quantities["worn_volume"]
+    assert abs(worn.value - 1e-15 * 1e5 * 0.1 * 50) <= worn.bound < 0.1 * worn.value

@@ -1,0 +1,276 @@
+"""Numbers of a dry contact, those of the effects that its scene names first."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from math import inf, isfinite
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contactstudy.domain.errors import ErrorEstimate, ErrorParts
+from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Grid
+from contactstudy.io.quantities import Quantity, bounded, own_length, per_length, readable
+from contactstudy.problem.problem import Field
+from contactstudy.scene.scene import PosedScene, Scene
+from contactstudy.solvers.fretting_traction import FrettingTraction
+from contactstudy.solvers.rolling_traction import RollingTraction
+from contactstudy.solvers.solution import CohesiveTraction, Solution, Traction
+
+if TYPE_CHECKING:
+    from contactstudy.evolution.rolling import SteadyRolling
+
+
+def scene_of(solution: Solution) -> Scene | None:
+    """Return the scene that a solution belongs to; None for a problem that was not made of one."""
+    posed = solution.problem.description
+    return posed.scene if isinstance(posed, PosedScene) else None
+
+
+def contact_quantities(
+    solution: Solution,
+    estimate: ErrorEstimate,
+    derived: Mapping[str, Field],
+    rolling: "SteadyRolling | None" = None,
+) -> dict[str, Quantity]:
+    """Return the numbers of a dry contact, those of the effects that its scene names first; none without a pressure.
+
+    Areas and volumes are per length where the scene has no length of its own.
+
+    Parameters
+    ----------
+    solution
+        The contact.
+    estimate
+        Estimate of its errors.
+    derived
+        Fields of the outputs that the scene names, such as the von Mises stress.
+    rolling
+        The steadily rolling contact that it belongs to, or None.
+    """
+    pressure, gap, grid = solution.pressure, solution.gap, solution.problem.grid
+    if not np.isfinite(pressure).all():
+        return {}
+    scene, touching, why = scene_of(solution), pressure > 0, estimate.warnings
+    length = own_length(scene)
+    area = float(np.count_nonzero(touching) * grid.cell_area)
+    total = float(pressure.sum() * grid.cell_area)
+    peak, peak_place = _largest(pressure, {"x": grid.x, "y": grid.y})
+    half_width = _half_width(touching, grid.cell[0])
+    solved = ErrorParts(residual=solution.residual)
+    wide = "" if _wraps(solution) else f", over the grid's width of {readable(grid.extent[0], 'm')}"
+    label = f"peak pressure{_mirrored(pressure, grid.y, peak_place)}"
+    numbers = {
+        "peak_pressure": bounded(
+            Quantity(peak, "Pa", label, place=peak_place), estimate.peak_pressure, why
+        )
+    }
+    places = {"x": grid.x, "y": grid.y}
+    numbers |= _of_stress(scene, derived, places, estimate)
+    if rolling is not None:
+        numbers |= _of_rolling(rolling, estimate)
+    if solution.traction is not None:
+        numbers |= _of_traction(solution, solution.traction, estimate)
+        if isinstance(solution.traction, RollingTraction):
+            numbers |= _of_creepage(solution.traction, float(pressure.sum()), grid, length)
+        if isinstance(solution.traction, FrettingTraction):
+            numbers |= _of_cycle(solution.traction, grid, length)
+    if solution.adhesion is not None:
+        numbers |= _of_adhesion(solution, solution.adhesion, estimate)
+    numbers |= {
+        "contact_area": bounded(
+            per_length(area, "m2", "contact area", length, grid.period), estimate.contact_area, why
+        ),
+        "half_width": Quantity(half_width, "m", "half-width, outermost", grid.cell[0], ""),
+        "mean_pressure": bounded(
+            Quantity(total / area if area else 0.0, "Pa", "mean pressure in contact"),
+            estimate.contact_area,
+            why,
+        ),
+        "mean_gap": bounded(
+            Quantity(solution.mean_gap, "m", f"mean gap{wide}"), estimate.mean_gap, why
+        ),
+        "approach": _approach(solution, estimate),
+    }
+    if scene is not None and scene.hardness < inf:
+        depth = max(-float(gap.min()), 0.0)
+        numbers["yielded_depth"] = Quantity(depth, "m", "largest depth of yielding")
+    carried, of_load = solution.load_per_length * grid.period, estimate.load or solved
+    numbers["load_per_length"] = bounded(
+        Quantity(carried / (length or grid.period), "N m-1", "load per length"), of_load
+    )
+    if length is not None:
+        numbers["total_load"] = bounded(Quantity(carried, "N", "load"), of_load)
+    return numbers
+
+
+def _approach(solution: Solution, estimate: ErrorEstimate) -> Quantity:
+    """Return the approach, which is exact where it is given."""
+    if solution.problem.resultant.approach is not None:
+        return Quantity(solution.approach, "m", "approach", 0.0, "")
+    return bounded(
+        Quantity(solution.approach, "m", "approach"), estimate.approach, estimate.warnings
+    )
+
+
+def _of_adhesion(
+    solution: Solution, adhesion: CohesiveTraction, estimate: ErrorEstimate
+) -> dict[str, Quantity]:
+    """Return attraction, energy and load of separation, and what says which state this is and how fine its grid."""
+    grid = solution.problem.grid
+    attraction = float(adhesion.traction.sum() * grid.cell_area / grid.period)
+    touching = bool(solution.pressure.any())
+    numbers = {
+        "attraction": bounded(
+            Quantity(attraction, "N m-1", "attraction per length"), estimate.l1, estimate.warnings
+        ),
+        "energy": Quantity(adhesion.energy / grid.period, "J m-1", "energy per length"),
+        "attraction_range": Quantity(adhesion.range, "m", "range of the attraction", 0.0, ""),
+        "cells_in_zone": Quantity(adhesion.cells_in_zone, "1", "cells in the cohesive zone", 0.0, ""),
+        "detached": Quantity(float(not touching), "1", "1 if the bodies do not touch", 0.0, ""),
+    }  # fmt: skip
+    if adhesion.tabor is not None:
+        numbers["tabor_parameter"] = Quantity(adhesion.tabor, "1", "Tabor's parameter", 0.0, "")
+    if adhesion.lost is not None:
+        held = Quantity(-solution.load_per_length, "N m-1", "largest pull that is held")
+        numbers = {"pull_off": bounded(held, estimate.pull_off, estimate.warnings)} | numbers
+    return numbers
+
+
+def _of_traction(
+    solution: Solution, traction: Traction, estimate: ErrorEstimate
+) -> dict[str, Quantity]:
+    """Return the tangential force over the load, and the part of the contact that sticks."""
+    pressure = solution.pressure
+    load, touching = float(pressure.sum()), int(np.count_nonzero(pressure))
+    force = float(np.hypot(*traction.shear.sum(axis=(1, 2))))
+    coefficient = Quantity(force / load if load else 0.0, "1", "tangential force over load")
+    if isinstance(traction, RollingTraction) and isfinite(traction.force_error):
+        coefficient = replace(coefficient, bound=traction.force_error, reason="")
+    stick = Quantity(
+        float(np.count_nonzero(traction.stick) / touching) if touching else 0.0,
+        "1",
+        "fraction of the contact that sticks",
+    )
+    area = estimate.contact_area
+    if area is not None and isfinite(area.total) and touching:
+        bound = _beside_slip(solution, traction) / touching + area.total * stick.value
+        stick = replace(stick, bound=bound, reason="")
+    return {"traction_coefficient": coefficient, "stick_fraction": stick}
+
+
+def _beside_slip(solution: Solution, traction: Traction) -> int:
+    """Return the number of touching cells beside one of the other kind, stick or slip: the border is as well known."""
+    touching, stick = solution.pressure > 0, np.asarray(traction.stick, bool)
+    paddings = solution.problem.paddings
+    beside = np.zeros_like(touching)
+    for axis in (0, 1):
+        for step in (1, -1):
+            other = np.roll(touching, step, axis) & (np.roll(stick, step, axis) != stick)
+            if paddings is None or not paddings[axis].wraps:
+                other[(slice(None),) * axis + (0 if step == 1 else -1,)] = False
+            beside |= touching & other
+    return int(np.count_nonzero(beside))
+
+
+def _of_cycle(traction: FrettingTraction, grid: Grid, length: float | None) -> dict[str, Quantity]:
+    """Return the energy that the last cycle of a fretting contact lost, its largest slip, and the largest shear."""
+    energy = float(traction.energy.sum() * grid.cell_area)
+    return {
+        "energy_per_cycle": per_length(energy, "J", "energy lost per cycle", length, grid.period),
+        "largest_slip": Quantity(
+            float(traction.slip_distance.max()), "m", "largest distance slipped in a cycle"
+        ),
+        "largest_shear": Quantity(traction.largest_shear, "Pa", "largest shear of all steps"),
+    }
+
+
+def _of_creepage(
+    traction: RollingTraction, load: float, grid: Grid, length: float | None
+) -> dict[str, Quantity]:
+    """Return what tractive rolling adds to the numbers of a traction: creepage, and power with its bound."""
+    total = float(traction.power.sum() * grid.cell_area)
+    power = per_length(total, "W", "frictional power", length, grid.period)
+    # power is that of the force: its error, and the part that falls outside the contact
+    shear = float(np.abs(traction.shear).sum())
+    error = traction.force_error * load / shear if shear else 0.0
+    creepage = Quantity(traction.creepage.longitudinal, "1", "longitudinal creepage")
+    given = ErrorParts(discretisation=0.0) if traction.creepage_given else None
+    return {
+        "creepage": bounded(creepage, given),
+        "frictional_power": bounded(power, ErrorParts(discretisation=traction.outside + error)),
+    }
+
+
+def _of_rolling(rolling: "SteadyRolling", estimate: ErrorEstimate) -> dict[str, Quantity]:
+    """Return the rolling resistance over the load, and the distance of the pressure's centroid from the axis."""
+    resistance = Quantity(rolling.resistance, "1", "rolling resistance over load")
+    return {
+        "rolling_resistance": bounded(resistance, estimate.rolling_resistance, estimate.warnings),
+        "pressure_shift": Quantity(rolling.shift, "m", "pressure ahead of the axis"),
+    }
+
+
+def _of_stress(
+    scene: Scene | None,
+    derived: Mapping[str, Field],
+    places: Mapping[str, Array],
+    estimate: ErrorEstimate,
+) -> dict[str, Quantity]:
+    """Return the largest von Mises stress below the surface with its depth, and the margin to yield where known."""
+    if scene is None or "von_mises" not in derived:
+        return {}
+    stress = derived["von_mises"]
+    axes = {
+        **places,
+        **{axis: derived[axis].values for axis in stress.dimensions if axis in derived},
+    }
+    largest, place = _largest(stress.values, axes, stress.dimensions)
+    why = estimate.warnings
+    value = Quantity(largest, "Pa", "largest von Mises stress", place=place)
+    numbers = {"largest_von_mises": bounded(value, estimate.largest_von_mises, why)}
+    if "z" in place:
+        depth = Quantity(place["z"], "m", "depth of the largest von Mises stress")
+        numbers["largest_von_mises_depth"] = bounded(depth, estimate.largest_von_mises_depth, why)
+    solids = (scene.solids[out.solid] for out in scene.outputs if hasattr(out, "solid"))
+    strength = min((float(getattr(body, "yield_strength", inf)) for body in solids), default=inf)
+    if strength < inf and largest:
+        margin = Quantity(strength / largest, "1", "yield strength over von Mises stress")
+        numbers["safety_factor"] = margin
+    return numbers
+
+
+def _wraps(solution: Solution) -> bool:
+    """Return whether the surface repeats across, so that its width is its own."""
+    paddings = solution.problem.paddings
+    return paddings is not None and paddings[0].wraps
+
+
+def _half_width(touching: np.ndarray, dx: float) -> float:
+    """Return half the distance between the outer edges of the outermost cells in contact [m]."""
+    rows = np.flatnonzero(touching.any(axis=1))
+    return float((rows[-1] - rows[0] + 1) * dx / 2) if len(rows) else 0.0
+
+
+def _largest(
+    values: Array, axes: Mapping[str, Array], dimensions: Sequence[str] = ("x", "y")
+) -> tuple[float, dict[str, float]]:
+    """Return the largest value and where it is, of equal ones the one nearest to the middle; one cell has no place."""
+    largest = values.max()
+    places = np.argwhere(values >= largest * (1 - 1e-9) if largest > 0 else values == largest)
+    middle = np.array([(size - 1) / 2 for size in values.shape])
+    index = places[np.abs(places - middle).sum(axis=1).argmin()]
+    place = {
+        name: float(axes[name][at])
+        for name, at in zip(dimensions, index, strict=True)
+        if name in axes and len(axes[name]) > 1
+    }
+    return float(largest), place
+
+
+def _mirrored(values: Array, y: Array, place: Mapping[str, float]) -> str:
+    """Return the mirrored place along the length where a largest value stands again, within a thousandth, as text."""
+    if abs(at := place.get("y", 0.0)) < 0.1 * float(np.ptp(y)):
+        return ""
+    mirrored = values[:, int(np.abs(y + at).argmin())].max()
+    return f", as high at y = {readable(-at, 'm', 3)}" if mirrored > 0.999 * values.max() else ""

@@ -1,0 +1,129 @@
+"""Numbers of a contact in time, and of one that rolls again and again."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from math import inf
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contactstudy.domain.errors import ErrorParts
+from contactstudy.io.quantities import Quantity, bounded, per_length
+from contactstudy.problem.problem import Field
+
+if TYPE_CHECKING:
+    from contactstudy.evolution.evolution import Frame
+    from contactstudy.evolution.repeated_rolling import RepeatedRolling
+
+OF_STRAIN = "No bound: the error of plastic strain is not estimated; solve again on cells of half the width."
+
+
+def evolution_quantities(
+    frames: Sequence[Mapping[str, Quantity]],
+    times: Sequence[float],
+    last: "Frame | None",
+    length: float | None,
+    cell: tuple[float, float],
+    strained: Mapping[str, Field],
+    error: ErrorParts,
+) -> dict[str, Quantity]:
+    """Return the extreme numbers over time with their instants, the numbers at the end, and what is left behind.
+
+    Parameters
+    ----------
+    frames
+        Quantities of each recorded instant.
+    times
+        The instants [s].
+    last
+        The last frame of a dry contact, whose fields hold wear and dent; None for a film.
+    length
+        Length of the roller [m]; None where the contact goes on for ever.
+    cell
+        Cell area [m^2] and period [m] of the grid.
+    strained
+        Residual stress (time, component, z, x, y) [Pa] of the bodies that yielded, at the last instant.
+    error
+        Relative L1 error of the pressure at the worst instant.
+    """
+    numbers: dict[str, Quantity] = {}
+    extremes: tuple[tuple[str, Callable[[list[float]], float], str], ...] = (
+        ("peak_pressure", max, "largest peak pressure in time"),
+        ("central_film", min, "smallest central film in time"),
+        ("minimum_film", min, "smallest film in time"),
+        ("friction_coefficient", max, "largest friction force over load in time"),
+    )
+    for name, extreme, words in extremes:
+        if name in frames[0]:
+            values = [frame[name].value for frame in frames]
+            number = values.index(extreme(values))
+            place = {"time": float(times[number])}
+            numbers[name] = replace(frames[number][name], label=words, place=place)
+    kept = "peak_pressure", "contact_area", "approach", "central_film", "minimum_film"
+    for name in (*kept, "friction_coefficient"):
+        if name in frames[-1]:
+            final = frames[-1][name]
+            numbers[f"final_{name}"] = replace(final, label=f"{final.label} at the end", place=None)
+    fields = {} if last is None else last.fields
+    if "worn_depth" in fields:
+        worn, (area, period) = fields["worn_depth"].values, cell
+        volume = float(worn.sum() * area)
+        # what is worn is proportional to the load, which is exact, and to the pressure before
+        numbers["worn_volume"] = bounded(
+            per_length(volume, "m3", "worn volume", length, period),
+            replace(error, truncation=None, discretisation=None),
+        )
+        deepest = Quantity(float(worn.max()), "m", "largest worn depth")
+        numbers["largest_worn_depth"] = bounded(deepest, error)
+    if "residual_displacement" in fields:
+        dent = float(np.abs(fields["residual_displacement"].values).max())
+        numbers["dent_depth"] = Quantity(dent, "m", "depth of the dent at the end", inf, OF_STRAIN)
+    for name, stress in strained.items():
+        if name.startswith("residual_stress"):
+            of = f" of solids[{name[-1]}]" if name[-1].isdigit() else ""
+            for end, extreme in (("highest", np.max), ("lowest", np.min)):
+                label = f"{end} residual stress{of}, across or along"
+                across_and_along = float(extreme(stress.values[-1, :2]))
+                numbers[f"{end}_{name}"] = Quantity(across_and_along, "Pa", label, inf, OF_STRAIN)
+    return numbers
+
+
+def cycle_quantities(
+    lost_work: tuple[float, float], separation: tuple[float, float] | None
+) -> dict[str, Quantity]:
+    """Return what a history of an adhesive contact says: the pull-off load where contact is lost, and the work lost.
+
+    Parameters
+    ----------
+    lost_work
+        Work lost [J/m], and its error by the instants.
+    separation
+        Last load held and first load lost [N/m]; None where contact is not lost.
+    """
+    work, error = lost_work
+    numbers = {"work_lost": Quantity(work, "J m-1", "work lost per length", error, "")}
+    if separation is not None:
+        held, lost = separation
+        pull = Quantity(-held, "N m-1", "largest pull that is held", abs(held - lost), "")
+        numbers = {"pull_off": pull} | numbers
+    return numbers
+
+
+def passes_quantities(rolled: "RepeatedRolling") -> dict[str, Quantity]:
+    """Return what the last pass of a repeatedly rolling contact leaves behind."""
+    stress = rolled.residual_stress[-1, 0]
+    lowest = int(stress.argmin())
+    depth = {"z": float(rolled.depths[lowest])}
+    moved = float(rolled.forward_displacement[-1])
+    return {
+        "lowest_residual_stress": Quantity(
+            float(stress[lowest]), "Pa", "lowest residual stress along the travel", place=depth
+        ),
+        "equivalent_plastic_strain": Quantity(
+            float(rolled.equivalent_plastic_strain[-1].max()), "1", "largest equivalent plastic strain"
+        ),
+        "last_yielding": Quantity(
+            float(rolled.yielding[-1]), "1", "largest plastic strain that the last pass adds"
+        ),
+        "forward_displacement": Quantity(moved, "m", "surface moved against the travel by the last pass"),
+    }  # fmt: skip

@@ -1,0 +1,84 @@
+"""Numbers of a lubricated contact."""
+
+from math import inf, pi
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contactstudy.analytic import dowson_higginson_film, film_asymptotes
+from contactstudy.domain.errors import ErrorEstimate, ErrorParts
+from contactstudy.io.quantities import FORMULA, Quantity, bounded, readable
+from contactstudy.scene.shapes.shape import Detail
+
+if TYPE_CHECKING:
+    from contactstudy.lubrication.lubricated_contact import FilmSolution
+
+OF_FLOW = "No bound: the loss by the flow that pressure drives in the inlet is not estimated."
+
+
+def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[str, Quantity]:
+    """Return the numbers of a lubricated contact with the `estimate` of its errors."""
+    scales, why = contact.scales, estimate.warnings
+    numbers = {
+        "central_film": Quantity(contact.central_film, "m", "central film"),
+        "minimum_film": Quantity(contact.minimum_film, "m", "smallest film"),
+        "peak_pressure": Quantity(contact.peak_pressure, "Pa", "peak pressure"),
+        "friction_coefficient": Quantity(contact.friction, "1", "friction force over load"),
+        "power_loss": Quantity(contact.power_loss, "W m-1", "power lost in the film per length", inf, OF_FLOW),
+        "sliding_loss": Quantity(
+            contact.sliding_loss, "W m-1", "of it by sliding, the rest by the flow in the inlet"
+        ),
+        "load_per_length": bounded(
+            Quantity(contact.load_per_length, "N m-1", "load per length"),
+            ErrorParts(residual=contact.residual),
+        ),
+        "load_parameter": Quantity(scales.load_parameter, "1", "Moes' M", 0.0, ""),
+        "viscosity_parameter": Quantity(scales.viscosity_parameter, "1", "Moes' L", 0.0, ""),
+        "moes_film": Quantity(
+            scales.expected_film * scales.film, "m", "central film by Moes", reason=FORMULA
+        ),
+        **_of_formulas(contact),
+        "flux_spread": Quantity(contact.flux_spread, "1", "flow that the cells do not conserve, relative"),
+    }  # fmt: skip
+    if scales.lubrication.supply is not None:
+        numbers["meniscus"] = Quantity(
+            contact.meniscus, "m", "place where lubricant fills the film"
+        )
+    if contact.contact_pressure is not None:
+        numbers["contact_load_fraction"] = Quantity(
+            contact.contact_load_fraction, "1", "fraction of the load on asperities"
+        )
+        numbers["contact_area_fraction"] = Quantity(
+            contact.contact_area_fraction, "1", "area of touching asperities over Hertz's"
+        )
+    errors = dict(estimate)
+    if (
+        "friction_coefficient" in errors
+    ):  # the loss by sliding is that of the friction, at a known speed
+        errors["sliding_loss"] = errors["friction_coefficient"]
+    return {name: bounded(one, errors.get(name), why) for name, one in numbers.items()}
+
+
+def _of_formulas(contact: "FilmSolution") -> dict[str, Quantity]:
+    """Return the smallest film by Dowson and Higginson, the asymptotes of Moes' film, and the lambda ratio if rough."""
+    scales = contact.scales
+    load, viscosity = scales.load_parameter, scales.viscosity_parameter
+    unit = pi / (8 * load) * scales.film
+    label = "smallest film by Dowson and Higginson"
+    film = dowson_higginson_film(load, viscosity) * unit
+    numbers = {"dowson_higginson_film": Quantity(film, "m", label, reason=FORMULA)}
+    for regime, asymptote in film_asymptotes(load, viscosity).items():
+        name = f"{regime.replace(', ', '_')}_film"
+        numbers[name] = Quantity(asymptote * unit, "m", f"asymptote {regime}", reason=FORMULA)
+    rough = [shape for shape in contact.scene.shapes if _rough(shape)]
+    heights = sum((shape.gap(contact.grid) for shape in rough), start=np.zeros((1, 1)))
+    if rough and (rms := float(np.std(heights))):
+        label = f"lambda ratio, film by Moes over the rms height of {readable(rms, 'm', 3)}"
+        ratio = scales.expected_film * scales.film / rms
+        numbers["lambda_ratio"] = Quantity(ratio, "1", label, reason=FORMULA)
+    return numbers
+
+
+def _rough(shape: object) -> bool:
+    """Return whether a shape is roughness, a texture or a measurement, with heights of its own on either body."""
+    return not getattr(shape, "curvature", 1.0) and getattr(shape, "detail", Detail()).height > 0

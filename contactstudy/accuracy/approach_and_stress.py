@@ -6,6 +6,7 @@ from math import inf
 import numpy as np
 
 from contactstudy.accuracy.estimate import GAP
+from contactstudy.accuracy.sought_load import MARGIN
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.solvers.solution import Solution
@@ -42,6 +43,8 @@ def approach_error(
     if images or not size:
         return ErrorParts(inf if images else 0.0, inf, 0.0, reason=NO_DATUM if images else "")
     change = 0.0 if coarse is None else abs(solution.approach - coarse.approach)
+    if solution.adhesion is not None:
+        change *= MARGIN
     varies = float(solution.displacement.std())
     cells, residual = estimate.l1.discretisation or 0.0, estimate.l1.residual or 0.0
     moved = max(change, GAP * cells * varies)

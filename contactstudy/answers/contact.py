@@ -74,7 +74,8 @@ class Contact(Answer, Solution):
                 return self.rolling.error_estimate()
             if not self._is_at_rest:
                 return self.estimate or error_estimate(self)
-            coarse = coarse_solution(self.problem, self.pressure)
+            attraction = None if self.adhesion is None else self.adhesion.traction
+            coarse = coarse_solution(self.problem, self.pressure, attraction)
             return self._with_derived(self.estimate or error_estimate(self, coarse=coarse), coarse)
         except NotDefined as reason:
             unknown = ErrorParts(discretisation=inf, reason=f"No bound: {reason}")
@@ -82,8 +83,11 @@ class Contact(Answer, Solution):
 
     @property
     def _is_at_rest(self) -> bool:
-        """True for a pressure at rest and without adhesion, whose approach and stress have an error."""
-        moves = self.time is not None or self.adhesion is not None
+        """True for a pressure that does not depend on earlier ones, whose approach and stress have an error.
+
+        In a history with adhesion each state is one at rest.
+        """
+        moves = self.time is not None and self.adhesion is None
         return not (moves or self.status.is_failure) and bool(self.pressure.any())
 
     def _with_derived(self, estimate: ErrorEstimate, coarse: Solution | None) -> ErrorEstimate:

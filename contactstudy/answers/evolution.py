@@ -127,10 +127,12 @@ class Evolution(Answer):
             self.error.l1,
         )
         if self.trajectory is not None and self.posed.scene.adhesion is not None:
-            from contactstudy.evolution.adhesive_history import cycle, separation
+            from contactstudy.evolution.adhesive_history import jump_in, separation, work_lost
 
             frames = self.trajectory.frames
-            numbers = cycle_quantities(cycle(frames), separation(frames)) | numbers
+            errors = [frame.quantities["approach"].bound for frame in self.frames]
+            lost = work_lost(frames, errors)
+            numbers = cycle_quantities(lost, separation(frames), jump_in(frames)) | numbers
         return numbers
 
     @property

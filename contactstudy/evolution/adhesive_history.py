@@ -4,7 +4,7 @@ Between two turning points of the load the states follow one from the other howe
 a pass makes grows with the one that it begins with. Recorded instants therefore add no error to each other.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from math import inf
@@ -136,35 +136,28 @@ def _frame(time: float, load: float, solution: Solution) -> Frame:
     )
 
 
-def cycle(frames: tuple[Frame, ...]) -> tuple[float, float]:
-    """Return the work lost in a history [J/m], and its change where every other instant is left out.
+def work_lost(
+    frames: tuple[Frame, ...], approach_errors: Sequence[float]
+) -> tuple[float, float, str]:
+    """Return the work lost in a history [J/m], the bound of its error, and why that is infinite where it is.
 
-    It is the integral of the load over the approach; bodies that do not touch bear no load.
+    It is the integral of the load over the approach. Between two instants the load and the approach go one way, also
+    where contact jumps in, so that the trapezoid is wrong by half the product of their changes at most. Errors of the
+    approaches [m] count with the changes of the load around them.
     """
-
-    def integral(states: tuple[Frame, ...]) -> float:
-        pairs = pairwise(states)
-        apart = Status.DETACHED
-        return sum(
-            (a.load + b.load) / 2 * (b.approach - a.approach)
-            for a, b in pairs
-            if a.status is not apart and b.status is not apart
-        )
-
-    every = integral(frames)
-    turning = tuple(
-        frame
-        for number, frame in enumerate(frames)
-        if number % 2 == 0 or number == len(frames) - 1 or _turns(frames, number)
-    )
-    return every, abs(every - integral(turning))
-
-
-def _turns(frames: tuple[Frame, ...], number: int) -> bool:
-    """Return whether the load turns, or contact is lost, at an instant within the history."""
-    before, at, after = frames[number - 1 : number + 2]
-    lost = Status.DETACHED in (before.status, after.status)
-    return lost or (at.load - before.load) * (after.load - at.load) <= 0
+    work = error = 0.0
+    for number, (a, b) in enumerate(pairwise(frames)):
+        if Status.DETACHED in (a.status, b.status):
+            continue
+        work += (a.load + b.load) / 2 * (b.approach - a.approach)
+        error += abs((b.load - a.load) * (b.approach - a.approach)) / 2
+        both = approach_errors[number] + approach_errors[number + 1]
+        error += abs(b.load - a.load) / 2 * both
+    ends = [frame.load * e for frame, e in zip(frames, approach_errors, strict=True)]
+    touching = [end for end, f in zip(ends, frames, strict=True) if f.status is not Status.DETACHED]
+    if len(touching) < len(frames):
+        return work, inf, "No bound: contact is made or lost between two instants."
+    return work, error + abs(touching[0]) + abs(touching[-1]), ""
 
 
 def separation(frames: tuple[Frame, ...]) -> tuple[float, float] | None:
@@ -172,4 +165,12 @@ def separation(frames: tuple[Frame, ...]) -> tuple[float, float] | None:
     for before, after in pairwise(frames):
         if after.status is Status.DETACHED and before.status is not Status.DETACHED:
             return before.load, after.load
+    return None
+
+
+def jump_in(frames: tuple[Frame, ...]) -> tuple[float, float] | None:
+    """Return the first load [N/m] that made contact and the last one before; None where contact is not made."""
+    for before, after in pairwise(frames):
+        if before.status is Status.DETACHED and after.status is not Status.DETACHED:
+            return after.load, before.load
     return None

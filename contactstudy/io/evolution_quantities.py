@@ -89,23 +89,31 @@ def evolution_quantities(
 
 
 def cycle_quantities(
-    lost_work: tuple[float, float], separation: tuple[float, float] | None
+    lost_work: tuple[float, float, str],
+    separation: tuple[float, float] | None,
+    jump_in: tuple[float, float] | None,
 ) -> dict[str, Quantity]:
-    """Return what a history of an adhesive contact says: the pull-off load where contact is lost, and the work lost.
+    """Return what a history of an adhesive contact says: where contact is lost and made, and the work lost.
 
     Parameters
     ----------
     lost_work
-        Work lost [J/m], and its error by the instants.
+        Work lost [J/m], the bound of its error, and why that is infinite.
     separation
         Last load held and first load lost [N/m]; None where contact is not lost.
+    jump_in
+        First load in contact and last load before [N/m]; None where contact is not made.
     """
-    work, error = lost_work
-    numbers = {"work_lost": Quantity(work, "J m-1", "work lost per length", error, "")}
+    work, error, reason = lost_work
+    numbers = {"work_lost": Quantity(work, "J m-1", "work lost per length", error, reason)}
     if separation is not None:
         held, lost = separation
         pull = Quantity(-held, "N m-1", "largest pull that is held", abs(held - lost), "")
         numbers = {"pull_off": pull} | numbers
+    if jump_in is not None:
+        made, apart = jump_in
+        label = "load at which contact jumps in"
+        numbers["jump_in"] = Quantity(made, "N m-1", label, abs(made - apart), "")
     return numbers
 
 

@@ -125,7 +125,7 @@ def test_a_scene_with_adhesion_is_read_back_from_its_file(load: object, tmp_path
 
 def test_units_of_a_file_are_converted(tmp_path: Path) -> None:
     cs.write_scene(replace(SCENE, load=cs.LineLoad(1.0)), tmp_path / "scene.toml")
-    text = (tmp_path / "scene.toml").read_text()
+    text = (tmp_path / "scene.toml").read_text(encoding="utf-8")
     text = text.replace(f"work = {pi}", 'work = "50 mJ/m^2"').replace(
         "range = 2.0", 'range = "20 nm"'
     )
@@ -170,3 +170,41 @@ def test_a_coating_adheres_and_no_work_leaves_the_coated_contact() -> None:
     assert isinstance(faint, cs.Contact)
     assert isinstance(bare, cs.Contact)
     np.testing.assert_array_equal(faint.pressure, bare.pressure)
+
+
+def test_the_work_lost_is_bounded_by_the_instants_while_contact_lasts(loop: cs.Evolution) -> None:
+    """Up and down in few instants, beside many."""
+    few, many = (
+        cs.solve(SCENE, GRID, LINE, times=times).quantities["work_lost"]
+        for times in ((0.0, 1.0, 2.0), np.linspace(0, 2, 17))
+    )
+    assert 0 < abs(few.value - many.value) <= few.bound < np.inf
+    assert many.bound < few.bound
+    lost = loop.quantities["work_lost"]
+    assert lost.bound == np.inf
+    assert "lost between two instants" in lost.reason
+
+
+def test_contact_that_is_made_again_has_a_load_at_which_it_jumps_in() -> None:
+    history = cs.LoadHistory((0.0, 1.0, 2.0, 3.0), (1.0, 1.0, -8.0, 1.0))
+    again = cs.solve(replace(SCENE, load=history), GRID, LINE, times=(0.0, 2.0, 2.5, 3.0))
+    assert isinstance(again, cs.Evolution)
+    made = again.quantities["jump_in"]
+    assert made.value == pytest.approx(1.0)
+    assert made.bound == pytest.approx(1.0 - history.at(2.5))
+
+
+def test_a_history_from_a_file_says_the_errors_of_its_approach_and_of_the_work(
+    tmp_path: Path,
+) -> None:
+    text = Path("examples/gripper.toml").read_text(encoding="utf-8")
+    history = 'kind = "LoadHistory"\ntimes = [0, 1]\nper_length = ["1 N/m", "3 N/m"]'
+    text = text.replace('kind = "PullOff"\npreload = "5 N/m"', history)
+    text = text.replace('["1.2 mm", "1.2 mm"]', '["2.4 mm", "1.2 mm"]').replace(
+        "[64, 64]", "[48, 16]"
+    )
+    file = tmp_path / "history.toml"
+    file.write_text(text + "\n[evolve]\ninstants = 2\n")
+    found = cs.read_scene(file).solve().quantities
+    for name in ("work_lost", "final_approach"):
+        assert 0 < found[name].bound < inf
